@@ -1,0 +1,15 @@
+//! Expressions: scalar nodes in a hash-consed graph.
+//!
+//! ```text
+//! language values (numbers, tuples) ──value.rs──▶ scalar nodes ──graph.rs──▶ derivative, substitution
+//!                                                      │
+//!                                    ops.rs: one table of operations
+//!                                                      │
+//!                                     tape.rs (f64, blocks of lanes)   crate wgsl (text)
+//! ```
+//!
+//! This crate knows no syntax and no GPU: the WGSL column of the table is text.
+
+pub mod graph;
+pub mod tape;
+pub use graph::{Graph, Input, NodeId};

@@ -1,0 +1,123 @@
+//! The scene as data.
+
+use expr::{Graph, NodeId};
+use syntax::span::Span;
+
+/// What a program declares, compiled.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Every expression of the scene.
+    pub graph: Graph,
+    /// The params, in the order of the text.
+    pub params: Vec<Param>,
+    /// The grids, in the order of the text.
+    pub grids: Vec<Grid>,
+    /// What is drawn, in the order of the text.
+    pub objects: Vec<Object>,
+    /// How many uniforms (components of params and grids) there are: `expr::Input::Uniform(0..n)`.
+    pub uniform_count: u32,
+}
+
+/// A position in [`Scene::params`].
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub struct ParamId(pub u32);
+/// A position in [`Scene::grids`].
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub struct GridId(pub u32);
+/// A position in [`Scene::objects`].
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub struct ObjectId(pub u32);
+
+/// A closed interval with finite ends, `min < max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct Range {
+    pub min: f64,
+    pub max: f64,
+}
+
+/// Equally spaced values over a closed interval, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// The interval.
+    pub range: Range,
+    /// How many values, at least 2.
+    pub count: u32,
+}
+
+impl Sampling {
+    /// The `index`-th value; the first is `min` and the last is `max`, exactly.
+    pub fn value(&self, index: u32) -> f64 {
+        let last = self.count - 1;
+        if index == last {
+            return self.range.max;
+        }
+        self.range.min + (self.range.max - self.range.min) * (f64::from(index) / f64::from(last))
+    }
+}
+
+/// A slider, or one per component.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Param {
+    /// Its name.
+    pub name: String,
+    /// Where the name stands.
+    pub name_span: Span,
+    /// One interval per component.
+    pub ranges: Vec<Range>,
+    /// Its first component is `expr::Input::Uniform(first_uniform)`, the others follow.
+    pub first_uniform: u32,
+}
+
+/// Equally spaced values that instance what depends on them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Its name.
+    pub name: String,
+    /// Where the name stands.
+    pub name_span: Span,
+    /// One axis per component; the grid's values are the product of its axes.
+    pub axes: Vec<Sampling>,
+    /// Its first component is `expr::Input::Uniform(first_uniform)`, the others follow.
+    pub first_uniform: u32,
+}
+
+/// Something drawn.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Its name.
+    pub name: String,
+    /// Where the name stands.
+    pub name_span: Span,
+    /// What it is.
+    pub shape: Shape,
+    /// The params it depends on, directly or not, in order.
+    pub params: Vec<ParamId>,
+    /// The grids it depends on, directly or not, in order; it is drawn once for each combination of their
+    /// values.
+    pub grids: Vec<GridId>,
+}
+
+/// The kinds of object. Nodes are handles into [`Scene::graph`], over the scene's uniforms and, for a curve
+/// or a surface, `expr::Input::Variable(0)` (and `Variable(1)`).
+#[derive(Clone, Debug)]
+#[allow(missing_docs)]
+pub enum Shape {
+    Point {
+        position: [NodeId; 3],
+    },
+    Vector {
+        direction: [NodeId; 3],
+        origin: [NodeId; 3],
+    },
+    Curve {
+        position: [NodeId; 3],
+        domain: Sampling,
+        parameter: String,
+    },
+    Surface {
+        position: [NodeId; 3],
+        domain: [Sampling; 2],
+        parameters: [String; 2],
+    },
+}

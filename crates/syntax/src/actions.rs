@@ -1,0 +1,134 @@
+//! The semantic hooks: what a compiler, a highlighter, an outline or a formatter implements.
+
+use crate::diagnostic::Diagnostic;
+use crate::span::Span;
+use crate::token::{DeclareWord, SymbolId, Token};
+
+/// One step of an expression, in postfix order: each pops its operands from an imagined stack and pushes
+/// one result. `Function`, `Partial`, `Total` and `FunctionPower` build a function, `Apply` applies it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Operator {
+    /// Pushes a number.
+    Number(f64),
+    /// Pushes the value of a declared or builtin constant.
+    Constant(SymbolId),
+    /// Pushes a parameter of the body that is being read, by its position.
+    Variable(u32),
+    /// Pushes a function.
+    Function(SymbolId),
+    /// `f_u`: function → its derivative by its parameter at this position.
+    Partial(u32),
+    /// `f'`: function → its derivative.
+    Total,
+    /// `f^n`: function, exponent → function.
+    FunctionPower,
+    /// `f x`: function, operand → value.
+    Apply,
+    /// `a + b`.
+    Add,
+    /// `a - b`.
+    Subtract,
+    /// `a b`, juxtaposed.
+    Juxtapose,
+    /// `a * b`.
+    Multiply,
+    /// `a / b`.
+    Divide,
+    /// `a ^ b`.
+    Power,
+    /// `+a`.
+    Plus,
+    /// `-a`.
+    Negate,
+    /// `*a`.
+    Square,
+    /// `/a`.
+    Reciprocal,
+    /// `a_n`: the component, from 1.
+    Component(u32),
+    /// A bracketed list of this many values; 1 for a bracketed single value, which it leaves as it is.
+    Tuple(u32),
+}
+
+/// The form of an interval.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum IntervalKind {
+    /// `[a, b]`: pops two values.
+    Range,
+    /// `[a, b, n]`: pops three values.
+    Grid,
+}
+
+/// An interval; its ends (and count) are the last values on the stack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// With or without a count.
+    pub kind: IntervalKind,
+    /// From `[` to `]`.
+    pub span: Span,
+    /// For a curve or a surface: the position of the parameter that the tag names, where it names one,
+    /// and the tag's own place.
+    pub tag: Option<(Option<u32>, Span)>,
+}
+
+/// A parameter in a declaration's list.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// Where it stands in the list.
+    pub span: Span,
+}
+
+/// A declaration that has been read to its end; its expressions and intervals came before.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Declaration<'a> {
+    /// The word that opens it.
+    pub word: DeclareWord,
+    /// From the word to the `;`.
+    pub span: Span,
+    /// What it declares, unless its name was not read or not free.
+    pub symbol: Option<SymbolId>,
+    /// The name as it is written; empty where it was not read.
+    pub name: &'a str,
+    /// Where the name stands; empty where it was not read.
+    pub name_span: Span,
+    /// The parameters, for a function, curve or surface.
+    pub parameters: &'a [Parameter],
+    /// A syntax error lies in it: what the stack holds is incomplete and is to be dropped.
+    pub faulty: bool,
+}
+
+/// The hooks that the parser calls. All do nothing unless implemented.
+pub trait Actions {
+    /// The parser moved past a token. Comes for every token, comments and tokens skipped by recovery too,
+    /// in the order of the text and without gaps but for white space; the end of input is not reported.
+    fn act_advance(&mut self, token: Token) {
+        let _ = token;
+    }
+
+    /// A declaration opens; its word has just been read.
+    fn act_open(&mut self, word: DeclareWord, span: Span) {
+        let _ = (word, span);
+    }
+
+    /// One step of an expression. `span` covers the operator with its operands.
+    fn act_operator(&mut self, operator: Operator, span: Span) {
+        let _ = (operator, span);
+    }
+
+    /// An interval has been read.
+    fn act_interval(&mut self, interval: Interval) {
+        let _ = interval;
+    }
+
+    /// A declaration has been read.
+    fn act_declaration(&mut self, declaration: &Declaration<'_>) {
+        let _ = declaration;
+    }
+
+    /// Something is wrong, or surprising.
+    fn act_error(&mut self, diagnostic: Diagnostic) {
+        let _ = diagnostic;
+    }
+}

@@ -1,0 +1,44 @@
+//! What is wrong with a program, where, and what to do about it.
+
+use crate::span::Span;
+
+/// How grave a diagnostic is.
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub enum Severity {
+    /// The program has no meaning here.
+    Error,
+    /// Legal, but it probably does not mean what was meant.
+    Warning,
+    /// Worth knowing.
+    Hint,
+}
+
+/// A stable name for one kind of diagnostic, in kebab-case: `unexpected-token`.
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub struct Code(pub &'static str);
+
+/// Another place that explains a diagnostic, such as the body of a function.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Related {
+    /// Where.
+    pub span: Span,
+    /// One sentence, in the user's words.
+    pub message: String,
+}
+
+/// One finding in a program.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Diagnostic {
+    /// How grave it is.
+    pub severity: Severity,
+    /// What kind it is.
+    pub code: Code,
+    /// Where it is.
+    pub span: Span,
+    /// One sentence that says what is wrong, in the user's words.
+    pub message: String,
+    /// What to do about it, where that is known ("did you mean `cos`?").
+    pub hint: Option<String>,
+    /// Other places that explain it.
+    pub related: Vec<Related>,
+}

@@ -1,0 +1,69 @@
+//! The kinds of token.
+
+use crate::span::Span;
+
+/// Names a symbol: the builtins first, in the order in which they were handed in, then every declared
+/// name in the order of the text.
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub struct SymbolId(pub u32);
+
+/// The words that open a declaration.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+#[allow(missing_docs)]
+pub enum DeclareWord {
+    Param,
+    Grid,
+    Define,
+    Function,
+    Curve,
+    Surface,
+    Point,
+    Vector,
+}
+
+/// What a token is, to the parser.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub enum TokenKind {
+    Comment,
+    /// The value as read: finite, or the token is [`TokenKind::Error`].
+    Number(f64),
+    Declare(DeclareWord),
+    Constant(SymbolId),
+    Function(SymbolId),
+    /// A parameter of the body that is being read, by its position.
+    Variable(u32),
+    /// A word with no meaning yet.
+    Undefined,
+    Plus,
+    Minus,
+    Star,
+    Slash,
+    Caret,
+    Underscore,
+    Prime,
+    ParenOpen,
+    ParenClose,
+    BracketOpen,
+    BracketClose,
+    BraceOpen,
+    BraceClose,
+    Comma,
+    Semicolon,
+    Colon,
+    Equals,
+    At,
+    /// Any other character, or a malformed number.
+    Error,
+    /// End of input.
+    Eoi,
+}
+
+/// One token and its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Token {
+    /// What it is.
+    pub kind: TokenKind,
+    /// Where it stands.
+    pub span: Span,
+}

@@ -1,0 +1,1 @@
+//! Expressions to WGSL functions, joined with the hand-written passes of `/shaders` and validated.
