@@ -1,6 +1,22 @@
 //! From declarations to a [`Scene`]: what is drawn, what it depends on, and every mistake on the way.
 //!
+//! ```text
+//! text ──syntax──▶ hooks ──▶ compile.rs ──▶ Scene (data)  +  diagnostics
+//!                               │
+//!                               ▼
+//! names and numbers ──▶ values.rs (Settings) ──▶ uniforms of each instance
+//! an expression     ──▶ evaluate.rs          ──▶ its value
+//! ```
+//!
 //! A scene is data: expressions in one graph, and handles into it. It knows no view and no GPU.
 
+pub mod compile;
+pub mod evaluate;
+pub mod limits;
 pub mod scene;
 pub mod values;
+
+pub use compile::{Compilation, compile};
+pub use evaluate::{Evaluation, Instance, Outcome, Value};
+pub use scene::Scene;
+pub use values::Settings;

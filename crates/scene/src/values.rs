@@ -1,6 +1,11 @@
 //! Values for a scene's params and grids, and the instances they give.
+//!
+//! What flows in: names and numbers from a command line, a slider or an animation. What flows out: one number
+//! per uniform, in the order that `expr::Input::Uniform` counts them, for each instance of what is drawn.
 
-use crate::scene::{GridId, Object, Scene};
+use std::fmt;
+
+use crate::scene::{Grid, GridId, Object, Param, Range, Scene};
 
 /// A value for each param, and for those grids that have been fixed.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,40 +18,138 @@ pub struct Settings {
 
 /// Why a value was refused.
 #[derive(Clone, Debug, PartialEq)]
-#[allow(missing_docs)]
 pub enum SetError {
     /// No param or grid has this name.
     Unknown {
+        /// The name as given.
         name: String,
+        /// A param or grid whose name is nearly this.
         suggestion: Option<String>,
     },
     /// The number of values is not the number of components.
     Components {
+        /// The param or grid.
         name: String,
+        /// How many components it has.
         expected: usize,
+        /// How many values were given.
         given: usize,
     },
     /// A value lies outside its interval (or is not a number).
     OutOfRange {
+        /// The param or grid.
         name: String,
+        /// Which of its components, from 0.
         component: usize,
+        /// How many components it has.
+        components: usize,
+        /// The value as given.
         value: f64,
+        /// The least value allowed.
         min: f64,
+        /// The greatest value allowed.
         max: f64,
     },
 }
 
+impl fmt::Display for SetError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unknown { name, suggestion } => {
+                write!(f, "no param or grid is named `{name}`")?;
+                match suggestion {
+                    Some(suggestion) => write!(f, "; did you mean `{suggestion}`?"),
+                    None => Ok(()),
+                }
+            }
+            Self::Components {
+                name,
+                expected: 1,
+                given,
+            } => write!(f, "`{name}` is one number, but {given} were given"),
+            Self::Components {
+                name,
+                expected,
+                given: 1,
+            } => write!(f, "`{name}` has {expected} components, but 1 was given"),
+            Self::Components {
+                name,
+                expected,
+                given,
+            } => write!(
+                f,
+                "`{name}` has {expected} components, but {given} were given"
+            ),
+            Self::OutOfRange {
+                name,
+                component,
+                components,
+                value,
+                min,
+                max,
+            } => {
+                if *components == 1 {
+                    write!(f, "`{name}` = {value} ")?;
+                } else {
+                    write!(f, "`{name}_{}` = {value} ", component + 1)?;
+                }
+                write!(f, "lies outside its interval [{min}, {max}]")
+            }
+        }
+    }
+}
+
+impl std::error::Error for SetError {}
+
 impl Settings {
     /// Each param at its minimum, no grid fixed.
     pub fn opening(scene: &Scene) -> Self {
-        let _ = scene;
-        todo!()
+        let mut uniforms = vec![0.0; scene.uniform_count as usize];
+        for param in &scene.params {
+            let first = param.first_uniform as usize;
+            for (place, range) in uniforms[first..].iter_mut().zip(&param.ranges) {
+                *place = range.min;
+            }
+        }
+        for grid in &scene.grids {
+            let first = grid.first_uniform as usize;
+            for (place, axis) in uniforms[first..].iter_mut().zip(&grid.axes) {
+                *place = axis.range.min;
+            }
+        }
+        Self {
+            uniforms,
+            fixed: Vec::new(),
+        }
     }
 
-    /// Gives a param a value, or fixes a grid to one.
+    /// Gives a param a value, or fixes a grid to one: any values within their intervals, both ends included.
+    ///
+    /// # Errors
+    /// Where the name is unknown, the number of values is not the number of components, or a value lies
+    /// outside its interval; the settings are then as they were.
     pub fn set(&mut self, scene: &Scene, name: &str, values: &[f64]) -> Result<(), SetError> {
-        let _ = (scene, name, values);
-        todo!()
+        if let Some(param) = scene.params.iter().find(|param| param.name == name) {
+            check(name, &param.ranges, values)?;
+            self.write(param.first_uniform, values);
+            return Ok(());
+        }
+        let position = scene.grids.iter().position(|grid| grid.name == name);
+        let Some(position) = position else {
+            return Err(SetError::Unknown {
+                name: name.to_owned(),
+                suggestion: suggestion(scene, name),
+            });
+        };
+        let grid = &scene.grids[position];
+        let ranges: Vec<Range> = grid.axes.iter().map(|axis| axis.range).collect();
+        check(name, &ranges, values)?;
+        self.write(grid.first_uniform, values);
+        let id = GridId(position as u32);
+        if !self.fixed.contains(&id) {
+            self.fixed.push(id);
+        }
+        Ok(())
     }
 
     /// One number per uniform, for an object that depends on no grid.
@@ -54,22 +157,313 @@ impl Settings {
         &self.uniforms
     }
 
-    /// How many instances of the object are drawn.
+    /// The value of a param, one number per component.
+    pub fn param(&self, param: &Param) -> &[f64] {
+        let first = param.first_uniform as usize;
+        &self.uniforms[first..first + param.ranges.len()]
+    }
+
+    /// The value to which a grid has been fixed, one number per axis.
+    pub fn fixed_grid(&self, scene: &Scene, id: GridId) -> Option<&[f64]> {
+        let grid: &Grid = scene.grids.get(id.0 as usize)?;
+        let first = grid.first_uniform as usize;
+        self.fixed
+            .contains(&id)
+            .then(|| &self.uniforms[first..first + grid.axes.len()])
+    }
+
+    /// How many instances of the object are drawn: the product of the numbers of values of its grids that are
+    /// not fixed. At most [`crate::limits::MAX_INSTANCES`] in a compiled scene.
     pub fn instance_count(&self, scene: &Scene, object: &Object) -> u64 {
-        let _ = (scene, object, &self.fixed);
-        todo!()
+        self.combinations(scene, &object.grids)
     }
 
     /// The uniforms of each instance of an object in turn, the last grid's last axis fastest: calls `visit`
     /// with one number per uniform.
-    pub fn for_each_instance(&self, scene: &Scene, object: &Object, visit: impl FnMut(&[f64])) {
-        let _ = (scene, object, visit);
-        todo!()
+    pub fn for_each_instance(&self, scene: &Scene, object: &Object, mut visit: impl FnMut(&[f64])) {
+        let mut uniforms = self.uniforms.clone();
+        for index in 0..self.instance_count(scene, object) {
+            self.combination(scene, &object.grids, index, &mut uniforms);
+            visit(&uniforms);
+        }
     }
 
     /// The uniforms of the first instance.
     pub fn first_instance(&self, scene: &Scene, object: &Object) -> Vec<f64> {
-        let _ = (scene, object);
-        todo!()
+        self.instance(scene, object, 0)
+    }
+
+    /// The uniforms of the instance that [`Settings::for_each_instance`] visits `index`-th, counted from 0 and
+    /// below [`Settings::instance_count`]. Instances can so be shared out over threads.
+    pub fn instance(&self, scene: &Scene, object: &Object, index: u64) -> Vec<f64> {
+        let mut uniforms = self.uniforms.clone();
+        self.combination(scene, &object.grids, index, &mut uniforms);
+        uniforms
+    }
+
+    /// How many combinations of values the grids have that are not fixed; saturates.
+    pub(crate) fn combinations(&self, scene: &Scene, grids: &[GridId]) -> u64 {
+        self.open_axes(scene, grids)
+            .fold(1, |product: u64, (_, axis)| {
+                product.saturating_mul(u64::from(axis.count))
+            })
+    }
+
+    /// Writes the values of the grids' `index`-th combination, the last axis fastest, over `uniforms`.
+    pub(crate) fn combination(
+        &self,
+        scene: &Scene,
+        grids: &[GridId],
+        index: u64,
+        uniforms: &mut [f64],
+    ) {
+        // Mixed radix, and the last axis is the last digit: read the digits from the back.
+        let axes: Vec<_> = self.open_axes(scene, grids).collect();
+        let mut rest = index;
+        for (place, axis) in axes.into_iter().rev() {
+            let count = u64::from(axis.count);
+            uniforms[place] = axis.value((rest % count) as u32);
+            rest /= count;
+        }
+    }
+
+    /// The axes of those of the grids that are not fixed, each with its uniform.
+    fn open_axes<'a>(
+        &'a self,
+        scene: &'a Scene,
+        grids: &'a [GridId],
+    ) -> impl Iterator<Item = (usize, crate::scene::Sampling)> + 'a {
+        grids
+            .iter()
+            .filter(|id| !self.fixed.contains(id))
+            .filter_map(|id| scene.grids.get(id.0 as usize))
+            .flat_map(|grid| (grid.first_uniform as usize..).zip(grid.axes.iter().copied()))
+    }
+
+    fn write(&mut self, first_uniform: u32, values: &[f64]) {
+        let first = first_uniform as usize;
+        self.uniforms[first..first + values.len()].copy_from_slice(values);
+    }
+}
+
+/// Holds values to their intervals.
+fn check(name: &str, ranges: &[Range], values: &[f64]) -> Result<(), SetError> {
+    if ranges.len() != values.len() {
+        return Err(SetError::Components {
+            name: name.to_owned(),
+            expected: ranges.len(),
+            given: values.len(),
+        });
+    }
+    for (component, (range, &value)) in ranges.iter().zip(values).enumerate() {
+        // A NaN is in no interval, so it is refused too.
+        if !(range.min..=range.max).contains(&value) {
+            return Err(SetError::OutOfRange {
+                name: name.to_owned(),
+                component,
+                components: ranges.len(),
+                value,
+                min: range.min,
+                max: range.max,
+            });
+        }
+    }
+    Ok(())
+}
+
+/// The param or grid whose name is nearest to a word, if it is near enough to be what was meant.
+fn suggestion(scene: &Scene, word: &str) -> Option<String> {
+    let params = scene.params.iter().map(|param| param.name.as_str());
+    let grids = scene.grids.iter().map(|grid| grid.name.as_str());
+    let allowed = match word.chars().count() {
+        0 => return None,
+        1..=2 => 1,
+        3..=5 => 2,
+        _ => 3,
+    };
+    let distance = |name: &str| {
+        if name.eq_ignore_ascii_case(word) {
+            return 0;
+        }
+        edit_distance(word, name)
+    };
+    params
+        .chain(grids)
+        .map(|name| (distance(name), name))
+        // A suggestion that shares no letter with the word would be a guess.
+        .filter(|&(edits, name)| edits <= allowed && edits < name.len().max(word.len()))
+        .min_by_key(|&(edits, _)| edits)
+        .map(|(_, name)| name.to_owned())
+}
+
+/// How many insertions, deletions and replacements of a character turn one word into the other. Words longer
+/// than any name worth suggesting are as far apart as can be.
+fn edit_distance(a: &str, b: &str) -> usize {
+    const LONGEST: usize = 100;
+    if a.len() > LONGEST || b.len() > LONGEST {
+        return usize::MAX;
+    }
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, x) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &y) in b.iter().enumerate() {
+            let replaced = diagonal + usize::from(x != y);
+            diagonal = row[j + 1];
+            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use syntax::span::Span;
+
+    use super::{SetError, Settings, edit_distance};
+    use crate::scene::{Grid, GridId, Object, Param, Range, Sampling, Scene, Shape};
+
+    const fn range(min: f64, max: f64) -> Range {
+        Range { min, max }
+    }
+
+    /// param a : [1, 2]; param b : [0, 1], [5, 6]; grid k : [0, 1, 2], [10, 12, 3]; grid m : [7, 8, 2];
+    fn scene() -> Scene {
+        let axis = |min, max, count| Sampling {
+            range: range(min, max),
+            count,
+        };
+        let span = Span::default();
+        Scene {
+            params: vec![
+                Param {
+                    name: "alpha".into(),
+                    name_span: span,
+                    ranges: vec![range(1.0, 2.0)],
+                    first_uniform: 0,
+                },
+                Param {
+                    name: "b".into(),
+                    name_span: span,
+                    ranges: vec![range(0.0, 1.0), range(5.0, 6.0)],
+                    first_uniform: 1,
+                },
+            ],
+            grids: vec![
+                Grid {
+                    name: "k".into(),
+                    name_span: span,
+                    axes: vec![axis(0.0, 1.0, 2), axis(10.0, 12.0, 3)],
+                    first_uniform: 3,
+                },
+                Grid {
+                    name: "m".into(),
+                    name_span: span,
+                    axes: vec![axis(7.0, 8.0, 2)],
+                    first_uniform: 5,
+                },
+            ],
+            uniform_count: 6,
+            ..Scene::default()
+        }
+    }
+
+    fn object(scene: &mut Scene) -> Object {
+        let zero = scene.graph.constant(0.0);
+        Object {
+            name: "p".into(),
+            name_span: Span::default(),
+            shape: Shape::Point {
+                position: [zero; 3],
+            },
+            params: vec![],
+            grids: vec![GridId(0), GridId(1)],
+        }
+    }
+
+    #[test]
+    fn params_open_at_their_minimum() {
+        let scene = scene();
+        let settings = Settings::opening(&scene);
+        assert_eq!(settings.uniforms(), [1.0, 0.0, 5.0, 0.0, 10.0, 7.0]);
+        assert_eq!(settings.param(&scene.params[1]), [0.0, 5.0]);
+    }
+
+    #[test]
+    fn instances_run_through_the_product_with_the_last_axis_fastest() {
+        let mut scene = scene();
+        let object = object(&mut scene);
+        let mut settings = Settings::opening(&scene);
+        assert_eq!(settings.instance_count(&scene, &object), 12);
+        let mut seen = Vec::new();
+        settings.for_each_instance(&scene, &object, |uniforms| {
+            seen.push(uniforms[3..].to_vec())
+        });
+        assert_eq!(seen.len(), 12);
+        assert_eq!(seen[0], [0.0, 10.0, 7.0]);
+        assert_eq!(seen[1], [0.0, 10.0, 8.0]);
+        assert_eq!(seen[2], [0.0, 11.0, 7.0]);
+        assert_eq!(seen[6], [1.0, 10.0, 7.0]);
+        assert_eq!(seen[11], [1.0, 12.0, 8.0]);
+        assert_eq!(settings.instance(&scene, &object, 2)[3..], seen[2][..]);
+
+        settings.set(&scene, "k", &[0.25, 11.5]).unwrap();
+        assert_eq!(settings.instance_count(&scene, &object), 2);
+        assert_eq!(
+            settings.first_instance(&scene, &object)[3..],
+            [0.25, 11.5, 7.0]
+        );
+        assert_eq!(
+            settings.fixed_grid(&scene, GridId(0)),
+            Some(&[0.25, 11.5][..])
+        );
+        assert_eq!(settings.fixed_grid(&scene, GridId(1)), None);
+    }
+
+    #[test]
+    fn a_refused_value_changes_nothing_and_says_why() {
+        let scene = scene();
+        let mut settings = Settings::opening(&scene);
+        let before = settings.clone();
+        let sentence = |error: Result<(), SetError>| error.unwrap_err().to_string();
+        assert_eq!(
+            sentence(settings.set(&scene, "alpha", &[3.0])),
+            "`alpha` = 3 lies outside its interval [1, 2]"
+        );
+        assert_eq!(
+            sentence(settings.set(&scene, "alpha", &[f64::NAN])),
+            "`alpha` = NaN lies outside its interval [1, 2]"
+        );
+        assert_eq!(
+            sentence(settings.set(&scene, "b", &[0.5, -1.0])),
+            "`b_2` = -1 lies outside its interval [5, 6]"
+        );
+        assert_eq!(
+            sentence(settings.set(&scene, "b", &[0.5])),
+            "`b` has 2 components, but 1 was given"
+        );
+        assert_eq!(
+            sentence(settings.set(&scene, "m", &[7.0, 8.0])),
+            "`m` is one number, but 2 were given"
+        );
+        assert_eq!(
+            sentence(settings.set(&scene, "alhpa", &[1.0])),
+            "no param or grid is named `alhpa`; did you mean `alpha`?"
+        );
+        assert_eq!(
+            sentence(settings.set(&scene, "zebra", &[1.0])),
+            "no param or grid is named `zebra`"
+        );
+        assert_eq!(settings, before);
+        settings.set(&scene, "alpha", &[2.0]).unwrap();
+        assert_eq!(settings.uniforms()[0], 2.0);
+    }
+
+    #[test]
+    fn edit_distances_are_those_of_the_textbook() {
+        assert_eq!(edit_distance("kitten", "sitting"), 3);
+        assert_eq!(edit_distance("", "abc"), 3);
+        assert_eq!(edit_distance("abc", "abc"), 0);
     }
 }
