@@ -1,0 +1,152 @@
+//! Where the scene is: a robust box of its objects, from a coarse f64 sampling.
+//!
+//! The box decides the [`Placement`] (the drawing units of all samples) and, with its cloud of points, the first
+//! camera. A generated kernel needs both before it runs, so they never come from the full sampling.
+
+use expr::NodeId;
+use expr::tape::Tape;
+use scene::scene::{Scene, Shape};
+use scene::values::Settings;
+
+use crate::sample::{Resolution, Sampler};
+
+/// Coarse samples of one object.
+const SAMPLES: usize = 40_000;
+/// An object's box may reach this many times its inner box (2 % to 98 % of its samples) beyond that on each side;
+/// what lies further is an outlier and does not shrink the rest of the picture.
+const REACH: f64 = 2.0;
+
+/// From the scene's units to drawing units, in which the scene's centre is 0 and its radius 1. The difference is
+/// taken in f64: f32 samples keep their precision however far from 0 the scene lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// The middle of the scene's box, in the scene's units.
+    pub centre: [f64; 3],
+    /// Half the diagonal of the scene's box, in the scene's units; positive.
+    pub radius: f64,
+}
+
+impl Placement {
+    /// A place in drawing units.
+    pub fn local(&self, world: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| (world[k] - self.centre[k]) / self.radius)
+    }
+}
+
+/// Where the scene is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bounds {
+    /// Centre and radius.
+    pub placement: Placement,
+    /// Half the box's extents in drawing units.
+    pub half: [f64; 3],
+    /// Points of the objects inside the box, in drawing units.
+    pub cloud: Vec<[f64; 3]>,
+}
+
+impl Bounds {
+    /// The bounds of what is defined; a scene where nothing is has the unit ball.
+    pub fn of(scene: &Scene, settings: &Settings) -> Self {
+        let mut cloud: Vec<[f64; 3]> = Vec::new();
+        for object in &scene.objects {
+            let roots: Vec<NodeId> = match &object.shape {
+                Shape::Point { position }
+                | Shape::Curve { position, .. }
+                | Shape::Surface { position, .. } => position.to_vec(),
+                Shape::Vector { direction, origin } => {
+                    origin.iter().chain(direction).copied().collect()
+                }
+            };
+            let tape = Tape::new(&scene.graph, &roots);
+            let sampler = Sampler::new(scene, settings, object, tape, Resolution::Coarse(SAMPLES));
+            let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
+            let mut points: Vec<[f64; 3]> = if roots.len() == 6 {
+                let ends = sampler.map(|_, out: &[f64; 6]| {
+                    let [x, y, z, dx, dy, dz] = *out;
+                    [[x, y, z], [x + dx, y + dy, z + dz]]
+                });
+                ends.into_iter()
+                    .filter(|ends| ends.iter().all(finite))
+                    .flatten()
+                    .collect()
+            } else {
+                sampler
+                    .map(|_, out: &[f64; 3]| *out)
+                    .into_iter()
+                    .filter(finite)
+                    .collect()
+            };
+            let limits: [[f64; 2]; 3] =
+                std::array::from_fn(|k| robust(points.iter().map(|p| p[k]).collect()));
+            points.retain(|p| (0..3).all(|k| limits[k][0] <= p[k] && p[k] <= limits[k][1]));
+            cloud.append(&mut points);
+        }
+        Self::around(cloud)
+    }
+
+    /// The bounds of finite points in the scene's units.
+    fn around(mut cloud: Vec<[f64; 3]>) -> Self {
+        let ends: [[f64; 2]; 3] = std::array::from_fn(|k| {
+            cloud
+                .iter()
+                .map(|p| p[k])
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+                    [low.min(x), high.max(x)]
+                })
+        });
+        if cloud.is_empty() {
+            let placement = Placement {
+                centre: [0.0; 3],
+                radius: 1.0,
+            };
+            return Self {
+                placement,
+                half: [0.5; 3],
+                cloud,
+            };
+        }
+        // Halved first: the sum or difference of two finite numbers may not be finite.
+        let centre = ends.map(|[low, high]| 0.5 * low + 0.5 * high);
+        let half = ends.map(|[low, high]| 0.5 * high - 0.5 * low);
+        let longest = half.iter().fold(0.0, |a: f64, &b| a.max(b));
+        let scale = if longest > 0.0 { longest } else { 1.0 };
+        let mut radius = scale * half.iter().map(|h| (h / scale).powi(2)).sum::<f64>().sqrt();
+        // A single place has no size of its own: it is given one that f64 can still tell from 0.
+        let least = 1e-12 * centre.iter().fold(0.0, |a: f64, &b| a.max(b.abs()));
+        if radius <= least {
+            radius = if least > 0.0 {
+                (1e9 * least).min(1.0).max(2.0 * least)
+            } else {
+                1.0
+            };
+        }
+        let radius = radius.min(f64::MAX / 4.0);
+        let placement = Placement { centre, radius };
+        for point in &mut cloud {
+            *point = placement.local(*point);
+        }
+        Self {
+            placement,
+            half: half.map(|h| h / radius),
+            cloud,
+        }
+    }
+}
+
+/// The interval of the values without outliers.
+fn robust(mut values: Vec<f64>) -> [f64; 2] {
+    if values.is_empty() {
+        return [0.0, 0.0];
+    }
+    values.sort_unstable_by(f64::total_cmp);
+    let last = values.len() - 1;
+    let [low, high] = [0.02, 0.98].map(|share| values[(share * last as f64).round() as usize]);
+    let reach = if values.len() < 50 {
+        f64::INFINITY
+    } else {
+        REACH * (high - low)
+    };
+    // A box without inner extent (most samples in one plane) has no measure for outliers.
+    let reach = if reach > 0.0 { reach } else { f64::INFINITY };
+    [values[0].max(low - reach), values[last].min(high + reach)]
+}

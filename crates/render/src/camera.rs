@@ -1,0 +1,207 @@
+//! The perspective camera of the 3D view, and its first place.
+//!
+//! Spaces: *world* (the scene's units, f64), *drawing units* ([`Placement`]), *view* (x right, y up, z towards the
+//! eye; the eye at 0), *clip* (depth is `near / w`: 1 at the near plane, 0 at infinity; greater is nearer), pixels.
+
+use glam::{DMat4, DVec3, Mat4, Vec3};
+
+use crate::bounds::{Bounds, Placement};
+use crate::request::RenderError;
+use crate::style;
+
+/// A perspective camera without a far plane. Places are in drawing units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// The drawing units.
+    pub placement: Placement,
+    /// Where it stands.
+    pub eye: DVec3,
+    /// Unit vectors: right, up, back (towards the eye) in the scene.
+    pub axes: [DVec3; 3],
+    /// The distance of the near plane.
+    pub near: f64,
+    /// The picture in pixels.
+    pub size: [u32; 2],
+}
+
+impl Camera {
+    /// A camera that shows the whole scene, or stands and looks where it is told (world places).
+    ///
+    /// Unless told otherwise it looks from azimuth [`style::AZIMUTH`] and elevation [`style::ELEVATION`], as near as
+    /// the scene's points allow; a scene that lies in a coordinate plane is seen face on.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`] if eye and target cannot be told apart at the scene's size.
+    pub fn new(
+        bounds: &Bounds,
+        eye: Option<[f64; 3]>,
+        target: Option<[f64; 3]>,
+        size: [u32; 2],
+    ) -> Result<Self, RenderError> {
+        let placement = bounds.placement;
+        let local = |place: [f64; 3]| DVec3::from(placement.local(place));
+        let mut camera = Self {
+            placement,
+            eye: DVec3::ZERO,
+            axes: [DVec3::X, DVec3::Y, DVec3::Z],
+            near: 1e-3,
+            size,
+        };
+        let target_or_centre = target.map_or(DVec3::ZERO, local);
+        let back = match eye {
+            Some(eye) => local(eye) - target_or_centre,
+            None => first_direction(bounds.half),
+        };
+        let distance = back.length();
+        if !(distance > 1e-9 && distance.is_finite()) {
+            let sentence = "the camera stands on its target and has no direction";
+            return Err(RenderError::Camera(sentence.to_owned()));
+        }
+        camera.look(back / distance);
+        match eye {
+            Some(eye) => camera.eye = local(eye),
+            None => camera.frame(bounds, target.map(local)),
+        }
+        let reach = bounds
+            .cloud
+            .iter()
+            .map(|&p| camera.axes[2].dot(camera.eye - DVec3::from(p)));
+        let nearest = reach.fold(f64::INFINITY, f64::min);
+        let far = camera.eye.length() + 1.0;
+        // Half of the way to the nearest point, but never so near that f32 depths could not tell things apart.
+        camera.near = if nearest.is_finite() {
+            (0.5 * nearest).clamp(1e-4 * far, far)
+        } else {
+            1e-3 * far
+        };
+        Ok(camera)
+    }
+
+    /// From drawing units to view space.
+    pub fn view_from_world(&self) -> Mat4 {
+        self.view().as_mat4()
+    }
+
+    /// From drawing units to clip space.
+    pub fn clip_from_world(&self) -> Mat4 {
+        let [x, y] = self.half_tangents();
+        // Columns; depth is near / w and needs no far plane (reversed, infinite).
+        let clip_from_view = DMat4::from_cols_array_2d(&[
+            [1.0 / x, 0.0, 0.0, 0.0],
+            [0.0, 1.0 / y, 0.0, 0.0],
+            [0.0, 0.0, 0.0, -1.0],
+            [0.0, 0.0, self.near, 0.0],
+        ]);
+        (clip_from_view * self.view()).as_mat4()
+    }
+
+    /// The tangents of half the field of view, across and up.
+    pub fn half_tangents(&self) -> [f64; 2] {
+        let tangent = (0.5 * style::FIELD_OF_VIEW).tan();
+        let shorter = f64::from(self.size[0].min(self.size[1]));
+        self.size.map(|side| tangent * f64::from(side) / shorter)
+    }
+
+    /// Pixels of one drawing unit at the distance 1 along the view direction; at the distance w it has 1/w of them.
+    pub fn pixels_per_unit(&self) -> f32 {
+        (f64::from(self.size[0]) / (2.0 * self.half_tangents()[0])) as f32
+    }
+
+    /// The eye in drawing units.
+    pub fn eye_local(&self) -> Vec3 {
+        self.eye.as_vec3()
+    }
+
+    fn view(&self) -> DMat4 {
+        let [right, up, back] = self.axes;
+        let rows = DMat4::from_cols(
+            right.extend(0.0),
+            up.extend(0.0),
+            back.extend(0.0),
+            glam::DVec4::W,
+        );
+        rows.transpose() * DMat4::from_translation(-self.eye)
+    }
+
+    /// Turns so that `back` points towards the eye and z points up; straight from above or below, y points up.
+    fn look(&mut self, back: DVec3) {
+        let up = if back.x.hypot(back.y) < 1e-6 {
+            DVec3::Y
+        } else {
+            DVec3::Z
+        };
+        let right = up.cross(back).normalize();
+        self.axes = [right, back.cross(right), back];
+    }
+
+    /// Steps back until all points fit, and aside until they are centred unless there is a target.
+    ///
+    /// A point at (x, y, z) in the camera's axes is inside the picture if |x − cx| ≤ (d − z)·tx: with
+    /// A = max(x + z·tx) and B = max(−x + z·tx), d·tx ≥ A − cx and d·tx ≥ B + cx.
+    fn frame(&mut self, bounds: &Bounds, target: Option<DVec3>) {
+        let tangents = self.half_tangents().map(|t| t * (1.0 - style::MARGIN));
+        let origin = target.unwrap_or(DVec3::ZERO);
+        let mut most = [[f64::NEG_INFINITY; 2]; 2];
+        let mut front = f64::NEG_INFINITY;
+        let corners = box_corners(bounds.half);
+        let cloud: &[[f64; 3]] = if bounds.cloud.is_empty() {
+            &corners
+        } else {
+            &bounds.cloud
+        };
+        for &point in cloud {
+            let p = DVec3::from(point) - origin;
+            let z = p.dot(self.axes[2]);
+            front = front.max(z);
+            for k in 0..2 {
+                let x = p.dot(self.axes[k]);
+                most[k][0] = most[k][0].max(x + z * tangents[k]);
+                most[k][1] = most[k][1].max(z * tangents[k] - x);
+            }
+        }
+        let mut distance = front + 0.2;
+        let mut shift = [0.0; 2];
+        for k in 0..2 {
+            let [a, b] = most[k];
+            if target.is_none() {
+                shift[k] = 0.5 * (a - b);
+            }
+            distance = distance.max((a - shift[k]).max(b + shift[k]) / tangents[k]);
+        }
+        // A lone point would be looked at from within its own size.
+        let distance = distance.max(0.5);
+        self.eye =
+            origin + self.axes[0] * shift[0] + self.axes[1] * shift[1] + self.axes[2] * distance;
+    }
+}
+
+/// The direction from the scene to the camera's first place.
+fn first_direction(half: [f64; 3]) -> DVec3 {
+    let flat = half.map(|h| h < 1e-6);
+    match flat {
+        [false, false, true] => DVec3::Z,
+        [false, true, false] => DVec3::NEG_Y,
+        [true, false, false] => DVec3::X,
+        _ => {
+            let (azimuth_sin, azimuth_cos) = style::AZIMUTH.sin_cos();
+            let (elevation_sin, elevation_cos) = style::ELEVATION.sin_cos();
+            DVec3::new(
+                elevation_cos * azimuth_cos,
+                elevation_cos * azimuth_sin,
+                elevation_sin,
+            )
+        }
+    }
+}
+
+fn box_corners(half: [f64; 3]) -> [[f64; 3]; 8] {
+    std::array::from_fn(|corner| {
+        std::array::from_fn(|k| {
+            if corner >> k & 1 == 0 {
+                -half[k]
+            } else {
+                half[k]
+            }
+        })
+    })
+}

@@ -1,0 +1,278 @@
+//! What is asked for, and what comes back: a [`Request`] becomes a [`Picture`] or a [`RenderError`].
+
+use std::fmt;
+use std::sync::Arc;
+
+use scene::scene::{ObjectId, Scene, Shape};
+
+use crate::texture::Texture;
+
+/// The longest side of a picture in pixels.
+pub const MAX_SIDE: u32 = 16_384;
+
+/// One picture to be drawn.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Which view, and from where.
+    pub view: View,
+    /// Width and height in pixels, each from 1 to [`MAX_SIDE`].
+    pub size: [u32; 2],
+    /// What draws it.
+    pub backend: Backend,
+    /// The images of surfaces; a surface that is not listed shows [`Texture::orientation`].
+    pub textures: Vec<(ObjectId, Arc<Texture>)>,
+    /// Colours (sRGB) other than those of [`crate::style`]; a surface's colour multiplies its texture.
+    pub colours: Vec<(ObjectId, [u8; 3])>,
+    /// Whether a geodesic picture marks its centre with an open ring.
+    pub mark_centre: bool,
+}
+
+/// A view of the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub enum View {
+    /// All objects in space, by a perspective camera. What is not given is chosen so that the scene fills the
+    /// picture.
+    Space {
+        /// Where the camera stands, in the scene's units.
+        eye: Option<[f64; 3]>,
+        /// What it looks at, in the scene's units.
+        target: Option<[f64; 3]>,
+    },
+    /// What a being inside a surface sees: the exponential map.
+    Geodesic {
+        /// The surface.
+        surface: ObjectId,
+        /// The camera's (u, v); the middle of the domain if not given.
+        at: Option<[f64; 2]>,
+        /// The angle from σu to the picture's x axis, towards σv, in radians.
+        angle: f64,
+        /// The distance on the surface from the picture's centre to the middle of its shorter side's edge;
+        /// positive. Chosen from the surface's size if not given.
+        zoom: Option<f64>,
+        /// How the geodesics are followed.
+        method: Method,
+    },
+}
+
+/// How the geodesics of a geodesic view are followed.
+#[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
+pub enum Method {
+    /// The backend's own choice: adaptive in f64 on the software path, Runge–Kutta per pixel on the GPU.
+    #[default]
+    Auto,
+    /// Fixed steps of the classical Runge–Kutta method for each pixel, as in the thesis (equations 4.2).
+    Rk4Pixel,
+    /// Adaptive steps in f64, with poles, wraps and edges taken as what they are.
+    Adaptive,
+}
+
+/// What draws a picture.
+#[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
+pub enum Backend {
+    /// A GPU where there is one, else the software path.
+    #[default]
+    Auto,
+    /// A GPU (a software implementation of Vulkan counts), or an error.
+    Gpu,
+    /// The software path.
+    Software,
+}
+
+/// A finished picture.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// sRGB, opaque, top row first.
+    pub image: image::RgbaImage,
+    /// Which backend drew it, and why.
+    pub backend: String,
+    /// What a reader of the picture should know: sentences such as "`p` is undefined at the current params and
+    /// is not drawn".
+    pub notes: Vec<String>,
+}
+
+/// Why there is no picture.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RenderError {
+    /// No GPU can be used; `reason` completes "because …".
+    NoGpu {
+        /// For instance "no GPU driver was found".
+        reason: String,
+    },
+    /// The GPU refused or lost the work, in the driver's words.
+    Gpu(String),
+    /// The object is not a surface (or not in the scene), and only a surface has a geodesic view.
+    NoSurface {
+        /// The object's name, if it is in the scene.
+        name: Option<String>,
+    },
+    /// The geodesic camera cannot stand there: the surface is undefined or has no tangent plane at (u, v).
+    UndefinedCamera {
+        /// The surface's name.
+        name: String,
+        /// The point of its chart.
+        at: [f64; 2],
+    },
+    /// The geodesic camera's (u, v) is not in the surface's domain.
+    CameraOutside {
+        /// The surface's name.
+        name: String,
+        /// The point of its chart.
+        at: [f64; 2],
+        /// `[[u min, u max], [v min, v max]]`.
+        domain: [[f64; 2]; 2],
+    },
+    /// A number of the camera is not finite, a zoom is not positive, or eye and target coincide; the sentence
+    /// says which.
+    Camera(String),
+    /// The picture's size is not between 1×1 and [`MAX_SIDE`]×[`MAX_SIDE`].
+    Size([u32; 2]),
+    /// A fault of this program: generated text did not pass validation.
+    Internal {
+        /// What was found, with its origin.
+        message: String,
+        /// The text, kept for a report.
+        source: String,
+    },
+}
+
+impl Request {
+    /// A 3D view of the given size, everything else at its default.
+    pub fn space(size: [u32; 2]) -> Self {
+        Self::new(
+            View::Space {
+                eye: None,
+                target: None,
+            },
+            size,
+        )
+    }
+
+    /// A geodesic view of the given size, everything else at its default.
+    pub fn geodesic(surface: ObjectId, size: [u32; 2]) -> Self {
+        let view = View::Geodesic {
+            surface,
+            at: None,
+            angle: 0.0,
+            zoom: None,
+            method: Method::Auto,
+        };
+        Self::new(view, size)
+    }
+
+    fn new(view: View, size: [u32; 2]) -> Self {
+        Self {
+            view,
+            size,
+            backend: Backend::Auto,
+            textures: Vec::new(),
+            colours: Vec::new(),
+            mark_centre: true,
+        }
+    }
+
+    /// The texture of a surface.
+    pub fn texture(&self, object: ObjectId) -> Arc<Texture> {
+        let own = self.textures.iter().rev().find(|(id, _)| *id == object);
+        own.map_or_else(Texture::orientation, |(_, texture)| texture.clone())
+    }
+
+    /// The colour of an object, in linear light.
+    pub fn colour(&self, object: ObjectId, shape: &Shape) -> [f32; 3] {
+        let own = self.colours.iter().rev().find(|(id, _)| *id == object);
+        crate::style::linear(own.map_or_else(|| crate::style::colour(shape), |(_, colour)| *colour))
+    }
+
+    /// Refuses what cannot be drawn, whatever the backend.
+    ///
+    /// # Errors
+    /// [`RenderError::Size`], [`RenderError::Camera`], [`RenderError::NoSurface`].
+    pub fn check(&self, scene: &Scene) -> Result<(), RenderError> {
+        if self.size.iter().any(|&side| side == 0 || side > MAX_SIDE) {
+            return Err(RenderError::Size(self.size));
+        }
+        match &self.view {
+            View::Space { eye, target } => {
+                let finite = |place: &Option<[f64; 3]>| {
+                    place.is_none_or(|p| p.iter().all(|x| x.is_finite()))
+                };
+                if !finite(eye) || !finite(target) {
+                    return Err(RenderError::Camera(
+                        "the camera's place and target must be finite".into(),
+                    ));
+                }
+                if eye.is_some() && eye == target {
+                    return Err(RenderError::Camera(
+                        "the camera stands on its target and has no direction".into(),
+                    ));
+                }
+            }
+            View::Geodesic {
+                surface,
+                at,
+                angle,
+                zoom,
+                ..
+            } => {
+                let object = scene.objects.get(surface.0 as usize);
+                if !object.is_some_and(|object| matches!(object.shape, Shape::Surface { .. })) {
+                    return Err(RenderError::NoSurface {
+                        name: object.map(|object| object.name.clone()),
+                    });
+                }
+                if !angle.is_finite() || at.is_some_and(|at| at.iter().any(|x| !x.is_finite())) {
+                    return Err(RenderError::Camera(
+                        "the camera's place and angle must be finite".into(),
+                    ));
+                }
+                if zoom.is_some_and(|zoom| !zoom.is_finite() || zoom <= 0.0) {
+                    return Err(RenderError::Camera(
+                        "the zoom is a distance and must be positive".into(),
+                    ));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for RenderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoGpu { reason } => write!(f, "no GPU can be used: {reason}"),
+            Self::Gpu(message) => write!(f, "the GPU could not draw the picture: {message}"),
+            Self::NoSurface { name: Some(name) } => {
+                write!(
+                    f,
+                    "`{name}` is not a surface, and only a surface has a geodesic view"
+                )
+            }
+            Self::NoSurface { name: None } => write!(f, "there is no surface to see from inside"),
+            Self::UndefinedCamera { name, at: [u, v] } => {
+                write!(
+                    f,
+                    "`{name}` has no tangent plane at (u, v) = ({u}, {v}), so the camera cannot stand there"
+                )
+            }
+            Self::CameraOutside {
+                name,
+                at: [u, v],
+                domain: [[u0, u1], [v0, v1]],
+            } => write!(
+                f,
+                "({u}, {v}) is outside the domain of `{name}`, which is [{u0}, {u1}] by [{v0}, {v1}]"
+            ),
+            Self::Camera(sentence) => write!(f, "{sentence}"),
+            Self::Size([width, height]) => {
+                write!(
+                    f,
+                    "a picture of {width}x{height} pixels cannot be made: each side is from 1 to {MAX_SIDE}"
+                )
+            }
+            Self::Internal { message, .. } => {
+                write!(f, "internal error in a generated shader: {message}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for RenderError {}

@@ -1,0 +1,451 @@
+//! Samples of the objects, from f64 blocks: what painters draw.
+//!
+//! An object and its settings flow in, arrays of plain samples flow out, relative to a [`Placement`]. A generated
+//! kernel on the GPU fills buffers of the same layout; a painter never knows which source it draws from.
+//!
+//! The order is instance by instance; within a surface row by row of constant v, u fastest: sample (i, j) of
+//! instance k stands at `(k·count_v + j)·count_u + i`.
+
+use bytemuck::{Pod, Zeroable};
+use expr::tape::{Block, LANES, Registers, Tape};
+use expr::{Graph, Input, NodeId};
+use rayon::prelude::*;
+use scene::scene::{Object, ObjectId, Sampling, Scene, Shape};
+use scene::values::Settings;
+
+use crate::bounds::Placement;
+
+/// A surface's normal that does not exist (a pole, a crease) is taken this share of the domain further inside.
+pub const NORMAL_NUDGE: f64 = 1e-4;
+/// σu and σv, each times its domain's width, count as parallel where |σu×σv| is at most this times the square of
+/// the longer one.
+pub const DEGENERATE: f64 = 1e-7;
+/// What lies further than this from the scene's centre, in drawing units, is taken as undefined.
+pub const HORIZON: f64 = 1e6;
+
+/// A place in drawing units: a point, or a sample of a curve. 16 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct PositionSample {
+    /// In drawing units; zero where undefined.
+    pub position: [f32; 3],
+    /// 1 where defined, else 0.
+    pub defined: f32,
+}
+
+/// A vector in drawing units. 32 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct VectorSample {
+    /// Where it starts.
+    pub origin: [f32; 3],
+    /// 1 where origin and direction are defined, else 0.
+    pub defined: f32,
+    /// From its start to its tip.
+    pub direction: [f32; 3],
+    /// Makes the size a multiple of 16 bytes.
+    pub padding: f32,
+}
+
+/// A vertex of a surface. 32 bytes. Its texture coordinates follow from its place in the grid:
+/// (i/(count_u − 1), j/(count_v − 1)).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SurfaceSample {
+    /// In drawing units; zero where undefined.
+    pub position: [f32; 3],
+    /// 1 where defined, else 0.
+    pub defined: f32,
+    /// The unit vector along σu×σv, or zero where there is none.
+    pub normal: [f32; 3],
+    /// Makes the size a multiple of 16 bytes.
+    pub padding: f32,
+}
+
+/// The samples of one object.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    /// One per instance.
+    Points(Vec<PositionSample>),
+    /// One per instance.
+    Vectors(Vec<VectorSample>),
+    /// `count` per instance.
+    Curves {
+        /// Samples of one instance, at least 2.
+        count: u32,
+        /// All instances, one after the other.
+        samples: Vec<PositionSample>,
+    },
+    /// `count[0]·count[1]` per instance.
+    Surfaces {
+        /// Samples of one instance along u and v, each at least 2.
+        count: [u32; 2],
+        /// All instances, one after the other, u fastest.
+        samples: Vec<SurfaceSample>,
+    },
+}
+
+impl Samples {
+    /// How many there are, and how many of them are undefined.
+    pub fn undefined(&self) -> (usize, usize) {
+        let positions =
+            |s: &[PositionSample]| (s.len(), s.iter().filter(|s| s.defined == 0.0).count());
+        match self {
+            Self::Points(samples) | Self::Curves { samples, .. } => positions(samples),
+            Self::Vectors(s) => (s.len(), s.iter().filter(|s| s.defined == 0.0).count()),
+            Self::Surfaces { samples: s, .. } => {
+                (s.len(), s.iter().filter(|s| s.defined == 0.0).count())
+            }
+        }
+    }
+
+    /// What a reader of the picture should be told of undefined samples.
+    pub fn note(&self, name: &str) -> Option<String> {
+        match self.undefined() {
+            (_, 0) => None,
+            (1, _) => Some(format!(
+                "`{name}` is undefined at the current params and is not drawn"
+            )),
+            (all, undefined) if all == undefined => Some(format!(
+                "`{name}` is undefined everywhere at the current params and is not drawn"
+            )),
+            (all, undefined) => Some(format!(
+                "`{name}` is undefined at {undefined} of its {all} samples and is left open there"
+            )),
+        }
+    }
+}
+
+/// Evaluates all samples of an object, on all cores.
+pub fn sample(
+    scene: &Scene,
+    settings: &Settings,
+    object: ObjectId,
+    placement: &Placement,
+) -> Samples {
+    let object = &scene.objects[object.0 as usize];
+    match &object.shape {
+        Shape::Point { position } => {
+            let sampler = Sampler::full(scene, settings, object, position);
+            Samples::Points(sampler.map(|_, out: &[f64; 3]| placed(placement, out)))
+        }
+        Shape::Vector { direction, origin } => {
+            let [dx, dy, dz] = *direction;
+            let [x, y, z] = *origin;
+            let sampler = Sampler::full(scene, settings, object, &[x, y, z, dx, dy, dz]);
+            Samples::Vectors(sampler.map(|_, out: &[f64; 6]| {
+                let [x, y, z, dx, dy, dz] = *out;
+                vector(placement, [x, y, z], [dx, dy, dz])
+            }))
+        }
+        Shape::Curve {
+            position, domain, ..
+        } => {
+            let sampler = Sampler::full(scene, settings, object, position);
+            let samples = sampler.map(|_, out: &[f64; 3]| placed(placement, out));
+            Samples::Curves {
+                count: domain.count,
+                samples,
+            }
+        }
+        Shape::Surface {
+            position, domain, ..
+        } => surface(scene, settings, object, placement, position, domain),
+    }
+}
+
+/// The roots of a surface's samples: σ, σu, σv, in a graph of their own. `None` if the derivatives explode.
+pub fn surface_roots(scene: &Scene, position: &[NodeId; 3]) -> Option<(Graph, [NodeId; 9])> {
+    let (mut graph, roots) = scene.graph.extract(position);
+    let du = graph.derivatives(&roots, Input::Variable(0)).ok()?;
+    let dv = graph.derivatives(&roots, Input::Variable(1)).ok()?;
+    let all: Vec<NodeId> = roots.iter().chain(&du).chain(&dv).copied().collect();
+    Some((graph, <[NodeId; 9]>::try_from(all).ok()?))
+}
+
+fn surface(
+    scene: &Scene,
+    settings: &Settings,
+    object: &Object,
+    placement: &Placement,
+    position: &[NodeId; 3],
+    domain: &[Sampling; 2],
+) -> Samples {
+    let count = [domain[0].count, domain[1].count];
+    let Some((graph, roots)) = surface_roots(scene, position) else {
+        // Without derivatives there are no normals; the shape can still be seen, lit from the eye alone.
+        let sampler = Sampler::full(scene, settings, object, position);
+        let samples = sampler.map(|_, out: &[f64; 3]| {
+            let PositionSample { position, defined } = placed(placement, out);
+            SurfaceSample {
+                position,
+                defined,
+                ..SurfaceSample::default()
+            }
+        });
+        return Samples::Surfaces { count, samples };
+    };
+    let tape = Tape::new(&graph, &roots);
+    let sampler = Sampler::new(scene, settings, object, tape, Resolution::Full);
+    let widths = [
+        domain[0].range.max - domain[0].range.min,
+        domain[1].range.max - domain[1].range.min,
+    ];
+    let mut samples = sampler.map(|_, out: &[f64; 9]| {
+        let PositionSample { position, defined } = placed(placement, &[out[0], out[1], out[2]]);
+        let normal = normal(out, widths).unwrap_or_default();
+        SurfaceSample {
+            position,
+            defined,
+            normal,
+            padding: 0.0,
+        }
+    });
+    samples.par_iter_mut().enumerate().for_each_init(
+        Registers::default,
+        |registers, (index, sample)| {
+            if sample.defined == 0.0 || sample.normal != [0.0; 3] {
+                return;
+            }
+            let (_, at) = sampler.locate(index);
+            let inside = |k: usize| {
+                let middle = 0.5 * (domain[k].range.min + domain[k].range.max);
+                let step = NORMAL_NUDGE * widths[k];
+                if at[k] > middle {
+                    at[k] - step
+                } else {
+                    at[k] + step
+                }
+            };
+            let mut out = [0.0; 9];
+            sampler.eval(registers, index, [inside(0), inside(1)], &mut out);
+            sample.normal = normal(&out, widths).unwrap_or_default();
+        },
+    );
+    Samples::Surfaces { count, samples }
+}
+
+/// The unit normal, if σu and σv (out[3..9]) are defined and not parallel.
+fn normal(out: &[f64; 9], widths: [f64; 2]) -> Option<[f32; 3]> {
+    let du = glam::DVec3::new(out[3], out[4], out[5]) * widths[0];
+    let dv = glam::DVec3::new(out[6], out[7], out[8]) * widths[1];
+    let longest = du.abs().max_element().max(dv.abs().max_element());
+    if !(longest > 0.0 && longest.is_finite()) {
+        return None;
+    }
+    // Divided first, so that no square over- or underflows.
+    let cross = (du / longest).cross(dv / longest);
+    let length = cross.length();
+    (length > DEGENERATE).then(|| (cross / length).as_vec3().to_array())
+}
+
+fn placed(placement: &Placement, out: &[f64; 3]) -> PositionSample {
+    let local = placement.local(*out);
+    if local.iter().all(|x| x.abs() <= HORIZON) {
+        PositionSample {
+            position: local.map(|x| x as f32),
+            defined: 1.0,
+        }
+    } else {
+        PositionSample::default()
+    }
+}
+
+fn vector(placement: &Placement, origin: [f64; 3], direction: [f64; 3]) -> VectorSample {
+    let origin = placement.local(origin);
+    let direction = direction.map(|x| x / placement.radius);
+    if origin.iter().chain(&direction).all(|x| x.abs() <= HORIZON) {
+        let [origin, direction] = [origin, direction].map(|a| a.map(|x| x as f32));
+        VectorSample {
+            origin,
+            defined: 1.0,
+            direction,
+            padding: 0.0,
+        }
+    } else {
+        VectorSample::default()
+    }
+}
+
+/// How many of an object's samples are evaluated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Resolution {
+    /// All.
+    Full,
+    /// At most about this many, spread evenly, the ends of the domains among them.
+    Coarse(usize),
+}
+
+/// An object's tape with all places where it is evaluated.
+pub(crate) struct Sampler {
+    tape: Tape,
+    columns: Vec<Column>,
+    /// For each instance the uniforms that the tape takes.
+    uniforms: Vec<f64>,
+    uniforms_per_instance: usize,
+    instances: usize,
+    /// The values of the variables; one value that is not used if there is no such variable.
+    axes: [Vec<f64>; 2],
+}
+
+/// Where an input of the tape comes from.
+#[derive(Clone, Copy)]
+enum Column {
+    Variable(usize),
+    /// A position among an instance's uniforms.
+    Uniform(usize),
+}
+
+/// Lanes that one task of the thread pool evaluates.
+const CHUNK: usize = 16 * LANES;
+
+impl Sampler {
+    fn full(scene: &Scene, settings: &Settings, object: &Object, roots: &[NodeId]) -> Self {
+        Self::new(
+            scene,
+            settings,
+            object,
+            Tape::new(&scene.graph, roots),
+            Resolution::Full,
+        )
+    }
+
+    pub(crate) fn new(
+        scene: &Scene,
+        settings: &Settings,
+        object: &Object,
+        tape: Tape,
+        resolution: Resolution,
+    ) -> Self {
+        let mut used = Vec::new();
+        let columns = tape.inputs().iter().map(|input| match *input {
+            Input::Variable(k) => Column::Variable(k as usize),
+            Input::Uniform(k) => {
+                used.push(k as usize);
+                Column::Uniform(used.len() - 1)
+            }
+        });
+        let columns = columns.collect();
+        let (budget, cap) = match resolution {
+            Resolution::Full => (usize::MAX, usize::MAX),
+            Resolution::Coarse(samples) => (samples, if is_surface(object) { 49 } else { 193 }),
+        };
+        let axis = |sampling: &Sampling| {
+            let picked = pick(sampling.count as usize, cap);
+            picked
+                .into_iter()
+                .map(|i| sampling.value(i as u32))
+                .collect::<Vec<f64>>()
+        };
+        let axes = match &object.shape {
+            Shape::Point { .. } | Shape::Vector { .. } => [vec![0.0], vec![0.0]],
+            Shape::Curve { domain, .. } => [axis(domain), vec![0.0]],
+            Shape::Surface { domain, .. } => [axis(&domain[0]), axis(&domain[1])],
+        };
+        let per_instance = axes[0].len() * axes[1].len();
+        let all = settings.instance_count(scene, object) as usize;
+        let picked = pick(all, (budget / per_instance).max(64));
+        let mut uniforms = Vec::with_capacity(picked.len().saturating_mul(used.len()));
+        let (mut index, mut next) = (0, 0);
+        settings.for_each_instance(scene, object, |values| {
+            if picked.get(next) == Some(&index) {
+                uniforms.extend(used.iter().map(|&k| values[k]));
+                next += 1;
+            }
+            index += 1;
+        });
+        Self {
+            tape,
+            columns,
+            uniforms,
+            uniforms_per_instance: used.len(),
+            instances: next,
+            axes,
+        }
+    }
+
+    /// How many places there are.
+    pub(crate) fn len(&self) -> usize {
+        self.instances * self.axes[0].len() * self.axes[1].len()
+    }
+
+    /// The instance and the variables of a place.
+    fn locate(&self, index: usize) -> (usize, [f64; 2]) {
+        let (u, v) = (self.axes[0].len(), self.axes[1].len());
+        (
+            index / (u * v),
+            [self.axes[0][index % u], self.axes[1][index / u % v]],
+        )
+    }
+
+    fn column(&self, column: Column, instance: usize, at: [f64; 2]) -> f64 {
+        match column {
+            Column::Variable(k) => at[k],
+            Column::Uniform(k) => self.uniforms[instance * self.uniforms_per_instance + k],
+        }
+    }
+
+    /// Evaluates at variables of the caller's choice, with the uniforms of a place.
+    fn eval(&self, registers: &mut Registers, index: usize, at: [f64; 2], out: &mut [f64]) {
+        let (instance, _) = self.locate(index);
+        let inputs: Vec<f64> = self
+            .columns
+            .iter()
+            .map(|&column| self.column(column, instance, at))
+            .collect();
+        self.tape.eval(registers, &inputs, out);
+    }
+
+    /// Evaluates everywhere and turns each place's N results into a sample, in order, on all cores.
+    pub(crate) fn map<T, const N: usize>(
+        &self,
+        make: impl Fn(usize, &[f64; N]) -> T + Sync,
+    ) -> Vec<T>
+    where
+        T: Clone + Default + Send,
+    {
+        let mut all = vec![T::default(); self.len()];
+        let zero: Block = [0.0; LANES];
+        all.par_chunks_mut(CHUNK).enumerate().for_each_init(
+            || {
+                (
+                    Registers::default(),
+                    vec![zero; self.columns.len()],
+                    [zero; N],
+                )
+            },
+            |(registers, inputs, out), (chunk, samples)| {
+                for (block, samples) in samples.chunks_mut(LANES).enumerate() {
+                    let first = chunk * CHUNK + block * LANES;
+                    // A last, partial block repeats its last place.
+                    for lane in 0..LANES {
+                        let (instance, at) = self.locate(first + lane.min(samples.len() - 1));
+                        for (input, &column) in inputs.iter_mut().zip(&self.columns) {
+                            input[lane] = self.column(column, instance, at);
+                        }
+                    }
+                    self.tape.eval_block(registers, inputs, out);
+                    for (lane, sample) in samples.iter_mut().enumerate() {
+                        *sample = make(first + lane, &std::array::from_fn(|k| out[k][lane]));
+                    }
+                }
+            },
+        );
+        all
+    }
+}
+
+fn is_surface(object: &Object) -> bool {
+    matches!(object.shape, Shape::Surface { .. })
+}
+
+/// At most `cap` indices from 0 to `count` − 1, evenly spread, both ends included.
+fn pick(count: usize, cap: usize) -> Vec<usize> {
+    if count <= cap {
+        return (0..count).collect();
+    }
+    let last = (count - 1) as f64;
+    (0..cap)
+        .map(|k| (last * (k as f64 / (cap - 1) as f64)).round() as usize)
+        .collect()
+}

@@ -1,0 +1,179 @@
+//! How things look: colours, light, widths. One set of constants for both backends.
+//!
+//! Lengths are in *drawing units* (see [`crate::bounds::Placement`]: the scene has radius 1 in them), pixel
+//! lengths in units of [`pixel_unit`], colours in linear light unless said otherwise.
+//!
+//! **Glyphs** (curves, arrow shafts, points) are camera-facing strips and discs that are shaded like tubes and
+//! balls: at the distance r ∈ [0,1] from the glyph's axis the normal leans so that its component towards the eye
+//! is √(1−r²), and the colour is multiplied by [`glyph_light`] of that. Arrowheads are true cones and use the
+//! same function with their normals.
+//!
+//! **Surfaces** are lit on both sides: the normal is turned towards the eye first, see [`surface_light`].
+
+use std::sync::LazyLock;
+
+use scene::scene::Shape;
+
+/// Behind everything, sRGB.
+pub const BACKGROUND: [u8; 3] = [18, 20, 26];
+/// Points, sRGB.
+pub const POINT_COLOUR: [u8; 3] = [255, 225, 30];
+/// Vectors, sRGB.
+pub const VECTOR_COLOUR: [u8; 3] = [255, 50, 240];
+/// Curves, sRGB.
+pub const CURVE_COLOUR: [u8; 3] = [255, 45, 40];
+/// Surfaces, sRGB; multiplies the texture.
+pub const SURFACE_COLOUR: [u8; 3] = [255, 255, 255];
+
+/// A length in space that stays readable: it is seen in perspective, but never drawn smaller or larger than some
+/// pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Length {
+    /// In drawing units.
+    pub nominal: f32,
+    /// The least number of pixels, in [`pixel_unit`]s.
+    pub min_pixels: f32,
+    /// The greatest number of pixels, in [`pixel_unit`]s.
+    pub max_pixels: f32,
+}
+
+/// Half the width of curves and of the shafts of vectors.
+pub const LINE_HALF_WIDTH: Length = Length {
+    nominal: 0.0065,
+    min_pixels: 0.8,
+    max_pixels: 2.6,
+};
+/// The radius of points.
+pub const POINT_RADIUS: Length = Length {
+    nominal: 0.021,
+    min_pixels: 2.4,
+    max_pixels: 8.0,
+};
+/// No line is thinner than this many true pixels (half the width), whatever the picture's size.
+pub const LEAST_HALF_WIDTH: f32 = 0.6;
+/// No point is smaller than this many true pixels.
+pub const LEAST_POINT_RADIUS: f32 = 1.2;
+/// The length of an arrowhead, in half widths of its shaft.
+pub const HEAD_LENGTH: f32 = 11.0;
+/// The radius of an arrowhead, in half widths of its shaft.
+pub const HEAD_RADIUS: f32 = 4.4;
+/// An arrowhead takes at most this part of its vector; a shorter vector has its head and shaft scaled down.
+pub const HEAD_SHARE: f32 = 0.45;
+/// Sides of an arrowhead's cone.
+pub const HEAD_SEGMENTS: u32 = 16;
+/// Corners of the polygon that stands for a point's disc.
+pub const POINT_SEGMENTS: u32 = 24;
+/// Corners of the polygon that rounds a curve's joins and ends.
+pub const JOIN_SEGMENTS: u32 = 12;
+/// Glyphs come forward by this many of their half widths (or radii), so that a curve on a surface is seen whole.
+pub const GLYPH_LIFT: f32 = 1.6;
+/// A join comes forward less than the strips that it joins, so that it fills only the gap between them.
+pub const JOIN_LIFT: f32 = 1.4;
+
+/// The field of view along the picture's shorter side, in radians.
+pub const FIELD_OF_VIEW: f64 = 0.6;
+/// From where the scene is seen at first: azimuth from the x axis towards y, radians.
+pub const AZIMUTH: f64 = -std::f64::consts::FRAC_PI_3;
+/// From where the scene is seen at first: elevation above the xy plane, radians.
+pub const ELEVATION: f64 = 0.45;
+/// The share of the picture's shorter half that stays free around the scene.
+pub const MARGIN: f64 = 0.08;
+
+/// What a glyph keeps of its colour at its rim.
+pub const GLYPH_RIM: f32 = 0.42;
+/// Light from everywhere.
+pub const AMBIENT: f32 = 0.20;
+/// Light from the eye.
+pub const FILL: f32 = 0.32;
+/// Light from over the eye's left shoulder.
+pub const KEY: f32 = 0.50;
+/// Where the key light comes from, in view space (x right, y up, z towards the eye); a unit vector.
+pub const KEY_DIRECTION: [f32; 3] = [-0.4, 0.56, 0.725_534_3];
+/// The strength of the highlight, white, added to the lit colour.
+pub const HIGHLIGHT: f32 = 0.07;
+/// The exponent of the highlight (Blinn).
+pub const HIGHLIGHT_POWER: i32 = 40;
+
+/// Pixels that count as one in the pixel bounds of a [`Length`]: 1 for a picture whose shorter side is 512.
+pub fn pixel_unit(size: [u32; 2]) -> f32 {
+    size[0].min(size[1]) as f32 / 512.0
+}
+
+impl Length {
+    /// The length in drawing units at the distance `w` along the view direction. `pixels_per_unit` is
+    /// [`crate::camera::Camera::pixels_per_unit`], `least` a bound in true pixels.
+    pub fn at(&self, w: f32, pixels_per_unit: f32, unit: f32, least: f32) -> f32 {
+        let pixel = w / pixels_per_unit;
+        let low = (self.min_pixels * unit).max(least);
+        let high = (self.max_pixels * unit).max(low);
+        self.nominal.clamp(low * pixel, high * pixel)
+    }
+}
+
+/// The light on a glyph whose normal has the component `facing` ∈ [0,1] towards the eye.
+pub fn glyph_light(facing: f32) -> f32 {
+    GLYPH_RIM + (1.0 - GLYPH_RIM) * facing.clamp(0.0, 1.0)
+}
+
+/// The light on a surface: (factor of its colour, white added to it). `normal` and `to_eye` are unit vectors in
+/// view space, the normal on the eye's side.
+pub fn surface_light(normal: [f32; 3], to_eye: [f32; 3]) -> (f32, f32) {
+    let normal = glam::Vec3::from(normal);
+    let to_eye = glam::Vec3::from(to_eye);
+    let key = glam::Vec3::from(KEY_DIRECTION);
+    let diffuse = AMBIENT + FILL * normal.dot(to_eye).max(0.0) + KEY * normal.dot(key).max(0.0);
+    let half = (key + to_eye).normalize_or_zero();
+    (
+        diffuse,
+        HIGHLIGHT * normal.dot(half).max(0.0).powi(HIGHLIGHT_POWER),
+    )
+}
+
+/// The colour of a kind of object, sRGB.
+pub fn colour(shape: &Shape) -> [u8; 3] {
+    match shape {
+        Shape::Point { .. } => POINT_COLOUR,
+        Shape::Vector { .. } => VECTOR_COLOUR,
+        Shape::Curve { .. } => CURVE_COLOUR,
+        Shape::Surface { .. } => SURFACE_COLOUR,
+    }
+}
+
+/// sRGB to linear light (IEC 61966-2-1).
+pub fn linear(colour: [u8; 3]) -> [f32; 3] {
+    colour.map(decode)
+}
+
+/// One sRGB byte to linear light in [0,1].
+pub fn decode(byte: u8) -> f32 {
+    static TABLE: LazyLock<[f32; 256]> = LazyLock::new(|| {
+        std::array::from_fn(|byte| {
+            let c = byte as f32 / 255.0;
+            if c <= 0.040_45 {
+                c / 12.92
+            } else {
+                ((c + 0.055) / 1.055).powf(2.4)
+            }
+        })
+    });
+    TABLE[usize::from(byte)]
+}
+
+/// Linear light to an sRGB byte, from a table of 2¹⁵ steps: the nearest, but for ties to within a tenth of a step.
+/// Values outside [0,1] are clamped.
+pub fn encode(light: f32) -> u8 {
+    const LAST: f32 = 32_767.0;
+    static TABLE: LazyLock<Vec<u8>> = LazyLock::new(|| {
+        let byte = |step: u32| {
+            let light = step as f32 / LAST;
+            let c = if light <= 0.003_130_8 {
+                12.92 * light
+            } else {
+                1.055 * light.powf(1.0 / 2.4) - 0.055
+            };
+            (c * 255.0).round() as u8
+        };
+        (0..=LAST as u32).map(byte).collect()
+    });
+    TABLE[(light.clamp(0.0, 1.0) * LAST).round() as usize]
+}

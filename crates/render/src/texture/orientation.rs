@@ -1,0 +1,230 @@
+//! The image that shows orientation: named cells, drawn in code.
+//!
+//! Left and right, up and down are told apart by the names, by the hue (it follows u and closes after one turn) and
+//! by the lightness (it follows v). Names are drawn from strokes with round ends, so they stay smooth when enlarged.
+
+use image::{Rgba, RgbaImage};
+
+use crate::style::encode;
+
+/// Cells along each side.
+const CELLS: u32 = 8;
+/// Texels along a cell's side.
+const CELL: u32 = 128;
+/// Half the width of the lines between cells, in texels.
+const LINE: f32 = 1.6;
+/// Half the width of the lines along the image's own edges, which are the domain's ends.
+const EDGE: f32 = 3.4;
+/// Texels per unit of a glyph's box, which is 4 wide and 6 high.
+const SCALE: f32 = 9.0;
+/// Half the width of a stroke, in units of a glyph's box.
+const STROKE: f32 = 0.46;
+/// From one letter's left to the next one's, in units of a glyph's box.
+const ADVANCE: f32 = 5.7;
+
+/// The image: `CELLS·CELL` texels a side.
+pub(super) fn image() -> RgbaImage {
+    let side = CELLS * CELL;
+    let mut image = RgbaImage::new(side, side);
+    for row in 0..CELLS {
+        for column in 0..CELLS {
+            let paper = cell_colour(column, row);
+            let ink = oklch(0.30, 0.05, hue(column));
+            let strokes = name(column, row);
+            for y in 0..CELL {
+                for x in 0..CELL {
+                    let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
+                    let mut colour = mix(paper, ink, 0.85 * label(&strokes, px, py));
+                    let line = line(column * CELL + x, row * CELL + y);
+                    colour = mix(colour, [1.0; 3], line);
+                    let [r, g, b] = colour.map(encode);
+                    image.put_pixel(column * CELL + x, row * CELL + y, Rgba([r, g, b, 255]));
+                }
+            }
+        }
+    }
+    image
+}
+
+fn hue(column: u32) -> f32 {
+    // Starts at a warm red and closes after one turn.
+    25.0 + 360.0 * column as f32 / CELLS as f32
+}
+
+fn cell_colour(column: u32, row: u32) -> [f32; 3] {
+    let checker = if (column + row) % 2 == 0 {
+        0.018
+    } else {
+        -0.018
+    };
+    let lightness = 0.88 - 0.27 * row as f32 / (CELLS - 1) as f32;
+    oklch(lightness + checker, 0.092, hue(column))
+}
+
+/// How much of a texel is grid line.
+fn line(x: u32, y: u32) -> f32 {
+    let along = |x: u32| {
+        let side = (CELLS * CELL) as f32;
+        let x = x as f32 + 0.5;
+        let to_edge = x.min(side - x);
+        let in_cell = x % CELL as f32;
+        let to_line = in_cell.min(CELL as f32 - in_cell);
+        let to_middle = (in_cell - 0.5 * CELL as f32).abs();
+        let strong = coverage(to_line - LINE).max(coverage(to_edge - EDGE));
+        (0.92 * strong).max(0.16 * coverage(to_middle - 0.9))
+    };
+    along(x).max(along(y))
+}
+
+/// The share of a texel inside a shape whose border is at this signed distance.
+fn coverage(distance: f32) -> f32 {
+    (0.5 - distance).clamp(0.0, 1.0)
+}
+
+/// How much of a place in a cell is ink.
+fn label(strokes: &[Segment], x: f32, y: f32) -> f32 {
+    let width = ADVANCE + 4.0;
+    let gx = (x - 0.5 * CELL as f32) / SCALE + 0.5 * width;
+    let gy = (y - 0.5 * CELL as f32) / SCALE + 3.0;
+    if gx < -1.0 || gx > width + 1.0 || !(-1.0..=7.0).contains(&gy) {
+        return 0.0;
+    }
+    let nearest = strokes
+        .iter()
+        .map(|segment| distance(segment, gx, gy))
+        .fold(f32::INFINITY, f32::min);
+    coverage((nearest - STROKE) * SCALE)
+}
+
+type Segment = [f32; 4];
+
+fn distance([x0, y0, x1, y1]: &Segment, x: f32, y: f32) -> f32 {
+    let (dx, dy) = (x1 - x0, y1 - y0);
+    let square = dx * dx + dy * dy;
+    let t = if square > 0.0 {
+        (((x - x0) * dx + (y - y0) * dy) / square).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (x - x0 - t * dx).hypot(y - y0 - t * dy)
+}
+
+/// Part of a glyph, in a box 4 wide and 6 high, y downwards.
+enum Stroke {
+    /// A polyline.
+    Line(&'static [[f32; 2]]),
+    /// Centre, radii, from and to which angle in degrees; 0 is right, 90 is down.
+    Arc([f32; 6]),
+}
+
+/// The segments of a cell's name, the column's letter and the row's figure.
+fn name(column: u32, row: u32) -> Vec<Segment> {
+    let mut segments = Vec::new();
+    for (place, glyph) in [LETTERS[column as usize], FIGURES[row as usize]]
+        .into_iter()
+        .enumerate()
+    {
+        let left = ADVANCE * place as f32;
+        for stroke in glyph {
+            let points: Vec<[f32; 2]> = match stroke {
+                Stroke::Line(points) => points.to_vec(),
+                Stroke::Arc([cx, cy, rx, ry, from, to]) => {
+                    let steps = ((to - from).abs() / 12.0).ceil() as u32;
+                    let place = |k: u32| {
+                        let angle = (from + (to - from) * k as f32 / steps as f32).to_radians();
+                        [cx + rx * angle.cos(), cy + ry * angle.sin()]
+                    };
+                    (0..=steps).map(place).collect()
+                }
+            };
+            for pair in points.windows(2) {
+                segments.push([pair[0][0] + left, pair[0][1], pair[1][0] + left, pair[1][1]]);
+            }
+        }
+    }
+    segments
+}
+
+use Stroke::{Arc, Line};
+
+const LETTERS: [&[Stroke]; CELLS as usize] = [
+    &[
+        Line(&[[0.0, 6.0], [2.0, 0.0], [4.0, 6.0]]),
+        Line(&[[0.7, 4.0], [3.3, 4.0]]),
+    ],
+    &[
+        Line(&[[2.2, 0.0], [0.2, 0.0], [0.2, 6.0], [2.4, 6.0]]),
+        Line(&[[0.2, 2.85], [2.4, 2.85]]),
+        Arc([2.2, 1.425, 1.45, 1.425, -90.0, 90.0]),
+        Arc([2.4, 4.425, 1.6, 1.575, -90.0, 90.0]),
+    ],
+    &[Arc([2.2, 3.0, 2.1, 3.0, 48.0, 312.0])],
+    &[
+        Line(&[[1.5, 0.0], [0.2, 0.0], [0.2, 6.0], [1.5, 6.0]]),
+        Arc([1.5, 3.0, 2.5, 3.0, -90.0, 90.0]),
+    ],
+    &[
+        Line(&[[3.7, 0.0], [0.3, 0.0], [0.3, 6.0], [3.7, 6.0]]),
+        Line(&[[0.3, 2.9], [3.1, 2.9]]),
+    ],
+    &[
+        Line(&[[3.7, 0.0], [0.4, 0.0], [0.4, 6.0]]),
+        Line(&[[0.4, 2.9], [3.1, 2.9]]),
+    ],
+    &[
+        Arc([2.1, 3.0, 2.1, 3.0, 0.0, 312.0]),
+        Line(&[[4.2, 3.1], [2.6, 3.1]]),
+    ],
+    &[
+        Line(&[[0.1, 0.0], [0.1, 6.0]]),
+        Line(&[[3.9, 0.0], [3.9, 6.0]]),
+        Line(&[[0.1, 2.9], [3.9, 2.9]]),
+    ],
+];
+
+const FIGURES: [&[Stroke]; CELLS as usize] = [
+    &[
+        Line(&[[0.9, 1.4], [2.3, 0.0], [2.3, 6.0]]),
+        Line(&[[0.9, 6.0], [3.7, 6.0]]),
+    ],
+    &[
+        Arc([2.0, 1.8, 1.85, 1.8, 190.0, 395.0]),
+        Line(&[[3.52, 2.83], [0.2, 6.0], [4.0, 6.0]]),
+    ],
+    &[
+        Arc([1.9, 1.45, 1.65, 1.45, 205.0, 450.0]),
+        Arc([1.9, 4.45, 1.95, 1.55, -90.0, 155.0]),
+    ],
+    &[Line(&[[3.0, 6.0], [3.0, 0.0], [0.0, 4.2], [4.1, 4.2]])],
+    &[
+        Line(&[[3.6, 0.0], [0.6, 0.0], [0.4, 2.75]]),
+        Arc([1.95, 4.05, 2.0, 1.95, 220.0, 508.0]),
+    ],
+    &[
+        Arc([2.0, 4.1, 1.9, 1.9, 0.0, 360.0]),
+        Arc([3.5, 4.1, 3.4, 4.1, 180.0, 268.0]),
+    ],
+    &[Line(&[[0.1, 0.0], [3.9, 0.0], [1.5, 6.0]])],
+    &[
+        Arc([2.0, 1.45, 1.6, 1.45, 0.0, 360.0]),
+        Arc([2.0, 4.45, 1.95, 1.55, 0.0, 360.0]),
+    ],
+];
+
+fn mix(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
+    std::array::from_fn(|k| a[k] + share * (b[k] - a[k]))
+}
+
+/// Oklch (Ottosson 2020; hue in degrees) to linear sRGB.
+fn oklch(lightness: f32, chroma: f32, hue: f32) -> [f32; 3] {
+    let (sin, cos) = hue.to_radians().sin_cos();
+    let (a, b) = (chroma * cos, chroma * sin);
+    let l = (lightness + 0.396_337_78 * a + 0.215_803_76 * b).powi(3);
+    let m = (lightness - 0.105_561_346 * a - 0.063_854_17 * b).powi(3);
+    let s = (lightness - 0.089_484_18 * a - 1.291_485_5 * b).powi(3);
+    [
+        4.076_741_7 * l - 3.307_711_6 * m + 0.230_969_94 * s,
+        -1.268_438 * l + 2.609_757_4 * m - 0.341_319_4 * s,
+        -0.004_196_086 * l - 0.703_418_6 * m + 1.707_614_7 * s,
+    ]
+}
