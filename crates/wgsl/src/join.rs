@@ -1,0 +1,142 @@
+//! Joining: pieces of WGSL, one below the other, parsed and validated as a whole before a driver sees them.
+
+use std::fmt;
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+use crate::library::Piece;
+
+/// WGSL that naga has accepted.
+#[derive(Clone, Debug)]
+pub struct Joined {
+    source: String,
+    module: naga::Module,
+}
+
+impl Joined {
+    /// The whole text, with a marker line before each piece.
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// What naga made of it.
+    pub fn module(&self) -> &naga::Module {
+        &self.module
+    }
+
+    /// The names of its entry points, in the order of the text.
+    pub fn entry_points(&self) -> impl Iterator<Item = &str> {
+        self.module.entry_points.iter().map(|entry| entry.name.as_str())
+    }
+
+    /// The byte offset and size of each member of a struct, in order; empty if there is no such struct.
+    ///
+    /// Uniform structs exist twice, in WGSL and in Rust: tests compare the two by this.
+    pub fn struct_layout(&self, name: &str) -> Vec<(String, u32, u32)> {
+        let Some((_, ty)) =
+            self.module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name))
+        else {
+            return Vec::new();
+        };
+        let naga::TypeInner::Struct { members, .. } = &ty.inner else {
+            return Vec::new();
+        };
+        members
+            .iter()
+            .map(|member| {
+                let size = self.module.types[member.ty].inner.size(self.module.to_ctx());
+                (member.name.clone().unwrap_or_default(), member.offset, size)
+            })
+            .collect()
+    }
+
+    /// The size in bytes of a struct with its padding; 0 if there is no such struct.
+    pub fn struct_size(&self, name: &str) -> u32 {
+        self.module
+            .types
+            .iter()
+            .find(|(_, ty)| ty.name.as_deref() == Some(name))
+            .map_or(0, |(_, ty)| ty.inner.size(self.module.to_ctx()))
+    }
+}
+
+/// Generated or hand-written WGSL is wrong: a fault of this program, never of its user. The text is kept so that
+/// it can be looked at.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct InternalError {
+    /// What is wrong, with the piece and line in it where that is known.
+    pub message: String,
+    /// The whole text.
+    pub source: String,
+}
+
+impl fmt::Display for InternalError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "internal error in generated WGSL: {}", self.message)
+    }
+}
+
+impl std::error::Error for InternalError {}
+
+/// Puts the pieces one below the other, each under a line that names its origin; parses and validates the whole.
+pub fn join(pieces: &[Piece<'_>]) -> Result<Joined, InternalError> {
+    let mut source = String::new();
+    for piece in pieces {
+        if !source.is_empty() {
+            source.push('\n');
+        }
+        source.push_str(MARKER);
+        source.push_str(piece.origin);
+        source.push('\n');
+        source.push_str(piece.text);
+        if !piece.text.ends_with('\n') {
+            source.push('\n');
+        }
+    }
+    let module = match naga::front::wgsl::parse_str(&source) {
+        Ok(module) => module,
+        Err(error) => {
+            let line = error.location(&source).map(|at| at.line_number);
+            let message = located(&source, line, error.message());
+            return Err(InternalError { message, source });
+        }
+    };
+    let mut validator = Validator::new(ValidationFlags::all(), Capabilities::empty());
+    if let Err(error) = validator.validate(&module) {
+        let line = error.location(&source).map(|at| at.line_number);
+        let mut sentence = error.to_string();
+        let mut cause = std::error::Error::source(error.as_inner());
+        while let Some(inner) = cause {
+            sentence.push_str(": ");
+            sentence.push_str(&inner.to_string());
+            cause = inner.source();
+        }
+        let message = located(&source, line, &sentence);
+        return Err(InternalError { message, source });
+    }
+    Ok(Joined { source, module })
+}
+
+/// What a marker line starts with.
+const MARKER: &str = "// ==== ";
+
+/// The message with the piece, and the line in it, that holds a line of the whole.
+fn located(source: &str, line: Option<u32>, message: &str) -> String {
+    let Some(line) = line else {
+        return message.to_owned();
+    };
+    let mut origin = "";
+    let mut line_in_piece = 0;
+    for (index, text) in source.lines().enumerate() {
+        if let Some(name) = text.strip_prefix(MARKER) {
+            origin = name;
+            line_in_piece = 0;
+        } else {
+            line_in_piece += 1;
+        }
+        if index + 1 == line as usize {
+            return format!("{origin}:{line_in_piece}: {message} (in `{}`)", text.trim());
+        }
+    }
+    message.to_owned()
+}

@@ -1,0 +1,276 @@
+//! Kernels: generated functions joined with the pass that calls them.
+
+use std::fmt;
+
+use expr::{Graph, Input, NodeId};
+
+use crate::contract;
+use crate::emit::{self, Body};
+use crate::join::{InternalError, Joined, join};
+use crate::library::{self, Piece};
+
+/// A generated function of more operations than this is refused: a driver would compile it for minutes.
+pub const OPERATION_LIMIT: usize = 20_000;
+
+/// A validated compute shader with one entry point, and what it reads.
+#[derive(Clone, Debug)]
+pub struct Kernel {
+    joined: Joined,
+    generated: String,
+    uniforms: Vec<u32>,
+    operations: usize,
+}
+
+impl Kernel {
+    /// The whole text.
+    pub fn source(&self) -> &str {
+        self.joined.source()
+    }
+    /// The joined shader.
+    pub fn joined(&self) -> &Joined {
+        &self.joined
+    }
+    /// The generated functions alone.
+    pub fn generated(&self) -> &str {
+        &self.generated
+    }
+    /// The name of its entry point.
+    pub fn entry_point(&self) -> &str {
+        self.joined.entry_points().next().unwrap_or_default()
+    }
+    /// The uniforms in use, `expr::Input::Uniform` numbers in order: a row of the uniforms' buffer holds these and
+    /// no others.
+    pub fn uniforms(&self) -> &[u32] {
+        &self.uniforms
+    }
+    /// How many operations one evaluation of the generated functions runs, shared subexpressions once.
+    pub fn operations(&self) -> usize {
+        self.operations
+    }
+}
+
+/// Why there is no kernel.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub enum GenerateError {
+    /// The expression, or its derivatives, are too large for a shader; they can still be evaluated in f64.
+    TooLarge {
+        /// Operations, where they could be counted.
+        operations: Option<usize>,
+    },
+    /// A fault of this program.
+    Internal(InternalError),
+}
+
+impl fmt::Display for GenerateError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TooLarge { operations: Some(count) } => {
+                write!(f, "{count} operations are too many for a shader (the limit is {OPERATION_LIMIT})")
+            }
+            Self::TooLarge { operations: None } => write!(f, "the derivatives are too large for a shader"),
+            Self::Internal(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for GenerateError {}
+
+impl From<InternalError> for GenerateError {
+    fn from(error: InternalError) -> Self {
+        Self::Internal(error)
+    }
+}
+
+impl From<expr::graph::TooLarge> for GenerateError {
+    fn from(_: expr::graph::TooLarge) -> Self {
+        Self::TooLarge { operations: None }
+    }
+}
+
+/// Samples of a point: instances → positions.
+pub fn sample_point(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, GenerateError> {
+    let functions = [Function::vector("point_position(instance: u32) -> vec3f", position)];
+    generate(
+        graph,
+        &functions,
+        &library::CONTRACT_POINT,
+        &[library::NUMBER, library::POWER, library::SAMPLING],
+        &library::PASS_SAMPLE_POINT,
+    )
+}
+
+/// Samples of a vector: instances → origins and directions.
+pub fn sample_vector(
+    graph: &Graph,
+    direction: [NodeId; 3],
+    origin: [NodeId; 3],
+) -> Result<Kernel, GenerateError> {
+    let functions = [
+        Function::vector("vector_direction(instance: u32) -> vec3f", direction),
+        Function::vector("vector_origin(instance: u32) -> vec3f", origin),
+    ];
+    generate(
+        graph,
+        &functions,
+        &library::CONTRACT_VECTOR,
+        &[library::NUMBER, library::POWER, library::SAMPLING],
+        &library::PASS_SAMPLE_VECTOR,
+    )
+}
+
+/// Samples of a curve: instances and `Variable(0)` → positions.
+pub fn sample_curve(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, GenerateError> {
+    let functions = [Function::vector("curve_position(u: f32, instance: u32) -> vec3f", position)];
+    generate(
+        graph,
+        &functions,
+        &library::CONTRACT_CURVE,
+        &[library::NUMBER, library::POWER, library::SAMPLING],
+        &library::PASS_SAMPLE_CURVE,
+    )
+}
+
+/// Samples of a surface: instances, `Variable(0)` and `Variable(1)` → positions and normals.
+pub fn sample_surface(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, GenerateError> {
+    let (mut graph, roots) = graph.extract(&position);
+    let du = graph.derivatives(&roots, Input::Variable(0))?;
+    let dv = graph.derivatives(&roots, Input::Variable(1))?;
+    let functions = [Function {
+        header: "surface_tangents(u: f32, v: f32, instance: u32) -> Tangents",
+        roots: [roots, du, dv].concat(),
+        result: ResultForm::Vectors("Tangents"),
+    }];
+    generate(
+        &graph,
+        &functions,
+        &library::CONTRACT_SURFACE,
+        &[library::NUMBER, library::POWER, library::SAMPLING, library::JET],
+        &library::PASS_SAMPLE_SURFACE,
+    )
+}
+
+/// The exponential map of a surface, pixel by pixel.
+pub fn geodesic(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, GenerateError> {
+    let (mut graph, roots) = graph.extract(&position);
+    let du = graph.derivatives(&roots, Input::Variable(0))?;
+    let dv = graph.derivatives(&roots, Input::Variable(1))?;
+    let duu = graph.derivatives(&du, Input::Variable(0))?;
+    let duv = graph.derivatives(&du, Input::Variable(1))?;
+    let dvv = graph.derivatives(&dv, Input::Variable(1))?;
+    let functions = [Function {
+        header: "surface_jet(u: f32, v: f32, instance: u32) -> Jet",
+        roots: [du, dv, duu, duv, dvv].concat(),
+        result: ResultForm::Vectors("Jet"),
+    }];
+    generate(
+        &graph,
+        &functions,
+        &library::CONTRACT_GEODESIC,
+        &[library::NUMBER, library::POWER, library::JET, library::FIRST_FORM, library::CHART],
+        &library::PASS_GEODESIC,
+    )
+}
+
+/// Expressions over rows of inputs: for comparing what a GPU computes with f64.
+pub fn evaluate(graph: &Graph, roots: &[NodeId]) -> Result<Kernel, GenerateError> {
+    let functions =
+        [Function { header: "evaluate(row: u32)", roots: roots.to_vec(), result: ResultForm::Stored }];
+    generate(
+        graph,
+        &functions,
+        &library::CONTRACT_EVALUATE,
+        &[library::NUMBER, library::POWER, library::SAMPLING],
+        &library::PASS_EVALUATE,
+    )
+}
+
+/// A function to be generated.
+struct Function {
+    /// Its header after `fn`.
+    header: &'static str,
+    roots: Vec<NodeId>,
+    result: ResultForm,
+}
+
+/// What becomes of the roots.
+enum ResultForm {
+    /// Three roots are a vec3f.
+    Vector,
+    /// Each three roots are a vec3f, all of them the members of a struct.
+    Vectors(&'static str),
+    /// Each root is handed to `store_output`.
+    Stored,
+}
+
+impl Function {
+    fn vector(header: &'static str, roots: [NodeId; 3]) -> Self {
+        Self { header, roots: roots.to_vec(), result: ResultForm::Vector }
+    }
+
+    fn write(&self, graph: &Graph, uniforms: &[u32]) -> String {
+        let stored = matches!(self.result, ResultForm::Stored);
+        let instance = if stored { "row" } else { "instance" };
+        let input = |input: Input| match input {
+            Input::Variable(k) if stored => format!("input_value(row, {k}u)"),
+            Input::Variable(0) => "u".to_owned(),
+            Input::Variable(_) => "v".to_owned(),
+            Input::Uniform(k) => {
+                // Every uniform that the roots depend on is in the list.
+                let slot = uniforms.partition_point(|&uniform| uniform < k);
+                format!("uniform_value({instance}, {slot}u)")
+            }
+        };
+        let Body { lets, roots } = emit::body(graph, &self.roots, &input);
+        let vectors = |roots: &[String]| {
+            roots.chunks(3).map(|of| format!("vec3f({})", of.join(", "))).collect::<Vec<_>>()
+        };
+        let end = match self.result {
+            ResultForm::Vector => format!("    return {};\n", vectors(&roots).concat()),
+            ResultForm::Vectors(name) => {
+                format!("    return {name}(\n        {},\n    );\n", vectors(&roots).join(",\n        "))
+            }
+            ResultForm::Stored => roots
+                .iter()
+                .enumerate()
+                .map(|(index, root)| format!("    store_output(row, {index}u, {root});\n"))
+                .collect(),
+        };
+        format!("fn {} {{\n{lets}{end}}}\n", self.header)
+    }
+}
+
+/// Writes the functions, compares them with their contract and the pass with what it has to offer, joins.
+fn generate(
+    graph: &Graph,
+    functions: &[Function],
+    contract: &Piece<'_>,
+    library: &[Piece<'_>],
+    pass: &Piece<'_>,
+) -> Result<Kernel, GenerateError> {
+    let roots: Vec<NodeId> = functions.iter().flat_map(|function| &function.roots).copied().collect();
+    let operations = functions.iter().map(|function| emit::operations(graph, &function.roots)).sum();
+    if operations > OPERATION_LIMIT {
+        return Err(GenerateError::TooLarge { operations: Some(operations) });
+    }
+    let uniforms: Vec<u32> = graph
+        .inputs(&roots)
+        .into_iter()
+        .filter_map(|input| match input {
+            Input::Uniform(k) => Some(k),
+            Input::Variable(_) => None,
+        })
+        .collect();
+    let texts: Vec<String> = functions.iter().map(|function| function.write(graph, &uniforms)).collect();
+    let generated = texts.join("\n");
+    let piece = Piece { origin: "generated", text: &generated };
+    contract::is_exactly(&piece, contract)?;
+    contract::fulfils(pass, &library::CONTRACT_UNIFORMS)?;
+    if functions.iter().any(|function| matches!(function.result, ResultForm::Stored)) {
+        contract::fulfils(pass, &library::CONTRACT_TABLE)?;
+    }
+    let mut pieces = library.to_vec();
+    pieces.push(piece);
+    pieces.push(*pass);
+    let joined = join(&pieces)?;
+    Ok(Kernel { joined, generated, uniforms, operations })
+}

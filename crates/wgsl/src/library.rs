@@ -1,0 +1,82 @@
+//! The hand-written WGSL of `/shaders`, embedded.
+//!
+//! `contract/` holds a stub of every function that one side writes and the other calls: its specification.
+//! `lib/` holds pure functions and structs, `pass/` entry points and all bindings.
+
+/// A piece of WGSL with the name that messages give for it.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Piece<'a> {
+    /// Where it comes from, e.g. `lib/number.wgsl`.
+    pub origin: &'a str,
+    /// Its text.
+    pub text: &'a str,
+}
+
+macro_rules! piece {
+    ($path:literal) => {
+        Piece {
+            origin: $path,
+            text: include_str!(concat!("../../../shaders/", $path)),
+        }
+    };
+}
+
+/// Numbers that are none, made and recognised by their bits.
+pub const NUMBER: Piece<'static> = piece!("lib/number.wgsl");
+/// Powers, and products that a zero factor annihilates.
+pub const POWER: Piece<'static> = piece!("lib/power.wgsl");
+/// Structs of partial derivatives.
+pub const JET: Piece<'static> = piece!("lib/jet.wgsl");
+/// Equally spaced values and the numbering of samples.
+pub const SAMPLING: Piece<'static> = piece!("lib/sampling.wgsl");
+/// First fundamental form and geodesic equation.
+pub const FIRST_FORM: Piece<'static> = piece!("lib/first_form.wgsl");
+/// The chart's domain and its sides.
+pub const CHART: Piece<'static> = piece!("lib/chart.wgsl");
+/// The camera of the 3D view.
+pub const VIEW: Piece<'static> = piece!("lib/view.wgsl");
+/// Strips and discs that face the eye.
+pub const GLYPH: Piece<'static> = piece!("lib/glyph.wgsl");
+
+/// Images on surfaces, filtered over a footprint.
+pub const IMAGE: Piece<'static> = piece!("lib/image.wgsl");
+
+/// What generated functions call: a uniform's value.
+pub const CONTRACT_UNIFORMS: Piece<'static> = piece!("contract/uniforms.wgsl");
+/// What the generated `evaluate` calls: its inputs and outputs.
+pub const CONTRACT_TABLE: Piece<'static> = piece!("contract/table.wgsl");
+/// A generated point.
+pub const CONTRACT_POINT: Piece<'static> = piece!("contract/point.wgsl");
+/// A generated vector.
+pub const CONTRACT_VECTOR: Piece<'static> = piece!("contract/vector.wgsl");
+/// A generated curve.
+pub const CONTRACT_CURVE: Piece<'static> = piece!("contract/curve.wgsl");
+/// A generated surface with its first derivatives.
+pub const CONTRACT_SURFACE: Piece<'static> = piece!("contract/surface.wgsl");
+/// A generated surface's derivatives for the geodesic equation.
+pub const CONTRACT_GEODESIC: Piece<'static> = piece!("contract/geodesic.wgsl");
+/// Generated expressions over a table of inputs.
+pub const CONTRACT_EVALUATE: Piece<'static> = piece!("contract/evaluate.wgsl");
+
+/// Samples of a point.
+pub const PASS_SAMPLE_POINT: Piece<'static> = piece!("pass/sample_point.wgsl");
+/// Samples of a vector.
+pub const PASS_SAMPLE_VECTOR: Piece<'static> = piece!("pass/sample_vector.wgsl");
+/// Samples of a curve.
+pub const PASS_SAMPLE_CURVE: Piece<'static> = piece!("pass/sample_curve.wgsl");
+/// Samples of a surface.
+pub const PASS_SAMPLE_SURFACE: Piece<'static> = piece!("pass/sample_surface.wgsl");
+/// The exponential map of a picture.
+pub const PASS_GEODESIC: Piece<'static> = piece!("pass/geodesic.wgsl");
+/// Expressions over rows of inputs.
+pub const PASS_EVALUATE: Piece<'static> = piece!("pass/evaluate.wgsl");
+/// Painter of points.
+pub const PASS_DRAW_POINTS: Piece<'static> = piece!("pass/draw_points.wgsl");
+/// Painter of vectors.
+pub const PASS_DRAW_VECTORS: Piece<'static> = piece!("pass/draw_vectors.wgsl");
+/// Painter of curves.
+pub const PASS_DRAW_CURVES: Piece<'static> = piece!("pass/draw_curves.wgsl");
+/// Painter of surfaces.
+pub const PASS_DRAW_SURFACES: Piece<'static> = piece!("pass/draw_surfaces.wgsl");
+/// From a map of geodesics' ends to colours.
+pub const PASS_RESOLVE_GEODESIC: Piece<'static> = piece!("pass/resolve_geodesic.wgsl");

@@ -1,0 +1,33 @@
+//! Painters' shaders: hand-written passes joined with the library. Nothing in them is generated.
+
+use crate::join::{InternalError, Joined, join};
+use crate::library::{self, Piece};
+
+/// Discs of points.
+pub fn points() -> Result<Joined, InternalError> {
+    glyphs(library::PASS_DRAW_POINTS)
+}
+
+/// Shafts and heads of vectors.
+pub fn vectors() -> Result<Joined, InternalError> {
+    glyphs(library::PASS_DRAW_VECTORS)
+}
+
+/// Strips and joins of curves.
+pub fn curves() -> Result<Joined, InternalError> {
+    glyphs(library::PASS_DRAW_CURVES)
+}
+
+/// Triangles of surfaces.
+pub fn surfaces() -> Result<Joined, InternalError> {
+    join(&[library::NUMBER, library::VIEW, library::IMAGE, library::PASS_DRAW_SURFACES])
+}
+
+/// From a map of geodesics' ends to colours.
+pub fn resolve_geodesic() -> Result<Joined, InternalError> {
+    join(&[library::NUMBER, library::IMAGE, library::PASS_RESOLVE_GEODESIC])
+}
+
+fn glyphs(pass: Piece<'_>) -> Result<Joined, InternalError> {
+    join(&[library::VIEW, library::GLYPH, pass])
+}

@@ -1,0 +1,120 @@
+// The domain of a chart in scaled coordinates around the camera, and what lies beyond its sides.
+
+// What a side is: the numbers that `Camera.sides` holds.
+const SIDE_EDGE: u32 = 0u;
+const SIDE_WRAP: u32 = 1u;
+const SIDE_WRAP_FLIP: u32 = 2u;
+const SIDE_POLE: u32 = 3u;
+const SIDE_CONE: u32 = 4u;
+
+// Why a geodesic ended: the numbers that a map's pixels hold.
+const COMPLETE: u32 = 0u;
+const LEFT_DOMAIN: u32 = 1u;
+const CONE_POINT: u32 = 2u;
+const DEGENERATE: u32 = 3u;
+const UNDEFINED: u32 = 4u;
+const WORK_LIMIT: u32 = 5u;
+
+// A camera on the surface, and the chart around it. Chart coordinates are offsets from the camera divided by
+// `scale`; lengths are in units of the camera's tangent vectors.
+struct Camera {
+    // (u, v) of the camera.
+    origin: vec2f,
+    // Chart units for one scaled unit.
+    scale: vec2f,
+    // The camera's tangent vectors, scaled.
+    x: vec2f,
+    y: vec2f,
+    // The domain, scaled.
+    minimum: vec2f,
+    maximum: vec2f,
+    // u min, u max, v min, v max.
+    sides: vec4u,
+    // The whole picture in pixels.
+    size: vec2u,
+    // The rows of this dispatch: first, and how many.
+    rows: vec2u,
+    // One over the length of the camera's tangent vectors.
+    per_length: f32,
+    // The most steps that a pixel may take.
+    step_limit: u32,
+    // Which instance of the surface.
+    instance: u32,
+    // Not used.
+    padding: u32,
+}
+
+// A point that moves over the chart.
+struct Mover {
+    at: vec2f,
+    velocity: vec2f,
+    // False once it has left through an edge.
+    inside: bool,
+}
+
+// Brings a mover that has passed a side back into the domain, or finds that it has left.
+fn passed_sides(mover: Mover, camera: Camera) -> Mover {
+    var m = mover;
+    let period = camera.maximum - camera.minimum;
+    // A step is far shorter than a period: the passes below suffice, and end in any case.
+    for (var pass_number = 0u; pass_number < 4u; pass_number++) {
+        let below = m.at < camera.minimum;
+        let above = m.at > camera.maximum;
+        if !any(below) && !any(above) {
+            break;
+        }
+        if below.x || above.x {
+            let side = select(camera.sides.y, camera.sides.x, below.x);
+            let direction = select(-1.0, 1.0, below.x);
+            switch side {
+                case SIDE_WRAP: {
+                    m.at.x += direction * period.x;
+                }
+                case SIDE_WRAP_FLIP: {
+                    m.at.x += direction * period.x;
+                    m.at.y = camera.minimum.y + camera.maximum.y - m.at.y;
+                    m.velocity.y = -m.velocity.y;
+                }
+                case SIDE_POLE: {
+                    m.at.x = 2.0 * select(camera.maximum.x, camera.minimum.x, below.x) - m.at.x;
+                    m.at.y += select(-0.5, 0.5, m.at.y < 0.5 * (camera.minimum.y + camera.maximum.y)) * period.y;
+                    m.velocity.x = -m.velocity.x;
+                }
+                default: {
+                    m.inside = false;
+                }
+            }
+        }
+        if below.y || above.y {
+            let side = select(camera.sides.w, camera.sides.z, below.y);
+            let direction = select(-1.0, 1.0, below.y);
+            switch side {
+                case SIDE_WRAP: {
+                    m.at.y += direction * period.y;
+                }
+                case SIDE_WRAP_FLIP: {
+                    m.at.y += direction * period.y;
+                    m.at.x = camera.minimum.x + camera.maximum.x - m.at.x;
+                    m.velocity.x = -m.velocity.x;
+                }
+                case SIDE_POLE: {
+                    m.at.y = 2.0 * select(camera.maximum.y, camera.minimum.y, below.y) - m.at.y;
+                    m.at.x += select(-0.5, 0.5, m.at.x < 0.5 * (camera.minimum.x + camera.maximum.x)) * period.x;
+                    m.velocity.y = -m.velocity.y;
+                }
+                default: {
+                    m.inside = false;
+                }
+            }
+        }
+        if !m.inside {
+            break;
+        }
+    }
+    return m;
+}
+
+// True for a side that is one point.
+fn is_tip(side: u32) -> bool {
+    return side == SIDE_POLE || side == SIDE_CONE;
+}

@@ -1,0 +1,42 @@
+// Powers and products with the meaning that expressions give them, in f32.
+
+// x^n for an integer n by repeated squaring, the same multiplications as in every other evaluator; 0^0 is 1, a
+// negative exponent is the reciprocal of the positive power.
+fn integer_power(x: f32, n: i32) -> f32 {
+    var remaining = u32(abs(n));
+    var square = x;
+    var result = 1.0;
+    while remaining != 0u {
+        if (remaining & 1u) != 0u {
+            result *= square;
+        }
+        square *= square;
+        remaining >>= 1u;
+    }
+    if n < 0 {
+        return 1.0 / result;
+    }
+    return result;
+}
+
+// x^y. An exponent whose value is an integer takes a negative base; WGSL's own pow is undefined there.
+fn power(x: f32, y: f32) -> f32 {
+    if y == round(y) && abs(y) <= 1024.0 {
+        return integer_power(x, i32(y));
+    }
+    if x > 0.0 {
+        return pow(x, y);
+    }
+    if x == 0.0 {
+        return select(infinite(1.0), 0.0, y > 0.0);
+    }
+    return undefined();
+}
+
+// The product that a zero first factor annihilates: 0 where a is 0, whatever b is.
+fn zmul(a: f32, b: f32) -> f32 {
+    if a == 0.0 {
+        return 0.0;
+    }
+    return a * b;
+}

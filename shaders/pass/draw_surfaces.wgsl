@@ -1,0 +1,49 @@
+// Painter of surfaces: samples → lit triangles with a texture.
+
+struct Patch {
+    // Linear light; multiplies the texture.
+    colour: vec4f,
+    // Samples of one instance along u and v.
+    count: vec2u,
+    // The first instance of this draw.
+    first: u32,
+    padding: u32,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var<uniform> patch_: Patch;
+// Two for each sample: position (w: 1 where defined), normal.
+@group(0) @binding(2) var<storage, read> samples: array<vec4f>;
+@group(0) @binding(3) var image: texture_2d<f32>;
+@group(0) @binding(4) var image_sampler: sampler;
+
+struct PatchVertex {
+    @builtin(position) position: vec4f,
+    @location(0) world: vec3f,
+    @location(1) normal: vec3f,
+    // 0 to 1 over the domain, v downwards in the image as in the domain.
+    @location(2) place: vec2f,
+    // 1 where all corners of the triangle are defined, less elsewhere.
+    @location(3) defined: f32,
+}
+
+@vertex
+fn place_surfaces(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> PatchVertex {
+    let at = ((patch_.first + instance) * patch_.count.x * patch_.count.y + index) * 2u;
+    let sample = samples[at];
+    let along = vec2u(index % patch_.count.x, index / patch_.count.x);
+    let place = vec2f(along) / vec2f(patch_.count - vec2u(1u));
+    return PatchVertex(
+        tile_position(sample.xyz, 0.0, view), sample.xyz, samples[at + 1u].xyz, place, sample.w);
+}
+
+@fragment
+fn shade_surfaces(vertex: PatchVertex) -> @location(0) vec4f {
+    let texel = filtered(image, image_sampler, vertex.place, dpdx(vertex.place), dpdy(vertex.place));
+    // An undefined corner takes its whole triangle away; interpolation of ones is 1 up to rounding.
+    if vertex.defined < 0.9999 {
+        discard;
+    }
+    let to_eye = normalize(view.eye - vertex.world);
+    return vec4f(lit(patch_.colour.rgb * texel, vertex.normal, to_eye, view), 1.0);
+}
