@@ -67,3 +67,51 @@ pub struct Token {
     /// Where it stands.
     pub span: Span,
 }
+
+impl DeclareWord {
+    /// Every declaring word.
+    pub const ALL: [Self; 8] = [
+        Self::Param,
+        Self::Grid,
+        Self::Define,
+        Self::Function,
+        Self::Curve,
+        Self::Surface,
+        Self::Point,
+        Self::Vector,
+    ];
+
+    /// As it is written.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Param => "param",
+            Self::Grid => "grid",
+            Self::Define => "define",
+            Self::Function => "function",
+            Self::Curve => "curve",
+            Self::Surface => "surface",
+            Self::Point => "point",
+            Self::Vector => "vector",
+        }
+    }
+
+    /// Whether what it declares is applied (a function, curve or surface) rather than a value.
+    pub fn declares_function(self) -> bool {
+        matches!(self, Self::Function | Self::Curve | Self::Surface)
+    }
+
+    /// The declaring word that is written so.
+    pub fn from_text(text: &str) -> Option<Self> {
+        Some(match text {
+            "param" => Self::Param,
+            "grid" => Self::Grid,
+            "define" => Self::Define,
+            "function" => Self::Function,
+            "curve" => Self::Curve,
+            "surface" => Self::Surface,
+            "point" => Self::Point,
+            "vector" => Self::Vector,
+            _ => return None,
+        })
+    }
+}

@@ -1,0 +1,237 @@
+//! The productions of the language as data, in the LL(1) form that the parser follows: left recursion turned
+//! into tails, common prefixes factored. Tests compute FIRST and FOLLOW from this table, hold the parser to
+//! it on random texts, and hold it to the productions as the language's page states them.
+
+use crate::token::{DeclareWord, TokenKind};
+
+/// What the productions see of a token.
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+#[allow(missing_docs)]
+pub enum Terminal {
+    Param,
+    Grid,
+    Define,
+    Function,
+    Curve,
+    Surface,
+    Point,
+    Vector,
+    /// A new name, or an interval's tag.
+    Id,
+    Const,
+    /// A function's name.
+    Func,
+    Var,
+    Num,
+    Plus,
+    Minus,
+    Star,
+    Slash,
+    Caret,
+    Underscore,
+    Prime,
+    ParenOpen,
+    ParenClose,
+    BracketOpen,
+    BracketClose,
+    BraceOpen,
+    BraceClose,
+    Comma,
+    Semicolon,
+    Colon,
+    Equals,
+    At,
+}
+
+/// What derives sentences. A `…Tail` is what follows the first operand of a list or an operator.
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+#[allow(missing_docs)]
+pub enum Nonterminal {
+    Prog,
+    Decl,
+    Fdecl,
+    Ids,
+    IdsTail,
+    Int,
+    Ints,
+    IntsTail,
+    Grid,
+    Grids,
+    GridsTail,
+    Tint,
+    TintCount,
+    Tints,
+    TintsTail,
+    Expr,
+    Add,
+    AddTail,
+    Jux,
+    JuxTail,
+    Mult,
+    MultTail,
+    Mult2,
+    Unary,
+    App,
+    Func,
+    FuncTail,
+    Func2,
+    Func2Tail,
+    Pow,
+    PowTail,
+    Comp,
+    CompTail,
+    Fact,
+    Tuple,
+    TupleTail,
+}
+
+/// A step of a production.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum Item {
+    /// A token.
+    T(Terminal),
+    /// What a nonterminal derives.
+    N(Nonterminal),
+}
+
+/// One alternative of a nonterminal; an empty one derives nothing.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Production {
+    /// The nonterminal.
+    pub left: Nonterminal,
+    /// What it derives.
+    pub right: &'static [Item],
+}
+
+impl Terminal {
+    /// What the productions see of a token; `None` for comments, errors and the end of input. A word that
+    /// means nothing is a name: an expression has no place for it.
+    pub fn of(kind: TokenKind) -> Option<Self> {
+        Some(match kind {
+            TokenKind::Declare(word) => match word {
+                DeclareWord::Param => Self::Param,
+                DeclareWord::Grid => Self::Grid,
+                DeclareWord::Define => Self::Define,
+                DeclareWord::Function => Self::Function,
+                DeclareWord::Curve => Self::Curve,
+                DeclareWord::Surface => Self::Surface,
+                DeclareWord::Point => Self::Point,
+                DeclareWord::Vector => Self::Vector,
+            },
+            TokenKind::Undefined => Self::Id,
+            TokenKind::Constant(_) => Self::Const,
+            TokenKind::Function(_) => Self::Func,
+            TokenKind::Variable(_) => Self::Var,
+            TokenKind::Number(_) => Self::Num,
+            TokenKind::Plus => Self::Plus,
+            TokenKind::Minus => Self::Minus,
+            TokenKind::Star => Self::Star,
+            TokenKind::Slash => Self::Slash,
+            TokenKind::Caret => Self::Caret,
+            TokenKind::Underscore => Self::Underscore,
+            TokenKind::Prime => Self::Prime,
+            TokenKind::ParenOpen => Self::ParenOpen,
+            TokenKind::ParenClose => Self::ParenClose,
+            TokenKind::BracketOpen => Self::BracketOpen,
+            TokenKind::BracketClose => Self::BracketClose,
+            TokenKind::BraceOpen => Self::BraceOpen,
+            TokenKind::BraceClose => Self::BraceClose,
+            TokenKind::Comma => Self::Comma,
+            TokenKind::Semicolon => Self::Semicolon,
+            TokenKind::Colon => Self::Colon,
+            TokenKind::Equals => Self::Equals,
+            TokenKind::At => Self::At,
+            TokenKind::Comment | TokenKind::Error | TokenKind::Eoi => return None,
+        })
+    }
+}
+
+macro_rules! productions {
+    ($($left:ident = $($item:ident($name:ident))*;)*) => {
+        &[$(Production {
+            left: Nonterminal::$left,
+            right: &[$(Item::$item($item::$name)),*],
+        }),*]
+    };
+}
+
+/// The grammar; [`Nonterminal::Prog`] is its start.
+pub const PRODUCTIONS: &[Production] = {
+    use {Nonterminal as N, Terminal as T};
+    productions! {
+        Prog = N(Decl) N(Prog);
+        Prog =;
+
+        Decl = T(Param) T(Id) T(Colon) N(Ints) T(Semicolon);
+        Decl = T(Grid) T(Id) T(Colon) N(Grids) T(Semicolon);
+        Decl = T(Define) T(Id) T(Equals) N(Expr) T(Semicolon);
+        Decl = T(Function) N(Fdecl) T(Semicolon);
+        Decl = T(Curve) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
+        Decl = T(Surface) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
+        Decl = T(Point) T(Id) T(Equals) N(Expr) T(Semicolon);
+        Decl = T(Vector) T(Id) T(Equals) N(Expr) T(At) N(Expr) T(Semicolon);
+
+        Fdecl = T(Id) T(ParenOpen) N(Ids) T(ParenClose) T(Equals) N(Expr);
+        Ids = T(Id) N(IdsTail);
+        IdsTail = T(Comma) T(Id) N(IdsTail);
+        IdsTail =;
+
+        Int = T(BracketOpen) N(Expr) T(Comma) N(Expr) T(BracketClose);
+        Ints = N(Int) N(IntsTail);
+        IntsTail = T(Comma) N(Int) N(IntsTail);
+        IntsTail =;
+        Grid = T(BracketOpen) N(Expr) T(Comma) N(Expr) T(Comma) N(Expr) T(BracketClose);
+        Grids = N(Grid) N(GridsTail);
+        GridsTail = T(Comma) N(Grid) N(GridsTail);
+        GridsTail =;
+        Tint = T(Id) T(Colon) T(BracketOpen) N(Expr) T(Comma) N(Expr) N(TintCount) T(BracketClose);
+        TintCount = T(Comma) N(Expr);
+        TintCount =;
+        Tints = N(Tint) N(TintsTail);
+        TintsTail = T(Comma) N(Tint) N(TintsTail);
+        TintsTail =;
+
+        Expr = N(Add);
+        Add = N(Jux) N(AddTail);
+        AddTail = T(Plus) N(Jux) N(AddTail);
+        AddTail = T(Minus) N(Jux) N(AddTail);
+        AddTail =;
+        Jux = N(Mult) N(JuxTail);
+        JuxTail = N(Mult2) N(JuxTail);
+        JuxTail =;
+        Mult = N(Unary) N(MultTail);
+        MultTail = T(Star) N(Unary) N(MultTail);
+        MultTail = T(Slash) N(Unary) N(MultTail);
+        MultTail =;
+        Mult2 = N(App) N(MultTail);
+        Unary = T(Plus) N(Unary);
+        Unary = T(Minus) N(Unary);
+        Unary = T(Star) N(Unary);
+        Unary = T(Slash) N(Unary);
+        Unary = N(App);
+        App = N(Func) N(Unary);
+        App = N(Pow);
+        Func = N(Func2) N(FuncTail);
+        FuncTail = T(Caret) N(Unary);
+        FuncTail =;
+        Func2 = T(Func) N(Func2Tail);
+        Func2Tail = T(Underscore) T(Var) N(Func2Tail);
+        Func2Tail = T(Prime) N(Func2Tail);
+        Func2Tail =;
+        Pow = N(Comp) N(PowTail);
+        PowTail = T(Caret) N(Unary);
+        PowTail =;
+        Comp = N(Fact) N(CompTail);
+        CompTail = T(Underscore) T(Num) N(CompTail);
+        CompTail =;
+        Fact = T(Const);
+        Fact = T(Num);
+        Fact = T(Var);
+        Fact = T(ParenOpen) N(Tuple) T(ParenClose);
+        Fact = T(BracketOpen) N(Tuple) T(BracketClose);
+        Fact = T(BraceOpen) N(Tuple) T(BraceClose);
+        Tuple = N(Add) N(TupleTail);
+        TupleTail = T(Comma) N(Add) N(TupleTail);
+        TupleTail =;
+    }
+};

@@ -1,0 +1,175 @@
+//! Colours for a text: "highlighting is another compiler", a second implementation of the hooks.
+
+use crate::actions::{Actions, Declaration};
+use crate::parser::parse_program;
+use crate::span::Span;
+use crate::symbols::{SymbolKind, Vocabulary};
+use crate::token::{DeclareWord, Token, TokenKind};
+
+/// What a piece of the text is, to the eye.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum HighlightKind {
+    /// `#` to the end of the line.
+    Comment,
+    /// A number.
+    Number,
+    /// A declaring word.
+    Keyword,
+    /// A name that stands for a value.
+    Constant,
+    /// A name that is applied.
+    Function,
+    /// A parameter.
+    Variable,
+    /// `+ - * / ^ _ '`
+    Operator,
+    /// Brackets, `, ; : = @`
+    Punctuation,
+    /// A word that means nothing here.
+    Undefined,
+    /// What is no token.
+    Error,
+}
+
+/// A coloured piece of the text.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Highlight {
+    /// Where it is.
+    pub span: Span,
+    /// What it is.
+    pub kind: HighlightKind,
+    /// It is a name at the place that introduces it.
+    pub declares: bool,
+}
+
+/// Every token of a program, in the order of the text and without overlap.
+pub fn highlight(source: &str, vocabulary: &Vocabulary) -> Vec<Highlight> {
+    let mut highlighter = Highlighter::default();
+    parse_program(source, vocabulary, &mut highlighter);
+    highlighter.highlights
+}
+
+/// Collects the colours as the parser goes.
+#[derive(Clone, Debug, Default)]
+pub struct Highlighter {
+    /// What has been coloured so far. A name that is being introduced gets its colour at the end of its
+    /// declaration.
+    pub highlights: Vec<Highlight>,
+}
+
+impl Highlighter {
+    /// Recolours the token at `span` as a name that is introduced there.
+    fn declare(&mut self, span: Span, kind: HighlightKind) {
+        let found = self.highlights.binary_search_by_key(&span, |h| h.span);
+        if let Ok(index) = found {
+            self.highlights[index].kind = kind;
+            self.highlights[index].declares = true;
+        }
+    }
+}
+
+impl Actions for Highlighter {
+    fn act_advance(&mut self, token: Token) {
+        if let Some(kind) = kind(token.kind) {
+            self.highlights.push(Highlight {
+                span: token.span,
+                kind,
+                declares: false,
+            });
+        }
+    }
+
+    fn act_declaration(&mut self, declaration: &Declaration<'_>) {
+        if declaration.symbol.is_some() {
+            let kind = match symbol_kind(declaration.word) {
+                SymbolKind::Constant => HighlightKind::Constant,
+                SymbolKind::Function => HighlightKind::Function,
+            };
+            self.declare(declaration.name_span, kind);
+        }
+        for parameter in declaration.parameters {
+            self.declare(parameter.span, HighlightKind::Variable);
+        }
+    }
+}
+
+fn symbol_kind(word: DeclareWord) -> SymbolKind {
+    if word.declares_function() {
+        SymbolKind::Function
+    } else {
+        SymbolKind::Constant
+    }
+}
+
+fn kind(token: TokenKind) -> Option<HighlightKind> {
+    Some(match token {
+        TokenKind::Comment => HighlightKind::Comment,
+        TokenKind::Number(_) => HighlightKind::Number,
+        TokenKind::Declare(_) => HighlightKind::Keyword,
+        TokenKind::Constant(_) => HighlightKind::Constant,
+        TokenKind::Function(_) => HighlightKind::Function,
+        TokenKind::Variable(_) => HighlightKind::Variable,
+        TokenKind::Undefined => HighlightKind::Undefined,
+        TokenKind::Plus
+        | TokenKind::Minus
+        | TokenKind::Star
+        | TokenKind::Slash
+        | TokenKind::Caret
+        | TokenKind::Underscore
+        | TokenKind::Prime => HighlightKind::Operator,
+        TokenKind::ParenOpen
+        | TokenKind::ParenClose
+        | TokenKind::BracketOpen
+        | TokenKind::BracketClose
+        | TokenKind::BraceOpen
+        | TokenKind::BraceClose
+        | TokenKind::Comma
+        | TokenKind::Semicolon
+        | TokenKind::Colon
+        | TokenKind::Equals
+        | TokenKind::At => HighlightKind::Punctuation,
+        TokenKind::Error => HighlightKind::Error,
+        TokenKind::Eoi => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{HighlightKind, highlight};
+    use crate::symbols::Vocabulary;
+
+    #[test]
+    fn each_token_has_the_colour_of_what_it_means() {
+        let vocabulary = Vocabulary::new(&["pi"], &["sin"]);
+        let source = "#π\nfunction f(u) = sinpiu + 2foo €; define a = f 3; define pi = 1;";
+        let shown: Vec<String> = highlight(source, &vocabulary)
+            .into_iter()
+            .filter(|h| h.kind != HighlightKind::Punctuation)
+            .map(|h| {
+                let mark = if h.declares { "!" } else { "" };
+                format!("{} {:?}{mark}", h.span.text(source), h.kind)
+            })
+            .collect();
+        let expected = [
+            "#π Comment",
+            "function Keyword",
+            "f Function!",
+            "u Variable!",
+            "sin Function",
+            "pi Constant",
+            "u Variable",
+            "+ Operator",
+            "2 Number",
+            "foo Undefined",
+            "€ Error",
+            "define Keyword",
+            "a Constant!",
+            "f Function",
+            "3 Number",
+            "define Keyword",
+            "pi Constant",
+            "1 Number",
+        ];
+        assert_eq!(shown, expected);
+    }
+}

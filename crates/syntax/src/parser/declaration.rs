@@ -1,0 +1,382 @@
+//! Declarations: `DECL` and all below it that is not an expression.
+
+use super::messages::quote;
+use super::names::{Mode, list};
+use super::suggestions::nearest_declaring;
+use super::{Parser, State, Stop};
+use crate::actions::{Actions, Declaration, Interval, IntervalKind};
+use crate::codes;
+use crate::span::Span;
+use crate::symbols::{Symbol, SymbolKind};
+use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
+
+/// An interval's tag: the position of the parameter that it names, if it names one, and its place.
+type Tag = Option<(Option<u32>, Span)>;
+
+impl<A: Actions> Parser<'_, '_, A> {
+    /// A declaration whose word is the current token. It depends only on the names defined above it, and
+    /// leaves the parser at the token after it.
+    pub(super) fn declaration(&mut self, word: DeclareWord) {
+        self.state = State::default();
+        self.declaration_with_word(word);
+    }
+
+    /// The current token is the declaring word, or what was taken for it.
+    fn declaration_with_word(&mut self, word: DeclareWord) {
+        let start = self.current.span;
+        self.accept();
+        self.actions.act_open(word, start);
+        self.fetch(Mode::Name);
+        self.declaration_from_name(word, start);
+    }
+
+    /// A declaration ought to begin with the current token, which is no declaring word. What is meant is
+    /// guessed where it can be, so that the name is defined and uses of it are not reported.
+    #[cold]
+    pub(super) fn declaration_without_word(&mut self) {
+        self.state = State::default();
+        let word = self.lexer.word();
+        let is_word = word.start == self.current.span.start && word.end > word.start;
+        let text = word.text(self.source);
+        let following = self.following(word.end);
+        let guess = nearest_declaring(text)
+            .filter(|_| is_word && following.is_some_and(|byte| byte.is_ascii_alphabetic()));
+        let is_free = is_word && self.parsed.trie.get(text).is_none();
+        if is_word && (guess.is_some() || is_free) {
+            // Whatever was split off the word, the whole of it is looked at.
+            self.lexer.rewind(word.start);
+            self.fetch(Mode::Name);
+        }
+        let declaring = DeclareWord::ALL.map(DeclareWord::text).join("`, `");
+        let message = format!("expected a declaration, found {}", self.found());
+        let mut diagnostic = self.here(codes::EXPECTED_DECLARATION, message);
+        let unworded = match following {
+            _ if !is_free => None,
+            Some(b'=') => Some(DeclareWord::Define),
+            Some(b'(') => Some(DeclareWord::Function),
+            _ => None,
+        };
+        diagnostic = match (guess, unworded) {
+            (Some(guess), _) => diagnostic.with_hint(format!("did you mean `{}`?", guess.text())),
+            (None, Some(word)) => {
+                let written = quote(&format!("{} {text}", word.text()));
+                diagnostic.with_hint(format!("write {written}"))
+            }
+            _ if self.current.kind == TokenKind::Semicolon => diagnostic.with_hint("remove it"),
+            _ => diagnostic.with_hint(format!("a declaration opens with one of `{declaring}`")),
+        };
+        self.reject(diagnostic);
+        match (guess, unworded) {
+            (Some(word), _) => self.declaration_with_word(word),
+            (None, Some(word)) => {
+                let start = self.current.span;
+                self.actions.act_open(word, start);
+                self.declaration_from_name(word, start);
+            }
+            (None, None) => {
+                self.recover();
+                if self.current.kind == TokenKind::Semicolon {
+                    self.advance(Mode::Expression);
+                }
+            }
+        }
+    }
+
+    /// The rest of a declaration, from its name (the current token) to behind its `;`.
+    fn declaration_from_name(&mut self, word: DeclareWord, start: Span) {
+        if self.decl(word).is_err() {
+            self.state.faulty = true;
+            self.recover();
+        }
+        self.state.in_body = false;
+        let ends = self.current.kind == TokenKind::Semicolon;
+        let last = if ends { self.current } else { self.previous };
+        // The name is defined before the parser looks at the token behind the `;`.
+        let symbol = self.define(word);
+        if ends {
+            self.accept();
+        }
+        self.actions.act_declaration(&Declaration {
+            word,
+            span: start.to(last.span),
+            symbol,
+            name: self.state.name,
+            name_span: self.state.name_span,
+            parameters: &self.state.parameters,
+            faulty: self.state.faulty,
+        });
+        self.state = State::default();
+        if ends {
+            self.fetch(Mode::Expression);
+        }
+    }
+
+    /// Defines the name that was read, where it is free.
+    fn define(&mut self, word: DeclareWord) -> Option<SymbolId> {
+        if !self.state.name_is_free {
+            return None;
+        }
+        let (parameters, parameter_trie) = self.state.take_parameters();
+        let kind = match word.declares_function() {
+            true => SymbolKind::Function,
+            false => SymbolKind::Constant,
+        };
+        Some(self.parsed.define(Symbol {
+            name: self.state.name.to_owned(),
+            kind,
+            word: Some(word),
+            name_span: Some(self.state.name_span),
+            parameters,
+            faulty: self.state.faulty,
+            parameter_trie,
+            inverse: None,
+        }))
+    }
+
+    /// `DECL` after its word, up to its `;`.
+    fn decl(&mut self, word: DeclareWord) -> Result<(), Stop> {
+        match word {
+            DeclareWord::Param | DeclareWord::Grid => {
+                self.new_name(word)?;
+                self.after_name(word, TokenKind::Colon, "`:`")?;
+                self.intervals(word)?;
+            }
+            DeclareWord::Define | DeclareWord::Point => {
+                self.new_name(word)?;
+                self.after_name(word, TokenKind::Equals, "`=`")?;
+                self.expression()?;
+            }
+            DeclareWord::Vector => {
+                self.new_name(word)?;
+                self.after_name(word, TokenKind::Equals, "`=`")?;
+                self.expression()?;
+                self.origin()?;
+            }
+            DeclareWord::Function => self.fdecl(word)?,
+            DeclareWord::Curve | DeclareWord::Surface => {
+                self.fdecl(word)?;
+                self.tints()?;
+            }
+        }
+        match self.current.kind {
+            TokenKind::Semicolon => Ok(()),
+            _ => Err(self.expected_end(word)),
+        }
+    }
+
+    /// The token that stands after the name.
+    fn after_name(&mut self, word: DeclareWord, wanted: TokenKind, what: &str) -> Result<(), Stop> {
+        if self.current.kind == wanted {
+            self.advance(Mode::Expression);
+            return Ok(());
+        }
+        let name = quote(self.state.name);
+        let diagnostic = self.expected_diagnostic(&format!("{what} after the name {name}"));
+        let text = self.state.name;
+        let hint = match self.current.kind {
+            TokenKind::Equals if wanted == TokenKind::Colon => Some(match word {
+                DeclareWord::Grid => {
+                    format!("write `grid {text} : [a, b, n];`, or use `define` for a constant")
+                }
+                _ => format!("write `param {text} : [min, max];`, or use `define` for a constant"),
+            }),
+            TokenKind::Equals => Some("a constant is declared by `define`".to_owned()),
+            TokenKind::ParenOpen => {
+                Some("only `function`, `curve` and `surface` have parameters".to_owned())
+            }
+            TokenKind::Colon => {
+                Some("only `param` and `grid` have `:` after their name".to_owned())
+            }
+            TokenKind::Underscore
+            | TokenKind::Prime
+            | TokenKind::Undefined
+            | TokenKind::Constant(_)
+            | TokenKind::Function(_) => Some("a name is one word of letters and digits".to_owned()),
+            _ => None,
+        };
+        let diagnostic = match hint {
+            Some(hint) => diagnostic.with_hint(hint),
+            None => diagnostic,
+        };
+        Err(self.reject(diagnostic))
+    }
+
+    /// `"@" EXPR` of a vector.
+    fn origin(&mut self) -> Result<(), Stop> {
+        if self.current.kind != TokenKind::At {
+            let diagnostic = self
+                .expected_diagnostic("`@` and the vector's origin")
+                .with_hint("write `vector v = direction @ origin;`");
+            return Err(self.reject(diagnostic));
+        }
+        self.advance(Mode::Expression);
+        self.expression()?;
+        Ok(())
+    }
+
+    /// `FDECL = id "(" IDS ")" "=" EXPR`
+    fn fdecl(&mut self, word: DeclareWord) -> Result<(), Stop> {
+        self.new_name(word)?;
+        let opening = self.current.span;
+        if self.current.kind != TokenKind::ParenOpen {
+            return self.after_name(word, TokenKind::ParenOpen, "`(`");
+        }
+        self.advance(Mode::Name);
+        self.ids(opening)?;
+        if self.current.kind != TokenKind::Equals {
+            return Err(self.expected("`=` after the parameters"));
+        }
+        self.state.in_body = true;
+        self.advance(Mode::Expression);
+        self.expression()?;
+        self.state.in_body = false;
+        Ok(())
+    }
+
+    /// `IDS = IDS "," id | id`, and the `)` behind it.
+    fn ids(&mut self, opening: Span) -> Result<(), Stop> {
+        self.new_parameter()?;
+        while self.current.kind == TokenKind::Comma {
+            self.advance(Mode::Name);
+            self.new_parameter()?;
+        }
+        if self.current.kind != TokenKind::ParenClose {
+            return Err(self.unclosed(opening, ')', "`,` or "));
+        }
+        self.advance(Mode::Expression);
+        Ok(())
+    }
+
+    /// `INTS` of a param, `GRIDS` of a grid.
+    fn intervals(&mut self, word: DeclareWord) -> Result<(), Stop> {
+        self.interval(word, None)?;
+        while self.current.kind == TokenKind::Comma {
+            self.advance(Mode::Expression);
+            self.interval(word, None)?;
+        }
+        Ok(())
+    }
+
+    /// `"," TINTS` of a curve or a surface.
+    fn tints(&mut self) -> Result<(), Stop> {
+        if self.current.kind != TokenKind::Comma {
+            let ends = matches!(
+                self.current.kind,
+                TokenKind::Semicolon | TokenKind::Declare(_) | TokenKind::Eoi
+            );
+            if !ends {
+                return Err(self.expected("`,` and an interval for each parameter"));
+            }
+            let name = quote(self.state.name);
+            let missing: Vec<String> = (self.state.parameters.iter())
+                .take(2)
+                .map(|parameter| format!(", {} : [min, max]", parameter.name))
+                .collect();
+            let found = self.found();
+            let message = format!("{name} needs an interval for each parameter, found {found}");
+            let hint = format!("write {} before the `;`", quote(&missing.concat()));
+            let diagnostic = self.here(codes::MISSING_INTERVAL, message).with_hint(hint);
+            return Err(self.reject(diagnostic));
+        }
+        while self.current.kind == TokenKind::Comma {
+            self.advance(Mode::Tag);
+            self.tint()?;
+        }
+        Ok(())
+    }
+
+    /// `TINT = id ":" INT | id ":" GRID`
+    fn tint(&mut self) -> Result<(), Stop> {
+        let span = self.current.span;
+        let tag = match self.current.kind {
+            TokenKind::Variable(parameter) => Some((Some(parameter), span)),
+            TokenKind::Undefined => {
+                let names = list(&self.state.parameters);
+                let message = format!(
+                    "{} is not a parameter of {}{names}",
+                    self.found(),
+                    quote(self.state.name)
+                );
+                let diagnostic = self.here(codes::UNKNOWN_TAG, message);
+                self.report(diagnostic);
+                Some((None, span))
+            }
+            TokenKind::BracketOpen => {
+                let name = match self.state.parameters.first() {
+                    Some(parameter) => &parameter.name,
+                    None => "t",
+                };
+                let form = quote(&format!("{name} : […]"));
+                let message = format!("this interval needs its parameter before it, as in {form}");
+                let diagnostic = self.here(codes::MISSING_TAG, message);
+                self.report(diagnostic);
+                None
+            }
+            _ => return Err(self.expected("the name of a parameter and its interval")),
+        };
+        if tag.is_some() {
+            self.advance(Mode::Expression);
+            if self.current.kind != TokenKind::Colon {
+                return Err(self.expected("`:` after the name of the parameter"));
+            }
+            self.advance(Mode::Expression);
+        }
+        self.interval(DeclareWord::Curve, tag)
+    }
+
+    /// `INT = "[" EXPR "," EXPR "]"` of a param, `GRID = "[" EXPR "," EXPR "," EXPR "]"` of a grid, either
+    /// of a curve or a surface.
+    fn interval(&mut self, word: DeclareWord, tag: Tag) -> Result<(), Stop> {
+        let opening = self.current.span;
+        if self.current.kind != TokenKind::BracketOpen {
+            let form = match word {
+                DeclareWord::Grid => "an interval `[a, b, n]`",
+                _ => "an interval `[a, b]`",
+            };
+            return Err(self.expected(form));
+        }
+        self.advance(Mode::Expression);
+        self.expression()?;
+        if self.current.kind != TokenKind::Comma {
+            return Err(match self.current.kind {
+                TokenKind::BracketClose => self.expected("`,` and the interval's other end"),
+                _ => self.unclosed(opening, ']', "`,` or "),
+            });
+        }
+        self.advance(Mode::Expression);
+        self.expression()?;
+        let mut kind = IntervalKind::Range;
+        match (self.current.kind, word) {
+            (TokenKind::Comma, DeclareWord::Param) => {
+                let diagnostic = self.expected_diagnostic("`]`").with_hint(
+                    "a param's interval is `[min, max]`; one with a count belongs to a `grid`",
+                );
+                return Err(self.reject(diagnostic));
+            }
+            (TokenKind::BracketClose, DeclareWord::Grid) => {
+                let diagnostic = self
+                    .expected_diagnostic("`,` and the number of values")
+                    .with_hint("a grid's interval is `[a, b, n]`");
+                return Err(self.reject(diagnostic));
+            }
+            (TokenKind::Comma, _) => {
+                self.advance(Mode::Expression);
+                self.expression()?;
+                kind = IntervalKind::Grid;
+            }
+            _ => {}
+        }
+        let Token { kind: found, span } = self.current;
+        if found != TokenKind::BracketClose {
+            let separator = match (kind, word) {
+                (IntervalKind::Range, DeclareWord::Curve) => "`,` or ",
+                _ => "",
+            };
+            return Err(self.unclosed(opening, ']', separator));
+        }
+        self.advance(Mode::Expression);
+        let span = opening.to(span);
+        self.act_interval(Interval { kind, span, tag });
+        Ok(())
+    }
+}

@@ -1,0 +1,315 @@
+//! Expressions: `EXPR` and all below it. Each function reads its nonterminal from the current token on,
+//! hands its steps to the hooks in postfix order and returns where it stands.
+
+use super::names::Mode;
+use super::readings::{Argument, Touching};
+use super::{MAX_DEPTH, Parse, Parser, Stop};
+use crate::actions::{Actions, Operator};
+use crate::codes;
+use crate::span::Span;
+use crate::token::{SymbolId, TokenKind};
+
+impl<A: Actions> Parser<'_, '_, A> {
+    /// `EXPR = ADD`
+    pub(super) fn expression(&mut self) -> Parse {
+        self.add()
+    }
+
+    /// `ADD = ADD "+" JUX | ADD "-" JUX | JUX`
+    fn add(&mut self) -> Parse {
+        let mut span = self.jux()?;
+        loop {
+            let operator = match self.current.kind {
+                TokenKind::Plus => Operator::Add,
+                TokenKind::Minus => Operator::Subtract,
+                _ => return Ok(span),
+            };
+            self.advance(Mode::Expression);
+            span = span.to(self.jux()?);
+            self.operator(operator, span);
+        }
+    }
+
+    /// `JUX = JUX MULT2 | MULT`
+    fn jux(&mut self) -> Parse {
+        let mut span = self.mult()?;
+        while self.starts_app() {
+            self.warn_number_argument();
+            span = span.to(self.mult2()?);
+            self.operator(Operator::Juxtapose, span);
+        }
+        Ok(span)
+    }
+
+    /// `MULT = MULT "*" UNARY | MULT "/" UNARY | UNARY`
+    fn mult(&mut self) -> Parse {
+        let first = self.unary()?;
+        self.mult_tail(first)
+    }
+
+    /// `MULT2 = MULT2 "*" UNARY | MULT2 "/" UNARY | APP`
+    fn mult2(&mut self) -> Parse {
+        let first = self.app()?;
+        self.mult_tail(first)
+    }
+
+    /// What `MULT` and `MULT2` have in common after their first operand.
+    fn mult_tail(&mut self, mut span: Span) -> Parse {
+        loop {
+            let operator = match self.current.kind {
+                TokenKind::Star => Operator::Multiply,
+                TokenKind::Slash => Operator::Divide,
+                _ => return Ok(span),
+            };
+            self.advance(Mode::Expression);
+            span = span.to(self.unary()?);
+            self.operator(operator, span);
+        }
+    }
+
+    /// `UNARY = "+" UNARY | "-" UNARY | "*" UNARY | "/" UNARY | APP`
+    ///
+    /// Every way to nest leads through here, so this is where depth is counted.
+    fn unary(&mut self) -> Parse {
+        if self.state.depth == MAX_DEPTH {
+            return Err(self.too_deep());
+        }
+        self.state.depth += 1;
+        let span = match self.prefix_operator() {
+            Some(operator) => {
+                let start = self.current.span;
+                self.advance(Mode::Expression);
+                let span = start.to(self.unary()?);
+                self.operator(operator, span);
+                span
+            }
+            None => self.app()?,
+        };
+        self.state.depth -= 1;
+        Ok(span)
+    }
+
+    fn prefix_operator(&self) -> Option<Operator> {
+        Some(match self.current.kind {
+            TokenKind::Plus => Operator::Plus,
+            TokenKind::Minus => Operator::Negate,
+            TokenKind::Star => Operator::Square,
+            TokenKind::Slash => Operator::Reciprocal,
+            _ => return None,
+        })
+    }
+
+    /// `APP = FUNC UNARY | POW`
+    fn app(&mut self) -> Parse {
+        let TokenKind::Function(id) = self.current.kind else {
+            return self.pow();
+        };
+        let function = self.func(id)?;
+        if self.prefix_operator().is_none() && !self.starts_app() {
+            return Err(self.missing_argument(function));
+        }
+        if self.opens_bracket() && self.current.span.start == function.end {
+            let bracket = self.current.span.start;
+            self.readings.touching = Some(Touching { function, bracket });
+        }
+        let operand = self.unary()?;
+        let span = function.to(operand);
+        self.operator(Operator::Apply, span);
+        if let TokenKind::Number(_) = self.previous.kind {
+            self.readings.argument = Some(Argument { function, operand });
+        }
+        Ok(span)
+    }
+
+    /// `FUNC = FUNC2 "^" UNARY | FUNC2`
+    fn func(&mut self, id: SymbolId) -> Parse {
+        let function = self.func2(id)?;
+        if self.current.kind != TokenKind::Caret {
+            return Ok(function);
+        }
+        self.advance(Mode::Expression);
+        let exponent = self.unary()?;
+        let span = function.to(exponent);
+        self.operator(Operator::FunctionPower, span);
+        self.warn_inverse(id, function, exponent);
+        Ok(span)
+    }
+
+    /// `FUNC2 = FUNC2 "_" var | FUNC2 "'" | func`
+    fn func2(&mut self, id: SymbolId) -> Parse {
+        let mut span = self.current.span;
+        self.operator(Operator::Function(id), span);
+        self.advance(Mode::Expression);
+        loop {
+            match self.current.kind {
+                TokenKind::Prime => {
+                    span = span.to(self.current.span);
+                    self.operator(Operator::Total, span);
+                    self.advance(Mode::Expression);
+                }
+                TokenKind::Underscore => {
+                    self.advance(Mode::ParameterOf(id));
+                    span = span.to(self.current.span);
+                    match self.current.kind {
+                        TokenKind::Variable(parameter) => {
+                            self.operator(Operator::Partial(parameter), span);
+                            self.advance(Mode::Expression);
+                        }
+                        _ => self.no_such_parameter(id)?,
+                    }
+                }
+                _ => return Ok(span),
+            }
+        }
+    }
+
+    /// `POW = COMP "^" UNARY | COMP`
+    fn pow(&mut self) -> Parse {
+        let touching = self.readings.touching.take();
+        let base = self.comp(touching)?;
+        if self.current.kind != TokenKind::Caret {
+            return Ok(base);
+        }
+        self.advance(Mode::Expression);
+        let exponent = self.unary()?;
+        let span = base.to(exponent);
+        self.operator(Operator::Power, span);
+        self.warn_power_of_argument(touching, base, exponent);
+        Ok(span)
+    }
+
+    /// `COMP = COMP "_" num | FACT`
+    fn comp(&mut self, touching: Option<Touching>) -> Parse {
+        let value = self.fact()?;
+        let mut span = value;
+        while self.current.kind == TokenKind::Underscore {
+            self.advance(Mode::Expression);
+            let index = match self.current.kind {
+                TokenKind::Number(_) => self.component_index(),
+                // A number that has been reported.
+                TokenKind::Error => Some(1),
+                _ => None,
+            };
+            let Some(index) = index else {
+                return Err(self.not_a_component(value));
+            };
+            let is_first = span == value;
+            span = span.to(self.current.span);
+            self.advance(Mode::Expression);
+            self.operator(Operator::Component(index), span);
+            if is_first {
+                self.warn_component_of_argument(touching, value, span);
+            }
+        }
+        Ok(span)
+    }
+
+    /// `FACT = const | num | var | "(" TUPLE ")" | "[" TUPLE "]" | "{" TUPLE "}"`
+    fn fact(&mut self) -> Parse {
+        let span = self.current.span;
+        match self.current.kind {
+            TokenKind::Constant(id) => self.operator(Operator::Constant(id), span),
+            TokenKind::Number(value) => self.operator(Operator::Number(value), span),
+            TokenKind::Variable(parameter) => self.operator(Operator::Variable(parameter), span),
+            TokenKind::ParenOpen => return self.bracket(TokenKind::ParenClose, ')'),
+            TokenKind::BracketOpen => return self.bracket(TokenKind::BracketClose, ']'),
+            TokenKind::BraceOpen => return self.bracket(TokenKind::BraceClose, '}'),
+            TokenKind::Undefined => return Ok(self.undefined_operand()),
+            // A number that has been reported.
+            TokenKind::Error => self.state.silent = true,
+            _ => return Err(self.expected_expression()),
+        }
+        self.advance(Mode::Expression);
+        Ok(span)
+    }
+
+    /// A `TUPLE` between brackets.
+    fn bracket(&mut self, close: TokenKind, closing: char) -> Parse {
+        let opening = self.current.span;
+        self.advance(Mode::Expression);
+        let count = self.tuple()?;
+        if self.current.kind != close {
+            return Err(self.unclosed(opening, closing, "`,` or "));
+        }
+        let span = opening.to(self.current.span);
+        self.advance(Mode::Expression);
+        self.operator(Operator::Tuple(count), span);
+        Ok(span)
+    }
+
+    /// `TUPLE = ADD "," TUPLE | ADD`; returns how many components there are.
+    fn tuple(&mut self) -> Result<u32, Stop> {
+        let mut count = 1;
+        self.add()?;
+        while self.current.kind == TokenKind::Comma {
+            self.advance(Mode::Expression);
+            self.add()?;
+            count += 1;
+        }
+        Ok(count)
+    }
+
+    /// Whether the current token begins an `APP`.
+    fn starts_app(&self) -> bool {
+        matches!(
+            self.current.kind,
+            TokenKind::Function(_)
+                | TokenKind::Constant(_)
+                | TokenKind::Number(_)
+                | TokenKind::Variable(_)
+                | TokenKind::Undefined
+                | TokenKind::Error
+        ) || self.opens_bracket()
+    }
+
+    fn opens_bracket(&self) -> bool {
+        matches!(
+            self.current.kind,
+            TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen
+        )
+    }
+
+    /// The current number as the number of a component: digits alone, and not 0.
+    fn component_index(&self) -> Option<u32> {
+        let digits = self.current.span.text(self.source);
+        let is_integer = digits.bytes().all(|byte| byte.is_ascii_digit());
+        // No value has as many components as the largest number says.
+        let index = || digits.parse().unwrap_or(u32::MAX);
+        let positive = is_integer && digits.bytes().any(|byte| byte != b'0');
+        positive.then(index)
+    }
+
+    #[cold]
+    fn not_a_component(&mut self, value: Span) -> Stop {
+        let found = self.found();
+        let message =
+            format!("a component is chosen by a positive integer after `_`, found {found}");
+        let mut diagnostic = self.here(codes::COMPONENT_INDEX, message);
+        let first = found.trim_start_matches('`').chars().next();
+        if first.is_some_and(char::is_alphabetic) && self.current.kind != TokenKind::Eoi {
+            let value = super::messages::quote(value.text(self.source));
+            let hint = format!("{value} is not a function: only a function is derived by `_`");
+            diagnostic = diagnostic.with_hint(hint);
+        }
+        self.reject(diagnostic)
+    }
+
+    #[cold]
+    fn missing_argument(&mut self, function: Span) -> Stop {
+        let name = super::messages::quote(function.text(self.source));
+        let message = format!("{name} needs an argument, found {}", self.found());
+        let diagnostic = self
+            .here(codes::MISSING_ARGUMENT, message)
+            .with_related(function, "this is a function");
+        self.reject(diagnostic)
+    }
+
+    #[cold]
+    fn too_deep(&mut self) -> Stop {
+        let message = format!("this is nested deeper than {MAX_DEPTH} levels");
+        let diagnostic = self
+            .here(codes::TOO_DEEP, message)
+            .with_hint("give a part of it a name, with `define` or `function`");
+        self.reject(diagnostic)
+    }
+}

@@ -1,0 +1,222 @@
+//! The sentences of lexical and syntax errors, in the user's words.
+
+use super::{Parser, Stop};
+use crate::actions::Actions;
+use crate::codes;
+use crate::diagnostic::{Code, Diagnostic};
+use crate::lexer::Fault;
+use crate::span::Span;
+use crate::token::{DeclareWord, Token, TokenKind};
+
+/// How many characters of the text a sentence quotes.
+const QUOTE_LENGTH: usize = 40;
+
+/// A piece of the text between backquotes, cut where it is long.
+pub(super) fn quote(text: &str) -> String {
+    let mut cut: String = text.chars().take(QUOTE_LENGTH).collect();
+    cut = cut.replace(['\n', '\r', '\t'], " ");
+    if cut.len() < text.len() {
+        cut.push('…');
+    }
+    format!("`{cut}`")
+}
+
+/// One token or place as a sentence names it.
+pub(super) fn describe(source: &str, token: Token) -> String {
+    match token.kind {
+        TokenKind::Eoi => "the end of the text".to_owned(),
+        _ => quote(token.span.text(source)),
+    }
+}
+
+/// An error of a run of characters that begin no token.
+pub(super) fn bad_characters(source: &str, span: Span, first: char) -> Diagnostic {
+    let text = span.text(source);
+    let single = text.len() == first.len_utf8();
+    let shown = match first {
+        '\0' => "a NUL byte (U+0000)".to_owned(),
+        '\u{FEFF}' => "a byte order mark (U+FEFF)".to_owned(),
+        '\u{A0}' => "a no-break space (U+00A0)".to_owned(),
+        _ if first.is_control() || first.is_whitespace() || is_invisible(first) => {
+            format!("the invisible character U+{:04X}", u32::from(first))
+        }
+        _ if single => format!("the character `{first}`"),
+        _ => format!("the characters {}", quote(&visible(text))),
+    };
+    let message = if first.is_alphabetic() {
+        format!("{shown} cannot stand here: names hold only the letters a-z, A-Z and digits")
+    } else {
+        format!("{shown} cannot stand here")
+    };
+    let diagnostic = Diagnostic::error(codes::BAD_CHARACTER, span, message);
+    match substitute(first) {
+        Some(hint) => diagnostic.with_hint(hint),
+        None => diagnostic,
+    }
+}
+
+/// An error, or a warning, of a number.
+pub(super) fn bad_number(source: &str, span: Span, fault: Fault) -> Diagnostic {
+    let number = quote(span.text(source));
+    match fault {
+        Fault::Underflow => Diagnostic::warning(
+            codes::NUMBER_UNDERFLOW,
+            span,
+            format!("number out of range: {number} is so small that it is read as 0"),
+        ),
+        Fault::Overflow => Diagnostic::error(
+            codes::NUMBER_OUT_OF_RANGE,
+            span,
+            format!("number out of range: {number} is larger than 1.797e308"),
+        ),
+        Fault::LonePoint | Fault::Character(_) => Diagnostic::error(
+            codes::BAD_NUMBER,
+            span,
+            "a lone `.` is not a number: a digit stands before it or after it",
+        ),
+    }
+}
+
+fn is_invisible(character: char) -> bool {
+    matches!(character, '\u{AD}' | '\u{200B}'..='\u{200F}' | '\u{202A}'..='\u{202E}' | '\u{2060}'..='\u{206F}')
+}
+
+fn visible(text: &str) -> String {
+    let text = text.chars().take(QUOTE_LENGTH + 1);
+    let show = |c: char| {
+        if c.is_control() || is_invisible(c) {
+            char::REPLACEMENT_CHARACTER
+        } else {
+            c
+        }
+    };
+    text.map(show).collect()
+}
+
+/// What to write instead of a character that is often pasted.
+fn substitute(character: char) -> Option<&'static str> {
+    Some(match character {
+        '\u{2212}' | '\u{2010}'..='\u{2015}' => "write `-`",
+        '×' | '·' | '∗' | '⋅' | '•' => "write `*`",
+        '÷' | '∕' => "write `/`",
+        '²' => "write `^2`",
+        '³' => "write `^3`",
+        '‘' | '’' | '′' | '`' | '"' | '″' => "write `'`",
+        'π' => "write `pi`",
+        '√' => "write `sqrt`",
+        '!' | '%' | '&' | '|' | '<' | '>' | '?' | '~' | '$' | '\\' => {
+            "the operators are `+ - * / ^ _ '`"
+        }
+        '\u{FEFF}' | '\u{200B}'..='\u{200F}' => "remove it",
+        _ if character.is_whitespace() => "use an ordinary space",
+        _ => return None,
+    })
+}
+
+impl<A: Actions> Parser<'_, '_, A> {
+    /// Reports that the current token was not accepted, unless what stands before it has been reported, or
+    /// it is itself reported already.
+    pub(super) fn reject(&mut self, diagnostic: Diagnostic) -> Stop {
+        self.state.faulty = true;
+        self.state.silent = true;
+        // A missing `;` is an error of its own, whatever stands before it.
+        let is_own = diagnostic.code == codes::MISSING_SEMICOLON;
+        if !self.state.rejected && (is_own || !self.flagged) {
+            self.report(diagnostic);
+        }
+        self.state.rejected = true;
+        Stop
+    }
+
+    /// An error at the current token.
+    pub(super) fn here(&self, code: Code, message: impl Into<String>) -> Diagnostic {
+        Diagnostic::error(code, self.current.span, message)
+    }
+
+    pub(super) fn found(&self) -> String {
+        describe(self.source, self.current)
+    }
+
+    /// Something else was expected than the current token.
+    pub(super) fn expected(&mut self, what: &str) -> Stop {
+        let diagnostic = self.expected_diagnostic(what);
+        self.reject(diagnostic)
+    }
+
+    pub(super) fn expected_diagnostic(&self, what: &str) -> Diagnostic {
+        let message = format!("expected {what}, found {}", self.found());
+        self.here(codes::UNEXPECTED_TOKEN, message)
+    }
+
+    /// The current token begins no expression.
+    pub(super) fn expected_expression(&mut self) -> Stop {
+        let found = self.found();
+        let message = if self.accepted == 0 {
+            format!("expected an expression, found {found}")
+        } else {
+            let after = describe(self.source, self.previous);
+            format!("expected an expression after {after}, found {found}")
+        };
+        let diagnostic = self.here(codes::UNEXPECTED_TOKEN, message);
+        self.reject(diagnostic)
+    }
+
+    /// A bracket that was opened at `opening` is not closed by the current token.
+    pub(super) fn unclosed(&mut self, opening: Span, close: char, separator: &str) -> Stop {
+        let open = opening.text(self.source);
+        let found = self.found();
+        let diagnostic = match self.current.kind {
+            TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => self.here(
+                codes::MISMATCHED_BRACKET,
+                format!("`{open}` is closed by {found}: each kind of bracket closes with its own, `{close}`"),
+            ),
+            TokenKind::Semicolon | TokenKind::Declare(_) | TokenKind::Eoi => self.here(
+                codes::UNCLOSED_BRACKET,
+                format!("`{open}` is not closed: expected `{close}`, found {found}"),
+            ),
+            _ => self.here(
+                codes::UNEXPECTED_TOKEN,
+                format!("expected {separator}`{close}`, found {found}"),
+            ),
+        };
+        let diagnostic = diagnostic.with_related(opening, format!("`{open}` opens here"));
+        self.reject(diagnostic)
+    }
+
+    /// A declaration ought to end at the current token, which is no `;`.
+    pub(super) fn expected_end(&mut self, word: DeclareWord) -> Stop {
+        let end = self.previous.span.end;
+        let found = self.found();
+        let diagnostic = match self.current.kind {
+            TokenKind::Declare(_) | TokenKind::Eoi => self
+                .here(
+                    codes::MISSING_SEMICOLON,
+                    format!("missing `;` after this declaration, found {found}"),
+                )
+                .with_hint(format!(
+                    "put a `;` after {}, in line {}",
+                    describe(self.source, self.previous),
+                    self.line_of(self.previous.span.start),
+                ))
+                .with_related(Span::new(end, end), "the `;` belongs here"),
+            TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => self.here(
+                codes::UNEXPECTED_TOKEN,
+                format!("expected `;`, found {found}, which closes no bracket"),
+            ),
+            TokenKind::Comma if word == DeclareWord::Function => self
+                .expected_diagnostic("`;`")
+                .with_hint("a function has no intervals: a `curve` or a `surface` has"),
+            TokenKind::Comma => self
+                .expected_diagnostic("`;`")
+                .with_hint("a tuple is written in brackets: `(1, 2)`"),
+            TokenKind::At => self
+                .expected_diagnostic("`;`")
+                .with_hint("only a `vector` has an origin"),
+            TokenKind::Prime => self
+                .expected_diagnostic("`;`")
+                .with_hint("only a function has a derivative: write `f' x`, not `(f x)'`"),
+            _ => self.expected_diagnostic("`;`"),
+        };
+        self.reject(diagnostic)
+    }
+}

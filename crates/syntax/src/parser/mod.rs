@@ -1,0 +1,283 @@
+//! The parser of the geotrace language: LL(1) recursive descent, one function per nonterminal of
+//! [`grammar`](crate::grammar), calling the hooks of [`Actions`] as it goes.
+//!
+//! A text and a vocabulary flow in; calls of hooks flow out, and at the end the names that the text defines.
+//! Parsing never fails: what is wrong becomes a diagnostic, and the parser goes on at the next `;` or
+//! declaring word.
+//!
+//! - [`declaration`]: `DECL` and all that is not an expression.
+//! - [`expression`]: `EXPR` and all below it.
+//! - [`names`]: which token a word is, new names, words that mean nothing.
+//! - [`readings`]: warnings about legal text that is not read as it looks.
+//! - [`suggestions`]: what such a word may have been meant to be.
+//! - [`messages`]: the sentences of lexical and syntax errors.
+
+mod declaration;
+mod expression;
+mod messages;
+mod names;
+mod readings;
+mod suggestions;
+
+use std::cell::OnceCell;
+
+use crate::actions::{Actions, Interval, Operator, Parameter};
+use crate::codes;
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::lexer::{Fault, Lexer};
+use crate::line_index::LineIndex;
+use crate::span::Span;
+use crate::symbols::{Parsed, Vocabulary};
+use crate::token::{Token, TokenKind};
+use crate::trie::Trie;
+use names::Mode;
+
+/// How deep an expression may be nested: brackets, prefix operators, exponents and functions of functions
+/// all count. A thread with 2 MiB of stack holds this many levels in a debug build.
+pub const MAX_DEPTH: u32 = 256;
+
+/// The most diagnostics for one text; a last one says that the rest is left out.
+pub const MAX_DIAGNOSTICS: usize = 100_000;
+
+/// Reads a whole program, `PROG`.
+///
+/// Names are defined from the end of their declaration on. Texts of 4 GiB and more are refused with one
+/// diagnostic.
+pub fn parse_program<A: Actions>(source: &str, vocabulary: &Vocabulary, actions: &mut A) -> Parsed {
+    let parsed = vocabulary.start();
+    let Some(source) = accept_length(source, actions) else {
+        return parsed;
+    };
+    let mut parser = Parser::new(source, parsed, actions);
+    parser.program();
+    parser.warn_hidden_splits();
+    parser.parsed
+}
+
+/// Reads a lone expression, `EXPR`, with the names at the end of a program; nothing may follow it. Returns
+/// whether it holds no error: then what its steps built is complete.
+pub fn parse_expression<A: Actions>(source: &str, parsed: &Parsed, actions: &mut A) -> bool {
+    let Some(source) = accept_length(source, actions) else {
+        return false;
+    };
+    let mut parser = Parser::new(source, parsed.clone(), actions);
+    parser.lone_expression();
+    !parser.state.faulty
+}
+
+fn accept_length<'s>(source: &'s str, actions: &mut impl Actions) -> Option<&'s str> {
+    if u32::try_from(source.len()).is_ok_and(|length| length < u32::MAX) {
+        return Some(source);
+    }
+    let message = "this text is too large: 4 GiB are the limit";
+    actions.act_error(Diagnostic::error(
+        codes::FILE_TOO_LARGE,
+        Span::default(),
+        message,
+    ));
+    None
+}
+
+/// The parser gave up on the declaration; the reason has been reported.
+struct Stop;
+
+/// Where a nonterminal was read, from its first token to its last.
+type Parse = Result<Span, Stop>;
+
+struct Parser<'s, 'a, A> {
+    source: &'s str,
+    lexer: Lexer<'s>,
+    /// The names defined so far.
+    parsed: Parsed,
+    actions: &'a mut A,
+    /// The token to be accepted next; no more are looked at.
+    current: Token,
+    /// The token accepted last.
+    previous: Token,
+    /// What was just passed (a bad character, a word that means nothing) has been reported: that the
+    /// current token does not fit is most likely its doing.
+    flagged: bool,
+    /// Tokens accepted so far, so that loops can assert progress.
+    accepted: usize,
+    diagnostics: usize,
+    state: State<'s>,
+    readings: readings::Readings,
+    suggestions: suggestions::Suggestions,
+    lines: OnceCell<LineIndex<'s>>,
+    declared_below: OnceCell<suggestions::DeclaredNames<'s>>,
+}
+
+/// What is known of the declaration that is being read.
+#[derive(Default)]
+struct State<'s> {
+    /// It holds an error.
+    faulty: bool,
+    /// Its steps are incomplete: no more are handed out.
+    silent: bool,
+    depth: u32,
+    name: &'s str,
+    name_span: Span,
+    name_is_free: bool,
+    parameters: Vec<Parameter>,
+    parameter_trie: Trie<u32>,
+    /// The body is being read: parameters are variables.
+    in_body: bool,
+    /// The undefined words that have been reported.
+    undefined: Vec<&'s str>,
+    /// A syntax error has been reported: one is enough for a declaration.
+    rejected: bool,
+}
+
+impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
+    fn new(source: &'s str, parsed: Parsed, actions: &'a mut A) -> Self {
+        let start = Token {
+            kind: TokenKind::Eoi,
+            span: Span::default(),
+        };
+        let mut parser = Self {
+            source,
+            lexer: Lexer::new(source),
+            parsed,
+            actions,
+            current: start,
+            previous: start,
+            flagged: false,
+            accepted: 0,
+            diagnostics: 0,
+            state: State::default(),
+            readings: readings::Readings::default(),
+            suggestions: suggestions::Suggestions::default(),
+            lines: OnceCell::new(),
+            declared_below: OnceCell::new(),
+        };
+        parser.fetch(Mode::Expression);
+        parser
+    }
+
+    /// `PROG = DECL PROG |`
+    fn program(&mut self) {
+        while self.current.kind != TokenKind::Eoi {
+            let before = self.accepted;
+            match self.current.kind {
+                TokenKind::Declare(word) => self.declaration(word),
+                _ => self.declaration_without_word(),
+            }
+            assert!(self.accepted > before, "the parser stands still");
+        }
+    }
+
+    fn lone_expression(&mut self) {
+        let read = self.expression();
+        if read.is_ok() && self.current.kind != TokenKind::Eoi {
+            self.expected("the end of the expression");
+        }
+        while self.current.kind != TokenKind::Eoi {
+            self.advance(Mode::Expression);
+        }
+    }
+
+    /// Accepts the current token and looks at the next, which is read as the mode says.
+    #[inline]
+    fn advance(&mut self, mode: Mode) {
+        self.accept();
+        self.fetch(mode);
+    }
+
+    /// Moves past the current token, without looking at the next yet.
+    fn accept(&mut self) {
+        self.actions.act_advance(self.current);
+        self.accepted += 1;
+        self.previous = self.current;
+    }
+
+    /// Looks at the next token. Comments and characters that begin no token are passed on the way.
+    #[inline]
+    fn fetch(&mut self, mode: Mode) {
+        self.flagged = false;
+        let lexeme = self.lex(mode);
+        self.current = lexeme.token;
+        if lexeme.fault.is_some() || lexeme.token.kind == TokenKind::Comment {
+            self.fetch_slowly(mode, lexeme);
+        }
+    }
+
+    #[cold]
+    fn fetch_slowly(&mut self, mode: Mode, mut lexeme: crate::lexer::Lexeme) {
+        // A run of bad characters is reported once, at its end.
+        let mut run: Option<(Span, char)> = None;
+        loop {
+            let token = lexeme.token;
+            match (run, lexeme.fault) {
+                (Some((span, first)), Some(Fault::Character(_)))
+                    if span.end == token.span.start =>
+                {
+                    run = Some((span.to(token.span), first));
+                }
+                (ended, fault) => {
+                    if let Some((span, first)) = ended {
+                        self.report(messages::bad_characters(self.source, span, first));
+                    }
+                    run = match fault {
+                        Some(Fault::Character(first)) => Some((token.span, first)),
+                        _ => None,
+                    };
+                }
+            }
+            if run.is_none() && token.kind != TokenKind::Comment {
+                break;
+            }
+            self.flagged |= run.is_some();
+            self.actions.act_advance(token);
+            self.accepted += 1;
+            lexeme = self.lex(mode);
+        }
+        if let Some(fault) = lexeme.fault {
+            // A malformed number stays the current token: it is an operand.
+            self.report(messages::bad_number(self.source, lexeme.token.span, fault));
+            self.flagged |= lexeme.token.kind == TokenKind::Error;
+        }
+        self.current = lexeme.token;
+    }
+
+    /// Skips to the end of the declaration: a `;`, a declaring word, or the end of the text.
+    fn recover(&mut self) {
+        loop {
+            match self.current.kind {
+                TokenKind::Semicolon | TokenKind::Declare(_) | TokenKind::Eoi => return,
+                _ => self.advance(Mode::Expression),
+            }
+        }
+    }
+
+    /// Reports a diagnostic; an error makes the declaration faulty.
+    fn report(&mut self, diagnostic: Diagnostic) {
+        self.state.faulty |= diagnostic.severity == Severity::Error;
+        self.diagnostics += 1;
+        if self.diagnostics < MAX_DIAGNOSTICS {
+            self.actions.act_error(diagnostic);
+        } else if self.diagnostics == MAX_DIAGNOSTICS {
+            let message = format!("more than {MAX_DIAGNOSTICS} findings: the rest is left out");
+            let last = Diagnostic::error(codes::TOO_MANY_ERRORS, diagnostic.span, message);
+            self.actions.act_error(last);
+        }
+    }
+
+    #[inline]
+    fn operator(&mut self, operator: Operator, span: Span) {
+        if !self.state.silent {
+            self.actions.act_operator(operator, span);
+        }
+    }
+
+    fn act_interval(&mut self, interval: Interval) {
+        if !self.state.silent {
+            self.actions.act_interval(interval);
+        }
+    }
+
+    /// The line, from 1, of a place.
+    fn line_of(&self, offset: u32) -> u32 {
+        let lines = self.lines.get_or_init(|| LineIndex::new(self.source));
+        lines.position(offset).line
+    }
+}

@@ -1,0 +1,415 @@
+//! Words: which token a word is at this place, whether a new name is free, and what to say about a word that
+//! means nothing.
+
+use super::messages::quote;
+use super::suggestions::DeclaredNames;
+use super::{Parser, State, Stop};
+use crate::actions::{Actions, Parameter};
+use crate::codes;
+use crate::diagnostic::Diagnostic;
+use crate::lexer::{Lexeme, Word};
+use crate::span::Span;
+use crate::symbols::{Parsed, SymbolKind};
+use crate::token::{DeclareWord, SymbolId, TokenKind};
+use crate::trie::Trie;
+
+/// How the parser wants the next word read.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Mode {
+    /// The longest defined prefix is one token.
+    Expression,
+    /// The whole word is one token, whatever it may be made of.
+    Name,
+    /// The whole word is one token: one of the parameters, or nothing.
+    Tag,
+    /// The longest prefix that is a parameter of this function is one token.
+    ParameterOf(SymbolId),
+}
+
+/// The longest name.
+const MAX_NAME_LENGTH: usize = 255;
+
+/// The most undefined words that are reported in one declaration.
+const MAX_UNDEFINED: usize = 32;
+
+impl<'s, A: Actions> Parser<'s, '_, A> {
+    /// The next lexeme of the text.
+    #[inline]
+    pub(super) fn lex(&mut self, mode: Mode) -> Lexeme {
+        let Self {
+            lexer,
+            parsed,
+            state,
+            readings,
+            ..
+        } = self;
+        lexer.next(|word| match mode {
+            Mode::Expression => {
+                let (length, kind) = expression_word(parsed, state, word);
+                if length < word.rest.len() {
+                    readings.record_split(word, length);
+                }
+                (length, kind)
+            }
+            Mode::Name => whole_word(parsed, word),
+            Mode::Tag => match state.parameter_trie.get(word.rest) {
+                Some(parameter) => (word.rest.len(), TokenKind::Variable(parameter)),
+                None => declaring_or(word, TokenKind::Undefined),
+            },
+            Mode::ParameterOf(function) => {
+                let parameters = &parsed.symbols[function].parameter_trie;
+                match parameters.longest_prefix(word.rest) {
+                    Some((length, parameter)) => (length, TokenKind::Variable(parameter)),
+                    None => declaring_or(word, TokenKind::Undefined),
+                }
+            }
+        })
+    }
+
+    /// Reads the name that a declaration introduces. One that is not free is reported and passed.
+    pub(super) fn new_name(&mut self, word: DeclareWord) -> Result<(), Stop> {
+        let free = self.free_name(&format!("a name after `{}`", word.text()))?;
+        self.state.name = self.current.span.text(self.source);
+        self.state.name_span = self.current.span;
+        self.state.name_is_free = free;
+        self.advance(Mode::Expression);
+        Ok(())
+    }
+
+    /// Reads a name in a parameter list. One that is not free is reported; it keeps its place in the list.
+    pub(super) fn new_parameter(&mut self) -> Result<(), Stop> {
+        let mut free = self.free_name("the name of a parameter")?;
+        let span = self.current.span;
+        let name = span.text(self.source);
+        if free && name == self.state.name {
+            let message = format!("{} is the name of the function itself", quote(name));
+            let diagnostic = self
+                .here(codes::NAME_TAKEN, message)
+                .with_hint("a parameter may not shadow another name")
+                .with_related(self.state.name_span, "it is named here");
+            self.report(diagnostic);
+            free = false;
+        }
+        let position = self.state.parameters.len() as u32;
+        match self.state.parameter_trie.get(name) {
+            Some(earlier) => {
+                let message = format!("the parameter {} comes twice", quote(name));
+                let mut diagnostic = self.here(codes::DUPLICATE_PARAMETER, message);
+                if let Some(earlier) = self.state.parameters.get(earlier as usize) {
+                    diagnostic = diagnostic.with_related(earlier.span, "it comes first here");
+                }
+                self.report(diagnostic);
+            }
+            None => {
+                // After `f_` a parameter that is not free is understood, in the body it is not.
+                let _ = self.state.parameter_trie.insert(name, position);
+            }
+        }
+        if !free {
+            self.state.faulty = true;
+        }
+        let name = name.to_owned();
+        self.state.parameters.push(Parameter { name, span });
+        self.advance(Mode::Expression);
+        Ok(())
+    }
+
+    /// Whether the current token, read by [`Mode::Name`], is a free name; one that is taken is reported.
+    fn free_name(&mut self, what: &str) -> Result<bool, Stop> {
+        let name = self.current.span.text(self.source);
+        let diagnostic = match self.current.kind {
+            TokenKind::Undefined if name.len() <= MAX_NAME_LENGTH => return Ok(true),
+            TokenKind::Undefined => {
+                let message = format!("the name {} is too long", quote(name));
+                let hint = format!("a name has at most {MAX_NAME_LENGTH} characters");
+                self.here(codes::NAME_TOO_LONG, message).with_hint(hint)
+            }
+            TokenKind::Constant(id) | TokenKind::Function(id) => self.name_taken(id),
+            TokenKind::Declare(_) if !self.is_followed_by_word() => {
+                let message = format!("`{name}` opens a declaration: it cannot be a name");
+                self.here(codes::NAME_TAKEN, message)
+                    .with_hint("choose another name")
+            }
+            TokenKind::Number(_) => {
+                let diagnostic = self
+                    .expected_diagnostic(what)
+                    .with_hint("a name starts with a letter");
+                return Err(self.reject(diagnostic));
+            }
+            _ => return Err(self.expected(what)),
+        };
+        self.report(diagnostic);
+        Ok(false)
+    }
+
+    fn name_taken(&self, id: SymbolId) -> Diagnostic {
+        let symbol = &self.parsed.symbols[id];
+        let name = quote(&symbol.name);
+        match (symbol.word, symbol.name_span) {
+            (Some(word), Some(span)) => {
+                let (word, line) = (word.text(), self.line_of(span.start));
+                let message = format!("{name} is already declared, as a {word} in line {line}");
+                self.here(codes::NAME_TAKEN, message)
+                    .with_hint("choose another name: the earlier meaning stays")
+                    .with_related(span, format!("{name} is declared here"))
+            }
+            _ => {
+                let kind = match symbol.kind {
+                    SymbolKind::Constant => "constant",
+                    SymbolKind::Function => "function",
+                };
+                self.here(
+                    codes::NAME_TAKEN,
+                    format!("{name} is already a builtin {kind}"),
+                )
+                .with_hint("choose another name: the earlier meaning stays")
+            }
+        }
+    }
+
+    /// Whether another word comes next after the current token.
+    pub(super) fn is_followed_by_word(&self) -> bool {
+        self.following(self.current.span.end)
+            .is_some_and(|byte| byte.is_ascii_alphabetic())
+    }
+
+    /// The first byte at or after `offset` that is no white space.
+    pub(super) fn following(&self, offset: u32) -> Option<u8> {
+        let mut rest = self.source.as_bytes()[offset as usize..].iter().copied();
+        rest.find(|byte| !matches!(byte, b' ' | b'\t' | b'\r' | b'\n'))
+    }
+
+    /// A word that means nothing stands where an operand may stand: it is reported and taken for one, so that
+    /// what follows is still read. Returns where it stands.
+    #[cold]
+    pub(super) fn undefined_operand(&mut self) -> Span {
+        let span = self.current.span;
+        self.report_undefined();
+        self.state.faulty = true;
+        self.state.silent = true;
+        self.advance(Mode::Expression);
+        // Had it been a function, it might have been derived.
+        loop {
+            match self.current.kind {
+                TokenKind::Prime => self.advance(Mode::Expression),
+                TokenKind::Underscore => {
+                    self.advance(Mode::Name);
+                    if matches!(
+                        self.current.kind,
+                        TokenKind::Undefined
+                            | TokenKind::Constant(_)
+                            | TokenKind::Function(_)
+                            | TokenKind::Number(_)
+                    ) {
+                        self.advance(Mode::Expression);
+                    }
+                }
+                _ => break,
+            }
+        }
+        self.flagged = true;
+        span.to(self.previous.span)
+    }
+
+    fn report_undefined(&mut self) {
+        let span = self.current.span;
+        let word = span.text(self.source);
+        let known = &mut self.state.undefined;
+        if known.len() >= MAX_UNDEFINED || known.contains(&word) {
+            return;
+        }
+        known.push(word);
+        let whole_span = self.lexer.word();
+        let whole = whole_span.text(self.source);
+        let mut message = format!("{} is not defined", quote(word));
+        if whole.len() > word.len() {
+            let front = Span::new(whole_span.start, span.start).text(self.source);
+            let reading = quote(&format!("{front} {word}"));
+            message.push_str(&format!(": {} is read as {reading}", quote(whole)));
+        }
+        let mut diagnostic = self.here(codes::UNDEFINED_NAME, message);
+        if let Some((offset, name)) = self.declared_below(whole, word) {
+            let line = self.line_of(offset);
+            let place = Span::new(offset, offset + name.len() as u32);
+            diagnostic = diagnostic
+                .with_hint(format!(
+                    "{} is declared below, at line {line}: move it up",
+                    if name == word {
+                        "it".to_owned()
+                    } else {
+                        quote(name)
+                    }
+                ))
+                .with_related(place, "it is declared here");
+        } else if let Some(hint) = self.undefined_hint(whole, word) {
+            diagnostic = diagnostic.with_hint(hint);
+        }
+        self.report(diagnostic);
+    }
+
+    /// What to do about a word that means nothing and is not declared below.
+    fn undefined_hint(&mut self, whole: &str, word: &str) -> Option<String> {
+        let name = self.state.name;
+        if !name.is_empty() && (word == name || whole == name) {
+            return Some(if self.state.parameters.is_empty() {
+                format!("{} is defined only after its `;`", quote(name))
+            } else {
+                format!(
+                    "a function may not use itself: {} is defined only after its `;`",
+                    quote(name)
+                )
+            });
+        }
+        if !self.state.in_body && self.state.parameter_trie.get(word).is_some() {
+            let name = quote(word);
+            return Some(format!(
+                "{name} is a parameter: an interval's ends are constants"
+            ));
+        }
+        let after_number = matches!(self.previous.kind, TokenKind::Number(_));
+        let touches = self.previous.span.end == self.current.span.start;
+        let exponent = word
+            .strip_prefix('E')
+            .is_some_and(|rest| rest.is_empty() || rest.bytes().all(|byte| byte.is_ascii_digit()));
+        if after_number && touches && exponent {
+            return Some("an exponent is written with a small `e`".to_owned());
+        }
+        let nearest = self.nearest(whole).or_else(|| {
+            (word.len() < whole.len())
+                .then(|| self.nearest(word))
+                .flatten()
+        })?;
+        Some(format!("did you mean `{nearest}`?"))
+    }
+
+    /// Where the word, or what is left of it, is declared further down.
+    fn declared_below(&self, whole: &'s str, word: &'s str) -> Option<(u32, &'s str)> {
+        let names = self
+            .declared_below
+            .get_or_init(|| DeclaredNames::scan(self.source));
+        let place = |name: &'s str| {
+            let offset = names.place(name)?;
+            (offset > self.current.span.start).then_some((offset, name))
+        };
+        place(whole).or_else(|| place(word))
+    }
+
+    /// The defined name that is spelt most like a word.
+    fn nearest(&mut self, word: &str) -> Option<String> {
+        let Self {
+            suggestions,
+            parsed,
+            state,
+            ..
+        } = self;
+        let mut search = suggestions.search(word)?;
+        if state.in_body {
+            state.parameter_trie.each(|name, _| search.consider(name));
+        }
+        parsed.trie.each(|name, _| search.consider(name));
+        search.best.map(|(_, name)| name)
+    }
+
+    /// The current token follows `f_` and is no parameter of `f`. A word is reported and passed.
+    #[cold]
+    pub(super) fn no_such_parameter(&mut self, function: SymbolId) -> Result<(), Stop> {
+        let symbol = &self.parsed.symbols[function];
+        let name = &symbol.name;
+        let is_word = self.current.kind == TokenKind::Undefined;
+        let found = self.found();
+        let diagnostic = if symbol.word.is_none() {
+            let message = format!("a builtin function has no named parameters, found {found}");
+            let hint = format!("use `{name}'` for the derivative");
+            self.here(codes::NO_PARAMETERS, message).with_hint(hint)
+        } else {
+            let names = list(&symbol.parameters);
+            let message = match is_word {
+                true => format!("{found} is not a parameter of `{name}`{names}"),
+                false => format!("expected a parameter of `{name}` after `_`, found {found}"),
+            };
+            let mut diagnostic = self.here(codes::UNKNOWN_PARAMETER, message);
+            if let TokenKind::Number(_) = self.current.kind {
+                let hint = format!("a component of its value is written `({name}(…))_1`");
+                diagnostic = diagnostic.with_hint(hint);
+            }
+            match symbol.name_span {
+                Some(span) => diagnostic.with_related(span, "it is declared here"),
+                None => diagnostic,
+            }
+        };
+        if !is_word {
+            return Err(self.reject(diagnostic));
+        }
+        // A function whose own declaration failed may lack parameters.
+        if !symbol.faulty {
+            self.report(diagnostic);
+        }
+        self.state.faulty = true;
+        self.state.silent = true;
+        self.advance(Mode::Expression);
+        Ok(())
+    }
+}
+
+/// The parameters of a function, as the end of a sentence.
+pub(super) fn list(parameters: &[Parameter]) -> String {
+    const SHOWN: usize = 8;
+    let names: Vec<String> = parameters
+        .iter()
+        .take(SHOWN)
+        .map(|p| quote(&p.name))
+        .collect();
+    match names.as_slice() {
+        [] => ", which has none".to_owned(),
+        [name] => format!(": its parameter is {name}"),
+        _ if parameters.len() > SHOWN => format!(": its parameters are {}, …", names.join(", ")),
+        [front @ .., last] => format!(": its parameters are {} and {last}", front.join(", ")),
+    }
+}
+
+fn expression_word(parsed: &Parsed, state: &State<'_>, word: Word<'_>) -> (usize, TokenKind) {
+    if word.is_whole()
+        && let Some(declaring) = DeclareWord::from_text(word.rest)
+    {
+        return (word.rest.len(), TokenKind::Declare(declaring));
+    }
+    let symbol = parsed.trie.longest_prefix(word.rest);
+    if state.in_body
+        && let Some((length, parameter)) = state.parameter_trie.longest_prefix(word.rest)
+        && symbol.is_none_or(|(symbol_length, _)| symbol_length < length)
+    {
+        return (length, TokenKind::Variable(parameter));
+    }
+    match symbol {
+        Some((length, id)) => (length, meaning(parsed, id)),
+        None => (word.rest.len(), TokenKind::Undefined),
+    }
+}
+
+fn whole_word(parsed: &Parsed, word: Word<'_>) -> (usize, TokenKind) {
+    match parsed.trie.get(word.rest) {
+        Some(id) => (word.rest.len(), meaning(parsed, id)),
+        None => declaring_or(word, TokenKind::Undefined),
+    }
+}
+
+fn declaring_or(word: Word<'_>, otherwise: TokenKind) -> (usize, TokenKind) {
+    let declaring = DeclareWord::from_text(word.rest).filter(|_| word.is_whole());
+    let kind = declaring.map_or(otherwise, TokenKind::Declare);
+    (word.rest.len(), kind)
+}
+
+fn meaning(parsed: &Parsed, id: SymbolId) -> TokenKind {
+    match parsed.symbols[id].kind {
+        SymbolKind::Constant => TokenKind::Constant(id),
+        SymbolKind::Function => TokenKind::Function(id),
+    }
+}
+
+/// The parameters of the declaration, for the symbol that it defines.
+impl State<'_> {
+    pub(super) fn take_parameters(&mut self) -> (Vec<Parameter>, Trie<u32>) {
+        let trie = std::mem::take(&mut self.parameter_trie);
+        (self.parameters.clone(), trie)
+    }
+}

@@ -1,0 +1,221 @@
+//! Warnings about text that is legal but is not read as it looks.
+
+use std::collections::HashSet;
+
+use super::Parser;
+use super::messages::quote;
+use crate::actions::Actions;
+use crate::codes;
+use crate::diagnostic::Diagnostic;
+use crate::lexer::Word;
+use crate::span::Span;
+use crate::token::{SymbolId, TokenKind};
+
+/// What has been read so far that may turn out to be surprising.
+#[derive(Default)]
+pub(super) struct Readings {
+    /// A bracket that opens right behind a function; taken by the operand that begins with it.
+    pub(super) touching: Option<Touching>,
+    /// The last application whose operand ended with a number.
+    pub(super) argument: Option<Argument>,
+    splits: Vec<Split>,
+}
+
+/// `sin(`: the function and where its bracket opens.
+#[derive(Clone, Copy)]
+pub(super) struct Touching {
+    pub(super) function: Span,
+    pub(super) bracket: u32,
+}
+
+/// `sin 2`: the function and its operand.
+#[derive(Clone, Copy)]
+pub(super) struct Argument {
+    pub(super) function: Span,
+    pub(super) operand: Span,
+}
+
+/// A word, or what was left of it, of which a token was split off.
+struct Split {
+    start: u32,
+    token_end: u32,
+    word_end: u32,
+}
+
+/// How many splits are remembered; those after are not compared with later names.
+const MAX_SPLITS: usize = 1_000_000;
+
+/// The longest exponent that is looked at as a possible `-1`.
+const MAX_INVERSE_LENGTH: usize = 16;
+
+impl Readings {
+    /// Remembers that `length` bytes were split off a word.
+    #[inline]
+    pub(super) fn record_split(&mut self, word: Word<'_>, length: usize) {
+        if self.splits.len() < MAX_SPLITS {
+            self.splits.push(Split {
+                start: word.start,
+                token_end: word.start + length as u32,
+                word_end: word.start + word.rest.len() as u32,
+            });
+        }
+    }
+}
+
+impl<A: Actions> Parser<'_, '_, A> {
+    fn surprising(&mut self, span: Span, message: String, hint: String) {
+        if !self.state.silent {
+            let warning = Diagnostic::warning(codes::SURPRISING_READING, span, message);
+            self.report(warning.with_hint(hint));
+        }
+    }
+
+    /// `sin 2x`: the current token is a factor that touches the number before it.
+    #[inline]
+    pub(super) fn warn_number_argument(&mut self) {
+        if let Some(argument) = self.readings.argument
+            && argument.operand.end == self.current.span.start
+        {
+            self.warn_touched_number(argument);
+        }
+    }
+
+    #[cold]
+    fn warn_touched_number(&mut self, Argument { function, operand }: Argument) {
+        let signs = Span::new(operand.start, self.previous.span.start).text(self.source);
+        let is_literal = |c: char| c.is_ascii_whitespace() || "+-*/".contains(c);
+        let means_nothing = matches!(self.current.kind, TokenKind::Undefined | TokenKind::Error);
+        if means_nothing || !signs.chars().all(is_literal) {
+            return;
+        }
+        let next = match self.current.kind {
+            TokenKind::ParenOpen => "(…)",
+            TokenKind::BracketOpen => "[…]",
+            TokenKind::BraceOpen => "{…}",
+            _ => self.current.span.text(self.source),
+        };
+        let (name, number) = (function.text(self.source), operand.text(self.source));
+        let span = function.to(self.current.span);
+        let written = quote(&format!("{name} {number}{next}"));
+        let read = quote(&format!("({name} {number}) {next}"));
+        let meant = quote(&format!("{name}({number}{next})"));
+        let message = format!("{written} is read as {read}");
+        self.surprising(
+            span,
+            message,
+            format!("write {meant}, or {read} if that is meant"),
+        );
+    }
+
+    /// `sin^-1`: looks like the inverse function.
+    pub(super) fn warn_inverse(&mut self, id: SymbolId, function: Span, exponent: Span) {
+        let text = exponent.text(self.source);
+        let signs = text.bytes().filter(|byte| !b" \t\r\n()[]{}".contains(byte));
+        if text.len() > MAX_INVERSE_LENGTH || !signs.eq(*b"-1") {
+            return;
+        }
+        let symbol = &self.parsed.symbols[id];
+        let name = function.text(self.source);
+        let reciprocal = quote(&format!("1/{name} x"));
+        let hint = match symbol.inverse.as_deref().filter(|_| symbol.name == name) {
+            Some(inverse) => {
+                format!("write `{inverse} x` for the inverse, {reciprocal} if that is meant")
+            }
+            None => format!("write {reciprocal} if that is meant"),
+        };
+        let message = format!(
+            "{} is read as {reciprocal}, not as the inverse of {}",
+            quote(&format!("{name}^-1 x")),
+            quote(name)
+        );
+        self.surprising(function.to(exponent), message, hint);
+    }
+
+    /// `sin(x)^y`: the exponent belongs to the operand.
+    pub(super) fn warn_power_of_argument(
+        &mut self,
+        touching: Option<Touching>,
+        base: Span,
+        exponent: Span,
+    ) {
+        // A component that was taken before has been warned of.
+        if let Some(Touching { function, bracket }) = touching
+            && bracket == base.start
+            && base.text(self.source).ends_with([')', ']', '}'])
+        {
+            let name = function.text(self.source);
+            let (base, power) = (base.text(self.source), exponent.text(self.source));
+            let meant = quote(&format!("({name}{base})^{power}"));
+            let hint = match name.contains('^') {
+                true => format!("write {meant} for the power of the value"),
+                false => {
+                    let short = quote(&format!("{name}^{power} {base}"));
+                    format!("write {meant} or {short} for the power of the value")
+                }
+            };
+            let written = quote(&format!("{name}{base}^{power}"));
+            let read = quote(&format!("{name}({base}^{power})"));
+            let message = format!("{written} is read as {read}");
+            self.surprising(function.to(exponent), message, hint);
+        }
+    }
+
+    /// `f(x)_1`: the component is the operand's.
+    pub(super) fn warn_component_of_argument(
+        &mut self,
+        touching: Option<Touching>,
+        value: Span,
+        component: Span,
+    ) {
+        if let Some(Touching { function, bracket }) = touching
+            && bracket == value.start
+        {
+            let name = function.text(self.source);
+            let (value_text, text) = (value.text(self.source), component.text(self.source));
+            let index = text.get(value_text.len()..).unwrap_or_default();
+            let written = quote(&format!("{name}{text}"));
+            let read = quote(&format!("{name}({text})"));
+            let meant = quote(&format!("({name}{value_text}){index}"));
+            let message = format!("{written} is read as {read}");
+            let hint = format!("write {meant} for a component of the value");
+            self.surprising(function.to(component), message, hint);
+        }
+    }
+
+    /// A name that is longer than a token above which was split off the same letters. Called once, at the
+    /// end of the text: one walk through the trie for each split.
+    pub(super) fn warn_hidden_splits(&mut self) {
+        let mut warned = HashSet::new();
+        let mut warnings = Vec::new();
+        for split in std::mem::take(&mut self.readings.splits) {
+            let rest = Span::new(split.start, split.word_end).text(self.source);
+            let token = Span::new(split.start, split.token_end).text(self.source);
+            self.parsed.trie.each_prefix(rest, |length, id| {
+                let symbol = &self.parsed.symbols[id];
+                if length > token.len()
+                    && let Some(name_span) = symbol.name_span
+                    && name_span.start > split.start
+                    && warned.insert(id)
+                {
+                    let name = &symbol.name;
+                    let reading = quote(&format!("{token} {}", &rest[token.len()..length]));
+                    let place = Span::new(split.start, split.start + length as u32);
+                    let line = self.line_of(split.start);
+                    let name = quote(name);
+                    let message = format!(
+                        "above, in line {line}, {name} is read as {reading}; below it is this name"
+                    );
+                    let hint = format!("write {reading} above, or choose another name");
+                    let warning =
+                        Diagnostic::warning(codes::SURPRISING_READING, name_span, message)
+                            .with_hint(hint)
+                            .with_related(place, format!("here {name} is read as {reading}"));
+                    warnings.push(warning);
+                }
+            });
+        }
+        for warning in warnings {
+            self.report(warning);
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! What names mean: the builtins that are handed in, and what the declarations of a text add to them.
+
+use crate::actions::Parameter;
+use crate::span::Span;
+use crate::token::{DeclareWord, SymbolId};
+use crate::trie::Trie;
+
+/// The names defined at a place of a text.
+pub type SymbolTrie = Trie<SymbolId>;
+
+/// The names that a language starts with.
+#[derive(Clone, Debug, Default)]
+pub struct Vocabulary {
+    builtins: Vec<Symbol>,
+}
+
+/// How a name is used.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum SymbolKind {
+    /// A value: `pi`, and declared params, grids, defines, points, vectors.
+    Constant,
+    /// Applied to operands: `sin`, and declared functions, curves, surfaces.
+    Function,
+}
+
+/// One name and what it means.
+#[derive(Clone, Debug)]
+pub struct Symbol {
+    /// The name.
+    pub name: String,
+    /// How it is used.
+    pub kind: SymbolKind,
+    /// The word that declares it; `None` for a builtin.
+    pub word: Option<DeclareWord>,
+    /// Where its declaration names it; `None` for a builtin.
+    pub name_span: Option<Span>,
+    /// The parameters of a declared function, curve or surface; empty for everything else.
+    pub parameters: Vec<Parameter>,
+    /// Its declaration holds an error, which has been reported: uses of it are to be silent.
+    pub faulty: bool,
+    /// The parameters again, by name: after `f_` the longest one that fits is taken.
+    pub(crate) parameter_trie: Trie<u32>,
+    /// The builtin that undoes this builtin, where there is one.
+    pub(crate) inverse: Option<String>,
+}
+
+/// Every symbol of a text, the builtins first.
+#[derive(Clone, Debug, Default)]
+pub struct Symbols(Vec<Symbol>);
+
+/// What a whole text defines.
+#[derive(Clone, Debug, Default)]
+pub struct Parsed {
+    /// The names as they stand at the end of the text.
+    pub trie: SymbolTrie,
+    /// What they mean.
+    pub symbols: Symbols,
+}
+
+impl Vocabulary {
+    /// The builtin constants and functions. Their [`SymbolId`]s count up from 0 in this order, constants
+    /// first. A name that is empty, leaves `a-z A-Z 0-9` or comes twice keeps its identifier but is never
+    /// found in a text.
+    pub fn new(constants: &[&str], functions: &[&str]) -> Self {
+        let constants = constants.iter().map(|name| (name, SymbolKind::Constant));
+        let functions = functions.iter().map(|name| (name, SymbolKind::Function));
+        let builtins = constants.chain(functions).map(|(name, kind)| Symbol {
+            name: (*name).to_owned(),
+            kind,
+            word: None,
+            name_span: None,
+            parameters: Vec::new(),
+            faulty: false,
+            parameter_trie: Trie::default(),
+            inverse: None,
+        });
+        let builtins = builtins.collect();
+        Self { builtins }
+    }
+
+    /// The same, where `inverse` undoes `function`: the warning at `sin^-1 x` then names `asin`.
+    #[must_use]
+    pub fn with_inverse(mut self, function: &str, inverse: &str) -> Self {
+        for builtin in &mut self.builtins {
+            if builtin.name == function {
+                builtin.inverse = Some(inverse.to_owned());
+            }
+        }
+        self
+    }
+
+    /// What a text starts with.
+    pub(crate) fn start(&self) -> Parsed {
+        let mut parsed = Parsed::default();
+        for symbol in &self.builtins {
+            parsed.define(symbol.clone());
+        }
+        parsed
+    }
+}
+
+impl Parsed {
+    /// Adds a symbol under the next identifier, and its name to the trie unless that is taken.
+    pub(crate) fn define(&mut self, symbol: Symbol) -> SymbolId {
+        let id = SymbolId(self.symbols.0.len() as u32);
+        if self.trie.get(&symbol.name).is_none() {
+            // What is no name is never found by the lexer either.
+            let _ = self.trie.insert(&symbol.name, id);
+        }
+        self.symbols.0.push(symbol);
+        id
+    }
+}
+
+impl Symbols {
+    /// The symbol, unless it belongs to another text.
+    pub fn get(&self, id: SymbolId) -> Option<&Symbol> {
+        self.0.get(id.0 as usize)
+    }
+
+    /// All symbols in the order of their identifiers.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (SymbolId, &Symbol)> {
+        let ids = 0..self.0.len() as u32;
+        ids.map(SymbolId).zip(&self.0)
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// True where not even a builtin is known.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl std::ops::Index<SymbolId> for Symbols {
+    type Output = Symbol;
+
+    /// # Panics
+    /// Where the identifier belongs to another text.
+    fn index(&self, id: SymbolId) -> &Symbol {
+        &self.0[id.0 as usize]
+    }
+}

@@ -1,0 +1,57 @@
+//! From the bytes of a file to a text, or to the diagnostic that says why they are none.
+
+use crate::codes;
+use crate::diagnostic::Diagnostic;
+use crate::span::Span;
+
+/// The bytes as a text.
+///
+/// # Errors
+/// One diagnostic, `invalid-utf8`, at the first byte that is not UTF-8. Its span is a place in the lossy
+/// text ([`String::from_utf8_lossy`]), which agrees with the bytes up to there, so that a
+/// [`LineIndex`](crate::line_index::LineIndex) of the lossy text gives its line and column.
+pub fn decode(bytes: &[u8]) -> Result<&str, Diagnostic> {
+    std::str::from_utf8(bytes).map_err(|error| {
+        let start = error.valid_up_to();
+        let byte = bytes.get(start).copied().unwrap_or_default();
+        let start = u32::try_from(start).unwrap_or(u32::MAX - REPLACEMENT_LENGTH);
+        Diagnostic::error(
+            codes::INVALID_UTF8,
+            Span::new(start, start + REPLACEMENT_LENGTH),
+            format!("this is not UTF-8: the byte 0x{byte:02X} has no meaning here"),
+        )
+        .with_hint("save the file with the encoding UTF-8")
+    })
+}
+
+/// Bytes of U+FFFD, which stands for the bad bytes in the lossy text.
+const REPLACEMENT_LENGTH: u32 = char::REPLACEMENT_CHARACTER.len_utf8() as u32;
+
+#[cfg(test)]
+mod tests {
+    use super::decode;
+    use crate::line_index::{LineIndex, Position};
+
+    #[test]
+    fn a_text_is_decoded_without_a_copy() {
+        assert_eq!(decode("π\n".as_bytes()), Ok("π\n"));
+    }
+
+    #[test]
+    fn the_first_bad_byte_has_a_line_and_a_column() {
+        for (bytes, line, column) in [
+            (&b"ab\n\xC3\xA9\xFFx"[..], 2, 2),
+            (b"\xFF", 1, 1),
+            (b"abc\xE2\x82", 1, 4),
+        ] {
+            let diagnostic = decode(bytes).expect_err("invalid");
+            let lossy = String::from_utf8_lossy(bytes);
+            let index = LineIndex::new(&lossy);
+            assert_eq!(
+                index.position(diagnostic.span.start),
+                Position { line, column }
+            );
+            assert!(lossy.is_char_boundary(diagnostic.span.end as usize));
+        }
+    }
+}

@@ -1,0 +1,274 @@
+//! The symbol trie: from names over `a-z A-Z 0-9` to what they mean.
+//!
+//! It is *persistent*: a clone costs one reference count, and inserting into one clone copies only the path
+//! to the new name (nothing at all where no other clone holds it), so a snapshot can be kept at the boundary
+//! of every declaration. Chains of single children are folded into one labelled node, which keeps it small.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+/// A map from names to values that answers which defined name is the longest prefix of a word.
+#[derive(Clone, Debug)]
+pub struct Trie<V> {
+    root: Arc<Node<V>>,
+}
+
+/// A name that holds a character outside `a-z A-Z 0-9`, or none at all.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct NotAName;
+
+impl<V> Default for Trie<V> {
+    fn default() -> Self {
+        Self {
+            root: Arc::new(Node::leaf(&[], None)),
+        }
+    }
+}
+
+impl<V: Copy> Trie<V> {
+    /// Gives a name a value; returns the one that it had.
+    ///
+    /// # Errors
+    /// [`NotAName`] where the name is empty or leaves the alphabet.
+    pub fn insert(&mut self, name: &str, value: V) -> Result<Option<V>, NotAName> {
+        if name.is_empty() || name.bytes().any(|byte| slot(byte).is_none()) {
+            return Err(NotAName);
+        }
+        let mut rest = name.as_bytes();
+        let mut node = Arc::make_mut(&mut self.root);
+        loop {
+            let Some(slot) = rest.first().copied().and_then(slot) else {
+                return Ok(node.value.replace(value));
+            };
+            let index = node.index(slot);
+            if !node.has(slot) {
+                node.present |= 1 << slot;
+                let leaf = Arc::new(Node::leaf(rest, Some(value)));
+                node.children.insert(index, leaf);
+                return Ok(None);
+            }
+            let child = Arc::make_mut(&mut node.children[index]);
+            let shared = shared_length(&child.label, rest);
+            child.split(shared);
+            rest = &rest[shared..];
+            node = child;
+        }
+    }
+
+    /// The value of exactly this name.
+    pub fn get(&self, name: &str) -> Option<V> {
+        self.longest_prefix(name)
+            .filter(|(length, _)| *length == name.len())
+            .map(|(_, value)| value)
+    }
+
+    /// The longest name that `word` begins with: its length in bytes and its value.
+    pub fn longest_prefix(&self, word: &str) -> Option<(usize, V)> {
+        let mut longest = None;
+        self.each_prefix(word, |length, value| longest = Some((length, value)));
+        longest
+    }
+
+    /// Calls `found` with the length and value of each name that `word` begins with, shortest first.
+    pub fn each_prefix(&self, word: &str, mut found: impl FnMut(usize, V)) {
+        let word = word.as_bytes();
+        let mut node = &*self.root;
+        let mut length = 0;
+        while let Some(slot) = word.get(length).copied().and_then(slot) {
+            if !node.has(slot) {
+                break;
+            }
+            node = &node.children[node.index(slot)];
+            if !word[length..].starts_with(&node.label) {
+                break;
+            }
+            length += node.label.len();
+            if let Some(value) = node.value {
+                found(length, value);
+            }
+        }
+    }
+
+    /// Visits every name with its value, in the order of the alphabet `a-z A-Z 0-9`, until told to break.
+    pub fn each(&self, mut visit: impl FnMut(&str, V) -> ControlFlow<()>) {
+        let mut name = String::new();
+        // What is still to be visited, with the length of the name above it. Labels are ASCII.
+        let mut stack = vec![(&*self.root, 0)];
+        while let Some((node, above)) = stack.pop() {
+            name.truncate(above);
+            name.extend(node.label.iter().map(|byte| char::from(*byte)));
+            if let Some(value) = node.value
+                && visit(&name, value).is_break()
+            {
+                return;
+            }
+            let children = node.children.iter().rev();
+            stack.extend(children.map(|child| (&**child, name.len())));
+        }
+    }
+}
+
+#[derive(Clone, Debug)]
+struct Node<V> {
+    /// What leads here from the parent; empty at the root alone.
+    label: Box<[u8]>,
+    value: Option<V>,
+    /// Bit `k` is set where a child's label begins with the k-th letter of the alphabet.
+    present: u64,
+    /// In the order of the bits.
+    children: Vec<Arc<Node<V>>>,
+}
+
+impl<V> Node<V> {
+    fn leaf(label: &[u8], value: Option<V>) -> Self {
+        Self {
+            label: label.into(),
+            value,
+            present: 0,
+            children: Vec::new(),
+        }
+    }
+
+    fn has(&self, slot: u32) -> bool {
+        self.present >> slot & 1 == 1
+    }
+
+    /// Where the child of this slot stands, or would stand.
+    fn index(&self, slot: u32) -> usize {
+        (self.present & ((1 << slot) - 1)).count_ones() as usize
+    }
+
+    /// Cuts the label after `length` bytes; what the node held moves to a child below the cut.
+    fn split(&mut self, length: usize) {
+        let Some(slot) = self.label.get(length).copied().and_then(slot) else {
+            return;
+        };
+        let lower = Self {
+            label: self.label[length..].into(),
+            value: self.value.take(),
+            present: self.present,
+            children: std::mem::take(&mut self.children),
+        };
+        self.label = self.label[..length].into();
+        self.present = 1 << slot;
+        self.children.push(Arc::new(lower));
+    }
+}
+
+/// Nodes are dropped from a list: a chain of names, each a letter longer than the last, would exhaust the
+/// stack otherwise.
+impl<V> Drop for Node<V> {
+    fn drop(&mut self) {
+        let mut doomed = std::mem::take(&mut self.children);
+        while let Some(node) = doomed.pop() {
+            if let Some(mut node) = Arc::into_inner(node) {
+                doomed.append(&mut node.children);
+            }
+        }
+    }
+}
+
+/// The position of a letter in the alphabet `a-z A-Z 0-9`, 0 to 61.
+fn slot(byte: u8) -> Option<u32> {
+    let slot = match byte {
+        b'a'..=b'z' => byte - b'a',
+        b'A'..=b'Z' => byte - b'A' + 26,
+        b'0'..=b'9' => byte - b'0' + 52,
+        _ => return None,
+    };
+    Some(u32::from(slot))
+}
+
+fn shared_length(a: &[u8], b: &[u8]) -> usize {
+    a.iter().zip(b).take_while(|(a, b)| a == b).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{NotAName, Trie};
+    use proptest::prelude::*;
+    use std::collections::BTreeMap;
+    use std::ops::ControlFlow;
+
+    fn names<V: Copy>(trie: &Trie<V>) -> Vec<String> {
+        let mut names = Vec::new();
+        trie.each(|name, _| {
+            names.push(name.to_owned());
+            ControlFlow::Continue(())
+        });
+        names
+    }
+
+    #[test]
+    fn the_longest_defined_prefix_wins() {
+        let mut trie = Trie::default();
+        for (value, name) in ["s", "sin", "sinh", "pi", "k2"].into_iter().enumerate() {
+            assert_eq!(trie.insert(name, value), Ok(None));
+        }
+        assert_eq!(trie.longest_prefix("sinx"), Some((3, 1)));
+        assert_eq!(trie.longest_prefix("sinhx"), Some((4, 2)));
+        assert_eq!(trie.longest_prefix("six"), Some((1, 0)));
+        assert_eq!(trie.longest_prefix("p"), None);
+        assert_eq!(trie.longest_prefix(""), None);
+        assert_eq!(trie.longest_prefix("k2é"), Some((2, 4)));
+        assert_eq!(trie.get("si"), None);
+        assert_eq!(trie.insert("sin", 9), Ok(Some(1)));
+    }
+
+    #[test]
+    fn what_leaves_the_alphabet_is_no_name() {
+        let mut trie = Trie::default();
+        assert_eq!(trie.insert("", 0), Err(NotAName));
+        assert_eq!(trie.insert("é", 0), Err(NotAName));
+        assert_eq!(trie.insert("a_b", 0), Err(NotAName));
+        assert!(names(&trie).is_empty());
+    }
+
+    #[test]
+    fn a_snapshot_keeps_what_it_held() {
+        let mut trie = Trie::default();
+        let mut snapshots = Vec::new();
+        for k in 0..200_u32 {
+            snapshots.push(trie.clone());
+            trie.insert(&format!("n{k}"), k).expect("a name");
+        }
+        for (k, snapshot) in snapshots.iter().enumerate() {
+            assert_eq!(names(snapshot).len(), k);
+            assert_eq!(snapshot.get(&format!("n{k}")), None);
+        }
+    }
+
+    #[test]
+    fn a_deep_trie_is_dropped_without_recursion() {
+        let mut trie = Trie::default();
+        let word = "a".repeat(6_000);
+        for length in 1..=word.len() {
+            trie.insert(&word[..length], length).expect("a name");
+        }
+        assert_eq!(trie.longest_prefix(&word), Some((word.len(), word.len())));
+    }
+
+    proptest! {
+        #[test]
+        fn it_agrees_with_an_ordered_map(
+            pairs in prop::collection::vec(("[ab]{1,5}|[a-cX0]{1,4}", 0_u32..100), 0..40),
+            words in prop::collection::vec("[abcX0]{0,7}", 0..20),
+        ) {
+            let mut trie = Trie::default();
+            let mut map = BTreeMap::new();
+            for (name, value) in &pairs {
+                prop_assert_eq!(trie.insert(name, *value), Ok(map.insert(name.clone(), *value)));
+            }
+            let mut visited = names(&trie);
+            visited.sort();
+            prop_assert_eq!(visited, map.keys().cloned().collect::<Vec<_>>());
+            for word in &words {
+                let expected = (1..=word.len())
+                    .rev()
+                    .find_map(|length| map.get(&word[..length]).map(|value| (length, *value)));
+                prop_assert_eq!(trie.longest_prefix(word), expected);
+                prop_assert_eq!(trie.get(word), map.get(word).copied());
+            }
+        }
+    }
+}
