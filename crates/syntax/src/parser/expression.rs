@@ -71,7 +71,7 @@ impl<A: Actions> Parser<'_, '_, A> {
     ///
     /// Every way to nest leads through here, so this is where depth is counted.
     fn unary(&mut self) -> Parse {
-        if self.state.depth == MAX_DEPTH {
+        if self.state.depth > MAX_DEPTH {
             return Err(self.too_deep());
         }
         self.state.depth += 1;

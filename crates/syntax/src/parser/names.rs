@@ -2,7 +2,7 @@
 //! means nothing.
 
 use super::messages::quote;
-use super::suggestions::DeclaredNames;
+use super::suggestions::{DeclaredNames, nearest_declaring};
 use super::{Parser, State, Stop};
 use crate::actions::{Actions, Parameter};
 use crate::codes;
@@ -273,6 +273,15 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
             .is_some_and(|rest| rest.is_empty() || rest.bytes().all(|byte| byte.is_ascii_digit()));
         if after_number && touches && exponent {
             return Some("an exponent is written with a small `e`".to_owned());
+        }
+        if word == whole
+            && self.is_followed_by_word()
+            && let Some(declaring) = nearest_declaring(word)
+        {
+            return Some(format!(
+                "did you mean `{}`, behind a `;`?",
+                declaring.text()
+            ));
         }
         let nearest = self.nearest(whole).or_else(|| {
             (word.len() < whole.len())

@@ -1,0 +1,79 @@
+//! Every message of the front-end, as `findings.txt` holds them: a program between `===` and `---`, then one
+//! line for each finding, `line:column severity[code] text | message | hint`.
+//!
+//! After a change of wording: `UPDATE=1 cargo test -p geotrace-syntax --test findings`, and read the diff.
+
+mod support;
+
+use std::fmt::Write as _;
+
+use support::{parse, program_findings};
+use syntax::codes;
+
+const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/findings.txt");
+
+#[test]
+fn every_finding_reads_as_it_was_agreed() {
+    let agreed = std::fs::read_to_string(PATH).expect("findings.txt");
+    let mut actual = String::new();
+    for case in agreed.split("===\n").skip(1) {
+        let (program, _) = case
+            .split_once("\n---\n")
+            .expect("a program and its findings");
+        let _ = write!(actual, "===\n{program}\n---\n");
+        for finding in program_findings(program) {
+            let _ = writeln!(actual, "{finding}");
+        }
+    }
+    if std::env::var_os("UPDATE").is_some() {
+        std::fs::write(PATH, &actual).expect("findings.txt is writable");
+        return;
+    }
+    for (line, (actual, agreed)) in actual.lines().zip(agreed.lines()).enumerate() {
+        assert_eq!(actual, agreed, "line {} of findings.txt", line + 1);
+    }
+    assert_eq!(actual.lines().count(), agreed.lines().count());
+}
+
+#[test]
+fn every_code_has_a_finding_and_every_finding_has_a_code() {
+    // What needs a file of its own.
+    let elsewhere = [
+        codes::FILE_TOO_LARGE,
+        codes::INVALID_UTF8,
+        codes::TOO_MANY_ERRORS,
+    ];
+    let agreed = std::fs::read_to_string(PATH).expect("findings.txt");
+    for (code, explanation) in codes::CODES {
+        assert!(explanation.ends_with('.'));
+        let shown = agreed.contains(&format!("[{}]", code.0));
+        assert!(shown || elsewhere.contains(code), "{} is not shown", code.0);
+    }
+    let (recorder, _) = parse(&agreed);
+    for diagnostic in recorder.diagnostics {
+        assert!(
+            codes::CODES
+                .iter()
+                .any(|(code, _)| *code == diagnostic.code)
+        );
+    }
+}
+
+#[test]
+fn related_places_show_what_is_meant() {
+    for (source, related) in [
+        ("define a = (1, 2];", "("),
+        ("define ab = 1; define ab = 2;", "ab"),
+        ("define a = zz; define zz = 2;", "zz"),
+        ("define x = 1; define a = sinx; define sinx = 2;", "sinx"),
+        ("function f(u, u) = 1;", "u"),
+        ("define a = sin;", "sin"),
+    ] {
+        let (recorder, _) = parse(source);
+        let places: Vec<&str> = (recorder.diagnostics.iter())
+            .flat_map(|diagnostic| &diagnostic.related)
+            .map(|place| place.span.text(source))
+            .collect();
+        assert_eq!(places, [related], "{source}");
+    }
+}
