@@ -85,7 +85,7 @@ impl Bounds {
     }
 
     /// The bounds of finite points in the scene's units.
-    fn around(mut cloud: Vec<[f64; 3]>) -> Self {
+    pub fn around(mut cloud: Vec<[f64; 3]>) -> Self {
         let ends: [[f64; 2]; 3] = std::array::from_fn(|k| {
             cloud
                 .iter()

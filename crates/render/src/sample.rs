@@ -101,17 +101,21 @@ impl Samples {
 
     /// What a reader of the picture should be told of undefined samples.
     pub fn note(&self, name: &str) -> Option<String> {
-        match self.undefined() {
-            (_, 0) => None,
-            (1, _) => Some(format!(
-                "`{name}` is undefined at the current params and is not drawn"
-            )),
-            (all, undefined) if all == undefined => Some(format!(
-                "`{name}` is undefined everywhere at the current params and is not drawn"
-            )),
-            (all, undefined) => Some(format!(
-                "`{name}` is undefined at {undefined} of its {all} samples and is left open there"
-            )),
+        let (all, undefined) = self.undefined();
+        note(name, all, undefined)
+    }
+}
+
+/// What a reader of the picture should be told of an object's samples, of which some are undefined.
+pub(crate) fn note(name: &str, all: usize, undefined: usize) -> Option<String> {
+    match (all, undefined) {
+        (_, 0) => None,
+        (1, _) => Some(format!("`{name}` is undefined at the current params and is not drawn")),
+        (all, undefined) if all == undefined => {
+            Some(format!("`{name}` is undefined everywhere at the current params and is not drawn"))
+        }
+        (all, undefined) => {
+            Some(format!("`{name}` is undefined at {undefined} of its {all} samples and is left open there"))
         }
     }
 }

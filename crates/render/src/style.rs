@@ -56,7 +56,7 @@ pub const LEAST_POINT_RADIUS: f32 = 1.2;
 /// The length of an arrowhead, in half widths of its shaft.
 pub const HEAD_LENGTH: f32 = 11.0;
 /// The radius of an arrowhead, in half widths of its shaft.
-pub const HEAD_RADIUS: f32 = 4.4;
+pub const HEAD_RADIUS: f32 = 4.1;
 /// An arrowhead takes at most this part of its vector; a shorter vector has its head and shaft scaled down.
 pub const HEAD_SHARE: f32 = 0.45;
 /// Sides of an arrowhead's cone.

@@ -1,8 +1,32 @@
-//! The GPU path.
+//! The GPU path: wgpu painters and generated kernels.
+//!
+//! ```text
+//! plan ──samples.rs──▶ sample buffers (f64 blocks or a kernel) ──one painter a file──▶ space.rs: tiles ──▶ picture
+//!      └─geodesic.rs─▶ map (kernel or f64) ──resolve pass──▶ picture
+//! ```
+//!
+//! What is built is counted ([`Built`]) and equals [`crate::plan::Plan::built`]. wgpu is used nowhere else.
+
+mod curves;
+mod device;
+mod evaluate;
+mod geodesic;
+mod layout;
+mod points;
+mod samples;
+mod space;
+mod surfaces;
+mod vectors;
+mod workshop;
 
 use scene::{scene::Scene, values::Settings};
+use wgsl::GenerateError;
 
-use crate::request::{Picture, RenderError, Request};
+pub use evaluate::{EvaluateError, evaluate};
+
+use crate::gpu::workshop::Workshop;
+use crate::plan::{Built, plan};
+use crate::request::{Picture, RenderError, Request, View};
 
 /// Draws a picture on a GPU; the request has been checked.
 ///
@@ -14,8 +38,52 @@ pub fn render(
     request: &Request,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Picture, RenderError> {
-    let _ = (scene, settings, request, progress);
-    Err(RenderError::NoGpu {
-        reason: "the GPU path is not there yet".to_owned(),
+    render_counted(scene, settings, request, progress).map(|(picture, _)| picture)
+}
+
+/// As [`render`], with what was built for it.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_counted(
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<(Picture, Built), RenderError> {
+    let gpu = device::open()?;
+    let plan = plan(scene, settings, request);
+    gpu.guarded(|| {
+        let mut workshop = Workshop::new(gpu);
+        let (image, notes) = match &request.view {
+            View::Space { eye, target } => {
+                space::render(&mut workshop, scene, settings, request, &plan, [*eye, *target], progress)?
+            }
+            View::Geodesic { .. } => geodesic::render(&mut workshop, scene, settings, request, &plan, progress)?,
+        };
+        let backend = format!("GPU: {}", gpu.name);
+        Ok((Picture { image, backend, notes }, workshop.built))
     })
+}
+
+/// The name of the GPU that pictures are drawn on.
+///
+/// # Errors
+/// [`RenderError::NoGpu`].
+pub fn adapter_name() -> Result<&'static str, RenderError> {
+    device::open().map(|gpu| gpu.name.as_str())
+}
+
+/// A fault in generated text as an error of rendering; `None` if the expression is only too large for a shader.
+fn internal(error: GenerateError) -> Option<RenderError> {
+    match error {
+        GenerateError::TooLarge { .. } => None,
+        GenerateError::Internal(error) => Some(error.into()),
+    }
+}
+
+impl From<wgsl::InternalError> for RenderError {
+    fn from(error: wgsl::InternalError) -> Self {
+        Self::Internal { message: error.message, source: error.source }
+    }
 }

@@ -1,9 +1,28 @@
-//! The software path: both views on the CPU, on all cores, for machines without a GPU.
+//! The software path: both views on the CPU, on all cores, for machines without a GPU. It never touches wgpu.
+//!
+//! ```text
+//! samples ──points, vectors, curves, surfaces──▶ mesh.rs: triangles in clip space ──clipped, projected──▶
+//! raster.rs: tiles with four samples a pixel ──shade.rs──▶ picture
+//! ```
+//!
+//! The same picture comes out on every run and for every number of cores: triangles keep their order, and each tile
+//! is one task.
 
-use image::RgbaImage;
+mod curves;
+mod inside;
+mod mesh;
+mod points;
+mod raster;
+mod shade;
+mod space;
+mod surfaces;
+mod vectors;
+
+pub use space::{Painted, draw};
+
 use scene::{scene::Scene, values::Settings};
 
-use crate::request::{Picture, RenderError, Request};
+use crate::request::{Picture, RenderError, Request, View};
 
 /// Draws a picture; the request has been checked.
 ///
@@ -15,12 +34,10 @@ pub fn render(
     request: &Request,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Picture, RenderError> {
-    let _ = (scene, settings);
-    progress(1.0);
-    let image = RgbaImage::new(request.size[0], request.size[1]);
-    Ok(Picture {
-        image,
-        backend: "software".to_owned(),
-        notes: Vec::new(),
-    })
+    match request.view {
+        View::Space { eye, target } => {
+            space::render(scene, settings, request, eye, target, progress)
+        }
+        View::Geodesic { .. } => inside::render(scene, settings, request, progress),
+    }
 }

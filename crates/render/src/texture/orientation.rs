@@ -15,10 +15,12 @@ const CELL: u32 = 128;
 const LINE: f32 = 1.6;
 /// Half the width of the lines along the image's own edges, which are the domain's ends.
 const EDGE: f32 = 3.4;
+/// The length of the ticks that mark a cell's halves, in texels.
+const TICK: f32 = 11.0;
 /// Texels per unit of a glyph's box, which is 4 wide and 6 high.
-const SCALE: f32 = 9.0;
+const SCALE: f32 = 8.0;
 /// Half the width of a stroke, in units of a glyph's box.
-const STROKE: f32 = 0.46;
+const STROKE: f32 = 0.5;
 /// From one letter's left to the next one's, in units of a glyph's box.
 const ADVANCE: f32 = 5.7;
 
@@ -29,12 +31,12 @@ pub(super) fn image() -> RgbaImage {
     for row in 0..CELLS {
         for column in 0..CELLS {
             let paper = cell_colour(column, row);
-            let ink = oklch(0.30, 0.05, hue(column));
+            let ink = oklch(0.24, 0.05, hue(column));
             let strokes = name(column, row);
             for y in 0..CELL {
                 for x in 0..CELL {
                     let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
-                    let mut colour = mix(paper, ink, 0.85 * label(&strokes, px, py));
+                    let mut colour = mix(paper, ink, 0.9 * label(&strokes, px, py));
                     let line = line(column * CELL + x, row * CELL + y);
                     colour = mix(colour, [1.0; 3], line);
                     let [r, g, b] = colour.map(encode);
@@ -52,13 +54,8 @@ fn hue(column: u32) -> f32 {
 }
 
 fn cell_colour(column: u32, row: u32) -> [f32; 3] {
-    let checker = if (column + row) % 2 == 0 {
-        0.018
-    } else {
-        -0.018
-    };
-    let lightness = 0.88 - 0.27 * row as f32 / (CELLS - 1) as f32;
-    oklch(lightness + checker, 0.092, hue(column))
+    let lightness = 0.885 - 0.255 * row as f32 / (CELLS - 1) as f32;
+    oklch(lightness, 0.086, hue(column))
 }
 
 /// How much of a texel is grid line.
@@ -71,9 +68,11 @@ fn line(x: u32, y: u32) -> f32 {
         let to_line = in_cell.min(CELL as f32 - in_cell);
         let to_middle = (in_cell - 0.5 * CELL as f32).abs();
         let strong = coverage(to_line - LINE).max(coverage(to_edge - EDGE));
-        (0.92 * strong).max(0.16 * coverage(to_middle - 0.9))
+        (0.92 * strong, coverage(to_middle - 1.0), coverage(to_line - TICK))
     };
-    along(x).max(along(y))
+    // Halves are marked by ticks at the border: a line across would run through the name.
+    let ((across, middle_x, border_x), (down, middle_y, border_y)) = (along(x), along(y));
+    across.max(down).max(0.6 * (middle_x * border_y).max(middle_y * border_x))
 }
 
 /// The share of a texel inside a shape whose border is at this signed distance.

@@ -1,0 +1,229 @@
+//! The device: opened once a process, its errors caught, its buffers made and read back.
+
+use std::sync::{Mutex, OnceLock, PoisonError, mpsc};
+
+use wgpu::util::DeviceExt;
+
+use crate::request::RenderError;
+
+/// An open device. wgpu's own handler of errors panics; here they are caught by scopes, or kept to be reported.
+pub(crate) struct Gpu {
+    pub(crate) device: wgpu::Device,
+    pub(crate) queue: wgpu::Queue,
+    /// The adapter's name.
+    pub(crate) name: String,
+    /// What went wrong outside all scopes.
+    stray: &'static Mutex<Option<String>>,
+}
+
+/// The process's device.
+///
+/// # Errors
+/// [`RenderError::NoGpu`] where there is no driver or no device; this is not tried again.
+pub(crate) fn open() -> Result<&'static Gpu, RenderError> {
+    static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
+    GPU.get_or_init(Gpu::open).as_ref().map_err(|reason| RenderError::NoGpu { reason: reason.clone() })
+}
+
+impl Gpu {
+    fn open() -> Result<Self, String> {
+        static STRAY: Mutex<Option<String>> = Mutex::new(None);
+        let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
+        description.flags = wgpu::InstanceFlags::empty();
+        let instance = wgpu::Instance::new(description);
+        let options = wgpu::RequestAdapterOptions {
+            power_preference: wgpu::PowerPreference::HighPerformance,
+            ..Default::default()
+        };
+        let adapter = pollster::block_on(instance.request_adapter(&options))
+            .map_err(|_| "no GPU driver was found".to_owned())?;
+        let offered = adapter.limits();
+        // The default limits, but buffers and textures as large as the adapter has them.
+        let limits = wgpu::Limits {
+            max_buffer_size: offered.max_buffer_size,
+            max_storage_buffer_binding_size: offered.max_storage_buffer_binding_size,
+            max_texture_dimension_2d: offered.max_texture_dimension_2d,
+            ..wgpu::Limits::default()
+        };
+        let description = wgpu::DeviceDescriptor {
+            label: Some("geotrace"),
+            required_limits: limits.or_worse_values_from(&offered),
+            ..Default::default()
+        };
+        let (device, queue) = pollster::block_on(adapter.request_device(&description))
+            .map_err(|error| format!("the GPU cannot be opened ({error})"))?;
+        device.on_uncaptured_error(std::sync::Arc::new(|error: wgpu::Error| keep(&STRAY, error.to_string())));
+        device.set_device_lost_callback(|reason, message| {
+            if reason != wgpu::DeviceLostReason::Destroyed {
+                keep(&STRAY, format!("the device was lost: {message}"));
+            }
+        });
+        Ok(Self { device, queue, name: adapter.get_info().name, stray: &STRAY })
+    }
+
+    /// Runs work with all errors of the device caught. The first that occurs is the result, unless the work itself
+    /// has failed.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`], and those of the work.
+    pub(crate) fn guarded<T>(&self, work: impl FnOnce() -> Result<T, RenderError>) -> Result<T, RenderError> {
+        let internal = self.device.push_error_scope(wgpu::ErrorFilter::Internal);
+        let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
+        let result = work();
+        let mut found = None;
+        for scope in [validation, memory, internal] {
+            found = found.or(pollster::block_on(scope.pop()));
+        }
+        if let Some(error) = found {
+            return Err(RenderError::Gpu(error.to_string()));
+        }
+        let stray = self.stray.lock().unwrap_or_else(PoisonError::into_inner).take();
+        match (result, stray) {
+            (Ok(_), Some(message)) => Err(RenderError::Gpu(message)),
+            (result, _) => result,
+        }
+    }
+
+    /// A buffer with the given bytes; never empty, since a binding may not be.
+    pub(crate) fn buffer(&self, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> wgpu::Buffer {
+        let contents = if bytes.is_empty() { &[0; 16] } else { bytes };
+        let description = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
+        self.device.create_buffer_init(&description)
+    }
+
+    /// A uniform buffer with one value.
+    pub(crate) fn uniform<T: bytemuck::NoUninit>(&self, label: &str, value: &T) -> wgpu::Buffer {
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        self.buffer(label, usage, bytemuck::bytes_of(value))
+    }
+
+    /// A storage buffer with the given bytes.
+    pub(crate) fn storage(&self, label: &str, bytes: &[u8]) -> wgpu::Buffer {
+        self.buffer(label, wgpu::BufferUsages::STORAGE, bytes)
+    }
+
+    /// A buffer that a kernel writes and that can be copied from.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if the device has no buffers of this size.
+    pub(crate) fn output(&self, label: &str, size: u64) -> Result<wgpu::Buffer, RenderError> {
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+        self.check_size(label, size)?;
+        Ok(self.empty(label, usage, size))
+    }
+
+    /// Refuses what does not fit a storage binding.
+    pub(crate) fn check_size(&self, label: &str, size: u64) -> Result<(), RenderError> {
+        let most = self.storage_limit();
+        if size > most {
+            return Err(RenderError::Gpu(format!("{label} take {size} bytes, the GPU allows {most} in one piece")));
+        }
+        Ok(())
+    }
+
+    /// The largest storage buffer.
+    pub(crate) fn storage_limit(&self) -> u64 {
+        let limits = self.device.limits();
+        limits.max_buffer_size.min(limits.max_storage_buffer_binding_size)
+    }
+
+    fn empty(&self, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
+        self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: size.max(16).next_multiple_of(4),
+            usage,
+            mapped_at_creation: false,
+        })
+    }
+
+    /// Waits for all submitted work.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if the device was lost.
+    pub(crate) fn wait(&self) -> Result<(), RenderError> {
+        match self.device.poll(wgpu::PollType::wait_indefinitely()) {
+            Ok(_) => Ok(()),
+            Err(error) => Err(RenderError::Gpu(error.to_string())),
+        }
+    }
+
+    /// Records commands and hands them over.
+    pub(crate) fn submit(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) {
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        record(&mut encoder);
+        self.queue.submit([encoder.finish()]);
+    }
+
+    /// Copies a buffer's first bytes back and hands them to `read`.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if the device was lost or the buffer cannot be mapped.
+    pub(crate) fn read<T>(
+        &self,
+        buffer: &wgpu::Buffer,
+        size: u64,
+        read: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, RenderError> {
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        let staging = self.empty("read back", usage, size);
+        self.submit(|encoder| encoder.copy_buffer_to_buffer(buffer, 0, &staging, 0, size));
+        self.read_staging(&staging, read)
+    }
+
+    /// Copies a texture's rows back, and hands each to `read`, with its number, as tightly packed pixels.
+    ///
+    /// # Errors
+    /// As [`Gpu::read`].
+    pub(crate) fn read_rows(
+        &self,
+        texture: &wgpu::Texture,
+        size: [u32; 2],
+        mut read: impl FnMut(usize, &[u8]),
+    ) -> Result<(), RenderError> {
+        let row = 4 * size[0];
+        let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
+        let staging = self.empty("read back", usage, u64::from(stride) * u64::from(size[1]));
+        let extent = wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 };
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(stride),
+            rows_per_image: Some(size[1]),
+        };
+        self.submit(|encoder| {
+            let to = wgpu::TexelCopyBufferInfo { buffer: &staging, layout };
+            encoder.copy_texture_to_buffer(texture.as_image_copy(), to, extent);
+        });
+        self.read_staging(&staging, |bytes| {
+            for (y, padded) in bytes.chunks_exact(stride as usize).enumerate() {
+                read(y, &padded[..row as usize]);
+            }
+        })
+    }
+
+    fn read_staging<T>(&self, staging: &wgpu::Buffer, read: impl FnOnce(&[u8]) -> T) -> Result<T, RenderError> {
+        let lost = |message: String| RenderError::Gpu(format!("its results cannot be read: {message}"));
+        let slice = staging.slice(..);
+        let (send, receive) = mpsc::channel();
+        slice.map_async(wgpu::MapMode::Read, move |result| {
+            // The receiver waits below; if it is gone nobody wants the answer.
+            let _ = send.send(result);
+        });
+        self.wait()?;
+        match receive.try_recv() {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(lost(error.to_string())),
+            Err(_) => return Err(lost("no answer".to_owned())),
+        }
+        let view = slice.get_mapped_range().map_err(|error| lost(error.to_string()))?;
+        let result = read(&view);
+        drop(view);
+        staging.unmap();
+        Ok(result)
+    }
+}
+
+fn keep(place: &Mutex<Option<String>>, message: String) {
+    place.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
+}

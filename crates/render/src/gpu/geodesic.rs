@@ -1,0 +1,316 @@
+//! The geodesic view: a map from a generated kernel (or from f64), coloured by a fixed pass.
+//!
+//! Pictures are made in slabs of rows, so that memory is bounded, and each slab in bands, so that no dispatch runs
+//! long. The resolve pass looks at neighbouring pixels: a slab's map has some rows more than are coloured.
+
+use geodesic::frame::Frame;
+use geodesic::map::Map;
+use geodesic::surface::{Side, Sides};
+use geodesic::trace::Status;
+use image::RgbaImage;
+use scene::scene::{Scene, Shape};
+use scene::values::Settings;
+use wgsl::Kernel;
+
+use crate::geodesic_view::{self, HATCH, LEAST_RING, RING};
+use crate::gpu::internal;
+use crate::gpu::layout::{ChartCamera, Resolve};
+use crate::gpu::workshop::{Workshop, dispatch};
+use crate::plan::{GeodesicPlan, Plan, Source};
+use crate::request::{RenderError, Request};
+use crate::style;
+
+/// Pixels of one slab: 64 MB of map.
+const SLAB_PIXELS: u32 = 1 << 22;
+/// Pixels of one dispatch.
+const BAND_PIXELS: u32 = 1 << 16;
+/// The most steps of one pixel's geodesic.
+const STEP_LIMIT: u32 = 2_000;
+/// Bytes of a pixel of the map.
+const PIXEL_BYTES: u64 = 16;
+
+/// Draws the plan's geodesic view; gives the picture and its notes.
+pub(crate) fn render(
+    workshop: &mut Workshop<'_>,
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+    plan: &Plan,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<(RgbaImage, Vec<String>), RenderError> {
+    let Some(view) = &plan.geodesic else {
+        return Err(RenderError::NoSurface { name: None });
+    };
+    let inside = geodesic_view::Inside::new(scene, settings, request)?;
+    let object = &scene.objects[view.surface.0 as usize];
+    let chart = Chart::new(&inside.frame, inside.domain(), inside.sides(), inside.zoom);
+    let source = map_source(workshop, scene, view, &inside, progress)?;
+    let [width, height] = request.size;
+    let mut picture = RgbaImage::new(width, height);
+
+    let joined = wgsl::painter::resolve_geodesic()?;
+    let pipeline = workshop.resolve_pipeline(&joined);
+    let sampler = workshop.sampler();
+    let image = workshop.texture(&request.texture(view.surface));
+    let mut resolve = chart.resolve(request, request.colour(view.surface, &object.shape));
+    let halo = resolve.reach as u32 + 1;
+    let slab = (SLAB_PIXELS / width).saturating_sub(2 * halo).clamp(1, height);
+    let gpu = workshop.gpu;
+    for first in (0..height).step_by(slab as usize) {
+        let rows = slab.min(height - first);
+        let map_first = first.saturating_sub(halo);
+        let map_rows = (first + rows + halo).min(height) - map_first;
+        let map = source.rows(workshop, &chart, request.size, [map_first, map_rows], progress)?;
+        resolve.map_rows = [map_first, map_rows];
+        resolve.rows = [first, rows];
+        let uniform = gpu.uniform("resolve", &resolve);
+        let size = 4 * u64::from(width) * u64::from(rows);
+        let colours = gpu.output("colours", size)?;
+        let group = workshop.bind(
+            &pipeline.get_bind_group_layout(0),
+            &[
+                uniform.as_entire_binding(),
+                map.as_entire_binding(),
+                colours.as_entire_binding(),
+                wgpu::BindingResource::TextureView(&image),
+                wgpu::BindingResource::Sampler(&sampler),
+            ],
+        );
+        gpu.submit(|encoder| dispatch(encoder, &pipeline, &group, [width.div_ceil(8), rows.div_ceil(8)]));
+        let start = 4 * first as usize * width as usize;
+        gpu.read(&colours, size, |bytes| {
+            picture.as_flat_samples_mut().samples[start..start + bytes.len()].copy_from_slice(bytes);
+        })?;
+        progress((first + rows) as f32 / height as f32);
+    }
+    Ok((picture, Vec::new()))
+}
+
+/// The map of a geodesic view as a generated kernel computes it: for comparing it with f64. `None` if the surface's
+/// derivatives are too large for a shader.
+///
+/// # Errors
+/// As [`crate::gpu::render`].
+pub(crate) fn map(
+    workshop: &mut Workshop<'_>,
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+    view: &GeodesicPlan,
+) -> Result<Option<Map>, RenderError> {
+    let inside = geodesic_view::Inside::new(scene, settings, request)?;
+    let chart = Chart::new(&inside.frame, inside.domain(), inside.sides(), inside.zoom);
+    let source = map_source(workshop, scene, view, &inside, &|_| {})?;
+    if matches!(source, MapSource::Blocks { .. }) {
+        return Ok(None);
+    }
+    let size = request.size;
+    let buffer = source.rows(workshop, &chart, size, [0, size[1]], &|_| {})?;
+    let bytes = PIXEL_BYTES * u64::from(size[0]) * u64::from(size[1]);
+    workshop.gpu.read(&buffer, bytes, |bytes| {
+        let pixels: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(bytes);
+        let uv = pixels.iter().map(|&[a, b, ..]| chart.uv([f32::from_bits(a), f32::from_bits(b)])).collect();
+        let status = pixels.iter().map(|&[_, _, status, _]| status_of(status)).collect();
+        Some(Map { size, uv, status, ..Map::default() })
+    })
+}
+
+/// Where maps come from.
+enum MapSource {
+    Kernel { pipeline: wgpu::ComputePipeline, uniforms: Option<wgpu::Buffer> },
+    Blocks(Map),
+}
+
+fn map_source(
+    workshop: &mut Workshop<'_>,
+    scene: &Scene,
+    view: &GeodesicPlan,
+    inside: &geodesic_view::Inside,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<MapSource, RenderError> {
+    let Shape::Surface { position, .. } = &scene.objects[view.surface.0 as usize].shape else {
+        return Err(RenderError::NoSurface { name: None });
+    };
+    if view.source == Source::Kernel {
+        match wgsl::kernel::geodesic(&scene.graph, *position) {
+            Ok(kernel) => return Ok(MapSource::kernel(workshop, &kernel, &inside.uniforms)),
+            Err(error) => {
+                if let Some(fault) = internal(error) {
+                    return Err(fault);
+                }
+                // Too large for a shader: f64 takes any expression.
+            }
+        }
+    }
+    Ok(MapSource::Blocks(inside.map(&|share| progress(0.9 * share))))
+}
+
+impl MapSource {
+    fn kernel(workshop: &mut Workshop<'_>, kernel: &Kernel, values: &[f64]) -> Self {
+        let pipeline = workshop.geodesic_kernel(kernel);
+        let row: Vec<f32> = kernel.uniforms().iter().map(|&k| values[k as usize] as f32).collect();
+        let uniforms = (!row.is_empty()).then(|| workshop.gpu.storage("uniforms", bytemuck::cast_slice(&row)));
+        Self::Kernel { pipeline, uniforms }
+    }
+
+    /// A buffer with some rows of the map: first, and how many.
+    fn rows(
+        &self,
+        workshop: &Workshop<'_>,
+        chart: &Chart,
+        size: [u32; 2],
+        [first, count]: [u32; 2],
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<wgpu::Buffer, RenderError> {
+        let gpu = workshop.gpu;
+        let width = size[0];
+        let (pipeline, uniforms) = match self {
+            Self::Blocks(map) => {
+                let pixels = (first as usize * width as usize)..((first + count) as usize * width as usize);
+                let packed: Vec<[u32; 4]> = pixels
+                    .map(|at| {
+                        let [a, b] = chart.offset(map.uv[at]).map(f32::to_bits);
+                        [a, b, code_of(map.status[at]), 0]
+                    })
+                    .collect();
+                return Ok(gpu.storage("map", bytemuck::cast_slice(&packed)));
+            }
+            Self::Kernel { pipeline, uniforms } => (pipeline, uniforms),
+        };
+        let map = gpu.output("map", PIXEL_BYTES * u64::from(width) * u64::from(count))?;
+        let layout = pipeline.get_bind_group_layout(0);
+        let band = (BAND_PIXELS / width).max(1);
+        for row in (0..count).step_by(band as usize) {
+            let rows = band.min(count - row);
+            let camera = gpu.uniform("camera", &chart.camera(size, [first + row, rows], first));
+            let mut bindings = vec![(0, camera.as_entire_binding()), (2, map.as_entire_binding())];
+            if let Some(uniforms) = uniforms {
+                bindings.push((1, uniforms.as_entire_binding()));
+            }
+            let group = workshop.bind_numbered(&layout, &bindings);
+            gpu.submit(|encoder| dispatch(encoder, pipeline, &group, [width.div_ceil(8), rows.div_ceil(8)]));
+            gpu.wait()?;
+            progress((first + row + rows) as f32 / size[1] as f32);
+        }
+        Ok(map)
+    }
+}
+
+/// The chart in scaled coordinates: offsets from the camera, in units in which the camera's tangent vectors are
+/// about 1.
+struct Chart {
+    at: [f64; 2],
+    scale: [f64; 2],
+    x: [f64; 2],
+    y: [f64; 2],
+    domain: [[f64; 2]; 2],
+    sides: [u32; 4],
+    zoom: f64,
+}
+
+impl Chart {
+    fn new(frame: &Frame, domain: [[f64; 2]; 2], sides: Sides, zoom: f64) -> Self {
+        // Where a component is 0 for both vectors the chart would have no tangent plane; the frame excludes that.
+        let scale = [0, 1].map(|k| frame.x[k].hypot(frame.y[k]));
+        Self {
+            at: frame.uv,
+            scale,
+            x: [0, 1].map(|k| frame.x[k] / scale[k]),
+            y: [0, 1].map(|k| frame.y[k] / scale[k]),
+            domain,
+            sides: [sides.u[0], sides.u[1], sides.v[0], sides.v[1]].map(side_code),
+            zoom,
+        }
+    }
+
+    fn offset(&self, uv: [f32; 2]) -> [f32; 2] {
+        [0, 1].map(|k| ((f64::from(uv[k]) - self.at[k]) / self.scale[k]) as f32)
+    }
+
+    fn uv(&self, offset: [f32; 2]) -> [f32; 2] {
+        [0, 1].map(|k| (self.at[k] + self.scale[k] * f64::from(offset[k])) as f32)
+    }
+
+    fn camera(&self, size: [u32; 2], rows: [u32; 2], map_row: u32) -> ChartCamera {
+        let end = |side: usize| [0, 1].map(|k| ((self.domain[k][side] - self.at[k]) / self.scale[k]) as f32);
+        ChartCamera {
+            origin: self.at.map(|x| x as f32),
+            scale: self.scale.map(|x| x as f32),
+            x: self.x.map(|x| x as f32),
+            y: self.y.map(|x| x as f32),
+            minimum: end(0),
+            maximum: end(1),
+            sides: self.sides,
+            size,
+            rows,
+            per_length: (1.0 / self.zoom) as f32,
+            step_limit: STEP_LIMIT,
+            instance: 0,
+            map_row,
+        }
+    }
+
+    /// What the fixed pass needs, but for the rows.
+    fn resolve(&self, request: &Request, [r, g, b]: [f32; 3]) -> Resolve {
+        let size = request.size;
+        let unit = style::pixel_unit(size);
+        let hatch_unit = unit.max(0.4);
+        let mark = request.mark_centre && size[0].min(size[1]) >= 32;
+        let width = |k: usize| self.domain[k][1] - self.domain[k][0];
+        let mut hatching = [[1.0; 4]; 12];
+        for (code, pair) in hatching.chunks_exact_mut(2).enumerate() {
+            let colours = geodesic_view::hatching(status_of(code as u32));
+            for (to, colour) in pair.iter_mut().zip(colours) {
+                let [r, g, b] = style::linear(colour);
+                *to = [r, g, b, 1.0];
+            }
+        }
+        Resolve {
+            colour: [r, g, b, 1.0],
+            place: [0, 1].map(|k| ((self.at[k] - self.domain[k][0]) / width(k)) as f32),
+            per_width: [0, 1].map(|k| (self.scale[k] / width(k)) as f32),
+            size,
+            map_rows: [0, size[1]],
+            rows: [0, size[1]],
+            hatch: HATCH * hatch_unit,
+            reach: (hatch_unit.round() as i32).max(1),
+            ring: if mark { (RING * unit).max(LEAST_RING) } else { 0.0 },
+            ring_half: (0.75 * unit).max(0.6),
+            padding: [0.0; 2],
+            hatching,
+        }
+    }
+}
+
+/// The number of a side in lib/chart.wgsl.
+fn side_code(side: Side) -> u32 {
+    match side {
+        Side::Edge => 0,
+        Side::Wrap => 1,
+        Side::WrapFlip => 2,
+        Side::Pole => 3,
+    }
+}
+
+/// The number of a status in lib/chart.wgsl.
+fn code_of(status: Status) -> u32 {
+    match status {
+        Status::Complete => 0,
+        Status::LeftDomain => 1,
+        Status::ConePoint => 2,
+        Status::Degenerate => 3,
+        Status::Undefined => 4,
+        Status::WorkLimit => 5,
+    }
+}
+
+fn status_of(code: u32) -> Status {
+    match code {
+        0 => Status::Complete,
+        1 => Status::LeftDomain,
+        2 => Status::ConePoint,
+        3 => Status::Degenerate,
+        4 => Status::Undefined,
+        _ => Status::WorkLimit,
+    }
+}

@@ -1,0 +1,232 @@
+//! Uniform structs, as WGSL lays them out; tests compare each with its twin in `/shaders`.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::camera::Camera;
+use crate::style;
+
+/// `View` of lib/view.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct View {
+    pub(crate) view_from_world: [[f32; 4]; 4],
+    pub(crate) zoom: [f32; 2],
+    pub(crate) near: f32,
+    pub(crate) pixels_per_unit: f32,
+    pub(crate) key_direction: [f32; 3],
+    pub(crate) pixel_unit: f32,
+    pub(crate) ambient: f32,
+    pub(crate) fill: f32,
+    pub(crate) key: f32,
+    pub(crate) highlight: f32,
+    pub(crate) highlight_power: f32,
+    pub(crate) glyph_rim: f32,
+    pub(crate) tile_scale: [f32; 2],
+    pub(crate) tile_offset: [f32; 2],
+    pub(crate) padding: [f32; 2],
+}
+
+impl View {
+    /// The view of a camera, for a tile (first pixel, size) of its picture.
+    pub(crate) fn new(camera: &Camera, first: [u32; 2], size: [u32; 2]) -> Self {
+        // x_tile = x · scale + offset maps the tile's part of [−1,1] to [−1,1]; y points up, rows go down.
+        let scale = [0, 1].map(|k| camera.size[k] as f32 / size[k] as f32);
+        let middle = [0, 1].map(|k| {
+            let place = (2 * first[k] + size[k]) as f32 / camera.size[k] as f32 - 1.0;
+            if k == 0 { place } else { -place }
+        });
+        Self {
+            view_from_world: camera.view_from_world().to_cols_array_2d(),
+            zoom: camera.half_tangents().map(|tangent| (1.0 / tangent) as f32),
+            near: camera.near as f32,
+            pixels_per_unit: camera.pixels_per_unit(),
+            key_direction: style::KEY_DIRECTION,
+            pixel_unit: style::pixel_unit(camera.size),
+            ambient: style::AMBIENT,
+            fill: style::FILL,
+            key: style::KEY,
+            highlight: style::HIGHLIGHT,
+            highlight_power: style::HIGHLIGHT_POWER as f32,
+            glyph_rim: style::GLYPH_RIM,
+            tile_scale: scale,
+            tile_offset: [-middle[0] * scale[0], -middle[1] * scale[1]],
+            padding: [0.0; 2],
+        }
+    }
+}
+
+/// `Glyph` of lib/glyph.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Glyph {
+    pub(crate) colour: [f32; 3],
+    pub(crate) nominal: f32,
+    pub(crate) min_pixels: f32,
+    pub(crate) max_pixels: f32,
+    pub(crate) least: f32,
+    pub(crate) lift: f32,
+    pub(crate) join_lift: f32,
+    pub(crate) head_length: f32,
+    pub(crate) head_radius: f32,
+    pub(crate) head_share: f32,
+    pub(crate) count: u32,
+    pub(crate) total: u32,
+    pub(crate) first: u32,
+    pub(crate) padding: u32,
+}
+
+impl Glyph {
+    /// A glyph of the given colour and width, `count` samples an instance, `total` in all, drawn from `first` on.
+    pub(crate) fn new(colour: [f32; 3], length: &style::Length, least: f32, count: u32, total: u32, first: u32) -> Self {
+        Self {
+            colour,
+            nominal: length.nominal,
+            min_pixels: length.min_pixels,
+            max_pixels: length.max_pixels,
+            least,
+            lift: style::GLYPH_LIFT,
+            join_lift: style::JOIN_LIFT,
+            head_length: style::HEAD_LENGTH,
+            head_radius: style::HEAD_RADIUS,
+            head_share: style::HEAD_SHARE,
+            count,
+            total,
+            first,
+            padding: 0,
+        }
+    }
+}
+
+/// `Patch` of pass/draw_surfaces.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Patch {
+    pub(crate) colour: [f32; 4],
+    pub(crate) count: [u32; 2],
+    pub(crate) first: u32,
+    pub(crate) padding: u32,
+}
+
+/// `Sampling` of lib/sampling.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Sampling {
+    pub(crate) minimum: [f32; 2],
+    pub(crate) maximum: [f32; 2],
+    pub(crate) count: [u32; 2],
+    pub(crate) total: u32,
+    pub(crate) slots: u32,
+    pub(crate) centre: [f32; 3],
+    pub(crate) per_length: f32,
+    pub(crate) horizon: f32,
+    pub(crate) nudge: f32,
+    pub(crate) padding: [f32; 2],
+}
+
+/// `Camera` of lib/chart.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct ChartCamera {
+    pub(crate) origin: [f32; 2],
+    pub(crate) scale: [f32; 2],
+    pub(crate) x: [f32; 2],
+    pub(crate) y: [f32; 2],
+    pub(crate) minimum: [f32; 2],
+    pub(crate) maximum: [f32; 2],
+    pub(crate) sides: [u32; 4],
+    pub(crate) size: [u32; 2],
+    pub(crate) rows: [u32; 2],
+    pub(crate) per_length: f32,
+    pub(crate) step_limit: u32,
+    pub(crate) instance: u32,
+    pub(crate) map_row: u32,
+}
+
+/// `Resolve` of pass/resolve_geodesic.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Resolve {
+    pub(crate) colour: [f32; 4],
+    pub(crate) place: [f32; 2],
+    pub(crate) per_width: [f32; 2],
+    pub(crate) size: [u32; 2],
+    pub(crate) map_rows: [u32; 2],
+    pub(crate) rows: [u32; 2],
+    pub(crate) hatch: f32,
+    pub(crate) reach: i32,
+    pub(crate) ring: f32,
+    pub(crate) ring_half: f32,
+    pub(crate) padding: [f32; 2],
+    pub(crate) hatching: [[f32; 4]; 12],
+}
+
+/// `Table` of pass/evaluate.wgsl.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Table {
+    pub(crate) rows: u32,
+    pub(crate) variables: u32,
+    pub(crate) uniforms: u32,
+    pub(crate) roots: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::mem::{offset_of, size_of};
+
+    use wgsl::{Joined, library, painter};
+
+    /// Compares offsets of members and the size of a struct with those that naga finds.
+    macro_rules! assert_same_layout {
+        ($joined:expr, $name:literal, $rust:ty, [$($member:ident),* $(,)?]) => {
+            let found: Vec<(String, usize)> = $joined
+                .struct_layout($name)
+                .into_iter()
+                .map(|(member, offset, _)| (member, offset as usize))
+                .collect();
+            let here = vec![$((stringify!($member).to_owned(), offset_of!($rust, $member))),*];
+            assert_eq!(found, here, "members of {}", $name);
+            assert_eq!($joined.struct_size($name) as usize, size_of::<$rust>(), "size of {}", $name);
+        };
+    }
+
+    fn stubbed(pieces: &[library::Piece<'_>]) -> Joined {
+        wgsl::join::join(pieces).expect("stubs join")
+    }
+
+    #[test]
+    fn uniform_structs_are_laid_out_as_in_the_shaders() {
+        let surfaces = painter::surfaces().expect("valid");
+        assert_same_layout!(surfaces, "View", super::View, [
+            view_from_world, zoom, near, pixels_per_unit, key_direction, pixel_unit, ambient, fill, key, highlight,
+            highlight_power, glyph_rim, tile_scale, tile_offset, padding,
+        ]);
+        assert_same_layout!(surfaces, "Patch", super::Patch, [colour, count, first, padding]);
+        let curves = painter::curves().expect("valid");
+        assert_same_layout!(curves, "Glyph", super::Glyph, [
+            colour, nominal, min_pixels, max_pixels, least, lift, join_lift, head_length, head_radius, head_share,
+            count, total, first, padding,
+        ]);
+        let resolve = painter::resolve_geodesic().expect("valid");
+        assert_same_layout!(resolve, "Resolve", super::Resolve, [
+            colour, place, per_width, size, map_rows, rows, hatch, reach, ring, ring_half, padding, hatching,
+        ]);
+        let samples = stubbed(&[
+            library::NUMBER, library::SAMPLING, library::CONTRACT_POINT, library::PASS_SAMPLE_POINT,
+        ]);
+        assert_same_layout!(samples, "Sampling", super::Sampling, [
+            minimum, maximum, count, total, slots, centre, per_length, horizon, nudge, padding,
+        ]);
+        let geodesic = stubbed(&[
+            library::NUMBER, library::JET, library::FIRST_FORM, library::CHART, library::CONTRACT_GEODESIC,
+            library::PASS_GEODESIC,
+        ]);
+        assert_same_layout!(geodesic, "Camera", super::ChartCamera, [
+            origin, scale, x, y, minimum, maximum, sides, size, rows, per_length, step_limit, instance, map_row,
+        ]);
+        let evaluate = stubbed(&[
+            library::NUMBER, library::SAMPLING, library::CONTRACT_EVALUATE, library::PASS_EVALUATE,
+        ]);
+        assert_same_layout!(evaluate, "Table", super::Table, [rows, variables, uniforms, roots]);
+    }
+}

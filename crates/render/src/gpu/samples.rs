@@ -1,0 +1,145 @@
+//! Buffers of samples: filled by f64 blocks on the CPU or by a generated kernel; painters never know which.
+
+use scene::scene::{Object, ObjectId, Sampling, Scene, Shape};
+use scene::values::Settings;
+use wgsl::{GenerateError, Kernel};
+
+use crate::bounds::Placement;
+use crate::gpu::internal;
+use crate::gpu::layout;
+use crate::gpu::workshop::{Workshop, dispatch_flat};
+use crate::plan::{ObjectPlan, Source};
+use crate::request::RenderError;
+use crate::sample::{self, HORIZON, NORMAL_NUDGE, PositionSample, Samples, SurfaceSample, VectorSample};
+
+/// The samples of one object on the GPU.
+pub(crate) struct SampleBuffer {
+    pub(crate) buffer: wgpu::Buffer,
+    /// Samples of one instance along each parameter; 1 where there is no such parameter.
+    pub(crate) count: [u32; 2],
+    /// Samples of all instances.
+    pub(crate) total: u32,
+    /// What to say of undefined samples.
+    pub(crate) note: Option<String>,
+}
+
+/// Fills a buffer with an object's samples, from the source that the plan names.
+///
+/// # Errors
+/// [`RenderError::Gpu`] if they do not fit the device; [`RenderError::Internal`].
+pub(crate) fn fill(
+    workshop: &mut Workshop<'_>,
+    scene: &Scene,
+    settings: &Settings,
+    plan: &ObjectPlan,
+    placement: &Placement,
+) -> Result<SampleBuffer, RenderError> {
+    let object = &scene.objects[plan.object.0 as usize];
+    if plan.source == Source::Kernel {
+        match kernel(scene, &object.shape) {
+            Ok(kernel) => return run(workshop, scene, settings, object, &kernel, placement),
+            Err(error) => {
+                if let Some(fault) = internal(error) {
+                    return Err(fault);
+                }
+                // Too large for a shader: f64 blocks take any expression.
+            }
+        }
+    }
+    upload(workshop, scene, settings, plan.object, placement)
+}
+
+fn upload(
+    workshop: &Workshop<'_>,
+    scene: &Scene,
+    settings: &Settings,
+    id: ObjectId,
+    placement: &Placement,
+) -> Result<SampleBuffer, RenderError> {
+    let samples = sample::sample(scene, settings, id, placement);
+    let note = samples.note(&scene.objects[id.0 as usize].name);
+    let (bytes, count, total): (&[u8], _, _) = match &samples {
+        Samples::Points(samples) => (bytemuck::cast_slice(samples), [1, 1], samples.len()),
+        Samples::Vectors(samples) => (bytemuck::cast_slice(samples), [1, 1], samples.len()),
+        Samples::Curves { count, samples } => (bytemuck::cast_slice(samples), [*count, 1], samples.len()),
+        Samples::Surfaces { count, samples } => (bytemuck::cast_slice(samples), *count, samples.len()),
+    };
+    workshop.gpu.check_size("samples", bytes.len() as u64)?;
+    let buffer = workshop.gpu.storage("samples", bytes);
+    Ok(SampleBuffer { buffer, count, total: total as u32, note })
+}
+
+fn kernel(scene: &Scene, shape: &Shape) -> Result<Kernel, GenerateError> {
+    match shape {
+        Shape::Point { position } => wgsl::kernel::sample_point(&scene.graph, *position),
+        Shape::Vector { direction, origin } => wgsl::kernel::sample_vector(&scene.graph, *direction, *origin),
+        Shape::Curve { position, .. } => wgsl::kernel::sample_curve(&scene.graph, *position),
+        Shape::Surface { position, .. } => wgsl::kernel::sample_surface(&scene.graph, *position),
+    }
+}
+
+fn run(
+    workshop: &mut Workshop<'_>,
+    scene: &Scene,
+    settings: &Settings,
+    object: &Object,
+    kernel: &Kernel,
+    placement: &Placement,
+) -> Result<SampleBuffer, RenderError> {
+    let gpu = workshop.gpu;
+    let ends = |sampling: &Sampling| [sampling.range.min as f32, sampling.range.max as f32];
+    let (domains, count, bytes_per_sample) = match &object.shape {
+        Shape::Point { .. } => ([[0.0; 2]; 2], [1, 1], size_of::<PositionSample>()),
+        Shape::Vector { .. } => ([[0.0; 2]; 2], [1, 1], size_of::<VectorSample>()),
+        Shape::Curve { domain, .. } => {
+            ([ends(domain), [0.0; 2]], [domain.count, 1], size_of::<PositionSample>())
+        }
+        Shape::Surface { domain, .. } => {
+            (domain.each_ref().map(ends), domain.each_ref().map(|d| d.count), size_of::<SurfaceSample>())
+        }
+    };
+    let per_instance = u64::from(count[0]) * u64::from(count[1]);
+    let total = settings.instance_count(scene, object).saturating_mul(per_instance);
+    let size = total.saturating_mul(bytes_per_sample as u64);
+    let buffer = gpu.output("samples", size)?;
+    let mut uniforms: Vec<f32> = Vec::new();
+    settings.for_each_instance(scene, object, |values| {
+        uniforms.extend(kernel.uniforms().iter().map(|&k| values[k as usize] as f32));
+    });
+    gpu.check_size("uniforms", 4 * uniforms.len() as u64)?;
+    let uniforms = gpu.storage("uniforms", bytemuck::cast_slice(&uniforms));
+    let sampling = layout::Sampling {
+        minimum: [domains[0][0], domains[1][0]],
+        maximum: [domains[0][1], domains[1][1]],
+        count,
+        total: total as u32,
+        slots: kernel.uniforms().len() as u32,
+        centre: placement.centre.map(|x| x as f32),
+        per_length: (1.0 / placement.radius) as f32,
+        horizon: HORIZON as f32,
+        nudge: (NORMAL_NUDGE as f32).max(1e-3),
+        padding: [0.0; 2],
+    };
+    let sampling = gpu.uniform("sampling", &sampling);
+    let pipeline = workshop.sample_kernel(kernel);
+    // A constant object reads no uniforms: the pipeline then has no such binding.
+    let layout = pipeline.get_bind_group_layout(0);
+    let group = if kernel.uniforms().is_empty() {
+        workshop.bind_numbered(
+            &layout,
+            &[(0, sampling.as_entire_binding()), (2, buffer.as_entire_binding())],
+        )
+    } else {
+        workshop.bind(
+            &layout,
+            &[sampling.as_entire_binding(), uniforms.as_entire_binding(), buffer.as_entire_binding()],
+        )
+    };
+    gpu.submit(|encoder| dispatch_flat(encoder, &pipeline, &group, total));
+    let undefined = gpu.read(&buffer, size, |bytes| {
+        // The fourth number of a sample marks it as defined.
+        bytes.chunks_exact(bytes_per_sample).filter(|sample| sample[12..16] == [0; 4]).count()
+    })?;
+    let note = sample::note(&object.name, total as usize, undefined);
+    Ok(SampleBuffer { buffer, count, total: total as u32, note })
+}

@@ -1,0 +1,124 @@
+//! Curves as strips that face the eye, with round joins and ends.
+
+use glam::{Vec2, Vec3};
+
+use super::mesh::{Builder, Eye, Mesh, Vertex};
+use super::points;
+use crate::sample::PositionSample;
+use crate::style;
+
+/// The cosine of the turn up to which two pieces share their end (a mitre); sharper turns get a round join.
+const MITRE: f32 = 0.8;
+
+/// The strips of the instances in `instances`, `count` samples each. Undefined samples leave gaps.
+pub(super) fn mesh(
+    eye: &Eye,
+    material: u32,
+    count: u32,
+    samples: &[PositionSample],
+    instances: std::ops::Range<usize>,
+) -> Mesh {
+    let mut builder = Builder::new(eye, material);
+    let count = count as usize;
+    let mut run: Vec<Vec3> = Vec::with_capacity(count);
+    for instance in instances {
+        for sample in &samples[instance * count..(instance + 1) * count] {
+            if sample.defined == 0.0 {
+                polyline(&mut builder, eye, &run);
+                run.clear();
+                continue;
+            }
+            let at = eye.see(sample.position);
+            let in_front = -at.z >= eye.near;
+            match run.last().copied() {
+                // The part behind the near plane is cut off here: nothing can be projected from there.
+                Some(last) if in_front != (-last.z >= eye.near) => {
+                    let t = (eye.near + last.z) / (last.z - at.z);
+                    let edge = last.lerp(at, t).with_z(-eye.near);
+                    if in_front {
+                        run.clear();
+                        run.extend([edge, at]);
+                    } else {
+                        run.push(edge);
+                        polyline(&mut builder, eye, &run);
+                        run.clear();
+                        run.push(at);
+                    }
+                }
+                _ if in_front => run.push(at),
+                _ => {
+                    run.clear();
+                    run.push(at);
+                }
+            }
+        }
+        polyline(&mut builder, eye, &run);
+        run.clear();
+    }
+    builder.finish()
+}
+
+/// One unbroken strip through view places in front of the eye.
+fn polyline(builder: &mut Builder, eye: &Eye, places: &[Vec3]) {
+    let mut places = places.to_vec();
+    places.retain(|at| -at.z >= 0.999 * eye.near);
+    // Places that are seen as one give a piece no direction.
+    places.dedup_by(|b, a| (*b - *a).length() < 0.02 * eye.pixel(*a));
+    let Some((&first, &last)) = places.first().zip(places.last()) else {
+        return;
+    };
+    cap(builder, eye, first, style::GLYPH_LIFT);
+    if places.len() < 2 {
+        return;
+    }
+    cap(builder, eye, last, style::GLYPH_LIFT);
+    let sides: Vec<Vec2> = places.windows(2).map(|pair| side(eye, pair[0], pair[1])).collect();
+    let mut before = edge(builder, eye, places[0], sides[0], eye.half_width(places[0]));
+    for (k, &side) in sides.iter().enumerate() {
+        let end = places[k + 1];
+        let half = eye.half_width(end);
+        let next = sides.get(k + 1).copied().unwrap_or(side);
+        let cosine = side.dot(next);
+        let (at_end, after) = if cosine >= MITRE {
+            // (a + b) / (1 + a·b) has the component 1 along both a and b.
+            let shared = edge(builder, eye, end, (side + next) / (1.0 + cosine), half);
+            (shared, shared)
+        } else {
+            cap(builder, eye, end, style::JOIN_LIFT);
+            (edge(builder, eye, end, side, half), edge(builder, eye, end, next, half))
+        };
+        builder.triangle(before[0], at_end[0], at_end[1]);
+        builder.triangle(before[0], at_end[1], before[1]);
+        before = after;
+    }
+}
+
+/// One straight piece between view places, with half widths of the caller's, for the shafts of vectors.
+pub(super) fn piece(builder: &mut Builder, eye: &Eye, ends: [Vec3; 2], half: [f32; 2]) {
+    let side = side(eye, ends[0], ends[1]);
+    let [a, b] = [0, 1].map(|k| edge(builder, eye, ends[k], side, half[k]));
+    builder.triangle(a[0], b[0], b[1]);
+    builder.triangle(a[0], b[1], a[1]);
+}
+
+/// The unit vector across a piece as it is seen.
+fn side(eye: &Eye, a: Vec3, b: Vec3) -> Vec2 {
+    let along = (eye.project(b) - eye.project(a)).normalize_or_zero();
+    if along == Vec2::ZERO { Vec2::X } else { along.perp() }
+}
+
+/// The two corners of a strip at a place.
+fn edge(builder: &mut Builder, eye: &Eye, at: Vec3, side: Vec2, half: f32) -> [super::mesh::VertexId; 2] {
+    [1.0, -1.0].map(|sign: f32| {
+        builder.vertex(Vertex {
+            clip: eye.clip(at + (sign * half * side).extend(0.0), style::GLYPH_LIFT * half),
+            normal: Vec3::ZERO,
+            uv: Vec2::new(0.0, sign),
+        })
+    })
+}
+
+fn cap(builder: &mut Builder, eye: &Eye, at: Vec3, lift: f32) {
+    let half = eye.half_width(at);
+    points::disc(builder, eye, at, half, lift * half, style::JOIN_SEGMENTS);
+}

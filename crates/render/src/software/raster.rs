@@ -1,0 +1,278 @@
+//! Rasterising: meshes into tiles, four samples a pixel, depth, and shading of what is seen.
+//!
+//! Places are fixed-point and the fill rule is top-left, so that triangles with a common edge leave no gap and no
+//! sample twice. A tile first finds which triangle each sample sees, then shades each triangle once a pixel, at the
+//! middle of the samples that see it: no place is shaded that is hidden in the end, and none outside its triangle.
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+use super::mesh::{Corner, Eye, Mesh, SUBPIXEL};
+use super::shade::{Material, Place};
+use crate::style;
+
+/// Pixels along a tile's side.
+pub(super) const TILE: usize = 64;
+/// Samples of a pixel, in 1/256 pixel from its top left: a rotated grid, that of the GPU's standard pattern.
+const SAMPLES: [[i32; 2]; 4] = [[96, 32], [224, 96], [32, 160], [160, 224]];
+/// Sees no triangle of the current batch.
+const NONE: u32 = u32::MAX;
+
+/// One tile's samples.
+pub(super) struct Tile {
+    /// Of the top left pixel.
+    origin: [usize; 2],
+    depth: Vec<[f32; 4]>,
+    light: Vec<[[f32; 3]; 4]>,
+}
+
+impl Tile {
+    /// A tile of background.
+    pub(super) fn new(origin: [usize; 2]) -> Self {
+        let background = style::linear(style::BACKGROUND);
+        Self { origin, depth: vec![[0.0; 4]; TILE * TILE], light: vec![[background; 4]; TILE * TILE] }
+    }
+
+    /// The mean of a pixel's samples, sRGB; the pixel is the picture's.
+    pub(super) fn pixel(&self, x: usize, y: usize) -> [u8; 4] {
+        let samples = &self.light[(y - self.origin[1]) * TILE + x - self.origin[0]];
+        let mean = |k: usize| style::encode(0.25 * samples.iter().map(|light| light[k]).sum::<f32>());
+        [mean(0), mean(1), mean(2), 255]
+    }
+}
+
+/// A triangle in a tile's list: its number in the batch, and where its mesh and corners are.
+struct Bins {
+    /// For each tile the triangles whose box touches it, in order.
+    lists: Vec<Vec<u32>>,
+}
+
+/// Draws a batch of meshes into tiles, which lie `across` to a row, from the picture's row `top` on.
+pub(super) fn draw(eye: &Eye, materials: &[Material], meshes: &[Mesh], tiles: &mut [Tile], across: usize, top: usize) {
+    let mut bases = Vec::with_capacity(meshes.len());
+    let mut total = 0;
+    for mesh in meshes {
+        bases.push(total);
+        total += mesh.triangles.len() as u32;
+    }
+    let down = tiles.len() / across;
+    let bins: Vec<Bins> = meshes.par_iter().map(|mesh| bin(mesh, across, down, top)).collect();
+    tiles.par_iter_mut().enumerate().for_each_init(
+        || vec![[NONE; 4]; TILE * TILE],
+        |seen, (number, tile)| {
+            if bins.iter().all(|bin| bin.lists[number].is_empty()) {
+                return;
+            }
+            seen.fill([NONE; 4]);
+            for ((mesh, bin), base) in meshes.iter().zip(&bins).zip(&bases) {
+                for &triangle in &bin.lists[number] {
+                    let corners = mesh.triangles[triangle as usize].map(|c| &mesh.corners[c as usize]);
+                    cover(tile, seen, corners, base + triangle);
+                }
+            }
+            shade(eye, materials, meshes, &bases, tile, seen);
+        },
+    );
+}
+
+fn bin(mesh: &Mesh, across: usize, down: usize, top: usize) -> Bins {
+    let mut lists = vec![Vec::new(); across * down];
+    let side = TILE as i32 * SUBPIXEL;
+    let top = top as i32 * SUBPIXEL;
+    for (number, triangle) in mesh.triangles.iter().enumerate() {
+        let corners = triangle.map(|c| mesh.corners[c as usize].at);
+        let range = |k: usize, start: i32, tiles: usize| {
+            let low = corners.iter().map(|at| at[k]).min().unwrap_or(0) - start;
+            let high = corners.iter().map(|at| at[k]).max().unwrap_or(0) - start;
+            low.div_euclid(side).max(0)..(high.div_euclid(side) + 1).min(tiles as i32)
+        };
+        for y in range(1, top, down) {
+            for x in range(0, 0, across) {
+                lists[y as usize * across + x as usize].push(number as u32);
+            }
+        }
+    }
+    Bins { lists }
+}
+
+/// Edge functions of a triangle that is counterclockwise in y-down pixels' mirror, i.e. with a positive area:
+/// `a·x + b·y + c ≥ 0` inside.
+struct Edges {
+    a: [i64; 3],
+    b: [i64; 3],
+    c: [i64; 3],
+    /// Twice the area, positive.
+    area: i64,
+    /// Whether the corners had to be taken in the opposite order.
+    turned: bool,
+}
+
+impl Edges {
+    fn new(corners: [[i32; 2]; 3]) -> Option<Self> {
+        let p = corners.map(|at| at.map(i64::from));
+        let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
+        if area == 0 {
+            return None;
+        }
+        let sign = area.signum();
+        let mut edges = Self { a: [0; 3], b: [0; 3], c: [0; 3], area: area.abs(), turned: sign < 0 };
+        for k in 0..3 {
+            // The edge opposite to corner k.
+            let (from, to) = (p[(k + 1) % 3], p[(k + 2) % 3]);
+            edges.a[k] = sign * (from[1] - to[1]);
+            edges.b[k] = sign * (to[0] - from[0]);
+            edges.c[k] = -(edges.a[k] * from[0] + edges.b[k] * from[1]);
+        }
+        Some(edges)
+    }
+
+    fn at(&self, k: usize, x: i64, y: i64) -> i64 {
+        self.a[k] * x + self.b[k] * y + self.c[k]
+    }
+
+    /// 0, or −1 for an edge whose own samples belong to the neighbour (top-left rule).
+    fn bias(&self, k: usize) -> i64 {
+        let top_left = self.a[k] > 0 || (self.a[k] == 0 && self.b[k] > 0);
+        if top_left { 0 } else { -1 }
+    }
+}
+
+/// Lets a triangle be seen by the samples that it covers in front of all before.
+fn cover(tile: &mut Tile, seen: &mut [[u32; 4]], corners: [&Corner; 3], id: u32) {
+    let at = corners.map(|corner| corner.at);
+    let Some(edges) = Edges::new(at) else {
+        return;
+    };
+    let origin = tile.origin.map(|pixel| pixel as i32 * SUBPIXEL);
+    // The pixels of the triangle's box in the tile.
+    let span = |k: usize| {
+        let low = at[0][k].min(at[1][k]).min(at[2][k]) - origin[k];
+        let high = at[0][k].max(at[1][k]).max(at[2][k]) - origin[k];
+        let first = low.div_euclid(SUBPIXEL).clamp(0, TILE as i32);
+        let last = (high.div_euclid(SUBPIXEL) + 1).clamp(0, TILE as i32);
+        (first as usize, last as usize)
+    };
+    let ((x0, x1), (y0, y1)) = (span(0), span(1));
+    if x0 >= x1 || y0 >= y1 {
+        return;
+    }
+    let left = i64::from(origin[0]) + x0 as i64 * i64::from(SUBPIXEL);
+    let upper = i64::from(origin[1]) + y0 as i64 * i64::from(SUBPIXEL);
+    let step = i64::from(SUBPIXEL);
+    let (width, height) = ((x1 - x0) as i64 * step, (y1 - y0) as i64 * step);
+    let mut offsets = [[0; 4]; 3];
+    let mut starts = [0; 3];
+    for k in 0..3 {
+        // Wholly outside of one edge?
+        let best = edges.at(k, left, upper) + (edges.a[k].max(0)) * width + (edges.b[k].max(0)) * height;
+        if best < 0 {
+            return;
+        }
+        starts[k] = edges.at(k, left, upper) + edges.bias(k);
+        offsets[k] = SAMPLES.map(|[x, y]| edges.a[k] * i64::from(x) + edges.b[k] * i64::from(y));
+    }
+    // Depth is affine over the picture.
+    let depths = corners.map(|corner| f64::from(corner.depth));
+    let area = edges.area as f64;
+    let slope = |coefficients: &[i64; 3]| -> f64 {
+        (0..3).map(|k| coefficients[k] as f64 * depths[k]).sum::<f64>() / area
+    };
+    let (dx, dy) = (slope(&edges.a), slope(&edges.b));
+    let start: f64 = (0..3).map(|k| edges.at(k, left, upper) as f64 * depths[k]).sum::<f64>() / area;
+    let low = depths[0].min(depths[1]).min(depths[2]) as f32;
+    let high = depths[0].max(depths[1]).max(depths[2]) as f32;
+    let sample_depth = SAMPLES.map(|[x, y]| (dx * f64::from(x) + dy * f64::from(y)) as f32);
+    let (pixel_dx, pixel_dy) = (dx * step as f64, dy * step as f64);
+    for y in y0..y1 {
+        let row = (y - y0) as i64 * step;
+        let mut e: [i64; 3] = std::array::from_fn(|k| starts[k] + edges.b[k] * row);
+        let row_depth = start + pixel_dy * (y - y0) as f64;
+        for x in x0..x1 {
+            let index = y * TILE + x;
+            let mut depth = None;
+            for s in 0..4 {
+                let inside = (e[0] + offsets[0][s]) | (e[1] + offsets[1][s]) | (e[2] + offsets[2][s]);
+                if inside >= 0 {
+                    let depth = *depth.get_or_insert_with(|| (row_depth + pixel_dx * (x - x0) as f64) as f32);
+                    let depth = (depth + sample_depth[s]).clamp(low, high);
+                    if depth > tile.depth[index][s] {
+                        tile.depth[index][s] = depth;
+                        seen[index][s] = id;
+                    }
+                }
+            }
+            for k in 0..3 {
+                e[k] += edges.a[k] * step;
+            }
+        }
+    }
+}
+
+/// Shades the samples that see a triangle of this batch.
+fn shade(eye: &Eye, materials: &[Material], meshes: &[Mesh], bases: &[u32], tile: &mut Tile, seen: &[[u32; 4]]) {
+    for (index, ids) in seen.iter().enumerate() {
+        let pixel = [tile.origin[0] + index % TILE, tile.origin[1] + index / TILE];
+        let mut done = [false; 4];
+        for s in 0..4 {
+            let id = ids[s];
+            if id == NONE || done[s] {
+                continue;
+            }
+            let mut middle = [0; 2];
+            let mut count = 0;
+            for t in s..4 {
+                if ids[t] == id {
+                    done[t] = true;
+                    count += 1;
+                    middle = [0, 1].map(|k| middle[k] + SAMPLES[t][k]);
+                }
+            }
+            let at = [0, 1].map(|k| pixel[k] as f32 + middle[k] as f32 / (count * SUBPIXEL) as f32);
+            let mesh_number = bases.partition_point(|&base| base <= id) - 1;
+            let mesh = &meshes[mesh_number];
+            let triangle = mesh.triangles[(id - bases[mesh_number]) as usize];
+            let corners = triangle.map(|c| &mesh.corners[c as usize]);
+            let material = &materials[mesh.material as usize];
+            let light = place(eye, corners, Vec2::from(at), material).map(|place| material.shade(&place));
+            for t in s..4 {
+                if ids[t] == id {
+                    if let Some(light) = light {
+                        tile.light[index][t] = light;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Interpolates perspective-correctly.
+fn place(eye: &Eye, corners: [&Corner; 3], at: Vec2, material: &Material) -> Option<Place> {
+    let edges = Edges::new(corners.map(|corner| corner.at))?;
+    let area = edges.area as f64;
+    // Weights at a place of the picture, over w.
+    let weights = |at: Vec2| -> Vec3 {
+        let (x, y) = (f64::from(at.x) * f64::from(SUBPIXEL), f64::from(at.y) * f64::from(SUBPIXEL));
+        let weight = |k: usize| {
+            let value = edges.a[k] as f64 * x + edges.b[k] as f64 * y + edges.c[k] as f64;
+            (value / area) as f32 * corners[k].inv_w
+        };
+        Vec3::new(weight(0), weight(1), weight(2))
+    };
+    let uv = |weights: Vec3| {
+        let sum = weights.element_sum();
+        let weighted = corners[0].uv * weights.x + corners[1].uv * weights.y + corners[2].uv * weights.z;
+        weighted / sum
+    };
+    let here = weights(at);
+    let uv_here = uv(here);
+    let footprint = if material.is_surface() {
+        [Vec2::X, Vec2::Y].map(|step| uv(weights(at + step)) - uv_here)
+    } else {
+        [Vec2::ZERO; 2]
+    };
+    let normal = corners[0].normal * here.x + corners[1].normal * here.y + corners[2].normal * here.z;
+    let ndc = Vec2::new(2.0 * at.x / eye.size.x - 1.0, 1.0 - 2.0 * at.y / eye.size.y);
+    let to_eye = (-ndc / eye.zoom).extend(1.0).normalize();
+    // Pixels' y runs down: what is counterclockwise as seen has a negative area in them.
+    Some(Place { normal, uv: uv_here, footprint, to_eye, front: edges.turned })
+}

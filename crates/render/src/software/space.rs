@@ -1,0 +1,158 @@
+//! The 3D view: samples to meshes to tiles, in batches of triangles and bands of rows, so that neither a large scene
+//! nor a large picture takes memory without bound.
+
+use std::sync::Arc;
+
+use image::RgbaImage;
+use rayon::prelude::*;
+use scene::scene::{ObjectId, Scene, Shape};
+use scene::values::Settings;
+
+use super::mesh::{Eye, Mesh};
+use super::raster::{self, TILE, Tile};
+use super::shade::Material;
+use super::{curves, points, surfaces, vectors};
+use crate::bounds::Bounds;
+use crate::camera::Camera;
+use crate::request::{Picture, RenderError, Request};
+use crate::sample::{Samples, sample};
+use crate::style;
+use crate::texture::Texture;
+
+/// Pixels of a band.
+const BAND: usize = 1 << 21;
+/// Triangles of a job, about.
+const JOB: usize = 8_192;
+/// Triangles of a batch, about.
+const BATCH: usize = 1 << 20;
+
+/// A part of an object: instances of points, vectors and curves, quad rows of surfaces.
+struct Job {
+    object: usize,
+    range: std::ops::Range<usize>,
+    triangles: usize,
+}
+
+/// An object with all that is drawn of it.
+#[derive(Clone, Debug)]
+pub struct Painted {
+    /// Its samples, in the drawing units of the camera.
+    pub samples: Samples,
+    /// Its colour in linear light.
+    pub colour: [f32; 3],
+    /// The image of a surface; other kinds have no use for it.
+    pub texture: Option<Arc<Texture>>,
+}
+
+pub(super) fn render(
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+    eye: Option<[f64; 3]>,
+    target: Option<[f64; 3]>,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Picture, RenderError> {
+    let bounds = Bounds::of(scene, settings);
+    let camera = Camera::new(&bounds, eye, target, request.size)?;
+    let mut painted = Vec::new();
+    let mut notes = Vec::new();
+    for (index, object) in scene.objects.iter().enumerate() {
+        let id = ObjectId(index as u32);
+        let samples = sample(scene, settings, id, &camera.placement);
+        notes.extend(samples.note(&object.name));
+        let colour = request.colour(id, &object.shape);
+        let is_surface = matches!(object.shape, Shape::Surface { .. });
+        painted.push(Painted { samples, colour, texture: is_surface.then(|| request.texture(id)) });
+        progress(0.4 * (index + 1) as f32 / scene.objects.len() as f32);
+    }
+    let image = draw(&camera, &painted, &|share| progress(0.4 + 0.6 * share));
+    Ok(Picture { image, backend: "software".to_owned(), notes })
+}
+
+/// Draws objects as a camera sees them, in front of [`style::BACKGROUND`]. `progress` is told the share that is done.
+pub fn draw(camera: &Camera, objects: &[Painted], progress: &(dyn Fn(f32) + Sync)) -> RgbaImage {
+    let eye = Eye::new(camera);
+    // The second material of an object is that of arrowheads.
+    let materials: Vec<Material> = objects
+        .iter()
+        .flat_map(|object| match &object.texture {
+            Some(texture) => [Material::Surface(object.colour, texture.clone()), Material::Cone(object.colour)],
+            None => [Material::Glyph(object.colour), Material::Cone(object.colour)],
+        })
+        .collect();
+    let jobs = jobs(objects);
+    let batches = batches(&jobs);
+    let [width, height] = camera.size.map(|side| side as usize);
+    let mut image = RgbaImage::new(camera.size[0], camera.size[1]);
+    let across = width.div_ceil(TILE);
+    let band_rows = (BAND / (across * TILE) / TILE).max(1) * TILE;
+    let bands = height.div_ceil(band_rows);
+    for (band, pixels) in image.chunks_mut(band_rows * width * 4).enumerate() {
+        let top = band * band_rows;
+        let rows = pixels.len() / (4 * width);
+        let tile = |k: usize| Tile::new([k % across * TILE, top + k / across * TILE]);
+        let mut tiles: Vec<Tile> = (0..across * rows.div_ceil(TILE)).into_par_iter().map(tile).collect();
+        for (number, batch) in batches.iter().enumerate() {
+            let meshes: Vec<Mesh> =
+                jobs[batch.clone()].par_iter().flat_map_iter(|job| meshes(&eye, objects, job)).collect();
+            raster::draw(&eye, &materials, &meshes, &mut tiles, across, top);
+            progress((band * batches.len() + number + 1) as f32 / (bands * batches.len()) as f32);
+        }
+        pixels.par_chunks_mut(4 * width).enumerate().for_each(|(y, row)| {
+            for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
+                let tile = &tiles[y / TILE * across + x / TILE];
+                pixel.copy_from_slice(&tile.pixel(x, top + y));
+            }
+        });
+    }
+    image
+}
+
+/// Cuts the objects into jobs.
+fn jobs(objects: &[Painted]) -> Vec<Job> {
+    let mut jobs = Vec::new();
+    for (index, Painted { samples, .. }) in objects.iter().enumerate() {
+        // Units of work and the triangles of each.
+        let (units, triangles) = match samples {
+            Samples::Points(samples) => (samples.len(), style::POINT_SEGMENTS),
+            Samples::Vectors(samples) => (samples.len(), 2 * style::HEAD_SEGMENTS + style::JOIN_SEGMENTS + 2),
+            Samples::Curves { count, samples } => (samples.len() / *count as usize, 2 * count),
+            Samples::Surfaces { count, samples } => {
+                let instances = samples.len() / (count[0] as usize * count[1] as usize);
+                (instances * (count[1] as usize - 1), 2 * (count[0] - 1))
+            }
+        };
+        let triangles = triangles as usize;
+        let step = (JOB / triangles).max(1);
+        for start in (0..units).step_by(step) {
+            let range = start..(start + step).min(units);
+            jobs.push(Job { object: index, triangles: range.len() * triangles, range });
+        }
+    }
+    jobs
+}
+
+/// Groups jobs, in order.
+fn batches(jobs: &[Job]) -> Vec<std::ops::Range<usize>> {
+    let mut batches = Vec::new();
+    let (mut start, mut triangles) = (0, 0);
+    for (index, job) in jobs.iter().enumerate() {
+        triangles += job.triangles;
+        if triangles >= BATCH || index + 1 == jobs.len() {
+            batches.push(start..index + 1);
+            (start, triangles) = (index + 1, 0);
+        }
+    }
+    batches
+}
+
+fn meshes(eye: &Eye, objects: &[Painted], job: &Job) -> Vec<Mesh> {
+    let material = 2 * job.object as u32;
+    let range = job.range.clone();
+    match &objects[job.object].samples {
+        Samples::Points(samples) => vec![points::mesh(eye, material, &samples[range])],
+        Samples::Vectors(samples) => vectors::meshes(eye, [material, material + 1], &samples[range]).into(),
+        Samples::Curves { count, samples } => vec![curves::mesh(eye, material, *count, samples, range)],
+        Samples::Surfaces { count, samples } => vec![surfaces::mesh(eye, material, *count, samples, range)],
+    }
+}
