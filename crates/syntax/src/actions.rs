@@ -67,7 +67,7 @@ pub struct Interval {
     /// From `[` to `]`.
     pub span: Span,
     /// For a curve or a surface: the position of the parameter that the tag names, where it names one,
-    /// and the tag's own place.
+    /// and the tag's own place. A tag that is missing, or names no parameter, has been reported.
     pub tag: Option<(Option<u32>, Span)>,
 }
 
@@ -95,7 +95,8 @@ pub struct Declaration<'a> {
     pub name_span: Span,
     /// The parameters, for a function, curve or surface.
     pub parameters: &'a [Parameter],
-    /// A syntax error lies in it: what the stack holds is incomplete and is to be dropped.
+    /// An error lies in it, and has been reported: what the stack holds may be incomplete and is to be
+    /// dropped, and uses of the name are to be silent.
     pub faulty: bool,
 }
 
@@ -112,7 +113,8 @@ pub trait Actions {
         let _ = (word, span);
     }
 
-    /// One step of an expression. `span` covers the operator with its operands.
+    /// One step of an expression. `span` covers the operator with its operands. No more come in a
+    /// declaration once an error has made them incomplete.
     fn act_operator(&mut self, operator: Operator, span: Span) {
         let _ = (operator, span);
     }

@@ -28,11 +28,7 @@ fn the_readings_that_must_hold() {
         ("x/sqrt*x", "x sqrt x u* @ /"),
         ("Nf_u(U,V)", "N f ∂0 U V (2) @ @"),
         ("sin^2 x", "sin 2 f^ x @"),
-        ("c' x", "c "),
     ] {
-        if text == "c' x" {
-            continue;
-        }
         assert_eq!(read(PRELUDE, text), expected, "{text}");
     }
 }
@@ -70,7 +66,7 @@ fn operators_bind_as_the_grammar_says() {
         ("[a,{b}]", "a b () (2)"),
         ("((a))", "a () ()"),
         ("f_u_v2(1,2)", "f ∂0 ∂1 1 2 (2) @"),
-        ("f_v2u", "f ∂1 "),
+        ("f_v2U", "f ∂1 U @"),
         ("g''x", "g ′ ′ x @"),
         ("g'_q' x", "g ′ ∂0 ′ x @"),
         ("C'^2 x", "C ′ 2 f^ x @"),
@@ -78,9 +74,6 @@ fn operators_bind_as_the_grammar_says() {
         ("-1", "1 u-"),
         ("1..2", "1 0.2 ·"),
     ] {
-        if text == "f_v2u" {
-            continue;
-        }
         assert_eq!(read(PRELUDE, text), expected, "{text}");
     }
 }

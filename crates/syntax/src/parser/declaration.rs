@@ -47,25 +47,13 @@ impl<A: Actions> Parser<'_, '_, A> {
             self.lexer.rewind(word.start);
             self.fetch(Mode::Name);
         }
-        let declaring = DeclareWord::ALL.map(DeclareWord::text).join("`, `");
-        let message = format!("expected a declaration, found {}", self.found());
-        let mut diagnostic = self.here(codes::EXPECTED_DECLARATION, message);
         let unworded = match following {
             _ if !is_free => None,
             Some(b'=') => Some(DeclareWord::Define),
             Some(b'(') => Some(DeclareWord::Function),
             _ => None,
         };
-        diagnostic = match (guess, unworded) {
-            (Some(guess), _) => diagnostic.with_hint(format!("did you mean `{}`?", guess.text())),
-            (None, Some(word)) => {
-                let written = quote(&format!("{} {text}", word.text()));
-                diagnostic.with_hint(format!("write {written}"))
-            }
-            _ if self.current.kind == TokenKind::Semicolon => diagnostic.with_hint("remove it"),
-            _ => diagnostic.with_hint(format!("a declaration opens with one of `{declaring}`")),
-        };
-        self.reject(diagnostic);
+        self.reject_opening(text, guess, unworded);
         match (guess, unworded) {
             (Some(word), _) => self.declaration_with_word(word),
             (None, Some(word)) => {
@@ -82,6 +70,35 @@ impl<A: Actions> Parser<'_, '_, A> {
         }
     }
 
+    /// Reports that no declaration begins with the current token, and what may have been meant: a misspelt
+    /// word, or a word left out before the name.
+    fn reject_opening(
+        &mut self,
+        name: &str,
+        guess: Option<DeclareWord>,
+        unworded: Option<DeclareWord>,
+    ) {
+        if self.is_muted() {
+            self.state.faulty = true;
+            return;
+        }
+        let hint = match (guess, unworded) {
+            (Some(guess), _) => format!("did you mean `{}`?", guess.text()),
+            (None, Some(word)) => {
+                let written = quote(&format!("{} {name}", word.text()));
+                format!("write {written}")
+            }
+            _ if self.current.kind == TokenKind::Semicolon => "remove it".to_owned(),
+            _ => {
+                let words = DeclareWord::ALL.map(DeclareWord::text).join("`, `");
+                format!("a declaration opens with one of `{words}`")
+            }
+        };
+        let message = format!("expected a declaration, found {}", self.found());
+        let diagnostic = self.here(codes::EXPECTED_DECLARATION, message);
+        self.reject(diagnostic.with_hint(hint));
+    }
+
     /// The rest of a declaration, from its name (the current token) to behind its `;`.
     fn declaration_from_name(&mut self, word: DeclareWord, start: Span) {
         if self.decl(word).is_err() {
@@ -96,13 +113,17 @@ impl<A: Actions> Parser<'_, '_, A> {
         if ends {
             self.accept();
         }
+        let parameters = match symbol {
+            Some(id) => &self.parsed.symbols[id].parameters,
+            None => &self.state.parameters,
+        };
         self.actions.act_declaration(&Declaration {
             word,
             span: start.to(last.span),
             symbol,
             name: self.state.name,
             name_span: self.state.name_span,
-            parameters: &self.state.parameters,
+            parameters,
             faulty: self.state.faulty,
         });
         self.state = State::default();
@@ -116,7 +137,6 @@ impl<A: Actions> Parser<'_, '_, A> {
         if !self.state.name_is_free {
             return None;
         }
-        let (parameters, parameter_trie) = self.state.take_parameters();
         let kind = match word.declares_function() {
             true => SymbolKind::Function,
             false => SymbolKind::Constant,
@@ -126,9 +146,9 @@ impl<A: Actions> Parser<'_, '_, A> {
             kind,
             word: Some(word),
             name_span: Some(self.state.name_span),
-            parameters,
+            parameters: std::mem::take(&mut self.state.parameters),
             faulty: self.state.faulty,
-            parameter_trie,
+            parameter_trie: std::mem::take(&mut self.state.parameter_trie),
             inverse: None,
         }))
     }

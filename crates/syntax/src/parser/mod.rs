@@ -5,12 +5,12 @@
 //! Parsing never fails: what is wrong becomes a diagnostic, and the parser goes on at the next `;` or
 //! declaring word.
 //!
-//! - [`declaration`]: `DECL` and all that is not an expression.
-//! - [`expression`]: `EXPR` and all below it.
-//! - [`names`]: which token a word is, new names, words that mean nothing.
-//! - [`readings`]: warnings about legal text that is not read as it looks.
-//! - [`suggestions`]: what such a word may have been meant to be.
-//! - [`messages`]: the sentences of lexical and syntax errors.
+//! - `declaration`: `DECL` and all that is not an expression.
+//! - `expression`: `EXPR` and all below it.
+//! - `names`: which token a word is, new names, words that mean nothing.
+//! - `readings`: warnings about legal text that is not read as it looks.
+//! - `suggestions`: what such a word may have been meant to be.
+//! - `messages`: the sentences of lexical and syntax errors.
 
 mod declaration;
 mod expression;
@@ -273,6 +273,11 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         if !self.state.silent {
             self.actions.act_interval(interval);
         }
+    }
+
+    /// The limit of diagnostics is reached: there is no use in composing another.
+    fn is_muted(&self) -> bool {
+        self.diagnostics >= MAX_DIAGNOSTICS
     }
 
     /// The line, from 1, of a place.

@@ -11,7 +11,6 @@ use crate::lexer::{Lexeme, Word};
 use crate::span::Span;
 use crate::symbols::{Parsed, SymbolKind};
 use crate::token::{DeclareWord, SymbolId, TokenKind};
-use crate::trie::Trie;
 
 /// How the parser wants the next word read.
 #[derive(Clone, Copy, Debug)]
@@ -412,13 +411,5 @@ fn meaning(parsed: &Parsed, id: SymbolId) -> TokenKind {
     match parsed.symbols[id].kind {
         SymbolKind::Constant => TokenKind::Constant(id),
         SymbolKind::Function => TokenKind::Function(id),
-    }
-}
-
-/// The parameters of the declaration, for the symbol that it defines.
-impl State<'_> {
-    pub(super) fn take_parameters(&mut self) -> (Vec<Parameter>, Trie<u32>) {
-        let trie = std::mem::take(&mut self.parameter_trie);
-        (self.parameters.clone(), trie)
     }
 }
