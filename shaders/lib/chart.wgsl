@@ -40,8 +40,8 @@ struct Camera {
     step_limit: u32,
     // Which instance of the surface.
     instance: u32,
-    // Not used.
-    padding: u32,
+    // The row of the picture that the map begins with.
+    map_row: u32,
 }
 
 // A point that moves over the chart.

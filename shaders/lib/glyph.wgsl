@@ -1,5 +1,5 @@
 // Glyphs: points, curves and arrows as strips and discs that face the eye, with a width in space that is kept
-// between bounds in pixels.
+// between bounds in pixels. Places are in view space.
 
 struct Glyph {
     // Linear light.
@@ -32,48 +32,66 @@ struct GlyphVertex {
     @location(0) across: vec2f,
 }
 
-// Half a width at a distance along the view direction.
-fn half_width(glyph: Glyph, distance: f32, view: View) -> f32 {
-    let pixel = max(distance, view.near) / view.pixels_per_unit;
+const NO_VERTEX = GlyphVertex(vec4f(2.0, 2.0, 2.0, 1.0), vec2f());
+
+// Half a width at a place.
+fn half_width(glyph: Glyph, at: vec3f, view: View) -> f32 {
+    let pixel = pixel_at(at, view);
     let low = max(glyph.min_pixels * view.pixel_unit, glyph.least);
     let high = max(glyph.max_pixels * view.pixel_unit, low);
     return clamp(glyph.nominal, low * pixel, high * pixel);
 }
 
-// One of the 6 corners of a strip from a to b. The direction across is the same at both ends: a line and an eye
-// span one plane.
-fn strip_corner(corner: u32, a: vec3f, b: vec3f, half_a: f32, half_b: f32, lift: f32, view: View) -> GlyphVertex {
-    let across = cross(b - a, view.eye - a);
-    let size = length(across);
-    if size < 1e-12 {
-        return GlyphVertex(nowhere(), vec2f());
-    }
-    let at_b = corner == 2u || corner == 4u || corner == 5u;
-    let side = select(-1.0, 1.0, corner == 1u || corner == 3u || corner == 4u);
-    let half_here = select(half_a, half_b, at_b);
-    let position = select(a, b, at_b) + across * (side * half_here / size);
-    return GlyphVertex(tile_position(position, lift * half_here, view), vec2f(side, 0.0));
+fn is_in_front(at: vec3f, view: View) -> bool {
+    return -at.z >= view.near;
 }
 
-// One of the 3 · segments corners of a disc that faces the eye.
-fn disc_corner(corner: u32, segments: u32, centre: vec3f, radius: f32, lift: f32, view: View) -> GlyphVertex {
-    if distance_ahead(centre, view) < view.near {
-        return GlyphVertex(nowhere(), vec2f());
+// The place where a line from `at`, behind the near plane, to `towards` comes through it; `at` itself if it is in
+// front.
+fn cut_at_near(at: vec3f, towards: vec3f, view: View) -> vec3f {
+    if is_in_front(at, view) || !is_in_front(towards, view) {
+        return at;
     }
-    let to_eye = normalize(view.eye - centre);
-    // Any two unit vectors across the line of sight.
-    let other = select(vec3f(0.0, 0.0, 1.0), vec3f(1.0, 0.0, 0.0), abs(to_eye.z) > 0.9);
-    let x = normalize(cross(other, to_eye));
-    let y = cross(to_eye, x);
-    let triangle = corner / 3u;
+    let t = (view.near + at.z) / (at.z - towards.z);
+    return vec3f(mix(at.xy, towards.xy, t), -view.near);
+}
+
+// The unit vector across a piece as it is seen; 0 where the piece is seen as a point.
+fn across_piece(a: vec3f, b: vec3f, view: View) -> vec2f {
+    let along = b.xy / max(-b.z, view.near) - a.xy / max(-a.z, view.near);
+    let size = length(along);
+    if size * view.pixels_per_unit < 0.02 {
+        return vec2f();
+    }
+    return vec2f(-along.y, along.x) / size;
+}
+
+// A corner on the edge of a strip: `side` is 1 or -1.
+fn edge_corner(at: vec3f, across: vec2f, side: f32, half_here: f32, lift: f32, view: View) -> GlyphVertex {
+    let place = at + vec3f(side * half_here * across, 0.0);
+    return GlyphVertex(tile_position(place, lift * half_here, view), vec2f(0.0, side));
+}
+
+// Which end and which side of a strip its 6 corners are: true for the far end.
+fn corner_is_far(corner: u32) -> bool {
+    return corner == 1u || corner == 2u || corner == 4u;
+}
+
+fn corner_side(corner: u32) -> f32 {
+    return select(1.0, -1.0, corner == 2u || corner == 4u || corner == 5u);
+}
+
+// One of the 3 · segments corners of a disc that faces the eye: a regular polygon of the disc's area.
+fn disc_corner(corner: u32, segments: u32, centre: vec3f, radius: f32, lift: f32, view: View) -> GlyphVertex {
+    let turn = 6.2831855 / f32(segments);
+    let size = radius * sqrt(turn / sin(turn));
     let place = corner % 3u;
     var on_disc = vec2f();
     if place != 0u {
-        let angle = 6.2831855 * f32((triangle + place - 1u) % segments) / f32(segments);
+        let angle = turn * f32((corner / 3u + place - 1u) % segments);
         on_disc = vec2f(cos(angle), sin(angle));
     }
-    let position = centre + radius * (on_disc.x * x + on_disc.y * y);
-    return GlyphVertex(tile_position(position, lift * radius, view), on_disc);
+    return GlyphVertex(tile_position(centre + vec3f(size * on_disc, 0.0), lift, view), on_disc);
 }
 
 // The colour of a glyph at a place on it.

@@ -21,7 +21,8 @@ fn integer_power(x: f32, n: i32) -> f32 {
 
 // x^y. An exponent whose value is an integer takes a negative base; WGSL's own pow is undefined there.
 fn power(x: f32, y: f32) -> f32 {
-    if y == round(y) && abs(y) <= 1024.0 {
+    let is_integer = y == round(y);
+    if is_integer && abs(y) <= 1024.0 {
         return integer_power(x, i32(y));
     }
     if x > 0.0 {
@@ -29,6 +30,10 @@ fn power(x: f32, y: f32) -> f32 {
     }
     if x == 0.0 {
         return select(infinite(1.0), 0.0, y > 0.0);
+    }
+    if is_integer {
+        let is_odd = fract(0.5 * y) != 0.0;
+        return select(1.0, -1.0, is_odd) * pow(-x, y);
     }
     return undefined();
 }

@@ -1,17 +1,15 @@
-// The camera of the 3D view and its light. Positions are in drawing units: the scene's centre is 0, its radius 1.
+// The camera of the 3D view and its light. Samples are in drawing units: the scene's centre is 0, its radius 1. View
+// space has x right, y up, z towards the eye, and the eye at 0.
 
 struct View {
-    // To the clip space of the whole picture; depth is near / w: 1 at the near plane, 0 at infinity.
-    clip_from_world: mat4x4f,
-    // Where the camera stands.
-    eye: vec3f,
-    // How many pixels a unit across the line of sight covers at distance 1.
-    pixels_per_unit: f32,
-    // Unit vector from the scene towards the camera: the view direction, turned round.
-    back: vec3f,
+    view_from_world: mat4x4f,
+    // One over the tangents of half the field of view, across and up.
+    zoom: vec2f,
     // Nothing nearer than this is drawn.
     near: f32,
-    // Unit vector towards the key light.
+    // How many pixels a unit across the line of sight covers at distance 1.
+    pixels_per_unit: f32,
+    // Unit vector towards the key light, in view space.
     key_direction: vec3f,
     // Pixels that count as one in bounds of widths.
     pixel_unit: f32,
@@ -29,19 +27,20 @@ struct View {
     padding: vec2f,
 }
 
-// The distance along the view direction.
-fn distance_ahead(position: vec3f, view: View) -> f32 {
-    return dot(view.eye - position, view.back);
+// A sample in view space.
+fn seen(position: vec3f, view: View) -> vec3f {
+    return (view.view_from_world * vec4f(position, 1.0)).xyz;
 }
 
-// The tile's clip coordinates of a position, moved towards the eye by `lift` without moving on the picture.
-fn tile_position(position: vec3f, lift: f32, view: View) -> vec4f {
-    let clip = view.clip_from_world * vec4f(position, 1.0);
-    var depth = clip.z;
-    if lift > 0.0 && clip.w > view.near {
-        depth *= clip.w / max(clip.w - lift, view.near);
+// The tile's clip coordinates of a view place, its depth that of a place nearer by `lift`; depth is near / w: 1 at
+// the near plane, 0 at infinity. Lifted at most halfway: a glyph before the camera does not jump behind it.
+fn tile_position(at: vec3f, lift: f32, view: View) -> vec4f {
+    let w = -at.z;
+    var depth = view.near;
+    if w > 0.0 {
+        depth = view.near * w / max(w - lift, 0.5 * w);
     }
-    return vec4f(clip.xy * view.tile_scale + clip.w * view.tile_offset, depth, clip.w);
+    return vec4f(at.xy * view.zoom * view.tile_scale + w * view.tile_offset, depth, w);
 }
 
 // What is outside every picture: the corners of a triangle that is not drawn.
@@ -49,23 +48,22 @@ fn nowhere() -> vec4f {
     return vec4f(2.0, 2.0, 2.0, 1.0);
 }
 
+// The length of a pixel at a view place.
+fn pixel_at(at: vec3f, view: View) -> f32 {
+    return max(-at.z, view.near) / view.pixels_per_unit;
+}
+
 // The light on a glyph whose normal has the component `facing` towards the eye.
 fn glyph_light(facing: f32, view: View) -> f32 {
     return view.glyph_rim + (1.0 - view.glyph_rim) * clamp(facing, 0.0, 1.0);
 }
 
-// A surface's colour in the light: both sides are lit, the normal is turned towards the eye first. A normal of
-// length 0 stands for one that points to the eye.
+// A surface's colour in the light; unit vectors in view space, the normal on the eye's side.
 fn lit(colour: vec3f, normal: vec3f, to_eye: vec3f, view: View) -> vec3f {
-    var n = to_eye;
-    if dot(normal, normal) > 1e-12 {
-        n = normalize(normal);
-    }
-    if dot(n, to_eye) < 0.0 {
-        n = -n;
-    }
-    let diffuse = view.ambient + view.fill * dot(n, to_eye) + view.key * max(dot(n, view.key_direction), 0.0);
+    let diffuse = view.ambient
+        + view.fill * max(dot(normal, to_eye), 0.0)
+        + view.key * max(dot(normal, view.key_direction), 0.0);
     let half_way = normalize(view.key_direction + to_eye);
-    let shine = view.highlight * pow(max(dot(n, half_way), 1e-6), view.highlight_power);
+    let shine = view.highlight * pow(max(dot(normal, half_way), 1e-6), view.highlight_power);
     return colour * diffuse + vec3f(shine);
 }

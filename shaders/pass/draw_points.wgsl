@@ -11,11 +11,12 @@ const POINT_SEGMENTS: u32 = 24u;
 fn place_points(@builtin(vertex_index) index: u32) -> GlyphVertex {
     let corners = 3u * POINT_SEGMENTS;
     let sample = samples[glyph.first + index / corners];
-    if sample.w == 0.0 {
-        return GlyphVertex(nowhere(), vec2f());
+    let at = seen(sample.xyz, view);
+    if sample.w == 0.0 || !is_in_front(at, view) {
+        return NO_VERTEX;
     }
-    let radius = half_width(glyph, distance_ahead(sample.xyz, view), view);
-    return disc_corner(index % corners, POINT_SEGMENTS, sample.xyz, radius, glyph.lift, view);
+    let radius = half_width(glyph, at, view);
+    return disc_corner(index % corners, POINT_SEGMENTS, at, radius, glyph.lift * radius, view);
 }
 
 @fragment

@@ -19,7 +19,8 @@ struct Patch {
 
 struct PatchVertex {
     @builtin(position) position: vec4f,
-    @location(0) world: vec3f,
+    // In view space.
+    @location(0) at: vec3f,
     @location(1) normal: vec3f,
     // 0 to 1 over the domain, v downwards in the image as in the domain.
     @location(2) place: vec2f,
@@ -33,17 +34,24 @@ fn place_surfaces(@builtin(vertex_index) index: u32, @builtin(instance_index) in
     let sample = samples[at];
     let along = vec2u(index % patch_.count.x, index / patch_.count.x);
     let place = vec2f(along) / vec2f(patch_.count - vec2u(1u));
-    return PatchVertex(
-        tile_position(sample.xyz, 0.0, view), sample.xyz, samples[at + 1u].xyz, place, sample.w);
+    let here = seen(sample.xyz, view);
+    let normal = (view.view_from_world * vec4f(samples[at + 1u].xyz, 0.0)).xyz;
+    return PatchVertex(tile_position(here, 0.0, view), here, normal, place, sample.w);
 }
 
 @fragment
-fn shade_surfaces(vertex: PatchVertex) -> @location(0) vec4f {
+fn shade_surfaces(vertex: PatchVertex, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let texel = filtered(image, image_sampler, vertex.place, dpdx(vertex.place), dpdy(vertex.place));
     // An undefined corner takes its whole triangle away; interpolation of ones is 1 up to rounding.
     if vertex.defined < 0.9999 {
         discard;
     }
-    let to_eye = normalize(view.eye - vertex.world);
-    return vec4f(lit(patch_.colour.rgb * texel, vertex.normal, to_eye, view), 1.0);
+    let to_eye = -normalize(vertex.at);
+    var normal = to_eye;
+    if dot(vertex.normal, vertex.normal) > 1e-12 {
+        // The side is the triangle's: near a silhouette an interpolated normal may lean away from the eye, and
+        // turning it over there would speckle the rim.
+        normal = select(-1.0, 1.0, front) * normalize(vertex.normal);
+    }
+    return vec4f(lit(patch_.colour.rgb * texel, normal, to_eye, view), 1.0);
 }

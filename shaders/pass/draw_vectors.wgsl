@@ -14,7 +14,8 @@ struct ArrowVertex {
     @location(0) across: vec2f,
     // On the head: the cone's normal; 0 on the shaft.
     @location(1) normal: vec3f,
-    @location(2) world: vec3f,
+    // In view space.
+    @location(2) place: vec3f,
 }
 
 fn on_shaft(vertex: GlyphVertex) -> ArrowVertex {
@@ -27,51 +28,76 @@ fn place_vectors(@builtin(vertex_index) vertex: u32) -> ArrowVertex {
     let per_arrow = shaft_corners + 6u * HEAD_SEGMENTS;
     let index = glyph.first + vertex / per_arrow;
     let corner = vertex % per_arrow;
-    let nothing = on_shaft(GlyphVertex(nowhere(), vec2f()));
-    let origin = samples[2u * index];
-    let arrow = samples[2u * index + 1u].xyz;
-    let size = length(arrow);
-    if origin.w == 0.0 || size == 0.0 {
-        return nothing;
+    let sample = samples[2u * index];
+    if sample.w == 0.0 {
+        return on_shaft(NO_VERTEX);
     }
-    let direction = arrow / size;
-    let tip = origin.xyz + arrow;
-    let full_half = half_width(glyph, distance_ahead(tip, view), view);
-    // A short arrow is drawn thinner, so that its head leaves some of its shaft.
-    let scale = min(1.0, glyph.head_share * size / (glyph.head_length * full_half));
-    let head_half = scale * full_half;
-    let base = tip - direction * (glyph.head_length * head_half);
-    let start_half = scale * half_width(glyph, distance_ahead(origin.xyz, view), view);
-    if corner < 6u {
-        return on_shaft(strip_corner(corner, origin.xyz, base, start_half, head_half, glyph.lift, view));
+    let origin = seen(sample.xyz, view);
+    let along = (view.view_from_world * vec4f(samples[2u * index + 1u].xyz, 0.0)).xyz;
+    let tip = origin + along;
+    let size = length(along);
+    let half_origin = half_width(glyph, origin, view);
+    let half_tip = half_width(glyph, tip, view);
+    if size < 1e-3 * half_origin {
+        // A zero vector has no direction, but it is there.
+        if corner < 6u || corner >= shaft_corners || !is_in_front(origin, view) {
+            return on_shaft(NO_VERTEX);
+        }
+        return on_shaft(disc_corner(
+            corner - 6u, START_SEGMENTS, origin, half_origin, glyph.lift * half_origin, view));
     }
+    let axis = along / size;
+    let full = glyph.head_length * half_tip;
+    // A short arrow is drawn smaller, so that its head leaves some of its shaft.
+    let scale = min(glyph.head_share * size / full, 1.0);
+    let base = tip - axis * (full * scale);
     if corner < shaft_corners {
-        return on_shaft(disc_corner(corner - 6u, START_SEGMENTS, origin.xyz, start_half, glyph.join_lift, view));
+        if !is_in_front(origin, view) && !is_in_front(base, view) {
+            return on_shaft(NO_VERTEX);
+        }
+        // A scaled shaft keeps a width that four samples a pixel can show.
+        let least_origin = min(glyph.least * pixel_at(origin, view), half_origin);
+        let least_tip = min(glyph.least * pixel_at(tip, view), half_tip);
+        let start_half = max(half_origin * scale, least_origin);
+        let base_half = max(half_tip * scale, least_tip);
+        let a = cut_at_near(origin, base, view);
+        let b = cut_at_near(base, origin, view);
+        if corner >= 6u {
+            return on_shaft(disc_corner(
+                corner - 6u, START_SEGMENTS, a, start_half, glyph.join_lift * start_half, view));
+        }
+        var across = across_piece(a, b, view);
+        if all(across == vec2f()) {
+            across = vec2f(1.0, 0.0);
+        }
+        let far = corner_is_far(corner);
+        let at = select(a, b, far);
+        let half_here = select(start_half, base_half, far);
+        return on_shaft(edge_corner(at, across, corner_side(corner), half_here, glyph.lift, view));
     }
-    let other = select(vec3f(0.0, 0.0, 1.0), vec3f(1.0, 0.0, 0.0), abs(direction.z) > 0.9);
-    let x = normalize(cross(other, direction));
-    let y = cross(direction, x);
+    let other = select(vec3f(0.0, 0.0, 1.0), vec3f(1.0, 0.0, 0.0), abs(axis.z) > 0.9);
+    let x = normalize(cross(other, axis));
+    let y = cross(axis, x);
     let side = (corner - shaft_corners) / 3u;
     let place = (corner - shaft_corners) % 3u;
     let is_base = side >= HEAD_SEGMENTS;
     let segment = f32(side % HEAD_SEGMENTS) + select(f32(place) - 1.0, 0.5, place == 0u);
     let angle = 6.2831855 * segment / f32(HEAD_SEGMENTS);
     let outwards = cos(angle) * x + sin(angle) * y;
-    var position = base + outwards * (glyph.head_radius * head_half);
+    let radius = glyph.head_radius * half_tip * scale;
+    var position = base + outwards * radius;
     if place == 0u {
         position = select(tip, base, is_base);
     }
-    var normal = normalize(outwards * glyph.head_length + direction * glyph.head_radius);
-    if is_base {
-        normal = -direction;
-    }
-    return ArrowVertex(tile_position(position, glyph.lift * head_half, view), vec2f(), normal, position);
+    // The side's normal leans forward by the cone's slope.
+    let normal = select(normalize(outwards * (full * scale) + axis * radius), -axis, is_base);
+    return ArrowVertex(tile_position(position, glyph.lift * half_tip * scale, view), vec2f(), normal, position);
 }
 
 @fragment
 fn shade_vectors(vertex: ArrowVertex) -> @location(0) vec4f {
     if dot(vertex.normal, vertex.normal) > 1e-6 {
-        let facing = dot(normalize(vertex.normal), normalize(view.eye - vertex.world));
+        let facing = abs(dot(normalize(vertex.normal), normalize(vertex.place)));
         return vec4f(glyph.colour * glyph_light(facing, view), 1.0);
     }
     return glyph_colour(glyph, vertex.across, view);

@@ -228,11 +228,12 @@ fn trace_geodesics(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= camera.size.x || id.y >= camera.rows.y {
         return;
     }
-    let pixel = vec2f(f32(id.x), f32(id.y + camera.rows.x)) + 0.5;
+    let row = id.y + camera.rows.x;
+    let pixel = vec2f(f32(id.x), f32(row)) + 0.5;
     let half_size = 0.5 * vec2f(camera.size);
     // [-1, 1] spans the shorter side; y points up.
     let xy = (pixel - half_size) / min(half_size.x, half_size.y);
     let velocity = xy.x * camera.x - xy.y * camera.y;
     let end = follow(velocity);
-    map[id.y * camera.size.x + id.x] = vec4u(bitcast<vec2u>(end.at), end.status, end.steps);
+    map[(row - camera.map_row) * camera.size.x + id.x] = vec4u(bitcast<vec2u>(end.at), end.status, end.steps);
 }

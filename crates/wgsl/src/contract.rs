@@ -18,10 +18,16 @@ pub struct Signature {
 pub fn fulfils(written: &Piece<'_>, contract: &Piece<'_>) -> Result<(), InternalError> {
     let present = signatures(written.text);
     for wanted in signatures(contract.text) {
-        let Some(found) = present.iter().find(|signature| signature.name == wanted.name) else {
+        let Some(found) = present
+            .iter()
+            .find(|signature| signature.name == wanted.name)
+        else {
             return Err(fault(
                 written,
-                format!("{} lacks `{}` of {}", written.origin, wanted.name, contract.origin),
+                format!(
+                    "{} lacks `{}` of {}",
+                    written.origin, wanted.name, contract.origin
+                ),
             ));
         };
         if *found != wanted {
@@ -41,24 +47,40 @@ pub fn fulfils(written: &Piece<'_>, contract: &Piece<'_>) -> Result<(), Internal
 pub fn is_exactly(generated: &Piece<'_>, contract: &Piece<'_>) -> Result<(), InternalError> {
     fulfils(generated, contract)?;
     let wanted = signatures(contract.text);
-    if let Some(extra) =
-        signatures(generated.text).into_iter().find(|signature| !wanted.contains(signature))
+    if let Some(extra) = signatures(generated.text)
+        .into_iter()
+        .find(|signature| !wanted.contains(signature))
     {
-        return Err(fault(generated, format!("`{}` is in no contract", extra.name)));
+        return Err(fault(
+            generated,
+            format!("`{}` is in no contract", extra.name),
+        ));
     }
-    if let Some(item) = items(generated.text).into_iter().find(|item| !item.starts_with("fn ")) {
-        return Err(fault(generated, format!("generated text holds functions only, not `{item}`")));
+    if let Some(item) = items(generated.text)
+        .into_iter()
+        .find(|item| !item.starts_with("fn "))
+    {
+        return Err(fault(
+            generated,
+            format!("generated text holds functions only, not `{item}`"),
+        ));
     }
     Ok(())
 }
 
 /// The headers of the functions in a text, in order.
 pub fn signatures(text: &str) -> Vec<Signature> {
-    items(text).iter().filter_map(|item| signature(item)).collect()
+    items(text)
+        .iter()
+        .filter_map(|item| signature(item))
+        .collect()
 }
 
 fn fault(piece: &Piece<'_>, message: String) -> InternalError {
-    InternalError { message, source: piece.text.to_owned() }
+    InternalError {
+        message,
+        source: piece.text.to_owned(),
+    }
 }
 
 /// The top-level items of a text without comments and without what stands between braces.
@@ -110,6 +132,15 @@ fn signature(item: &str) -> Option<Signature> {
         .filter_map(|parameter| parameter.split_once(':'))
         .map(|(name, ty)| (name.trim().to_owned(), ty.trim().to_owned()))
         .collect();
-    let result = result.trim().strip_prefix("->").unwrap_or("").trim().to_owned();
-    Some(Signature { name: name.trim().to_owned(), parameters, result })
+    let result = result
+        .trim()
+        .strip_prefix("->")
+        .unwrap_or("")
+        .trim()
+        .to_owned();
+    Some(Signature {
+        name: name.trim().to_owned(),
+        parameters,
+        result,
+    })
 }

@@ -3,6 +3,9 @@
 use std::collections::HashMap;
 use std::fmt::Write;
 
+use expr::graph::Node;
+use expr::number::{LiteralError, wgsl_literal};
+use expr::ops::Wgsl;
 use expr::{Graph, Input, NodeId};
 
 /// How deep expressions nest before a `let` breaks them up: parsers recurse, so generated text must not be deep.
@@ -52,7 +55,11 @@ pub(crate) fn body(graph: &Graph, roots: &[NodeId], input: &dyn Fn(Input) -> Str
             names += 1;
             // Writing to a String cannot fail.
             let _ = writeln!(lets, "    let {name} = {};", text.text);
-            Text { text: name, binding: Binding::Atom, depth: 0 }
+            Text {
+                text: name,
+                binding: Binding::Atom,
+                depth: 0,
+            }
         } else {
             text
         };
@@ -62,25 +69,150 @@ pub(crate) fn body(graph: &Graph, roots: &[NodeId], input: &dyn Fn(Input) -> Str
     Body { lets, roots }
 }
 
-/// How many operations the roots need: every shared subexpression once, constants and inputs not counted.
-pub(crate) fn operations(graph: &Graph, roots: &[NodeId]) -> usize {
-    uses(graph, roots).keys().filter(|&&node| !operands(graph, node).is_empty()).count()
-}
-
 /// For each node that the roots need, how often it is used.
 fn uses(graph: &Graph, roots: &[NodeId]) -> HashMap<NodeId, u32> {
     let mut uses: HashMap<NodeId, u32> = HashMap::new();
     let mut stack: Vec<NodeId> = roots.to_vec();
-    while let Some(node) = stack.pop() {
-        let count = uses.entry(node).or_insert(0);
+    while let Some(id) = stack.pop() {
+        let count = uses.entry(id).or_insert(0);
         *count += 1;
-        if *count == 1 {
-            stack.extend(operands(graph, node));
+        if *count > 1 {
+            continue;
+        }
+        let node = graph.node(id);
+        stack.extend(node.operands());
+        if let Node::Power(base, n) = node
+            && (3..=WRITTEN_OUT).contains(&n.unsigned_abs())
+        {
+            // Written as a product, its base stands there more than once.
+            stack.push(base);
         }
     }
     uses
 }
-fn operands(_: &Graph, _: NodeId) -> Vec<NodeId> { Vec::new() }
-fn text(_: &Graph, _: NodeId, _: &dyn Fn(Input) -> String, _: &HashMap<NodeId, Text>) -> Text {
-    Text { text: String::new(), binding: Binding::Sum, depth: 0 }
+
+/// The text of one node over the texts of its operands.
+fn text(
+    graph: &Graph,
+    id: NodeId,
+    input: &dyn Fn(Input) -> String,
+    texts: &HashMap<NodeId, Text>,
+) -> Text {
+    let operand = |node: NodeId| &texts[&node];
+    match graph.node(id) {
+        Node::Constant(value) => Text::leaf(literal(value)),
+        Node::Input(which) => Text::leaf(input(which)),
+        Node::Unary(op, a) => written(op.wgsl(), &[operand(a)]),
+        Node::Binary(op, a, b) => written(op.wgsl(), &[operand(a), operand(b)]),
+        Node::Power(base, n) => integer_power(operand(base), n),
+    }
+}
+
+impl Text {
+    fn leaf(text: String) -> Self {
+        let binding = if text.starts_with('-') {
+            Binding::Unary
+        } else {
+            Binding::Atom
+        };
+        Self {
+            text,
+            binding,
+            depth: 0,
+        }
+    }
+
+    /// The text where at least `binding` is needed.
+    fn at(&self, binding: Binding) -> String {
+        if self.binding < binding {
+            format!("({})", self.text)
+        } else {
+            self.text.clone()
+        }
+    }
+}
+
+/// A constant. NaN and infinities have no literal: they are made at run time.
+fn literal(value: f64) -> String {
+    match wgsl_literal(value) {
+        Ok(text) => text,
+        Err(LiteralError::Undefined) => "undefined()".to_owned(),
+        Err(LiteralError::Infinite) => "infinite(1.0)".to_owned(),
+        Err(LiteralError::MinusInfinite) => "infinite(-1.0)".to_owned(),
+    }
+}
+
+/// An operation as the table writes it. Nothing is reassociated: a right operand that binds no tighter than its
+/// operator stands in parentheses; so does a signed one, and `--x` is never written.
+fn written(wgsl: Wgsl, operands: &[&Text]) -> Text {
+    let depth = operands
+        .iter()
+        .map(|operand| operand.depth)
+        .max()
+        .unwrap_or(0)
+        + 1;
+    let (text, binding) = match (wgsl, operands) {
+        (Wgsl::Prefix(sign), [a, ..]) => (format!("{sign}{}", a.at(Binding::Atom)), Binding::Unary),
+        (Wgsl::Infix(sign), [a, b, ..]) => {
+            let binding = if matches!(sign, "*" | "/") {
+                Binding::Product
+            } else {
+                Binding::Sum
+            };
+            let tighter = if binding == Binding::Sum && b.binding == Binding::Product {
+                Binding::Product
+            } else {
+                Binding::Atom
+            };
+            (
+                format!("{} {sign} {}", a.at(binding), b.at(tighter)),
+                binding,
+            )
+        }
+        (Wgsl::Builtin(name) | Wgsl::Library(name), operands) => {
+            let operands: Vec<&str> = operands
+                .iter()
+                .map(|operand| operand.text.as_str())
+                .collect();
+            (format!("{name}({})", operands.join(", ")), Binding::Atom)
+        }
+        // The table has no sign for another number of operands.
+        (Wgsl::Prefix(_) | Wgsl::Infix(_), _) => ("undefined()".to_owned(), Binding::Atom),
+    };
+    Text {
+        text,
+        binding,
+        depth,
+    }
+}
+
+/// Powers up to this one are written out as products.
+const WRITTEN_OUT: u32 = 4;
+
+/// A power with a known exponent: the same multiplications as `expr::ops::integer_power`.
+fn integer_power(base: &Text, n: i32) -> Text {
+    let depth = base.depth + 2;
+    let x = base.at(Binding::Atom);
+    let product = match n.unsigned_abs() {
+        3 => format!("{x} * ({x} * {x})"),
+        4 => format!("({x} * {x}) * ({x} * {x})"),
+        _ => {
+            let text = format!("integer_power({}, {n})", base.text);
+            return Text {
+                text,
+                binding: Binding::Atom,
+                depth,
+            };
+        }
+    };
+    let text = if n < 0 {
+        format!("1.0 / ({product})")
+    } else {
+        product
+    };
+    Text {
+        text,
+        binding: Binding::Product,
+        depth,
+    }
 }

@@ -26,15 +26,21 @@ impl Joined {
 
     /// The names of its entry points, in the order of the text.
     pub fn entry_points(&self) -> impl Iterator<Item = &str> {
-        self.module.entry_points.iter().map(|entry| entry.name.as_str())
+        self.module
+            .entry_points
+            .iter()
+            .map(|entry| entry.name.as_str())
     }
 
     /// The byte offset and size of each member of a struct, in order; empty if there is no such struct.
     ///
     /// Uniform structs exist twice, in WGSL and in Rust: tests compare the two by this.
     pub fn struct_layout(&self, name: &str) -> Vec<(String, u32, u32)> {
-        let Some((_, ty)) =
-            self.module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name))
+        let Some((_, ty)) = self
+            .module
+            .types
+            .iter()
+            .find(|(_, ty)| ty.name.as_deref() == Some(name))
         else {
             return Vec::new();
         };
@@ -44,7 +50,9 @@ impl Joined {
         members
             .iter()
             .map(|member| {
-                let size = self.module.types[member.ty].inner.size(self.module.to_ctx());
+                let size = self.module.types[member.ty]
+                    .inner
+                    .size(self.module.to_ctx());
                 (member.name.clone().unwrap_or_default(), member.offset, size)
             })
             .collect()

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use expr::statistics::operation_count;
 use expr::{Graph, Input, NodeId};
 
 use crate::contract;
@@ -64,10 +65,17 @@ pub enum GenerateError {
 impl fmt::Display for GenerateError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooLarge { operations: Some(count) } => {
-                write!(f, "{count} operations are too many for a shader (the limit is {OPERATION_LIMIT})")
+            Self::TooLarge {
+                operations: Some(count),
+            } => {
+                write!(
+                    f,
+                    "{count} operations are too many for a shader (the limit is {OPERATION_LIMIT})"
+                )
             }
-            Self::TooLarge { operations: None } => write!(f, "the derivatives are too large for a shader"),
+            Self::TooLarge { operations: None } => {
+                write!(f, "the derivatives are too large for a shader")
+            }
             Self::Internal(error) => error.fmt(f),
         }
     }
@@ -89,7 +97,10 @@ impl From<expr::graph::TooLarge> for GenerateError {
 
 /// Samples of a point: instances → positions.
 pub fn sample_point(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, GenerateError> {
-    let functions = [Function::vector("point_position(instance: u32) -> vec3f", position)];
+    let functions = [Function::vector(
+        "point_position(instance: u32) -> vec3f",
+        position,
+    )];
     generate(
         graph,
         &functions,
@@ -120,7 +131,10 @@ pub fn sample_vector(
 
 /// Samples of a curve: instances and `Variable(0)` → positions.
 pub fn sample_curve(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, GenerateError> {
-    let functions = [Function::vector("curve_position(u: f32, instance: u32) -> vec3f", position)];
+    let functions = [Function::vector(
+        "curve_position(u: f32, instance: u32) -> vec3f",
+        position,
+    )];
     generate(
         graph,
         &functions,
@@ -144,7 +158,12 @@ pub fn sample_surface(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, Ge
         &graph,
         &functions,
         &library::CONTRACT_SURFACE,
-        &[library::NUMBER, library::POWER, library::SAMPLING, library::JET],
+        &[
+            library::NUMBER,
+            library::POWER,
+            library::SAMPLING,
+            library::JET,
+        ],
         &library::PASS_SAMPLE_SURFACE,
     )
 }
@@ -166,15 +185,24 @@ pub fn geodesic(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, Generate
         &graph,
         &functions,
         &library::CONTRACT_GEODESIC,
-        &[library::NUMBER, library::POWER, library::JET, library::FIRST_FORM, library::CHART],
+        &[
+            library::NUMBER,
+            library::POWER,
+            library::JET,
+            library::FIRST_FORM,
+            library::CHART,
+        ],
         &library::PASS_GEODESIC,
     )
 }
 
 /// Expressions over rows of inputs: for comparing what a GPU computes with f64.
 pub fn evaluate(graph: &Graph, roots: &[NodeId]) -> Result<Kernel, GenerateError> {
-    let functions =
-        [Function { header: "evaluate(row: u32)", roots: roots.to_vec(), result: ResultForm::Stored }];
+    let functions = [Function {
+        header: "evaluate(row: u32)",
+        roots: roots.to_vec(),
+        result: ResultForm::Stored,
+    }];
     generate(
         graph,
         &functions,
@@ -204,7 +232,11 @@ enum ResultForm {
 
 impl Function {
     fn vector(header: &'static str, roots: [NodeId; 3]) -> Self {
-        Self { header, roots: roots.to_vec(), result: ResultForm::Vector }
+        Self {
+            header,
+            roots: roots.to_vec(),
+            result: ResultForm::Vector,
+        }
     }
 
     fn write(&self, graph: &Graph, uniforms: &[u32]) -> String {
@@ -222,12 +254,18 @@ impl Function {
         };
         let Body { lets, roots } = emit::body(graph, &self.roots, &input);
         let vectors = |roots: &[String]| {
-            roots.chunks(3).map(|of| format!("vec3f({})", of.join(", "))).collect::<Vec<_>>()
+            roots
+                .chunks(3)
+                .map(|of| format!("vec3f({})", of.join(", ")))
+                .collect::<Vec<_>>()
         };
         let end = match self.result {
             ResultForm::Vector => format!("    return {};\n", vectors(&roots).concat()),
             ResultForm::Vectors(name) => {
-                format!("    return {name}(\n        {},\n    );\n", vectors(&roots).join(",\n        "))
+                format!(
+                    "    return {name}(\n        {},\n    );\n",
+                    vectors(&roots).join(",\n        ")
+                )
             }
             ResultForm::Stored => roots
                 .iter()
@@ -247,10 +285,19 @@ fn generate(
     library: &[Piece<'_>],
     pass: &Piece<'_>,
 ) -> Result<Kernel, GenerateError> {
-    let roots: Vec<NodeId> = functions.iter().flat_map(|function| &function.roots).copied().collect();
-    let operations = functions.iter().map(|function| emit::operations(graph, &function.roots)).sum();
+    let roots: Vec<NodeId> = functions
+        .iter()
+        .flat_map(|function| &function.roots)
+        .copied()
+        .collect();
+    let operations = functions
+        .iter()
+        .map(|function| operation_count(graph, &function.roots))
+        .sum();
     if operations > OPERATION_LIMIT {
-        return Err(GenerateError::TooLarge { operations: Some(operations) });
+        return Err(GenerateError::TooLarge {
+            operations: Some(operations),
+        });
     }
     let uniforms: Vec<u32> = graph
         .inputs(&roots)
@@ -260,17 +307,31 @@ fn generate(
             Input::Variable(_) => None,
         })
         .collect();
-    let texts: Vec<String> = functions.iter().map(|function| function.write(graph, &uniforms)).collect();
+    let texts: Vec<String> = functions
+        .iter()
+        .map(|function| function.write(graph, &uniforms))
+        .collect();
     let generated = texts.join("\n");
-    let piece = Piece { origin: "generated", text: &generated };
+    let piece = Piece {
+        origin: "generated",
+        text: &generated,
+    };
     contract::is_exactly(&piece, contract)?;
     contract::fulfils(pass, &library::CONTRACT_UNIFORMS)?;
-    if functions.iter().any(|function| matches!(function.result, ResultForm::Stored)) {
+    if functions
+        .iter()
+        .any(|function| matches!(function.result, ResultForm::Stored))
+    {
         contract::fulfils(pass, &library::CONTRACT_TABLE)?;
     }
     let mut pieces = library.to_vec();
     pieces.push(piece);
     pieces.push(*pass);
     let joined = join(&pieces)?;
-    Ok(Kernel { joined, generated, uniforms, operations })
+    Ok(Kernel {
+        joined,
+        generated,
+        uniforms,
+        operations,
+    })
 }

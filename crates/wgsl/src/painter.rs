@@ -20,12 +20,21 @@ pub fn curves() -> Result<Joined, InternalError> {
 
 /// Triangles of surfaces.
 pub fn surfaces() -> Result<Joined, InternalError> {
-    join(&[library::NUMBER, library::VIEW, library::IMAGE, library::PASS_DRAW_SURFACES])
+    join(&[
+        library::NUMBER,
+        library::VIEW,
+        library::IMAGE,
+        library::PASS_DRAW_SURFACES,
+    ])
 }
 
 /// From a map of geodesics' ends to colours.
 pub fn resolve_geodesic() -> Result<Joined, InternalError> {
-    join(&[library::NUMBER, library::IMAGE, library::PASS_RESOLVE_GEODESIC])
+    join(&[
+        library::NUMBER,
+        library::IMAGE,
+        library::PASS_RESOLVE_GEODESIC,
+    ])
 }
 
 fn glyphs(pass: Piece<'_>) -> Result<Joined, InternalError> {

@@ -9,20 +9,39 @@ use wgsl::painter;
 #[test]
 fn every_pass_validates_with_the_stubs_of_its_contract() {
     let samples: &[Piece<'static>] = &[library::NUMBER, library::POWER, library::SAMPLING];
-    let surface: &[Piece<'static>] = &[library::NUMBER, library::POWER, library::SAMPLING, library::JET];
-    let geodesic: &[Piece<'static>] =
-        &[library::NUMBER, library::POWER, library::JET, library::FIRST_FORM, library::CHART];
+    let surface: &[Piece<'static>] = &[
+        library::NUMBER,
+        library::POWER,
+        library::SAMPLING,
+        library::JET,
+    ];
+    let geodesic: &[Piece<'static>] = &[
+        library::NUMBER,
+        library::POWER,
+        library::JET,
+        library::FIRST_FORM,
+        library::CHART,
+    ];
     for (libraries, contract, pass) in [
         (samples, library::CONTRACT_POINT, library::PASS_SAMPLE_POINT),
-        (samples, library::CONTRACT_VECTOR, library::PASS_SAMPLE_VECTOR),
+        (
+            samples,
+            library::CONTRACT_VECTOR,
+            library::PASS_SAMPLE_VECTOR,
+        ),
         (samples, library::CONTRACT_CURVE, library::PASS_SAMPLE_CURVE),
-        (surface, library::CONTRACT_SURFACE, library::PASS_SAMPLE_SURFACE),
+        (
+            surface,
+            library::CONTRACT_SURFACE,
+            library::PASS_SAMPLE_SURFACE,
+        ),
         (geodesic, library::CONTRACT_GEODESIC, library::PASS_GEODESIC),
         (samples, library::CONTRACT_EVALUATE, library::PASS_EVALUATE),
     ] {
         let mut pieces = libraries.to_vec();
         pieces.extend([contract, pass]);
-        let joined = join(&pieces).unwrap_or_else(|error| panic!("{}: {}", pass.origin, error.message));
+        let joined =
+            join(&pieces).unwrap_or_else(|error| panic!("{}: {}", pass.origin, error.message));
         assert_eq!(joined.entry_points().count(), 1, "{}", pass.origin);
         fulfils(&pass, &library::CONTRACT_UNIFORMS).expect("the pass gives its uniforms");
     }
@@ -50,8 +69,19 @@ fn a_signature_that_differs_from_its_contract_is_an_error_that_keeps_the_text() 
         "fn point_position() -> vec3f { return vec3f(); }",
         "",
     ] {
-        let error = is_exactly(&Piece { origin: "generated", text }, &library::CONTRACT_POINT).unwrap_err();
-        assert!(error.message.contains("point_position"), "{}", error.message);
+        let error = is_exactly(
+            &Piece {
+                origin: "generated",
+                text,
+            },
+            &library::CONTRACT_POINT,
+        )
+        .unwrap_err();
+        assert!(
+            error.message.contains("point_position"),
+            "{}",
+            error.message
+        );
         assert_eq!(error.source, text);
     }
 }
@@ -59,17 +89,37 @@ fn a_signature_that_differs_from_its_contract_is_an_error_that_keeps_the_text() 
 #[test]
 fn generated_text_holds_nothing_but_the_functions_of_its_contract() {
     let good = "fn point_position(instance: u32) -> vec3f { let a = 1.0; return vec3f(a); }";
-    is_exactly(&Piece { origin: "generated", text: good }, &library::CONTRACT_POINT).expect("as asked for");
-    for extra in ["const two = 2.0;", "fn helper() { }", "var<private> x: f32;", "struct S { a: f32 }"] {
+    is_exactly(
+        &Piece {
+            origin: "generated",
+            text: good,
+        },
+        &library::CONTRACT_POINT,
+    )
+    .expect("as asked for");
+    for extra in [
+        "const two = 2.0;",
+        "fn helper() { }",
+        "var<private> x: f32;",
+        "struct S { a: f32 }",
+    ] {
         let text = format!("{extra}\n{good}");
-        let error = is_exactly(&Piece { origin: "generated", text: &text }, &library::CONTRACT_POINT);
+        let error = is_exactly(
+            &Piece {
+                origin: "generated",
+                text: &text,
+            },
+            &library::CONTRACT_POINT,
+        );
         assert!(error.is_err(), "{extra}");
     }
 }
 
 #[test]
 fn signatures_are_read_across_lines_and_comments() {
-    let read = signatures("// fn no() {}\nfn f(\n  a: f32, // first\n  b: vec2f,\n) -> bool { if a > 0.0 { } }\nfn g() {}");
+    let read = signatures(
+        "// fn no() {}\nfn f(\n  a: f32, // first\n  b: vec2f,\n) -> bool { if a > 0.0 { } }\nfn g() {}",
+    );
     assert_eq!(read.len(), 2);
     assert_eq!(read[0].name, "f");
     assert_eq!(read[0].parameters[1], ("b".to_owned(), "vec2f".to_owned()));
@@ -79,12 +129,22 @@ fn signatures_are_read_across_lines_and_comments() {
 
 #[test]
 fn a_mistake_names_the_piece_and_the_line_in_it() {
-    let bad = Piece { origin: "generated", text: "fn f() -> f32 {\n    return 1.0 + missing;\n}\n" };
+    let bad = Piece {
+        origin: "generated",
+        text: "fn f() -> f32 {\n    return 1.0 + missing;\n}\n",
+    };
     let error = join(&[library::NUMBER, bad]).unwrap_err();
-    assert!(error.message.starts_with("generated:2: "), "{}", error.message);
+    assert!(
+        error.message.starts_with("generated:2: "),
+        "{}",
+        error.message
+    );
     assert!(error.source.contains("missing"));
     // Parses, but is not valid: no value at the end.
-    let invalid = Piece { origin: "generated", text: "fn f() -> f32 {\n    let a = 1.0;\n}\n" };
+    let invalid = Piece {
+        origin: "generated",
+        text: "fn f() -> f32 {\n    let a = 1.0;\n}\n",
+    };
     let error = join(&[library::NUMBER, invalid]).unwrap_err();
     assert!(error.message.contains("generated:"), "{}", error.message);
 }
