@@ -1,6 +1,10 @@
-//! The geodesic view's second half: a map of geodesics' ends becomes colours.
+//! The geodesic view: its camera ([`Inside`]), and how a map of geodesics' ends becomes colours ([`resolve`]).
 //!
 //! Maps come from `geodesic::map` (f64) or from a generated kernel; nothing here knows which.
+
+mod inside;
+
+pub use inside::Inside;
 
 use geodesic::map::Map;
 use geodesic::trace::Status;

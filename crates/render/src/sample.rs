@@ -110,13 +110,15 @@ impl Samples {
 pub(crate) fn note(name: &str, all: usize, undefined: usize) -> Option<String> {
     match (all, undefined) {
         (_, 0) => None,
-        (1, _) => Some(format!("`{name}` is undefined at the current params and is not drawn")),
-        (all, undefined) if all == undefined => {
-            Some(format!("`{name}` is undefined everywhere at the current params and is not drawn"))
-        }
-        (all, undefined) => {
-            Some(format!("`{name}` is undefined at {undefined} of its {all} samples and is left open there"))
-        }
+        (1, _) => Some(format!(
+            "`{name}` is undefined at the current params and is not drawn"
+        )),
+        (all, undefined) if all == undefined => Some(format!(
+            "`{name}` is undefined everywhere at the current params and is not drawn"
+        )),
+        (all, undefined) => Some(format!(
+            "`{name}` is undefined at {undefined} of its {all} samples and is left open there"
+        )),
     }
 }
 

@@ -72,7 +72,10 @@ fn polyline(builder: &mut Builder, eye: &Eye, places: &[Vec3]) {
         return;
     }
     cap(builder, eye, last, style::GLYPH_LIFT);
-    let sides: Vec<Vec2> = places.windows(2).map(|pair| side(eye, pair[0], pair[1])).collect();
+    let sides: Vec<Vec2> = places
+        .windows(2)
+        .map(|pair| side(eye, pair[0], pair[1]))
+        .collect();
     let mut before = edge(builder, eye, places[0], sides[0], eye.half_width(places[0]));
     for (k, &side) in sides.iter().enumerate() {
         let end = places[k + 1];
@@ -85,7 +88,10 @@ fn polyline(builder: &mut Builder, eye: &Eye, places: &[Vec3]) {
             (shared, shared)
         } else {
             cap(builder, eye, end, style::JOIN_LIFT);
-            (edge(builder, eye, end, side, half), edge(builder, eye, end, next, half))
+            (
+                edge(builder, eye, end, side, half),
+                edge(builder, eye, end, next, half),
+            )
         };
         builder.triangle(before[0], at_end[0], at_end[1]);
         builder.triangle(before[0], at_end[1], before[1]);
@@ -104,14 +110,27 @@ pub(super) fn piece(builder: &mut Builder, eye: &Eye, ends: [Vec3; 2], half: [f3
 /// The unit vector across a piece as it is seen.
 fn side(eye: &Eye, a: Vec3, b: Vec3) -> Vec2 {
     let along = (eye.project(b) - eye.project(a)).normalize_or_zero();
-    if along == Vec2::ZERO { Vec2::X } else { along.perp() }
+    if along == Vec2::ZERO {
+        Vec2::X
+    } else {
+        along.perp()
+    }
 }
 
 /// The two corners of a strip at a place.
-fn edge(builder: &mut Builder, eye: &Eye, at: Vec3, side: Vec2, half: f32) -> [super::mesh::VertexId; 2] {
+fn edge(
+    builder: &mut Builder,
+    eye: &Eye,
+    at: Vec3,
+    side: Vec2,
+    half: f32,
+) -> [super::mesh::VertexId; 2] {
     [1.0, -1.0].map(|sign: f32| {
         builder.vertex(Vertex {
-            clip: eye.clip(at + (sign * half * side).extend(0.0), style::GLYPH_LIFT * half),
+            clip: eye.clip(
+                at + (sign * half * side).extend(0.0),
+                style::GLYPH_LIFT * half,
+            ),
             normal: Vec3::ZERO,
             uv: Vec2::new(0.0, sign),
         })

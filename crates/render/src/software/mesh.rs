@@ -60,7 +60,11 @@ impl Eye {
     pub(super) fn clip(&self, at: Vec3, lift: f32) -> Vec4 {
         let w = -at.z;
         // Lifted at most halfway to the eye: a glyph in front of the camera does not jump behind it.
-        let depth = if w > 0.0 { self.near * w / (w - lift).max(0.5 * w) } else { self.near };
+        let depth = if w > 0.0 {
+            self.near * w / (w - lift).max(0.5 * w)
+        } else {
+            self.near
+        };
         Vec4::new(at.x * self.zoom.x, at.y * self.zoom.y, depth, w)
     }
 
@@ -117,8 +121,16 @@ pub(super) struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     pub(super) fn new(eye: &'a Eye, material: u32) -> Self {
-        let mesh = Mesh { material, ..Mesh::default() };
-        Self { eye, vertices: Vec::new(), corner_of: Vec::new(), mesh }
+        let mesh = Mesh {
+            material,
+            ..Mesh::default()
+        };
+        Self {
+            eye,
+            vertices: Vec::new(),
+            corner_of: Vec::new(),
+            mesh,
+        }
     }
 
     pub(super) fn vertex(&mut self, vertex: Vertex) -> VertexId {
@@ -175,7 +187,9 @@ impl<'a> Builder<'a> {
             }
         }
         let first = self.mesh.corners.len() as u32;
-        self.mesh.corners.extend(polygon.iter().map(|vertex| project(self.eye, vertex)));
+        self.mesh
+            .corners
+            .extend(polygon.iter().map(|vertex| project(self.eye, vertex)));
         let fan = (1..polygon.len() as u32 - 1).map(|k| [first, first + k, first + k + 1]);
         self.mesh.triangles.extend(fan);
     }

@@ -12,14 +12,29 @@ pub(super) fn mesh(eye: &Eye, material: u32, samples: &[PositionSample]) -> Mesh
     for sample in samples.iter().filter(|sample| sample.defined != 0.0) {
         let at = eye.see(sample.position);
         let w = (-at.z).max(eye.near);
-        let radius = style::POINT_RADIUS.at(w, eye.pixels_per_unit, eye.unit, style::LEAST_POINT_RADIUS);
-        disc(&mut builder, eye, at, radius, style::GLYPH_LIFT * radius, style::POINT_SEGMENTS);
+        let radius =
+            style::POINT_RADIUS.at(w, eye.pixels_per_unit, eye.unit, style::LEAST_POINT_RADIUS);
+        disc(
+            &mut builder,
+            eye,
+            at,
+            radius,
+            style::GLYPH_LIFT * radius,
+            style::POINT_SEGMENTS,
+        );
     }
     builder.finish()
 }
 
 /// A disc at a view place: a regular polygon of the disc's area, shaded like a ball.
-pub(super) fn disc(builder: &mut Builder, eye: &Eye, at: Vec3, radius: f32, lift: f32, segments: u32) {
+pub(super) fn disc(
+    builder: &mut Builder,
+    eye: &Eye,
+    at: Vec3,
+    radius: f32,
+    lift: f32,
+    segments: u32,
+) {
     let turn = std::f32::consts::TAU / segments as f32;
     let radius = radius * (turn / turn.sin()).sqrt();
     let mut vertex = |offset: Vec2| {
@@ -30,7 +45,9 @@ pub(super) fn disc(builder: &mut Builder, eye: &Eye, at: Vec3, radius: f32, lift
         })
     };
     let centre = vertex(Vec2::ZERO);
-    let rim: Vec<_> = (0..segments).map(|k| vertex(Vec2::from_angle(turn * k as f32))).collect();
+    let rim: Vec<_> = (0..segments)
+        .map(|k| vertex(Vec2::from_angle(turn * k as f32)))
+        .collect();
     for (k, &corner) in rim.iter().enumerate() {
         builder.triangle(centre, corner, rim[(k + 1) % rim.len()]);
     }

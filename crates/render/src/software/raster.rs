@@ -30,13 +30,18 @@ impl Tile {
     /// A tile of background.
     pub(super) fn new(origin: [usize; 2]) -> Self {
         let background = style::linear(style::BACKGROUND);
-        Self { origin, depth: vec![[0.0; 4]; TILE * TILE], light: vec![[background; 4]; TILE * TILE] }
+        Self {
+            origin,
+            depth: vec![[0.0; 4]; TILE * TILE],
+            light: vec![[background; 4]; TILE * TILE],
+        }
     }
 
     /// The mean of a pixel's samples, sRGB; the pixel is the picture's.
     pub(super) fn pixel(&self, x: usize, y: usize) -> [u8; 4] {
         let samples = &self.light[(y - self.origin[1]) * TILE + x - self.origin[0]];
-        let mean = |k: usize| style::encode(0.25 * samples.iter().map(|light| light[k]).sum::<f32>());
+        let mean =
+            |k: usize| style::encode(0.25 * samples.iter().map(|light| light[k]).sum::<f32>());
         [mean(0), mean(1), mean(2), 255]
     }
 }
@@ -48,7 +53,14 @@ struct Bins {
 }
 
 /// Draws a batch of meshes into tiles, which lie `across` to a row, from the picture's row `top` on.
-pub(super) fn draw(eye: &Eye, materials: &[Material], meshes: &[Mesh], tiles: &mut [Tile], across: usize, top: usize) {
+pub(super) fn draw(
+    eye: &Eye,
+    materials: &[Material],
+    meshes: &[Mesh],
+    tiles: &mut [Tile],
+    across: usize,
+    top: usize,
+) {
     let mut bases = Vec::with_capacity(meshes.len());
     let mut total = 0;
     for mesh in meshes {
@@ -56,7 +68,10 @@ pub(super) fn draw(eye: &Eye, materials: &[Material], meshes: &[Mesh], tiles: &m
         total += mesh.triangles.len() as u32;
     }
     let down = tiles.len() / across;
-    let bins: Vec<Bins> = meshes.par_iter().map(|mesh| bin(mesh, across, down, top)).collect();
+    let bins: Vec<Bins> = meshes
+        .par_iter()
+        .map(|mesh| bin(mesh, across, down, top))
+        .collect();
     tiles.par_iter_mut().enumerate().for_each_init(
         || vec![[NONE; 4]; TILE * TILE],
         |seen, (number, tile)| {
@@ -66,7 +81,8 @@ pub(super) fn draw(eye: &Eye, materials: &[Material], meshes: &[Mesh], tiles: &m
             seen.fill([NONE; 4]);
             for ((mesh, bin), base) in meshes.iter().zip(&bins).zip(&bases) {
                 for &triangle in &bin.lists[number] {
-                    let corners = mesh.triangles[triangle as usize].map(|c| &mesh.corners[c as usize]);
+                    let corners =
+                        mesh.triangles[triangle as usize].map(|c| &mesh.corners[c as usize]);
                     cover(tile, seen, corners, base + triangle);
                 }
             }
@@ -110,12 +126,19 @@ struct Edges {
 impl Edges {
     fn new(corners: [[i32; 2]; 3]) -> Option<Self> {
         let p = corners.map(|at| at.map(i64::from));
-        let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
+        let area =
+            (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
         if area == 0 {
             return None;
         }
         let sign = area.signum();
-        let mut edges = Self { a: [0; 3], b: [0; 3], c: [0; 3], area: area.abs(), turned: sign < 0 };
+        let mut edges = Self {
+            a: [0; 3],
+            b: [0; 3],
+            c: [0; 3],
+            area: area.abs(),
+            turned: sign < 0,
+        };
         for k in 0..3 {
             // The edge opposite to corner k.
             let (from, to) = (p[(k + 1) % 3], p[(k + 2) % 3]);
@@ -164,7 +187,8 @@ fn cover(tile: &mut Tile, seen: &mut [[u32; 4]], corners: [&Corner; 3], id: u32)
     let mut starts = [0; 3];
     for k in 0..3 {
         // Wholly outside of one edge?
-        let best = edges.at(k, left, upper) + (edges.a[k].max(0)) * width + (edges.b[k].max(0)) * height;
+        let best =
+            edges.at(k, left, upper) + (edges.a[k].max(0)) * width + (edges.b[k].max(0)) * height;
         if best < 0 {
             return;
         }
@@ -175,10 +199,16 @@ fn cover(tile: &mut Tile, seen: &mut [[u32; 4]], corners: [&Corner; 3], id: u32)
     let depths = corners.map(|corner| f64::from(corner.depth));
     let area = edges.area as f64;
     let slope = |coefficients: &[i64; 3]| -> f64 {
-        (0..3).map(|k| coefficients[k] as f64 * depths[k]).sum::<f64>() / area
+        (0..3)
+            .map(|k| coefficients[k] as f64 * depths[k])
+            .sum::<f64>()
+            / area
     };
     let (dx, dy) = (slope(&edges.a), slope(&edges.b));
-    let start: f64 = (0..3).map(|k| edges.at(k, left, upper) as f64 * depths[k]).sum::<f64>() / area;
+    let start: f64 = (0..3)
+        .map(|k| edges.at(k, left, upper) as f64 * depths[k])
+        .sum::<f64>()
+        / area;
     let low = depths[0].min(depths[1]).min(depths[2]) as f32;
     let high = depths[0].max(depths[1]).max(depths[2]) as f32;
     let sample_depth = SAMPLES.map(|[x, y]| (dx * f64::from(x) + dy * f64::from(y)) as f32);
@@ -191,9 +221,11 @@ fn cover(tile: &mut Tile, seen: &mut [[u32; 4]], corners: [&Corner; 3], id: u32)
             let index = y * TILE + x;
             let mut depth = None;
             for s in 0..4 {
-                let inside = (e[0] + offsets[0][s]) | (e[1] + offsets[1][s]) | (e[2] + offsets[2][s]);
+                let inside =
+                    (e[0] + offsets[0][s]) | (e[1] + offsets[1][s]) | (e[2] + offsets[2][s]);
                 if inside >= 0 {
-                    let depth = *depth.get_or_insert_with(|| (row_depth + pixel_dx * (x - x0) as f64) as f32);
+                    let depth = *depth
+                        .get_or_insert_with(|| (row_depth + pixel_dx * (x - x0) as f64) as f32);
                     let depth = (depth + sample_depth[s]).clamp(low, high);
                     if depth > tile.depth[index][s] {
                         tile.depth[index][s] = depth;
@@ -209,7 +241,14 @@ fn cover(tile: &mut Tile, seen: &mut [[u32; 4]], corners: [&Corner; 3], id: u32)
 }
 
 /// Shades the samples that see a triangle of this batch.
-fn shade(eye: &Eye, materials: &[Material], meshes: &[Mesh], bases: &[u32], tile: &mut Tile, seen: &[[u32; 4]]) {
+fn shade(
+    eye: &Eye,
+    materials: &[Material],
+    meshes: &[Mesh],
+    bases: &[u32],
+    tile: &mut Tile,
+    seen: &[[u32; 4]],
+) {
     for (index, ids) in seen.iter().enumerate() {
         let pixel = [tile.origin[0] + index % TILE, tile.origin[1] + index / TILE];
         let mut done = [false; 4];
@@ -233,7 +272,8 @@ fn shade(eye: &Eye, materials: &[Material], meshes: &[Mesh], bases: &[u32], tile
             let triangle = mesh.triangles[(id - bases[mesh_number]) as usize];
             let corners = triangle.map(|c| &mesh.corners[c as usize]);
             let material = &materials[mesh.material as usize];
-            let light = place(eye, corners, Vec2::from(at), material).map(|place| material.shade(&place));
+            let light =
+                place(eye, corners, Vec2::from(at), material).map(|place| material.shade(&place));
             for t in s..4 {
                 if ids[t] == id {
                     if let Some(light) = light {
@@ -251,7 +291,10 @@ fn place(eye: &Eye, corners: [&Corner; 3], at: Vec2, material: &Material) -> Opt
     let area = edges.area as f64;
     // Weights at a place of the picture, over w.
     let weights = |at: Vec2| -> Vec3 {
-        let (x, y) = (f64::from(at.x) * f64::from(SUBPIXEL), f64::from(at.y) * f64::from(SUBPIXEL));
+        let (x, y) = (
+            f64::from(at.x) * f64::from(SUBPIXEL),
+            f64::from(at.y) * f64::from(SUBPIXEL),
+        );
         let weight = |k: usize| {
             let value = edges.a[k] as f64 * x + edges.b[k] as f64 * y + edges.c[k] as f64;
             (value / area) as f32 * corners[k].inv_w
@@ -260,7 +303,8 @@ fn place(eye: &Eye, corners: [&Corner; 3], at: Vec2, material: &Material) -> Opt
     };
     let uv = |weights: Vec3| {
         let sum = weights.element_sum();
-        let weighted = corners[0].uv * weights.x + corners[1].uv * weights.y + corners[2].uv * weights.z;
+        let weighted =
+            corners[0].uv * weights.x + corners[1].uv * weights.y + corners[2].uv * weights.z;
         weighted / sum
     };
     let here = weights(at);
@@ -270,9 +314,16 @@ fn place(eye: &Eye, corners: [&Corner; 3], at: Vec2, material: &Material) -> Opt
     } else {
         [Vec2::ZERO; 2]
     };
-    let normal = corners[0].normal * here.x + corners[1].normal * here.y + corners[2].normal * here.z;
+    let normal =
+        corners[0].normal * here.x + corners[1].normal * here.y + corners[2].normal * here.z;
     let ndc = Vec2::new(2.0 * at.x / eye.size.x - 1.0, 1.0 - 2.0 * at.y / eye.size.y);
     let to_eye = (-ndc / eye.zoom).extend(1.0).normalize();
     // Pixels' y runs down: what is counterclockwise as seen has a negative area in them.
-    Some(Place { normal, uv: uv_here, footprint, to_eye, front: edges.turned })
+    Some(Place {
+        normal,
+        uv: uv_here,
+        footprint,
+        to_eye,
+        front: edges.turned,
+    })
 }

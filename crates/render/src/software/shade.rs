@@ -45,7 +45,11 @@ impl Material {
                 colour.map(|c| c * style::glyph_light(facing))
             }
             Self::Cone(colour) => {
-                let facing = place.normal.normalize_or(place.to_eye).dot(place.to_eye).abs();
+                let facing = place
+                    .normal
+                    .normalize_or(place.to_eye)
+                    .dot(place.to_eye)
+                    .abs();
                 colour.map(|c| c * style::glyph_light(facing))
             }
             Self::Surface(colour, texture) => {

@@ -62,11 +62,19 @@ pub(super) fn render(
         notes.extend(samples.note(&object.name));
         let colour = request.colour(id, &object.shape);
         let is_surface = matches!(object.shape, Shape::Surface { .. });
-        painted.push(Painted { samples, colour, texture: is_surface.then(|| request.texture(id)) });
+        painted.push(Painted {
+            samples,
+            colour,
+            texture: is_surface.then(|| request.texture(id)),
+        });
         progress(0.4 * (index + 1) as f32 / scene.objects.len() as f32);
     }
     let image = draw(&camera, &painted, &|share| progress(0.4 + 0.6 * share));
-    Ok(Picture { image, backend: "software".to_owned(), notes })
+    Ok(Picture {
+        image,
+        backend: "software".to_owned(),
+        notes,
+    })
 }
 
 /// Draws objects as a camera sees them, in front of [`style::BACKGROUND`]. `progress` is told the share that is done.
@@ -76,8 +84,14 @@ pub fn draw(camera: &Camera, objects: &[Painted], progress: &(dyn Fn(f32) + Sync
     let materials: Vec<Material> = objects
         .iter()
         .flat_map(|object| match &object.texture {
-            Some(texture) => [Material::Surface(object.colour, texture.clone()), Material::Cone(object.colour)],
-            None => [Material::Glyph(object.colour), Material::Cone(object.colour)],
+            Some(texture) => [
+                Material::Surface(object.colour, texture.clone()),
+                Material::Cone(object.colour),
+            ],
+            None => [
+                Material::Glyph(object.colour),
+                Material::Cone(object.colour),
+            ],
         })
         .collect();
     let jobs = jobs(objects);
@@ -91,19 +105,27 @@ pub fn draw(camera: &Camera, objects: &[Painted], progress: &(dyn Fn(f32) + Sync
         let top = band * band_rows;
         let rows = pixels.len() / (4 * width);
         let tile = |k: usize| Tile::new([k % across * TILE, top + k / across * TILE]);
-        let mut tiles: Vec<Tile> = (0..across * rows.div_ceil(TILE)).into_par_iter().map(tile).collect();
+        let mut tiles: Vec<Tile> = (0..across * rows.div_ceil(TILE))
+            .into_par_iter()
+            .map(tile)
+            .collect();
         for (number, batch) in batches.iter().enumerate() {
-            let meshes: Vec<Mesh> =
-                jobs[batch.clone()].par_iter().flat_map_iter(|job| meshes(&eye, objects, job)).collect();
+            let meshes: Vec<Mesh> = jobs[batch.clone()]
+                .par_iter()
+                .flat_map_iter(|job| meshes(&eye, objects, job))
+                .collect();
             raster::draw(&eye, &materials, &meshes, &mut tiles, across, top);
             progress((band * batches.len() + number + 1) as f32 / (bands * batches.len()) as f32);
         }
-        pixels.par_chunks_mut(4 * width).enumerate().for_each(|(y, row)| {
-            for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
-                let tile = &tiles[y / TILE * across + x / TILE];
-                pixel.copy_from_slice(&tile.pixel(x, top + y));
-            }
-        });
+        pixels
+            .par_chunks_mut(4 * width)
+            .enumerate()
+            .for_each(|(y, row)| {
+                for (x, pixel) in row.chunks_exact_mut(4).enumerate() {
+                    let tile = &tiles[y / TILE * across + x / TILE];
+                    pixel.copy_from_slice(&tile.pixel(x, top + y));
+                }
+            });
     }
     image
 }
@@ -115,7 +137,10 @@ fn jobs(objects: &[Painted]) -> Vec<Job> {
         // Units of work and the triangles of each.
         let (units, triangles) = match samples {
             Samples::Points(samples) => (samples.len(), style::POINT_SEGMENTS),
-            Samples::Vectors(samples) => (samples.len(), 2 * style::HEAD_SEGMENTS + style::JOIN_SEGMENTS + 2),
+            Samples::Vectors(samples) => (
+                samples.len(),
+                2 * style::HEAD_SEGMENTS + style::JOIN_SEGMENTS + 2,
+            ),
             Samples::Curves { count, samples } => (samples.len() / *count as usize, 2 * count),
             Samples::Surfaces { count, samples } => {
                 let instances = samples.len() / (count[0] as usize * count[1] as usize);
@@ -126,7 +151,11 @@ fn jobs(objects: &[Painted]) -> Vec<Job> {
         let step = (JOB / triangles).max(1);
         for start in (0..units).step_by(step) {
             let range = start..(start + step).min(units);
-            jobs.push(Job { object: index, triangles: range.len() * triangles, range });
+            jobs.push(Job {
+                object: index,
+                triangles: range.len() * triangles,
+                range,
+            });
         }
     }
     jobs
@@ -151,8 +180,14 @@ fn meshes(eye: &Eye, objects: &[Painted], job: &Job) -> Vec<Mesh> {
     let range = job.range.clone();
     match &objects[job.object].samples {
         Samples::Points(samples) => vec![points::mesh(eye, material, &samples[range])],
-        Samples::Vectors(samples) => vectors::meshes(eye, [material, material + 1], &samples[range]).into(),
-        Samples::Curves { count, samples } => vec![curves::mesh(eye, material, *count, samples, range)],
-        Samples::Surfaces { count, samples } => vec![surfaces::mesh(eye, material, *count, samples, range)],
+        Samples::Vectors(samples) => {
+            vectors::meshes(eye, [material, material + 1], &samples[range]).into()
+        }
+        Samples::Curves { count, samples } => {
+            vec![curves::mesh(eye, material, *count, samples, range)]
+        }
+        Samples::Surfaces { count, samples } => {
+            vec![surfaces::mesh(eye, material, *count, samples, range)]
+        }
     }
 }

@@ -24,7 +24,14 @@ fn arrow(shafts: &mut Builder, heads: &mut Builder, eye: &Eye, origin: Vec3, alo
     let half = [eye.half_width(origin), eye.half_width(tip)];
     if length < 1e-3 * half[0] {
         // A zero vector has no direction, but it is there.
-        points::disc(shafts, eye, origin, half[0], style::GLYPH_LIFT * half[0], style::JOIN_SEGMENTS);
+        points::disc(
+            shafts,
+            eye,
+            origin,
+            half[0],
+            style::GLYPH_LIFT * half[0],
+            style::JOIN_SEGMENTS,
+        );
         return;
     }
     let axis = along / length;
@@ -36,10 +43,25 @@ fn arrow(shafts: &mut Builder, heads: &mut Builder, eye: &Eye, origin: Vec3, alo
     let shaft = [0, 1].map(|k| (half[k] * scale).max(least[k].min(half[k])));
     if let Some((ends, shaft)) = in_front(eye, [origin, base], shaft) {
         curves::piece(shafts, eye, ends, shaft);
-        points::disc(shafts, eye, ends[0], shaft[0], style::JOIN_LIFT * shaft[0], style::JOIN_SEGMENTS);
+        points::disc(
+            shafts,
+            eye,
+            ends[0],
+            shaft[0],
+            style::JOIN_LIFT * shaft[0],
+            style::JOIN_SEGMENTS,
+        );
     }
     let lift = style::GLYPH_LIFT * half[1] * scale;
-    cone(heads, eye, tip, axis, full * scale, style::HEAD_RADIUS * half[1] * scale, lift);
+    cone(
+        heads,
+        eye,
+        tip,
+        axis,
+        full * scale,
+        style::HEAD_RADIUS * half[1] * scale,
+        lift,
+    );
 }
 
 /// The part of a shaft before the near plane.
@@ -51,12 +73,24 @@ fn in_front(eye: &Eye, ends: [Vec3; 2], half: [f32; 2]) -> Option<([Vec3; 2], [f
         [first, _] => {
             let t = beyond[0] / (beyond[0] - beyond[1]);
             let edge = ends[0].lerp(ends[1], t).with_z(-eye.near);
-            Some(if first { ([ends[0], edge], half) } else { ([edge, ends[1]], half) })
+            Some(if first {
+                ([ends[0], edge], half)
+            } else {
+                ([edge, ends[1]], half)
+            })
         }
     }
 }
 
-fn cone(builder: &mut Builder, eye: &Eye, tip: Vec3, axis: Vec3, length: f32, radius: f32, lift: f32) {
+fn cone(
+    builder: &mut Builder,
+    eye: &Eye,
+    tip: Vec3,
+    axis: Vec3,
+    length: f32,
+    radius: f32,
+    lift: f32,
+) {
     let (right, up) = axis.any_orthonormal_pair();
     let base = tip - axis * length;
     let turn = std::f32::consts::TAU / style::HEAD_SEGMENTS as f32;
@@ -65,7 +99,11 @@ fn cone(builder: &mut Builder, eye: &Eye, tip: Vec3, axis: Vec3, length: f32, ra
         right * cos + up * sin
     };
     let mut vertex = |at: Vec3, normal: Vec3| {
-        builder.vertex(Vertex { clip: eye.clip(at, lift), normal, uv: Vec2::ZERO })
+        builder.vertex(Vertex {
+            clip: eye.clip(at, lift),
+            normal,
+            uv: Vec2::ZERO,
+        })
     };
     // The side's normal leans forward by the cone's slope.
     let slope = |radial: Vec3| radial * length + axis * radius;
@@ -79,7 +117,11 @@ fn cone(builder: &mut Builder, eye: &Eye, tip: Vec3, axis: Vec3, length: f32, ra
             vertex(base + b * radius, slope(b)),
             vertex(tip, slope(radial(k + 0.5))),
         ];
-        let bottom = [vertex(base + b * radius, -axis), vertex(base + a * radius, -axis), middle];
+        let bottom = [
+            vertex(base + b * radius, -axis),
+            vertex(base + a * radius, -axis),
+            middle,
+        ];
         triangles.extend([side, bottom]);
     }
     for [a, b, c] in triangles {

@@ -68,11 +68,17 @@ fn line(x: u32, y: u32) -> f32 {
         let to_line = in_cell.min(CELL as f32 - in_cell);
         let to_middle = (in_cell - 0.5 * CELL as f32).abs();
         let strong = coverage(to_line - LINE).max(coverage(to_edge - EDGE));
-        (0.92 * strong, coverage(to_middle - 1.0), coverage(to_line - TICK))
+        (
+            0.92 * strong,
+            coverage(to_middle - 1.0),
+            coverage(to_line - TICK),
+        )
     };
     // Halves are marked by ticks at the border: a line across would run through the name.
     let ((across, middle_x, border_x), (down, middle_y, border_y)) = (along(x), along(y));
-    across.max(down).max(0.6 * (middle_x * border_y).max(middle_y * border_x))
+    across
+        .max(down)
+        .max(0.6 * (middle_x * border_y).max(middle_y * border_x))
 }
 
 /// The share of a texel inside a shape whose border is at this signed distance.
