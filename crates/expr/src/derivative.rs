@@ -47,13 +47,13 @@ impl Graph {
                     self.multiply(outer, derivatives[&a])
                 }
             };
-            if self.overflowed() {
+            if self.is_full() {
                 return Err(TooLarge);
             }
             derivatives.insert(id, derivative);
         }
         let zero = self.constant(0.0);
-        if self.overflowed() {
+        if self.is_full() {
             return Err(TooLarge);
         }
         Ok(roots

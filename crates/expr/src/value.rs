@@ -1,243 +1,284 @@
-//! Values of the language: numbers, and vectors of numbers.
-//!
-//! What flows in: values and a graph. What flows out: the value of an operator, or what is wrong with the
-//! dimensions. Each function is a row of the language's table of operators.
+//! Values of the language: a number, or a tuple of numbers, with the meaning of every operator on them.
 
 use std::fmt;
 
 use crate::graph::{Graph, NodeId};
+use crate::ops::{Binary, Unary};
 
-/// A number, or a vector of dimension two or more.
+/// A value.
 #[derive(Clone, Debug, Eq, Hash, PartialEq)]
 pub enum Value {
     /// A number.
     Number(NodeId),
-    /// A vector by its components, at least two.
+    /// A vector of dimension two or more.
     Vector(Vec<NodeId>),
 }
 
-/// An operation that takes two values, for messages.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub enum Pairing {
-    /// `a + b`.
-    Sum,
-    /// `a - b`.
-    Difference,
-}
-
-/// Why values do not go together. Dimension 1 stands for a number.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub enum DimensionError {
-    /// A sum or difference of values that are not of one dimension.
-    Unequal {
-        /// Which of the two.
-        pairing: Pairing,
-        /// The dimension on the left.
-        left: usize,
-        /// The dimension on the right.
-        right: usize,
-    },
-    /// A dot product of vectors of two dimensions.
-    DotProduct {
-        /// The dimension on the left.
-        left: usize,
-        /// The dimension on the right.
-        right: usize,
-    },
-    /// A cross product of vectors that are not both of dimension 3.
-    CrossProduct {
-        /// The dimension on the left.
-        left: usize,
-        /// The dimension on the right.
-        right: usize,
-    },
-    /// A division by a vector.
-    Divisor {
-        /// The dimension of what is divided.
-        left: usize,
-        /// The dimension of the divisor.
-        right: usize,
-    },
-    /// The reciprocal of a vector.
-    Reciprocal {
-        /// Its dimension.
-        dimension: usize,
-    },
-    /// A power with a vector as its base or its exponent.
-    Power {
-        /// The dimension of the base.
-        base: usize,
-        /// The dimension of the exponent.
-        exponent: usize,
-    },
-    /// A component that the value does not have.
-    NoComponent {
-        /// Which, from 1.
-        component: u32,
-        /// The value's dimension.
-        dimension: usize,
-    },
-    /// A vector among the components of a vector.
-    ComponentNotNumber {
-        /// Which component, from 1.
-        component: usize,
-        /// Its dimension.
-        dimension: usize,
-    },
-    /// A vector of no components.
-    NoComponents,
-    /// A vector where a function takes a number.
-    Argument {
-        /// The function's name.
-        function: &'static str,
-        /// The vector's dimension.
-        dimension: usize,
-    },
-}
-
 impl Value {
-    /// Its dimension; 1 for a number.
+    /// 1 for a number, else how many components there are.
     pub fn dimension(&self) -> usize {
         self.components().len()
     }
 
-    /// Its components; a number is its own.
+    /// The components; a number is its own.
     pub fn components(&self) -> &[NodeId] {
         match self {
             Self::Number(node) => std::slice::from_ref(node),
             Self::Vector(nodes) => nodes,
         }
     }
+}
 
-    /// The node of a number.
-    pub fn number(&self) -> Option<NodeId> {
+/// What an operation cannot be applied to. Its text is a sentence in the user's words that names the
+/// dimensions; 1 stands for a number.
+#[derive(Clone, Debug, Eq, PartialEq)]
+#[allow(missing_docs)]
+pub enum DimensionError {
+    /// `a + b`.
+    Sum { left: usize, right: usize },
+    /// `a - b`.
+    Difference { left: usize, right: usize },
+    /// `a b` for vectors of different dimensions.
+    Dot { left: usize, right: usize },
+    /// `a * b` for vectors that are not both of dimension 3.
+    Cross { left: usize, right: usize },
+    /// `a / b` for a vector b.
+    Quotient { left: usize, right: usize },
+    /// `a ^ b` with a vector.
+    Power { base: usize, exponent: usize },
+    /// `/a` for a vector.
+    Reciprocal { dimension: usize },
+    /// `a_n` for a number.
+    ComponentOfNumber { index: u32 },
+    /// `a_n` past the last component.
+    Component { index: u32, dimension: usize },
+    /// A vector inside a tuple.
+    Nested { position: usize, dimension: usize },
+    /// A builtin function of a vector.
+    Builtin {
+        name: &'static str,
+        dimension: usize,
+    },
+}
+
+struct Kind(usize);
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            1 => f.write_str("a number"),
+            n => write!(f, "a vector of dimension {n}"),
+        }
+    }
+}
+
+impl fmt::Display for DimensionError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Sum { left, right } => write!(f, "cannot add {} and {}", Kind(left), Kind(right)),
+            Self::Difference { left, right } => {
+                write!(f, "cannot subtract {} from {}", Kind(right), Kind(left))
+            }
+            Self::Dot { left, right } => write!(
+                f,
+                "a dot product needs two vectors of the same dimension, not {} and {}",
+                Kind(left),
+                Kind(right)
+            ),
+            Self::Cross { left, right } => write!(
+                f,
+                "a cross product needs two vectors of dimension 3, not {} and {}",
+                Kind(left),
+                Kind(right)
+            ),
+            Self::Quotient { left, right } => {
+                write!(f, "cannot divide {} by {}", Kind(left), Kind(right))
+            }
+            Self::Power { base, exponent } => {
+                write!(
+                    f,
+                    "cannot raise {} to the power of {}",
+                    Kind(base),
+                    Kind(exponent)
+                )
+            }
+            Self::Reciprocal { dimension } => {
+                write!(f, "cannot take the reciprocal of {}", Kind(dimension))
+            }
+            Self::ComponentOfNumber { index } => write!(f, "a number has no component {index}"),
+            Self::Component { index, dimension } => {
+                write!(f, "{} has no component {index}", Kind(dimension))
+            }
+            Self::Nested {
+                position,
+                dimension,
+            } => write!(
+                f,
+                "component {position} of this tuple is {}, but components are numbers",
+                Kind(dimension)
+            ),
+            Self::Builtin { name, dimension } => {
+                write!(f, "`{name}` takes a number, not {}", Kind(dimension))
+            }
+        }
+    }
+}
+
+impl std::error::Error for DimensionError {}
+
+impl DimensionError {
+    /// What to write instead, where that is known.
+    pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::Number(node) => Some(*node),
-            Self::Vector(_) => None,
-        }
-    }
-
-    /// The value with these components; `None` if there are none.
-    pub fn from_components(nodes: Vec<NodeId>) -> Option<Self> {
-        match nodes[..] {
-            [] => None,
-            [node] => Some(Self::Number(node)),
-            _ => Some(Self::Vector(nodes)),
-        }
-    }
-
-    fn map(&self, mut to: impl FnMut(NodeId) -> NodeId) -> Self {
-        match self {
-            Self::Number(node) => Self::Number(to(*node)),
-            Self::Vector(nodes) => Self::Vector(nodes.iter().map(|&node| to(node)).collect()),
+            Self::Cross { left, right } if left == right => {
+                Some("write the vectors side by side, without `*`, for their dot product")
+            }
+            Self::Dot { .. } => Some("take single components of a vector `a` with `a_1`, `a_2`, …"),
+            Self::Power { base, exponent: 1 } if *base > 1 => {
+                Some("`*a` is the square of the length of a vector `a`")
+            }
+            Self::Nested { .. } => Some("write its components one by one, as in `(a_1, a_2, b)`"),
+            _ => None,
         }
     }
 }
 
-/// `a + b`: numbers, or vectors of one dimension.
-///
-/// # Errors
-/// [`DimensionError::Unequal`].
-pub fn add(graph: &mut Graph, a: &Value, b: &Value) -> Result<Value, DimensionError> {
-    componentwise(a, b, Pairing::Sum, |a, b| graph.add(a, b))
+type Outcome = Result<Value, DimensionError>;
+
+fn each(value: &Value, mut f: impl FnMut(NodeId) -> NodeId) -> Value {
+    match value {
+        Value::Number(node) => Value::Number(f(*node)),
+        Value::Vector(nodes) => Value::Vector(nodes.iter().map(|&node| f(node)).collect()),
+    }
 }
 
-/// `a - b`: numbers, or vectors of one dimension.
-///
-/// # Errors
-/// [`DimensionError::Unequal`].
-pub fn subtract(graph: &mut Graph, a: &Value, b: &Value) -> Result<Value, DimensionError> {
-    componentwise(a, b, Pairing::Difference, |a, b| graph.sub(a, b))
+fn pairwise(graph: &mut Graph, op: Binary, a: &Value, b: &Value) -> Option<Value> {
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => Some(Value::Number(graph.binary(op, *a, *b))),
+        (Value::Vector(a), Value::Vector(b)) if a.len() == b.len() => Some(Value::Vector(
+            a.iter()
+                .zip(b)
+                .map(|(&a, &b)| graph.binary(op, a, b))
+                .collect(),
+        )),
+        _ => None,
+    }
 }
 
-/// `+a`: the value itself.
+/// `a + b`.
 ///
 /// # Errors
-/// None; a result like that of the other operators.
-pub fn plus(a: &Value) -> Result<Value, DimensionError> {
-    Ok(a.clone())
+/// [`DimensionError::Sum`] unless the dimensions are equal.
+pub fn add(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
+    pairwise(graph, Binary::Add, a, b).ok_or(DimensionError::Sum {
+        left: a.dimension(),
+        right: b.dimension(),
+    })
+}
+
+/// `a - b`.
+///
+/// # Errors
+/// [`DimensionError::Difference`] unless the dimensions are equal.
+pub fn subtract(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
+    pairwise(graph, Binary::Subtract, a, b).ok_or(DimensionError::Difference {
+        left: a.dimension(),
+        right: b.dimension(),
+    })
 }
 
 /// `-a`.
-///
-/// # Errors
-/// None; a result like that of the other operators.
-pub fn negate(graph: &mut Graph, a: &Value) -> Result<Value, DimensionError> {
-    Ok(a.map(|a| graph.neg(a)))
+pub fn negate(graph: &mut Graph, a: &Value) -> Value {
+    each(a, |node| graph.unary(Unary::Negate, node))
 }
 
-/// `a b`, side by side: the product of numbers, a vector scaled, the dot product of vectors of one dimension.
+/// `a b`: product, scaling, or dot product.
 ///
 /// # Errors
-/// [`DimensionError::DotProduct`].
-pub fn juxtapose(graph: &mut Graph, a: &Value, b: &Value) -> Result<Value, DimensionError> {
+/// [`DimensionError::Dot`] for vectors of different dimensions.
+pub fn juxtapose(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
     match (a, b) {
         (Value::Vector(x), Value::Vector(y)) => {
-            if x.len() == y.len() {
-                Ok(Value::Number(dot(graph, x, y)))
-            } else {
-                Err(DimensionError::DotProduct {
+            if x.len() != y.len() {
+                return Err(DimensionError::Dot {
                     left: x.len(),
                     right: y.len(),
-                })
+                });
             }
+            let mut sum = None;
+            for (&x, &y) in x.iter().zip(y) {
+                let product = graph.multiply(x, y);
+                sum = Some(match sum {
+                    None => product,
+                    Some(sum) => graph.add(sum, product),
+                });
+            }
+            let zero = graph.constant(0.0);
+            Ok(Value::Number(sum.unwrap_or(zero)))
         }
-        (Value::Number(scale), vector) | (vector, Value::Number(scale)) => {
-            Ok(vector.map(|component| graph.mul(*scale, component)))
-        }
+        _ => Ok(scale(graph, a, b)),
     }
 }
 
-/// `a * b`: the product of numbers, a vector scaled, the cross product of vectors of dimension 3.
+/// `a * b`: product, scaling, or cross product.
 ///
 /// # Errors
-/// [`DimensionError::CrossProduct`].
-pub fn multiply(graph: &mut Graph, a: &Value, b: &Value) -> Result<Value, DimensionError> {
+/// [`DimensionError::Cross`] for vectors that are not both of dimension 3.
+pub fn multiply(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
     match (a, b) {
-        (Value::Vector(x), Value::Vector(y)) => match (&x[..], &y[..]) {
-            (&[x1, x2, x3], &[y1, y2, y3]) => {
-                let mut minor = |a, b, c, d| {
-                    let first = graph.mul(a, b);
-                    let second = graph.mul(c, d);
-                    graph.sub(first, second)
-                };
-                Ok(Value::Vector(vec![
-                    minor(x2, y3, x3, y2),
-                    minor(x3, y1, x1, y3),
-                    minor(x1, y2, x2, y1),
-                ]))
-            }
-            _ => Err(DimensionError::CrossProduct {
-                left: x.len(),
-                right: y.len(),
-            }),
-        },
-        _ => juxtapose(graph, a, b),
+        (Value::Vector(x), Value::Vector(y)) => {
+            let (&[x1, x2, x3], &[y1, y2, y3]) = (&x[..], &y[..]) else {
+                return Err(DimensionError::Cross {
+                    left: x.len(),
+                    right: y.len(),
+                });
+            };
+            let mut minor = |a, b, c, d| {
+                let left = graph.multiply(a, d);
+                let right = graph.multiply(b, c);
+                graph.subtract(left, right)
+            };
+            Ok(Value::Vector(vec![
+                minor(x2, x3, y2, y3),
+                minor(x3, x1, y3, y1),
+                minor(x1, x2, y1, y2),
+            ]))
+        }
+        _ => Ok(scale(graph, a, b)),
     }
 }
 
-/// `a / b`: a number or a vector by a number.
+/// A product in which at most one factor is a vector.
+fn scale(graph: &mut Graph, a: &Value, b: &Value) -> Value {
+    match (a, b) {
+        (Value::Number(a), b) => each(b, |node| graph.multiply(*a, node)),
+        (a, Value::Number(b)) => each(a, |node| graph.multiply(node, *b)),
+        (a, Value::Vector(_)) => a.clone(),
+    }
+}
+
+/// `a / b`.
 ///
 /// # Errors
-/// [`DimensionError::Divisor`].
-pub fn divide(graph: &mut Graph, a: &Value, b: &Value) -> Result<Value, DimensionError> {
+/// [`DimensionError::Quotient`] where b is a vector.
+pub fn divide(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
     match b {
-        Value::Number(divisor) => Ok(a.map(|a| graph.div(a, *divisor))),
-        Value::Vector(_) => Err(DimensionError::Divisor {
+        Value::Number(b) => Ok(each(a, |node| graph.divide(node, *b))),
+        Value::Vector(_) => Err(DimensionError::Quotient {
             left: a.dimension(),
             right: b.dimension(),
         }),
     }
 }
 
-/// `a ^ b`: a number to the power of a number, see [`crate::ops::power`].
+/// `a ^ b`.
 ///
 /// # Errors
-/// [`DimensionError::Power`].
-pub fn power(graph: &mut Graph, a: &Value, b: &Value) -> Result<Value, DimensionError> {
+/// [`DimensionError::Power`] where one is a vector.
+pub fn power(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
     match (a, b) {
-        (Value::Number(base), Value::Number(exponent)) => {
-            Ok(Value::Number(graph.power(*base, *exponent)))
+        (Value::Number(a), Value::Number(b)) => {
+            Ok(Value::Number(graph.binary(Binary::Power, *a, *b)))
         }
         _ => Err(DimensionError::Power {
             base: a.dimension(),
@@ -246,23 +287,22 @@ pub fn power(graph: &mut Graph, a: &Value, b: &Value) -> Result<Value, Dimension
     }
 }
 
-/// `*a`: a·a of a number, the dot product with itself of a vector.
-///
-/// # Errors
-/// None; a result like that of the other operators.
-pub fn square(graph: &mut Graph, a: &Value) -> Result<Value, DimensionError> {
-    Ok(Value::Number(dot(graph, a.components(), a.components())))
+/// `*a`: a·a, for a vector too.
+pub fn square(graph: &mut Graph, a: &Value) -> Value {
+    let square = juxtapose(graph, a, a);
+    // A value has its own dimension: the product cannot fail.
+    square.unwrap_or_else(|_| a.clone())
 }
 
-/// `/a`: 1/a of a number.
+/// `/a`: 1/a.
 ///
 /// # Errors
-/// [`DimensionError::Reciprocal`].
-pub fn reciprocal(graph: &mut Graph, a: &Value) -> Result<Value, DimensionError> {
+/// [`DimensionError::Reciprocal`] for a vector.
+pub fn reciprocal(graph: &mut Graph, a: &Value) -> Outcome {
     match a {
         Value::Number(a) => {
             let one = graph.constant(1.0);
-            Ok(Value::Number(graph.div(one, *a)))
+            Ok(Value::Number(graph.divide(one, *a)))
         }
         Value::Vector(nodes) => Err(DimensionError::Reciprocal {
             dimension: nodes.len(),
@@ -270,30 +310,29 @@ pub fn reciprocal(graph: &mut Graph, a: &Value) -> Result<Value, DimensionError>
     }
 }
 
-/// `a_n`: a component of a vector, counted from 1.
+/// `a_n`, counted from 1.
 ///
 /// # Errors
-/// [`DimensionError::NoComponent`]; a number has none.
-pub fn component(a: &Value, n: u32) -> Result<Value, DimensionError> {
-    let missing = DimensionError::NoComponent {
-        component: n,
-        dimension: a.dimension(),
-    };
+/// [`DimensionError::ComponentOfNumber`] for a number, [`DimensionError::Component`] past the last component.
+pub fn component(a: &Value, index: u32) -> Outcome {
     match a {
-        Value::Number(_) => Err(missing),
-        Value::Vector(nodes) => (n as usize)
+        Value::Number(_) => Err(DimensionError::ComponentOfNumber { index }),
+        Value::Vector(nodes) => (index as usize)
             .checked_sub(1)
-            .and_then(|index| nodes.get(index))
+            .and_then(|place| nodes.get(place))
             .map(|&node| Value::Number(node))
-            .ok_or(missing),
+            .ok_or(DimensionError::Component {
+                index,
+                dimension: nodes.len(),
+            }),
     }
 }
 
-/// `(a, b, …)`: a vector of numbers; of one value, that value.
+/// `(a, b, …)`; of a single value it is that value.
 ///
 /// # Errors
-/// [`DimensionError::ComponentNotNumber`]; [`DimensionError::NoComponents`] where there are none.
-pub fn tuple(values: &[Value]) -> Result<Value, DimensionError> {
+/// [`DimensionError::Nested`] where a component is a vector.
+pub fn tuple(values: &[Value]) -> Outcome {
     if let [value] = values {
         return Ok(value.clone());
     }
@@ -301,139 +340,30 @@ pub fn tuple(values: &[Value]) -> Result<Value, DimensionError> {
     for (index, value) in values.iter().enumerate() {
         match value {
             Value::Number(node) => nodes.push(*node),
-            Value::Vector(_) => {
-                return Err(DimensionError::ComponentNotNumber {
-                    component: index + 1,
-                    dimension: value.dimension(),
+            Value::Vector(inner) => {
+                return Err(DimensionError::Nested {
+                    position: index + 1,
+                    dimension: inner.len(),
                 });
             }
         }
     }
-    Value::from_components(nodes).ok_or(DimensionError::NoComponents)
+    Ok(Value::Vector(nodes))
 }
 
-impl DimensionError {
-    /// What to write instead, where that is known.
-    pub fn hint(&self) -> Option<&'static str> {
-        match self {
-            Self::CrossProduct { left, right } if left == right => {
-                Some("write them side by side for the dot product")
-            }
-            Self::Power { base, exponent: 1 } if *base > 1 => {
-                Some("`*v` is the square of a vector's length")
-            }
-            Self::Reciprocal { .. } => Some("divide by its length: `v/sqrt*v` has length 1"),
-            _ => None,
+/// A builtin function of a number.
+///
+/// # Errors
+/// [`DimensionError::Builtin`] for a vector.
+pub fn apply(graph: &mut Graph, op: Unary, a: &Value) -> Outcome {
+    match a {
+        Value::Number(node) => Ok(Value::Number(graph.unary(op, *node))),
+        Value::Vector(nodes) => {
+            let row = op.row();
+            Err(DimensionError::Builtin {
+                name: row.builtin.unwrap_or(row.name),
+                dimension: nodes.len(),
+            })
         }
     }
-}
-
-impl fmt::Display for DimensionError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::Unequal {
-                pairing: Pairing::Sum,
-                left,
-                right,
-            } => write!(f, "cannot add {} and {}", Kind(left), Kind(right)),
-            Self::Unequal {
-                pairing: Pairing::Difference,
-                left,
-                right,
-            } => write!(f, "cannot subtract {} from {}", Kind(right), Kind(left)),
-            Self::DotProduct { left, right } => write!(
-                f,
-                "a dot product needs two vectors of the same dimension, not of dimension {left} and dimension {right}"
-            ),
-            Self::CrossProduct { left, right } => write!(
-                f,
-                "a cross product needs two vectors of dimension 3, not of dimension {left} and dimension {right}"
-            ),
-            Self::Divisor { left, right } => {
-                write!(f, "cannot divide {} by {}", Kind(left), Kind(right))
-            }
-            Self::Reciprocal { dimension } => {
-                write!(f, "{} has no reciprocal", Kind(dimension))
-            }
-            Self::Power { base, exponent } => write!(
-                f,
-                "cannot raise {} to the power of {}",
-                Kind(base),
-                Kind(exponent)
-            ),
-            Self::NoComponent {
-                component,
-                dimension: 1,
-            } => write!(f, "a number has no components, so no component {component}"),
-            Self::NoComponent {
-                component,
-                dimension,
-            } => write!(
-                f,
-                "there is no component {component} of {}",
-                Kind(dimension)
-            ),
-            Self::ComponentNotNumber {
-                component,
-                dimension,
-            } => write!(
-                f,
-                "each component must be a number, but component {component} is {}",
-                Kind(dimension)
-            ),
-            Self::NoComponents => write!(f, "a vector needs at least two components"),
-            Self::Argument {
-                function,
-                dimension,
-            } => write!(f, "`{function}` takes a number, not {}", Kind(dimension)),
-        }
-    }
-}
-
-impl std::error::Error for DimensionError {}
-
-/// A dimension in words.
-struct Kind(usize);
-
-impl fmt::Display for Kind {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            1 => f.write_str("a number"),
-            dimension => write!(f, "a vector of dimension {dimension}"),
-        }
-    }
-}
-
-fn componentwise(
-    a: &Value,
-    b: &Value,
-    pairing: Pairing,
-    mut operation: impl FnMut(NodeId, NodeId) -> NodeId,
-) -> Result<Value, DimensionError> {
-    let mut zip = |x: &[NodeId], y: &[NodeId]| {
-        let pairs = x.iter().zip(y);
-        pairs.map(|(&x, &y)| operation(x, y)).collect::<Vec<_>>()
-    };
-    match (a, b) {
-        (Value::Number(x), Value::Number(y)) => Ok(Value::Number(operation(*x, *y))),
-        (Value::Vector(x), Value::Vector(y)) if x.len() == y.len() => Ok(Value::Vector(zip(x, y))),
-        _ => Err(DimensionError::Unequal {
-            pairing,
-            left: a.dimension(),
-            right: b.dimension(),
-        }),
-    }
-}
-
-/// The sum of products, from left to right.
-fn dot(graph: &mut Graph, a: &[NodeId], b: &[NodeId]) -> NodeId {
-    let mut sum = None;
-    for (&a, &b) in a.iter().zip(b) {
-        let product = graph.mul(a, b);
-        sum = Some(match sum {
-            None => product,
-            Some(sum) => graph.add(sum, product),
-        });
-    }
-    sum.unwrap_or_else(|| graph.constant(0.0))
 }
