@@ -47,13 +47,13 @@ impl Graph {
                     self.multiply(outer, derivatives[&a])
                 }
             };
-            if self.is_full() {
+            if self.overflowed() {
                 return Err(TooLarge);
             }
             derivatives.insert(id, derivative);
         }
         let zero = self.constant(0.0);
-        if self.is_full() {
+        if self.overflowed() {
             return Err(TooLarge);
         }
         Ok(roots

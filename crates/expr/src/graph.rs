@@ -64,7 +64,7 @@ pub const DEFAULT_LIMIT: usize = 1_000_000;
 /// Hash-consed expressions: equal expressions have equal ids, and operands come before what uses them.
 ///
 /// A full graph makes no further node: its constructors then return an arbitrary node and
-/// [`Graph::is_full`] says so; what was built since is to be dropped.
+/// [`Graph::overflowed`] says so; what was built since is to be dropped.
 #[derive(Clone, Debug)]
 pub struct Graph {
     nodes: Vec<Node>,
@@ -113,7 +113,7 @@ impl Graph {
     }
 
     /// Whether a node could not be made since the graph was made or [`Graph::truncate`]d.
-    pub fn is_full(&self) -> bool {
+    pub fn overflowed(&self) -> bool {
         self.full
     }
 
