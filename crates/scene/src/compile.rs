@@ -1,41 +1,128 @@
 //! From a text to a [`Compilation`]: the scene, or what is wrong with it.
 
+use syntax::actions::{Actions, Declaration, Interval, Operator};
 use syntax::diagnostic::{Diagnostic, Severity};
+use syntax::parse_program;
+use syntax::span::Span;
 
-use crate::evaluate::Evaluation;
+use crate::builtin;
+use crate::declare::Declarations;
+use crate::evaluate::{Evaluation, Scope};
+use crate::fault::{self, Fault};
 use crate::scene::Scene;
 use crate::values::Settings;
 
 /// What a text compiles to.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Compilation {
     /// What was found, sorted by place. Spans are those of the text.
     pub diagnostics: Vec<Diagnostic>,
     /// The scene; none where any diagnostic is an error.
     pub scene: Option<Scene>,
+    /// What the names mean at the end of the text; none where any diagnostic is an error.
+    scope: Option<Scope>,
 }
 
 /// Compiles a program: reads every declaration, reports every mistake, and builds the scene if there is none.
+///
+/// ```
+/// let compilation = scene::compile("param r : [1, 2];  curve c(t) = r(cost, sint, 0), t : [0, 2pi];");
+/// let scene = compilation.scene.expect("no errors");
+/// assert_eq!(scene.objects.len(), 1);
+///
+/// let compilation = scene::compile("point p = (1, 2);");
+/// assert_eq!(compilation.diagnostics[0].code.0, "not-in-space");
+/// ```
 pub fn compile(source: &str) -> Compilation {
-    let _ = source;
-    todo!()
+    let mut compiler = Compiler {
+        declarations: Declarations::new(),
+    };
+    let parsed = parse_program(source, &builtin::vocabulary(), &mut compiler);
+    let mut declarations = compiler.declarations;
+    let mut diagnostics = std::mem::take(&mut declarations.diagnostics);
+    sort(&mut diagnostics);
+    let mut compilation = Compilation {
+        diagnostics,
+        scene: None,
+        scope: None,
+    };
+    if !compilation.has_errors() {
+        compilation.scene = Some(declarations.scene());
+        compilation.scope = Some(Scope::new(source, parsed, declarations));
+    }
+    compilation
 }
 
 impl Compilation {
     /// Whether the program has an error; it then has no scene. Warnings are no errors.
     pub fn has_errors(&self) -> bool {
-        self.diagnostics
-            .iter()
-            .any(|diagnostic| diagnostic.severity == Severity::Error)
+        has_errors(&self.diagnostics)
     }
 
     /// The value of an expression, read with the names that stand at the program's end.
+    ///
+    /// `settings` are those of the program's scene. It does not matter whether [`Compilation::scene`] has been
+    /// taken out.
+    ///
+    /// ```
+    /// use scene::{Outcome, Settings, Value};
+    ///
+    /// let compilation = scene::compile("function f(x) = x^3;");
+    /// let settings = Settings::opening(compilation.scene.as_ref().expect("no errors"));
+    /// let evaluation = compilation.evaluate("f'2", &settings).expect("no errors");
+    /// assert_eq!(evaluation.outcome, Outcome::Single(Value::Number(Some(12.0))));
+    /// ```
     ///
     /// # Errors
     /// What is wrong with the expression, sorted by place; all spans are those of `text`. An expression has
     /// no value in a program with errors.
     pub fn evaluate(&self, text: &str, settings: &Settings) -> Result<Evaluation, Vec<Diagnostic>> {
-        let _ = (text, settings);
-        todo!()
+        match &self.scope {
+            Some(scope) => scope.evaluate(text, settings),
+            None => {
+                let span = Span::new(0, u32::try_from(text.len()).unwrap_or(u32::MAX));
+                let message = "the program has errors, so no expression has a value in it";
+                Err(vec![
+                    Fault::new(fault::PROGRAM_HAS_ERRORS, message).at(span),
+                ])
+            }
+        }
     }
+}
+
+/// The compiler as the parser sees it. It keeps the steps and leaves all else to [`Declarations`].
+pub(crate) struct Compiler {
+    pub(crate) declarations: Declarations,
+}
+
+impl Actions for Compiler {
+    fn act_operator(&mut self, operator: Operator, span: Span) {
+        self.declarations.lowerer.code.push(operator, span);
+    }
+
+    fn act_interval(&mut self, interval: Interval) {
+        self.declarations.interval(interval);
+    }
+
+    fn act_declaration(&mut self, declaration: &Declaration<'_>) {
+        self.declarations.declare(declaration);
+    }
+
+    fn act_error(&mut self, diagnostic: Diagnostic) {
+        self.declarations.diagnostics.push(diagnostic);
+    }
+}
+
+/// By place; what starts at one place, the widest first.
+pub(crate) fn sort(diagnostics: &mut [Diagnostic]) {
+    diagnostics.sort_by_key(|diagnostic| {
+        let Span { start, end } = diagnostic.span;
+        (start, std::cmp::Reverse(end), diagnostic.severity)
+    });
+}
+
+pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics
+        .iter()
+        .any(|diagnostic| diagnostic.severity == Severity::Error)
 }

@@ -10,13 +10,23 @@
 //!
 //! A scene is data: expressions in one graph, and handles into it. It knows no view and no GPU.
 
+mod apply;
+mod builtin;
+mod code;
 pub mod compile;
+mod declare;
 pub mod evaluate;
+mod fault;
+mod interval;
 pub mod limits;
+mod lower;
 pub mod scene;
+mod symbol;
 pub mod values;
 
+pub use builtin::vocabulary;
 pub use compile::{Compilation, compile};
 pub use evaluate::{Evaluation, Instance, Outcome, Value};
+pub use fault::CODES;
 pub use scene::Scene;
 pub use values::Settings;

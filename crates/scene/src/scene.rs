@@ -46,13 +46,22 @@ pub struct Sampling {
 }
 
 impl Sampling {
-    /// The `index`-th value; the first is `min` and the last is `max`, exactly.
+    /// The `index`-th value, counted from 0 and below `count`; the first is `min` and the last is `max`,
+    /// exactly.
     pub fn value(&self, index: u32) -> f64 {
         let last = self.count - 1;
         if index == last {
             return self.range.max;
         }
-        self.range.min + (self.range.max - self.range.min) * (f64::from(index) / f64::from(last))
+        let Range { min, max } = self.range;
+        let (index, last) = (f64::from(index), f64::from(last));
+        // Multiplied before divided: the integers of [0, 100, 101] come out as integers.
+        let offset = (max - min) * index / last;
+        if offset.is_finite() {
+            return (min + offset).min(max);
+        }
+        // The interval is wider than the largest number.
+        min * (1.0 - index / last) + max * (index / last)
     }
 }
 
@@ -120,4 +129,27 @@ pub enum Shape {
         domain: [Sampling; 2],
         parameters: [String; 2],
     },
+}
+
+impl Shape {
+    /// Its nodes: three for a position; for a vector the direction's three, then the origin's.
+    pub fn roots(&self) -> Vec<NodeId> {
+        match self {
+            Self::Point { position }
+            | Self::Curve { position, .. }
+            | Self::Surface { position, .. } => position.to_vec(),
+            Self::Vector { direction, origin } => [*direction, *origin].concat(),
+        }
+    }
+
+    /// The same nodes, to be replaced.
+    pub(crate) fn roots_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
+        let (first, second): (&mut [NodeId], &mut [NodeId]) = match self {
+            Self::Point { position }
+            | Self::Curve { position, .. }
+            | Self::Surface { position, .. } => (position, &mut []),
+            Self::Vector { direction, origin } => (direction, origin),
+        };
+        first.iter_mut().chain(second)
+    }
 }

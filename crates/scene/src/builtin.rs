@@ -1,0 +1,69 @@
+//! The names that the language starts with: the constants and functions of `expr`'s table of operations, and
+//! `id`, the identity, which takes vectors too.
+
+use expr::Graph;
+use expr::ops::{CONSTANTS, Unary};
+use expr::value::{self, DimensionError, Value};
+use syntax::symbols::Vocabulary;
+use syntax::token::SymbolId;
+
+use crate::symbol::{Constant, Meaning, Symbols};
+
+/// A function that every program may use.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Builtin {
+    /// An operation on a number.
+    Operation(Unary),
+    /// `id`.
+    Identity,
+}
+
+impl Builtin {
+    /// Every builtin function with its name.
+    fn all() -> impl Iterator<Item = (&'static str, Self)> {
+        let operations = Unary::ALL.into_iter();
+        operations
+            .filter_map(|op| Some((op.row().builtin?, Self::Operation(op))))
+            .chain([("id", Self::Identity)])
+    }
+
+    /// The function of an operand.
+    pub(crate) fn apply(self, graph: &mut Graph, operand: &Value) -> Result<Value, DimensionError> {
+        match self {
+            Self::Operation(op) => value::apply(graph, op, operand),
+            Self::Identity => Ok(operand.clone()),
+        }
+    }
+}
+
+/// The builtin names, for the parser.
+pub fn vocabulary() -> Vocabulary {
+    let constants = CONSTANTS.map(|(name, ..)| name);
+    let functions: Vec<&str> = Builtin::all().map(|(name, _)| name).collect();
+    let vocabulary = Vocabulary::new(&constants, &functions);
+    let inverses = [
+        ("sin", "asin"),
+        ("cos", "acos"),
+        ("tan", "atan"),
+        ("exp", "log"),
+        ("log", "exp"),
+    ];
+    inverses
+        .into_iter()
+        .fold(vocabulary, |vocabulary, (function, inverse)| {
+            vocabulary.with_inverse(function, inverse)
+        })
+}
+
+/// Gives the builtin names their meanings, in the order of [`vocabulary`].
+pub(crate) fn define(symbols: &mut Symbols, graph: &mut Graph) {
+    let constants = CONSTANTS.into_iter().map(|(name, value, _)| {
+        let value = Value::Number(graph.constant(value));
+        let reads = None;
+        (name, Meaning::Constant(Constant { value, reads }))
+    });
+    let functions = Builtin::all().map(|(name, builtin)| (name, Meaning::Builtin(builtin)));
+    for (id, (name, meaning)) in (0..).map(SymbolId).zip(constants.chain(functions)) {
+        symbols.define(id, name, None, meaning);
+    }
+}

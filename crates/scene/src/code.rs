@@ -1,0 +1,193 @@
+//! Expressions as they were read: steps in postfix order.
+//!
+//! What flows in: the parser's operators, one after the other. What flows out: the stretches of steps that
+//! give a declaration's last values. Postfix order is kept as it comes, since it can be run on a stack and
+//! needs no recursion, however deep an expression is.
+
+use std::ops::Range;
+
+use syntax::actions::Operator;
+use syntax::span::Span;
+use syntax::token::SymbolId;
+
+/// One operator, and the place of it with its operands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Step {
+    pub(crate) operator: Operator,
+    pub(crate) span: Span,
+}
+
+/// A stretch of a [`Code`]: the steps of one expression.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) struct Expression {
+    start: u32,
+    end: u32,
+}
+
+impl Expression {
+    pub(crate) fn steps(self) -> Range<usize> {
+        self.start as usize..self.end as usize
+    }
+}
+
+/// The steps of all expressions that may still be run: those of functions, curves and surfaces, and those of
+/// the declaration that is being read.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Code {
+    steps: Vec<Step>,
+    /// Where the steps of the declaration that is being read start.
+    open: usize,
+}
+
+impl Code {
+    /// Notes the next operator.
+    pub(crate) fn push(&mut self, operator: Operator, span: Span) {
+        self.steps.push(Step { operator, span });
+    }
+
+    pub(crate) fn step(&self, index: usize) -> Step {
+        self.steps[index]
+    }
+
+    /// Where an expression stands in the text.
+    pub(crate) fn span(&self, expression: Expression) -> Span {
+        // The last operator's place covers all its operands.
+        self.steps[expression.steps()]
+            .last()
+            .map(|step| step.span)
+            .unwrap_or_default()
+    }
+
+    /// How many steps there are: the end of the last expression read.
+    pub(crate) fn end(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// The last `N` expressions read before the step `end`, in the order of the text; none where fewer have
+    /// been read in this declaration.
+    pub(crate) fn last_before<const N: usize>(&self, mut end: usize) -> Option<[Expression; N]> {
+        let mut found = [Expression { start: 0, end: 0 }; N];
+        for place in found.iter_mut().rev() {
+            *place = self.one_before(end)?;
+            end = place.steps().start;
+        }
+        Some(found)
+    }
+
+    fn one_before(&self, end: usize) -> Option<Expression> {
+        let mut missing = 1;
+        let mut start = end;
+        while missing > 0 {
+            if start == self.open {
+                return None;
+            }
+            start -= 1;
+            missing = missing - 1 + operand_count(self.steps[start].operator);
+        }
+        Some(Expression {
+            start: u32::try_from(start).ok()?,
+            end: u32::try_from(end).ok()?,
+        })
+    }
+
+    /// The declaration has been read, and the steps before `end` are kept.
+    pub(crate) fn keep(&mut self, end: usize) {
+        self.steps.truncate(end);
+        self.open = self.steps.len();
+    }
+
+    /// The declaration has been read: its steps are dropped.
+    pub(crate) fn forget(&mut self) {
+        self.steps.truncate(self.open);
+    }
+
+    /// The places in an expression where `'` follows a function, each with the function.
+    pub(crate) fn totals(
+        &self,
+        expression: Expression,
+    ) -> impl Iterator<Item = (SymbolId, Span)> + '_ {
+        let mut function = None;
+        self.steps[expression.steps()]
+            .iter()
+            .filter_map(move |step| {
+                match step.operator {
+                    // Derivatives follow their function at once.
+                    Operator::Function(symbol) => function = Some(symbol),
+                    Operator::Total => return function.map(|symbol| (symbol, step.span)),
+                    _ => {}
+                }
+                None
+            })
+    }
+}
+
+/// How many items an operator takes from the stack; each puts one back.
+fn operand_count(operator: Operator) -> usize {
+    match operator {
+        Operator::Number(_)
+        | Operator::Constant(_)
+        | Operator::Variable(_)
+        | Operator::Function(_) => 0,
+        Operator::Partial(_)
+        | Operator::Total
+        | Operator::Plus
+        | Operator::Negate
+        | Operator::Square
+        | Operator::Reciprocal
+        | Operator::Component(_) => 1,
+        Operator::FunctionPower
+        | Operator::Apply
+        | Operator::Add
+        | Operator::Subtract
+        | Operator::Juxtapose
+        | Operator::Multiply
+        | Operator::Divide
+        | Operator::Power => 2,
+        Operator::Tuple(count) => count as usize,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use syntax::actions::Operator;
+    use syntax::span::Span;
+    use syntax::token::SymbolId;
+
+    use super::Code;
+
+    fn code(operators: &[Operator]) -> Code {
+        let mut code = Code::default();
+        for (index, &operator) in operators.iter().enumerate() {
+            code.push(operator, Span::new(index as u32, index as u32 + 1));
+        }
+        code
+    }
+
+    #[test]
+    fn the_last_expressions_are_found_from_the_back() {
+        // (1, 2) then sin 3 then 4 + 5.
+        let code = code(&[
+            Operator::Number(1.0),
+            Operator::Number(2.0),
+            Operator::Tuple(2),
+            Operator::Function(SymbolId(0)),
+            Operator::Number(3.0),
+            Operator::Apply,
+            Operator::Number(4.0),
+            Operator::Number(5.0),
+            Operator::Add,
+        ]);
+        let [tuple, sine, sum] = code.last_before(code.end()).unwrap();
+        assert_eq!(tuple.steps(), 0..3);
+        assert_eq!(sine.steps(), 3..6);
+        assert_eq!(sum.steps(), 6..9);
+        assert_eq!(code.last_before::<4>(code.end()), None);
+        assert_eq!(code.span(sine), Span::new(5, 6));
+    }
+
+    #[test]
+    fn an_incomplete_expression_is_none() {
+        assert_eq!(code(&[Operator::Add]).last_before::<1>(1), None);
+        assert_eq!(code(&[]).last_before::<1>(0), None);
+    }
+}

@@ -1,0 +1,502 @@
+//! Declarations: from a declaration that has been read to a symbol's meaning and, for what is drawn, an
+//! object of the scene.
+
+use expr::value::Value;
+use expr::{Graph, Input, NodeId};
+use syntax::actions::{self, Declaration, Parameter};
+use syntax::codes::MISSING_INTERVAL;
+use syntax::diagnostic::{Diagnostic, Related};
+use syntax::span::Span;
+use syntax::token::{DeclareWord, SymbolId};
+
+use crate::builtin;
+use crate::code::Expression;
+use crate::fault::{self, Fault};
+use crate::interval::{Bounds, Interval, Purpose};
+use crate::limits::{DEFAULT_SAMPLES, MAX_INSTANCES, MAX_SAMPLES};
+use crate::lower::{Lowered, Lowerer};
+use crate::scene::{Grid, GridId, Object, Param, ParamId, Sampling, Scene, Shape};
+use crate::symbol::{Constant, Declared, Meaning};
+
+/// The compiler between two declarations: what has been declared, and what has been read of the next.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Declarations {
+    pub(crate) lowerer: Lowerer,
+    /// Params, grids and objects; the objects' nodes are those of the lowerer's graph.
+    pub(crate) scene: Scene,
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    /// The intervals of the declaration that is being read.
+    intervals: Vec<Interval>,
+    /// Whose component each uniform is.
+    owners: Vec<Owner>,
+    /// How many samples the objects have together.
+    samples: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Owner {
+    Param(ParamId),
+    Grid(GridId),
+}
+
+impl Declarations {
+    /// Nothing declared but the builtins.
+    pub(crate) fn new() -> Self {
+        let mut declarations = Self::default();
+        let lowerer = &mut declarations.lowerer;
+        builtin::define(&mut lowerer.symbols, &mut lowerer.graph);
+        declarations
+    }
+
+    /// The scene, with a graph of its own that holds what its objects need and nothing else.
+    pub(crate) fn scene(&self) -> Scene {
+        let mut scene = self.scene.clone();
+        let shapes = scene.objects.iter_mut().map(|object| &mut object.shape);
+        let mut places: Vec<&mut NodeId> = shapes.flat_map(Shape::roots_mut).collect();
+        let roots: Vec<NodeId> = places.iter().map(|place| **place).collect();
+        let (graph, roots) = self.lowerer.graph.extract(&roots);
+        for (place, root) in places.iter_mut().zip(roots) {
+            **place = root;
+        }
+        scene.graph = graph;
+        scene
+    }
+
+    /// An interval has been read.
+    pub(crate) fn interval(&mut self, read: actions::Interval) {
+        // Where the expressions are incomplete the declaration is faulty and is dropped as a whole.
+        self.intervals.extend(Interval::last(&self.lowerer, read));
+    }
+
+    /// A declaration has been read to its end.
+    pub(crate) fn declare(&mut self, declaration: &Declaration<'_>) {
+        let intervals = std::mem::take(&mut self.intervals);
+        let meaning = if declaration.faulty {
+            None
+        } else {
+            self.understand(declaration, &intervals)
+        };
+        self.lowerer.code.forget();
+        if let (Some(symbol), Some(meaning)) = (declaration.symbol, meaning) {
+            let word = Some(declaration.word);
+            let symbols = &mut self.lowerer.symbols;
+            symbols.define(symbol, declaration.name, word, meaning);
+        }
+    }
+
+    /// What a declaration means; none where something is wrong with it.
+    fn understand(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[Interval],
+    ) -> Option<Meaning> {
+        match declaration.word {
+            DeclareWord::Param => self.param(declaration, intervals),
+            DeclareWord::Grid => self.grid(declaration, intervals),
+            DeclareWord::Define => {
+                let [body] = self.expressions(intervals)?;
+                let lowered = self.constant(body);
+                Some(constant(lowered.value?, lowered.reads))
+            }
+            DeclareWord::Function => self.function(declaration),
+            DeclareWord::Point => self.point(declaration),
+            DeclareWord::Vector => self.vector(declaration),
+            DeclareWord::Curve => self.curve(declaration, intervals),
+            DeclareWord::Surface => self.surface(declaration, intervals),
+        }
+    }
+
+    fn param(&mut self, declaration: &Declaration<'_>, intervals: &[Interval]) -> Option<Meaning> {
+        let bounds = self.bounds(intervals, Purpose::Axis);
+        let ranges: Vec<_> = bounds?.iter().map(|bounds| bounds.range).collect();
+        let id = ParamId(self.scene.params.len() as u32);
+        let first_uniform = self.scene.uniform_count;
+        let value = self.uniforms(ranges.len(), Owner::Param(id));
+        self.scene.params.push(Param {
+            name: declaration.name.to_owned(),
+            name_span: declaration.name_span,
+            ranges,
+            first_uniform,
+        });
+        Some(constant(value, declaration.symbol))
+    }
+
+    fn grid(&mut self, declaration: &Declaration<'_>, intervals: &[Interval]) -> Option<Meaning> {
+        let bounds = self.bounds(intervals, Purpose::Axis);
+        let axes: Vec<_> = bounds?
+            .iter()
+            .map(|bounds| bounds.sampling(DEFAULT_SAMPLES))
+            .collect();
+        let id = GridId(self.scene.grids.len() as u32);
+        let first_uniform = self.scene.uniform_count;
+        let value = self.uniforms(axes.len(), Owner::Grid(id));
+        self.scene.grids.push(Grid {
+            name: declaration.name.to_owned(),
+            name_span: declaration.name_span,
+            axes,
+            first_uniform,
+        });
+        Some(constant(value, declaration.symbol))
+    }
+
+    /// A function's body is kept as it was read, for its type is that of its applications.
+    fn function(&mut self, declaration: &Declaration<'_>) -> Option<Meaning> {
+        let [body] = self.expressions(&[])?;
+        // What is wrong whatever the function is applied to is reported where it stands.
+        let symbols = &self.lowerer.symbols;
+        let totals = self.lowerer.code.totals(body);
+        let faults: Vec<Diagnostic> = totals
+            .filter_map(|(symbol, span)| Some(symbols.total_fault(symbol)?.at(span)))
+            .collect();
+        let sound = faults.is_empty();
+        self.diagnostics.extend(faults);
+        sound.then(|| self.keep(declaration, body))
+    }
+
+    fn point(&mut self, declaration: &Declaration<'_>) -> Option<Meaning> {
+        let [body] = self.expressions(&[])?;
+        let lowered = self.constant(body);
+        let position = self.in_space(body, &lowered, "a point")?;
+        self.object(declaration, Shape::Point { position });
+        Some(constant(lowered.value?, lowered.reads))
+    }
+
+    fn vector(&mut self, declaration: &Declaration<'_>) -> Option<Meaning> {
+        let [direction, origin] = self.expressions(&[])?;
+        let lowered = self.constant(direction);
+        let towards = self.in_space(direction, &lowered, "a vector's direction");
+        let from = self.constant(origin);
+        let from = self.in_space(origin, &from, "a vector's origin");
+        if let (Some(direction), Some(origin)) = (towards, from) {
+            self.object(declaration, Shape::Vector { direction, origin });
+        }
+        // The name stands for the direction, which has its meaning whatever the origin is.
+        towards?;
+        Some(constant(lowered.value?, lowered.reads))
+    }
+
+    fn curve(&mut self, declaration: &Declaration<'_>, intervals: &[Interval]) -> Option<Meaning> {
+        let domain = self.domain(declaration, intervals, "a curve has one parameter");
+        let [body] = self.expressions(intervals)?;
+        let lowered = self.over_variables(body, declaration.parameters.len());
+        let position = self.in_space(body, &lowered, "a curve")?;
+        let [domain] = domain?;
+        self.object(
+            declaration,
+            Shape::Curve {
+                position,
+                domain: domain?,
+                parameter: declaration.parameters.first()?.name.clone(),
+            },
+        );
+        Some(self.keep(declaration, body))
+    }
+
+    fn surface(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[Interval],
+    ) -> Option<Meaning> {
+        let domain = self.domain(declaration, intervals, "a surface has two parameters");
+        let [body] = self.expressions(intervals)?;
+        let lowered = self.over_variables(body, declaration.parameters.len());
+        let position = self.in_space(body, &lowered, "a surface")?;
+        let [u, v] = domain?;
+        let [first, second] = declaration.parameters else {
+            return None;
+        };
+        self.object(
+            declaration,
+            Shape::Surface {
+                position,
+                domain: [u?, v?],
+                parameters: [first.name.clone(), second.name.clone()],
+            },
+        );
+        Some(self.keep(declaration, body))
+    }
+
+    /// The expressions that stand before the intervals.
+    fn expressions<const N: usize>(&self, intervals: &[Interval]) -> Option<[Expression; N]> {
+        let code = &self.lowerer.code;
+        let end = intervals.first().map_or(code.end(), Interval::start);
+        code.last_before(end)
+    }
+
+    fn constant(&mut self, body: Expression) -> Lowered {
+        self.lowerer.lower(body, Vec::new(), &mut self.diagnostics)
+    }
+
+    /// Lowers a curve's or a surface's own body, whose parameters are numbers.
+    fn over_variables(&mut self, body: Expression, count: usize) -> Lowered {
+        let graph = &mut self.lowerer.graph;
+        let variables = (0..count as u32)
+            .map(|index| Value::Number(graph.input(Input::Variable(index))))
+            .collect();
+        self.lowerer.lower(body, variables, &mut self.diagnostics)
+    }
+
+    /// A function's meaning; its steps are kept.
+    fn keep(&mut self, declaration: &Declaration<'_>, body: Expression) -> Meaning {
+        self.lowerer.code.keep(body.steps().end);
+        let parameters = declaration.parameters.iter();
+        Meaning::Declared(Declared {
+            body,
+            parameters: parameters
+                .map(|parameter| parameter.name.as_str().into())
+                .collect(),
+        })
+    }
+
+    /// Fresh uniforms: a number, or a vector of them.
+    fn uniforms(&mut self, count: usize, owner: Owner) -> Value {
+        let first = self.scene.uniform_count;
+        let graph: &mut Graph = &mut self.lowerer.graph;
+        let nodes: Vec<NodeId> = (first..first + count as u32)
+            .map(|index| graph.input(Input::Uniform(index)))
+            .collect();
+        self.scene.uniform_count += count as u32;
+        self.owners.extend(std::iter::repeat_n(owner, count));
+        match nodes[..] {
+            [node] => Value::Number(node),
+            _ => Value::Vector(nodes),
+        }
+    }
+
+    /// All intervals; none where something is wrong with any.
+    fn bounds(&mut self, intervals: &[Interval], purpose: Purpose) -> Option<Vec<Bounds>> {
+        let bounds: Vec<_> = intervals
+            .iter()
+            .map(|interval| interval.bounds(&mut self.lowerer, purpose, &mut self.diagnostics))
+            .collect();
+        // Without an interval the declaration could not have been read.
+        let bounds: Option<Vec<_>> = bounds.into_iter().collect();
+        bounds.filter(|bounds| !bounds.is_empty())
+    }
+
+    /// The sampled intervals of a curve or a surface in the order of its parameters, each none where something
+    /// is wrong with it; none at all where the number of parameters is wrong or a tag is.
+    fn domain<const N: usize>(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[Interval],
+        rule: &str,
+    ) -> Option<[Option<Sampling>; N]> {
+        let parameters = declaration.parameters;
+        let mut sound = parameters.len() == N;
+        if !sound {
+            let fault = Fault::new(
+                fault::PARAMETER_COUNT,
+                format!(
+                    "{rule}, but `{}` has {}",
+                    declaration.name,
+                    parameters.len()
+                ),
+            );
+            self.diagnostics
+                .push(fault.at(list_span(parameters, declaration.name_span)));
+        }
+        let mut by_parameter: Vec<Option<&Interval>> = vec![None; parameters.len()];
+        for interval in intervals {
+            let Some((position, tag)) = interval.read.tag else {
+                continue;
+            };
+            // An unknown tag has been reported; which parameter was meant is anyone's guess.
+            let place = position.and_then(|position| by_parameter.get_mut(position as usize));
+            let Some(place) = place else {
+                sound = false;
+                by_parameter.clear();
+                break;
+            };
+            match place {
+                None => *place = Some(interval),
+                Some(first) => {
+                    let position = position.unwrap_or_default() as usize;
+                    let name = parameters.get(position).map_or("", |named| &*named.name);
+                    let mut fault = Fault::new(
+                        fault::DUPLICATE_TAG,
+                        format!("the parameter `{name}` has two intervals"),
+                    );
+                    fault.trail.extend(first.read.tag.map(|(_, span)| Related {
+                        span,
+                        message: "its first interval is here".to_owned(),
+                    }));
+                    self.diagnostics.push(fault.at(tag));
+                    sound = false;
+                }
+            }
+        }
+        for (parameter, interval) in parameters.iter().zip(&by_parameter) {
+            if interval.is_none() {
+                let name = &parameter.name;
+                let fault = Fault::new(
+                    MISSING_INTERVAL,
+                    format!("the parameter `{name}` has no interval"),
+                )
+                .with_hint(format!("add one before the `;`: `, {name} : [0, 1]`"));
+                self.diagnostics.push(fault.at(parameter.span));
+                sound = false;
+            }
+        }
+        // The intervals have their own mistakes, whatever is wrong with their tags.
+        let samplings: Vec<Option<Sampling>> = intervals
+            .iter()
+            .map(|interval| {
+                let lowerer = &mut self.lowerer;
+                let bounds = interval.bounds(lowerer, Purpose::Domain, &mut self.diagnostics)?;
+                Some(bounds.sampling(DEFAULT_SAMPLES))
+            })
+            .collect();
+        if !sound {
+            return None;
+        }
+        let mut domain = [None; N];
+        for (interval, sampling) in intervals.iter().zip(samplings) {
+            if let Some((Some(position), _)) = interval.read.tag
+                && let Some(place) = domain.get_mut(position as usize)
+            {
+                *place = sampling;
+            }
+        }
+        Some(domain)
+    }
+
+    /// The components of what is drawn; none where it does not lie in space or has failed before.
+    fn in_space(
+        &mut self,
+        expression: Expression,
+        lowered: &Lowered,
+        what: &str,
+    ) -> Option<[NodeId; 3]> {
+        let value = lowered.value.as_ref()?;
+        if let (Value::Vector(nodes), Ok(position)) =
+            (value, <[NodeId; 3]>::try_from(value.components()))
+            && nodes.len() == 3
+        {
+            return Some(position);
+        }
+        let found = match value {
+            Value::Number(_) => "a number".to_owned(),
+            Value::Vector(nodes) => format!("a vector of dimension {}", nodes.len()),
+        };
+        let fault = Fault::new(
+            fault::NOT_IN_SPACE,
+            format!("{what} lies in space and needs 3 components, but this is {found}"),
+        );
+        let span = self.lowerer.code.span(expression);
+        self.diagnostics.push(fault.at(span));
+        None
+    }
+
+    /// Adds an object, within the limits of what can be drawn.
+    fn object(&mut self, declaration: &Declaration<'_>, shape: Shape) {
+        let (params, grids) = self.dependencies(&shape);
+        let name = declaration.name;
+        let mut counts = Vec::new();
+        for grid in &grids {
+            let grid = &self.scene.grids[grid.0 as usize];
+            let values = grid.axes.iter().fold(1, |product: u64, axis| {
+                product.saturating_mul(u64::from(axis.count))
+            });
+            counts.push((&grid.name, values));
+        }
+        let instances = counts
+            .iter()
+            .fold(1, |product: u64, (_, count)| product.saturating_mul(*count));
+        if instances > MAX_INSTANCES {
+            let product: Vec<String> = counts
+                .iter()
+                .take(6)
+                .map(|(grid, count)| format!("`{grid}` has {count} values"))
+                .collect();
+            let fault = Fault::new(
+                fault::TOO_MANY_INSTANCES,
+                format!(
+                    "`{name}` would be drawn {instances} times, and the limit is {MAX_INSTANCES}: {}",
+                    product.join(", ")
+                ),
+            );
+            self.diagnostics.push(fault.at(declaration.name_span));
+            return;
+        }
+        let samples = instances.saturating_mul(match &shape {
+            Shape::Point { .. } | Shape::Vector { .. } => 1,
+            Shape::Curve { domain, .. } => u64::from(domain.count),
+            Shape::Surface { domain: [u, v], .. } => u64::from(u.count) * u64::from(v.count),
+        });
+        if samples > MAX_SAMPLES - self.samples {
+            let all = if self.samples == 0 {
+                String::new()
+            } else {
+                format!(", on top of the {} of what is drawn above", self.samples)
+            };
+            let fault = Fault::new(
+                fault::TOO_MANY_SAMPLES,
+                format!("`{name}` has {samples} samples{all}; the limit is {MAX_SAMPLES} in all"),
+            )
+            .with_hint("give its intervals, or the grids it depends on, smaller counts");
+            self.diagnostics.push(fault.at(declaration.name_span));
+            return;
+        }
+        self.samples += samples;
+        self.scene.objects.push(Object {
+            name: name.to_owned(),
+            name_span: declaration.name_span,
+            shape,
+            params,
+            grids,
+        });
+    }
+
+    /// The params and grids that an object depends on.
+    fn dependencies(&self, shape: &Shape) -> (Vec<ParamId>, Vec<GridId>) {
+        let roots = shape.roots();
+        let mut params = Vec::new();
+        let mut grids = Vec::new();
+        for input in self.lowerer.graph.inputs(&roots) {
+            let Input::Uniform(index) = input else {
+                continue;
+            };
+            match self.owners.get(index as usize) {
+                Some(Owner::Param(id)) => params.push(*id),
+                Some(Owner::Grid(id)) => grids.push(*id),
+                None => {}
+            }
+        }
+        // Inputs are sorted, and the components of one param follow each other.
+        params.dedup();
+        grids.dedup();
+        (params, grids)
+    }
+
+    /// The grids that a value depends on.
+    pub(crate) fn grids_of(&self, roots: &[NodeId]) -> Vec<GridId> {
+        let inputs = self.lowerer.graph.inputs(roots);
+        let mut grids: Vec<GridId> = inputs
+            .into_iter()
+            .filter_map(|input| match input {
+                Input::Uniform(index) => self.owners.get(index as usize).copied(),
+                Input::Variable(_) => None,
+            })
+            .filter_map(|owner| match owner {
+                Owner::Grid(id) => Some(id),
+                Owner::Param(_) => None,
+            })
+            .collect();
+        grids.dedup();
+        grids
+    }
+}
+
+fn constant(value: Value, reads: Option<SymbolId>) -> Meaning {
+    Meaning::Constant(Constant { value, reads })
+}
+
+/// From the first parameter to the last.
+fn list_span(parameters: &[Parameter], name: Span) -> Span {
+    match parameters {
+        [] => name,
+        [first, .., last] => first.span.to(last.span),
+        [only] => only.span,
+    }
+}

@@ -1,0 +1,175 @@
+//! What can be wrong with what a program means, and how it is said.
+
+use syntax::diagnostic::{Code, Diagnostic, Related, Severity};
+use syntax::span::Span;
+
+/// The operands' dimensions do not fit the operation.
+pub(crate) const DIMENSION_MISMATCH: Code = Code("dimension-mismatch");
+/// `a_n` with `n` beyond the vector's dimension.
+pub(crate) const NO_SUCH_COMPONENT: Code = Code("no-such-component");
+/// A function is applied to a wrong number of arguments.
+pub(crate) const ARGUMENT_COUNT: Code = Code("argument-count");
+/// `f'` of a function of several parameters.
+pub(crate) const AMBIGUOUS_DERIVATIVE: Code = Code("ambiguous-derivative");
+/// A derivative by a parameter that is a vector.
+pub(crate) const VECTOR_DERIVATIVE: Code = Code("vector-derivative");
+/// An expression or its derivative has too many operations.
+pub(crate) const EXPRESSION_TOO_LARGE: Code = Code("expression-too-large");
+/// An interval's end or count depends on a param or a grid.
+pub(crate) const INTERVAL_NOT_CONSTANT: Code = Code("interval-not-constant");
+/// An interval's end or count is a vector.
+pub(crate) const INTERVAL_NOT_NUMBER: Code = Code("interval-not-number");
+/// An interval's end or count is undefined or infinite.
+pub(crate) const INTERVAL_UNDEFINED: Code = Code("interval-undefined");
+/// An interval's minimum is not below its maximum.
+pub(crate) const INTERVAL_EMPTY: Code = Code("interval-empty");
+/// A sampling count below 2 or too large.
+pub(crate) const INTERVAL_COUNT: Code = Code("interval-count");
+/// Two intervals for one parameter.
+pub(crate) const DUPLICATE_TAG: Code = Code("duplicate-tag");
+/// A curve whose parameters are not one, a surface whose parameters are not two.
+pub(crate) const PARAMETER_COUNT: Code = Code("parameter-count");
+/// What is drawn does not lie in space.
+pub(crate) const NOT_IN_SPACE: Code = Code("not-in-space");
+/// An object depends on grids with too many values.
+pub(crate) const TOO_MANY_INSTANCES: Code = Code("too-many-instances");
+/// The objects have too many samples together.
+pub(crate) const TOO_MANY_SAMPLES: Code = Code("too-many-samples");
+/// An expression is evaluated in a program that has errors.
+pub(crate) const PROGRAM_HAS_ERRORS: Code = Code("program-has-errors");
+
+/// Every code that compiling a program can give beyond those of `syntax`, each with one sentence that explains
+/// it.
+pub const CODES: &[(Code, &str)] = &[
+    (
+        DIMENSION_MISMATCH,
+        "The dimensions of the operands do not fit the operation: numbers and vectors are mixed, or vectors of different dimensions.",
+    ),
+    (
+        NO_SUCH_COMPONENT,
+        "A vector has no component of this number; components count from 1.",
+    ),
+    (
+        ARGUMENT_COUNT,
+        "A function is applied to more or fewer arguments than it has parameters.",
+    ),
+    (
+        AMBIGUOUS_DERIVATIVE,
+        "`f'` is the derivative of a function of one parameter; for several, `f_u` names the parameter.",
+    ),
+    (
+        VECTOR_DERIVATIVE,
+        "A derivative is taken by a number; a parameter that is a vector has to be split into its components.",
+    ),
+    (
+        EXPRESSION_TOO_LARGE,
+        "An expression, or its derivative, has more operations than the limit.",
+    ),
+    (
+        INTERVAL_NOT_CONSTANT,
+        "The ends and the count of an interval are constants: they depend on no param and no grid.",
+    ),
+    (
+        INTERVAL_NOT_NUMBER,
+        "The ends and the count of an interval are numbers, not vectors.",
+    ),
+    (
+        INTERVAL_UNDEFINED,
+        "The ends and the count of an interval have finite values.",
+    ),
+    (
+        INTERVAL_EMPTY,
+        "An interval's first end, its minimum, is below its second end, its maximum.",
+    ),
+    (
+        INTERVAL_COUNT,
+        "A sampling count is at least 2 after rounding down, and not above the limit.",
+    ),
+    (DUPLICATE_TAG, "A parameter has one interval, not two."),
+    (
+        PARAMETER_COUNT,
+        "A curve has one parameter, a surface has two.",
+    ),
+    (
+        NOT_IN_SPACE,
+        "Points, vectors, curves and surfaces lie in space: their values are vectors of dimension 3.",
+    ),
+    (
+        TOO_MANY_INSTANCES,
+        "An object is drawn once for each combination of the values of the grids it depends on, up to a limit.",
+    ),
+    (
+        TOO_MANY_SAMPLES,
+        "All objects together have more samples than the limit.",
+    ),
+    (
+        PROGRAM_HAS_ERRORS,
+        "An expression has a value only in a program without errors.",
+    ),
+];
+
+/// The longest list of places that explain a fault inside functions that are applied inside functions.
+const MAX_TRAIL: usize = 8;
+
+/// What is wrong with an operation, before it is known where it will be reported.
+#[derive(Clone, Debug)]
+pub(crate) struct Fault {
+    pub(crate) code: Code,
+    pub(crate) message: String,
+    pub(crate) hint: Option<String>,
+    /// Where it happens inside functions' bodies, innermost first. Empty outside of any body.
+    pub(crate) trail: Vec<Related>,
+    /// The function in whose body it happens, as seen from outside.
+    function: Option<String>,
+}
+
+impl Fault {
+    pub(crate) fn new(code: Code, message: impl Into<String>) -> Self {
+        Self {
+            code,
+            message: message.into(),
+            hint: None,
+            trail: Vec::new(),
+            function: None,
+        }
+    }
+
+    pub(crate) fn with_hint(mut self, hint: impl Into<String>) -> Self {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    /// The same, at its place in the body of a function.
+    pub(crate) fn in_body(mut self, function: &str, place: Span) -> Self {
+        if self.trail.len() < MAX_TRAIL {
+            let message = if self.trail.is_empty() {
+                format!("here, in the body of `{function}`")
+            } else {
+                format!("reached from here, in the body of `{function}`")
+            };
+            self.trail.push(Related {
+                span: place,
+                message,
+            });
+        }
+        self.function = Some(function.to_owned());
+        self
+    }
+
+    /// The error to report at `span`. For a fault inside a function's body that is where the function is
+    /// applied.
+    pub(crate) fn at(self, span: Span) -> Diagnostic {
+        let message = match self.function {
+            Some(function) => format!("in `{function}`: {}", self.message),
+            None => self.message,
+        };
+        Diagnostic {
+            severity: Severity::Error,
+            code: self.code,
+            span,
+            message,
+            hint: self.hint,
+            related: self.trail,
+        }
+    }
+}

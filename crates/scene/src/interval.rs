@@ -1,0 +1,241 @@
+//! Intervals: from the expressions between `[` and `]` to finite numbers in order.
+
+use expr::tape::{Registers, Tape};
+use expr::value::Value;
+use syntax::actions::{self, IntervalKind};
+use syntax::diagnostic::Diagnostic;
+use syntax::token::DeclareWord;
+
+use crate::code::Expression;
+use crate::fault::{self, Fault};
+use crate::limits::{MAX_AXIS, MAX_SAMPLES};
+use crate::lower::{Lowered, Lowerer};
+use crate::scene::{Range, Sampling};
+
+/// An interval as it was read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Interval {
+    pub(crate) read: actions::Interval,
+    ends: [Expression; 2],
+    count: Option<Expression>,
+}
+
+/// Whose interval it is: that decides how large its count may be.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Purpose {
+    Axis,
+    Domain,
+}
+
+/// What an interval comes to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bounds {
+    pub(crate) range: Range,
+    /// Where the interval has one.
+    pub(crate) count: Option<u32>,
+}
+
+impl Interval {
+    /// The interval whose expressions are the last ones read; none where they are incomplete.
+    pub(crate) fn last(lowerer: &Lowerer, read: actions::Interval) -> Option<Self> {
+        let code = &lowerer.code;
+        let (ends, count) = match read.kind {
+            IntervalKind::Range => (code.last_before(code.end())?, None),
+            IntervalKind::Grid => {
+                let [min, max, count] = code.last_before(code.end())?;
+                ([min, max], Some(count))
+            }
+        };
+        Some(Self { read, ends, count })
+    }
+
+    /// The step at which its first expression starts.
+    pub(crate) fn start(&self) -> usize {
+        self.ends[0].steps().start
+    }
+
+    /// The interval's numbers; none where something is wrong with them, which goes to `diagnostics`.
+    pub(crate) fn bounds(
+        &self,
+        lowerer: &mut Lowerer,
+        purpose: Purpose,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> Option<Bounds> {
+        let roles = [
+            (Some(self.ends[0]), Role::Minimum),
+            (Some(self.ends[1]), Role::Maximum),
+            (self.count, Role::Count),
+        ];
+        let mut numbers = [None; 3];
+        for ((expression, role), number) in roles.into_iter().zip(&mut numbers) {
+            let Some(expression) = expression else {
+                continue;
+            };
+            // A fault inside an expression has its own place and has been reported there.
+            let before = diagnostics.len();
+            let lowered = lowerer.lower(expression, Vec::new(), diagnostics);
+            if diagnostics.len() > before {
+                return None;
+            }
+            match constant(lowerer, &lowered, role) {
+                Ok(value) => *number = Some(value?),
+                Err(fault) => {
+                    diagnostics.push(fault.at(self.read.span));
+                    return None;
+                }
+            }
+        }
+        let [Some(min), Some(max), count] = numbers else {
+            return None;
+        };
+        let result = in_order(min, max).and_then(|range| {
+            let count = count.map(|count| whole(count, purpose)).transpose()?;
+            Ok(Bounds { range, count })
+        });
+        match result {
+            Ok(bounds) => Some(bounds),
+            Err(fault) => {
+                diagnostics.push(fault.at(self.read.span));
+                None
+            }
+        }
+    }
+}
+
+impl Bounds {
+    /// The interval with its count, or with `default` where it has none.
+    pub(crate) fn sampling(self, default: u32) -> Sampling {
+        Sampling {
+            range: self.range,
+            count: self.count.unwrap_or(default),
+        }
+    }
+}
+
+/// A number's place in an interval.
+#[derive(Clone, Copy, Debug)]
+enum Role {
+    Minimum,
+    Maximum,
+    Count,
+}
+
+impl Role {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Minimum => "minimum",
+            Self::Maximum => "maximum",
+            Self::Count => "count",
+        }
+    }
+}
+
+/// The finite number that an expression of an interval stands for; none where the expression uses a name that
+/// failed before.
+fn constant(lowerer: &Lowerer, lowered: &Lowered, role: Role) -> Result<Option<f64>, Fault> {
+    let role = role.name();
+    if let Some(symbol) = lowered.reads {
+        let word = match lowerer.symbols.word(symbol) {
+            Some(DeclareWord::Grid) => "grid",
+            _ => "param",
+        };
+        let name = lowerer.symbols.name(symbol);
+        return Err(Fault::new(
+            fault::INTERVAL_NOT_CONSTANT,
+            format!(
+                "an interval is constant, but the {role} of this one depends on the {word} `{name}`"
+            ),
+        ));
+    }
+    let node = match &lowered.value {
+        None => return Ok(None),
+        Some(Value::Number(node)) => *node,
+        Some(vector) => {
+            return Err(Fault::new(
+                fault::INTERVAL_NOT_NUMBER,
+                format!(
+                    "the {role} of an interval is a number, not a vector of dimension {}",
+                    vector.dimension()
+                ),
+            ));
+        }
+    };
+    let number = lowerer.graph.value(node).unwrap_or_else(|| {
+        let tape = Tape::new(&lowerer.graph, &[node]);
+        let mut out = [f64::NAN];
+        if tape.inputs().is_empty() {
+            tape.eval(&mut Registers::default(), &[], &mut out);
+        }
+        out[0]
+    });
+    if number.is_finite() {
+        return Ok(Some(number));
+    }
+    let what = if number.is_nan() {
+        "undefined"
+    } else {
+        "infinite"
+    };
+    Err(Fault::new(
+        fault::INTERVAL_UNDEFINED,
+        format!("the {role} of this interval is {what}"),
+    ))
+}
+
+fn in_order(min: f64, max: f64) -> Result<Range, Fault> {
+    if min < max {
+        return Ok(Range { min, max });
+    }
+    let fault = Fault::new(
+        fault::INTERVAL_EMPTY,
+        format!(
+            "the minimum of this interval, {}, is not below its maximum, {}",
+            number(min),
+            number(max)
+        ),
+    );
+    Err(if min == max {
+        fault
+    } else {
+        fault.with_hint("write the smaller end first")
+    })
+}
+
+/// A count, rounded down.
+fn whole(count: f64, purpose: Purpose) -> Result<u32, Fault> {
+    let largest = match purpose {
+        Purpose::Axis => MAX_AXIS,
+        Purpose::Domain => MAX_SAMPLES as u32,
+    };
+    let rounded = count.floor();
+    if rounded < 2.0 {
+        return Err(Fault::new(
+            fault::INTERVAL_COUNT,
+            format!(
+                "an interval has at least 2 values, but the count of this one is {}",
+                number(count)
+            ),
+        )
+        .with_hint("both ends are included"));
+    }
+    if rounded > f64::from(largest) {
+        return Err(Fault::new(
+            fault::INTERVAL_COUNT,
+            format!(
+                "the count of this interval is {}, and the limit is {largest}",
+                number(count)
+            ),
+        ));
+    }
+    Ok(rounded as u32)
+}
+
+/// A number as a person would write it, never hundreds of digits.
+fn number(value: f64) -> String {
+    let magnitude = value.abs();
+    if magnitude == 0.0 || (1e-5..1e15).contains(&magnitude) {
+        format!("{value}")
+    } else {
+        format!("{value:e}")
+    }
+}

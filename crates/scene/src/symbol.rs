@@ -1,0 +1,135 @@
+//! What each symbol means.
+//!
+//! What flows in: declarations, as they have been understood. What flows out: the meaning of a name in the
+//! expressions below. A symbol that is never given a meaning is one whose declaration failed: its uses are
+//! silent, for the mistake has been reported.
+
+use expr::value::Value;
+use syntax::token::{DeclareWord, SymbolId};
+
+use crate::builtin::Builtin;
+use crate::code::Expression;
+use crate::fault::{self, Fault};
+
+/// The meanings of all symbols that have one.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Symbols(Vec<Symbol>);
+
+/// A name and its meaning.
+#[derive(Clone, Debug)]
+struct Symbol {
+    name: Box<str>,
+    /// The word that declares it; none for a builtin.
+    word: Option<DeclareWord>,
+    meaning: Meaning,
+}
+
+/// What a name stands for.
+#[derive(Clone, Debug)]
+pub(crate) enum Meaning {
+    /// Its declaration failed.
+    Poisoned,
+    Constant(Constant),
+    Builtin(Builtin),
+    Declared(Declared),
+}
+
+/// A value with a name.
+#[derive(Clone, Debug)]
+pub(crate) struct Constant {
+    pub(crate) value: Value,
+    /// A param or grid that its declaration reads, directly or not.
+    pub(crate) reads: Option<SymbolId>,
+}
+
+/// A declared function, curve or surface.
+#[derive(Clone, Debug)]
+pub(crate) struct Declared {
+    pub(crate) body: Expression,
+    pub(crate) parameters: Box<[Box<str>]>,
+}
+
+impl Symbols {
+    /// Gives a symbol its meaning. Symbols come in the order of their ids; those passed over are poisoned.
+    pub(crate) fn define(
+        &mut self,
+        symbol: SymbolId,
+        name: &str,
+        word: Option<DeclareWord>,
+        meaning: Meaning,
+    ) {
+        let index = symbol.0 as usize;
+        while self.0.len() <= index {
+            self.0.push(Symbol {
+                name: Box::default(),
+                word: None,
+                meaning: Meaning::Poisoned,
+            });
+        }
+        self.0[index] = Symbol {
+            name: name.into(),
+            word,
+            meaning,
+        };
+    }
+
+    pub(crate) fn meaning(&self, symbol: SymbolId) -> &Meaning {
+        match self.0.get(symbol.0 as usize) {
+            Some(symbol) => &symbol.meaning,
+            None => &Meaning::Poisoned,
+        }
+    }
+
+    pub(crate) fn name(&self, symbol: SymbolId) -> &str {
+        match self.0.get(symbol.0 as usize) {
+            Some(symbol) => &symbol.name,
+            None => "",
+        }
+    }
+
+    /// The word that declares a symbol.
+    pub(crate) fn word(&self, symbol: SymbolId) -> Option<DeclareWord> {
+        self.0.get(symbol.0 as usize)?.word
+    }
+
+    /// The name of a function's parameter.
+    pub(crate) fn parameter(&self, symbol: SymbolId, position: usize) -> &str {
+        match self.meaning(symbol) {
+            Meaning::Declared(declared) => {
+                declared.parameters.get(position).map_or("", |name| &**name)
+            }
+            _ => "x",
+        }
+    }
+
+    /// What is wrong with `f'`, if anything: a function of several parameters has a derivative by each.
+    pub(crate) fn total_fault(&self, symbol: SymbolId) -> Option<Fault> {
+        let Meaning::Declared(declared) = self.meaning(symbol) else {
+            return None;
+        };
+        let count = declared.parameters.len();
+        if count == 1 {
+            return None;
+        }
+        let name = self.name(symbol);
+        let partials: Vec<String> = declared
+            .parameters
+            .iter()
+            .take(3)
+            .map(|parameter| format!("`{name}_{parameter}`"))
+            .collect();
+        Some(
+            Fault::new(
+                fault::AMBIGUOUS_DERIVATIVE,
+                format!(
+                    "`{name}'` does not say by which of the {count} parameters of `{name}` to derive"
+                ),
+            )
+            .with_hint(format!(
+                "write a partial derivative: {}{}",
+                partials.join(" or "),
+                if count > 3 { ", …" } else { "" }
+            )),
+        )
+    }
+}
