@@ -45,6 +45,30 @@ pub fn hatching(status: Status) -> [[u8; 3]; 2] {
     }
 }
 
+/// What a reader of the picture should be told of pixels that show nothing of the surface: `count` gives how many of
+/// the `pixels` have a status.
+pub fn notes(pixels: usize, count: impl Fn(Status) -> usize) -> Vec<String> {
+    let kinds = [
+        (Status::LeftDomain, "lie beyond the surface's edge"),
+        (Status::ConePoint, "end at the tip of a cone"),
+        (
+            Status::Degenerate,
+            "end where the surface has no tangent plane",
+        ),
+        (Status::Undefined, "end where the surface is undefined"),
+        (
+            Status::WorkLimit,
+            "could not be followed within the limit of work",
+        ),
+    ];
+    let note = |(status, what): (Status, &str)| {
+        let count = count(status);
+        let share = 100.0 * count as f64 / pixels as f64;
+        (count > 0).then(|| format!("{share:.2} % of the pixels {what}; they are hatched"))
+    };
+    kinds.into_iter().filter_map(note).collect()
+}
+
 /// Colours a map. No light and no gamma change: a pixel shows the image's own colour times the surface's.
 ///
 /// A pixel's footprint in the image is the difference to its neighbours, the shorter of both sides' and to the

@@ -1,11 +1,9 @@
 //! The geodesic view on the CPU: the map by crate `geodesic`, the colours by [`crate::geodesic_view`].
 
-use geodesic::map::Map;
-use geodesic::trace::Status;
 use scene::scene::{Scene, Shape};
 use scene::values::Settings;
 
-use crate::geodesic_view::{Inside, Paint, resolve};
+use crate::geodesic_view::{Inside, Paint, notes, resolve};
 use crate::request::{Picture, RenderError, Request, View};
 
 pub(super) fn render(
@@ -32,29 +30,8 @@ pub(super) fn render(
     Ok(Picture {
         image,
         backend: "software".to_owned(),
-        notes: notes(&map),
+        notes: notes(map.status.len(), |status| {
+            map.status.iter().filter(|&&s| s == status).count()
+        }),
     })
-}
-
-/// What a reader of the picture should be told of pixels that show nothing of the surface.
-fn notes(map: &Map) -> Vec<String> {
-    let kinds = [
-        (Status::LeftDomain, "lie beyond the surface's edge"),
-        (Status::ConePoint, "end at the tip of a cone"),
-        (
-            Status::Degenerate,
-            "end where the surface has no tangent plane",
-        ),
-        (Status::Undefined, "end where the surface is undefined"),
-        (
-            Status::WorkLimit,
-            "could not be followed within the limit of work",
-        ),
-    ];
-    let note = |(status, what): (Status, &str)| {
-        let count = map.status.iter().filter(|&&s| s == status).count();
-        let share = 100.0 * count as f64 / map.status.len() as f64;
-        (count > 0).then(|| format!("{share:.2} % of the pixels {what}; they are hatched"))
-    };
-    kinds.into_iter().filter_map(note).collect()
 }

@@ -327,3 +327,67 @@ fn place(eye: &Eye, corners: [&Corner; 3], at: Vec2, material: &Material) -> Opt
         front: edges.turned,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A small generator (Knuth's constants): the same places on every run.
+    fn next(state: &mut u64) -> i32 {
+        *state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (*state >> 33) as i32
+    }
+
+    #[test]
+    fn triangles_that_tile_a_square_cover_every_sample_exactly_once() {
+        // A 9 × 9 lattice of corners, the inner ones jittered, with both diagonals and both directions of turn.
+        let step = 5 * SUBPIXEL;
+        let mut state = 7;
+        let corners: Vec<[i32; 2]> = (0..81)
+            .map(|k| {
+                let mut place = |n: i32| {
+                    let jitter = if (1..8).contains(&n) {
+                        next(&mut state) % (step / 5)
+                    } else {
+                        0
+                    };
+                    // Steps of 1/8 pixel: edges that run through samples are the hard case of the fill rule.
+                    (n * step + jitter) / 32 * 32
+                };
+                [place(k % 9), place(k / 9)]
+            })
+            .collect();
+        let mut edges = Vec::new();
+        for j in 0..8 {
+            for i in 0..8 {
+                let [a, b, c, d] = [j * 9 + i, j * 9 + i + 1, j * 9 + i + 10, j * 9 + i + 9];
+                let pair = if (i + j) % 2 == 0 {
+                    [[a, b, c], [a, d, c]]
+                } else {
+                    [[a, b, d], [b, d, c]]
+                };
+                edges.extend(
+                    pair.iter()
+                        .filter_map(|t| Edges::new(t.map(|k| corners[k]))),
+                );
+            }
+        }
+        assert_eq!(edges.len(), 128);
+        for y in 0..40 {
+            for x in 0..40 {
+                for [sx, sy] in SAMPLES {
+                    let (px, py) = (i64::from(x * SUBPIXEL + sx), i64::from(y * SUBPIXEL + sy));
+                    let inside =
+                        |edges: &&Edges| (0..3).all(|k| edges.at(k, px, py) + edges.bias(k) >= 0);
+                    assert_eq!(
+                        edges.iter().filter(inside).count(),
+                        1,
+                        "sample at ({x}, {y})"
+                    );
+                }
+            }
+        }
+    }
+}

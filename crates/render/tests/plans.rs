@@ -1,0 +1,99 @@
+//! A picture pays only for what it needs.
+
+use render::plan::{Built, Painter, Source, plan};
+use render::{Backend, Request};
+use scene::scene::ObjectId;
+use scene::{Scene, Settings, compile};
+
+fn scene(source: &str) -> Scene {
+    let compilation = compile(source);
+    compilation
+        .scene
+        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
+}
+
+fn built(source: &str, request: &Request) -> Built {
+    let scene = scene(source);
+    plan(&scene, &Settings::opening(&scene), request).built()
+}
+
+const SURFACE: &str = "surface s(u,v) = (u, v, u v), u : [0,1], v : [0,1];";
+
+#[test]
+fn points_alone_build_one_pipeline_and_nothing_else() {
+    let expected = Built {
+        draw_pipelines: 1,
+        ..Built::default()
+    };
+    assert_eq!(
+        built(
+            "point p = (1,2,3); point q = (0,0,0);",
+            &Request::space([64, 64])
+        ),
+        expected
+    );
+}
+
+#[test]
+fn surfaces_bring_a_sampler_and_their_distinct_images() {
+    let source = format!(
+        "{SURFACE} surface t(u,v) = (u, v, 1), u : [0,1], v : [0,1]; curve c(x) = (x,0,0), x : [0,1];"
+    );
+    let expected = Built {
+        draw_pipelines: 2,
+        textures: 1,
+        samplers: 1,
+        ..Built::default()
+    };
+    assert_eq!(built(&source, &Request::space([64, 64])), expected);
+}
+
+#[test]
+fn a_geodesic_view_builds_no_painter() {
+    let request = Request::geodesic(ObjectId(0), [64, 64]);
+    let expected = Built {
+        geodesic_kernels: 1,
+        resolve_pipelines: 1,
+        textures: 1,
+        samplers: 1,
+        ..Built::default()
+    };
+    assert_eq!(
+        built(&format!("{SURFACE} point p = (0,0,0);"), &request),
+        expected
+    );
+}
+
+#[test]
+fn the_software_path_builds_nothing_on_a_gpu() {
+    let request = Request {
+        backend: Backend::Software,
+        ..Request::space([64, 64])
+    };
+    assert_eq!(built(SURFACE, &request), Built::default());
+}
+
+#[test]
+fn an_empty_scene_builds_nothing() {
+    assert_eq!(built("", &Request::space([64, 64])), Built::default());
+}
+
+#[test]
+fn an_object_is_planned_with_its_uniforms_samples_and_operations() {
+    let scene = scene(
+        "param a : [1,2]; param b : [1,2]; grid k : [0,1,5]; curve c(t) = b(t, k, 0), t : [0,1,20];",
+    );
+    let plan = plan(
+        &scene,
+        &Settings::opening(&scene),
+        &Request::space([64, 64]),
+    );
+    let [object] = &plan.objects[..] else {
+        panic!("one object")
+    };
+    assert_eq!(object.painter, Painter::Curves);
+    assert_eq!((object.instances, object.samples), (5, 100));
+    assert_eq!(object.source, Source::Blocks);
+    assert_eq!(object.uniforms, [1, 2]);
+    assert_eq!(object.operations, 2);
+}

@@ -1,0 +1,97 @@
+//! Samples and bounds against closed forms.
+
+use glam::Vec3;
+use render::bounds::Bounds;
+use render::sample::{Samples, sample};
+use scene::scene::ObjectId;
+use scene::{Scene, Settings, compile};
+
+fn scene(source: &str) -> Scene {
+    let compilation = compile(source);
+    compilation
+        .scene
+        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
+}
+
+fn samples(source: &str) -> (Bounds, Samples) {
+    let scene = scene(source);
+    let settings = Settings::opening(&scene);
+    let bounds = Bounds::of(&scene, &settings);
+    let last = ObjectId(scene.objects.len() as u32 - 1);
+    let samples = sample(&scene, &settings, last, &bounds.placement);
+    (bounds, samples)
+}
+
+#[test]
+fn a_sphere_has_its_own_places_as_normals_even_at_the_poles() {
+    let (bounds, samples) = samples(
+        "surface s(u,v) = (2,3,5) + (sin(piv)cos(2piu), sin(piv)sin(2piu), cos(piv)), u : [0,1], v : [0,1];",
+    );
+    let Samples::Surfaces { count, samples } = samples else {
+        panic!("a surface")
+    };
+    assert_eq!(count, [100, 100]);
+    for (index, sample) in samples.iter().enumerate() {
+        let local = Vec3::from(sample.position) * bounds.placement.radius as f32;
+        let centre =
+            Vec3::new(2.0, 3.0, 5.0) - glam::DVec3::from(bounds.placement.centre).as_vec3();
+        // σu × σv points inwards here.
+        let expected = -(local - centre);
+        assert!((expected.length() - 1.0).abs() < 1e-5);
+        let off = (Vec3::from(sample.normal) - expected).length();
+        assert!(
+            off < 5e-4,
+            "normal {:?} of sample {index} is off by {off}",
+            sample.normal
+        );
+    }
+}
+
+#[test]
+fn samples_run_instance_by_instance_u_fastest_with_both_ends() {
+    let (bounds, samples) =
+        samples("grid k : [0, 10, 2]; surface s(u,v) = (u, v, k), u : [0,2,3], v : [0,3,4];");
+    let Samples::Surfaces { count, samples } = samples else {
+        panic!("a surface")
+    };
+    assert_eq!(count, [3, 4]);
+    assert_eq!(samples.len(), 24);
+    for (index, sample) in samples.iter().enumerate() {
+        let (i, j, k) = (index % 3, index / 3 % 4, index / 12);
+        let expected = bounds
+            .placement
+            .local([i as f64, j as f64, 10.0 * k as f64])
+            .map(|x| x as f32);
+        assert_eq!(sample.position, expected);
+    }
+}
+
+#[test]
+fn vectors_are_one_sample_per_combination_of_grid_values() {
+    let (_, samples) = samples("grid g : [0,1,30],[0,1,20]; vector v = (1,0,0) @ (g_1,g_2,0);");
+    let Samples::Vectors(samples) = samples else {
+        panic!("vectors")
+    };
+    assert_eq!(samples.len(), 600);
+    assert!(samples.iter().all(|sample| sample.defined == 1.0));
+}
+
+#[test]
+fn bounds_are_those_of_the_defined_and_leave_outliers_out() {
+    let scene = scene("curve c(t) = (t, 1/t, sqrt(t + 1/2)), t : [-1, 1, 2001];");
+    let bounds = Bounds::of(&scene, &Settings::opening(&scene));
+    assert!(bounds.placement.radius < 1000.0, "{:?}", bounds.placement);
+    assert!(bounds.cloud.iter().flatten().all(|x| x.abs() <= 1.0 + 1e-9));
+}
+
+#[test]
+fn a_distant_scene_keeps_its_digits() {
+    let (_, samples) = samples("curve c(t) = (10^9 + t, 0, 0), t : [0, 1, 5];");
+    let Samples::Curves { samples, .. } = samples else {
+        panic!("a curve")
+    };
+    let places: Vec<f32> = samples.iter().map(|sample| sample.position[0]).collect();
+    for (place, expected) in places.iter().zip([-1.0, -0.5, 0.0, 0.5, 1.0]) {
+        assert!((place - expected).abs() < 1e-6, "{places:?}");
+    }
+}
