@@ -30,8 +30,10 @@ struct Resolve {
 // For each pixel: offset from the camera in scaled coordinates, as bits; status; steps.
 @group(0) @binding(1) var<storage, read> map: array<vec4u>;
 @group(0) @binding(2) var<storage, read_write> colours: array<u32>;
-@group(0) @binding(3) var image: texture_2d<f32>;
-@group(0) @binding(4) var image_sampler: sampler;
+// How many pixels have each status, over all dispatches.
+@group(0) @binding(3) var<storage, read_write> counts: array<atomic<u32>, 6>;
+@group(0) @binding(4) var image: texture_2d<f32>;
+@group(0) @binding(5) var image_sampler: sampler;
 
 fn place_in_map(x: i32, y: i32) -> u32 {
     return u32(y - i32(resolve.map_rows.x)) * resolve.size.x + u32(x);
@@ -118,14 +120,17 @@ fn resolve_geodesics(@builtin(global_invocation_id) id: vec3u) {
     }
     let x = i32(id.x);
     let y = i32(id.y + resolve.rows.x);
-    let status = map[place_in_map(x, y)].z;
+    let status = min(map[place_in_map(x, y)].z, 5u);
+    if status != STATUS_COMPLETE {
+        atomicAdd(&counts[status], 1u);
+    }
     var colour: vec3f;
     if status == STATUS_COMPLETE {
         let uv = resolve.place + offset_at(x, y);
         let texel = filtered(image, image_sampler, uv, footprint(x, y, 1, 0), footprint(x, y, 0, 1));
         colour = resolve.colour.rgb * texel;
     } else {
-        colour = hatched(x, y, min(status, 5u));
+        colour = hatched(x, y, status);
     }
     colours[id.y * resolve.size.x + id.x] = encoded(marked_centre(colour, x, y));
 }

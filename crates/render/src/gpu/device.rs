@@ -22,7 +22,11 @@ pub(crate) struct Gpu {
 /// [`RenderError::NoGpu`] where there is no driver or no device; this is not tried again.
 pub(crate) fn open() -> Result<&'static Gpu, RenderError> {
     static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
-    GPU.get_or_init(Gpu::open).as_ref().map_err(|reason| RenderError::NoGpu { reason: reason.clone() })
+    GPU.get_or_init(Gpu::open)
+        .as_ref()
+        .map_err(|reason| RenderError::NoGpu {
+            reason: reason.clone(),
+        })
 }
 
 impl Gpu {
@@ -52,13 +56,20 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&description))
             .map_err(|error| format!("the GPU cannot be opened ({error})"))?;
-        device.on_uncaptured_error(std::sync::Arc::new(|error: wgpu::Error| keep(&STRAY, error.to_string())));
+        device.on_uncaptured_error(std::sync::Arc::new(|error: wgpu::Error| {
+            keep(&STRAY, error.to_string())
+        }));
         device.set_device_lost_callback(|reason, message| {
             if reason != wgpu::DeviceLostReason::Destroyed {
                 keep(&STRAY, format!("the device was lost: {message}"));
             }
         });
-        Ok(Self { device, queue, name: adapter.get_info().name, stray: &STRAY })
+        Ok(Self {
+            device,
+            queue,
+            name: adapter.get_info().name,
+            stray: &STRAY,
+        })
     }
 
     /// Runs work with all errors of the device caught. The first that occurs is the result, unless the work itself
@@ -66,7 +77,10 @@ impl Gpu {
     ///
     /// # Errors
     /// [`RenderError::Gpu`], and those of the work.
-    pub(crate) fn guarded<T>(&self, work: impl FnOnce() -> Result<T, RenderError>) -> Result<T, RenderError> {
+    pub(crate) fn guarded<T>(
+        &self,
+        work: impl FnOnce() -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
         let internal = self.device.push_error_scope(wgpu::ErrorFilter::Internal);
         let memory = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let validation = self.device.push_error_scope(wgpu::ErrorFilter::Validation);
@@ -78,7 +92,11 @@ impl Gpu {
         if let Some(error) = found {
             return Err(RenderError::Gpu(error.to_string()));
         }
-        let stray = self.stray.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let stray = self
+            .stray
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
         match (result, stray) {
             (Ok(_), Some(message)) => Err(RenderError::Gpu(message)),
             (result, _) => result,
@@ -86,9 +104,18 @@ impl Gpu {
     }
 
     /// A buffer with the given bytes; never empty, since a binding may not be.
-    pub(crate) fn buffer(&self, label: &str, usage: wgpu::BufferUsages, bytes: &[u8]) -> wgpu::Buffer {
+    pub(crate) fn buffer(
+        &self,
+        label: &str,
+        usage: wgpu::BufferUsages,
+        bytes: &[u8],
+    ) -> wgpu::Buffer {
         let contents = if bytes.is_empty() { &[0; 16] } else { bytes };
-        let description = wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage };
+        let description = wgpu::util::BufferInitDescriptor {
+            label: Some(label),
+            contents,
+            usage,
+        };
         self.device.create_buffer_init(&description)
     }
 
@@ -117,7 +144,9 @@ impl Gpu {
     pub(crate) fn check_size(&self, label: &str, size: u64) -> Result<(), RenderError> {
         let most = self.storage_limit();
         if size > most {
-            return Err(RenderError::Gpu(format!("{label} take {size} bytes, the GPU allows {most} in one piece")));
+            return Err(RenderError::Gpu(format!(
+                "{label} take {size} bytes, the GPU allows {most} in one piece"
+            )));
         }
         Ok(())
     }
@@ -125,7 +154,9 @@ impl Gpu {
     /// The largest storage buffer.
     pub(crate) fn storage_limit(&self) -> u64 {
         let limits = self.device.limits();
-        limits.max_buffer_size.min(limits.max_storage_buffer_binding_size)
+        limits
+            .max_buffer_size
+            .min(limits.max_storage_buffer_binding_size)
     }
 
     fn empty(&self, label: &str, usage: wgpu::BufferUsages, size: u64) -> wgpu::Buffer {
@@ -150,7 +181,9 @@ impl Gpu {
 
     /// Records commands and hands them over.
     pub(crate) fn submit(&self, record: impl FnOnce(&mut wgpu::CommandEncoder)) {
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut encoder = self
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         record(&mut encoder);
         self.queue.submit([encoder.finish()]);
     }
@@ -185,14 +218,21 @@ impl Gpu {
         let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ;
         let staging = self.empty("read back", usage, u64::from(stride) * u64::from(size[1]));
-        let extent = wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 };
+        let extent = wgpu::Extent3d {
+            width: size[0],
+            height: size[1],
+            depth_or_array_layers: 1,
+        };
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
             bytes_per_row: Some(stride),
             rows_per_image: Some(size[1]),
         };
         self.submit(|encoder| {
-            let to = wgpu::TexelCopyBufferInfo { buffer: &staging, layout };
+            let to = wgpu::TexelCopyBufferInfo {
+                buffer: &staging,
+                layout,
+            };
             encoder.copy_texture_to_buffer(texture.as_image_copy(), to, extent);
         });
         self.read_staging(&staging, |bytes| {
@@ -202,8 +242,13 @@ impl Gpu {
         })
     }
 
-    fn read_staging<T>(&self, staging: &wgpu::Buffer, read: impl FnOnce(&[u8]) -> T) -> Result<T, RenderError> {
-        let lost = |message: String| RenderError::Gpu(format!("its results cannot be read: {message}"));
+    fn read_staging<T>(
+        &self,
+        staging: &wgpu::Buffer,
+        read: impl FnOnce(&[u8]) -> T,
+    ) -> Result<T, RenderError> {
+        let lost =
+            |message: String| RenderError::Gpu(format!("its results cannot be read: {message}"));
         let slice = staging.slice(..);
         let (send, receive) = mpsc::channel();
         slice.map_async(wgpu::MapMode::Read, move |result| {
@@ -216,7 +261,9 @@ impl Gpu {
             Ok(Err(error)) => return Err(lost(error.to_string())),
             Err(_) => return Err(lost("no answer".to_owned())),
         }
-        let view = slice.get_mapped_range().map_err(|error| lost(error.to_string()))?;
+        let view = slice
+            .get_mapped_range()
+            .map_err(|error| lost(error.to_string()))?;
         let result = read(&view);
         drop(view);
         staging.unmap();
@@ -225,5 +272,8 @@ impl Gpu {
 }
 
 fn keep(place: &Mutex<Option<String>>, message: String) {
-    place.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(message);
+    place
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .get_or_insert(message);
 }

@@ -33,8 +33,15 @@ impl fmt::Display for EvaluateError {
         match self {
             Self::Render(error) => error.fmt(f),
             Self::Generate(error) => error.fmt(f),
-            Self::Row { row, expected, given } => {
-                write!(f, "row {row} has {given} numbers where the expressions take {expected}")
+            Self::Row {
+                row,
+                expected,
+                given,
+            } => {
+                write!(
+                    f,
+                    "row {row} has {given} numbers where the expressions take {expected}"
+                )
             }
         }
     }
@@ -48,11 +55,19 @@ impl std::error::Error for EvaluateError {}
 ///
 /// # Errors
 /// See [`EvaluateError`].
-pub fn evaluate(graph: &Graph, roots: &[NodeId], rows: &[Vec<f32>]) -> Result<Vec<Vec<f32>>, EvaluateError> {
+pub fn evaluate(
+    graph: &Graph,
+    roots: &[NodeId],
+    rows: &[Vec<f32>],
+) -> Result<Vec<Vec<f32>>, EvaluateError> {
     let inputs = graph.inputs(roots);
     for (row, numbers) in rows.iter().enumerate() {
         if numbers.len() != inputs.len() {
-            return Err(EvaluateError::Row { row, expected: inputs.len(), given: numbers.len() });
+            return Err(EvaluateError::Row {
+                row,
+                expected: inputs.len(),
+                given: numbers.len(),
+            });
         }
     }
     if rows.is_empty() || roots.is_empty() {
@@ -75,7 +90,8 @@ pub fn evaluate(graph: &Graph, roots: &[NodeId], rows: &[Vec<f32>]) -> Result<Ve
             match input {
                 Input::Variable(k) => to[*k as usize] = number,
                 Input::Uniform(k) => {
-                    to[variables as usize + kernel.uniforms().partition_point(|uniform| uniform < k)] = number;
+                    to[variables as usize
+                        + kernel.uniforms().partition_point(|uniform| uniform < k)] = number;
                 }
             }
         }
@@ -97,7 +113,11 @@ pub fn evaluate(graph: &Graph, roots: &[NodeId], rows: &[Vec<f32>]) -> Result<Ve
         let outputs = gpu.output("outputs", size)?;
         let group = workshop.bind(
             &pipeline.get_bind_group_layout(0),
-            &[description.as_entire_binding(), inputs.as_entire_binding(), outputs.as_entire_binding()],
+            &[
+                description.as_entire_binding(),
+                inputs.as_entire_binding(),
+                outputs.as_entire_binding(),
+            ],
         );
         gpu.submit(|encoder| dispatch_flat(encoder, &pipeline, &group, rows.len() as u64));
         gpu.read(&outputs, size, |bytes| bytemuck::pod_collect_to_vec(bytes))

@@ -8,7 +8,7 @@ use geodesic::map::Map;
 use geodesic::surface::{Side, Sides};
 use geodesic::trace::Status;
 use image::RgbaImage;
-use scene::scene::{Scene, Shape};
+use scene::scene::{ObjectId, Scene, Shape};
 use scene::values::Settings;
 use wgsl::Kernel;
 
@@ -17,7 +17,7 @@ use crate::gpu::internal;
 use crate::gpu::layout::{ChartCamera, Resolve};
 use crate::gpu::workshop::{Workshop, dispatch};
 use crate::plan::{GeodesicPlan, Plan, Source};
-use crate::request::{RenderError, Request};
+use crate::request::{RenderError, Request, View};
 use crate::style;
 
 /// Pixels of one slab: 64 MB of map.
@@ -26,6 +26,8 @@ const SLAB_PIXELS: u32 = 1 << 22;
 const BAND_PIXELS: u32 = 1 << 16;
 /// The most steps of one pixel's geodesic.
 const STEP_LIMIT: u32 = 2_000;
+/// How many statuses there are.
+const STATUSES: usize = 6;
 /// Bytes of a pixel of the map.
 const PIXEL_BYTES: u64 = 16;
 
@@ -54,13 +56,22 @@ pub(crate) fn render(
     let image = workshop.texture(&request.texture(view.surface));
     let mut resolve = chart.resolve(request, request.colour(view.surface, &object.shape));
     let halo = resolve.reach as u32 + 1;
-    let slab = (SLAB_PIXELS / width).saturating_sub(2 * halo).clamp(1, height);
+    let slab = (SLAB_PIXELS / width)
+        .saturating_sub(2 * halo)
+        .clamp(1, height);
     let gpu = workshop.gpu;
+    let counts = gpu.output("counts", 4 * STATUSES as u64)?;
     for first in (0..height).step_by(slab as usize) {
         let rows = slab.min(height - first);
         let map_first = first.saturating_sub(halo);
         let map_rows = (first + rows + halo).min(height) - map_first;
-        let map = source.rows(workshop, &chart, request.size, [map_first, map_rows], progress)?;
+        let map = source.rows(
+            workshop,
+            &chart,
+            request.size,
+            [map_first, map_rows],
+            progress,
+        )?;
         resolve.map_rows = [map_first, map_rows];
         resolve.rows = [first, rows];
         let uniform = gpu.uniform("resolve", &resolve);
@@ -72,52 +83,77 @@ pub(crate) fn render(
                 uniform.as_entire_binding(),
                 map.as_entire_binding(),
                 colours.as_entire_binding(),
+                counts.as_entire_binding(),
                 wgpu::BindingResource::TextureView(&image),
                 wgpu::BindingResource::Sampler(&sampler),
             ],
         );
-        gpu.submit(|encoder| dispatch(encoder, &pipeline, &group, [width.div_ceil(8), rows.div_ceil(8)]));
+        gpu.submit(|encoder| {
+            dispatch(
+                encoder,
+                &pipeline,
+                &group,
+                [width.div_ceil(8), rows.div_ceil(8)],
+            )
+        });
         let start = 4 * first as usize * width as usize;
         gpu.read(&colours, size, |bytes| {
-            picture.as_flat_samples_mut().samples[start..start + bytes.len()].copy_from_slice(bytes);
+            picture.as_flat_samples_mut().samples[start..start + bytes.len()]
+                .copy_from_slice(bytes);
         })?;
         progress((first + rows) as f32 / height as f32);
     }
-    Ok((picture, Vec::new()))
+    let counts: Vec<u32> = gpu.read(&counts, 4 * STATUSES as u64, bytemuck::pod_collect_to_vec)?;
+    let count = |status| {
+        counts
+            .get(code_of(status) as usize)
+            .map_or(0, |&count| count as usize)
+    };
+    Ok((
+        picture,
+        geodesic_view::notes(width as usize * height as usize, count),
+    ))
 }
 
-/// The map of a geodesic view as a generated kernel computes it: for comparing it with f64. `None` if the surface's
-/// derivatives are too large for a shader.
-///
-/// # Errors
-/// As [`crate::gpu::render`].
+/// The map of a geodesic view as a generated kernel computes it, in one piece: for comparing it with f64. `None` if
+/// the surface's derivatives are too large for a shader.
 pub(crate) fn map(
     workshop: &mut Workshop<'_>,
     scene: &Scene,
     settings: &Settings,
     request: &Request,
-    view: &GeodesicPlan,
 ) -> Result<Option<Map>, RenderError> {
+    let View::Geodesic { surface, .. } = request.view else {
+        return Err(RenderError::NoSurface { name: None });
+    };
     let inside = geodesic_view::Inside::new(scene, settings, request)?;
     let chart = Chart::new(&inside.frame, inside.domain(), inside.sides(), inside.zoom);
-    let source = map_source(workshop, scene, view, &inside, &|_| {})?;
-    if matches!(source, MapSource::Blocks { .. }) {
+    let Some(source) = kernel_source(workshop, scene, surface, &inside)? else {
         return Ok(None);
-    }
+    };
     let size = request.size;
     let buffer = source.rows(workshop, &chart, size, [0, size[1]], &|_| {})?;
     let bytes = PIXEL_BYTES * u64::from(size[0]) * u64::from(size[1]);
     workshop.gpu.read(&buffer, bytes, |bytes| {
         let pixels: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(bytes);
-        let uv = pixels.iter().map(|&[a, b, ..]| chart.uv([f32::from_bits(a), f32::from_bits(b)])).collect();
-        let status = pixels.iter().map(|&[_, _, status, _]| status_of(status)).collect();
-        Some(Map { size, uv, status, ..Map::default() })
+        let uv = pixels
+            .iter()
+            .map(|&[a, b, ..]| chart.uv([f32::from_bits(a), f32::from_bits(b)]))
+            .collect();
+        let status = pixels
+            .iter()
+            .map(|&[_, _, status, _]| status_of(status))
+            .collect();
+        Some(Map { size, uv, status })
     })
 }
 
 /// Where maps come from.
 enum MapSource {
-    Kernel { pipeline: wgpu::ComputePipeline, uniforms: Option<wgpu::Buffer> },
+    Kernel {
+        pipeline: wgpu::ComputePipeline,
+        uniforms: Option<wgpu::Buffer>,
+    },
     Blocks(Map),
 }
 
@@ -128,28 +164,42 @@ fn map_source(
     inside: &geodesic_view::Inside,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<MapSource, RenderError> {
-    let Shape::Surface { position, .. } = &scene.objects[view.surface.0 as usize].shape else {
+    if view.source == Source::Kernel
+        && let Some(source) = kernel_source(workshop, scene, view.surface, inside)?
+    {
+        return Ok(source);
+    }
+    Ok(MapSource::Blocks(
+        inside.map(&|share| progress(0.9 * share)),
+    ))
+}
+
+/// The generated kernel; `None` if it would be too large for a shader: f64 takes any expression.
+fn kernel_source(
+    workshop: &mut Workshop<'_>,
+    scene: &Scene,
+    surface: ObjectId,
+    inside: &geodesic_view::Inside,
+) -> Result<Option<MapSource>, RenderError> {
+    let Shape::Surface { position, .. } = &scene.objects[surface.0 as usize].shape else {
         return Err(RenderError::NoSurface { name: None });
     };
-    if view.source == Source::Kernel {
-        match wgsl::kernel::geodesic(&scene.graph, *position) {
-            Ok(kernel) => return Ok(MapSource::kernel(workshop, &kernel, &inside.uniforms)),
-            Err(error) => {
-                if let Some(fault) = internal(error) {
-                    return Err(fault);
-                }
-                // Too large for a shader: f64 takes any expression.
-            }
-        }
+    match wgsl::kernel::geodesic(&scene.graph, *position) {
+        Ok(kernel) => Ok(Some(MapSource::kernel(workshop, &kernel, &inside.uniforms))),
+        Err(error) => internal(error).map_or(Ok(None), Err),
     }
-    Ok(MapSource::Blocks(inside.map(&|share| progress(0.9 * share))))
 }
 
 impl MapSource {
     fn kernel(workshop: &mut Workshop<'_>, kernel: &Kernel, values: &[f64]) -> Self {
         let pipeline = workshop.geodesic_kernel(kernel);
-        let row: Vec<f32> = kernel.uniforms().iter().map(|&k| values[k as usize] as f32).collect();
-        let uniforms = (!row.is_empty()).then(|| workshop.gpu.storage("uniforms", bytemuck::cast_slice(&row)));
+        let row: Vec<f32> = kernel
+            .uniforms()
+            .iter()
+            .map(|&k| values[k as usize] as f32)
+            .collect();
+        let uniforms =
+            (!row.is_empty()).then(|| workshop.gpu.storage("uniforms", bytemuck::cast_slice(&row)));
         Self::Kernel { pipeline, uniforms }
     }
 
@@ -166,7 +216,8 @@ impl MapSource {
         let width = size[0];
         let (pipeline, uniforms) = match self {
             Self::Blocks(map) => {
-                let pixels = (first as usize * width as usize)..((first + count) as usize * width as usize);
+                let pixels =
+                    (first as usize * width as usize)..((first + count) as usize * width as usize);
                 let packed: Vec<[u32; 4]> = pixels
                     .map(|at| {
                         let [a, b] = chart.offset(map.uv[at]).map(f32::to_bits);
@@ -183,12 +234,22 @@ impl MapSource {
         for row in (0..count).step_by(band as usize) {
             let rows = band.min(count - row);
             let camera = gpu.uniform("camera", &chart.camera(size, [first + row, rows], first));
-            let mut bindings = vec![(0, camera.as_entire_binding()), (2, map.as_entire_binding())];
+            let mut bindings = vec![
+                (0, camera.as_entire_binding()),
+                (2, map.as_entire_binding()),
+            ];
             if let Some(uniforms) = uniforms {
                 bindings.push((1, uniforms.as_entire_binding()));
             }
             let group = workshop.bind_numbered(&layout, &bindings);
-            gpu.submit(|encoder| dispatch(encoder, pipeline, &group, [width.div_ceil(8), rows.div_ceil(8)]));
+            gpu.submit(|encoder| {
+                dispatch(
+                    encoder,
+                    pipeline,
+                    &group,
+                    [width.div_ceil(8), rows.div_ceil(8)],
+                )
+            });
             gpu.wait()?;
             progress((first + row + rows) as f32 / size[1] as f32);
         }
@@ -232,7 +293,9 @@ impl Chart {
     }
 
     fn camera(&self, size: [u32; 2], rows: [u32; 2], map_row: u32) -> ChartCamera {
-        let end = |side: usize| [0, 1].map(|k| ((self.domain[k][side] - self.at[k]) / self.scale[k]) as f32);
+        let end = |side: usize| {
+            [0, 1].map(|k| ((self.domain[k][side] - self.at[k]) / self.scale[k]) as f32)
+        };
         ChartCamera {
             origin: self.at.map(|x| x as f32),
             scale: self.scale.map(|x| x as f32),
@@ -274,7 +337,11 @@ impl Chart {
             rows: [0, size[1]],
             hatch: HATCH * hatch_unit,
             reach: (hatch_unit.round() as i32).max(1),
-            ring: if mark { (RING * unit).max(LEAST_RING) } else { 0.0 },
+            ring: if mark {
+                (RING * unit).max(LEAST_RING)
+            } else {
+                0.0
+            },
             ring_half: (0.75 * unit).max(0.6),
             padding: [0.0; 2],
             hatching,

@@ -77,7 +77,14 @@ pub(crate) struct Glyph {
 
 impl Glyph {
     /// A glyph of the given colour and width, `count` samples an instance, `total` in all, drawn from `first` on.
-    pub(crate) fn new(colour: [f32; 3], length: &style::Length, least: f32, count: u32, total: u32, first: u32) -> Self {
+    pub(crate) fn new(
+        colour: [f32; 3],
+        length: &style::Length,
+        least: f32,
+        count: u32,
+        total: u32,
+        first: u32,
+    ) -> Self {
         Self {
             colour,
             nominal: length.nominal,
@@ -197,36 +204,108 @@ mod tests {
     #[test]
     fn uniform_structs_are_laid_out_as_in_the_shaders() {
         let surfaces = painter::surfaces().expect("valid");
-        assert_same_layout!(surfaces, "View", super::View, [
-            view_from_world, zoom, near, pixels_per_unit, key_direction, pixel_unit, ambient, fill, key, highlight,
-            highlight_power, glyph_rim, tile_scale, tile_offset, padding,
-        ]);
-        assert_same_layout!(surfaces, "Patch", super::Patch, [colour, count, first, padding]);
+        assert_same_layout!(
+            surfaces,
+            "View",
+            super::View,
+            [
+                view_from_world,
+                zoom,
+                near,
+                pixels_per_unit,
+                key_direction,
+                pixel_unit,
+                ambient,
+                fill,
+                key,
+                highlight,
+                highlight_power,
+                glyph_rim,
+                tile_scale,
+                tile_offset,
+                padding,
+            ]
+        );
+        assert_same_layout!(
+            surfaces,
+            "Patch",
+            super::Patch,
+            [colour, count, first, padding]
+        );
         let curves = painter::curves().expect("valid");
-        assert_same_layout!(curves, "Glyph", super::Glyph, [
-            colour, nominal, min_pixels, max_pixels, least, lift, join_lift, head_length, head_radius, head_share,
-            count, total, first, padding,
-        ]);
+        assert_same_layout!(
+            curves,
+            "Glyph",
+            super::Glyph,
+            [
+                colour,
+                nominal,
+                min_pixels,
+                max_pixels,
+                least,
+                lift,
+                join_lift,
+                head_length,
+                head_radius,
+                head_share,
+                count,
+                total,
+                first,
+                padding,
+            ]
+        );
         let resolve = painter::resolve_geodesic().expect("valid");
-        assert_same_layout!(resolve, "Resolve", super::Resolve, [
-            colour, place, per_width, size, map_rows, rows, hatch, reach, ring, ring_half, padding, hatching,
-        ]);
+        assert_same_layout!(
+            resolve,
+            "Resolve",
+            super::Resolve,
+            [
+                colour, place, per_width, size, map_rows, rows, hatch, reach, ring, ring_half,
+                padding, hatching,
+            ]
+        );
         let samples = stubbed(&[
-            library::NUMBER, library::SAMPLING, library::CONTRACT_POINT, library::PASS_SAMPLE_POINT,
+            library::NUMBER,
+            library::SAMPLING,
+            library::CONTRACT_POINT,
+            library::PASS_SAMPLE_POINT,
         ]);
-        assert_same_layout!(samples, "Sampling", super::Sampling, [
-            minimum, maximum, count, total, slots, centre, per_length, horizon, nudge, padding,
-        ]);
+        assert_same_layout!(
+            samples,
+            "Sampling",
+            super::Sampling,
+            [
+                minimum, maximum, count, total, slots, centre, per_length, horizon, nudge, padding,
+            ]
+        );
         let geodesic = stubbed(&[
-            library::NUMBER, library::JET, library::FIRST_FORM, library::CHART, library::CONTRACT_GEODESIC,
+            library::NUMBER,
+            library::JET,
+            library::FIRST_FORM,
+            library::CHART,
+            library::CONTRACT_GEODESIC,
             library::PASS_GEODESIC,
         ]);
-        assert_same_layout!(geodesic, "Camera", super::ChartCamera, [
-            origin, scale, x, y, minimum, maximum, sides, size, rows, per_length, step_limit, instance, map_row,
-        ]);
+        assert_same_layout!(
+            geodesic,
+            "Camera",
+            super::ChartCamera,
+            [
+                origin, scale, x, y, minimum, maximum, sides, size, rows, per_length, step_limit,
+                instance, map_row,
+            ]
+        );
         let evaluate = stubbed(&[
-            library::NUMBER, library::SAMPLING, library::CONTRACT_EVALUATE, library::PASS_EVALUATE,
+            library::NUMBER,
+            library::SAMPLING,
+            library::CONTRACT_EVALUATE,
+            library::PASS_EVALUATE,
         ]);
-        assert_same_layout!(evaluate, "Table", super::Table, [rows, variables, uniforms, roots]);
+        assert_same_layout!(
+            evaluate,
+            "Table",
+            super::Table,
+            [rows, variables, uniforms, roots]
+        );
     }
 }

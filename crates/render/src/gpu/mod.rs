@@ -19,6 +19,7 @@ mod surfaces;
 mod vectors;
 mod workshop;
 
+use ::geodesic::map::Map;
 use scene::{scene::Scene, values::Settings};
 use wgsl::GenerateError;
 
@@ -56,14 +57,44 @@ pub fn render_counted(
     gpu.guarded(|| {
         let mut workshop = Workshop::new(gpu);
         let (image, notes) = match &request.view {
-            View::Space { eye, target } => {
-                space::render(&mut workshop, scene, settings, request, &plan, [*eye, *target], progress)?
+            View::Space { eye, target } => space::render(
+                &mut workshop,
+                scene,
+                settings,
+                request,
+                &plan,
+                [*eye, *target],
+                progress,
+            )?,
+            View::Geodesic { .. } => {
+                geodesic::render(&mut workshop, scene, settings, request, &plan, progress)?
             }
-            View::Geodesic { .. } => geodesic::render(&mut workshop, scene, settings, request, &plan, progress)?,
         };
         let backend = format!("GPU: {}", gpu.name);
-        Ok((Picture { image, backend, notes }, workshop.built))
+        Ok((
+            Picture {
+                image,
+                backend,
+                notes,
+            },
+            workshop.built,
+        ))
     })
+}
+
+/// The map of a geodesic view as the generated kernel computes it: for comparing it with f64. `None` if the surface's
+/// derivatives are too large for a shader.
+///
+/// # Errors
+/// As [`render`].
+pub fn geodesic_map(
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+) -> Result<Option<Map>, RenderError> {
+    request.check(scene)?;
+    let gpu = device::open()?;
+    gpu.guarded(|| geodesic::map(&mut Workshop::new(gpu), scene, settings, request))
 }
 
 /// The name of the GPU that pictures are drawn on.
@@ -84,6 +115,9 @@ fn internal(error: GenerateError) -> Option<RenderError> {
 
 impl From<wgsl::InternalError> for RenderError {
     fn from(error: wgsl::InternalError) -> Self {
-        Self::Internal { message: error.message, source: error.source }
+        Self::Internal {
+            message: error.message,
+            source: error.source,
+        }
     }
 }

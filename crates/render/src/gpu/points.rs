@@ -18,7 +18,9 @@ pub(crate) struct Points {
 impl Points {
     pub(crate) fn new(workshop: &mut Workshop<'_>) -> Result<Self, RenderError> {
         let joined = wgsl::painter::points()?;
-        Ok(Self { pipeline: workshop.draw_pipeline("points", &joined) })
+        Ok(Self {
+            pipeline: workshop.draw_pipeline("points", &joined),
+        })
     }
 
     /// The draw of all instances of one object, in linear light.
@@ -29,13 +31,28 @@ impl Points {
         samples: &SampleBuffer,
         colour: [f32; 3],
     ) -> Draw {
-        let glyph = Glyph::new(colour, &style::POINT_RADIUS, style::LEAST_POINT_RADIUS, samples.count[0], samples.total, 0);
+        let glyph = Glyph::new(
+            colour,
+            &style::POINT_RADIUS,
+            style::LEAST_POINT_RADIUS,
+            samples.count[0],
+            samples.total,
+            0,
+        );
         let glyph = workshop.gpu.uniform("glyph", &glyph);
         let group = workshop.bind(
             &self.pipeline.get_bind_group_layout(0),
-            &[view.as_entire_binding(), glyph.as_entire_binding(), samples.buffer.as_entire_binding()],
+            &[
+                view.as_entire_binding(),
+                glyph.as_entire_binding(),
+                samples.buffer.as_entire_binding(),
+            ],
         );
         let vertices = Vertices::Plain(samples.total.saturating_mul(CORNERS));
-        Draw { pipeline: self.pipeline.clone(), group, vertices }
+        Draw {
+            pipeline: self.pipeline.clone(),
+            group,
+            vertices,
+        }
     }
 }

@@ -10,7 +10,9 @@ use crate::gpu::layout;
 use crate::gpu::workshop::{Workshop, dispatch_flat};
 use crate::plan::{ObjectPlan, Source};
 use crate::request::RenderError;
-use crate::sample::{self, HORIZON, NORMAL_NUDGE, PositionSample, Samples, SurfaceSample, VectorSample};
+use crate::sample::{
+    self, HORIZON, NORMAL_NUDGE, PositionSample, Samples, SurfaceSample, VectorSample,
+};
 
 /// The samples of one object on the GPU.
 pub(crate) struct SampleBuffer {
@@ -61,18 +63,29 @@ fn upload(
     let (bytes, count, total): (&[u8], _, _) = match &samples {
         Samples::Points(samples) => (bytemuck::cast_slice(samples), [1, 1], samples.len()),
         Samples::Vectors(samples) => (bytemuck::cast_slice(samples), [1, 1], samples.len()),
-        Samples::Curves { count, samples } => (bytemuck::cast_slice(samples), [*count, 1], samples.len()),
-        Samples::Surfaces { count, samples } => (bytemuck::cast_slice(samples), *count, samples.len()),
+        Samples::Curves { count, samples } => {
+            (bytemuck::cast_slice(samples), [*count, 1], samples.len())
+        }
+        Samples::Surfaces { count, samples } => {
+            (bytemuck::cast_slice(samples), *count, samples.len())
+        }
     };
     workshop.gpu.check_size("samples", bytes.len() as u64)?;
     let buffer = workshop.gpu.storage("samples", bytes);
-    Ok(SampleBuffer { buffer, count, total: total as u32, note })
+    Ok(SampleBuffer {
+        buffer,
+        count,
+        total: total as u32,
+        note,
+    })
 }
 
 fn kernel(scene: &Scene, shape: &Shape) -> Result<Kernel, GenerateError> {
     match shape {
         Shape::Point { position } => wgsl::kernel::sample_point(&scene.graph, *position),
-        Shape::Vector { direction, origin } => wgsl::kernel::sample_vector(&scene.graph, *direction, *origin),
+        Shape::Vector { direction, origin } => {
+            wgsl::kernel::sample_vector(&scene.graph, *direction, *origin)
+        }
         Shape::Curve { position, .. } => wgsl::kernel::sample_curve(&scene.graph, *position),
         Shape::Surface { position, .. } => wgsl::kernel::sample_surface(&scene.graph, *position),
     }
@@ -91,15 +104,21 @@ fn run(
     let (domains, count, bytes_per_sample) = match &object.shape {
         Shape::Point { .. } => ([[0.0; 2]; 2], [1, 1], size_of::<PositionSample>()),
         Shape::Vector { .. } => ([[0.0; 2]; 2], [1, 1], size_of::<VectorSample>()),
-        Shape::Curve { domain, .. } => {
-            ([ends(domain), [0.0; 2]], [domain.count, 1], size_of::<PositionSample>())
-        }
-        Shape::Surface { domain, .. } => {
-            (domain.each_ref().map(ends), domain.each_ref().map(|d| d.count), size_of::<SurfaceSample>())
-        }
+        Shape::Curve { domain, .. } => (
+            [ends(domain), [0.0; 2]],
+            [domain.count, 1],
+            size_of::<PositionSample>(),
+        ),
+        Shape::Surface { domain, .. } => (
+            domain.each_ref().map(ends),
+            domain.each_ref().map(|d| d.count),
+            size_of::<SurfaceSample>(),
+        ),
     };
     let per_instance = u64::from(count[0]) * u64::from(count[1]);
-    let total = settings.instance_count(scene, object).saturating_mul(per_instance);
+    let total = settings
+        .instance_count(scene, object)
+        .saturating_mul(per_instance);
     let size = total.saturating_mul(bytes_per_sample as u64);
     let buffer = gpu.output("samples", size)?;
     let mut uniforms: Vec<f32> = Vec::new();
@@ -127,19 +146,34 @@ fn run(
     let group = if kernel.uniforms().is_empty() {
         workshop.bind_numbered(
             &layout,
-            &[(0, sampling.as_entire_binding()), (2, buffer.as_entire_binding())],
+            &[
+                (0, sampling.as_entire_binding()),
+                (2, buffer.as_entire_binding()),
+            ],
         )
     } else {
         workshop.bind(
             &layout,
-            &[sampling.as_entire_binding(), uniforms.as_entire_binding(), buffer.as_entire_binding()],
+            &[
+                sampling.as_entire_binding(),
+                uniforms.as_entire_binding(),
+                buffer.as_entire_binding(),
+            ],
         )
     };
     gpu.submit(|encoder| dispatch_flat(encoder, &pipeline, &group, total));
     let undefined = gpu.read(&buffer, size, |bytes| {
         // The fourth number of a sample marks it as defined.
-        bytes.chunks_exact(bytes_per_sample).filter(|sample| sample[12..16] == [0; 4]).count()
+        bytes
+            .chunks_exact(bytes_per_sample)
+            .filter(|sample| sample[12..16] == [0; 4])
+            .count()
     })?;
     let note = sample::note(&object.name, total as usize, undefined);
-    Ok(SampleBuffer { buffer, count, total: total as u32, note })
+    Ok(SampleBuffer {
+        buffer,
+        count,
+        total: total as u32,
+        note,
+    })
 }

@@ -61,14 +61,25 @@ pub(crate) fn render(
     for (index, object) in plan.objects.iter().enumerate() {
         let samples = samples::fill(workshop, scene, settings, object, &camera.placement)?;
         notes.extend(samples.note.clone());
-        let colour = request.colour(object.object, &scene.objects[object.object.0 as usize].shape);
+        let colour = request.colour(
+            object.object,
+            &scene.objects[object.object.0 as usize].shape,
+        );
         let draw = match object.painter {
-            Painter::Points => painters.points(workshop)?.draw(workshop, &view, &samples, colour),
-            Painter::Vectors => painters.vectors(workshop)?.draw(workshop, &view, &samples, colour),
-            Painter::Curves => painters.curves(workshop)?.draw(workshop, &view, &samples, colour),
+            Painter::Points => painters
+                .points(workshop)?
+                .draw(workshop, &view, &samples, colour),
+            Painter::Vectors => painters
+                .vectors(workshop)?
+                .draw(workshop, &view, &samples, colour),
+            Painter::Curves => painters
+                .curves(workshop)?
+                .draw(workshop, &view, &samples, colour),
             Painter::Surfaces => {
                 let texture = request.texture(object.object);
-                painters.surfaces(workshop)?.draw(workshop, &view, &samples, colour, &texture)?
+                painters
+                    .surfaces(workshop)?
+                    .draw(workshop, &view, &samples, colour, &texture)?
             }
         };
         draws.push(draw);
@@ -84,9 +95,13 @@ pub(crate) fn render(
     for (number, first) in tiles.iter().enumerate() {
         // Every tile has the target's size; what lies beyond the picture is not copied.
         let uniform = View::new(&camera, *first, target.size);
-        gpu.queue.write_buffer(&view, 0, bytemuck::bytes_of(&uniform));
+        gpu.queue
+            .write_buffer(&view, 0, bytemuck::bytes_of(&uniform));
         gpu.submit(|encoder| target.draw(encoder, &draws));
-        let size = [target.size[0].min(width - first[0]), target.size[1].min(height - first[1])];
+        let size = [
+            target.size[0].min(width - first[0]),
+            target.size[1].min(height - first[1]),
+        ];
         gpu.read_rows(&target.resolved, size, |y, row| {
             let start = 4 * ((first[1] as usize + y) * width as usize + first[0] as usize);
             picture.as_flat_samples_mut().samples[start..start + row.len()].copy_from_slice(row);
@@ -107,19 +122,34 @@ struct Painters {
 
 impl Painters {
     fn points(&mut self, workshop: &mut Workshop<'_>) -> Result<&points::Points, RenderError> {
-        let built = self.points.take().map_or_else(|| points::Points::new(workshop), Ok)?;
+        let built = self
+            .points
+            .take()
+            .map_or_else(|| points::Points::new(workshop), Ok)?;
         Ok(self.points.insert(built))
     }
     fn vectors(&mut self, workshop: &mut Workshop<'_>) -> Result<&vectors::Vectors, RenderError> {
-        let built = self.vectors.take().map_or_else(|| vectors::Vectors::new(workshop), Ok)?;
+        let built = self
+            .vectors
+            .take()
+            .map_or_else(|| vectors::Vectors::new(workshop), Ok)?;
         Ok(self.vectors.insert(built))
     }
     fn curves(&mut self, workshop: &mut Workshop<'_>) -> Result<&curves::Curves, RenderError> {
-        let built = self.curves.take().map_or_else(|| curves::Curves::new(workshop), Ok)?;
+        let built = self
+            .curves
+            .take()
+            .map_or_else(|| curves::Curves::new(workshop), Ok)?;
         Ok(self.curves.insert(built))
     }
-    fn surfaces(&mut self, workshop: &mut Workshop<'_>) -> Result<&mut surfaces::Surfaces, RenderError> {
-        let built = self.surfaces.take().map_or_else(|| surfaces::Surfaces::new(workshop), Ok)?;
+    fn surfaces(
+        &mut self,
+        workshop: &mut Workshop<'_>,
+    ) -> Result<&mut surfaces::Surfaces, RenderError> {
+        let built = self
+            .surfaces
+            .take()
+            .map_or_else(|| surfaces::Surfaces::new(workshop), Ok)?;
         Ok(self.surfaces.insert(built))
     }
 }
@@ -137,7 +167,11 @@ impl Target {
         let texture = |label, format, sample_count, usage| {
             gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
-                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+                size: wgpu::Extent3d {
+                    width: size[0],
+                    height: size[1],
+                    depth_or_array_layers: 1,
+                },
                 mip_level_count: 1,
                 sample_count,
                 dimension: wgpu::TextureDimension::D2,
@@ -152,13 +186,20 @@ impl Target {
             size,
             colour: texture("colour", COLOUR_FORMAT, SAMPLES, attachment).create_view(&all),
             depth: texture("depth", DEPTH_FORMAT, SAMPLES, attachment).create_view(&all),
-            resolved: texture("picture", COLOUR_FORMAT, 1, attachment | wgpu::TextureUsages::COPY_SRC),
+            resolved: texture(
+                "picture",
+                COLOUR_FORMAT,
+                1,
+                attachment | wgpu::TextureUsages::COPY_SRC,
+            ),
         }
     }
 
     fn draw(&self, encoder: &mut wgpu::CommandEncoder, draws: &[Draw]) {
         let [r, g, b] = style::linear(style::BACKGROUND).map(f64::from);
-        let resolved = self.resolved.create_view(&wgpu::TextureViewDescriptor::default());
+        let resolved = self
+            .resolved
+            .create_view(&wgpu::TextureViewDescriptor::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("objects"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -187,7 +228,11 @@ impl Target {
             pass.set_bind_group(0, &draw.group, &[]);
             match &draw.vertices {
                 Vertices::Plain(count) => pass.draw(0..*count, 0..1),
-                Vertices::Indexed { buffer, count, instances } => {
+                Vertices::Indexed {
+                    buffer,
+                    count,
+                    instances,
+                } => {
                     pass.set_index_buffer(buffer.slice(..), wgpu::IndexFormat::Uint32);
                     pass.draw_indexed(0..*count, 0, 0..*instances);
                 }

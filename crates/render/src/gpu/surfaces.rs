@@ -22,7 +22,12 @@ impl Surfaces {
     pub(crate) fn new(workshop: &mut Workshop<'_>) -> Result<Self, RenderError> {
         let joined = wgsl::painter::surfaces()?;
         let pipeline = workshop.draw_pipeline("surfaces", &joined);
-        Ok(Self { pipeline, sampler: workshop.sampler(), images: Vec::new(), indices: Vec::new() })
+        Ok(Self {
+            pipeline,
+            sampler: workshop.sampler(),
+            images: Vec::new(),
+            indices: Vec::new(),
+        })
     }
 
     /// The draw of all instances of one object, in linear light.
@@ -35,7 +40,12 @@ impl Surfaces {
         texture: &Arc<Texture>,
     ) -> Result<Draw, RenderError> {
         let [r, g, b] = colour;
-        let patch = Patch { colour: [r, g, b, 1.0], count: samples.count, first: 0, padding: 0 };
+        let patch = Patch {
+            colour: [r, g, b, 1.0],
+            count: samples.count,
+            first: 0,
+            padding: 0,
+        };
         let patch = workshop.gpu.uniform("patch", &patch);
         let image = self.image(workshop, texture);
         let group = workshop.bind(
@@ -52,17 +62,31 @@ impl Surfaces {
         let count = 6 * u64::from(u - 1) * u64::from(v - 1);
         let limit = workshop.gpu.device.limits().max_buffer_size;
         if 4 * count > limit || count > u64::from(u32::MAX) {
-            return Err(RenderError::Gpu(format!("a surface of {u} by {v} samples has too many triangles for it")));
+            return Err(RenderError::Gpu(format!(
+                "a surface of {u} by {v} samples has too many triangles for it"
+            )));
         }
         let buffer = self.grid(workshop, samples.count);
         let instances = samples.total / (u * v);
-        let vertices = Vertices::Indexed { buffer, count: count as u32, instances };
-        Ok(Draw { pipeline: self.pipeline.clone(), group, vertices })
+        let vertices = Vertices::Indexed {
+            buffer,
+            count: count as u32,
+            instances,
+        };
+        Ok(Draw {
+            pipeline: self.pipeline.clone(),
+            group,
+            vertices,
+        })
     }
 
     /// The image's view; each image is uploaded once.
     fn image(&mut self, workshop: &mut Workshop<'_>, texture: &Arc<Texture>) -> wgpu::TextureView {
-        if let Some((_, view)) = self.images.iter().find(|(known, _)| Arc::ptr_eq(known, texture)) {
+        if let Some((_, view)) = self
+            .images
+            .iter()
+            .find(|(known, _)| Arc::ptr_eq(known, texture))
+        {
             return view.clone();
         }
         let view = workshop.texture(texture);
@@ -77,8 +101,14 @@ impl Surfaces {
         }
         let [u, v] = size;
         let cells = (0..v - 1).flat_map(|j| (0..u - 1).map(move |i| j * u + i));
-        let indices: Vec<u32> = cells.flat_map(|at| [at, at + 1, at + u + 1, at, at + u + 1, at + u]).collect();
-        let buffer = workshop.gpu.buffer("grid", wgpu::BufferUsages::INDEX, bytemuck::cast_slice(&indices));
+        let indices: Vec<u32> = cells
+            .flat_map(|at| [at, at + 1, at + u + 1, at, at + u + 1, at + u])
+            .collect();
+        let buffer = workshop.gpu.buffer(
+            "grid",
+            wgpu::BufferUsages::INDEX,
+            bytemuck::cast_slice(&indices),
+        );
         self.indices.push((size, buffer.clone()));
         buffer
     }

@@ -24,14 +24,19 @@ pub(crate) struct Workshop<'a> {
 
 impl<'a> Workshop<'a> {
     pub(crate) fn new(gpu: &'a Gpu) -> Self {
-        Self { gpu, built: Built::default() }
+        Self {
+            gpu,
+            built: Built::default(),
+        }
     }
 
     fn module(&self, label: &str, joined: &Joined) -> wgpu::ShaderModule {
-        self.gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some(label),
-            source: wgpu::ShaderSource::Wgsl(joined.source().into()),
-        })
+        self.gpu
+            .device
+            .create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(label),
+                source: wgpu::ShaderSource::Wgsl(joined.source().into()),
+            })
     }
 
     /// A generated kernel that fills samples.
@@ -55,14 +60,16 @@ impl<'a> Workshop<'a> {
     /// A kernel that no picture needs.
     pub(crate) fn compute(&self, label: &str, joined: &Joined) -> wgpu::ComputePipeline {
         let module = self.module(label, joined);
-        self.gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some(label),
-            layout: None,
-            module: &module,
-            entry_point: None,
-            compilation_options: wgpu::PipelineCompilationOptions::default(),
-            cache: None,
-        })
+        self.gpu
+            .device
+            .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(label),
+                layout: None,
+                module: &module,
+                entry_point: None,
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                cache: None,
+            })
     }
 
     /// A painter's pipeline: triangles, both sides, depth, multisampling.
@@ -70,33 +77,38 @@ impl<'a> Workshop<'a> {
         self.built.draw_pipelines += 1;
         let module = self.module(label, joined);
         let options = wgpu::PipelineCompilationOptions::default();
-        self.gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(label),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: None,
-                compilation_options: options.clone(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(wgpu::DepthStencilState {
-                format: DEPTH_FORMAT,
-                depth_write_enabled: Some(true),
-                depth_compare: Some(wgpu::CompareFunction::Greater),
-                stencil: wgpu::StencilState::default(),
-                bias: wgpu::DepthBiasState::default(),
-            }),
-            multisample: wgpu::MultisampleState { count: SAMPLES, ..Default::default() },
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: None,
-                compilation_options: options,
-                targets: &[Some(COLOUR_FORMAT.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+        self.gpu
+            .device
+            .create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some(label),
+                layout: None,
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: None,
+                    compilation_options: options.clone(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: Some(wgpu::DepthStencilState {
+                    format: DEPTH_FORMAT,
+                    depth_write_enabled: Some(true),
+                    depth_compare: Some(wgpu::CompareFunction::Greater),
+                    stencil: wgpu::StencilState::default(),
+                    bias: wgpu::DepthBiasState::default(),
+                }),
+                multisample: wgpu::MultisampleState {
+                    count: SAMPLES,
+                    ..Default::default()
+                },
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: None,
+                    compilation_options: options,
+                    targets: &[Some(COLOUR_FORMAT.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
     }
 
     /// The sampler of all images: they repeat, filtered linearly within and between levels.
@@ -119,9 +131,16 @@ impl<'a> Workshop<'a> {
         // A level that the device cannot hold is left out: the next one is half its size.
         let most = self.gpu.device.limits().max_texture_dimension_2d;
         let levels = texture.levels();
-        let first = levels.iter().position(|level| level.size.iter().all(|&side| side <= most)).unwrap_or(0);
+        let first = levels
+            .iter()
+            .position(|level| level.size.iter().all(|&side| side <= most))
+            .unwrap_or(0);
         let levels = &levels[first..];
-        let extent = |size: [u32; 2]| wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 };
+        let extent = |size: [u32; 2]| wgpu::Extent3d {
+            width: size[0],
+            height: size[1],
+            depth_or_array_layers: 1,
+        };
         let image = self.gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("image"),
             size: extent(levels[0].size),
@@ -133,14 +152,19 @@ impl<'a> Workshop<'a> {
             view_formats: &[],
         });
         for (number, level) in levels.iter().enumerate() {
-            let to = wgpu::TexelCopyTextureInfo { mip_level: number as u32, ..image.as_image_copy() };
+            let to = wgpu::TexelCopyTextureInfo {
+                mip_level: number as u32,
+                ..image.as_image_copy()
+            };
             let layout = wgpu::TexelCopyBufferLayout {
                 offset: 0,
                 bytes_per_row: Some(4 * level.size[0]),
                 rows_per_image: Some(level.size[1]),
             };
             let texels = bytemuck::cast_slice(&level.texels);
-            self.gpu.queue.write_texture(to, texels, layout, extent(level.size));
+            self.gpu
+                .queue
+                .write_texture(to, texels, layout, extent(level.size));
         }
         image.create_view(&wgpu::TextureViewDescriptor::default())
     }
@@ -151,7 +175,8 @@ impl<'a> Workshop<'a> {
         layout: &wgpu::BindGroupLayout,
         resources: &[wgpu::BindingResource<'_>],
     ) -> wgpu::BindGroup {
-        let numbered: Vec<(u32, wgpu::BindingResource<'_>)> = (0..).zip(resources.iter().cloned()).collect();
+        let numbered: Vec<(u32, wgpu::BindingResource<'_>)> =
+            (0..).zip(resources.iter().cloned()).collect();
         self.bind_numbered(layout, &numbered)
     }
 
@@ -163,9 +188,18 @@ impl<'a> Workshop<'a> {
     ) -> wgpu::BindGroup {
         let entries: Vec<wgpu::BindGroupEntry<'_>> = resources
             .iter()
-            .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
+            .map(|(binding, resource)| wgpu::BindGroupEntry {
+                binding: *binding,
+                resource: resource.clone(),
+            })
             .collect();
-        self.gpu.device.create_bind_group(&wgpu::BindGroupDescriptor { label: None, layout, entries: &entries })
+        self.gpu
+            .device
+            .create_bind_group(&wgpu::BindGroupDescriptor {
+                label: None,
+                layout,
+                entries: &entries,
+            })
     }
 }
 
