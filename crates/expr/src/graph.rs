@@ -1,25 +1,20 @@
-//! The graph of expressions: nodes are made once, simplified as they are made, and never change.
+//! The graph of expressions: an arena of nodes in which equal expressions are one node.
 //!
-//! **Simplification never changes a value.** What a constructor folds, it folds with the same f64 operations
-//! that evaluation uses; it drops `x + 0`, `x − 0`, `x·1`, `x/1`, `x^1`, `−(−x)` and orders the operands of `+` and
-//! `·`, which commute exactly; it never reassociates. Three rules may turn a NaN or an infinity into a number
-//! (and lose the sign of a zero): `0·x`, `0/x` and `x − x` are 0 even where x is infinite or undefined. Without them
-//! no derivative would be sparse.
+//! What flows in: operations on nodes (their constructors stand in `simplify.rs`). What flows out: handles, and
+//! for each handle the [`Node`] that it names. Derivatives and substitution stand in `rewrite.rs`.
+//!
+//! A graph never grows past its limit. A constructor that finds it full gives an undefined constant instead
+//! and raises [`Graph::overflowed`]; [`Graph::derivatives`] and [`Graph::substitute`] give [`TooLarge`] and
+//! leave the graph as it was. No function here recurses: expressions may be as deep as the graph is large.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
-use crate::ops::{Binary, Unary, as_integer_exponent, integer_power};
+use crate::ops::{Binary, Unary};
 
-/// Names a node of a [`Graph`].
+/// Names a node of a [`Graph`]. Operands have smaller ids than what uses them, so ids in ascending order are
+/// an order of evaluation.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
-pub struct NodeId(pub(crate) u32);
-
-impl NodeId {
-    /// Its position in the graph: operands have smaller ones.
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
+pub struct NodeId(u32);
 
 /// Where an expression takes a number from.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
@@ -31,47 +26,68 @@ pub enum Input {
     Uniform(u32),
 }
 
-/// A node: an operation on nodes that came before.
-#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+/// One node: a leaf, or an operation on nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Node {
-    /// A constant, by the bits of its f64.
-    Constant(u64),
+    /// A number; NaN where an expression of constants is undefined.
+    Constant(f64),
     /// A number from outside.
     Input(Input),
     /// An operation on one number.
     Unary(Unary, NodeId),
-    /// An operation on two.
+    /// An operation on two numbers.
     Binary(Binary, NodeId, NodeId),
-    /// A power whose exponent is known: not 0 and not 1.
-    IntegerPower(NodeId, i32),
+    /// A power by [`crate::ops::integer_power`]. The exponents 0, 1, 2 and −1 do not occur: they are 1, x,
+    /// x·x and 1/x.
+    Power(NodeId, i32),
 }
 
-impl Node {
-    /// The nodes that it takes numbers from.
-    pub fn operands(self) -> impl DoubleEndedIterator<Item = NodeId> {
-        let (a, b) = match self {
-            Self::Constant(_) | Self::Input(_) => (None, None),
-            Self::Unary(_, a) | Self::IntegerPower(a, _) => (Some(a), None),
-            Self::Binary(_, a, b) => (Some(a), Some(b)),
-        };
-        a.into_iter().chain(b)
-    }
-}
+/// The operands of a node, from left to right.
+#[derive(Clone, Debug)]
+pub struct Operands([Option<NodeId>; 2]);
 
-/// How many nodes a graph may have unless told otherwise.
-pub const DEFAULT_LIMIT: usize = 1_000_000;
+/// The expression has grown past [`Graph::limit`] nodes, or has taken too much work.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct TooLarge;
 
 /// Hash-consed expressions: equal expressions have equal ids, and operands come before what uses them.
-///
-/// A full graph makes no further node: its constructors then return an arbitrary node and
-/// [`Graph::overflowed`] says so; what was built since is to be dropped.
 #[derive(Clone, Debug)]
 pub struct Graph {
     nodes: Vec<Node>,
-    ids: FxHashMap<Node, NodeId>,
+    /// For each node the inputs that it may depend on.
+    dependencies: Vec<InputSet>,
+    ids: FxHashMap<Key, NodeId>,
+    pub(crate) derivatives: FxHashMap<Input, FxHashMap<NodeId, NodeId>>,
     limit: usize,
-    full: bool,
+    work: u64,
+    overflowed: bool,
 }
+
+/// How many nodes a graph may hold unless told otherwise: about 100 MB.
+pub const DEFAULT_LIMIT: usize = 1_000_000;
+
+/// How many nodes may be made or visited in all, for each node that may be held: what bounds the time that
+/// rewriting takes even where its results are given up.
+const WORK_PER_NODE: u64 = 40;
+
+/// A node by its bits, so that equality is exact: 0 and −0 are two constants, all NaN are one.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+enum Key {
+    Constant(u64),
+    Input(Input),
+    Unary(Unary, NodeId),
+    Binary(Binary, NodeId, NodeId),
+    Power(NodeId, i32),
+}
+
+/// A set of inputs that may hold more than was put in, never less: one bit for each of the first inputs of a
+/// kind, one for all others.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) struct InputSet(u32);
+
+/// A state of a graph that it can be brought back to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Mark(usize);
 
 impl Default for Graph {
     fn default() -> Self {
@@ -79,83 +95,44 @@ impl Default for Graph {
     }
 }
 
-/// The expression has grown past the limit of its graph.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub struct TooLarge;
-
-impl std::fmt::Display for TooLarge {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.write_str("the expression is too large")
-    }
-}
-
-impl std::error::Error for TooLarge {}
-
 impl Graph {
-    /// An empty graph that may hold up to `limit` nodes, at least 1.
+    /// An empty graph that holds at most `limit` nodes (at least one, and less than 2³²).
     pub fn with_limit(limit: usize) -> Self {
         Self {
             nodes: Vec::new(),
+            dependencies: Vec::new(),
             ids: FxHashMap::default(),
-            limit: limit.clamp(1, u32::MAX as usize),
-            full: false,
+            derivatives: FxHashMap::default(),
+            limit: limit.clamp(1, u32::MAX as usize - 1),
+            work: 0,
+            overflowed: false,
         }
     }
 
-    /// How many nodes there are.
+    /// How many nodes it may hold.
+    pub fn limit(&self) -> usize {
+        self.limit
+    }
+
+    /// How many nodes it holds.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// Whether there is no node.
+    /// True if nothing has been put in.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 
-    /// Whether a node could not be made since the graph was made or [`Graph::truncate`]d.
+    /// True once a constructor has found the graph full: from then on some nodes are undefined constants that
+    /// should be something else, and all rewriting gives [`TooLarge`].
     pub fn overflowed(&self) -> bool {
-        self.full
+        self.overflowed
     }
 
-    /// Drops every node from `len` on, and forgets that the graph was full.
-    pub fn truncate(&mut self, len: usize) {
-        for node in self.nodes.drain(len.min(self.nodes.len())..) {
-            self.ids.remove(&node);
-        }
-        self.full = false;
-    }
-
-    /// The node itself.
-    pub fn node(&self, id: NodeId) -> Node {
-        self.nodes[id.index()]
-    }
-
-    /// The value of a node that is a constant.
-    pub fn value(&self, node: NodeId) -> Option<f64> {
-        match self.node(node) {
-            Node::Constant(bits) => Some(f64::from_bits(bits)),
-            _ => None,
-        }
-    }
-
-    fn intern(&mut self, node: Node) -> NodeId {
-        if let Some(&id) = self.ids.get(&node) {
-            return id;
-        }
-        if self.nodes.len() >= self.limit {
-            self.full = true;
-            return NodeId(0);
-        }
-        let id = NodeId(self.nodes.len() as u32);
-        self.nodes.push(node);
-        self.ids.insert(node, id);
-        id
-    }
-
-    /// A constant. Every NaN is the same constant.
+    /// A constant. All NaN are one.
     pub fn constant(&mut self, value: f64) -> NodeId {
-        let value = if value.is_nan() { f64::NAN } else { value };
-        self.intern(Node::Constant(value.to_bits()))
+        self.intern(Node::Constant(value))
     }
 
     /// An input.
@@ -163,177 +140,26 @@ impl Graph {
         self.intern(Node::Input(input))
     }
 
-    /// An operation on one number.
-    pub fn unary(&mut self, op: Unary, a: NodeId) -> NodeId {
-        if let Some(a) = self.value(a) {
-            return self.constant(op.eval(a));
+    /// What a handle names.
+    ///
+    /// # Panics
+    /// May panic on a handle of another graph.
+    pub fn node(&self, id: NodeId) -> Node {
+        self.nodes[id.index()]
+    }
+
+    /// The value of a node that is a constant.
+    pub fn value(&self, node: NodeId) -> Option<f64> {
+        match self.node(node) {
+            Node::Constant(value) => Some(value),
+            _ => None,
         }
-        match (op, self.node(a)) {
-            (Unary::Negate, Node::Unary(Unary::Negate, inner)) => inner,
-            (Unary::Abs, Node::Unary(Unary::Abs | Unary::Negate, inner)) => {
-                self.intern(Node::Unary(Unary::Abs, inner))
-            }
-            _ => self.intern(Node::Unary(op, a)),
-        }
-    }
-
-    /// An operation on two numbers.
-    pub fn binary(&mut self, op: Binary, a: NodeId, b: NodeId) -> NodeId {
-        let (known_a, known_b) = (self.value(a), self.value(b));
-        if let (Some(a), Some(b)) = (known_a, known_b) {
-            return self.constant(op.eval(a, b));
-        }
-        let is = |known: Option<f64>, value: f64| known == Some(value);
-        match op {
-            Binary::Add => {
-                if is(known_a, 0.0) {
-                    return b;
-                }
-                if is(known_b, 0.0) {
-                    return a;
-                }
-                if let Node::Unary(Unary::Negate, b) = self.node(b) {
-                    return self.binary(Binary::Subtract, a, b);
-                }
-                if let Node::Unary(Unary::Negate, a) = self.node(a) {
-                    return self.binary(Binary::Subtract, b, a);
-                }
-            }
-            Binary::Subtract => {
-                if is(known_b, 0.0) {
-                    return a;
-                }
-                if is(known_a, 0.0) {
-                    return self.unary(Unary::Negate, b);
-                }
-                if a == b {
-                    return self.constant(0.0);
-                }
-                if let Node::Unary(Unary::Negate, b) = self.node(b) {
-                    return self.binary(Binary::Add, a, b);
-                }
-            }
-            Binary::Multiply => {
-                if is(known_a, 0.0) || is(known_b, 0.0) {
-                    return self.constant(0.0);
-                }
-                if is(known_a, 1.0) {
-                    return b;
-                }
-                if is(known_b, 1.0) {
-                    return a;
-                }
-                if is(known_a, -1.0) {
-                    return self.unary(Unary::Negate, b);
-                }
-                if is(known_b, -1.0) {
-                    return self.unary(Unary::Negate, a);
-                }
-                if a == b {
-                    return self.power_integer(a, 2);
-                }
-            }
-            Binary::Divide => {
-                if is(known_b, 1.0) {
-                    return a;
-                }
-                if is(known_b, -1.0) {
-                    return self.unary(Unary::Negate, a);
-                }
-                if is(known_a, 0.0) {
-                    return self.constant(0.0);
-                }
-            }
-            Binary::Power => {
-                if let Some(n) = known_b.and_then(as_integer_exponent) {
-                    return self.power_integer(a, n);
-                }
-            }
-            Binary::AnnihilatingProduct => {
-                if is(known_a, 0.0) {
-                    return self.constant(0.0);
-                }
-                if known_a.is_some_and(|a| !a.is_nan()) {
-                    return self.binary(Binary::Multiply, a, b);
-                }
-                if is(known_b, 0.0) || is(known_b, 1.0) {
-                    return self.binary(Binary::Multiply, a, b);
-                }
-            }
-        }
-        let commutes = matches!(op, Binary::Add | Binary::Multiply);
-        let (a, b) = if commutes && b < a { (b, a) } else { (a, b) };
-        self.intern(Node::Binary(op, a, b))
-    }
-
-    /// `a^n` by [`integer_power`].
-    pub fn power_integer(&mut self, a: NodeId, n: i32) -> NodeId {
-        match (n, self.value(a)) {
-            (0, _) => self.constant(1.0),
-            (1, _) => a,
-            (_, Some(a)) => self.constant(integer_power(a, n)),
-            (2, None) => match self.node(a) {
-                Node::Unary(Unary::Negate | Unary::Abs, inner) => {
-                    self.intern(Node::IntegerPower(inner, 2))
-                }
-                _ => self.intern(Node::IntegerPower(a, 2)),
-            },
-            _ => self.intern(Node::IntegerPower(a, n)),
-        }
-    }
-
-    /// a + b.
-    pub fn add(&mut self, a: NodeId, b: NodeId) -> NodeId {
-        self.binary(Binary::Add, a, b)
-    }
-
-    /// a − b.
-    pub fn subtract(&mut self, a: NodeId, b: NodeId) -> NodeId {
-        self.binary(Binary::Subtract, a, b)
-    }
-
-    /// a·b.
-    pub fn multiply(&mut self, a: NodeId, b: NodeId) -> NodeId {
-        self.binary(Binary::Multiply, a, b)
-    }
-
-    /// a / b.
-    pub fn divide(&mut self, a: NodeId, b: NodeId) -> NodeId {
-        self.binary(Binary::Divide, a, b)
-    }
-
-    /// −a.
-    pub fn negate(&mut self, a: NodeId) -> NodeId {
-        self.unary(Unary::Negate, a)
-    }
-
-    /// The nodes that the roots need, operands first. The work is in proportion to what is needed, not to the
-    /// size of the graph.
-    pub fn reachable(&self, roots: &[NodeId]) -> Vec<NodeId> {
-        let mut seen: FxHashSet<NodeId> = FxHashSet::default();
-        let mut stack = Vec::new();
-        let mut order = Vec::new();
-        for &root in roots {
-            if seen.insert(root) {
-                stack.push(root);
-            }
-            while let Some(id) = stack.pop() {
-                order.push(id);
-                for operand in self.node(id).operands() {
-                    if seen.insert(operand) {
-                        stack.push(operand);
-                    }
-                }
-            }
-        }
-        order.sort_unstable();
-        order
     }
 
     /// The inputs that the roots depend on, sorted.
     pub fn inputs(&self, roots: &[NodeId]) -> Vec<Input> {
         let mut inputs: Vec<Input> = self
-            .reachable(roots)
+            .reachable(roots, |id| !self.dependencies(id).is_empty())
             .into_iter()
             .filter_map(|id| match self.node(id) {
                 Node::Input(input) => Some(input),
@@ -344,57 +170,189 @@ impl Graph {
         inputs
     }
 
-    /// Replaces inputs, all at once.
-    ///
-    /// # Errors
-    /// [`TooLarge`] where the graph is full.
-    pub fn substitute(
-        &mut self,
-        roots: &[NodeId],
-        replace: &dyn Fn(Input) -> Option<NodeId>,
-    ) -> Result<Vec<NodeId>, TooLarge> {
-        let order = self.reachable(roots);
-        let mut images: FxHashMap<NodeId, NodeId> = FxHashMap::default();
-        for id in order {
-            let image = match self.node(id) {
-                Node::Constant(_) => id,
-                Node::Input(input) => replace(input).unwrap_or(id),
-                Node::Unary(op, a) => self.unary(op, images[&a]),
-                Node::Binary(op, a, b) => self.binary(op, images[&a], images[&b]),
-                Node::IntegerPower(a, n) => self.power_integer(images[&a], n),
-            };
-            if self.full {
-                return Err(TooLarge);
-            }
-            images.insert(id, image);
-        }
-        Ok(roots.iter().map(|root| images[root]).collect())
+    /// The nodes that the roots need, themselves included, operands before what uses them.
+    pub fn order(&self, roots: &[NodeId]) -> Vec<NodeId> {
+        self.reachable(roots, |_| true)
     }
 
-    /// A graph that holds just what the roots need, and the roots in it.
+    /// A graph that holds just what the roots need, and the roots in it, in their order. Its limit is this
+    /// one's.
     pub fn extract(&self, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
         let mut graph = Graph::with_limit(self.limit);
-        let mut images: FxHashMap<NodeId, NodeId> = FxHashMap::default();
-        for id in self.reachable(roots) {
-            // Simplification has been done: nodes are copied as they are.
-            let node = match self.node(id) {
-                Node::Unary(op, a) => Node::Unary(op, images[&a]),
-                Node::Binary(op, a, b) => {
-                    let (a, b) = (images[&a], images[&b]);
-                    let commutes = matches!(op, Binary::Add | Binary::Multiply);
-                    if commutes && b < a {
-                        Node::Binary(op, b, a)
-                    } else {
-                        Node::Binary(op, a, b)
-                    }
-                }
-                Node::IntegerPower(a, n) => Node::IntegerPower(images[&a], n),
-                leaf => leaf,
-            };
-            let image = graph.intern(node);
-            images.insert(id, image);
+        let mut copies: FxHashMap<NodeId, NodeId> = FxHashMap::default();
+        for id in self.order(roots) {
+            // Ids keep their order, so a node in canonical form stays so.
+            let node = self.node(id).map(|operand| copies[&operand]);
+            copies.insert(id, graph.intern(node));
         }
-        let roots = roots.iter().map(|root| images[root]).collect();
-        (graph, roots)
+        (graph, roots.iter().map(|root| copies[root]).collect())
+    }
+
+    /// The reachable nodes that `wanted` admits (and are reached through such nodes), ascending.
+    pub(crate) fn reachable(
+        &self,
+        roots: &[NodeId],
+        mut wanted: impl FnMut(NodeId) -> bool,
+    ) -> Vec<NodeId> {
+        let mut seen: FxHashSet<NodeId> = FxHashSet::default();
+        let mut stack: Vec<NodeId> = roots.to_vec();
+        let mut order = Vec::new();
+        while let Some(id) = stack.pop() {
+            if wanted(id) && seen.insert(id) {
+                order.push(id);
+                stack.extend(self.node(id).operands());
+            }
+        }
+        order.sort_unstable();
+        order
+    }
+
+    pub(crate) fn dependencies(&self, id: NodeId) -> InputSet {
+        self.dependencies[id.index()]
+    }
+
+    /// Counts work.
+    ///
+    /// # Errors
+    /// Where it exceeds what the limit allows, or the graph is full already.
+    pub(crate) fn charge(&mut self, nodes: usize) -> Result<(), TooLarge> {
+        self.work = self.work.saturating_add(nodes as u64);
+        if self.overflowed || self.exhausted() {
+            return Err(TooLarge);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn mark(&self) -> Mark {
+        Mark(self.nodes.len())
+    }
+
+    /// Forgets all nodes made since the mark, and that the graph was full.
+    pub(crate) fn roll_back(&mut self, mark: Mark) {
+        for &node in &self.nodes[mark.0..] {
+            self.ids.remove(&Key::new(node));
+        }
+        self.nodes.truncate(mark.0);
+        self.dependencies.truncate(mark.0);
+        // Derivatives name the nodes that have gone.
+        self.derivatives.clear();
+        self.overflowed = false;
+    }
+
+    /// The handle of a node in canonical form, which only the constructors know how to make.
+    pub(crate) fn intern(&mut self, node: Node) -> NodeId {
+        let key = Key::new(node);
+        if let Some(&id) = self.ids.get(&key) {
+            return id;
+        }
+        if self.nodes.len() >= self.limit || self.exhausted() {
+            self.overflowed = true;
+            // One more than the limit: the constant that stands for all that has no room.
+            let undefined = Node::Constant(f64::NAN);
+            return match self.ids.get(&Key::new(undefined)) {
+                Some(&id) => id,
+                None => self.push(undefined),
+            };
+        }
+        self.work += 1;
+        self.push(node)
+    }
+
+    fn push(&mut self, node: Node) -> NodeId {
+        let id = NodeId(self.nodes.len() as u32);
+        let dependencies = match node {
+            Node::Input(input) => InputSet::of(input),
+            node => node.operands().fold(InputSet(0), |all, operand| {
+                InputSet(all.0 | self.dependencies(operand).0)
+            }),
+        };
+        self.nodes.push(node);
+        self.dependencies.push(dependencies);
+        self.ids.insert(Key::new(node), id);
+        id
+    }
+
+    fn exhausted(&self) -> bool {
+        self.work > WORK_PER_NODE.saturating_mul(self.limit as u64)
     }
 }
+
+impl NodeId {
+    pub(crate) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl Node {
+    /// The operands, from left to right; none for a leaf.
+    pub fn operands(self) -> Operands {
+        match self {
+            Self::Constant(_) | Self::Input(_) => Operands([None, None]),
+            Self::Unary(_, a) | Self::Power(a, _) => Operands([Some(a), None]),
+            Self::Binary(_, a, b) => Operands([Some(a), Some(b)]),
+        }
+    }
+
+    /// True for what is computed, false for constants and inputs.
+    pub fn is_operation(self) -> bool {
+        !matches!(self, Self::Constant(_) | Self::Input(_))
+    }
+
+    fn map(self, to: impl Fn(NodeId) -> NodeId) -> Self {
+        match self {
+            Self::Constant(_) | Self::Input(_) => self,
+            Self::Unary(op, a) => Self::Unary(op, to(a)),
+            Self::Power(a, n) => Self::Power(to(a), n),
+            Self::Binary(op, a, b) => Self::Binary(op, to(a), to(b)),
+        }
+    }
+}
+
+impl Iterator for Operands {
+    type Item = NodeId;
+
+    fn next(&mut self) -> Option<NodeId> {
+        let [first, second] = self.0;
+        self.0 = [second, None];
+        first
+    }
+}
+
+impl InputSet {
+    pub(crate) fn of(input: Input) -> Self {
+        Self(match input {
+            Input::Variable(index) => 1 << index.min(23),
+            Input::Uniform(index) => 1 << (24 + index.min(7)),
+        })
+    }
+
+    pub(crate) fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// False only if the sets have nothing in common.
+    pub(crate) fn may_meet(self, other: Self) -> bool {
+        self.0 & other.0 != 0
+    }
+}
+
+impl Key {
+    fn new(node: Node) -> Self {
+        match node {
+            Node::Constant(value) if value.is_nan() => Self::Constant(f64::NAN.to_bits()),
+            Node::Constant(value) => Self::Constant(value.to_bits()),
+            Node::Input(input) => Self::Input(input),
+            Node::Unary(op, a) => Self::Unary(op, a),
+            Node::Binary(op, a, b) => Self::Binary(op, a, b),
+            Node::Power(a, n) => Self::Power(a, n),
+        }
+    }
+}
+
+impl std::fmt::Display for TooLarge {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("the expression, or a derivative of it, is too large")
+    }
+}
+
+impl std::error::Error for TooLarge {}

@@ -1,21 +1,39 @@
 //! Expressions: scalar nodes in a hash-consed graph.
 //!
 //! ```text
-//! language values (numbers, tuples) ──value.rs──▶ scalar nodes, graph.rs ──derivative.rs──▶ exact derivatives
+//! language values (numbers, tuples) ──value.rs──▶ scalar nodes ──rewrite.rs──▶ derivative, substitution
 //!                                                      │
-//!                                    ops.rs: one table of operations
+//!                  graph.rs (the arena), simplify.rs (its constructors), ops.rs (the one table of operations)
 //!                                                      │
-//!                                     tape.rs (f64, blocks of lanes)   crate wgsl (text)
+//!                  tape.rs (f64, blocks of lanes)   print.rs (text)   statistics.rs   crate wgsl (shaders)
 //! ```
 //!
-//! This crate knows no syntax and no GPU: the WGSL column of the table is text.
+//! This crate knows no syntax and no GPU: the WGSL column of the table is text. Every evaluator of these
+//! expressions, here or elsewhere, is held to the cases of [`conformance`].
+//!
+//! ```
+//! use expr::tape::{Registers, Tape};
+//! use expr::{Graph, Input};
+//!
+//! let mut graph = Graph::default();
+//! let x = graph.input(Input::Variable(0));
+//! let square = graph.mul(x, x);
+//! let derivative = graph.derivatives(&[square], Input::Variable(0)).unwrap();
+//! let tape = Tape::new(&graph, &derivative);
+//! let mut out = [f64::NAN];
+//! tape.eval(&mut Registers::default(), &[3.0], &mut out);
+//! assert_eq!(out, [6.0]);
+//! ```
 
 pub mod conformance;
-mod derivative;
 pub mod graph;
+pub mod number;
 pub mod ops;
-mod statistics;
+pub mod print;
+mod rewrite;
+mod simplify;
+pub mod statistics;
 pub mod tape;
-pub mod text;
 pub mod value;
-pub use graph::{Graph, Input, NodeId};
+pub use graph::{Graph, Input, Node, NodeId, TooLarge};
+pub use value::{DimensionError, Value};

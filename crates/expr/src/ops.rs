@@ -1,307 +1,631 @@
-//! The one table of operations.
+//! The one table of scalar operations.
 //!
-//! Everything that has to agree on what an operation is reads this table: the language's vocabulary
-//! ([`builtin`]), evaluation in f64 ([`Unary::eval`], [`Binary::eval`], [`integer_power`]), the derivative
-//! (in [`crate::derivative`], one arm per row), the text of a shader ([`Unary::row`] and its `wgsl`) and the
-//! documentation.
+//! What flows in: nothing. What flows out: for each operation its name, documentation, exact f64 meaning (one
+//! number and blocks of lanes, from one expression), derivative rule, WGSL text, and the name under which
+//! programs know it. To add an operation, add a row, and cases to [`crate::conformance`].
+//!
+//! f64 functions are those of `std`, which round as the system's mathematical library does.
 
-/// An operation on one number.
-#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
-#[allow(missing_docs)]
-pub enum Unary {
-    Negate,
-    Sin,
-    Cos,
-    Tan,
-    Exp,
-    Log,
-    Sqrt,
-    Asin,
-    Acos,
-    Atan,
-    Sinh,
-    Cosh,
-    Tanh,
-    Abs,
-    Sign,
+use crate::graph::{Graph, NodeId};
+
+/// How an operation is written in WGSL.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum Wgsl {
+    /// Before its operand: `-a`.
+    Prefix(&'static str),
+    /// Between its operands: `a + b`.
+    Infix(&'static str),
+    /// A function of WGSL itself: `sin(a)`.
+    Builtin(&'static str),
+    /// A function that the shader library provides, with the meaning of the function of this name here.
+    Library(&'static str),
 }
 
-/// An operation on two numbers.
-#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
-#[allow(missing_docs)]
-pub enum Binary {
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    /// `x^y` for an exponent that is not known while compiling.
-    Power,
-    /// `a·b`, but 0 wherever a is 0, even where b is infinite or undefined.
-    AnnihilatingProduct,
+/// Any operation of the table.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum Operation {
+    /// On one number.
+    Unary(Unary),
+    /// On two numbers.
+    Binary(Binary),
+    /// [`integer_power`] with this exponent.
+    Power(i32),
 }
 
-/// A row of the table.
+/// An operand of a block operation.
 #[derive(Clone, Copy, Debug)]
+pub enum Lanes<'a, const N: usize> {
+    /// A number for each lane.
+    Each(&'a [f64; N]),
+    /// The same number in all lanes.
+    Same(f64),
+}
+
+macro_rules! unary_operations {
+    ($(
+        $(#[doc = $doc:literal])+
+        $variant:ident = $name:literal, builtin: $builtin:expr, wgsl: $wgsl:expr,
+        eval: |$x:ident| $value:expr,
+        derivative: $text:literal, |$graph:ident, $a:ident, $y:ident, $da:ident| $rule:expr;
+    )+) => {
+        /// An operation on one number.
+        #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+        pub enum Unary {
+            $( $(#[doc = $doc])+ $variant, )+
+        }
+
+        impl Unary {
+            /// All of them, in the table's order.
+            pub const ALL: [Self; [$(Self::$variant),+].len()] = [$(Self::$variant),+];
+
+            /// Its name in listings.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name,)+ }
+            }
+
+            /// What it is, for readers.
+            pub fn doc(self) -> &'static str {
+                match self { $(Self::$variant => concat!($($doc),+).trim_ascii(),)+ }
+            }
+
+            /// The name under which programs know it as a function.
+            pub fn builtin(self) -> Option<&'static str> {
+                match self { $(Self::$variant => $builtin,)+ }
+            }
+
+            /// Its WGSL.
+            pub fn wgsl(self) -> Wgsl {
+                match self { $(Self::$variant => $wgsl,)+ }
+            }
+
+            /// The rule of its derivative, for readers: x is the operand, x' its derivative, y the result.
+            pub fn derivative_text(self) -> &'static str {
+                match self { $(Self::$variant => $text,)+ }
+            }
+
+            /// The operation's row.
+            pub fn row(self) -> Row {
+                Row {
+                    name: self.name(),
+                    builtin: self.builtin(),
+                    wgsl: self.wgsl(),
+                    derivative: self.derivative_text(),
+                    doc: self.doc(),
+                }
+            }
+
+            /// Its value.
+            #[inline]
+            pub fn eval(self, x: f64) -> f64 {
+                match self { $(Self::$variant => { let $x = x; $value })+ }
+            }
+
+            /// Its value in each lane.
+            pub fn eval_lanes<const N: usize>(self, x: &[f64; N], out: &mut [f64; N]) {
+                match self { $(Self::$variant => each(x, out, |$x| $value),)+ }
+            }
+
+            /// The derivative of `y`, which is this operation on `x`, where that of `x` is `dx`.
+            pub(crate) fn derivative(
+                self,
+                graph: &mut Graph,
+                x: NodeId,
+                y: NodeId,
+                dx: NodeId,
+            ) -> NodeId {
+                match self {
+                    $(Self::$variant => {
+                        let ($graph, $a, $y, $da) = (graph, x, y, dx);
+                        $rule
+                    })+
+                }
+            }
+        }
+    };
+}
+
+unary_operations! {
+    /// The number with the other sign.
+    Neg = "neg", builtin: None, wgsl: Wgsl::Prefix("-"),
+    eval: |x| -x,
+    derivative: "-x'", |g, _x, _y, dx| g.neg(dx);
+
+    /// Sine of an angle in radians.
+    Sin = "sin", builtin: Some("sin"), wgsl: Wgsl::Builtin("sin"),
+    eval: |x| x.sin(),
+    derivative: "cos x · x'", |g, x, _y, dx| { let c = g.unary(Unary::Cos, x); g.mul(c, dx) };
+
+    /// Cosine of an angle in radians.
+    Cos = "cos", builtin: Some("cos"), wgsl: Wgsl::Builtin("cos"),
+    eval: |x| x.cos(),
+    derivative: "-sin x · x'", |g, x, _y, dx| {
+        let s = g.unary(Unary::Sin, x);
+        let product = g.mul(s, dx);
+        g.neg(product)
+    };
+
+    /// Tangent of an angle in radians.
+    Tan = "tan", builtin: Some("tan"), wgsl: Wgsl::Builtin("tan"),
+    eval: |x| x.tan(),
+    derivative: "(1 + y²) x'", |g, _x, y, dx| {
+        let one = g.constant(1.0);
+        let square = g.mul(y, y);
+        let sum = g.add(one, square);
+        g.mul(sum, dx)
+    };
+
+    /// The exponential function: e to a power.
+    Exp = "exp", builtin: Some("exp"), wgsl: Wgsl::Builtin("exp"),
+    eval: |x| x.exp(),
+    derivative: "y x'", |g, _x, y, dx| g.mul(y, dx);
+
+    /// Natural logarithm; undefined below zero, minus infinity at zero.
+    Log = "log", builtin: Some("log"), wgsl: Wgsl::Builtin("log"),
+    eval: |x| x.ln(),
+    derivative: "x' / x", |g, x, _y, dx| g.div(dx, x);
+
+    /// Square root; undefined below zero.
+    Sqrt = "sqrt", builtin: Some("sqrt"), wgsl: Wgsl::Builtin("sqrt"),
+    eval: |x| x.sqrt(),
+    derivative: "x' / 2y", |g, _x, y, dx| {
+        let two = g.constant(2.0);
+        let double = g.mul(two, y);
+        g.div(dx, double)
+    };
+
+    /// The angle in [-π/2, π/2] with this sine; undefined outside [-1, 1].
+    Asin = "asin", builtin: Some("asin"), wgsl: Wgsl::Builtin("asin"),
+    eval: |x| x.asin(),
+    derivative: "x' / √((1 - x)(1 + x))", |g, x, _y, dx| {
+        let root = sine_of_complement(g, x);
+        g.div(dx, root)
+    };
+
+    /// The angle in [0, π] with this cosine; undefined outside [-1, 1].
+    Acos = "acos", builtin: Some("acos"), wgsl: Wgsl::Builtin("acos"),
+    eval: |x| x.acos(),
+    derivative: "-x' / √((1 - x)(1 + x))", |g, x, _y, dx| {
+        let root = sine_of_complement(g, x);
+        let quotient = g.div(dx, root);
+        g.neg(quotient)
+    };
+
+    /// The angle in (-π/2, π/2) with this tangent.
+    Atan = "atan", builtin: Some("atan"), wgsl: Wgsl::Builtin("atan"),
+    eval: |x| x.atan(),
+    derivative: "x' / (1 + x²)", |g, x, _y, dx| {
+        let one = g.constant(1.0);
+        let square = g.mul(x, x);
+        let sum = g.add(one, square);
+        g.div(dx, sum)
+    };
+
+    /// Hyperbolic sine.
+    Sinh = "sinh", builtin: Some("sinh"), wgsl: Wgsl::Builtin("sinh"),
+    eval: |x| x.sinh(),
+    derivative: "cosh x · x'", |g, x, _y, dx| { let c = g.unary(Unary::Cosh, x); g.mul(c, dx) };
+
+    /// Hyperbolic cosine.
+    Cosh = "cosh", builtin: Some("cosh"), wgsl: Wgsl::Builtin("cosh"),
+    eval: |x| x.cosh(),
+    derivative: "sinh x · x'", |g, x, _y, dx| { let s = g.unary(Unary::Sinh, x); g.mul(s, dx) };
+
+    /// Hyperbolic tangent.
+    Tanh = "tanh", builtin: Some("tanh"), wgsl: Wgsl::Builtin("tanh"),
+    eval: |x| x.tanh(),
+    derivative: "(1 - y)(1 + y) x'", |g, _x, y, dx| {
+        let product = one_minus_square(g, y);
+        g.mul(product, dx)
+    };
+
+    /// Absolute value. Its derivative at zero is taken to be zero.
+    Abs = "abs", builtin: Some("abs"), wgsl: Wgsl::Builtin("abs"),
+    eval: |x| x.abs(),
+    derivative: "sign x · x'", |g, x, _y, dx| { let s = g.unary(Unary::Sign, x); g.mul(s, dx) };
+
+    /// The sign of a number: -1, 0 or 1; 0 for both zeros.
+    Sign = "sign", builtin: None, wgsl: Wgsl::Builtin("sign"),
+    eval: |x| sign(x),
+    derivative: "0", |g, _x, _y, _dx| g.constant(0.0);
+}
+
+macro_rules! binary_operations {
+    ($(
+        $(#[doc = $doc:literal])+
+        $variant:ident = $name:literal, wgsl: $wgsl:expr,
+        eval: |$a:ident, $b:ident| $value:expr,
+        derivative: $text:literal, |$graph:ident, $operands:pat_param, $y:ident, $d:pat_param| $rule:expr;
+    )+) => {
+        /// An operation on two numbers.
+        #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+        pub enum Binary {
+            $( $(#[doc = $doc])+ $variant, )+
+        }
+
+        impl Binary {
+            /// All of them, in the table's order.
+            pub const ALL: [Self; [$(Self::$variant),+].len()] = [$(Self::$variant),+];
+
+            /// Its name in listings.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name,)+ }
+            }
+
+            /// What it is, for readers.
+            pub fn doc(self) -> &'static str {
+                match self { $(Self::$variant => concat!($($doc),+).trim_ascii(),)+ }
+            }
+
+            /// Its WGSL.
+            pub fn wgsl(self) -> Wgsl {
+                match self { $(Self::$variant => $wgsl,)+ }
+            }
+
+            /// The rule of its derivative, for readers: a and b are the operands, a' and b' their derivatives,
+            /// y the result.
+            pub fn derivative_text(self) -> &'static str {
+                match self { $(Self::$variant => $text,)+ }
+            }
+
+            /// The operation's row.
+            pub fn row(self) -> Row {
+                Row {
+                    name: self.name(),
+                    builtin: None,
+                    wgsl: self.wgsl(),
+                    derivative: self.derivative_text(),
+                    doc: self.doc(),
+                }
+            }
+
+            /// Its value.
+            #[inline]
+            pub fn eval(self, a: f64, b: f64) -> f64 {
+                match self { $(Self::$variant => { let ($a, $b) = (a, b); $value })+ }
+            }
+
+            /// Its value in each lane.
+            pub fn eval_lanes<const N: usize>(
+                self,
+                a: Lanes<'_, N>,
+                b: Lanes<'_, N>,
+                out: &mut [f64; N],
+            ) {
+                match self { $(Self::$variant => each_pair(a, b, out, |$a, $b| $value),)+ }
+            }
+
+            /// The derivative of `y`, which is this operation on `operands`, where those of the operands are
+            /// `d`.
+            pub(crate) fn derivative(
+                self,
+                graph: &mut Graph,
+                operands: [NodeId; 2],
+                y: NodeId,
+                d: [NodeId; 2],
+            ) -> NodeId {
+                match self {
+                    $(Self::$variant => {
+                        let ($graph, $operands, $y, $d) = (graph, operands, y, d);
+                        $rule
+                    })+
+                }
+            }
+        }
+    };
+}
+
+binary_operations! {
+    /// Sum.
+    Add = "add", wgsl: Wgsl::Infix("+"),
+    eval: |a, b| a + b,
+    derivative: "a' + b'", |g, _, _y, [da, db]| g.add(da, db);
+
+    /// Difference.
+    Sub = "sub", wgsl: Wgsl::Infix("-"),
+    eval: |a, b| a - b,
+    derivative: "a' - b'", |g, _, _y, [da, db]| g.sub(da, db);
+
+    /// Product.
+    Mul = "mul", wgsl: Wgsl::Infix("*"),
+    eval: |a, b| a * b,
+    derivative: "a' b + a b'", |g, [a, b], _y, [da, db]| {
+        let first = g.mul(da, b);
+        let second = g.mul(a, db);
+        // For a square both are one node, and their sum is its double.
+        g.add(first, second)
+    };
+
+    /// Quotient.
+    Div = "div", wgsl: Wgsl::Infix("/"),
+    eval: |a, b| a / b,
+    derivative: "(a' - y b') / b", |g, [_, b], y, [da, db]| {
+        let product = g.mul(y, db);
+        let difference = g.sub(da, product);
+        g.div(difference, b)
+    };
+
+    /// Power: exact repeated multiplication where the exponent is an integer.
+    Pow = "pow", wgsl: Wgsl::Library("power"),
+    eval: |a, b| power(a, b),
+    derivative: "b a^(b-1) a' + b' a^b log a, a factor that is zero annihilating what is undefined",
+    |g, [a, b], y, [da, db]| {
+        let by_base = power_by_base(g, a, b, da);
+        let by_exponent = power_by_exponent(g, a, y, db);
+        g.add(by_base, by_exponent)
+    };
+
+    /// Product that is zero where the first factor is zero, whatever the second is.
+    Zmul = "zmul", wgsl: Wgsl::Library("zmul"),
+    eval: |a, b| zmul(a, b),
+    derivative: "a' b + a b', a zero a' or a annihilating", |g, [a, b], _y, [da, db]| {
+        let first = g.zmul(da, b);
+        let second = g.zmul(a, db);
+        g.add(first, second)
+    };
+}
+
+/// The WGSL of an integer power: a function of the shader library that takes the base and an `i32`.
+pub const INTEGER_POWER_WGSL: Wgsl = Wgsl::Library("integer_power");
+
+/// The largest exponent, in absolute value, for which [`power`] multiplies. The rounding error of repeated
+/// squaring grows with the exponent; beyond this the library's function is better.
+pub const LARGEST_INTEGER_POWER: i32 = 1024;
+
+/// The constants that programs know by name: name, value, and what it is for readers.
+pub const CONSTANTS: [(&str, f64, &str); 2] = [
+    (
+        "pi",
+        std::f64::consts::PI,
+        "Half of a full turn in radians, 3.14159…",
+    ),
+    (
+        "e",
+        std::f64::consts::E,
+        "The base of natural logarithms, 2.71828…",
+    ),
+];
+
+/// The operation that programs write as the function `name`. (`id`, which the language has too, is none: it
+/// hands its operand on, a number or a vector.)
+pub fn builtin(name: &str) -> Option<Unary> {
+    Unary::ALL
+        .iter()
+        .copied()
+        .find(|op| op.row().builtin == Some(name))
+}
+
+/// A row of the table, as data.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Row {
-    /// Its name, unique in the table.
+    /// Its name in listings.
     pub name: &'static str,
-    /// How a program writes it as a function, if it does.
+    /// The name under which programs know it as a function.
     pub builtin: Option<&'static str>,
-    /// Its value in WGSL, with `{0}` and `{1}` for the operands. A name that WGSL does not have is a function
-    /// of the shaders' library.
-    pub wgsl: &'static str,
-    /// One sentence for documentation: domain and meaning.
+    /// Its WGSL.
+    pub wgsl: Wgsl,
+    /// The rule of its derivative, for readers.
+    pub derivative: &'static str,
+    /// What it is, for readers.
     pub doc: &'static str,
 }
 
-const fn row(
-    name: &'static str,
-    builtin: Option<&'static str>,
-    wgsl: &'static str,
-    doc: &'static str,
-) -> Row {
-    Row {
-        name,
-        builtin,
-        wgsl,
-        doc,
+impl Operation {
+    /// Every operation of the table; for the integer power, exponents of every kind.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let powers = [3, 4, 7, -2, -3].into_iter().map(Self::Power);
+        let unary = Unary::ALL.iter().copied().map(Self::Unary);
+        unary
+            .chain(Binary::ALL.iter().copied().map(Self::Binary))
+            .chain(powers)
     }
-}
 
-impl Unary {
-    /// Every operation on one number, in the order of the table.
-    pub const ALL: [Self; 15] = [
-        Self::Negate,
-        Self::Sin,
-        Self::Cos,
-        Self::Tan,
-        Self::Exp,
-        Self::Log,
-        Self::Sqrt,
-        Self::Asin,
-        Self::Acos,
-        Self::Atan,
-        Self::Sinh,
-        Self::Cosh,
-        Self::Tanh,
-        Self::Abs,
-        Self::Sign,
-    ];
-
-    /// The operation's row.
-    pub const fn row(self) -> Row {
+    /// How many operands it takes.
+    pub fn arity(self) -> usize {
         match self {
-            Self::Negate => row("negate", None, "-{0}", "The number with the other sign."),
-            Self::Sin => row(
-                "sin",
-                Some("sin"),
-                "sin({0})",
-                "The sine of an angle in radians.",
-            ),
-            Self::Cos => row(
-                "cos",
-                Some("cos"),
-                "cos({0})",
-                "The cosine of an angle in radians.",
-            ),
-            Self::Tan => row(
-                "tan",
-                Some("tan"),
-                "tan({0})",
-                "The tangent of an angle in radians.",
-            ),
-            Self::Exp => row(
-                "exp",
-                Some("exp"),
-                "exp({0})",
-                "The exponential, e to the power of x.",
-            ),
-            Self::Log => row(
-                "log",
-                Some("log"),
-                "log({0})",
-                "The natural logarithm of x > 0.",
-            ),
-            Self::Sqrt => row(
-                "sqrt",
-                Some("sqrt"),
-                "sqrt({0})",
-                "The square root of x ≥ 0.",
-            ),
-            Self::Asin => row(
-                "asin",
-                Some("asin"),
-                "asin({0})",
-                "The angle in [−π/2, π/2] whose sine is x, |x| ≤ 1.",
-            ),
-            Self::Acos => row(
-                "acos",
-                Some("acos"),
-                "acos({0})",
-                "The angle in [0, π] whose cosine is x, |x| ≤ 1.",
-            ),
-            Self::Atan => row(
-                "atan",
-                Some("atan"),
-                "atan({0})",
-                "The angle in (−π/2, π/2) whose tangent is x.",
-            ),
-            Self::Sinh => row("sinh", Some("sinh"), "sinh({0})", "The hyperbolic sine."),
-            Self::Cosh => row("cosh", Some("cosh"), "cosh({0})", "The hyperbolic cosine."),
-            Self::Tanh => row("tanh", Some("tanh"), "tanh({0})", "The hyperbolic tangent."),
-            Self::Abs => row(
-                "abs",
-                Some("abs"),
-                "abs({0})",
-                "The absolute value; its derivative is the sign, 0 at 0.",
-            ),
-            Self::Sign => row(
-                "sign",
-                None,
-                "sign({0})",
-                "−1, 0 or 1; the derivative of the absolute value.",
-            ),
+            Self::Unary(_) | Self::Power(_) => 1,
+            Self::Binary(_) => 2,
         }
     }
 
-    /// The value. Outside its domain it is NaN.
-    pub fn eval(self, x: f64) -> f64 {
+    /// Its name in listings.
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Negate => -x,
-            Self::Sin => x.sin(),
-            Self::Cos => x.cos(),
-            Self::Tan => x.tan(),
-            Self::Exp => x.exp(),
-            Self::Log => x.ln(),
-            Self::Sqrt => x.sqrt(),
-            Self::Asin => x.asin(),
-            Self::Acos => x.acos(),
-            Self::Atan => x.atan(),
-            Self::Sinh => x.sinh(),
-            Self::Cosh => x.cosh(),
-            Self::Tanh => x.tanh(),
-            Self::Abs => x.abs(),
-            Self::Sign => {
-                if x > 0.0 {
-                    1.0
-                } else if x < 0.0 {
-                    -1.0
-                } else {
-                    // Zero keeps its sign, an undefined number stays undefined.
-                    x
-                }
-            }
+            Self::Unary(op) => op.name(),
+            Self::Binary(op) => op.name(),
+            Self::Power(_) => "power",
+        }
+    }
+
+    /// Its WGSL.
+    pub fn wgsl(self) -> Wgsl {
+        match self {
+            Self::Unary(op) => op.wgsl(),
+            Self::Binary(op) => op.wgsl(),
+            Self::Power(_) => INTEGER_POWER_WGSL,
+        }
+    }
+
+    /// Its value; `None` if the number of operands is not its arity.
+    pub fn eval(self, operands: &[f64]) -> Option<f64> {
+        match (self, operands) {
+            (Self::Unary(op), &[x]) => Some(op.eval(x)),
+            (Self::Power(n), &[x]) => Some(integer_power(x, n)),
+            (Self::Binary(op), &[a, b]) => Some(op.eval(a, b)),
+            _ => None,
+        }
+    }
+
+    /// The operation on nodes; `b` counts for two operands only.
+    pub fn node(self, graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
+        match self {
+            Self::Unary(op) => graph.unary(op, a),
+            Self::Power(n) => graph.integer_power(a, n),
+            Self::Binary(op) => graph.binary(op, a, b),
+        }
+    }
+
+    /// The operation on nodes; `None` if the number of operands is not its arity.
+    pub fn build(self, graph: &mut Graph, operands: &[NodeId]) -> Option<NodeId> {
+        match (self, operands) {
+            (Self::Unary(op), &[x]) => Some(graph.unary(op, x)),
+            (Self::Power(n), &[x]) => Some(graph.integer_power(x, n)),
+            (Self::Binary(op), &[a, b]) => Some(graph.binary(op, a, b)),
+            _ => None,
         }
     }
 }
 
-impl Binary {
-    /// Every operation on two numbers, in the order of the table.
-    pub const ALL: [Self; 6] = [
-        Self::Add,
-        Self::Subtract,
-        Self::Multiply,
-        Self::Divide,
-        Self::Power,
-        Self::AnnihilatingProduct,
-    ];
-
-    /// The operation's row.
-    pub const fn row(self) -> Row {
-        match self {
-            Self::Add => row("add", None, "{0} + {1}", "The sum."),
-            Self::Subtract => row("subtract", None, "{0} - {1}", "The difference."),
-            Self::Multiply => row("multiply", None, "{0} * {1}", "The product."),
-            Self::Divide => row("divide", None, "{0} / {1}", "The quotient."),
-            Self::Power => row(
-                "power",
-                None,
-                "power({0}, {1})",
-                "The power; an integer exponent is exact and takes a negative base; 0^0 is 1.",
-            ),
-            Self::AnnihilatingProduct => row(
-                "zmul",
-                None,
-                "annihilating_product({0}, {1})",
-                "The product, 0 where the first factor is 0 whatever the second is.",
-            ),
-        }
-    }
-
-    /// The value.
-    pub fn eval(self, a: f64, b: f64) -> f64 {
-        match self {
-            Self::Add => a + b,
-            Self::Subtract => a - b,
-            Self::Multiply => a * b,
-            Self::Divide => a / b,
-            Self::Power => power(a, b),
-            Self::AnnihilatingProduct => {
-                if a == 0.0 {
-                    0.0
-                } else {
-                    a * b
-                }
-            }
-        }
-    }
-}
-
-/// Exponents up to this size are taken by multiplication, in every evaluator alike.
-pub const INTEGER_POWER_LIMIT: i32 = 1024;
-
-/// `x^n` by repeated squaring, the lowest bit first: the definition that every evaluator follows, so that
-/// an exponent known while compiling and the same one in a param give the same value. x^0 is 1; a negative
-/// exponent is the reciprocal of the positive power.
+/// x^n by repeated squaring from the lowest bit of |n| up, the same multiplications in every evaluator. 0^0 is
+/// 1; a negative exponent gives the reciprocal of the positive power.
+#[inline]
 pub fn integer_power(x: f64, n: i32) -> f64 {
-    let mut rest = n.unsigned_abs();
+    let mut remaining = n.unsigned_abs();
     let mut square = x;
-    let mut product = 1.0;
-    let mut started = false;
-    while rest > 0 {
-        if rest & 1 == 1 {
-            product = if started { product * square } else { square };
-            started = true;
+    let mut result = 1.0;
+    while remaining != 0 {
+        if remaining & 1 == 1 {
+            result *= square;
         }
-        rest >>= 1;
-        if rest > 0 {
-            square *= square;
-        }
+        square *= square;
+        remaining >>= 1;
     }
-    if n < 0 { 1.0 / product } else { product }
+    if n < 0 { 1.0 / result } else { result }
 }
 
-/// `x^y`: by [`integer_power`] where y is an integer of at most [`INTEGER_POWER_LIMIT`], else `f64::powf`.
+/// [`integer_power`] in each lane.
+pub fn integer_power_lanes<const N: usize>(x: &[f64; N], n: i32, out: &mut [f64; N]) {
+    let mut remaining = n.unsigned_abs();
+    let mut square = *x;
+    *out = [1.0; N];
+    while remaining != 0 {
+        if remaining & 1 == 1 {
+            for (result, square) in out.iter_mut().zip(&square) {
+                *result *= square;
+            }
+        }
+        for square in &mut square {
+            *square *= *square;
+        }
+        remaining >>= 1;
+    }
+    if n < 0 {
+        for result in out {
+            *result = 1.0 / *result;
+        }
+    }
+}
+
+/// x^y. An exponent whose value is an integer up to [`LARGEST_INTEGER_POWER`] multiplies
+/// ([`integer_power`]), so 0^0 is 1 and negative bases have their powers; larger integers take negative bases
+/// too. Other powers of a negative base are undefined.
+#[inline]
 pub fn power(x: f64, y: f64) -> f64 {
-    match as_integer_exponent(y) {
+    match small_integer(y) {
         Some(n) => integer_power(x, n),
         None => x.powf(y),
     }
 }
 
-/// The exponent as an integer, where it is one that is taken by multiplication.
-pub fn as_integer_exponent(y: f64) -> Option<i32> {
-    (y.abs() <= f64::from(INTEGER_POWER_LIMIT) && y == y.trunc()).then_some(y as i32)
+/// The product that a zero first factor annihilates: 0 where `a` is 0, whatever `b` is. Derivative rules use
+/// it: n·x^(n−1) is 0 for n = 0, also at x = 0.
+#[inline]
+pub fn zmul(a: f64, b: f64) -> f64 {
+    if a == 0.0 { 0.0 } else { a * b }
 }
 
-/// The constants that the language starts with.
-pub const CONSTANTS: [(&str, f64, &str); 2] = [
-    (
-        "pi",
-        std::f64::consts::PI,
-        "The half circumference of the unit circle, 3.14159…",
-    ),
-    (
-        "e",
-        std::f64::consts::E,
-        "The base of the natural logarithm, 2.71828…",
-    ),
-];
+/// −1, 0 or 1; 0 for both zeros, NaN for NaN.
+#[inline]
+pub fn sign(x: f64) -> f64 {
+    if x > 0.0 {
+        1.0
+    } else if x < 0.0 {
+        -1.0
+    } else if x == 0.0 {
+        0.0
+    } else {
+        x
+    }
+}
 
-/// The operation that a program writes as the function `name`. (`id`, which the language has too, is none:
-/// it hands its operand on, whatever that is.)
-pub fn builtin(name: &str) -> Option<Unary> {
-    Unary::ALL
-        .into_iter()
-        .find(|op| op.row().builtin == Some(name))
+/// The exponent by which [`power`] multiplies, if `y` is one.
+#[inline]
+pub(crate) fn small_integer(y: f64) -> Option<i32> {
+    let is_small = y.abs() <= f64::from(LARGEST_INTEGER_POWER) && y == y.trunc();
+    is_small.then_some(y as i32)
+}
+
+/// n x^(n−1) x'.
+pub(crate) fn integer_power_derivative(graph: &mut Graph, x: NodeId, n: i32, dx: NodeId) -> NodeId {
+    let lower = match n.checked_sub(1) {
+        Some(lower) => graph.integer_power(x, lower),
+        None => {
+            let lower = graph.constant(f64::from(n) - 1.0);
+            graph.power(x, lower)
+        }
+    };
+    let exponent = graph.constant(f64::from(n));
+    let slope = graph.mul(exponent, lower);
+    graph.mul(slope, dx)
+}
+
+/// b a^(b−1) a'.
+fn power_by_base(graph: &mut Graph, a: NodeId, b: NodeId, da: NodeId) -> NodeId {
+    if graph.value(da) == Some(0.0) {
+        return da;
+    }
+    let one = graph.constant(1.0);
+    let less = graph.sub(b, one);
+    let lower = graph.power(a, less);
+    let slope = graph.zmul(b, lower);
+    graph.mul(slope, da)
+}
+
+/// b' y log a for y = a^b.
+fn power_by_exponent(graph: &mut Graph, a: NodeId, y: NodeId, db: NodeId) -> NodeId {
+    if graph.value(db) == Some(0.0) {
+        return db;
+    }
+    let logarithm = graph.unary(Unary::Log, a);
+    let growth = graph.zmul(y, logarithm);
+    graph.zmul(db, growth)
+}
+
+/// (1 − x)(1 + x): 1 − x² without its cancellation near ±1.
+fn one_minus_square(graph: &mut Graph, x: NodeId) -> NodeId {
+    let one = graph.constant(1.0);
+    let less = graph.sub(one, x);
+    let more = graph.add(one, x);
+    graph.mul(less, more)
+}
+
+/// √(1 − x²).
+fn sine_of_complement(graph: &mut Graph, x: NodeId) -> NodeId {
+    let square = one_minus_square(graph, x);
+    graph.unary(Unary::Sqrt, square)
+}
+
+#[inline]
+fn each<const N: usize>(x: &[f64; N], out: &mut [f64; N], f: impl Fn(f64) -> f64) {
+    for (out, &x) in out.iter_mut().zip(x) {
+        *out = f(x);
+    }
+}
+
+#[inline]
+fn each_pair<const N: usize>(
+    a: Lanes<'_, N>,
+    b: Lanes<'_, N>,
+    out: &mut [f64; N],
+    f: impl Fn(f64, f64) -> f64,
+) {
+    match (a, b) {
+        (Lanes::Each(a), Lanes::Each(b)) => {
+            for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
+                *out = f(a, b);
+            }
+        }
+        (Lanes::Same(a), Lanes::Each(b)) => each(b, out, |b| f(a, b)),
+        (Lanes::Each(a), Lanes::Same(b)) => each(a, out, |a| f(a, b)),
+        (Lanes::Same(a), Lanes::Same(b)) => *out = [f(a, b); N],
+    }
 }

@@ -1,38 +1,45 @@
-//! How large an expression is, with sharing and without.
+//! How large expressions are: what sharing saves.
 
 use rustc_hash::FxHashMap;
 
-use crate::graph::{Graph, Node, NodeId};
+use crate::graph::{Graph, NodeId};
+
+/// How many operations the roots need when every shared subexpression is computed once. Constants and inputs
+/// are not counted.
+pub fn operation_count(graph: &Graph, roots: &[NodeId]) -> usize {
+    graph
+        .order(roots)
+        .into_iter()
+        .filter(|&id| graph.node(id).is_operation())
+        .count()
+}
+
+/// How many operations the roots need when each is written out as a tree, nothing shared: what an evaluator of
+/// trees would run. Saturates at the largest `u64`.
+pub fn tree_size(graph: &Graph, roots: &[NodeId]) -> u64 {
+    let mut sizes: FxHashMap<NodeId, u64> = FxHashMap::default();
+    for id in graph.order(roots) {
+        let node = graph.node(id);
+        let size = node
+            .operands()
+            .fold(u64::from(node.is_operation()), |size, operand| {
+                size.saturating_add(sizes[&operand])
+            });
+        sizes.insert(id, size);
+    }
+    roots
+        .iter()
+        .fold(0, |size: u64, root| size.saturating_add(sizes[root]))
+}
 
 impl Graph {
-    /// How many operations the roots need when every shared subexpression is computed once. Constants and
-    /// inputs are no operations.
+    /// [`operation_count`] of this graph.
     pub fn operation_count(&self, roots: &[NodeId]) -> usize {
-        self.reachable(roots)
-            .into_iter()
-            .filter(|&id| self.is_operation(id))
-            .count()
+        operation_count(self, roots)
     }
 
-    /// How many operations the roots need when each is written out as a tree, nothing shared; saturates.
+    /// [`tree_size`] of this graph.
     pub fn tree_size(&self, roots: &[NodeId]) -> u64 {
-        let mut sizes: FxHashMap<NodeId, u64> = FxHashMap::default();
-        for id in self.reachable(roots) {
-            let operands: u64 = self
-                .node(id)
-                .operands()
-                .fold(0, |sum: u64, operand| sum.saturating_add(sizes[&operand]));
-            sizes.insert(
-                id,
-                operands.saturating_add(u64::from(self.is_operation(id))),
-            );
-        }
-        roots
-            .iter()
-            .fold(0, |sum: u64, root| sum.saturating_add(sizes[root]))
-    }
-
-    fn is_operation(&self, id: NodeId) -> bool {
-        !matches!(self.node(id), Node::Constant(_) | Node::Input(_))
+        tree_size(self, roots)
     }
 }

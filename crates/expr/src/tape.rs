@@ -1,204 +1,263 @@
 //! Evaluation in f64: a graph's roots as straight-line code over registers.
+//!
+//! What flows in: roots, then numbers for their inputs. What flows out: a number for each root. A register is
+//! used again as soon as its value has been used for the last time, so that the registers in use stay in the
+//! processor's cache. Constants and inputs are read where they are, without a register.
+//!
+//! Evaluation of one point and of blocks of [`LANES`] points run the same instructions from the same table
+//! ([`crate::ops`]); another arithmetic over the same tape is one more `match` over [`Instruction`].
 
 use rustc_hash::FxHashMap;
 
 use crate::graph::{Graph, Input, Node, NodeId};
-use crate::ops::{Binary, Unary, integer_power};
+use crate::ops::{self, Binary, Lanes, Unary};
 
 /// How many points [`Tape::eval_block`] evaluates at once.
 pub const LANES: usize = 64;
 /// One number for each lane.
 pub type Block = [f64; LANES];
 
-#[derive(Clone, Copy, Debug)]
-enum Instruction {
-    Constant(f64),
-    Input(u32),
-    Unary(Unary, u32),
-    Binary(Binary, u32, u32),
-    IntegerPower(u32, i32),
-}
-
-/// Straight-line code for some roots. Registers are used again once their value is no longer needed.
+/// Straight-line code for some roots.
 #[derive(Clone, Debug)]
 pub struct Tape {
+    instructions: Vec<Instruction>,
     inputs: Vec<Input>,
-    code: Vec<(Instruction, u32)>,
-    outputs: Vec<u32>,
-    registers: usize,
+    roots: Vec<Operand>,
+    register_count: usize,
 }
 
-/// Registers; reused between evaluations so that none allocates. One per thread.
+/// Registers; reused between evaluations so that none allocates. One per thread, for any tapes.
 #[derive(Clone, Debug, Default)]
 pub struct Registers {
-    scalars: Vec<f64>,
-    blocks: Vec<Block>,
+    numbers: Vec<f64>,
+    // Boxed, so that a result changes places with a register by its pointer alone.
+    #[allow(clippy::vec_box)]
+    blocks: Vec<Box<Block>>,
+}
+
+/// Where an instruction finds a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Operand {
+    Constant(f64),
+    /// A position in [`Tape::inputs`].
+    Input(u32),
+    Register(u32),
+}
+
+/// One operation; its result goes to the register `out`.
+#[derive(Clone, Copy, Debug)]
+struct Instruction {
+    out: u32,
+    operation: Operation,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Operation {
+    Unary(Unary, Operand),
+    Binary(Binary, Operand, Operand),
+    Power(Operand, i32),
 }
 
 impl Tape {
     /// Compiles the roots.
     pub fn new(graph: &Graph, roots: &[NodeId]) -> Self {
-        let order = graph.reachable(roots);
-        let inputs = graph.inputs(roots);
-        let mut last_use: FxHashMap<NodeId, usize> = FxHashMap::default();
-        for (position, &id) in order.iter().enumerate() {
-            for operand in graph.node(id).operands() {
-                last_use.insert(operand, position);
-            }
-        }
+        let order = post_order(graph, roots);
+        let mut uses: FxHashMap<NodeId, u32> = FxHashMap::default();
         for &root in roots {
-            last_use.insert(root, usize::MAX);
+            // A root's register is never free again.
+            uses.insert(root, u32::MAX);
         }
-        let mut free: Vec<u32> = Vec::new();
-        let mut count = 0u32;
-        let mut place: FxHashMap<NodeId, u32> = FxHashMap::default();
-        let mut code = Vec::with_capacity(order.len());
-        for (position, &id) in order.iter().enumerate() {
-            let node = graph.node(id);
-            let instruction = match node {
-                Node::Constant(bits) => Instruction::Constant(f64::from_bits(bits)),
-                Node::Input(input) => {
-                    Instruction::Input(inputs.binary_search(&input).unwrap_or_default() as u32)
-                }
-                Node::Unary(op, a) => Instruction::Unary(op, place[&a]),
-                Node::Binary(op, a, b) => Instruction::Binary(op, place[&a], place[&b]),
-                Node::IntegerPower(a, n) => Instruction::IntegerPower(place[&a], n),
-            };
-            for operand in node.operands() {
-                if last_use.get(&operand) == Some(&position) {
-                    // Removed, so that `x op x` gives its register back once.
-                    if let Some(register) = place.remove(&operand) {
-                        free.push(register);
-                    }
-                }
+        for &id in &order {
+            for operand in graph.node(id).operands() {
+                let count = uses.entry(operand).or_insert(0);
+                *count = count.saturating_add(1);
             }
-            let register = free.pop().unwrap_or_else(|| {
-                count += 1;
-                count - 1
-            });
-            place.insert(id, register);
-            code.push((instruction, register));
+        }
+        let inputs = graph.inputs(roots);
+        let mut compiler = Compiler {
+            places: FxHashMap::default(),
+            free: Vec::new(),
+            register_count: 0,
+            uses,
+        };
+        let mut instructions = Vec::new();
+        for id in order {
+            let operation = match graph.node(id) {
+                Node::Constant(value) => {
+                    compiler.places.insert(id, Operand::Constant(value));
+                    continue;
+                }
+                Node::Input(input) => {
+                    let position = inputs.partition_point(|other| *other < input);
+                    compiler.places.insert(id, Operand::Input(position as u32));
+                    continue;
+                }
+                Node::Unary(op, a) => Operation::Unary(op, compiler.take(a)),
+                Node::Binary(op, a, b) => Operation::Binary(op, compiler.take(a), compiler.take(b)),
+                Node::Power(a, n) => Operation::Power(compiler.take(a), n),
+            };
+            let out = compiler.give(id);
+            instructions.push(Instruction { out, operation });
         }
         Self {
+            instructions,
             inputs,
-            code,
-            outputs: roots.iter().map(|root| place[root]).collect(),
-            registers: count as usize,
+            roots: roots.iter().map(|root| compiler.places[root]).collect(),
+            register_count: compiler.register_count as usize,
         }
     }
 
-    /// The inputs in the order in which evaluation takes them: sorted.
+    /// The inputs in the order in which evaluation takes them: sorted, variables before uniforms.
     pub fn inputs(&self) -> &[Input] {
         &self.inputs
     }
 
-    /// How many numbers one evaluation gives.
-    pub fn output_count(&self) -> usize {
-        self.outputs.len()
+    /// How many roots it evaluates.
+    pub fn root_count(&self) -> usize {
+        self.roots.len()
+    }
+
+    /// How many operations one evaluation runs.
+    pub fn operation_count(&self) -> usize {
+        self.instructions.len()
     }
 
     /// How many registers an evaluation uses.
     pub fn register_count(&self) -> usize {
-        self.registers
-    }
-
-    /// How many operations one evaluation runs; constants and inputs are none.
-    pub fn operation_count(&self) -> usize {
-        self.code
-            .iter()
-            .filter(|(instruction, _)| {
-                !matches!(
-                    instruction,
-                    Instruction::Constant(_) | Instruction::Input(_)
-                )
-            })
-            .count()
+        self.register_count
     }
 
     /// Evaluates at one point. `inputs` follows [`Tape::inputs`]; `out` has one place per root.
     ///
     /// # Panics
-    /// Where `inputs` or `out` is too short.
+    /// If `inputs` or `out` is not of this length.
     pub fn eval(&self, registers: &mut Registers, inputs: &[f64], out: &mut [f64]) {
-        let file = &mut registers.scalars;
-        if file.len() < self.registers {
-            file.resize(self.registers, 0.0);
+        assert_eq!(inputs.len(), self.inputs.len(), "one number per input");
+        assert_eq!(out.len(), self.roots.len(), "one place per root");
+        let registers = &mut registers.numbers;
+        if registers.len() < self.register_count {
+            registers.resize(self.register_count, 0.0);
         }
-        for &(instruction, target) in &self.code {
-            file[target as usize] = match instruction {
-                Instruction::Constant(value) => value,
-                Instruction::Input(index) => inputs[index as usize],
-                Instruction::Unary(op, a) => op.eval(file[a as usize]),
-                Instruction::Binary(op, a, b) => op.eval(file[a as usize], file[b as usize]),
-                Instruction::IntegerPower(a, n) => integer_power(file[a as usize], n),
+        let read = |registers: &[f64], operand| match operand {
+            Operand::Constant(value) => value,
+            Operand::Input(position) => inputs[position as usize],
+            Operand::Register(register) => registers[register as usize],
+        };
+        for instruction in &self.instructions {
+            registers[instruction.out as usize] = match instruction.operation {
+                Operation::Unary(op, a) => op.eval(read(registers, a)),
+                Operation::Binary(op, a, b) => op.eval(read(registers, a), read(registers, b)),
+                Operation::Power(a, n) => ops::integer_power(read(registers, a), n),
             };
         }
-        for (place, &register) in out.iter_mut().zip(&self.outputs) {
-            *place = file[register as usize];
+        for (out, &root) in out.iter_mut().zip(&self.roots) {
+            *out = read(registers, root);
         }
     }
 
     /// Evaluates at [`LANES`] points: the same operations in the same order as [`Tape::eval`], so the same
-    /// results to the last bit.
+    /// results to the last bit (a NaN's sign and payload apart).
     ///
     /// # Panics
-    /// Where `inputs` or `out` is too short.
+    /// If `inputs` does not follow [`Tape::inputs`] or `out` has not one place per root.
     pub fn eval_block(&self, registers: &mut Registers, inputs: &[Block], out: &mut [Block]) {
-        let file = &mut registers.blocks;
-        if file.len() < self.registers {
-            file.resize(self.registers, [0.0; LANES]);
+        assert_eq!(inputs.len(), self.inputs.len(), "one block per input");
+        assert_eq!(out.len(), self.roots.len(), "one place per root");
+        let blocks = &mut registers.blocks;
+        // One more than the registers: where the next result goes. It then changes places with the register
+        // of the result, which may also be one of its operands.
+        while blocks.len() <= self.register_count {
+            blocks.push(Box::new([0.0; LANES]));
         }
-        for &(instruction, target) in &self.code {
-            // A copy of each operand lets the compiler see that target and operands do not overlap.
-            let value = match instruction {
-                Instruction::Constant(value) => [value; LANES],
-                Instruction::Input(index) => inputs[index as usize],
-                Instruction::Unary(op, a) => unary_block(op, &file[a as usize]),
-                Instruction::Binary(op, a, b) => {
-                    binary_block(op, &file[a as usize], &file[b as usize])
+        let Some((result, blocks)) = blocks.split_last_mut() else {
+            return;
+        };
+        for instruction in &self.instructions {
+            match instruction.operation {
+                Operation::Unary(op, a) => match lanes(blocks, inputs, a) {
+                    Lanes::Each(a) => op.eval_lanes(a, result),
+                    Lanes::Same(a) => **result = [op.eval(a); LANES],
+                },
+                Operation::Binary(op, a, b) => {
+                    op.eval_lanes(lanes(blocks, inputs, a), lanes(blocks, inputs, b), result);
                 }
-                Instruction::IntegerPower(a, n) => map(&file[a as usize], |x| integer_power(x, n)),
-            };
-            file[target as usize] = value;
+                Operation::Power(a, n) => match lanes(blocks, inputs, a) {
+                    Lanes::Each(a) => ops::integer_power_lanes(a, n, result),
+                    Lanes::Same(a) => **result = [ops::integer_power(a, n); LANES],
+                },
+            }
+            std::mem::swap(result, &mut blocks[instruction.out as usize]);
         }
-        for (place, &register) in out.iter_mut().zip(&self.outputs) {
-            *place = file[register as usize];
+        for (out, &root) in out.iter_mut().zip(&self.roots) {
+            match lanes(blocks, inputs, root) {
+                Lanes::Each(block) => *out = *block,
+                Lanes::Same(value) => *out = [value; LANES],
+            }
         }
     }
 }
 
-fn map(a: &Block, f: impl Fn(f64) -> f64) -> Block {
-    let mut out = [0.0; LANES];
-    for (out, &a) in out.iter_mut().zip(a) {
-        *out = f(a);
-    }
-    out
+/// Hands out registers.
+struct Compiler {
+    places: FxHashMap<NodeId, Operand>,
+    free: Vec<u32>,
+    register_count: u32,
+    /// How often each node is still to be used.
+    uses: FxHashMap<NodeId, u32>,
 }
 
-fn zip(a: &Block, b: &Block, f: impl Fn(f64, f64) -> f64) -> Block {
-    let mut out = [0.0; LANES];
-    for ((out, &a), &b) in out.iter_mut().zip(a).zip(b) {
-        *out = f(a, b);
+impl Compiler {
+    /// Where a node's value is; after its last use its register is free.
+    fn take(&mut self, id: NodeId) -> Operand {
+        let place = self.places[&id];
+        if let (Operand::Register(register), Some(uses)) = (place, self.uses.get_mut(&id))
+            && *uses != u32::MAX
+        {
+            *uses -= 1;
+            if *uses == 0 {
+                self.free.push(register);
+            }
+        }
+        place
     }
-    out
+
+    /// A register for a node's value.
+    fn give(&mut self, id: NodeId) -> u32 {
+        let register = self.free.pop().unwrap_or_else(|| {
+            self.register_count += 1;
+            self.register_count - 1
+        });
+        self.places.insert(id, Operand::Register(register));
+        register
+    }
 }
 
-/// One loop per operation, so that those the processor has become vector instructions.
-fn unary_block(op: Unary, a: &Block) -> Block {
-    match op {
-        Unary::Negate => map(a, |a| -a),
-        Unary::Abs => map(a, f64::abs),
-        Unary::Sqrt => map(a, f64::sqrt),
-        _ => map(a, |a| op.eval(a)),
+/// The nodes that the roots need, each right after its operands where possible: values are used soon, which
+/// keeps the registers few.
+fn post_order(graph: &Graph, roots: &[NodeId]) -> Vec<NodeId> {
+    let mut seen = rustc_hash::FxHashSet::default();
+    let mut order = Vec::new();
+    // A node, and whether its operands have been ordered.
+    let mut stack: Vec<(NodeId, bool)> = Vec::new();
+    for &root in roots {
+        stack.push((root, false));
+        while let Some((id, ready)) = stack.pop() {
+            if ready {
+                order.push(id);
+            } else if seen.insert(id) {
+                stack.push((id, true));
+                let operands: Vec<NodeId> = graph.node(id).operands().collect();
+                stack.extend(operands.into_iter().rev().map(|operand| (operand, false)));
+            }
+        }
     }
+    order
 }
 
-fn binary_block(op: Binary, a: &Block, b: &Block) -> Block {
-    match op {
-        Binary::Add => zip(a, b, |a, b| a + b),
-        Binary::Subtract => zip(a, b, |a, b| a - b),
-        Binary::Multiply => zip(a, b, |a, b| a * b),
-        Binary::Divide => zip(a, b, |a, b| a / b),
-        Binary::Power | Binary::AnnihilatingProduct => zip(a, b, |a, b| op.eval(a, b)),
+fn lanes<'a>(blocks: &'a [Box<Block>], inputs: &'a [Block], operand: Operand) -> Lanes<'a, LANES> {
+    match operand {
+        Operand::Constant(value) => Lanes::Same(value),
+        Operand::Input(position) => Lanes::Each(&inputs[position as usize]),
+        Operand::Register(register) => Lanes::Each(&blocks[register as usize]),
     }
 }

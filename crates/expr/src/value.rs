@@ -181,7 +181,7 @@ pub fn add(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
 /// # Errors
 /// [`DimensionError::Difference`] unless the dimensions are equal.
 pub fn subtract(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
-    pairwise(graph, Binary::Subtract, a, b).ok_or(DimensionError::Difference {
+    pairwise(graph, Binary::Sub, a, b).ok_or(DimensionError::Difference {
         left: a.dimension(),
         right: b.dimension(),
     })
@@ -189,7 +189,7 @@ pub fn subtract(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
 
 /// `-a`.
 pub fn negate(graph: &mut Graph, a: &Value) -> Value {
-    each(a, |node| graph.unary(Unary::Negate, node))
+    each(a, |node| graph.unary(Unary::Neg, node))
 }
 
 /// `a b`: product, scaling, or dot product.
@@ -278,7 +278,7 @@ pub fn divide(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
 pub fn power(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => {
-            Ok(Value::Number(graph.binary(Binary::Power, *a, *b)))
+            Ok(Value::Number(graph.binary(Binary::Pow, *a, *b)))
         }
         _ => Err(DimensionError::Power {
             base: a.dimension(),
