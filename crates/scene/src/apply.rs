@@ -167,7 +167,7 @@ impl Lowerer {
 
     /// One value per parameter; none where the operand has failed.
     fn arguments(
-        &self,
+        &mut self,
         symbol: SymbolId,
         declared: &Declared,
         operand: &Item,
@@ -180,6 +180,7 @@ impl Lowerer {
             operand if expected == 1 => {
                 return Ok(self.value(operand.clone())?.map(|value| vec![value]));
             }
+            Item::Number(number) => vec![Value::Number(self.graph.constant(*number))],
             Item::List(values, _) => values.clone(),
             Item::Value(value) => value
                 .components()

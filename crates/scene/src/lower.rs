@@ -10,6 +10,7 @@
 use std::sync::Arc;
 
 use expr::Graph;
+use expr::ops::power;
 use expr::value::{self, DimensionError, Value};
 use syntax::actions::Operator;
 use syntax::diagnostic::Diagnostic;
@@ -44,6 +45,8 @@ pub(crate) struct Lowered {
 /// What lies on the stack.
 #[derive(Clone, Debug)]
 pub(crate) enum Item {
+    /// A number known while compiling, which no node of the graph stands for yet.
+    Number(f64),
     Value(Value),
     /// A bracketed list with a vector in it: arguments, or a fault where a value is needed. With its place.
     List(Vec<Value>, Span),
@@ -179,7 +182,7 @@ impl Lowerer {
         span: Span,
     ) -> Result<Effect, (Fault, Span)> {
         let item = match operator {
-            Operator::Number(number) => Item::Value(Value::Number(self.graph.constant(number))),
+            Operator::Number(number) => Item::Number(number),
             Operator::Constant(symbol) => self.constant(frame, symbol),
             Operator::Variable(position) => match frame.parameters.get(position as usize) {
                 Some(value) => Item::Value(value.clone()),
@@ -212,28 +215,36 @@ impl Lowerer {
             | Operator::Negate
             | Operator::Square
             | Operator::Reciprocal
-            | Operator::Component(_) => match self.value(pop(stack))? {
-                None => Item::Poison,
-                Some(a) => {
-                    let graph = &mut self.graph;
-                    let result = match operator {
-                        Operator::Negate => Ok(value::negate(graph, &a)),
-                        Operator::Square => Ok(value::square(graph, &a)),
-                        Operator::Reciprocal => value::reciprocal(graph, &a),
-                        Operator::Component(n) => value::component(&a, n),
-                        _ => Ok(a),
-                    };
-                    Item::Value(result.map_err(|error| (dimension_fault(&error), span))?)
+            | Operator::Component(_) => {
+                let a = pop(stack);
+                if let Some(number) = folded_unary(operator, &a) {
+                    return Ok(Effect::Push(Item::Number(number)));
                 }
-            },
+                let Some(a) = self.value(a)? else {
+                    return Ok(Effect::Push(Item::Poison));
+                };
+                let graph = &mut self.graph;
+                let result = match operator {
+                    Operator::Negate => Ok(value::negate(graph, &a)),
+                    Operator::Square => Ok(value::square(graph, &a)),
+                    Operator::Reciprocal => value::reciprocal(graph, &a),
+                    Operator::Component(n) => value::component(&a, n),
+                    _ => Ok(a),
+                };
+                Item::Value(result.map_err(|error| (dimension_fault(&error), span))?)
+            }
             Operator::Add
             | Operator::Subtract
             | Operator::Juxtapose
             | Operator::Multiply
             | Operator::Divide
             | Operator::Power => {
-                let b = self.value(pop(stack));
-                let a = self.value(pop(stack))?;
+                let (b, a) = (pop(stack), pop(stack));
+                if let (Item::Number(a), Item::Number(b)) = (&a, &b) {
+                    return Ok(Effect::Push(Item::Number(folded(operator, *a, *b))));
+                }
+                let b = self.value(b);
+                let a = self.value(a)?;
                 match (a, b?) {
                     (Some(a), Some(b)) => {
                         let graph = &mut self.graph;
@@ -276,7 +287,7 @@ impl Lowerer {
 
     /// A bracketed list. One with vectors in it may still be an argument list.
     fn tuple(
-        &self,
+        &mut self,
         stack: &mut Vec<Item>,
         count: usize,
         span: Span,
@@ -299,8 +310,9 @@ impl Lowerer {
     }
 
     /// The value that an item is; none for what a reported fault left behind.
-    pub(crate) fn value(&self, item: Item) -> Result<Option<Value>, (Fault, Span)> {
+    pub(crate) fn value(&mut self, item: Item) -> Result<Option<Value>, (Fault, Span)> {
         match item {
+            Item::Number(number) => Ok(Some(Value::Number(self.graph.constant(number)))),
             Item::Value(value) => Ok(Some(value)),
             Item::List(values, span) => match value::tuple(&values) {
                 Ok(value) => Ok(Some(value)),
@@ -343,6 +355,30 @@ impl Frame {
 /// The item on top. Every operator's operands have been pushed, for steps come in postfix order.
 fn pop(stack: &mut Vec<Item>) -> Item {
     stack.pop().unwrap_or(Item::Poison)
+}
+
+/// The value of an operator on two known numbers: as the graph folds it, but without a node for each step of
+/// a long sum.
+fn folded(operator: Operator, a: f64, b: f64) -> f64 {
+    match operator {
+        Operator::Add => a + b,
+        Operator::Subtract => a - b,
+        Operator::Divide => a / b,
+        Operator::Power => power(a, b),
+        _ => a * b,
+    }
+}
+
+/// The same for an operator on one known number; none for anything else.
+fn folded_unary(operator: Operator, a: &Item) -> Option<f64> {
+    let Item::Number(a) = *a else { return None };
+    match operator {
+        Operator::Plus => Some(a),
+        Operator::Negate => Some(-a),
+        Operator::Square => Some(a * a),
+        Operator::Reciprocal => Some(1.0 / a),
+        _ => None,
+    }
 }
 
 fn derived(item: Item, derivation: Derivation) -> Item {

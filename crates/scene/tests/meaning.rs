@@ -579,6 +579,12 @@ fn expressions_that_explode_are_one_clear_error() {
 }
 
 #[test]
+fn a_long_sum_of_numbers_takes_no_room() {
+    let source = format!("define a = {};", vec!["1"; 1_100_000].join("+"));
+    assert_value(&source, "a", &[1_100_000.0]);
+}
+
+#[test]
 fn a_long_chain_of_functions_needs_no_recursion() {
     let mut source = "function f0(x) = x + 1;".to_owned();
     for level in 1..=3000 {
