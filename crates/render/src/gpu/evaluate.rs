@@ -111,14 +111,15 @@ pub fn evaluate(
         );
         let inputs = gpu.storage("inputs", bytemuck::cast_slice(&table));
         let outputs = gpu.output("outputs", size)?;
-        let group = workshop.bind(
-            &pipeline.get_bind_group_layout(0),
-            &[
-                description.as_entire_binding(),
-                inputs.as_entire_binding(),
-                outputs.as_entire_binding(),
-            ],
-        );
+        let mut bindings = vec![
+            (0, description.as_entire_binding()),
+            (2, outputs.as_entire_binding()),
+        ];
+        // Constants read no inputs: the pipeline then has no such binding.
+        if width > 0 {
+            bindings.push((1, inputs.as_entire_binding()));
+        }
+        let group = workshop.bind_numbered(&pipeline.get_bind_group_layout(0), &bindings);
         gpu.submit(|encoder| dispatch_flat(encoder, &pipeline, &group, rows.len() as u64));
         gpu.read(&outputs, size, |bytes| bytemuck::pod_collect_to_vec(bytes))
     });

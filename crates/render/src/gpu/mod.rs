@@ -20,14 +20,17 @@ mod vectors;
 mod workshop;
 
 use ::geodesic::map::Map;
-use scene::{scene::Scene, values::Settings};
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
 use wgsl::GenerateError;
 
 pub use evaluate::{EvaluateError, evaluate};
 
+use crate::bounds::Placement;
 use crate::gpu::workshop::Workshop;
 use crate::plan::{Built, plan};
 use crate::request::{Picture, RenderError, Request, View};
+use crate::sample::Samples;
 
 /// Draws a picture on a GPU; the request has been checked.
 ///
@@ -95,6 +98,21 @@ pub fn geodesic_map(
     request.check(scene)?;
     let gpu = device::open()?;
     gpu.guarded(|| geodesic::map(&mut Workshop::new(gpu), scene, settings, request))
+}
+
+/// The samples of an object as its generated kernel computes them: for comparing them with [`crate::sample::sample`].
+/// `None` if its expressions are too large for a shader.
+///
+/// # Errors
+/// As [`render`].
+pub fn kernel_samples(
+    scene: &Scene,
+    settings: &Settings,
+    object: ObjectId,
+    placement: &Placement,
+) -> Result<Option<Samples>, RenderError> {
+    let gpu = device::open()?;
+    gpu.guarded(|| samples::computed(&mut Workshop::new(gpu), scene, settings, object, placement))
 }
 
 /// The name of the GPU that pictures are drawn on.

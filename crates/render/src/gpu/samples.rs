@@ -51,6 +51,53 @@ pub(crate) fn fill(
     upload(workshop, scene, settings, plan.object, placement)
 }
 
+/// The samples of an object as its generated kernel computes them, read back. `None` if its expressions are too
+/// large for a shader.
+pub(crate) fn computed(
+    workshop: &mut Workshop<'_>,
+    scene: &Scene,
+    settings: &Settings,
+    id: ObjectId,
+    placement: &Placement,
+) -> Result<Option<Samples>, RenderError> {
+    let object = &scene.objects[id.0 as usize];
+    let kernel = match kernel(scene, &object.shape) {
+        Ok(kernel) => kernel,
+        Err(error) => return internal(error).map_or(Ok(None), Err),
+    };
+    let filled = run(workshop, scene, settings, object, &kernel, placement)?;
+    let total = u64::from(filled.total);
+    let read = |size: usize| (&filled.buffer, total * size as u64);
+    let gpu = workshop.gpu;
+    let positions = || {
+        let (buffer, size) = read(size_of::<PositionSample>());
+        gpu.read(
+            buffer,
+            size,
+            bytemuck::pod_collect_to_vec::<u8, PositionSample>,
+        )
+    };
+    Ok(Some(match &object.shape {
+        Shape::Point { .. } => Samples::Points(positions()?),
+        Shape::Curve { .. } => Samples::Curves {
+            count: filled.count[0],
+            samples: positions()?,
+        },
+        Shape::Vector { .. } => {
+            let (buffer, size) = read(size_of::<VectorSample>());
+            Samples::Vectors(gpu.read(buffer, size, bytemuck::pod_collect_to_vec)?)
+        }
+        Shape::Surface { .. } => {
+            let (buffer, size) = read(size_of::<SurfaceSample>());
+            let samples = gpu.read(buffer, size, bytemuck::pod_collect_to_vec)?;
+            Samples::Surfaces {
+                count: filled.count,
+                samples,
+            }
+        }
+    }))
+}
+
 fn upload(
     workshop: &Workshop<'_>,
     scene: &Scene,

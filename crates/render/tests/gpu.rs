@@ -1,0 +1,372 @@
+//! The GPU path against f64 and against the software path. These tests need a GPU or software Vulkan
+//! (`mesa-vulkan-drivers` on Debian); without one they fail rather than pass unrun.
+
+use expr::tape::{Registers, Tape};
+use expr::{Graph, Input, NodeId};
+use render::bounds::{Bounds, Placement};
+use render::plan::{Built, plan};
+use render::sample::{Samples, sample};
+use render::{Backend, RenderError, Request, View, gpu};
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
+
+const SCENE: &str = "
+    function f(u, v) = (sin(pi v) cos(2 pi u), sin(pi v) sin(2 pi u), cos(pi v));
+    param a : [0.3, 1];
+    grid k : [-1, 1, 5], [0, 1, 3];
+    point p = (a, k_1, k_2);
+    curve c(t) = f(t, a), t : [0, 1, 60];
+    vector w = (k_1, k_2, 0.3) @ (k_2, a, k_1);
+    surface s(u, v) = 0.9 f(u, v), u : [0, 1, 40], v : [0, 1, 30];
+";
+
+fn compiled(text: &str) -> (Scene, Settings) {
+    let compilation = scene::compile(text);
+    let scene = compilation
+        .scene
+        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics));
+    let settings = Settings::opening(&scene);
+    (scene, settings)
+}
+
+fn with(mut request: Request, backend: Backend) -> Request {
+    request.backend = backend;
+    request
+}
+
+fn quiet(_: f32) {}
+
+/// The mean difference of two pictures' bytes, and the share of pixels that differ by more than 24 in a channel.
+fn difference(a: &image::RgbaImage, b: &image::RgbaImage) -> (f64, f64) {
+    assert_eq!(a.dimensions(), b.dimensions());
+    let (mut sum, mut far) = (0.0, 0);
+    for (p, q) in a.pixels().zip(b.pixels()) {
+        let off = [0, 1, 2].map(|k| f64::from(p.0[k].abs_diff(q.0[k])));
+        sum += off.iter().sum::<f64>();
+        far += usize::from(off.iter().any(|&d| d > 24.0));
+    }
+    let pixels = f64::from(a.width()) * f64::from(a.height());
+    (sum / (3.0 * pixels), far as f64 / pixels)
+}
+
+#[test]
+fn every_operation_agrees_with_f64() {
+    let mut graph = Graph::default();
+    let [x, y] = [Input::Variable(0), Input::Uniform(5)].map(|input| graph.input(input));
+    let mut roots: Vec<NodeId> = Vec::new();
+    let mut names = Vec::new();
+    let powers = [-9, -3, 3, 4, 5, 8, 13].map(expr::ops::Operation::Power);
+    for operation in expr::ops::Operation::all().chain(powers) {
+        let operands = if operation.arity() == 1 {
+            vec![x]
+        } else {
+            vec![x, y]
+        };
+        roots.extend(operation.build(&mut graph, &operands));
+        names.push(operation);
+    }
+    assert_eq!(roots.len(), names.len());
+    let numbers = [
+        -2.5f32, -2.0, -1.0, -0.75, -0.125, 0.0, 0.125, 0.5, 1.0, 1.5, 3.0,
+    ];
+    let rows: Vec<Vec<f32>> = numbers
+        .iter()
+        .flat_map(|&a| numbers.map(|b| vec![a, b]))
+        .collect();
+    let found = gpu::evaluate(&graph, &roots, &rows).expect("a GPU or software Vulkan");
+    let tape = Tape::new(&graph, &roots);
+    let mut out = vec![0.0; roots.len()];
+    let mut wrong = Vec::new();
+    for (row, found) in rows.iter().zip(&found) {
+        tape.eval(
+            &mut Registers::default(),
+            &[row[0].into(), row[1].into()],
+            &mut out,
+        );
+        for ((name, &expected), &found) in names.iter().zip(&out).zip(found) {
+            // WGSL promises sines to 2⁻¹¹ and arcs to 4096 units in the last place.
+            let close = (f64::from(found) - expected).abs() <= 1e-3 * expected.abs().max(1.0);
+            let same = if expected.is_finite() {
+                close
+            } else {
+                !found.is_finite()
+            };
+            if !same {
+                wrong.push(format!(
+                    "{name:?} of {row:?}: {found} instead of {expected}"
+                ));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn a_row_of_the_wrong_length_is_refused() {
+    let mut graph = Graph::default();
+    let x = graph.input(Input::Variable(0));
+    let error = gpu::evaluate(&graph, &[x], &[vec![1.0], vec![1.0, 2.0]]).unwrap_err();
+    assert_eq!(
+        error,
+        gpu::EvaluateError::Row {
+            row: 1,
+            expected: 1,
+            given: 2
+        }
+    );
+}
+
+#[test]
+fn constants_need_no_inputs() {
+    let mut graph = Graph::default();
+    let values = [0.1, -2.5, std::f64::consts::TAU, 1e-20, 3e38];
+    let roots = values.map(|value| graph.constant(value));
+    let found = gpu::evaluate(&graph, &roots, &[vec![], vec![]]).expect("a GPU or software Vulkan");
+    assert_eq!(found, vec![values.map(|value| value as f32).to_vec(); 2]);
+}
+
+#[test]
+fn a_picture_builds_what_its_plan_says_and_nothing_else() {
+    let (scene, settings) = compiled(SCENE);
+    let all = Built {
+        draw_pipelines: 4,
+        textures: 1,
+        samplers: 1,
+        ..Built::default()
+    };
+    let inside = Built {
+        geodesic_kernels: 1,
+        resolve_pipelines: 1,
+        textures: 1,
+        samplers: 1,
+        ..Built::default()
+    };
+    for (request, expected) in [
+        (Request::space([48, 48]), all),
+        (Request::geodesic(ObjectId(3), [48, 48]), inside),
+    ] {
+        let request = with(request, Backend::Gpu);
+        let (_, built) =
+            gpu::render_counted(&scene, &settings, &request, &quiet).expect("a picture");
+        assert_eq!(built, plan(&scene, &settings, &request).built());
+        assert_eq!(built, expected);
+    }
+}
+
+#[test]
+fn points_alone_build_no_surface_pipeline_no_geodesic_kernel_and_no_sampler() {
+    let (scene, settings) = compiled("point p = (1, 2, 3);");
+    let request = with(Request::space([32, 32]), Backend::Gpu);
+    let (_, built) = gpu::render_counted(&scene, &settings, &request, &quiet).expect("a picture");
+    assert_eq!(
+        built,
+        Built {
+            draw_pipelines: 1,
+            ..Built::default()
+        }
+    );
+}
+
+#[test]
+fn both_backends_draw_the_same_picture_in_space() {
+    let (scene, settings) = compiled(SCENE);
+    for size in [[256, 256], [150, 90], [1, 1]] {
+        let draw = |backend| {
+            render::render(
+                &scene,
+                &settings,
+                &with(Request::space(size), backend),
+                &quiet,
+            )
+            .expect("a picture")
+        };
+        let (gpu, software) = (draw(Backend::Gpu), draw(Backend::Software));
+        assert!(gpu.backend.starts_with("GPU"), "{}", gpu.backend);
+        assert_eq!(gpu.notes, software.notes);
+        let (mean, far) = difference(&gpu.image, &software.image);
+        println!(
+            "{size:?}: mean difference {mean:.3}, {:.3} % of the pixels by more than 24",
+            100.0 * far
+        );
+        assert!(
+            mean < 1.0 && far < 0.015,
+            "{size:?}: mean {mean}, far {far}"
+        );
+    }
+}
+
+#[test]
+fn a_picture_of_several_tiles_has_no_seams() {
+    let (scene, settings) = compiled(SCENE);
+    let size = [2200, 40];
+    let draw = |backend| {
+        render::render(
+            &scene,
+            &settings,
+            &with(Request::space(size), backend),
+            &quiet,
+        )
+        .expect("a picture")
+    };
+    let (mean, far) = difference(&draw(Backend::Gpu).image, &draw(Backend::Software).image);
+    assert!(mean < 0.5 && far < 0.01, "mean {mean}, far {far}");
+}
+
+#[test]
+fn samples_of_generated_kernels_agree_with_f64() {
+    let (scene, settings) = compiled(SCENE);
+    let Placement { centre, radius } = Bounds::of(&scene, &settings).placement;
+    let placement = Placement { centre, radius };
+    let close = |a: &[f32; 3], b: &[f32; 3], bound: f32| {
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() < bound)
+    };
+    for (index, object) in scene.objects.iter().enumerate() {
+        let id = ObjectId(index as u32);
+        let found = gpu::kernel_samples(&scene, &settings, id, &placement)
+            .expect("a GPU")
+            .expect("small");
+        match (found, sample(&scene, &settings, id, &placement)) {
+            (Samples::Points(a), Samples::Points(b)) => {
+                assert_eq!(a.len(), b.len());
+                let same = a
+                    .iter()
+                    .zip(&b)
+                    .all(|(a, b)| a.defined == b.defined && close(&a.position, &b.position, 1e-4));
+                assert!(same, "{}", object.name);
+            }
+            (
+                Samples::Curves {
+                    count: m,
+                    samples: a,
+                },
+                Samples::Curves {
+                    count: n,
+                    samples: b,
+                },
+            ) => {
+                assert_eq!((m, a.len()), (n, b.len()));
+                let same = a
+                    .iter()
+                    .zip(&b)
+                    .all(|(a, b)| a.defined == b.defined && close(&a.position, &b.position, 1e-4));
+                assert!(same, "{}", object.name);
+            }
+            (Samples::Vectors(a), Samples::Vectors(b)) => {
+                assert_eq!(a.len(), b.len());
+                let same = a.iter().zip(&b).all(|(a, b)| {
+                    a.defined == b.defined
+                        && close(&a.origin, &b.origin, 1e-4)
+                        && close(&a.direction, &b.direction, 1e-4)
+                });
+                assert!(same, "{}", object.name);
+            }
+            (
+                Samples::Surfaces {
+                    count: m,
+                    samples: a,
+                },
+                Samples::Surfaces {
+                    count: n,
+                    samples: b,
+                },
+            ) => {
+                assert_eq!((m, a.len()), (n, b.len()));
+                for (a, b) in a.iter().zip(&b) {
+                    assert!(
+                        a.defined == b.defined && close(&a.position, &b.position, 1e-4),
+                        "{a:?} {b:?}"
+                    );
+                    assert!(close(&a.normal, &b.normal, 5e-3), "{a:?} {b:?}");
+                }
+            }
+            (a, b) => panic!("{}: {a:?} is not of the kind of {b:?}", object.name),
+        }
+    }
+}
+
+#[test]
+fn what_is_undefined_is_marked_by_the_kernel_and_noted() {
+    let (scene, settings) = compiled("curve c(t) = (t, sqrt t, log(t + 0.5)), t : [-1, 1, 81];");
+    let placement = Bounds::of(&scene, &settings).placement;
+    let found = gpu::kernel_samples(&scene, &settings, ObjectId(0), &placement)
+        .expect("a GPU")
+        .expect("small");
+    let expected = sample(&scene, &settings, ObjectId(0), &placement);
+    assert_eq!(found.undefined(), expected.undefined());
+    assert!(found.undefined().1 > 30);
+}
+
+#[test]
+fn geodesics_on_a_sphere_end_where_great_circles_do() {
+    let (scene, settings) = compiled(
+        "surface s(u, v) = (cos u cos v, sin u cos v, sin v), u : [-pi, pi], v : [-pi/2, pi/2];",
+    );
+    let (size, zoom) = ([64, 64], 1.2f64);
+    let mut request = Request::geodesic(ObjectId(0), size);
+    if let View::Geodesic {
+        zoom: place, at, ..
+    } = &mut request.view
+    {
+        *place = Some(zoom);
+        *at = Some([0.0, 0.0]);
+    }
+    let map = gpu::geodesic_map(&scene, &settings, &request)
+        .expect("a GPU")
+        .expect("small");
+    let mut worst = 0.0f64;
+    for (index, uv) in map.uv.iter().enumerate() {
+        let [x, y] = [index % 64, index / 64].map(|k| (k as f64 + 0.5) / 32.0 - 1.0);
+        let (x, y) = (zoom * x, -zoom * y);
+        // From (1, 0, 0) by the arc r in the direction (x, y) of the tangent plane.
+        let r = x.hypot(y);
+        let expected = [r.cos(), x / r * r.sin(), y / r * r.sin()];
+        let [u, v] = uv.map(f64::from);
+        let found = [u.cos() * v.cos(), u.sin() * v.cos(), v.sin()];
+        let off = found
+            .iter()
+            .zip(expected)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>()
+            .sqrt();
+        worst = worst.max(off);
+    }
+    // A twentieth of a pixel.
+    let pixel = zoom / 32.0;
+    println!("worst: {:.4} pixels", worst / pixel);
+    assert!(worst < 0.05 * pixel, "{} pixels", worst / pixel);
+}
+
+#[test]
+fn a_machine_without_a_driver_says_so_and_takes_the_software_path() {
+    // In a process of its own: a device is opened once a process.
+    if std::env::var_os("GEOTRACE_TEST_NO_GPU").is_none() {
+        let this = std::env::current_exe().expect("the test's program");
+        let name = "a_machine_without_a_driver_says_so_and_takes_the_software_path";
+        let output = std::process::Command::new(this)
+            .args(["--exact", name, "--nocapture"])
+            .env("GEOTRACE_TEST_NO_GPU", "1")
+            .env("VK_DRIVER_FILES", "/nowhere.json")
+            .env("VK_ICD_FILENAMES", "/nowhere.json")
+            .output()
+            .expect("it starts");
+        let text = String::from_utf8_lossy(&output.stdout);
+        assert!(
+            output.status.success(),
+            "{text}{}",
+            String::from_utf8_lossy(&output.stderr)
+        );
+        assert!(text.contains("1 passed"), "{text}");
+        return;
+    }
+    let (scene, settings) = compiled("point p = (1, 2, 3);");
+    let request = with(Request::space([16, 16]), Backend::Gpu);
+    let error = render::render(&scene, &settings, &request, &quiet).unwrap_err();
+    assert!(matches!(error, RenderError::NoGpu { .. }), "{error}");
+    let picture = render::render(&scene, &settings, &with(request, Backend::Auto), &quiet)
+        .expect("a picture");
+    assert!(
+        picture.backend.starts_with("software, because "),
+        "{}",
+        picture.backend
+    );
+}
