@@ -131,7 +131,8 @@ impl Texture {
     }
 
     /// The texture of surfaces without an image: 8 × 8 cells named A1 (u min, v min) to H8 (u max, v max), the hue
-    /// following u and the lightness v.
+    /// following u and the lightness v. The names read rightly where u grows to the right and v upwards, as in a
+    /// geodesic view, and in space from the side that σu×σv points to.
     pub fn orientation() -> Arc<Self> {
         static ORIENTATION: OnceLock<Arc<Texture>> = OnceLock::new();
         ORIENTATION

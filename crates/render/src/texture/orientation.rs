@@ -1,7 +1,9 @@
 //! The image that shows orientation: named cells, drawn in code.
 //!
 //! Left and right, up and down are told apart by the names, by the hue (it follows u and closes after one turn) and
-//! by the lightness (it follows v). Names are drawn from strokes with round ends, so they stay smooth when enlarged.
+//! by the lightness (it follows v). Names are written for a reader who sees u grow to the right and v upwards: they
+//! read rightly in a geodesic view, and in space from the side that σu×σv points to; what has been turned over shows
+//! them mirrored. They are drawn from strokes with round ends, so they stay smooth when enlarged.
 
 use image::{Rgba, RgbaImage};
 
@@ -36,7 +38,7 @@ pub(super) fn image() -> RgbaImage {
             for y in 0..CELL {
                 for x in 0..CELL {
                     let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
-                    let mut colour = mix(paper, ink, 0.9 * label(&strokes, px, py));
+                    let mut colour = mix(paper, ink, 0.9 * label(&strokes, px, CELL as f32 - py));
                     let line = line(column * CELL + x, row * CELL + y);
                     colour = mix(colour, [1.0; 3], line);
                     let [r, g, b] = colour.map(encode);
