@@ -11,6 +11,7 @@ use syntax::token::{DeclareWord, SymbolId};
 
 use crate::builtin;
 use crate::code::Expression;
+use crate::dependency::Dependencies;
 use crate::fault::{self, Fault};
 use crate::interval::{Bounds, Interval, Purpose};
 use crate::limits::{DEFAULT_SAMPLES, MAX_INSTANCES, MAX_SAMPLES};
@@ -29,6 +30,7 @@ pub(crate) struct Declarations {
     intervals: Vec<Interval>,
     /// Whose component each uniform is.
     owners: Vec<Owner>,
+    dependencies: Dependencies,
     /// How many samples the objects have together.
     samples: u64,
 }
@@ -390,7 +392,7 @@ impl Declarations {
 
     /// Adds an object, within the limits of what can be drawn.
     fn object(&mut self, declaration: &Declaration<'_>, shape: Shape) {
-        let (params, grids) = self.dependencies(&shape);
+        let (params, grids) = self.dependencies(&shape.roots());
         let name = declaration.name;
         let mut counts = Vec::new();
         for grid in &grids {
@@ -448,43 +450,26 @@ impl Declarations {
         });
     }
 
-    /// The params and grids that an object depends on.
-    fn dependencies(&self, shape: &Shape) -> (Vec<ParamId>, Vec<GridId>) {
-        let roots = shape.roots();
+    /// The params and grids that nodes depend on.
+    fn dependencies(&mut self, roots: &[NodeId]) -> (Vec<ParamId>, Vec<GridId>) {
         let mut params = Vec::new();
         let mut grids = Vec::new();
-        for input in self.lowerer.graph.inputs(&roots) {
-            let Input::Uniform(index) = input else {
-                continue;
-            };
-            match self.owners.get(index as usize) {
+        for uniform in self.dependencies.of(&self.lowerer.graph, roots) {
+            match self.owners.get(uniform as usize) {
                 Some(Owner::Param(id)) => params.push(*id),
                 Some(Owner::Grid(id)) => grids.push(*id),
                 None => {}
             }
         }
-        // Inputs are sorted, and the components of one param follow each other.
+        // The uniforms are sorted, and the components of one param follow each other.
         params.dedup();
         grids.dedup();
         (params, grids)
     }
 
     /// The grids that a value depends on.
-    pub(crate) fn grids_of(&self, roots: &[NodeId]) -> Vec<GridId> {
-        let inputs = self.lowerer.graph.inputs(roots);
-        let mut grids: Vec<GridId> = inputs
-            .into_iter()
-            .filter_map(|input| match input {
-                Input::Uniform(index) => self.owners.get(index as usize).copied(),
-                Input::Variable(_) => None,
-            })
-            .filter_map(|owner| match owner {
-                Owner::Grid(id) => Some(id),
-                Owner::Param(_) => None,
-            })
-            .collect();
-        grids.dedup();
-        grids
+    pub(crate) fn grids_of(&mut self, value: &Value) -> Vec<GridId> {
+        self.dependencies(value.components()).1
     }
 }
 

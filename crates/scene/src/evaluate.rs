@@ -109,7 +109,7 @@ impl Scope {
         let Some(result) = lowered.value.filter(|_| !has_errors(&found)) else {
             return Err(found);
         };
-        match outcome(&declarations, &result, settings) {
+        match outcome(&mut declarations, &result, settings) {
             Ok(outcome) => Ok(Evaluation {
                 outcome,
                 warnings: found,
@@ -146,11 +146,13 @@ impl Program {
 
 /// Evaluates a value for each combination of the grids that it depends on.
 fn outcome(
-    declarations: &Declarations,
+    declarations: &mut Declarations,
     result: &value::Value,
     settings: &Settings,
 ) -> Result<Outcome, Fault> {
+    let mut grids = declarations.grids_of(result);
     let scene = &declarations.scene;
+    grids.retain(|&id| settings.fixed_grid(scene, id).is_none());
     let roots = result.components();
     let tape = Tape::new(&declarations.lowerer.graph, roots);
     let mut registers = Registers::default();
@@ -175,8 +177,6 @@ fn outcome(
         }
     };
 
-    let mut grids = declarations.grids_of(roots);
-    grids.retain(|&id| settings.fixed_grid(scene, id).is_none());
     if grids.is_empty() {
         return Ok(Outcome::Single(at(settings.uniforms())));
     }

@@ -15,6 +15,7 @@ mod builtin;
 mod code;
 pub mod compile;
 mod declare;
+mod dependency;
 pub mod evaluate;
 mod fault;
 mod interval;
