@@ -1,0 +1,290 @@
+//! The forms of argument that are more than a word or a number.
+
+use std::path::PathBuf;
+
+use crate::number;
+
+/// A number, or an expression such as `pi/2` that gives one in the program's scope.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Quantity {
+    /// A finite number.
+    Number(f64),
+    /// Not yet read.
+    Expression(String),
+}
+
+/// `NAME=V` or `NAME=V1,V2`: a value for a param or a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Assignment {
+    /// The param or grid.
+    pub(crate) name: String,
+    /// One per component.
+    pub(crate) values: Vec<Quantity>,
+}
+
+/// `U,V`: a point or a direction of the chart.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Pair(pub(crate) [Quantity; 2]);
+
+/// `X,Y,Z`: a point of space.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Triple(pub(crate) [Quantity; 3]);
+
+/// `WxH`: a picture's size in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Size(pub(crate) [u32; 2]);
+
+/// `SURFACE=IMAGE`: an image file for a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct TextureFile {
+    /// The surface's name.
+    pub(crate) surface: String,
+    /// The image.
+    pub(crate) path: PathBuf,
+}
+
+/// `3d`, `geodesic` or `geodesic:SURFACE`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum ViewName {
+    /// The 3D view.
+    Space,
+    /// The geodesic view of a surface; of the program's only or first one unless named.
+    Geodesic(Option<String>),
+}
+
+/// The longest side of a picture, in pixels.
+pub(crate) const LONGEST_SIDE: u32 = 16384;
+
+/// Reads `NAME=V1,V2`.
+pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {
+    let Some((name, values)) = text.split_once('=') else {
+        return Err("expected NAME=VALUE, such as r=0.7 or T=0.5,1".into());
+    };
+    let name = name.trim();
+    if name.is_empty() {
+        return Err("a name is missing before `=`".into());
+    }
+    Ok(Assignment {
+        name: name.into(),
+        values: list(values)?,
+    })
+}
+
+/// Reads a number or an expression.
+pub(crate) fn quantity(text: &str) -> Result<Quantity, String> {
+    let text = text.trim();
+    let numeric = text.contains(|c: char| c.is_ascii_digit()) && text.parse::<f64>().is_ok();
+    if text.is_empty() || numeric {
+        return number::parse(text).map(Quantity::Number);
+    }
+    Ok(Quantity::Expression(text.into()))
+}
+
+/// Reads `U,V`.
+pub(crate) fn pair(text: &str) -> Result<Pair, String> {
+    let values = list(text)?;
+    let given = values.len();
+    let pair = values.try_into().map(Pair);
+    pair.map_err(|_| format!("expected two numbers, such as 0.5,-pi/2, found {given}"))
+}
+
+/// Reads `X,Y,Z`.
+pub(crate) fn triple(text: &str) -> Result<Triple, String> {
+    let values = list(text)?;
+    let given = values.len();
+    let triple = values.try_into().map(Triple);
+    triple.map_err(|_| format!("expected three numbers, such as 3,-2,1.5, found {given}"))
+}
+
+/// Reads `WxH`.
+pub(crate) fn size(text: &str) -> Result<Size, String> {
+    let expected = "expected WIDTHxHEIGHT in pixels, such as 800x600";
+    let Some((width, height)) = text.split_once(['x', 'X', '×']) else {
+        return Err(expected.into());
+    };
+    let side = |side: &str| -> Result<u32, String> {
+        if side.is_empty() || !side.bytes().all(|byte| byte.is_ascii_digit()) {
+            return Err(expected.into());
+        }
+        // All digits, so whatever does not fit is too large.
+        match side.parse::<u32>() {
+            Ok(0) => Err("a picture has at least one pixel each way".into()),
+            Ok(pixels) if pixels <= LONGEST_SIDE => Ok(pixels),
+            _ => Err(format!(
+                "a picture's sides may have up to {LONGEST_SIDE} pixels"
+            )),
+        }
+    };
+    Ok(Size([side(width.trim())?, side(height.trim())?]))
+}
+
+/// Reads `SURFACE=IMAGE`.
+pub(crate) fn texture(text: &str) -> Result<TextureFile, String> {
+    match text.split_once('=') {
+        Some((surface, path)) if !surface.trim().is_empty() && !path.is_empty() => {
+            Ok(TextureFile {
+                surface: surface.trim().into(),
+                path: path.into(),
+            })
+        }
+        _ => Err("expected SURFACE=IMAGE, such as s=earth.jpg".into()),
+    }
+}
+
+/// Reads `3d`, `geodesic` or `geodesic:SURFACE`.
+pub(crate) fn view(text: &str) -> Result<ViewName, String> {
+    match text.split_once(':') {
+        None if text.eq_ignore_ascii_case("3d") => Ok(ViewName::Space),
+        None if text == "geodesic" => Ok(ViewName::Geodesic(None)),
+        Some(("geodesic", surface)) if !surface.trim().is_empty() => {
+            Ok(ViewName::Geodesic(Some(surface.trim().into())))
+        }
+        _ => Err("expected 3d, geodesic, or geodesic:SURFACE".into()),
+    }
+}
+
+/// Reads a finite number.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    number::parse(text)
+}
+
+/// Reads a number greater than zero.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    match number::parse(text)? {
+        value if value > 0.0 => Ok(value),
+        _ => Err("it must be greater than 0".into()),
+    }
+}
+
+/// Reads quantities separated by commas; brackets around all of them are accepted.
+fn list(text: &str) -> Result<Vec<Quantity>, String> {
+    let parts = split(text);
+    if let [one] = parts[..] {
+        let inner = one
+            .trim()
+            .strip_prefix('(')
+            .and_then(|rest| rest.strip_suffix(')'));
+        if let Some(several) = inner.map(split).filter(|parts| parts.len() > 1) {
+            return several.into_iter().map(quantity).collect();
+        }
+    }
+    parts.into_iter().map(quantity).collect()
+}
+
+/// Splits at the commas that stand in no bracket.
+fn split(text: &str) -> Vec<&str> {
+    let mut depth = 0_i64;
+    text.split(|letter| {
+        match letter {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            _ => {}
+        }
+        letter == ',' && depth == 0
+    })
+    .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn assignments_have_a_name_and_numbers() {
+        assert_eq!(
+            assignment("T=-1,.5"),
+            Ok(Assignment {
+                name: "T".into(),
+                values: vec![Quantity::Number(-1.0), Quantity::Number(0.5)]
+            })
+        );
+        for text in ["T", "=1", "T=", "T=1,", "T=1e999"] {
+            assert!(assignment(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn sizes_have_two_sides_from_1_to_the_longest() {
+        assert_eq!(size("1x16384"), Ok(Size([1, 16384])));
+        assert_eq!(size("800X600"), Ok(Size([800, 600])));
+        for text in [
+            "0x0",
+            "1x0",
+            "512",
+            "x",
+            "12x",
+            "-1x5",
+            "1x16385",
+            "99999999999x1",
+            "1.5x2",
+            "+1x1",
+        ] {
+            assert!(size(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn pairs_and_triples_count_their_numbers() {
+        let numbers = |values: &[f64]| {
+            values
+                .iter()
+                .copied()
+                .map(Quantity::Number)
+                .collect::<Vec<_>>()
+        };
+        for text in ["-2,0.3", "(-2, 0.3)", " -2 , .3 "] {
+            assert_eq!(
+                pair(text).map(|pair| pair.0.to_vec()),
+                Ok(numbers(&[-2.0, 0.3])),
+                "{text}"
+            );
+        }
+        for text in ["1", "1,2,3", "1,", "(1,2", ""] {
+            assert!(pair(text).is_err(), "{text}");
+        }
+        assert_eq!(
+            triple("1,2,-3").map(|triple| triple.0.to_vec()),
+            Ok(numbers(&[1.0, 2.0, -3.0]))
+        );
+        assert!(triple("1,2").is_err());
+    }
+
+    #[test]
+    fn what_is_no_number_is_left_to_the_language() {
+        let expression = |text: &str| Quantity::Expression(text.into());
+        assert_eq!(
+            pair("-pi/2, f(1, 2)").map(|pair| pair.0),
+            Ok([expression("-pi/2"), expression("f(1, 2)")])
+        );
+        assert_eq!(
+            pair("(1+2),(a)").map(|pair| pair.0),
+            Ok([expression("(1+2)"), expression("(a)")])
+        );
+        // Numbers to Rust, names to the language.
+        assert_eq!(quantity("nan"), Ok(expression("nan")));
+        assert_eq!(quantity("1e999"), Err("1e999 is too large a number".into()));
+    }
+
+    #[test]
+    fn views_are_named() {
+        assert_eq!(view("3d"), Ok(ViewName::Space));
+        assert_eq!(view("geodesic"), Ok(ViewName::Geodesic(None)));
+        assert_eq!(view("geodesic:s"), Ok(ViewName::Geodesic(Some("s".into()))));
+        for text in ["", "2d", "geodesic:", "3d:s"] {
+            assert!(view(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn textures_name_a_surface_and_a_file() {
+        assert_eq!(
+            texture("s=a=b.png"),
+            Ok(TextureFile {
+                surface: "s".into(),
+                path: "a=b.png".into()
+            })
+        );
+        assert!(texture("earth.png").is_err());
+        assert!(texture("s=").is_err());
+    }
+}

@@ -1,0 +1,88 @@
+//! `geotrace check`: every finding in some programs.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::Format;
+use crate::failure::Failure;
+use crate::number;
+use crate::output;
+use crate::program;
+use crate::report::{self, Style, Tally, json};
+
+/// Say what is wrong with programs: where, what, and what to do about it.
+///
+/// Prints one line `file:line:column: error[code]: sentence` for each finding, with the source below it.
+/// All errors of a program are reported in one run. Warnings do not change the exit status.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  geotrace check circle.gtr
+  geotrace check *.gtr --format json
+  echo 'point p = (1, 2, 3);' | geotrace check -")]
+pub(super) struct Arguments {
+    /// The programs; `-` is standard input
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// For people, or one JSON document {"diagnostics": [...]}
+    #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
+    format: Format,
+}
+
+/// Checks every file, also where one cannot be read.
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let twice = arguments
+        .files
+        .iter()
+        .filter(|file| *file == Path::new("-"))
+        .count()
+        > 1;
+    if twice {
+        return Err(Failure::usage("standard input (`-`) can be read only once"));
+    }
+    let style = Style::of_stdout();
+    let mut document = json::Document::default();
+    let mut tally = Tally::default();
+    let mut checked = 0;
+    let mut unreadable = None;
+    for file in &arguments.files {
+        let (source, compilation) = match program::compile(file) {
+            Ok(compiled) => compiled,
+            Err(failure) => {
+                // The other files are checked all the same; the last such failure ends the run.
+                if let Some(earlier) = unreadable.replace(failure) {
+                    earlier.print();
+                }
+                continue;
+            }
+        };
+        checked += 1;
+        tally = tally.plus(Tally::of(&compilation.diagnostics));
+        match arguments.format {
+            Format::Human => {
+                let text = report::text(&source, &compilation.diagnostics, style);
+                if !text.is_empty() {
+                    output::print(&text)?;
+                }
+            }
+            Format::Json => document.add(&source, &compilation.diagnostics),
+        }
+    }
+    match arguments.format {
+        Format::Human if checked == 0 => {}
+        Format::Human => {
+            let what = match &arguments.files[..] {
+                [only] => only.display().to_string(),
+                _ => format!("{} checked", number::count(checked, "file")),
+            };
+            output::print_error(&format!("{what}: {}\n", tally.text()));
+        }
+        Format::Json => output::print_json(&document)?,
+    }
+    match unreadable {
+        Some(failure) => Err(failure),
+        None if tally.errors > 0 => Err(Failure::Program),
+        None => Ok(()),
+    }
+}

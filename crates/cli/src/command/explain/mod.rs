@@ -1,0 +1,365 @@
+//! `geotrace explain`: what is built for a program, what is left out, and what it costs.
+
+mod acceleration;
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use clap::Args;
+use render::plan::{self, ObjectPlan, Painter, Plan, Source};
+use render::{Request, View};
+use scene::scene::{Object, ObjectId, Scene, Shape};
+use scene::values::Settings;
+use serde::Serialize;
+
+use super::Format;
+use crate::failure::Failure;
+use crate::number::{self, count, grouped};
+use crate::output;
+use crate::program::Program;
+use acceleration::Acceleration;
+
+/// Tell what is built for a program, what is left out, and what each part costs.
+///
+/// Only what a program needs is built: each view is planned before anything is compiled, and this is the
+/// plan for a machine with a GPU; without one, everything runs on the processor's cores.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  geotrace explain torus.gtr
+  geotrace explain circle.gtr --format json
+
+A geodesic is integrated from its acceleration. Its operations are counted in two forms: ours, where shared
+subexpressions are computed once, and the thesis' scheme, which expands E, F, G and their six derivatives
+as trees.")]
+pub(super) struct Arguments {
+    /// The program; `-` is standard input
+    file: PathBuf,
+    /// For people, or one JSON document
+    #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
+    format: Format,
+}
+
+/// The JSON document.
+#[derive(Serialize)]
+struct Document {
+    params: Vec<Dial>,
+    grids: Vec<Dial>,
+    views: Vec<ViewEntry>,
+    surfaces: Vec<SurfaceEntry>,
+}
+
+/// A param or a grid, and how many uniforms hold its components.
+#[derive(Serialize)]
+struct Dial {
+    name: String,
+    uniforms: usize,
+}
+
+/// What one view needs.
+#[derive(Serialize)]
+struct ViewEntry {
+    view: String,
+    objects: Vec<ObjectEntry>,
+    built: BuiltEntry,
+    painters: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    geodesic: Option<GeodesicEntry>,
+    left_out: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct ObjectEntry {
+    name: String,
+    kind: &'static str,
+    instances: u64,
+    samples: u64,
+    source: &'static str,
+    params: Vec<String>,
+    grids: Vec<String>,
+    uniforms: usize,
+    operations: u64,
+    operations_with_normals: Option<u64>,
+}
+
+#[derive(Serialize)]
+struct GeodesicEntry {
+    surface: String,
+    source: &'static str,
+    derivative_operations: Option<u64>,
+}
+
+#[derive(Serialize)]
+struct BuiltEntry {
+    draw_pipelines: u32,
+    sample_kernels: u32,
+    geodesic_kernels: u32,
+    resolve_pipelines: u32,
+    textures: u32,
+    samplers: u32,
+}
+
+/// What one geodesic acceleration costs on a surface.
+#[derive(Serialize)]
+struct SurfaceEntry {
+    name: String,
+    #[serde(flatten)]
+    acceleration: Option<Acceleration>,
+}
+
+/// Plans every view of the program and prints the plans.
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let program = Program::load(&arguments.file, arguments.format)?;
+    let scene = program.scene()?;
+    let document = document(scene);
+    match arguments.format {
+        Format::Json => output::print_json(&document),
+        Format::Human => output::print(&text(&document, &program.source.name)),
+    }
+}
+
+fn document(scene: &Scene) -> Document {
+    let settings = Settings::opening(scene);
+    // The size of a picture changes nothing of what is built for it.
+    let size = [512, 512];
+    let mut views = vec![view(scene, &settings, &Request::space(size))];
+    let mut surfaces = Vec::new();
+    for (id, object) in (0..).map(ObjectId).zip(&scene.objects) {
+        if let Shape::Surface { position, .. } = &object.shape {
+            views.push(view(scene, &settings, &Request::geodesic(id, size)));
+            surfaces.push(SurfaceEntry {
+                name: object.name.clone(),
+                acceleration: acceleration::count(&scene.graph, position),
+            });
+        }
+    }
+    let dial = |(name, uniforms): (&String, usize)| Dial {
+        name: name.clone(),
+        uniforms,
+    };
+    let params = scene
+        .params
+        .iter()
+        .map(|param| (&param.name, param.ranges.len()));
+    let grids = scene.grids.iter().map(|grid| (&grid.name, grid.axes.len()));
+    Document {
+        params: params.map(dial).collect(),
+        grids: grids.map(dial).collect(),
+        views,
+        surfaces,
+    }
+}
+
+fn view(scene: &Scene, settings: &Settings, request: &Request) -> ViewEntry {
+    let plan = plan::plan(scene, settings, request);
+    let name = |id: ObjectId| match scene.objects.get(id.0 as usize) {
+        Some(object) => object.name.clone(),
+        None => String::new(),
+    };
+    let objects = plan.objects.iter().filter_map(|planned| {
+        let object = scene.objects.get(planned.object.0 as usize)?;
+        Some(object_entry(scene, object, planned))
+    });
+    ViewEntry {
+        view: match &request.view {
+            View::Space { .. } => "3d".into(),
+            View::Geodesic { surface, .. } => format!("geodesic:{}", name(*surface)),
+        },
+        objects: objects.collect(),
+        built: built(&plan),
+        painters: plan.painters().into_iter().map(painter).collect(),
+        geodesic: plan.geodesic.as_ref().map(|geodesic| GeodesicEntry {
+            surface: name(geodesic.surface),
+            source: source(geodesic.source),
+            derivative_operations: geodesic.derivative_operations,
+        }),
+        left_out: plan.left_out,
+    }
+}
+
+fn built(plan: &Plan) -> BuiltEntry {
+    let built = plan.built();
+    BuiltEntry {
+        draw_pipelines: built.draw_pipelines,
+        sample_kernels: built.sample_kernels,
+        geodesic_kernels: built.geodesic_kernels,
+        resolve_pipelines: built.resolve_pipelines,
+        textures: built.textures,
+        samplers: built.samplers,
+    }
+}
+
+fn object_entry(scene: &Scene, object: &Object, planned: &ObjectPlan) -> ObjectEntry {
+    let params = object
+        .params
+        .iter()
+        .filter_map(|id| scene.params.get(id.0 as usize));
+    let grids = object
+        .grids
+        .iter()
+        .filter_map(|id| scene.grids.get(id.0 as usize));
+    ObjectEntry {
+        name: object.name.clone(),
+        kind: kind(&object.shape),
+        instances: planned.instances,
+        samples: planned.samples,
+        source: source(planned.source),
+        params: params.map(|param| param.name.clone()).collect(),
+        grids: grids.map(|grid| grid.name.clone()).collect(),
+        uniforms: planned.uniforms.len(),
+        operations: planned.operations,
+        operations_with_normals: planned.operations_with_normals,
+    }
+}
+
+fn kind(shape: &Shape) -> &'static str {
+    match shape {
+        Shape::Point { .. } => "point",
+        Shape::Vector { .. } => "vector",
+        Shape::Curve { .. } => "curve",
+        Shape::Surface { .. } => "surface",
+    }
+}
+
+fn painter(painter: Painter) -> &'static str {
+    match painter {
+        Painter::Points => "points",
+        Painter::Vectors => "vectors",
+        Painter::Curves => "curves",
+        Painter::Surfaces => "surfaces",
+    }
+}
+
+fn source(source: Source) -> &'static str {
+    match source {
+        Source::Blocks => "blocks",
+        Source::Kernel => "kernel",
+    }
+}
+
+fn text(document: &Document, file: &str) -> String {
+    // Writing to a string cannot fail.
+    let mut text = String::new();
+    let objects: usize = document.views.first().map_or(0, |view| view.objects.len());
+    let _ = writeln!(
+        text,
+        "{file}: {}, {}, {}",
+        count(objects, "object"),
+        count(document.params.len(), "param"),
+        count(document.grids.len(), "grid"),
+    );
+    for view in &document.views {
+        view_text(&mut text, view);
+    }
+    if !document.surfaces.is_empty() {
+        let _ = writeln!(text, "\nOperations for one geodesic acceleration");
+        for surface in &document.surfaces {
+            acceleration_text(&mut text, surface);
+        }
+    }
+    text
+}
+
+fn view_text(text: &mut String, view: &ViewEntry) {
+    let _ = writeln!(text, "\nView {}", view.view);
+    for object in &view.objects {
+        let _ = write!(
+            text,
+            "  {} {}: {} in {} from {}, {} each",
+            object.kind,
+            object.name,
+            count(object.samples as usize, "sample"),
+            count(object.instances as usize, "instance"),
+            source_text(object.source),
+            count(object.operations as usize, "operation"),
+        );
+        if let Some(operations) = object.operations_with_normals {
+            let _ = write!(text, ", {} with normals", grouped(operations));
+        }
+        let inputs: Vec<&str> = object
+            .params
+            .iter()
+            .chain(&object.grids)
+            .map(String::as_str)
+            .collect();
+        if !inputs.is_empty() {
+            let _ = write!(text, "; depends on {}", inputs.join(", "));
+        }
+        text.push('\n');
+    }
+    if let Some(geodesic) = &view.geodesic {
+        let _ = write!(
+            text,
+            "  surface {}: ends of geodesics from {}",
+            geodesic.surface,
+            source_text(geodesic.source)
+        );
+        let _ = match geodesic.derivative_operations {
+            Some(operations) => writeln!(
+                text,
+                ", {} for all derivatives",
+                count(operations as usize, "operation")
+            ),
+            None => writeln!(text, "; its derivatives are too large to be written out"),
+        };
+    }
+    let built = &view.built;
+    let parts = [
+        (built.draw_pipelines, "draw pipeline"),
+        (built.sample_kernels, "sampling kernel"),
+        (built.geodesic_kernels, "geodesic kernel"),
+        (built.resolve_pipelines, "resolve pass"),
+        (built.textures, "texture"),
+        (built.samplers, "sampler"),
+    ];
+    let parts: Vec<String> = parts
+        .iter()
+        .filter(|(number, _)| *number > 0)
+        .map(|(number, noun)| plural(*number, noun))
+        .collect();
+    let parts = if parts.is_empty() {
+        "nothing".into()
+    } else {
+        parts.join(", ")
+    };
+    let _ = write!(text, "  built on a GPU: {parts}");
+    let _ = match &view.painters[..] {
+        [] => writeln!(text),
+        painters => writeln!(text, " (draws {})", painters.join(", ")),
+    };
+    for sentence in &view.left_out {
+        let _ = writeln!(text, "  left out: {sentence}");
+    }
+}
+
+fn plural(number: u32, noun: &str) -> String {
+    match (number, noun) {
+        (2.., "resolve pass") => format!("{number} resolve passes"),
+        _ => count(number as usize, noun),
+    }
+}
+
+fn source_text(source: &str) -> &'static str {
+    match source {
+        "kernel" => "a generated kernel",
+        _ => "f64 blocks on the processor",
+    }
+}
+
+fn acceleration_text(text: &mut String, surface: &SurfaceEntry) {
+    let _ = match &surface.acceleration {
+        Some(acceleration) => writeln!(
+            text,
+            "  surface {}: {} here, {} in the thesis' scheme ({} times as many)",
+            surface.name,
+            grouped(acceleration.operations_per_acceleration),
+            grouped(acceleration.thesis_operations_per_acceleration),
+            number::show(acceleration.ratio().round()),
+        ),
+        None => writeln!(
+            text,
+            "  surface {}: its derivatives are too large to be written out",
+            surface.name
+        ),
+    };
+}

@@ -1,0 +1,145 @@
+//! The subcommands: one file each, with its arguments, its work and its output.
+
+mod check;
+mod eval;
+mod explain;
+mod render;
+
+use clap::{Parser, Subcommand, ValueEnum};
+
+use crate::failure::Failure;
+
+/// The program that the help shows; a test compiles it.
+const FIRST_PROGRAM: &str = "\
+# circle.gtr: a circle, a point that moves on it, and the tangent there
+param  r : [1/2, 1];
+param  o : [0, 2pi];
+curve  c(t) = r(cos t, sin t, 0), t : [0, 2pi];
+point  p = c(o);
+vector v = c'(o) @ p;
+";
+
+/// See curves and surfaces written as text: in 3D, and from inside.
+///
+/// A program declares params, grids, functions, points, vectors, curves and surfaces. `geotrace` draws them
+/// in 3D; of a surface it also draws the geodesic view: what a being sees that lives inside the surface and
+/// for whom light runs along the surface's straightest lines.
+#[derive(Debug, Parser)]
+#[command(
+    name = "geotrace",
+    version,
+    arg_required_else_help = true,
+    max_term_width = 100,
+    after_help = after_help()
+)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Check(check::Arguments),
+    Render(Box<render::Arguments>),
+    Eval(eval::Arguments),
+    Explain(explain::Arguments),
+}
+
+/// For whom the result is printed.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
+pub(crate) enum Format {
+    /// For people.
+    #[default]
+    Human,
+    /// One JSON document on standard output.
+    Json,
+}
+
+/// Runs the command that the arguments name.
+pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
+    match arguments.command {
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Eval(arguments) => eval::run(&arguments),
+        Command::Explain(arguments) => explain::run(&arguments),
+    }
+}
+
+fn after_help() -> String {
+    let mut text = String::from("A first program:\n\n");
+    for line in FIRST_PROGRAM.lines() {
+        text.push_str("  ");
+        text.push_str(line);
+        text.push('\n');
+    }
+    text.push_str(
+        "
+What to do with it:
+
+  geotrace check circle.gtr                        what is wrong, where, and what to do about it
+  geotrace render circle.gtr -o circle.png         a picture
+  geotrace render circle.gtr -o c.png --set o=1.5  a picture with another value of a param
+  geotrace eval circle.gtr \"c'(0)\"                 the value of an expression
+
+And with a surface s:
+
+  geotrace render torus.gtr -o inside.png --view geodesic:s    seen from inside
+  geotrace explain torus.gtr                       what is built for it, and what is left out
+
+FILE may be `-` for standard input. `geotrace help COMMAND` tells more.
+Exit status: 0 fine, 1 the program or the input has errors, 2 wrong usage or an unreadable file.",
+    );
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_arguments_are_consistent() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn values_may_start_with_a_minus_sign() {
+        for arguments in [
+            "geotrace render a.gtr -o a.png --at -1,-.5 --angle -90 --eye -1,-1,-1 --target -1,0,0",
+            "geotrace eval a.gtr -x^2 --set a=-1",
+            "geotrace eval a.gtr --set a=-1 -/2",
+            "geotrace eval - - --format json",
+        ] {
+            let parsed = Arguments::try_parse_from(arguments.split(' '));
+            assert!(parsed.is_ok(), "{arguments}: {parsed:?}");
+        }
+    }
+
+    #[test]
+    fn wrong_usage_is_refused() {
+        for arguments in [
+            "geotrace",
+            "geotrace check",
+            "geotrace draw a.gtr",
+            "geotrace check a.gtr --format xml",
+            "geotrace render a.gtr",
+            "geotrace render a.gtr -o a.png --size 0x0",
+            "geotrace render a.gtr -o a.png --at 1",
+            "geotrace render a.gtr -o a.png --set r",
+            "geotrace eval a.gtr",
+        ] {
+            let refused = Arguments::try_parse_from(arguments.split(' '));
+            assert_eq!(
+                refused.err().map(|error| error.exit_code()),
+                Some(2),
+                "{arguments}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_program_in_the_help_has_no_errors() {
+        let compilation = scene::compile(FIRST_PROGRAM);
+        assert_eq!(compilation.diagnostics, []);
+    }
+}

@@ -1,0 +1,284 @@
+//! `geotrace render`: one picture.
+
+use std::io::Cursor;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::{Args, ValueEnum};
+use image::{ImageFormat, RgbaImage};
+use render::texture::{Texture, TextureError};
+use render::{Backend, Method, Picture, RenderError, Request, View};
+use scene::scene::ObjectId;
+use scene::values::Settings;
+
+use super::Format;
+use crate::argument::{self, Assignment, Pair, Quantity, Size, TextureFile, Triple, ViewName};
+use crate::failure::Failure;
+use crate::output::{self, Target};
+use crate::program::Program;
+use crate::progress::Progress;
+
+/// Make one picture of a program: in 3D, or of a surface from inside.
+///
+/// The geodesic view shows the surface as a being inside it sees it, with the image that is painted on it:
+/// from the camera in the centre, each pixel looks along a geodesic as far as the pixel is from the centre.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  geotrace render sphere.gtr -o sphere.png
+  geotrace render circle.gtr -o circle.png --set r=0.7 --set o=1.5 --eye 0,-3,2 --target 0,0,0
+  geotrace render torus.gtr -o inside.png --view geodesic:s --at 0,pi --angle 45 --zoom 2
+  geotrace render sphere.gtr -o earth.png --view geodesic --texture s=earth.jpg
+
+A number may be an expression in the program's names, such as pi/2. Params are at their minima unless set. The 3D view draws what depends on a grid once for each of its
+values; the geodesic view takes the first value. The file is written whole or not at all.")]
+pub(super) struct Arguments {
+    /// The program; `-` is standard input
+    file: PathBuf,
+    /// The picture, a PNG file; `-` is standard output
+    #[arg(short, long, value_name = "OUT.png")]
+    output: PathBuf,
+    /// 3d, or geodesic, or geodesic:SURFACE; without a name, the program's first surface
+    #[arg(long, value_name = "VIEW", default_value = "3d", value_parser = argument::view)]
+    view: ViewName,
+    /// The picture's size in pixels
+    #[arg(long, value_name = "WxH", default_value = "800x800", value_parser = argument::size, allow_hyphen_values = true)]
+    size: Size,
+    /// A value for a param or a grid; may be given several times
+    #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
+    set: Vec<Assignment>,
+    /// What draws: auto takes a GPU where there is one, else the software path, and says which
+    #[arg(long, value_enum, default_value_t, value_name = "BACKEND")]
+    backend: BackendName,
+    /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min
+    #[arg(long, value_name = "SURFACE=IMAGE", value_parser = argument::texture)]
+    texture: Vec<TextureFile>,
+    /// Where the camera stands; without it, in the middle of the domain
+    #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, help_heading = "Geodesic view")]
+    at: Option<Pair>,
+    /// How far the picture's right is turned from σu towards σv
+    #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true, help_heading = "Geodesic view")]
+    angle: Option<f64>,
+    /// The distance from the picture's centre to its edge, on the surface
+    #[arg(long, value_name = "Z", value_parser = argument::quantity, allow_hyphen_values = true, help_heading = "Geodesic view")]
+    zoom: Option<Quantity>,
+    /// How the geodesics are followed
+    #[arg(long, value_enum, value_name = "M", help_heading = "Geodesic view")]
+    method: Option<MethodName>,
+    /// Where the camera stands; without it, where all can be seen
+    #[arg(long, value_name = "X,Y,Z", value_parser = argument::triple, allow_hyphen_values = true, help_heading = "3D view")]
+    eye: Option<Triple>,
+    /// What the camera looks at; without it, the middle of what is drawn
+    #[arg(long, value_name = "X,Y,Z", value_parser = argument::triple, allow_hyphen_values = true, help_heading = "3D view")]
+    target: Option<Triple>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
+enum BackendName {
+    /// A GPU where there is one, else the software path
+    #[default]
+    Auto,
+    /// A GPU, or an error
+    Gpu,
+    /// The processor's cores, in double precision
+    Software,
+}
+
+#[derive(Clone, Copy, Debug, Eq, PartialEq, ValueEnum)]
+enum MethodName {
+    /// As the backend does best
+    Auto,
+    /// Steps of equal length for each pixel, as in the thesis
+    Rk4Pixel,
+    /// Steps as long as the tolerance allows, in double precision, on the software path
+    Adaptive,
+}
+
+/// Draws one picture and writes it.
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let program = Program::load(&arguments.file, Format::Human)?;
+    let scene = program.scene()?;
+    let settings = program.settings(&arguments.set)?;
+    let request = Request {
+        backend: match arguments.backend {
+            BackendName::Auto => Backend::Auto,
+            BackendName::Gpu => Backend::Gpu,
+            BackendName::Software => Backend::Software,
+        },
+        view: view(arguments, &program, &settings)?,
+        textures: textures(&arguments.texture, &program)?,
+        ..Request::space(arguments.size.0)
+    };
+    let target = output_file(&arguments.output)?;
+    for note in idle_options(arguments) {
+        output::print_error(&format!("note: {note}\n"));
+    }
+
+    let progress = Progress::start("drawing");
+    let drawn = render::render(scene, &settings, &request, &|done| progress.reach(done));
+    drop(progress);
+    let picture = drawn.map_err(failure)?;
+    target.write(&png(&picture.image)?)?;
+    output::print_error(&summary(&picture, &target, &request, &program));
+    Ok(())
+}
+
+fn view(arguments: &Arguments, program: &Program, settings: &Settings) -> Result<View, Failure> {
+    let place = |option: &str, triple: &Option<Triple>| match triple {
+        Some(triple) => program.numbers(option, &triple.0, settings).map(Some),
+        None => Ok(None),
+    };
+    Ok(match &arguments.view {
+        ViewName::Space => View::Space {
+            eye: place("--eye", &arguments.eye)?,
+            target: place("--target", &arguments.target)?,
+        },
+        ViewName::Geodesic(name) => View::Geodesic {
+            surface: program.surface(name.as_deref())?.0,
+            at: match &arguments.at {
+                Some(at) => Some(program.numbers("--at", &at.0, settings)?),
+                None => None,
+            },
+            angle: arguments.angle.unwrap_or(0.0).to_radians(),
+            zoom: match &arguments.zoom {
+                Some(zoom) => Some(program.number("--zoom", zoom, settings)?),
+                None => None,
+            },
+            method: match arguments.method {
+                None | Some(MethodName::Auto) => Method::Auto,
+                Some(MethodName::Rk4Pixel) => Method::Rk4Pixel,
+                Some(MethodName::Adaptive) => Method::Adaptive,
+            },
+        },
+    })
+}
+
+fn textures(
+    files: &[TextureFile],
+    program: &Program,
+) -> Result<Vec<(ObjectId, Arc<Texture>)>, Failure> {
+    let load = |file: &TextureFile| {
+        let (surface, _) = program.surface(Some(&file.surface))?;
+        let texture = Texture::load(&file.path).map_err(|error| texture_failure(file, error))?;
+        Ok((surface, Arc::new(texture)))
+    };
+    files.iter().map(load).collect()
+}
+
+/// The target, which must not look like an image of another format than the one that is written.
+fn output_file(path: &std::path::Path) -> Result<Target, Failure> {
+    const OTHERS: [&str; 12] = [
+        "jpg", "jpeg", "gif", "bmp", "webp", "tif", "tiff", "svg", "pdf", "ppm", "exr", "gtr",
+    ];
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension {
+        Some(extension) if OTHERS.contains(&extension.as_str()) => Err(Failure::Usage {
+            message: format!(
+                "`{}` would not be a .{extension} file: pictures are written as PNG",
+                path.display()
+            ),
+            hint: Some(format!(
+                "write to `{}`",
+                path.with_extension("png").display()
+            )),
+        }),
+        _ => Target::new(path),
+    }
+}
+
+/// Options that the chosen view does not use.
+fn idle_options(arguments: &Arguments) -> Vec<String> {
+    let of_geodesic = [
+        ("--at", arguments.at.is_some()),
+        ("--angle", arguments.angle.is_some()),
+        ("--zoom", arguments.zoom.is_some()),
+        ("--method", arguments.method.is_some()),
+    ];
+    let of_space = [
+        ("--eye", arguments.eye.is_some()),
+        ("--target", arguments.target.is_some()),
+    ];
+    let (idle, other) = match arguments.view {
+        ViewName::Space => (&of_geodesic[..], "the geodesic view: add `--view geodesic`"),
+        ViewName::Geodesic(_) => (&of_space[..], "the 3D view"),
+    };
+    let given = idle.iter().filter(|(_, given)| *given);
+    given
+        .map(|(option, _)| format!("{option} belongs to {other}"))
+        .collect()
+}
+
+fn png(image: &RgbaImage) -> Result<Vec<u8>, Failure> {
+    let mut bytes = Cursor::new(Vec::new());
+    image
+        .write_to(&mut bytes, ImageFormat::Png)
+        .map_err(|error| Failure::Internal {
+            message: format!("the picture could not be encoded: {error}"),
+        })?;
+    Ok(bytes.into_inner())
+}
+
+/// What was drawn, by what, and what the reader of the picture should know.
+fn summary(picture: &Picture, target: &Target, request: &Request, program: &Program) -> String {
+    let mut text = String::new();
+    for note in &picture.notes {
+        text.push_str(&format!("note: {note}\n"));
+    }
+    let view = match &request.view {
+        View::Space { .. } => "3D view".to_owned(),
+        View::Geodesic { surface, .. } => match program.object_name(*surface) {
+            Some(name) => format!("geodesic view of `{name}`"),
+            None => "geodesic view".to_owned(),
+        },
+    };
+    let (width, height) = picture.image.dimensions();
+    text.push_str(&format!(
+        "{}: {view}, {width}×{height} pixels, drawn by {}\n",
+        target.name(),
+        picture.backend
+    ));
+    text
+}
+
+fn texture_failure(file: &TextureFile, error: TextureError) -> Failure {
+    match error {
+        TextureError::Unreadable { message, .. } => Failure::Unreadable {
+            file: file.path.display().to_string(),
+            reason: output::phrase(&message),
+        },
+        TextureError::NotAnImage { .. } | TextureError::TooLarge { .. } => Failure::Input {
+            message: error.to_string(),
+            hint: None,
+        },
+    }
+}
+
+fn failure(error: RenderError) -> Failure {
+    let message = error.to_string();
+    match error {
+        RenderError::NoGpu { .. } => Failure::Usage {
+            message,
+            hint: Some("`--backend auto` takes the software path where there is no GPU".into()),
+        },
+        RenderError::Gpu(_) => Failure::Input {
+            message,
+            hint: Some("`--backend software` draws without it".into()),
+        },
+        RenderError::NoSurface { .. }
+        | RenderError::CameraOutside { .. }
+        | RenderError::Camera(_)
+        | RenderError::Size(_) => Failure::usage(message),
+        RenderError::UndefinedCamera { .. } => Failure::Input {
+            message,
+            hint: Some("`--at U,V` puts it elsewhere".into()),
+        },
+        RenderError::Internal { source, .. } => Failure::Internal {
+            message: match output::keep_for_report(&source) {
+                Some(path) => format!("{message}\n  the shader is kept in {}", path.display()),
+                None => message,
+            },
+        },
+    }
+}

@@ -1,0 +1,112 @@
+//! Numbers as people read and write them.
+
+/// Reads a finite number, as it stands on the command line.
+pub(crate) fn parse(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        // `inf`, `nan` and what overflows are all numbers to Rust.
+        Ok(_) if text.contains(|c: char| c.is_ascii_digit()) => {
+            Err(format!("{text} is too large a number"))
+        }
+        _ if text.is_empty() => Err("a number is missing".into()),
+        _ => Err(format!("`{text}` is not a number")),
+    }
+}
+
+/// The shortest text that reads back as the same number; very large and very small ones with an exponent.
+/// A number that does not exist is `undefined`; zero has no sign.
+pub(crate) fn show(value: f64) -> String {
+    let magnitude = value.abs();
+    let value = if value == 0.0 { 0.0 } else { value };
+    if value.is_nan() {
+        "undefined".into()
+    } else if value.is_infinite() {
+        if value > 0.0 { "∞" } else { "-∞" }.into()
+    } else if magnitude != 0.0 && !(1e-5..1e16).contains(&magnitude) {
+        format!("{value:e}")
+    } else {
+        format!("{value}")
+    }
+}
+
+/// A number, or a tuple in brackets.
+pub(crate) fn show_all(values: &[f64]) -> String {
+    match values {
+        [value] => show(*value),
+        _ => {
+            let shown: Vec<String> = values.iter().map(|value| show(*value)).collect();
+            format!("({})", shown.join(", "))
+        }
+    }
+}
+
+/// A count with its noun, in the plural where it needs one: `1 error`, `2 errors`.
+pub(crate) fn count(number: usize, noun: &str) -> String {
+    let plural = if number == 1 { "" } else { "s" };
+    format!("{} {noun}{plural}", grouped(number as u64))
+}
+
+/// A whole number with its digits in groups of three: `10,000`.
+pub(crate) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (position, digit) in digits.chars().enumerate() {
+        if position > 0 && (digits.len() - position).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_as_they_are_written() {
+        for (text, value) in [
+            ("1", 1.0),
+            ("-.5", -0.5),
+            ("1.", 1.0),
+            (" 3e-4", 3e-4),
+            ("+2", 2.0),
+        ] {
+            assert_eq!(parse(text), Ok(value), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_finite_number_is_refused() {
+        for text in [
+            "", "x", "nan", "inf", "-inf", "infinity", "1e999", "1,2", "0x10",
+        ] {
+            assert!(parse(text).is_err(), "{text}");
+        }
+        assert_eq!(parse("1e999"), Err("1e999 is too large a number".into()));
+    }
+
+    #[test]
+    fn shown_numbers_read_back_as_themselves() {
+        for value in [0.1, 1e300, 5e-324, std::f64::consts::PI, 123456789.0, 1e16] {
+            let shown = show(value);
+            assert_eq!(
+                shown.parse::<f64>().map(f64::to_bits),
+                Ok(value.to_bits()),
+                "{shown}"
+            );
+        }
+        assert_eq!(show(-0.0), "0");
+        assert_eq!(show(f64::NAN), "undefined");
+        assert_eq!(show_all(&[1.0, 0.5]), "(1, 0.5)");
+    }
+
+    #[test]
+    fn counts_have_plurals_and_groups() {
+        assert_eq!(count(1, "error"), "1 error");
+        assert_eq!(count(0, "error"), "0 errors");
+        assert_eq!(grouped(1_234_567), "1,234,567");
+        assert_eq!(grouped(999), "999");
+    }
+}

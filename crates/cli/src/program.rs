@@ -1,0 +1,229 @@
+//! Programs ready for a command: read, compiled, their findings reported, their params set.
+
+use std::path::Path;
+
+use scene::scene::{Object, ObjectId, Scene, Shape};
+use scene::values::{SetError, Settings};
+use scene::{Compilation, Outcome, Value};
+
+use crate::argument::{Assignment, Quantity};
+use crate::command::Format;
+use crate::failure::Failure;
+use crate::output;
+use crate::report::{self, Style, Tally, json};
+use crate::source::Source;
+
+/// A program without errors.
+#[derive(Debug)]
+pub(crate) struct Program {
+    /// Its text.
+    pub(crate) source: Source,
+    /// What it means; it has a scene.
+    pub(crate) compilation: Compilation,
+}
+
+/// Reads and compiles a program, whatever is wrong with it.
+///
+/// # Errors
+/// [`Failure::Unreadable`].
+pub(crate) fn compile(path: &Path) -> Result<(Source, Compilation), Failure> {
+    let source = Source::read(path)?;
+    let mut compilation = match source.undecodable {
+        // What cannot be read declares nothing.
+        Some(_) => scene::compile(""),
+        None => scene::compile(&source.text),
+    };
+    if let Some(diagnostic) = &source.undecodable {
+        compilation.diagnostics = vec![diagnostic.clone()];
+        compilation.scene = None;
+    }
+    Ok((source, compilation))
+}
+
+impl Program {
+    /// Reads and compiles a program. Its warnings go to standard error; its errors too, and in JSON to
+    /// standard output.
+    ///
+    /// # Errors
+    /// [`Failure::Unreadable`], [`Failure::Program`].
+    pub(crate) fn load(path: &Path, format: Format) -> Result<Self, Failure> {
+        let (source, compilation) = compile(path)?;
+        report_findings(&source, &compilation.diagnostics, format)?;
+        Ok(Self {
+            source,
+            compilation,
+        })
+    }
+
+    /// What it draws.
+    ///
+    /// # Errors
+    /// None in a loaded program: one with an error is not loaded, and only an error takes the scene away.
+    pub(crate) fn scene(&self) -> Result<&Scene, Failure> {
+        self.compilation.scene.as_ref().ok_or(Failure::Program)
+    }
+
+    /// The name of an object.
+    pub(crate) fn object_name(&self, id: ObjectId) -> Option<&str> {
+        let scene = self.compilation.scene.as_ref()?;
+        Some(&scene.objects.get(id.0 as usize)?.name)
+    }
+
+    /// The params at their minima, then as the `--set` arguments say.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
+    pub(crate) fn settings(&self, assignments: &[Assignment]) -> Result<Settings, Failure> {
+        let scene = self.scene()?;
+        let mut settings = Settings::opening(scene);
+        for assignment in assignments {
+            let option = format!("--set {}", assignment.name);
+            let values: Result<Vec<f64>, Failure> = assignment
+                .values
+                .iter()
+                .map(|value| self.number(&option, value, &settings))
+                .collect();
+            settings
+                .set(scene, &assignment.name, &values?)
+                .map_err(|error| refused(scene, &error))?;
+        }
+        Ok(settings)
+    }
+
+    /// The number that was given to an option, an expression being read with the names at the program's end.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where the expression is wrong, or no number.
+    pub(crate) fn number(
+        &self,
+        option: &str,
+        quantity: &Quantity,
+        settings: &Settings,
+    ) -> Result<f64, Failure> {
+        let text = match quantity {
+            Quantity::Number(value) => return Ok(*value),
+            Quantity::Expression(text) => text,
+        };
+        let wrong = |reason: &str, hint: Option<String>| Failure::Usage {
+            message: format!("{option}: `{text}`: {reason}"),
+            hint,
+        };
+        match self.compilation.evaluate(text, settings) {
+            Ok(evaluation) => match evaluation.outcome {
+                Outcome::Single(Value::Number(Some(value))) => Ok(value),
+                Outcome::Single(Value::Number(None)) => {
+                    Err(wrong("this number is undefined", None))
+                }
+                Outcome::Single(Value::Vector(_)) => {
+                    Err(wrong("this is a vector, and a number is needed", None))
+                }
+                Outcome::Instances(_) => Err(wrong(
+                    "this depends on a grid, and one number is needed",
+                    Some("`--set` gives a grid one value".into()),
+                )),
+            },
+            Err(diagnostics) => Err(match diagnostics.into_iter().next() {
+                Some(first) => wrong(&first.message, first.hint),
+                None => wrong("this is not a number", None),
+            }),
+        }
+    }
+
+    /// The numbers of a point or a direction; as [`Program::number`].
+    pub(crate) fn numbers<const N: usize>(
+        &self,
+        option: &str,
+        quantities: &[Quantity; N],
+        settings: &Settings,
+    ) -> Result<[f64; N], Failure> {
+        let mut numbers = [0.0; N];
+        for (number, quantity) in numbers.iter_mut().zip(quantities) {
+            *number = self.number(option, quantity, settings)?;
+        }
+        Ok(numbers)
+    }
+
+    /// The surface of a name; without a name the first one.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where there is none.
+    pub(crate) fn surface(&self, name: Option<&str>) -> Result<(ObjectId, &Object), Failure> {
+        let scene = self.scene()?;
+        let surfaces = || {
+            let numbered = (0..).map(ObjectId).zip(&scene.objects);
+            numbered.filter(|(_, object)| matches!(object.shape, Shape::Surface { .. }))
+        };
+        let found = match name {
+            Some(name) => surfaces().find(|(_, object)| object.name == name),
+            None => surfaces().next(),
+        };
+        found.ok_or_else(|| {
+            let names: Vec<String> = surfaces().map(|(_, object)| format!("`{}`", object.name)).collect();
+            let file = &self.source.name;
+            let message = match name {
+                Some(name) => format!("`{file}` declares no surface `{name}`"),
+                None => format!("`{file}` declares no surface"),
+            };
+            let hint = match &names[..] {
+                [] => "a surface is declared like this: surface s(u,v) = (u, v, u v), u : [-1,1], v : [-1,1];".into(),
+                [only] => format!("its surface is {only}"),
+                several => format!("its surfaces are {}", several.join(", ")),
+            };
+            Failure::Usage {
+                message,
+                hint: Some(hint),
+            }
+        })
+    }
+}
+
+fn refused(scene: &Scene, error: &SetError) -> Failure {
+    let hint = match error {
+        SetError::Unknown {
+            suggestion: None, ..
+        } => {
+            let params = scene.params.iter().map(|param| &param.name);
+            let grids = scene.grids.iter().map(|grid| &grid.name);
+            let names: Vec<String> = params
+                .chain(grids)
+                .map(|name| format!("`{name}`"))
+                .collect();
+            Some(if names.is_empty() {
+                "the program declares no param and no grid".into()
+            } else {
+                format!("it may set {}", names.join(", "))
+            })
+        }
+        _ => None,
+    };
+    Failure::Usage {
+        message: format!("--set: {error}"),
+        hint,
+    }
+}
+
+/// Prints what was found in a text: for people on standard error, errors in JSON on standard output too.
+///
+/// # Errors
+/// [`Failure::Program`] if there is an error among them.
+pub(crate) fn report_findings(
+    source: &Source,
+    diagnostics: &[syntax::diagnostic::Diagnostic],
+    format: Format,
+) -> Result<(), Failure> {
+    if diagnostics.is_empty() {
+        return Ok(());
+    }
+    let tally = Tally::of(diagnostics);
+    let text = report::text(source, diagnostics, Style::of_stderr());
+    output::print_error(&format!("{text}{}: {}\n", source.name, tally.text()));
+    if tally.errors == 0 {
+        return Ok(());
+    }
+    if format == Format::Json {
+        let mut document = json::Document::default();
+        document.add(source, diagnostics);
+        output::print_json(&document)?;
+    }
+    Err(Failure::Program)
+}

@@ -1,0 +1,49 @@
+//! A progress bar for what takes long: on standard error, on a terminal only, and not before it is wanted.
+
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+/// How long a piece of work may take without a bar: most pictures are ready before a bar could be read.
+const PATIENCE: Duration = Duration::from_millis(400);
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+
+/// A bar that shows itself once the work has taken long enough. Without a terminal it does nothing.
+#[derive(Debug)]
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    start: Instant,
+}
+
+impl Progress {
+    /// A bar for a piece of work that starts now; `label` is a short phrase such as `drawing`.
+    pub(crate) fn start(label: &'static str) -> Self {
+        // indicatif draws nothing where standard error is no terminal.
+        let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
+        if let Ok(style) =
+            ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %, {eta} left")
+        {
+            bar.set_style(style);
+        }
+        bar.set_message(label);
+        Self {
+            bar,
+            start: Instant::now(),
+        }
+    }
+
+    /// The work is done to this fraction, 0 to 1. May be called from any thread, often.
+    pub(crate) fn reach(&self, fraction: f32) {
+        if self.start.elapsed() > PATIENCE {
+            let step = f64::from(fraction.clamp(0.0, 1.0)) * STEPS as f64;
+            self.bar.set_position(step as u64);
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+    }
+}

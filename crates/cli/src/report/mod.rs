@@ -1,0 +1,396 @@
+//! Diagnostics for people: one line with the place and the sentence, the source below it, and what to do.
+//!
+//! ```text
+//! sphere.gtr:3:12: error[undefined-name]: `foo` is not defined
+//!   |
+//! 3 | point p = (foo, 1, 2);
+//!   |            ^^^
+//!   |
+//!   = help: did you mean `f`?
+//! ```
+
+mod excerpt;
+pub(crate) mod json;
+
+use std::fmt::Write;
+use std::io::IsTerminal;
+
+use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
+use syntax::diagnostic::{Diagnostic, Severity};
+use syntax::line_index::LineIndex;
+use syntax::span::Span;
+
+use crate::number;
+use crate::source::Source;
+use excerpt::Excerpt;
+
+/// How many diagnostics of a file are shown with their source.
+const WITH_SNIPPET: usize = 100;
+/// How many diagnostics of a file are shown at all. JSON has every one.
+const SHOWN: usize = 1000;
+/// The longest sentence that is shown, in characters; a sentence may quote a word of any length.
+const LONGEST_SENTENCE: usize = 400;
+/// The width that snippets are trimmed to.
+const WIDTH: usize = 110;
+
+/// With or without colours.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Style {
+    colour: bool,
+}
+
+impl Style {
+    /// For standard output: colours on a terminal, unless `NO_COLOR` is set.
+    pub(crate) fn of_stdout() -> Self {
+        Self::of(std::io::stdout().is_terminal())
+    }
+
+    /// For standard error: colours on a terminal, unless `NO_COLOR` is set.
+    pub(crate) fn of_stderr() -> Self {
+        Self::of(std::io::stderr().is_terminal())
+    }
+
+    /// Without colours.
+    #[cfg(test)]
+    pub(crate) fn plain() -> Self {
+        Self { colour: false }
+    }
+
+    /// The word of an error.
+    pub(crate) fn error(self, text: &str) -> String {
+        self.paint("1;31", text)
+    }
+
+    /// The word of a warning.
+    pub(crate) fn warning(self, text: &str) -> String {
+        self.paint("1;33", text)
+    }
+
+    /// The word of an advice.
+    pub(crate) fn help(self, text: &str) -> String {
+        self.paint("1;36", text)
+    }
+
+    /// What is to be read first.
+    pub(crate) fn strong(self, text: &str) -> String {
+        self.paint("1", text)
+    }
+
+    fn of(terminal: bool) -> Self {
+        let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+        let dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
+        Self {
+            colour: terminal && !dumb && !set("NO_COLOR"),
+        }
+    }
+
+    fn paint(self, code: &str, text: &str) -> String {
+        if self.colour {
+            format!("\x1b[{code}m{text}\x1b[0m")
+        } else {
+            text.into()
+        }
+    }
+
+    fn renderer(self) -> Renderer {
+        if self.colour {
+            Renderer::styled().term_width(WIDTH)
+        } else {
+            Renderer::plain().term_width(WIDTH)
+        }
+    }
+}
+
+/// How many diagnostics of each severity there are.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub(crate) struct Tally {
+    /// Errors.
+    pub(crate) errors: usize,
+    /// Warnings.
+    pub(crate) warnings: usize,
+}
+
+impl Tally {
+    /// Counts.
+    pub(crate) fn of(diagnostics: &[Diagnostic]) -> Self {
+        let of = |severity| {
+            diagnostics
+                .iter()
+                .filter(|one| one.severity == severity)
+                .count()
+        };
+        Self {
+            errors: of(Severity::Error),
+            warnings: of(Severity::Warning),
+        }
+    }
+
+    /// Both together.
+    pub(crate) fn plus(self, other: Self) -> Self {
+        Self {
+            errors: self.errors + other.errors,
+            warnings: self.warnings + other.warnings,
+        }
+    }
+
+    /// `2 errors, 1 warning`; `no errors` where there is nothing.
+    pub(crate) fn text(self) -> String {
+        let mut parts = Vec::new();
+        if self.errors > 0 {
+            parts.push(number::count(self.errors, "error"));
+        }
+        if self.warnings > 0 {
+            parts.push(number::count(self.warnings, "warning"));
+        }
+        if parts.is_empty() {
+            "no errors".into()
+        } else {
+            parts.join(", ")
+        }
+    }
+}
+
+/// The diagnostics of one text, in their order.
+pub(crate) fn text(source: &Source, diagnostics: &[Diagnostic], style: Style) -> String {
+    let page = Page {
+        source,
+        lines: source.lines(),
+        renderer: style.renderer(),
+        style,
+    };
+    let mut text = String::new();
+    for (index, diagnostic) in diagnostics.iter().take(SHOWN).enumerate() {
+        page.head(&mut text, diagnostic);
+        if index >= WITH_SNIPPET {
+            continue;
+        }
+        let level = match diagnostic.severity {
+            Severity::Error => Level::ERROR,
+            Severity::Warning => Level::WARNING,
+            Severity::Hint => Level::HELP,
+        };
+        let hint = diagnostic.hint.as_deref().map(readable);
+        page.snippet(&mut text, diagnostic.span, level, hint.as_deref());
+        for related in &diagnostic.related {
+            page.place(&mut text, related.span);
+            let _ = writeln!(
+                text,
+                "{}: {}",
+                style.help("note"),
+                readable(&related.message)
+            );
+            page.snippet(&mut text, related.span, Level::NOTE, None);
+        }
+        text.push('\n');
+    }
+    if diagnostics.len() > SHOWN {
+        let _ = writeln!(
+            text,
+            "… and {} more in {}; `--format json` has them all",
+            number::grouped((diagnostics.len() - SHOWN) as u64),
+            source.name,
+        );
+    }
+    text
+}
+
+/// What every diagnostic of a text is shown with.
+struct Page<'a> {
+    source: &'a Source,
+    lines: LineIndex<'a>,
+    renderer: Renderer,
+    style: Style,
+}
+
+impl Page<'_> {
+    /// `file:line:column: `
+    fn place(&self, text: &mut String, span: Span) {
+        let start = self.lines.position(span.start);
+        let place = format!("{}:{}:{}:", self.source.name, start.line, start.column);
+        let _ = write!(text, "{} ", self.style.strong(&place));
+    }
+
+    /// `file:line:column: error[code]: sentence`
+    fn head(&self, text: &mut String, diagnostic: &Diagnostic) {
+        self.place(text, diagnostic.span);
+        let word = format!(
+            "{}[{}]",
+            json::severity(diagnostic.severity),
+            diagnostic.code.0
+        );
+        let word = match diagnostic.severity {
+            Severity::Error => self.style.error(&word),
+            Severity::Warning => self.style.warning(&word),
+            Severity::Hint => self.style.help(&word),
+        };
+        let sentence = self.style.strong(&readable(&diagnostic.message));
+        let _ = writeln!(text, "{word}: {sentence}");
+    }
+
+    /// The source at a place, and what to do about it.
+    fn snippet(&self, text: &mut String, span: Span, level: Level<'_>, hint: Option<&str>) {
+        let excerpt = Excerpt::new(&self.source.text, span);
+        let mut group = Group::with_level(level).element(
+            Snippet::source(excerpt.text.as_str())
+                .line_start(self.lines.position(span.start).line as usize)
+                .fold(false)
+                .annotation(AnnotationKind::Primary.span(excerpt.marked.clone())),
+        );
+        if let Some(hint) = hint {
+            group = group.element(Level::HELP.message(hint));
+        }
+        text.push_str(&self.renderer.render(&[group]));
+        text.push('\n');
+    }
+}
+
+/// One line, of bounded length, with nothing in it that moves a terminal's cursor.
+fn readable(sentence: &str) -> String {
+    let mut text: String = sentence
+        .chars()
+        .take(LONGEST_SENTENCE)
+        .flat_map(|letter| {
+            let control = letter.is_control();
+            let plain = (!control).then_some(letter);
+            plain.into_iter().chain(
+                control
+                    .then(|| letter.escape_default())
+                    .into_iter()
+                    .flatten(),
+            )
+        })
+        .collect();
+    if sentence.chars().nth(LONGEST_SENTENCE).is_some() {
+        text.push('…');
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use syntax::diagnostic::{Code, Related};
+
+    fn source(text: &str) -> Source {
+        Source::new("a.gtr".into(), text.into())
+    }
+
+    fn error(span: Span, message: &str) -> Diagnostic {
+        Diagnostic {
+            severity: Severity::Error,
+            code: Code("undefined-name"),
+            span,
+            message: message.into(),
+            hint: None,
+            related: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_diagnostic_says_where_what_and_what_to_do() {
+        let source = source("# a\npoint p = (foo, 1, 2);\n");
+        let diagnostic = Diagnostic {
+            hint: Some("did you mean `f`?".into()),
+            related: vec![Related {
+                span: Span::new(0, 3),
+                message: "see here".into(),
+            }],
+            ..error(Span::new(15, 18), "`foo` is not defined")
+        };
+        let expected = "\
+a.gtr:2:12: error[undefined-name]: `foo` is not defined
+  |
+2 | point p = (foo, 1, 2);
+  |            ^^^
+  |
+  = help: did you mean `f`?
+a.gtr:1:1: note: see here
+  |
+1 | # a
+  | ^^^
+
+";
+        assert_eq!(text(&source, &[diagnostic], Style::plain()), expected);
+    }
+
+    #[test]
+    fn every_place_of_a_text_can_be_marked() {
+        let texts = [
+            "",
+            "\n",
+            "a",
+            "a\n",
+            "a\r\nb",
+            "\u{feff}é\t\0\u{1b}[31m\n\n",
+            "\n\n\n\n\n\n\n\nend",
+        ];
+        for sample in texts {
+            let source = source(sample);
+            let ends: Vec<usize> = (0..=sample.len())
+                .filter(|end| sample.is_char_boundary(*end))
+                .collect();
+            for &start in &ends {
+                for &end in ends.iter().filter(|end| **end >= start) {
+                    let span = Span::new(start as u32, end as u32);
+                    let shown = text(&source, &[error(span, "wrong")], Style::plain());
+                    assert!(
+                        shown.contains("error[undefined-name]: wrong\n"),
+                        "{sample:?} {span:?}"
+                    );
+                    assert!(
+                        !shown.contains(['\0', '\u{1b}']),
+                        "{sample:?} {span:?}: {shown:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn endless_lines_are_clipped() {
+        let line = "x".repeat(1_000_000);
+        let source = source(&line);
+        for (start, end) in [
+            (0, 1),
+            (500_000, 500_003),
+            (999_999, 1_000_000),
+            (10, 999_990),
+        ] {
+            let shown = text(
+                &source,
+                &[error(Span::new(start, end), &line)],
+                Style::plain(),
+            );
+            assert!(shown.len() < 3000, "{} bytes", shown.len());
+            assert!(shown.contains('^'), "{shown}");
+        }
+    }
+
+    #[test]
+    fn a_flood_is_capped_and_counted() {
+        let source = source("x\n");
+        let diagnostics = vec![error(Span::new(0, 1), "wrong"); 5000];
+        let shown = text(&source, &diagnostics, Style::plain());
+        assert_eq!(shown.matches("error[undefined-name]").count(), SHOWN);
+        assert_eq!(shown.matches('^').count(), WITH_SNIPPET);
+        assert!(shown.contains("… and 4,000 more in a.gtr"), "{shown}");
+    }
+
+    #[test]
+    fn colours_come_only_when_asked_for() {
+        let source = source("x\n");
+        let diagnostics = [error(Span::new(0, 1), "wrong")];
+        assert!(!text(&source, &diagnostics, Style::plain()).contains('\u{1b}'));
+        assert!(text(&source, &diagnostics, Style { colour: true }).contains("\u{1b}[1;31m"));
+    }
+
+    #[test]
+    fn tallies_read_as_a_phrase() {
+        assert_eq!(Tally::default().text(), "no errors");
+        let tally = Tally {
+            errors: 1,
+            warnings: 2,
+        };
+        assert_eq!(tally.text(), "1 error, 2 warnings");
+    }
+}

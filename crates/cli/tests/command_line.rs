@@ -1,0 +1,246 @@
+//! The binary from outside: exit statuses, what goes to which stream, and files that are whole or absent.
+
+use std::io::Write;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+const SPHERE: &str = "\
+function f(u, v) = (sin v cos u, sin v sin u, cos v);
+surface s(u, v) = f(u, v), u : [0, 2pi], v : [0, pi];
+";
+
+struct Run {
+    status: i32,
+    stdout: String,
+    stderr: String,
+}
+
+impl Run {
+    fn of(output: Output) -> Self {
+        Self {
+            status: output.status.code().unwrap_or(-1),
+            stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+            stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+        }
+    }
+
+    fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout)
+            .unwrap_or_else(|error| panic!("{error}: {}", self.stdout))
+    }
+}
+
+/// Runs the binary in a directory, with a text on its standard input.
+fn run(folder: &Path, arguments: &[&str], input: &str) -> Run {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_geotrace"))
+        .current_dir(folder)
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the binary starts");
+    // A command that reads no input may have ended already.
+    let _ = child
+        .stdin
+        .take()
+        .map(|mut stdin| stdin.write_all(input.as_bytes()));
+    Run::of(child.wait_with_output().expect("the binary ends"))
+}
+
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let folder = TempDir::new().expect("a temporary directory");
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).expect("writing");
+    }
+    folder
+}
+
+fn names(folder: &TempDir) -> Vec<String> {
+    let entries = std::fs::read_dir(folder.path()).expect("the directory");
+    let mut names: Vec<String> = entries
+        .map(|entry| {
+            entry
+                .expect("an entry")
+                .file_name()
+                .to_string_lossy()
+                .into_owned()
+        })
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_fine_program_prints_nothing_and_ends_with_0() {
+    let folder = folder(&[("a.gtr", SPHERE), ("b.gtr", "")]);
+    let run = run(folder.path(), &["check", "a.gtr", "b.gtr"], "");
+    assert_eq!((run.status, run.stdout.as_str()), (0, ""));
+    assert_eq!(run.stderr, "2 files checked: no errors\n");
+}
+
+#[test]
+fn errors_have_a_place_a_code_and_a_sentence() {
+    let folder = folder(&[]);
+    let run = run(
+        folder.path(),
+        &["check", "-"],
+        "# π\npoint p = (foo, 1, 2);\n",
+    );
+    assert_eq!(run.status, 1);
+    let first = run.stdout.lines().next();
+    assert_eq!(
+        first,
+        Some("-:2:12: error[undefined-name]: `foo` is not defined")
+    );
+}
+
+#[test]
+fn json_has_every_error_of_every_readable_file() {
+    let folder = folder(&[("a.gtr", "point p = (foo, 1, 2);\npoint q = (bar, 1, 2);\n")]);
+    let run = run(
+        folder.path(),
+        &["check", "a.gtr", "missing.gtr", "--format", "json"],
+        "",
+    );
+    assert_eq!(run.status, 2);
+    assert!(run.stderr.contains("missing.gtr"), "{}", run.stderr);
+    let document = run.json();
+    let lines: Vec<_> = document["diagnostics"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|one| {
+            (
+                one["file"].as_str(),
+                one["line"].as_u64(),
+                one["end_column"].as_u64(),
+            )
+        })
+        .collect();
+    assert_eq!(
+        lines,
+        [
+            (Some("a.gtr"), Some(1), Some(15)),
+            (Some("a.gtr"), Some(2), Some(15))
+        ]
+    );
+}
+
+#[test]
+fn values_have_the_form_of_the_contract() {
+    let folder = folder(&[]);
+    let eval = |program: &str, rest: &[&str]| {
+        run(
+            folder.path(),
+            &[&["eval", "-"], rest, &["--format", "json"]].concat(),
+            program,
+        )
+        .json()
+    };
+    assert_eq!(eval("", &["-2^2"]), serde_json::json!({"value": -4.0}));
+    assert_eq!(
+        eval("param r : [-2, 1];", &["r(1, 2)", "--set", "r=-1"]),
+        serde_json::json!({"value": [-1.0, -2.0]})
+    );
+    assert_eq!(eval("", &["0/0"]), serde_json::json!({"value": null}));
+    assert_eq!(
+        eval("grid k : [0, 1, 2];", &["2k"]),
+        serde_json::json!({"instances": [
+            {"grids": {"k": 0.0}, "value": 0.0},
+            {"grids": {"k": 1.0}, "value": 2.0},
+        ]})
+    );
+}
+
+#[test]
+fn an_expression_with_an_error_is_no_value() {
+    let folder = folder(&[]);
+    let run = run(folder.path(), &["eval", "-", "1 + foo"], "");
+    assert_eq!((run.status, run.stdout.as_str()), (1, ""));
+    assert!(
+        run.stderr
+            .starts_with("<expression>:1:5: error[undefined-name]"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn wrong_arguments_end_with_2_and_say_what_there_is() {
+    let folder = folder(&[("a.gtr", SPHERE), ("b.gtr", "param r : [1, 2];")]);
+    for (arguments, part) in [
+        (&["eval", "b.gtr", "r", "--set", "r=3"][..], "[1, 2]"),
+        (&["eval", "b.gtr", "r", "--set", "q=3"], "`r`"),
+        (&["eval", "none.gtr", "1"], "no such file"),
+        (&["eval", ".", "1"], "it is a directory"),
+        (&["render", "a.gtr", "-o", "no/a.png"], "does not exist"),
+        (&["render", "a.gtr", "-o", "a.jpg"], "PNG"),
+        (
+            &["render", "a.gtr", "-o", "a.png", "--size", "0x0"],
+            "at least one pixel",
+        ),
+        (
+            &["render", "a.gtr", "-o", "a.png", "--view", "geodesic:t"],
+            "`s`",
+        ),
+        (
+            &["render", "a.gtr", "-o", "a.png", "--texture", "s=none.png"],
+            "none.png",
+        ),
+    ] {
+        let run = run(folder.path(), arguments, "");
+        assert_eq!(
+            (run.status, run.stdout.as_str()),
+            (2, ""),
+            "{arguments:?}: {}",
+            run.stderr
+        );
+        assert!(run.stderr.contains(part), "{arguments:?}: {}", run.stderr);
+    }
+    assert_eq!(names(&folder), ["a.gtr", "b.gtr"]);
+}
+
+#[test]
+fn a_picture_is_written_whole_and_alone() {
+    let folder = folder(&[("a.gtr", SPHERE)]);
+    let arguments = [
+        "render",
+        "a.gtr",
+        "-o",
+        "a.png",
+        "--size",
+        "40x30",
+        "--backend",
+        "software",
+    ];
+    let run = run(folder.path(), &arguments, "");
+    assert_eq!((run.status, run.stdout.as_str()), (0, ""), "{}", run.stderr);
+    assert!(run.stderr.contains("software"), "{}", run.stderr);
+    assert_eq!(names(&folder), ["a.gtr", "a.png"]);
+    let image = std::fs::read(folder.path().join("a.png")).expect("the picture");
+    assert_eq!(&image[1..4], b"PNG");
+    // Width and height, from the image header.
+    assert_eq!(image[16..24], [0, 0, 0, 40, 0, 0, 0, 30]);
+}
+
+#[test]
+fn a_program_of_points_builds_nothing_for_surfaces() {
+    let folder = folder(&[("a.gtr", "point p = (1, 2, 3);")]);
+    let run = run(folder.path(), &["explain", "a.gtr", "--format", "json"], "");
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    let document = run.json();
+    let views = document["views"].as_array().expect("a list");
+    assert_eq!(views.len(), 1);
+    assert_eq!(views[0]["painters"], serde_json::json!(["points"]));
+    assert_eq!(
+        views[0]["built"],
+        serde_json::json!({
+            "draw_pipelines": 1, "sample_kernels": 0, "geodesic_kernels": 0,
+            "resolve_pipelines": 0, "textures": 0, "samplers": 0,
+        })
+    );
+}
