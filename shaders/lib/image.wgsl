@@ -23,7 +23,8 @@ fn filtered(image: texture_2d<f32>, image_sampler: sampler, uv: vec2f, across: v
     }
     let minor = max(max(sqrt(max(mean - spread, 0.0)), major / MAX_ANISOTROPY), 1.0);
     let level = log2(minor);
-    let probes = clamp(ceil(major / minor), 1.0, MAX_ANISOTROPY);
+    // A footprint that is a circle but for rounding has one probe.
+    let probes = clamp(ceil(major / minor - 0.1), 1.0, MAX_ANISOTROPY);
     if probes == 1.0 {
         return textureSampleLevel(image, image_sampler, uv, level).rgb;
     }

@@ -166,7 +166,8 @@ impl Texture {
         }
         let minor = minor.max(major / MAX_ANISOTROPY).max(1.0);
         let level = minor.log2();
-        let probes = (major / minor).ceil().clamp(1.0, MAX_ANISOTROPY);
+        // A footprint that is a circle but for rounding has one probe.
+        let probes = (major / minor - 0.1).ceil().clamp(1.0, MAX_ANISOTROPY);
         if probes == 1.0 {
             return self.level(level, uv);
         }

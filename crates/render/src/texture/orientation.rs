@@ -5,7 +5,8 @@
 //! read rightly in a geodesic view, and in space from the side that σu×σv points to; what has been turned over shows
 //! them mirrored. They are drawn from strokes with round ends, so they stay smooth when enlarged.
 
-use image::{Rgba, RgbaImage};
+use image::RgbaImage;
+use rayon::prelude::*;
 
 use crate::style::encode;
 
@@ -29,24 +30,29 @@ const ADVANCE: f32 = 5.7;
 /// The image: `CELLS·CELL` texels a side.
 pub(super) fn image() -> RgbaImage {
     let side = CELLS * CELL;
+    let names: Vec<Vec<Segment>> = (0..CELLS * CELLS)
+        .map(|cell| name(cell % CELLS, cell / CELLS))
+        .collect();
     let mut image = RgbaImage::new(side, side);
-    for row in 0..CELLS {
-        for column in 0..CELLS {
-            let paper = cell_colour(column, row);
-            let ink = oklch(0.24, 0.05, hue(column));
-            let strokes = name(column, row);
-            for y in 0..CELL {
-                for x in 0..CELL {
-                    let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
-                    let mut colour = mix(paper, ink, 0.9 * label(&strokes, px, CELL as f32 - py));
-                    let line = line(column * CELL + x, row * CELL + y);
-                    colour = mix(colour, [1.0; 3], line);
-                    let [r, g, b] = colour.map(encode);
-                    image.put_pixel(column * CELL + x, row * CELL + y, Rgba([r, g, b, 255]));
-                }
+    image
+        .par_chunks_mut(4 * side as usize)
+        .enumerate()
+        .for_each(|(y, texels)| {
+            let y = y as u32;
+            let row = y / CELL;
+            for (x, texel) in (0..side).zip(texels.chunks_exact_mut(4)) {
+                let column = x / CELL;
+                let (px, py) = ((x % CELL) as f32 + 0.5, (y % CELL) as f32 + 0.5);
+                let ink = label(
+                    &names[(row * CELLS + column) as usize],
+                    px,
+                    CELL as f32 - py,
+                );
+                let colour = mix(paper_colour(column, row), ink_colour(column), 0.9 * ink);
+                let [r, g, b] = mix(colour, [1.0; 3], line(x, y)).map(encode);
+                texel.copy_from_slice(&[r, g, b, 255]);
             }
-        }
-    }
+        });
     image
 }
 
@@ -55,9 +61,13 @@ fn hue(column: u32) -> f32 {
     25.0 + 360.0 * column as f32 / CELLS as f32
 }
 
-fn cell_colour(column: u32, row: u32) -> [f32; 3] {
+fn paper_colour(column: u32, row: u32) -> [f32; 3] {
     let lightness = 0.885 - 0.255 * row as f32 / (CELLS - 1) as f32;
     oklch(lightness, 0.086, hue(column))
+}
+
+fn ink_colour(column: u32) -> [f32; 3] {
+    oklch(0.24, 0.05, hue(column))
 }
 
 /// How much of a texel is grid line.
