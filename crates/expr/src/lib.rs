@@ -25,6 +25,7 @@
 //! assert_eq!(out, [6.0]);
 //! ```
 
+mod arithmetic;
 pub mod conformance;
 pub mod graph;
 pub mod number;

@@ -5,7 +5,7 @@
 //! processor's cache. Constants and inputs are read where they are, without a register.
 //!
 //! Evaluation of one point and of blocks of [`LANES`] points run the same instructions from the same table
-//! ([`crate::ops`]); another arithmetic over the same tape is one more `match` over [`Instruction`].
+//! ([`crate::ops`]); another arithmetic over the same tape is one more `match` over its instructions.
 
 use rustc_hash::FxHashMap;
 

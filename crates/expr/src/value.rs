@@ -32,31 +32,79 @@ impl Value {
 /// What an operation cannot be applied to. Its text is a sentence in the user's words that names the
 /// dimensions; 1 stands for a number.
 #[derive(Clone, Debug, Eq, PartialEq)]
-#[allow(missing_docs)]
 pub enum DimensionError {
     /// `a + b`.
-    Sum { left: usize, right: usize },
+    Sum {
+        /// The dimension on the left.
+        left: usize,
+        /// The dimension on the right.
+        right: usize,
+    },
     /// `a - b`.
-    Difference { left: usize, right: usize },
+    Difference {
+        /// The dimension on the left.
+        left: usize,
+        /// The dimension on the right.
+        right: usize,
+    },
     /// `a b` for vectors of different dimensions.
-    Dot { left: usize, right: usize },
+    Dot {
+        /// The dimension on the left.
+        left: usize,
+        /// The dimension on the right.
+        right: usize,
+    },
     /// `a * b` for vectors that are not both of dimension 3.
-    Cross { left: usize, right: usize },
+    Cross {
+        /// The dimension on the left.
+        left: usize,
+        /// The dimension on the right.
+        right: usize,
+    },
     /// `a / b` for a vector b.
-    Quotient { left: usize, right: usize },
+    Quotient {
+        /// The dimension on the left.
+        left: usize,
+        /// The dimension on the right.
+        right: usize,
+    },
     /// `a ^ b` with a vector.
-    Power { base: usize, exponent: usize },
+    Power {
+        /// The dimension of the base.
+        base: usize,
+        /// The dimension of the exponent.
+        exponent: usize,
+    },
     /// `/a` for a vector.
-    Reciprocal { dimension: usize },
+    Reciprocal {
+        /// The vector's dimension.
+        dimension: usize,
+    },
     /// `a_n` for a number.
-    ComponentOfNumber { index: u32 },
+    ComponentOfNumber {
+        /// Which component, from 1.
+        index: u32,
+    },
     /// `a_n` past the last component.
-    Component { index: u32, dimension: usize },
+    Component {
+        /// Which component, from 1.
+        index: u32,
+        /// The vector's dimension.
+        dimension: usize,
+    },
     /// A vector inside a tuple.
-    Nested { position: usize, dimension: usize },
+    Nested {
+        /// Which component of the tuple, from 1.
+        position: usize,
+        /// The vector's dimension.
+        dimension: usize,
+    },
     /// A builtin function of a vector.
     Builtin {
+        /// The function's name.
         name: &'static str,
+
+        /// The vector's dimension.
         dimension: usize,
     },
 }

@@ -1,0 +1,86 @@
+//! The operations that `std` does not have, in f64: powers, the annihilating product, the sign.
+//!
+//! What flows in and out: numbers. These are definitions: shaders follow them step by step.
+
+/// The largest exponent, in absolute value, for which [`power`] multiplies. The rounding error of repeated
+/// squaring grows with the exponent; beyond this the library's function is better.
+pub const LARGEST_INTEGER_POWER: i32 = 1024;
+
+/// x^n by repeated squaring from the lowest bit of |n| up, the same multiplications in every evaluator. 0^0 is
+/// 1; a negative exponent gives the reciprocal of the positive power.
+#[inline]
+pub fn integer_power(x: f64, n: i32) -> f64 {
+    let mut remaining = n.unsigned_abs();
+    let mut square = x;
+    let mut result = 1.0;
+    while remaining != 0 {
+        if remaining & 1 == 1 {
+            result *= square;
+        }
+        square *= square;
+        remaining >>= 1;
+    }
+    if n < 0 { 1.0 / result } else { result }
+}
+
+/// [`integer_power`] in each lane.
+pub fn integer_power_lanes<const N: usize>(x: &[f64; N], n: i32, out: &mut [f64; N]) {
+    let mut remaining = n.unsigned_abs();
+    let mut square = *x;
+    *out = [1.0; N];
+    while remaining != 0 {
+        if remaining & 1 == 1 {
+            for (result, square) in out.iter_mut().zip(&square) {
+                *result *= square;
+            }
+        }
+        for square in &mut square {
+            *square *= *square;
+        }
+        remaining >>= 1;
+    }
+    if n < 0 {
+        for result in out {
+            *result = 1.0 / *result;
+        }
+    }
+}
+
+/// x^y. An exponent whose value is an integer up to [`LARGEST_INTEGER_POWER`] multiplies
+/// ([`integer_power`]), so 0^0 is 1 and negative bases have their powers; larger integers take negative bases
+/// too. Other powers of a negative base are undefined.
+#[inline]
+pub fn power(x: f64, y: f64) -> f64 {
+    match small_integer(y) {
+        Some(n) => integer_power(x, n),
+        None => x.powf(y),
+    }
+}
+
+/// The product that a zero first factor annihilates: 0 where `a` is 0, whatever `b` is. Derivative rules use
+/// it: n·x^(n−1) is 0 for n = 0, also at x = 0.
+#[inline]
+pub fn zmul(a: f64, b: f64) -> f64 {
+    if a == 0.0 { 0.0 } else { a * b }
+}
+
+/// −1, 0 or 1; 0 for both zeros, NaN for NaN.
+#[inline]
+pub fn sign(x: f64) -> f64 {
+    if x > 0.0 {
+        1.0
+    } else if x < 0.0 {
+        -1.0
+    } else if x == 0.0 {
+        0.0
+    } else {
+        x
+    }
+}
+
+/// The exponent by which [`power`] multiplies, if `y` is one.
+#[inline]
+pub(crate) fn small_integer(y: f64) -> Option<i32> {
+    let is_small = y.abs() <= f64::from(LARGEST_INTEGER_POWER) && y == y.trunc();
+    is_small.then_some(y as i32)
+}

@@ -1,0 +1,214 @@
+//! Derivatives against dual numbers, and at the places where a rule is easily wrong.
+
+use expr::ops::{Binary, Unary};
+use expr::tape::{Registers, Tape};
+use expr::{Graph, Input, NodeId};
+use num_dual::{Dual2_64, DualNum};
+
+const X: Input = Input::Variable(0);
+
+fn eval(graph: &Graph, root: NodeId, at: impl Fn(Input) -> f64) -> f64 {
+    let tape = Tape::new(graph, &[root]);
+    let inputs: Vec<f64> = tape.inputs().iter().map(|&input| at(input)).collect();
+    let mut out = [f64::NAN];
+    tape.eval(&mut Registers::default(), &inputs, &mut out);
+    out[0]
+}
+
+fn derivative(graph: &mut Graph, root: NodeId) -> NodeId {
+    graph.derivatives(&[root], X).unwrap()[0]
+}
+
+#[track_caller]
+fn assert_close(actual: f64, expected: f64) {
+    let error = (actual - expected).abs() / expected.abs().max(1.0);
+    assert!(error <= 1e-12, "{actual:?}, not {expected:?}");
+}
+
+/// The operation in dual numbers that nobody here wrote.
+fn dual(op: Unary, x: Dual2_64) -> Dual2_64 {
+    match op {
+        Unary::Neg => -x,
+        Unary::Sin => x.sin(),
+        Unary::Cos => x.cos(),
+        Unary::Tan => x.tan(),
+        Unary::Exp => x.exp(),
+        Unary::Log => x.ln(),
+        Unary::Sqrt => x.sqrt(),
+        Unary::Asin => x.asin(),
+        Unary::Acos => x.acos(),
+        Unary::Atan => x.atan(),
+        Unary::Sinh => x.sinh(),
+        Unary::Cosh => x.cosh(),
+        Unary::Tanh => x.tanh(),
+        // These have no curvature; by their definition, piece by piece.
+        Unary::Abs => {
+            if x.re < 0.0 {
+                -x
+            } else {
+                x
+            }
+        }
+        Unary::Sign => Dual2_64::from(x.re.signum()),
+    }
+}
+
+#[test]
+#[should_panic(expected = "not 1.0")]
+fn closeness_can_fail() {
+    assert_close(1.0 + 1e-11, 1.0);
+}
+
+#[test]
+fn first_and_second_derivatives_of_every_unary_operation_are_those_of_dual_numbers() {
+    for op in Unary::ALL {
+        let mut graph = Graph::default();
+        let x = graph.input(X);
+        let factor = graph.constant(0.3);
+        let scaled = graph.mul(factor, x);
+        let inner = graph.mul(scaled, x); // 0.3 x², so that the chain rule counts
+        for operand in [x, inner] {
+            let y = graph.unary(op, operand);
+            let first = derivative(&mut graph, y);
+            let second = derivative(&mut graph, first);
+            for at in [-0.9, -0.4, 0.2, 0.7] {
+                let variable = Dual2_64::from(at).derivative();
+                let argument = if operand == x {
+                    variable
+                } else {
+                    variable * variable * 0.3
+                };
+                let expected = dual(op, argument);
+                if expected.re.is_nan() {
+                    continue;
+                }
+                assert_close(eval(&graph, y, |_| at), expected.re);
+                assert_close(eval(&graph, first, |_| at), expected.v1);
+                assert_close(eval(&graph, second, |_| at), expected.v2);
+            }
+        }
+    }
+}
+
+#[test]
+fn first_and_second_derivatives_of_every_binary_operation_are_those_of_dual_numbers() {
+    for op in Binary::ALL {
+        let mut graph = Graph::default();
+        let x = graph.input(X);
+        let a = graph.unary(Unary::Exp, x);
+        let b = graph.unary(Unary::Sin, x);
+        let k = graph.input(Input::Uniform(0));
+        for (a, b) in [(a, b), (a, k), (k, b)] {
+            let y = graph.binary(op, a, b);
+            let first = derivative(&mut graph, y);
+            let second = derivative(&mut graph, first);
+            for at in [-0.8, 0.3, 1.1] {
+                let variable = Dual2_64::from(at).derivative();
+                let side = |node| match node {
+                    node if node == k => Dual2_64::from(1.7),
+                    node if node == b => variable.sin(),
+                    _ => variable.exp(),
+                };
+                let (da, db) = (side(a), side(b));
+                let expected = match op {
+                    Binary::Add => da + db,
+                    Binary::Sub => da - db,
+                    Binary::Mul | Binary::Zmul => da * db,
+                    Binary::Div => da / db,
+                    Binary::Pow => da.powd(db),
+                };
+                let values = |input| if input == X { at } else { 1.7 };
+                assert_close(eval(&graph, y, values), expected.re);
+                assert_close(eval(&graph, first, values), expected.v1);
+                assert_close(eval(&graph, second, values), expected.v2);
+            }
+        }
+    }
+}
+
+#[test]
+fn derivatives_of_integer_powers_are_those_of_dual_numbers() {
+    for n in [-3, -2, -1, 1, 2, 3, 4, 9] {
+        let mut graph = Graph::default();
+        let x = graph.input(X);
+        let y = graph.integer_power(x, n);
+        let first = derivative(&mut graph, y);
+        let second = derivative(&mut graph, first);
+        for at in [-1.5, -0.5, 0.75] {
+            let expected = Dual2_64::from(at).derivative().powi(n);
+            assert_close(eval(&graph, first, |_| at), expected.v1);
+            assert_close(eval(&graph, second, |_| at), expected.v2);
+        }
+    }
+}
+
+#[test]
+fn derivatives_of_powers_at_zero_are_numbers() {
+    for (n, slope, bend) in [(0, 0.0, 0.0), (1, 1.0, 0.0), (2, 0.0, 2.0), (3, 0.0, 0.0)] {
+        // The exponent as a literal, and as a param.
+        for literal in [true, false] {
+            let mut graph = Graph::default();
+            let x = graph.input(X);
+            let exponent = if literal {
+                graph.constant(f64::from(n))
+            } else {
+                graph.input(Input::Uniform(0))
+            };
+            let y = graph.power(x, exponent);
+            let first = derivative(&mut graph, y);
+            let second = derivative(&mut graph, first);
+            let at = |input| if input == X { 0.0 } else { f64::from(n) };
+            assert_eq!(eval(&graph, first, at), slope, "x^{n}, literal: {literal}");
+            assert_eq!(eval(&graph, second, at), bend, "x^{n}, literal: {literal}");
+        }
+    }
+}
+
+#[test]
+fn an_eighth_derivative_is_exact() {
+    let mut graph = Graph::default();
+    let x = graph.input(X);
+    let (tangent, growth) = (graph.unary(Unary::Tan, x), graph.unary(Unary::Exp, x));
+    let mut y = graph.mul(tangent, growth);
+    for _ in 0..8 {
+        y = derivative(&mut graph, y);
+    }
+    // d⁸/dx⁸ (tan x · exp x) at 0.3, computed with 40 digits.
+    assert_close(eval(&graph, y, |_| 0.3), 22_418.349_151_632_58);
+}
+
+#[test]
+fn a_kink_of_abs_has_slope_zero() {
+    let mut graph = Graph::default();
+    let x = graph.input(X);
+    let y = graph.unary(Unary::Abs, x);
+    let first = derivative(&mut graph, y);
+    assert_eq!(eval(&graph, first, |_| 0.0), 0.0);
+    assert_eq!(eval(&graph, first, |_| -3.0), -1.0);
+}
+
+#[test]
+fn what_does_not_depend_on_an_input_has_derivative_zero_at_no_cost() {
+    let mut graph = Graph::default();
+    let mut y = graph.input(Input::Uniform(3));
+    graph.constant(0.0);
+    for _ in 0..1000 {
+        y = graph.unary(Unary::Log, y);
+    }
+    let before = graph.len();
+    let result = derivative(&mut graph, y);
+    assert_eq!(graph.value(result), Some(0.0));
+    assert_eq!(graph.len(), before);
+}
+
+#[test]
+fn a_substitution_is_simultaneous_and_simplifies() {
+    let mut graph = Graph::default();
+    let (x, y) = (graph.input(X), graph.input(Input::Variable(1)));
+    let difference = graph.sub(x, y);
+    let swap = |input| Some(if input == X { y } else { x });
+    let swapped = graph.substitute(&[difference], &swap).unwrap();
+    assert_eq!(swapped, [graph.sub(y, x)]);
+    let same = graph.substitute(&[difference], &|_| Some(x)).unwrap();
+    assert_eq!(graph.value(same[0]), Some(0.0));
+}
