@@ -17,6 +17,7 @@ use syntax::token::SymbolId;
 
 use crate::fault::{self, Fault};
 use crate::lower::{Effect, Function, Item, Lowerer, dimension_fault, too_large};
+use crate::reads::Reads;
 use crate::symbol::{Declared, Meaning};
 
 /// One derivative of a function.
@@ -43,10 +44,10 @@ pub(crate) struct BodyId(u32);
 /// What lowering a body has given.
 #[derive(Clone, Debug)]
 pub(crate) enum BodyOutcome {
-    /// Its value over the formal inputs, and a param or grid that it reads.
+    /// Its value over the formal inputs, and the params and grids that it reads.
     Ready {
         value: Value,
-        reads: Option<SymbolId>,
+        reads: Reads,
     },
     Failed(Arc<Fault>),
     /// It uses a name whose own declaration failed.
@@ -86,7 +87,7 @@ impl Lowerer {
         operand: Item,
         span: Span,
         stack: &mut Vec<Item>,
-        reads: &mut Option<SymbolId>,
+        reads: &mut Reads,
     ) -> Result<Effect, (Fault, Span)> {
         let Item::Function(function) = function else {
             return Ok(Effect::Push(Item::Poison));
@@ -140,7 +141,7 @@ impl Lowerer {
                 return Err((Fault::clone(fault), span));
             }
             BodyOutcome::Ready { reads: body, .. } => {
-                *reads = reads.or(*body);
+                *reads = self.reads.union(*reads, *body);
                 self.substitute(id, &arguments)
                     .ok_or_else(|| (too_large(), span))?
             }
@@ -245,7 +246,10 @@ impl Lowerer {
         let value = builtin
             .apply(&mut self.graph, parameter)
             .map_err(|error| dimension_fault(&error))?;
-        Ok(BodyOutcome::Ready { value, reads: None })
+        Ok(BodyOutcome::Ready {
+            value,
+            reads: Reads::default(),
+        })
     }
 
     /// A body's derivative: the last of `key`'s derivations, taken of the body `id`.

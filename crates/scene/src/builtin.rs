@@ -7,6 +7,7 @@ use expr::value::{self, DimensionError, Value};
 use syntax::symbols::Vocabulary;
 use syntax::token::SymbolId;
 
+use crate::reads::Reads;
 use crate::symbol::{Constant, Meaning, Symbols};
 
 /// A function that every program may use.
@@ -59,7 +60,7 @@ pub fn vocabulary() -> Vocabulary {
 pub(crate) fn define(symbols: &mut Symbols, graph: &mut Graph) {
     let constants = CONSTANTS.into_iter().map(|(name, value, _)| {
         let value = Value::Number(graph.constant(value));
-        let reads = None;
+        let reads = Reads::default();
         (name, Meaning::Constant(Constant { value, reads }))
     });
     let functions = Builtin::all().map(|(name, builtin)| (name, Meaning::Builtin(builtin)));

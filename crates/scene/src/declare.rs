@@ -7,15 +7,15 @@ use syntax::actions::{self, Declaration, Parameter};
 use syntax::codes::MISSING_INTERVAL;
 use syntax::diagnostic::{Diagnostic, Related};
 use syntax::span::Span;
-use syntax::token::{DeclareWord, SymbolId};
+use syntax::token::DeclareWord;
 
 use crate::builtin;
 use crate::code::Expression;
-use crate::dependency::Dependencies;
 use crate::fault::{self, Fault};
 use crate::interval::{Bounds, Interval, Purpose};
-use crate::limits::{DEFAULT_SAMPLES, MAX_INSTANCES, MAX_SAMPLES};
+use crate::limits::{DEFAULT_SAMPLES, MAX_INSTANCES, MAX_SAMPLES, MAX_UNIFORMS};
 use crate::lower::{Lowered, Lowerer};
+use crate::reads::Reads;
 use crate::scene::{Grid, GridId, Object, Param, ParamId, Sampling, Scene, Shape};
 use crate::symbol::{Constant, Declared, Meaning};
 
@@ -28,9 +28,8 @@ pub(crate) struct Declarations {
     pub(crate) diagnostics: Vec<Diagnostic>,
     /// The intervals of the declaration that is being read.
     intervals: Vec<Interval>,
-    /// Whose component each uniform is.
-    owners: Vec<Owner>,
-    dependencies: Dependencies,
+    /// What each source of the lowerer's reads is.
+    sources: Vec<Owner>,
     /// How many samples the objects have together.
     samples: u64,
 }
@@ -113,14 +112,14 @@ impl Declarations {
         let ranges: Vec<_> = bounds?.iter().map(|bounds| bounds.range).collect();
         let id = ParamId(self.scene.params.len() as u32);
         let first_uniform = self.scene.uniform_count;
-        let value = self.uniforms(ranges.len(), Owner::Param(id));
+        let value = self.uniforms(declaration, ranges.len(), Owner::Param(id))?;
         self.scene.params.push(Param {
             name: declaration.name.to_owned(),
             name_span: declaration.name_span,
             ranges,
             first_uniform,
         });
-        Some(constant(value, declaration.symbol))
+        Some(Meaning::Constant(value))
     }
 
     fn grid(&mut self, declaration: &Declaration<'_>, intervals: &[Interval]) -> Option<Meaning> {
@@ -131,14 +130,14 @@ impl Declarations {
             .collect();
         let id = GridId(self.scene.grids.len() as u32);
         let first_uniform = self.scene.uniform_count;
-        let value = self.uniforms(axes.len(), Owner::Grid(id));
+        let value = self.uniforms(declaration, axes.len(), Owner::Grid(id))?;
         self.scene.grids.push(Grid {
             name: declaration.name.to_owned(),
             name_span: declaration.name_span,
             axes,
             first_uniform,
         });
-        Some(constant(value, declaration.symbol))
+        Some(Meaning::Constant(value))
     }
 
     /// A function's body is kept as it was read, for its type is that of its applications.
@@ -159,7 +158,7 @@ impl Declarations {
         let [body] = self.expressions(&[])?;
         let lowered = self.constant(body);
         let position = self.in_space(body, &lowered, "a point")?;
-        self.object(declaration, Shape::Point { position });
+        self.object(declaration, Shape::Point { position }, lowered.reads);
         Some(constant(lowered.value?, lowered.reads))
     }
 
@@ -167,10 +166,11 @@ impl Declarations {
         let [direction, origin] = self.expressions(&[])?;
         let lowered = self.constant(direction);
         let towards = self.in_space(direction, &lowered, "a vector's direction");
-        let from = self.constant(origin);
-        let from = self.in_space(origin, &from, "a vector's origin");
+        let start = self.constant(origin);
+        let from = self.in_space(origin, &start, "a vector's origin");
         if let (Some(direction), Some(origin)) = (towards, from) {
-            self.object(declaration, Shape::Vector { direction, origin });
+            let reads = self.lowerer.reads.union(lowered.reads, start.reads);
+            self.object(declaration, Shape::Vector { direction, origin }, reads);
         }
         // The name stands for the direction, which has its meaning whatever the origin is.
         towards?;
@@ -190,6 +190,7 @@ impl Declarations {
                 domain: domain?,
                 parameter: declaration.parameters.first()?.name.clone(),
             },
+            lowered.reads,
         );
         Some(self.keep(declaration, body))
     }
@@ -214,6 +215,7 @@ impl Declarations {
                 domain: [u?, v?],
                 parameters: [first.name.clone(), second.name.clone()],
             },
+            lowered.reads,
         );
         Some(self.keep(declaration, body))
     }
@@ -250,19 +252,39 @@ impl Declarations {
         })
     }
 
-    /// Fresh uniforms: a number, or a vector of them.
-    fn uniforms(&mut self, count: usize, owner: Owner) -> Value {
+    /// Fresh uniforms: a number, or a vector of them; none where there are too many.
+    fn uniforms(
+        &mut self,
+        declaration: &Declaration<'_>,
+        count: usize,
+        owner: Owner,
+    ) -> Option<Constant> {
         let first = self.scene.uniform_count;
+        let end = first.checked_add(u32::try_from(count).ok()?)?;
+        if end > MAX_UNIFORMS {
+            let fault = Fault::new(
+                fault::TOO_MANY_UNIFORMS,
+                format!(
+                    "with `{}` the params and grids have {end} components, and the limit is {MAX_UNIFORMS}",
+                    declaration.name
+                ),
+            );
+            self.diagnostics.push(fault.at(declaration.name_span));
+            return None;
+        }
         let graph: &mut Graph = &mut self.lowerer.graph;
-        let nodes: Vec<NodeId> = (first..first + count as u32)
+        let nodes: Vec<NodeId> = (first..end)
             .map(|index| graph.input(Input::Uniform(index)))
             .collect();
-        self.scene.uniform_count += count as u32;
-        self.owners.extend(std::iter::repeat_n(owner, count));
-        match nodes[..] {
-            [node] => Value::Number(node),
-            _ => Value::Vector(nodes),
-        }
+        self.scene.uniform_count = end;
+        self.sources.push(owner);
+        Some(Constant {
+            value: match nodes[..] {
+                [node] => Value::Number(node),
+                _ => Value::Vector(nodes),
+            },
+            reads: self.lowerer.reads.declare(declaration.symbol),
+        })
     }
 
     /// All intervals; none where something is wrong with any.
@@ -391,8 +413,8 @@ impl Declarations {
     }
 
     /// Adds an object, within the limits of what can be drawn.
-    fn object(&mut self, declaration: &Declaration<'_>, shape: Shape) {
-        let (params, grids) = self.dependencies(&shape.roots());
+    fn object(&mut self, declaration: &Declaration<'_>, shape: Shape, reads: Reads) {
+        let (params, grids) = self.dependencies(reads);
         let name = declaration.name;
         let mut counts = Vec::new();
         for grid in &grids {
@@ -450,30 +472,22 @@ impl Declarations {
         });
     }
 
-    /// The params and grids that nodes depend on.
-    fn dependencies(&mut self, roots: &[NodeId]) -> (Vec<ParamId>, Vec<GridId>) {
+    /// The params and grids of a set of reads, in the order of the text.
+    pub(crate) fn dependencies(&self, reads: Reads) -> (Vec<ParamId>, Vec<GridId>) {
         let mut params = Vec::new();
         let mut grids = Vec::new();
-        for uniform in self.dependencies.of(&self.lowerer.graph, roots) {
-            match self.owners.get(uniform as usize) {
+        for source in self.lowerer.reads.sources(reads) {
+            match self.sources.get(source.0 as usize) {
                 Some(Owner::Param(id)) => params.push(*id),
                 Some(Owner::Grid(id)) => grids.push(*id),
                 None => {}
             }
         }
-        // The uniforms are sorted, and the components of one param follow each other.
-        params.dedup();
-        grids.dedup();
         (params, grids)
-    }
-
-    /// The grids that a value depends on.
-    pub(crate) fn grids_of(&mut self, value: &Value) -> Vec<GridId> {
-        self.dependencies(value.components()).1
     }
 }
 
-fn constant(value: Value, reads: Option<SymbolId>) -> Meaning {
+fn constant(value: Value, reads: Reads) -> Meaning {
     Meaning::Constant(Constant { value, reads })
 }
 

@@ -16,6 +16,7 @@ use crate::compile::{Compiler, has_errors, sort};
 use crate::declare::Declarations;
 use crate::fault::{self, Fault};
 use crate::limits::MAX_INSTANCES;
+use crate::reads::Reads;
 use crate::values::Settings;
 
 /// A number or a vector as it is at the current values of the params.
@@ -109,7 +110,7 @@ impl Scope {
         let Some(result) = lowered.value.filter(|_| !has_errors(&found)) else {
             return Err(found);
         };
-        match outcome(&mut declarations, &result, settings) {
+        match outcome(&declarations, &result, lowered.reads, settings) {
             Ok(outcome) => Ok(Evaluation {
                 outcome,
                 warnings: found,
@@ -146,11 +147,12 @@ impl Program {
 
 /// Evaluates a value for each combination of the grids that it depends on.
 fn outcome(
-    declarations: &mut Declarations,
+    declarations: &Declarations,
     result: &value::Value,
+    reads: Reads,
     settings: &Settings,
 ) -> Result<Outcome, Fault> {
-    let mut grids = declarations.grids_of(result);
+    let (_, mut grids) = declarations.dependencies(reads);
     let scene = &declarations.scene;
     grids.retain(|&id| settings.fixed_grid(scene, id).is_none());
     let roots = result.components();

@@ -35,6 +35,8 @@ pub(crate) const NOT_IN_SPACE: Code = Code("not-in-space");
 pub(crate) const TOO_MANY_INSTANCES: Code = Code("too-many-instances");
 /// The objects have too many samples together.
 pub(crate) const TOO_MANY_SAMPLES: Code = Code("too-many-samples");
+/// The params and grids have too many components.
+pub(crate) const TOO_MANY_UNIFORMS: Code = Code("too-many-params");
 /// An expression is evaluated in a program that has errors.
 pub(crate) const PROGRAM_HAS_ERRORS: Code = Code("program-has-errors");
 
@@ -101,6 +103,10 @@ pub const CODES: &[(Code, &str)] = &[
     (
         TOO_MANY_SAMPLES,
         "All objects together have more samples than the limit.",
+    ),
+    (
+        TOO_MANY_UNIFORMS,
+        "The params and grids have more components together than the limit.",
     ),
     (
         PROGRAM_HAS_ERRORS,

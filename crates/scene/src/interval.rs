@@ -134,7 +134,7 @@ impl Role {
 /// failed before.
 fn constant(lowerer: &Lowerer, lowered: &Lowered, role: Role) -> Result<Option<f64>, Fault> {
     let role = role.name();
-    if let Some(symbol) = lowered.reads {
+    if let Some(symbol) = lowerer.reads.first(lowered.reads) {
         let word = match lowerer.symbols.word(symbol) {
             Some(DeclareWord::Grid) => "grid",
             _ => "param",

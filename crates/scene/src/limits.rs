@@ -13,3 +13,7 @@ pub const MAX_SAMPLES: u64 = 20_000_000;
 
 /// How many samples a curve has, and a surface along each parameter, unless its interval says otherwise.
 pub const DEFAULT_SAMPLES: u32 = 100;
+
+/// The most components that all params and grids have together: what every GPU takes as uniforms (64 KiB of
+/// f32).
+pub const MAX_UNIFORMS: u32 = 16_384;

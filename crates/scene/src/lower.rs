@@ -20,6 +20,7 @@ use syntax::token::SymbolId;
 use crate::apply::{Applications, BodyKey, BodyOutcome, Derivation};
 use crate::code::{Code, Expression};
 use crate::fault::{self, Fault};
+use crate::reads::{ReadSets, Reads};
 use crate::symbol::{Constant, Meaning, Symbols};
 
 /// Everything that the meaning of an expression depends on.
@@ -29,6 +30,7 @@ pub(crate) struct Lowerer {
     pub(crate) code: Code,
     pub(crate) symbols: Symbols,
     pub(crate) applications: Applications,
+    pub(crate) reads: ReadSets,
     /// The graph has reached its limit, and that has been reported.
     full: bool,
 }
@@ -38,8 +40,8 @@ pub(crate) struct Lowerer {
 pub(crate) struct Lowered {
     /// Its value; none where a fault or a name that failed before leaves it without one.
     pub(crate) value: Option<Value>,
-    /// A param or grid that it reads, directly or not, whether or not its value depends on it.
-    pub(crate) reads: Option<SymbolId>,
+    /// The params and grids that it reads, whether or not its value depends on them.
+    pub(crate) reads: Reads,
 }
 
 /// What lies on the stack.
@@ -75,7 +77,7 @@ struct Frame {
     body: Option<BodyKey>,
     /// The first fault in a body.
     fault: Option<Fault>,
-    reads: Option<SymbolId>,
+    reads: Reads,
 }
 
 /// What a step leaves.
@@ -97,7 +99,7 @@ impl Lowerer {
     ) -> Lowered {
         let nothing = Lowered {
             value: None,
-            reads: None,
+            reads: Reads::default(),
         };
         if self.full {
             return nothing;
@@ -265,10 +267,10 @@ impl Lowerer {
         Ok(Effect::Push(item))
     }
 
-    fn constant(&self, frame: &mut Frame, symbol: SymbolId) -> Item {
+    fn constant(&mut self, frame: &mut Frame, symbol: SymbolId) -> Item {
         match self.symbols.meaning(symbol) {
             Meaning::Constant(Constant { value, reads }) => {
-                frame.reads = frame.reads.or(*reads);
+                frame.reads = self.reads.union(frame.reads, *reads);
                 Item::Value(value.clone())
             }
             _ => Item::Poison,
@@ -332,7 +334,7 @@ impl Frame {
             parameters,
             body,
             fault: None,
-            reads: None,
+            reads: Reads::default(),
         }
     }
 

@@ -100,10 +100,9 @@ pub struct Object {
     pub name_span: Span,
     /// What it is.
     pub shape: Shape,
-    /// The params it depends on, directly or not, in order.
+    /// The params it reads, directly or not, in order; its value need not change with each.
     pub params: Vec<ParamId>,
-    /// The grids it depends on, directly or not, in order; it is drawn once for each combination of their
-    /// values.
+    /// The grids it reads, directly or not, in order; it is drawn once for each combination of their values.
     pub grids: Vec<GridId>,
 }
 

@@ -10,6 +10,7 @@ use syntax::token::{DeclareWord, SymbolId};
 use crate::builtin::Builtin;
 use crate::code::Expression;
 use crate::fault::{self, Fault};
+use crate::reads::Reads;
 
 /// The meanings of all symbols that have one.
 #[derive(Clone, Debug, Default)]
@@ -38,8 +39,8 @@ pub(crate) enum Meaning {
 #[derive(Clone, Debug)]
 pub(crate) struct Constant {
     pub(crate) value: Value,
-    /// A param or grid that its declaration reads, directly or not.
-    pub(crate) reads: Option<SymbolId>,
+    /// The params and grids that it reads.
+    pub(crate) reads: Reads,
 }
 
 /// A declared function, curve or surface.

@@ -247,6 +247,35 @@ fn objects_know_what_they_depend_on_directly_or_not() {
 }
 
 #[test]
+fn what_is_read_counts_whether_or_not_the_value_changes_with_it() {
+    let source = "grid k : [0, 1, 3]; param a : [0, 1]; function f(x) = 7; define z = 0k;
+                  point p = (z, f(a), 0);";
+    for expression in ["z", "k - k", "f k", "p"] {
+        let Outcome::Instances(instances) = outcome(source, expression) else {
+            panic!("{expression} has one value")
+        };
+        assert_eq!(instances.len(), 3, "{expression}");
+    }
+    assert_value(source, "f a", &[7.0]);
+    let scene = sound(source).scene.unwrap();
+    assert_eq!(
+        (scene.objects[0].params.len(), scene.objects[0].grids.len()),
+        (1, 1)
+    );
+}
+
+#[test]
+fn params_and_grids_are_capped() {
+    let intervals = vec!["[0, 1]"; 10_000].join(",");
+    assert_error(
+        &format!("param a : {intervals}; param b : {intervals};"),
+        "too-many-params",
+        "b",
+        "with `b` the params and grids have 20000 components, and the limit is 16384",
+    );
+}
+
+#[test]
 fn a_vector_stands_for_its_direction() {
     assert_value("vector v = (1,2,3) @ (4,5,6);", "v", &[1.0, 2.0, 3.0]);
 }

@@ -1,0 +1,137 @@
+//! What an expression depends on: the params and grids that it reads, directly or through a name or a function.
+//!
+//! What flows in: a param or grid where it is declared, and the reads of an expression's parts. What flows out:
+//! the reads of the whole. They are those of the text: `0k` reads `k`, though its value is the same for every
+//! `k`, so what is drawn how often never hangs on how well an expression is simplified.
+//!
+//! Equal sets are one, so ten thousand declarations that read the same few params cost a few sets.
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashMap;
+use syntax::token::SymbolId;
+
+/// Names a set of params and grids; the default is the empty one.
+#[derive(Clone, Copy, Debug, Default, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub(crate) struct Reads(u32);
+
+/// The position of a param or grid among all of them, in the order of the text.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) struct Source(pub(crate) u32);
+
+/// All sets that occur.
+#[derive(Clone, Debug)]
+pub(crate) struct ReadSets {
+    /// The symbol of each source, where its name was free.
+    sources: Vec<Option<SymbolId>>,
+    /// Bit k of a set stands for source k; the last word is not 0.
+    sets: Vec<Arc<[u64]>>,
+    ids: FxHashMap<Arc<[u64]>, Reads>,
+    unions: FxHashMap<(Reads, Reads), Reads>,
+}
+
+impl Default for ReadSets {
+    fn default() -> Self {
+        let empty: Arc<[u64]> = Arc::new([]);
+        Self {
+            sources: Vec::new(),
+            sets: vec![Arc::clone(&empty)],
+            ids: FxHashMap::from_iter([(empty, Reads::default())]),
+            unions: FxHashMap::default(),
+        }
+    }
+}
+
+impl ReadSets {
+    /// A new param or grid: the set that holds just it.
+    pub(crate) fn declare(&mut self, symbol: Option<SymbolId>) -> Reads {
+        let source = self.sources.len();
+        self.sources.push(symbol);
+        let mut bits = vec![0; source / 64 + 1];
+        bits[source / 64] = 1 << (source % 64);
+        self.set(bits)
+    }
+
+    /// What is read by an expression with two parts.
+    pub(crate) fn union(&mut self, a: Reads, b: Reads) -> Reads {
+        if a == b || b == Reads::default() {
+            return a;
+        }
+        if a == Reads::default() {
+            return b;
+        }
+        let pair = (a.min(b), a.max(b));
+        if let Some(&known) = self.unions.get(&pair) {
+            return known;
+        }
+        let (short, long) = (&self.sets[a.0 as usize], &self.sets[b.0 as usize]);
+        let (short, long) = if short.len() <= long.len() {
+            (short, long)
+        } else {
+            (long, short)
+        };
+        let mut bits = long.to_vec();
+        for (word, other) in bits.iter_mut().zip(short.iter()) {
+            *word |= other;
+        }
+        let union = self.set(bits);
+        self.unions.insert(pair, union);
+        union
+    }
+
+    /// The params and grids of a set, in the order of the text.
+    pub(crate) fn sources(&self, reads: Reads) -> impl Iterator<Item = Source> + '_ {
+        let words = self.sets[reads.0 as usize].iter().zip(0..);
+        words.flat_map(|(&word, index): (&u64, u32)| {
+            let bits = (0..64).filter(move |bit| word >> bit & 1 == 1);
+            bits.map(move |bit| Source(64 * index + bit))
+        })
+    }
+
+    /// The first param or grid of a set that has a name.
+    pub(crate) fn first(&self, reads: Reads) -> Option<SymbolId> {
+        let mut sources = self.sources(reads);
+        sources.find_map(|source| *self.sources.get(source.0 as usize)?)
+    }
+
+    fn set(&mut self, bits: Vec<u64>) -> Reads {
+        let bits: Arc<[u64]> = bits.into();
+        if let Some(&known) = self.ids.get(&bits) {
+            return known;
+        }
+        let reads = Reads(self.sets.len() as u32);
+        self.sets.push(Arc::clone(&bits));
+        self.ids.insert(bits, reads);
+        reads
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use syntax::token::SymbolId;
+
+    use super::{ReadSets, Reads};
+
+    #[test]
+    fn unions_hold_the_members_of_both_in_order_and_equal_sets_are_one() {
+        let mut sets = ReadSets::default();
+        let single: Vec<Reads> = (0..200)
+            .map(|index| sets.declare(Some(SymbolId(1000 + index))))
+            .collect();
+        let members = |sets: &ReadSets, reads| -> Vec<u32> {
+            sets.sources(reads).map(|source| source.0).collect()
+        };
+        let a = sets.union(single[130], single[2]);
+        let b = sets.union(single[64], a);
+        assert_eq!(members(&sets, a), [2, 130]);
+        assert_eq!(members(&sets, b), [2, 64, 130]);
+        assert_eq!(sets.union(b, a), b);
+        assert_eq!(sets.union(single[64], b), b);
+        let c = sets.union(single[2], single[64]);
+        assert_eq!(sets.union(c, single[130]), b);
+        assert_eq!(sets.union(Reads::default(), b), b);
+        assert_eq!(sets.first(b), Some(SymbolId(1002)));
+        assert_eq!(sets.first(Reads::default()), None);
+        assert_eq!(members(&sets, Reads::default()), [0; 0]);
+    }
+}
