@@ -7,6 +7,8 @@ use syntax::span::Span;
 /// How far to either side of the marked place a line is shown, in characters. The renderer trims further;
 /// this only keeps it from seeing a line of megabytes.
 const REACH: usize = 200;
+/// How many characters of a longer range are marked on one line: what fits into the renderer's width.
+const MARKED: usize = 96;
 /// How many lines of a longer range are shown.
 const LINES: usize = 4;
 
@@ -94,7 +96,7 @@ fn marked_part(text: &str) -> &str {
             }
         } else {
             on_line += 1;
-            if on_line > REACH {
+            if on_line > MARKED {
                 return &text[..offset];
             }
         }
