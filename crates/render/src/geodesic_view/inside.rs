@@ -141,7 +141,7 @@ fn tangents(surface: &TapeSurface, at: [f64; 2]) -> Option<[DVec3; 2]> {
     let widths = surface.domain().map(|[low, high]| high - low);
     let (a, b) = (du * widths[0], dv * widths[1]);
     let longest = a.abs().max_element().max(b.abs().max_element());
-    if !(longest > 0.0 && longest.is_finite()) || !DVec3::from(jet.position).is_finite() {
+    if !(longest > 0.0 && longest.is_finite() && DVec3::from(jet.position).is_finite()) {
         return None;
     }
     let area = (a / longest).cross(b / longest).length();

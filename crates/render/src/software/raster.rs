@@ -46,7 +46,7 @@ impl Tile {
     }
 }
 
-/// A triangle in a tile's list: its number in the batch, and where its mesh and corners are.
+/// A mesh's triangles by tile.
 struct Bins {
     /// For each tile the triangles whose box touches it, in order.
     lists: Vec<Vec<u32>>,
@@ -111,7 +111,7 @@ fn bin(mesh: &Mesh, across: usize, down: usize, top: usize) -> Bins {
     Bins { lists }
 }
 
-/// Edge functions of a triangle that is counterclockwise in y-down pixels' mirror, i.e. with a positive area:
+/// Edge functions of a triangle, its corners in the order that gives it a positive area:
 /// `a·x + b·y + c ≥ 0` inside.
 struct Edges {
     a: [i64; 3],
@@ -233,8 +233,8 @@ fn cover(tile: &mut Tile, seen: &mut [[u32; 4]], corners: [&Corner; 3], id: u32)
                     }
                 }
             }
-            for k in 0..3 {
-                e[k] += edges.a[k] * step;
+            for (value, slope) in e.iter_mut().zip(&edges.a) {
+                *value += slope * step;
             }
         }
     }
@@ -251,34 +251,29 @@ fn shade(
 ) {
     for (index, ids) in seen.iter().enumerate() {
         let pixel = [tile.origin[0] + index % TILE, tile.origin[1] + index / TILE];
-        let mut done = [false; 4];
-        for s in 0..4 {
-            let id = ids[s];
-            if id == NONE || done[s] {
+        for (first, &id) in ids.iter().enumerate() {
+            if id == NONE || ids[..first].contains(&id) {
                 continue;
             }
-            let mut middle = [0; 2];
-            let mut count = 0;
-            for t in s..4 {
-                if ids[t] == id {
-                    done[t] = true;
-                    count += 1;
-                    middle = [0, 1].map(|k| middle[k] + SAMPLES[t][k]);
-                }
-            }
-            let at = [0, 1].map(|k| pixel[k] as f32 + middle[k] as f32 / (count * SUBPIXEL) as f32);
-            let mesh_number = bases.partition_point(|&base| base <= id) - 1;
-            let mesh = &meshes[mesh_number];
-            let triangle = mesh.triangles[(id - bases[mesh_number]) as usize];
+            let sees = ids.map(|other| other == id);
+            let count = sees.iter().filter(|&&sees| sees).count();
+            let at = Vec2::from([0, 1].map(|k| {
+                let samples = SAMPLES.iter().zip(sees).filter(|(_, sees)| *sees);
+                let sum: i32 = samples.map(|(sample, _)| sample[k]).sum();
+                pixel[k] as f32 + sum as f32 / (count as i32 * SUBPIXEL) as f32
+            }));
+            let number = bases.partition_point(|&base| base <= id) - 1;
+            let mesh = &meshes[number];
+            let triangle = mesh.triangles[(id - bases[number]) as usize];
             let corners = triangle.map(|c| &mesh.corners[c as usize]);
             let material = &materials[mesh.material as usize];
-            let light =
-                place(eye, corners, Vec2::from(at), material).map(|place| material.shade(&place));
-            for t in s..4 {
-                if ids[t] == id {
-                    if let Some(light) = light {
-                        tile.light[index][t] = light;
-                    }
+            let Some(place) = place(eye, corners, at, material) else {
+                continue;
+            };
+            let light = material.shade(&place);
+            for (sample, sees) in tile.light[index].iter_mut().zip(sees) {
+                if sees {
+                    *sample = light;
                 }
             }
         }
