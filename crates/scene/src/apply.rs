@@ -254,7 +254,7 @@ impl Lowerer {
 
     /// A body's derivative: the last of `key`'s derivations, taken of the body `id`.
     fn derive(&mut self, id: BodyId, key: &BodyKey) -> Result<BodyOutcome, Fault> {
-        let BodyOutcome::Ready { value, reads } = self.applications.body(id).clone() else {
+        let BodyOutcome::Ready { value, .. } = self.applications.body(id).clone() else {
             return Ok(self.applications.body(id).clone());
         };
         let position = match key.derivations.last() {
@@ -283,8 +283,8 @@ impl Lowerer {
             .derivatives(value.components(), Input::Variable(offset as u32))
             .map_err(|_| too_large())?;
         Ok(BodyOutcome::Ready {
+            reads: self.reads.of(&self.graph.inputs(&derivatives)),
             value: like(&value, derivatives),
-            reads,
         })
     }
 

@@ -283,7 +283,7 @@ impl Declarations {
                 [node] => Value::Number(node),
                 _ => Value::Vector(nodes),
             },
-            reads: self.lowerer.reads.declare(declaration.symbol),
+            reads: self.lowerer.reads.declare(declaration.symbol, count),
         })
     }
 

@@ -2,12 +2,14 @@
 //!
 //! What flows in: a param or grid where it is declared, and the reads of an expression's parts. What flows out:
 //! the reads of the whole. They are those of the text: `0k` reads `k`, though its value is the same for every
-//! `k`, so what is drawn how often never hangs on how well an expression is simplified.
+//! `k`, so what is drawn how often never hangs on how well an expression is simplified. Only a derivative reads
+//! what is left once it has been taken: that of `x + k` is 1 and reads nothing.
 //!
 //! Equal sets are one, so ten thousand declarations that read the same few params cost a few sets.
 
 use std::sync::Arc;
 
+use expr::Input;
 use rustc_hash::FxHashMap;
 use syntax::token::SymbolId;
 
@@ -24,6 +26,8 @@ pub(crate) struct Source(pub(crate) u32);
 pub(crate) struct ReadSets {
     /// The symbol of each source, where its name was free.
     sources: Vec<Option<SymbolId>>,
+    /// The set that holds just the source of each uniform.
+    uniforms: Vec<Reads>,
     /// Bit k of a set stands for source k; the last word is not 0.
     sets: Vec<Arc<[u64]>>,
     ids: FxHashMap<Arc<[u64]>, Reads>,
@@ -35,6 +39,7 @@ impl Default for ReadSets {
         let empty: Arc<[u64]> = Arc::new([]);
         Self {
             sources: Vec::new(),
+            uniforms: Vec::new(),
             sets: vec![Arc::clone(&empty)],
             ids: FxHashMap::from_iter([(empty, Reads::default())]),
             unions: FxHashMap::default(),
@@ -43,13 +48,27 @@ impl Default for ReadSets {
 }
 
 impl ReadSets {
-    /// A new param or grid: the set that holds just it.
-    pub(crate) fn declare(&mut self, symbol: Option<SymbolId>) -> Reads {
+    /// A new param or grid of so many components, which are the next uniforms: the set that holds just it.
+    pub(crate) fn declare(&mut self, symbol: Option<SymbolId>, components: usize) -> Reads {
         let source = self.sources.len();
         self.sources.push(symbol);
         let mut bits = vec![0; source / 64 + 1];
         bits[source / 64] = 1 << (source % 64);
-        self.set(bits)
+        let reads = self.set(bits);
+        let uniforms = std::iter::repeat_n(reads, components);
+        self.uniforms.extend(uniforms);
+        reads
+    }
+
+    /// What an expression reads whose inputs are these.
+    pub(crate) fn of(&mut self, inputs: &[Input]) -> Reads {
+        inputs.iter().fold(Reads::default(), |reads, input| {
+            let other = match *input {
+                Input::Uniform(index) => self.uniforms.get(index as usize).copied(),
+                Input::Variable(_) => None,
+            };
+            self.union(reads, other.unwrap_or_default())
+        })
     }
 
     /// What is read by an expression with two parts.
@@ -108,6 +127,7 @@ impl ReadSets {
 
 #[cfg(test)]
 mod tests {
+    use expr::Input;
     use syntax::token::SymbolId;
 
     use super::{ReadSets, Reads};
@@ -116,7 +136,7 @@ mod tests {
     fn unions_hold_the_members_of_both_in_order_and_equal_sets_are_one() {
         let mut sets = ReadSets::default();
         let single: Vec<Reads> = (0..200)
-            .map(|index| sets.declare(Some(SymbolId(1000 + index))))
+            .map(|index| sets.declare(Some(SymbolId(1000 + index)), 2))
             .collect();
         let members = |sets: &ReadSets, reads| -> Vec<u32> {
             sets.sources(reads).map(|source| source.0).collect()
@@ -133,5 +153,9 @@ mod tests {
         assert_eq!(sets.first(b), Some(SymbolId(1002)));
         assert_eq!(sets.first(Reads::default()), None);
         assert_eq!(members(&sets, Reads::default()), [0; 0]);
+        // Two uniforms each.
+        let inputs = [128, 261, 260, 5].map(Input::Uniform);
+        assert_eq!(sets.of(&inputs), b);
+        assert_eq!(sets.of(&[Input::Variable(3)]), Reads::default());
     }
 }

@@ -257,6 +257,8 @@ fn what_is_read_counts_whether_or_not_the_value_changes_with_it() {
         assert_eq!(instances.len(), 3, "{expression}");
     }
     assert_value(source, "f a", &[7.0]);
+    // A derivative is what is left once it has been taken.
+    assert_value("grid k : [0, 1, 3]; function g(x) = x + k;", "g'5", &[1.0]);
     let scene = sound(source).scene.unwrap();
     assert_eq!(
         (scene.objects[0].params.len(), scene.objects[0].grids.len()),
