@@ -1,13 +1,22 @@
 //! Geodesics of a parametrised surface: the first fundamental form, the exponential map, transport.
 //!
 //! ```text
-//! expr::Tape ──surface.rs──▶ jets ──metric.rs──▶ acceleration ──integrate──▶ trace.rs: an end and a status
-//!                                                                      └──▶ map.rs: a picture's pixels
+//! expr::Tape ──surface.rs──▶ jets ──topology.rs──▶ what lies beyond the sides
+//!                             │
+//!                        metric.rs, chart.rs ──▶ acceleration ──integrate──▶ one step
+//!                                                                   │
+//!                    frame.rs (camera) ◀── trace.rs: an end and a status ◀── follow.rs: many steps
+//!                         └──────────▶ map.rs: a picture's pixels
 //! ```
 //!
 //! No GPU, no syntax. Lengths are in the surface's own units, angles in radians, `u`, `v` in the chart's units.
 
+mod chart;
+mod follow;
 pub mod frame;
+mod integrate;
 pub mod map;
+pub mod metric;
 pub mod surface;
+pub mod topology;
 pub mod trace;

@@ -1,4 +1,12 @@
-//! What a geodesic needs to know of a surface.
+//! What a geodesic needs to know of a surface: expressions in, jets out.
+
+use std::cell::RefCell;
+
+use expr::graph::TooLarge;
+use expr::tape::{Registers, Tape};
+use expr::{Graph, Input, NodeId};
+
+use crate::topology::{Apex, Topology};
 
 /// Position and partial derivatives up to order two at a point of the chart, in R³.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,6 +28,75 @@ pub trait Surface: Sync {
     fn domain(&self) -> [[f64; 2]; 2];
     /// What lies beyond each side of the domain.
     fn sides(&self) -> Sides;
+    /// The side's single point, where the side has collapsed to one: `axis` 0 for a side of constant u, 1 for
+    /// constant v; `end` 0 for its minimum, 1 for its maximum.
+    fn apex(&self, axis: usize, end: usize) -> Option<Apex> {
+        let _ = (axis, end);
+        None
+    }
+    /// Lengths typical of the surface.
+    fn scale(&self) -> Scale {
+        Scale::measure(&|uv| self.jet(uv), self.domain())
+    }
+}
+
+/// Lengths typical of a surface: what "small" is compared with. All finite and positive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scale {
+    /// The extent in space of a sample of its points.
+    pub size: f64,
+    /// The median of |σu| and of |σv| over the sample.
+    pub stretch: [f64; 2],
+}
+
+impl Scale {
+    /// Measures on a lattice of interior points; those that are undefined are passed over.
+    pub fn measure(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2]) -> Self {
+        const LATTICE: u32 = 5;
+        let mut positions: Vec<[f64; 3]> = Vec::new();
+        let mut stretches: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
+        for i in 0..LATTICE {
+            for j in 0..LATTICE {
+                // Off the lattice's own symmetry, so that no special line of the surface is favoured.
+                let share = [
+                    (f64::from(i) + 0.43) / f64::from(LATTICE),
+                    (f64::from(j) + 0.61) / f64::from(LATTICE),
+                ];
+                let at = jet(crate::topology::at(domain, share));
+                if at.position.iter().all(|x| x.is_finite()) {
+                    positions.push(at.position);
+                }
+                for (stretch, d) in stretches.iter_mut().zip([at.du, at.dv]) {
+                    let length = crate::metric::norm(d);
+                    if length.is_finite() && length > 0.0 {
+                        stretch.push(length);
+                    }
+                }
+            }
+        }
+        let extent = (0..3).map(|k| {
+            let (low, high) = positions
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
+                    (low.min(p[k]), high.max(p[k]))
+                });
+            high - low
+        });
+        let size = extent.fold(0.0, f64::max);
+        let median = |values: &mut Vec<f64>| {
+            values.sort_unstable_by(f64::total_cmp);
+            values.get(values.len() / 2).copied().unwrap_or(1.0)
+        };
+        let [us, vs] = &mut stretches;
+        Self {
+            size: if size > 0.0 && size.is_finite() {
+                size
+            } else {
+                1.0
+            },
+            stretch: [median(us), median(vs)],
+        }
+    }
 }
 
 /// What lies beyond one side of the domain.
@@ -42,4 +119,128 @@ pub enum Side {
 pub struct Sides {
     pub u: [Side; 2],
     pub v: [Side; 2],
+}
+
+impl Sides {
+    /// The two sides of an axis: 0 for u, 1 for v.
+    pub fn of(&self, axis: usize) -> [Side; 2] {
+        if axis == 0 { self.u } else { self.v }
+    }
+}
+
+/// A surface given by expressions in `Variable(0)` = u and `Variable(1)` = v, with the uniforms' values fixed. All
+/// six vectors of a jet are one tape, so that they share their subexpressions.
+#[derive(Clone, Debug)]
+pub struct ParametricSurface {
+    tape: Tape,
+    inputs: Vec<Source>,
+    domain: [[f64; 2]; 2],
+    topology: Topology,
+    scale: Scale,
+}
+
+/// Where an input of the tape comes from.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    U,
+    V,
+    Fixed(f64),
+}
+
+thread_local! {
+    /// Registers and inputs of the evaluation, one per thread, so that none allocates.
+    static SCRATCH: RefCell<(Registers, Vec<f64>)> = RefCell::default();
+}
+
+impl ParametricSurface {
+    /// Derives the position twice, compiles it, and looks for what lies beyond the sides. A uniform without a
+    /// value is NaN: the surface is undefined then.
+    ///
+    /// # Errors
+    /// [`TooLarge`] where the derivatives do not fit into the graph's limit.
+    pub fn new(
+        graph: &Graph,
+        position: [NodeId; 3],
+        domain: [[f64; 2]; 2],
+        uniforms: &[f64],
+    ) -> Result<Self, TooLarge> {
+        let (mut graph, first) = graph.extract(&position);
+        let du = graph.derivatives(&first, Input::Variable(0))?;
+        let dv = graph.derivatives(&first, Input::Variable(1))?;
+        let duu = graph.derivatives(&du, Input::Variable(0))?;
+        let duv = graph.derivatives(&du, Input::Variable(1))?;
+        let dvv = graph.derivatives(&dv, Input::Variable(1))?;
+        let roots = [first, du, dv, duu, duv, dvv].concat();
+        let tape = Tape::new(&graph, &roots);
+        let inputs = tape
+            .inputs()
+            .iter()
+            .map(|input| match *input {
+                Input::Variable(0) => Source::U,
+                Input::Variable(1) => Source::V,
+                Input::Variable(_) => Source::Fixed(f64::NAN),
+                Input::Uniform(k) => {
+                    Source::Fixed(uniforms.get(k as usize).copied().unwrap_or(f64::NAN))
+                }
+            })
+            .collect();
+        let mut surface = Self {
+            tape,
+            inputs,
+            domain,
+            topology: Topology::default(),
+            scale: Scale {
+                size: 1.0,
+                stretch: [1.0; 2],
+            },
+        };
+        surface.scale = Scale::measure(&|uv| surface.jet(uv), domain);
+        surface.topology = Topology::find(&|uv| surface.jet(uv), domain);
+        Ok(surface)
+    }
+
+    /// What was found beyond the sides.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+}
+
+impl Surface for ParametricSurface {
+    fn jet(&self, uv: [f64; 2]) -> Jet {
+        let mut out = [0.0; 18];
+        SCRATCH.with_borrow_mut(|(registers, values)| {
+            values.clear();
+            values.extend(self.inputs.iter().map(|source| match *source {
+                Source::U => uv[0],
+                Source::V => uv[1],
+                Source::Fixed(value) => value,
+            }));
+            self.tape.eval(registers, values, &mut out);
+        });
+        let vector = |k: usize| [out[3 * k], out[3 * k + 1], out[3 * k + 2]];
+        Jet {
+            position: vector(0),
+            du: vector(1),
+            dv: vector(2),
+            duu: vector(3),
+            duv: vector(4),
+            dvv: vector(5),
+        }
+    }
+
+    fn domain(&self) -> [[f64; 2]; 2] {
+        self.domain
+    }
+
+    fn sides(&self) -> Sides {
+        self.topology.sides
+    }
+
+    fn apex(&self, axis: usize, end: usize) -> Option<Apex> {
+        self.topology.apexes[axis][end]
+    }
+
+    fn scale(&self) -> Scale {
+        self.scale
+    }
 }

@@ -1,0 +1,407 @@
+//! Coordinates in which a geodesic is integrated: (u,v) themselves, or the polar coordinates of an apex undone.
+//!
+//! In: a point and a velocity in chart coordinates. Out: the acceleration there, with what error control needs. Points
+//! beyond a side that wraps are brought back into the domain, so that nothing relies on the formula going on there.
+
+use crate::metric::{combine, cross, gaussian_curvature, minus_components, norm};
+use crate::surface::{Jet, Scale, Side, Sides, Surface};
+use crate::topology::Apex;
+use crate::trace::Status;
+
+/// An apex's chart is entered within this share of the domain's width from the apex, …
+const ENTER: f64 = 0.25;
+/// … left beyond this one, so that a ray does not go back and forth, …
+const LEAVE: f64 = 0.3;
+/// … and never used beyond this one.
+pub(crate) const REACH: f64 = 0.5;
+/// The plain chart is not used nearer than this to an apex that has its own chart.
+pub(crate) const KEEP_OFF: f64 = 0.1;
+/// At a smooth pole, nearer than this share of the chart's radius the chain rule has lost digits and the
+/// acceleration is interpolated: it is a smooth function there.
+const INNER: f64 = 1e-3;
+/// Where a ray stalls, a tangent vector this much shorter than usual, or an angle of this sine between both, is why.
+const THIN: f64 = 1e-3;
+
+/// The coordinates in use.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Chart {
+    /// (u, v).
+    Plain,
+    /// (a, b) = r (cos k(t−t₀), sin k(t−t₀)) about an apex.
+    Apex(ApexChart),
+}
+
+/// The coordinates about an apex; see [`Apex`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ApexChart {
+    /// The axis along which the apex lies at an end of the domain.
+    pub(crate) axis: usize,
+    /// The parameter at the apex.
+    base: f64,
+    /// +1 where the domain lies above `base`, −1 where below.
+    sign: f64,
+    /// The other parameter along the a-axis.
+    reference: f64,
+    /// The domain's width along `axis`.
+    width: f64,
+    pub(crate) apex: Apex,
+}
+
+/// A point with its velocity.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    pub(crate) at: [f64; 2],
+    pub(crate) velocity: [f64; 2],
+}
+
+/// What the integrator needs to know at a point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Local {
+    /// The second derivative of the coordinates.
+    pub(crate) acceleration: [f64; 2],
+    /// The Gaussian curvature.
+    pub(crate) curvature: f64,
+    /// The coordinates' tangent vectors.
+    pub(crate) tangents: [[f64; 3]; 2],
+}
+
+/// A surface with what was found of it.
+pub(crate) struct Atlas<'s, S: Surface + ?Sized> {
+    surface: &'s S,
+    pub(crate) domain: [[f64; 2]; 2],
+    pub(crate) sides: Sides,
+    pub(crate) apexes: [[Option<Apex>; 2]; 2],
+    pub(crate) scale: Scale,
+}
+
+impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
+    pub(crate) fn new(surface: &'s S) -> Self {
+        Self {
+            surface,
+            domain: surface.domain(),
+            sides: surface.sides(),
+            apexes: [0, 1].map(|axis| [0, 1].map(|end| surface.apex(axis, end))),
+            scale: surface.scale(),
+        }
+    }
+
+    pub(crate) fn width(&self, axis: usize) -> f64 {
+        self.domain[axis][1] - self.domain[axis][0]
+    }
+
+    /// Brings a point back through the sides that wrap, and through poles. Gives the signs by which the
+    /// components of a velocity change.
+    pub(crate) fn bring_back(&self, at: &mut [f64; 2]) -> [f64; 2] {
+        let mut signs = [1.0; 2];
+        for axis in 0..2 {
+            let [low, high] = self.domain[axis];
+            let width = high - low;
+            let sides = self.sides.of(axis);
+            // Through a pole: as far beyond it, half a turn on.
+            for (end, beyond) in [low - at[axis], at[axis] - high].into_iter().enumerate() {
+                if sides[end] == Side::Pole && beyond > 0.0 && beyond <= width {
+                    at[axis] = if end == 0 {
+                        low + beyond
+                    } else {
+                        high - beyond
+                    };
+                    at[1 - axis] += 0.5 * self.width(1 - axis);
+                    signs[axis] = -signs[axis];
+                }
+            }
+        }
+        for axis in 0..2 {
+            let [low, high] = self.domain[axis];
+            let side = self.sides.of(axis)[0];
+            let wraps = matches!(side, Side::Wrap | Side::WrapFlip);
+            if !wraps || (low..=high).contains(&at[axis]) {
+                continue;
+            }
+            let turns = ((at[axis] - low) / (high - low)).floor();
+            at[axis] = (at[axis] - turns * (high - low)).clamp(low, high);
+            if side == Side::WrapFlip && turns.rem_euclid(2.0) == 1.0 {
+                let [low, high] = self.domain[1 - axis];
+                at[1 - axis] = low + high - at[1 - axis];
+                signs[1 - axis] = -signs[1 - axis];
+            }
+        }
+        signs
+    }
+
+    /// The jet at a point that may lie beyond sides that wrap, in the coordinates that go on there.
+    fn jet(&self, mut at: [f64; 2]) -> Jet {
+        let [s, t] = self.bring_back(&mut at);
+        let mut jet = self.surface.jet(at);
+        if s < 0.0 {
+            jet.du = jet.du.map(|x| -x);
+        }
+        if t < 0.0 {
+            jet.dv = jet.dv.map(|x| -x);
+        }
+        if s * t < 0.0 {
+            jet.duv = jet.duv.map(|x| -x);
+        }
+        jet
+    }
+
+    /// The position of a point in (u,v).
+    pub(crate) fn position(&self, at: [f64; 2]) -> [f64; 3] {
+        self.jet(at).position
+    }
+
+    /// Why a ray cannot go on at a point of the domain.
+    pub(crate) fn rank_at(&self, at: [f64; 2]) -> Status {
+        let jet = self.jet(at);
+        let vectors = [jet.position, jet.du, jet.dv, jet.duu, jet.duv, jet.dvv];
+        let [su, sv] = [norm(jet.du), norm(jet.dv)];
+        let sine = norm(cross(jet.du, jet.dv)) / (su * sv);
+        let short = su < THIN * self.scale.stretch[0] || sv < THIN * self.scale.stretch[1];
+        if short || sine < THIN {
+            Status::Degenerate
+        } else if vectors.iter().flatten().all(|x| x.is_finite()) {
+            // All is well here, and something is wrong at every distance beyond.
+            Status::Undefined
+        } else if sine.is_nan() {
+            Status::Undefined
+        } else {
+            Status::Degenerate
+        }
+    }
+
+    /// The acceleration of a geodesic, and how many evaluations it took; `None` where anything is undefined.
+    pub(crate) fn local(&self, chart: &Chart, motion: Motion, work: &mut usize) -> Option<Local> {
+        match chart {
+            Chart::Plain => {
+                *work += 1;
+                let jet = self.jet(motion.at);
+                let acceleration = crate::metric::acceleration(&jet, motion.velocity);
+                checked(Local {
+                    acceleration,
+                    curvature: gaussian_curvature(&jet),
+                    tangents: [jet.du, jet.dv],
+                })
+            }
+            Chart::Apex(chart) => {
+                let inner = INNER * chart.radius();
+                let r = motion.at[0].hypot(motion.at[1]);
+                if chart.apex.smooth && r < inner {
+                    return self.inner(chart, motion, r, inner, work);
+                }
+                *work += 1;
+                self.about_apex(chart, motion)
+            }
+        }
+    }
+
+    /// Near a smooth pole: the acceleration from four points along a line, to fourth order in their distance.
+    fn inner(
+        &self,
+        chart: &ApexChart,
+        motion: Motion,
+        r: f64,
+        inner: f64,
+        work: &mut usize,
+    ) -> Option<Local> {
+        let along = if r > 0.0 {
+            motion.at.map(|x| x / r)
+        } else {
+            [1.0, 0.0]
+        };
+        *work += 4;
+        let sample = |offset: f64| {
+            let at = [0, 1].map(|k| motion.at[k] + offset * along[k]);
+            self.about_apex(chart, Motion { at, ..motion })
+        };
+        let step = 2.0 * inner;
+        let near = [sample(step)?, sample(-step)?];
+        let far = [sample(2.0 * step)?, sample(-2.0 * step)?];
+        let acceleration = [0, 1].map(|k| {
+            (4.0 * (near[0].acceleration[k] + near[1].acceleration[k])
+                - far[0].acceleration[k]
+                - far[1].acceleration[k])
+                / 6.0
+        });
+        checked(Local {
+            acceleration,
+            ..near[0]
+        })
+    }
+
+    /// By the chain rule from the jet in (u,v).
+    fn about_apex(&self, chart: &ApexChart, motion: Motion) -> Option<Local> {
+        let [a, b] = motion.at;
+        let tiny = 1e-14 * chart.radius();
+        let (r, cos, sin) = match a.hypot(b) {
+            r if r > tiny => (r, a / r, b / r),
+            _ => (tiny, 1.0, 0.0),
+        };
+        let at = chart.plain_point([r * cos, r * sin]);
+        let jet = self.jet(at);
+        let (power, rate) = (chart.apex.power, chart.apex.rate);
+        // The radial parameter is base + sign r^power: its derivatives by r.
+        let first = chart.sign * power * r.powf(power - 1.0);
+        let second = first * (power - 1.0) / r;
+        let (dw, dww, dt, dtt) = if chart.axis == 0 {
+            (jet.du, jet.duu, jet.dv, jet.dvv)
+        } else {
+            (jet.dv, jet.dvv, jet.du, jet.duu)
+        };
+        let by_r = dw.map(|x| x * first);
+        let by_rr = combine(first * first, dww, second, dw);
+        let by_angle = dt.map(|x| x / rate);
+        let by_angle_angle = dtt.map(|x| x / (rate * rate));
+        let by_r_angle = jet.duv.map(|x| x * first / rate);
+        let tangents = [
+            combine(cos, by_r, -sin / r, by_angle),
+            combine(sin, by_r, cos / r, by_angle),
+        ];
+        // The second derivative along the straight line in (a, b) with this velocity.
+        let [x, y] = motion.velocity;
+        let radial = cos * x + sin * y;
+        let turning = (cos * y - sin * x) / r;
+        let mut along = combine(radial * radial, by_rr, 2.0 * radial * turning, by_r_angle);
+        along = combine(1.0, along, turning * turning, by_angle_angle);
+        along = combine(1.0, along, r * turning * turning, by_r);
+        along = combine(1.0, along, -2.0 * radial * turning / r, by_angle);
+        checked(Local {
+            acceleration: minus_components(tangents[0], tangents[1], along),
+            curvature: gaussian_curvature(&jet),
+            tangents,
+        })
+    }
+
+    /// The chart that suits a point in (u,v): that of an apex near by, else the plain one.
+    pub(crate) fn chart_for(&self, at: [f64; 2]) -> Chart {
+        for axis in 0..2 {
+            for end in 0..2 {
+                let Some(apex) = self.apexes[axis][end].filter(|apex| apex.regular) else {
+                    continue;
+                };
+                let chart = ApexChart {
+                    axis,
+                    base: self.domain[axis][end],
+                    sign: if end == 0 { 1.0 } else { -1.0 },
+                    reference: at[1 - axis],
+                    width: self.width(axis),
+                    apex,
+                };
+                let distance = chart.sign * (at[axis] - chart.base);
+                if (0.0..=ENTER * chart.width).contains(&distance) {
+                    return Chart::Apex(chart);
+                }
+            }
+        }
+        Chart::Plain
+    }
+
+    /// Whether a point in (u,v) is too near an apex for the plain chart.
+    pub(crate) fn needs_apex_chart(&self, at: [f64; 2]) -> bool {
+        (0..2).any(|axis| {
+            (0..2).any(|end| {
+                let distance =
+                    (at[axis] - self.domain[axis][end]) * if end == 0 { 1.0 } else { -1.0 };
+                self.apexes[axis][end].is_some_and(|apex| apex.regular)
+                    && distance < KEEP_OFF * self.width(axis)
+            })
+        })
+    }
+}
+
+/// `None` unless all numbers are finite.
+fn checked(local: Local) -> Option<Local> {
+    let finite = local.acceleration.iter().all(|x| x.is_finite())
+        && local.tangents.iter().flatten().all(|x| x.is_finite());
+    finite.then_some(Local {
+        // It serves the error estimate only.
+        curvature: if local.curvature.is_finite() {
+            local.curvature
+        } else {
+            0.0
+        },
+        ..local
+    })
+}
+
+impl ApexChart {
+    /// The chart's radius at the far end of the domain.
+    pub(crate) fn radius(&self) -> f64 {
+        self.width.powf(1.0 / self.apex.power)
+    }
+
+    /// A point's distance from the apex, as a share of the domain's width.
+    pub(crate) fn share(&self, at: [f64; 2]) -> f64 {
+        at[0].hypot(at[1]).powf(self.apex.power) / self.width
+    }
+
+    /// Whether a point is far enough off to leave the chart.
+    pub(crate) fn is_left_at(&self, at: [f64; 2]) -> bool {
+        self.share(at) > LEAVE
+    }
+
+    /// The point in (u,v), perhaps beyond sides that wrap.
+    pub(crate) fn plain_point(&self, [a, b]: [f64; 2]) -> [f64; 2] {
+        let w = self.base + self.sign * a.hypot(b).powf(self.apex.power);
+        let t = self.reference + b.atan2(a) / self.apex.rate;
+        if self.axis == 0 { [w, t] } else { [t, w] }
+    }
+
+    /// From (u,v) into this chart, whose reference is the point's other parameter: it lies on the a-axis.
+    pub(crate) fn enter(&self, motion: Motion) -> Motion {
+        let root = 1.0 / self.apex.power;
+        let rho = (self.sign * (motion.at[self.axis] - self.base)).max(0.0);
+        let r = rho.powf(root);
+        let radial = self.sign * motion.velocity[self.axis];
+        let radial = if root == 1.0 {
+            radial
+        } else {
+            radial * root * rho.powf(root - 1.0)
+        };
+        Motion {
+            at: [r, 0.0],
+            velocity: [radial, r * self.apex.rate * motion.velocity[1 - self.axis]],
+        }
+    }
+
+    /// Back to (u,v), perhaps beyond sides that wrap. At the apex itself the angle stands still.
+    pub(crate) fn leave(&self, motion: Motion) -> Motion {
+        let [a, b] = motion.at;
+        let [x, y] = motion.velocity;
+        let r = a.hypot(b);
+        let (cos, sin) = if r > 0.0 { (a / r, b / r) } else { (1.0, 0.0) };
+        let power = self.apex.power;
+        let radial = self.sign * power * r.powf(power - 1.0) * (cos * x + sin * y);
+        let turning = if r > 0.0 {
+            (cos * y - sin * x) / r / self.apex.rate
+        } else {
+            0.0
+        };
+        Motion {
+            at: self.plain_point(motion.at),
+            velocity: if self.axis == 0 {
+                [radial, turning]
+            } else {
+                [turning, radial]
+            },
+        }
+    }
+
+    /// Turns the chart so that the point lies on the a-axis: along a ray the angle may go on growing. Gives the
+    /// rotation as (cos, sin), for what else is expressed in the chart.
+    pub(crate) fn turn_to(&mut self, motion: &mut Motion) -> [f64; 2] {
+        let [a, b] = motion.at;
+        let r = a.hypot(b);
+        if r == 0.0 {
+            return [1.0, 0.0];
+        }
+        let rotation = [a / r, b / r];
+        self.reference += b.atan2(a) / self.apex.rate;
+        motion.at = [r, 0.0];
+        motion.velocity = rotated(rotation, motion.velocity);
+        rotation
+    }
+}
+
+/// A vector turned back by the rotation.
+pub(crate) fn rotated([cos, sin]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
+    [cos * x + sin * y, cos * y - sin * x]
+}

@@ -1,0 +1,118 @@
+//! One step of an explicit Runge–Kutta pair along a geodesic: state and step length in, state and error out.
+//!
+//! Beside the geodesic the step carries two Jacobi fields y'' = −K y, the fundamental solution over this step: how
+//! an error sideways, or one in direction, at its start becomes an error at its end. They cost no evaluation.
+
+mod tableau;
+
+pub(crate) use tableau::{DOP853, DOPRI5, RK4, Tableau};
+
+use crate::chart::{Atlas, Chart, Local, Motion};
+use crate::metric::{combine, norm};
+use crate::surface::Surface;
+
+/// Point, velocity, and the fields (m, m'), (n, n') with m(0) = 0, m'(0) = 1, n(0) = 1, n'(0) = 0.
+type State = [f64; 8];
+
+const MOST_STAGES: usize = 13;
+
+/// What a step gives.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Step {
+    /// Where it ends, in the same chart.
+    pub(crate) end: Motion,
+    /// The estimated error of the point, in the surface's units.
+    pub(crate) position_error: f64,
+    /// The estimated error of the unit velocity.
+    pub(crate) direction_error: f64,
+    /// [[n, m], [n', m']] over the step.
+    pub(crate) propagator: [[f64; 2]; 2],
+    /// The local data at the end, where the pair evaluated them.
+    pub(crate) end_local: Option<Local>,
+}
+
+/// Takes one step of length `h` from a point with its local data. `None` where a stage is undefined.
+pub(crate) fn step<S: Surface + ?Sized>(
+    atlas: &Atlas<'_, S>,
+    chart: &Chart,
+    tableau: &Tableau,
+    start: Motion,
+    local: &Local,
+    h: f64,
+    work: &mut usize,
+) -> Option<Step> {
+    let state: State = [
+        start.at[0],
+        start.at[1],
+        start.velocity[0],
+        start.velocity[1],
+        0.0,
+        1.0,
+        1.0,
+        0.0,
+    ];
+    let mut stages = [[0.0; 8]; MOST_STAGES];
+    stages[0] = derivative(&state, local);
+    let mut count = 1;
+    for row in tableau.stages {
+        let at = advance(&state, h, row, &stages);
+        let local = atlas.local(chart, motion(&at), work)?;
+        stages[count] = derivative(&at, &local);
+        count += 1;
+    }
+    let end = advance(&state, h, tableau.weights, &stages);
+    if !end.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let mut end_local = None;
+    if tableau.error.len() > count {
+        let local = atlas.local(chart, motion(&end), work)?;
+        stages[count] = derivative(&end, &local);
+        end_local = Some(local);
+    }
+    let error = advance(&[0.0; 8], h, tableau.error, &stages);
+    let low = advance(&[0.0; 8], h, tableau.low_error, &stages);
+    let length = |x: f64, y: f64| norm(combine(x, local.tangents[0], y, local.tangents[1]));
+    // The two estimates of DOP853 as its authors combine them, in the metric.
+    let tempered = |high: f64, low: f64| {
+        let root = (high * high + 0.01 * low * low).sqrt();
+        if low > 0.0 && root > 0.0 {
+            high * (high / root)
+        } else {
+            high
+        }
+    };
+    Some(Step {
+        end: motion(&end),
+        position_error: tempered(length(error[0], error[1]), length(low[0], low[1])),
+        direction_error: tempered(length(error[2], error[3]), length(low[2], low[3])),
+        propagator: [[end[6], end[4]], [end[7], end[5]]],
+        end_local,
+    })
+}
+
+fn motion(state: &State) -> Motion {
+    Motion {
+        at: [state[0], state[1]],
+        velocity: [state[2], state[3]],
+    }
+}
+
+fn derivative(state: &State, local: &Local) -> State {
+    let [_, _, x, y, m, m1, n, n1] = *state;
+    let [a, b] = local.acceleration;
+    let k = local.curvature;
+    [x, y, a, b, m1, -k * m, n1, -k * n]
+}
+
+fn advance(state: &State, h: f64, weights: &[f64], stages: &[State; MOST_STAGES]) -> State {
+    let mut sum = [0.0; 8];
+    for (&weight, stage) in weights.iter().zip(stages) {
+        if weight != 0.0 {
+            for (sum, &slope) in sum.iter_mut().zip(stage) {
+                *sum += weight * slope;
+            }
+        }
+    }
+    std::array::from_fn(|k| state[k] + h * sum[k])
+}

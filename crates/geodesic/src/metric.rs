@@ -1,0 +1,128 @@
+//! The first fundamental form at a point: jets in; lengths, angles, accelerations and curvature out.
+
+use crate::surface::Jet;
+
+/// The dot product.
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The cross product.
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// The length, without overflow or underflow where the result is in range.
+pub(crate) fn norm(a: [f64; 3]) -> f64 {
+    let largest = a.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    if !(largest > 1e-140 && largest < 1e140) {
+        if largest == 0.0 || !largest.is_finite() {
+            return a.iter().map(|x| x.abs()).sum();
+        }
+        let b = a.map(|x| x / largest);
+        return largest * dot(b, b).sqrt();
+    }
+    dot(a, a).sqrt()
+}
+
+/// `s·a + t·b`.
+pub(crate) fn combine(s: f64, a: [f64; 3], t: f64, b: [f64; 3]) -> [f64; 3] {
+    [
+        s * a[0] + t * b[0],
+        s * a[1] + t * b[1],
+        s * a[2] + t * b[2],
+    ]
+}
+
+/// The first fundamental form E du² + 2F du dv + G dv² with its area element R = |σu×σv|, which keeps the digits
+/// that √(EG−F²) loses in a sheared chart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct Metric {
+    pub e: f64,
+    pub f: f64,
+    pub g: f64,
+    pub r: f64,
+}
+
+impl Metric {
+    /// The metric at a jet's point.
+    pub fn of(jet: &Jet) -> Self {
+        Self {
+            e: dot(jet.du, jet.du),
+            f: dot(jet.du, jet.dv),
+            g: dot(jet.dv, jet.dv),
+            r: norm(cross(jet.du, jet.dv)),
+        }
+    }
+
+    /// The inner product of two tangent vectors in (u,v) components.
+    pub fn inner(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        self.e * a[0] * b[0] + self.f * (a[0] * b[1] + a[1] * b[0]) + self.g * a[1] * b[1]
+    }
+
+    /// A tangent vector turned by `angle` from σu towards σv (DESIGN: first fundamental form; thesis 2.2.2):
+    /// (a cos θ − (aF+bG)/R sin θ, (aE+bF)/R sin θ + b cos θ).
+    pub fn turn(&self, [a, b]: [f64; 2], angle: f64) -> [f64; 2] {
+        let (sin, cos) = angle.sin_cos();
+        [
+            a * cos - (a * self.f + b * self.g) / self.r * sin,
+            (a * self.e + b * self.f) / self.r * sin + b * cos,
+        ]
+    }
+
+    /// A tangent vector turned by +90°.
+    pub fn turn_left(&self, [a, b]: [f64; 2]) -> [f64; 2] {
+        [
+            -(a * self.f + b * self.g) / self.r,
+            (a * self.e + b * self.f) / self.r,
+        ]
+    }
+}
+
+/// The length of a tangent vector in (u,v) components, from the vectors themselves: no cancellation in a
+/// sheared chart.
+pub fn speed(jet: &Jet, velocity: [f64; 2]) -> f64 {
+    norm(combine(velocity[0], jet.du, velocity[1], jet.dv))
+}
+
+/// The second derivative (u'', v'') of the geodesic with this velocity: the tangential part of
+/// A = σuu u'² + 2σuv u'v' + σvv v'² taken away, `[E F; F G](u'',v'') = −(σu·A, σv·A)` (thesis, system 2.2).
+pub fn acceleration(jet: &Jet, velocity: [f64; 2]) -> [f64; 2] {
+    let [a, b] = velocity;
+    let mut second = combine(a * a, jet.duu, 2.0 * a * b, jet.duv);
+    second = combine(1.0, second, b * b, jet.dvv);
+    minus_components(jet.du, jet.dv, second)
+}
+
+/// Minus the components of `w`'s tangential part along the two vectors, by orthogonalisation: the normal
+/// equations would square the condition of a sheared chart.
+pub(crate) fn minus_components(du: [f64; 3], dv: [f64; 3], w: [f64; 3]) -> [f64; 2] {
+    let e = dot(du, du);
+    let shear = dot(du, dv) / e;
+    let across = combine(1.0, dv, -shear, du);
+    let second = -dot(across, w) / dot(across, across);
+    [-dot(du, w) / e - shear * second, second]
+}
+
+/// The Gaussian curvature (LN − M²)/(EG − F²), with L = σuu·n and so on.
+pub fn gaussian_curvature(jet: &Jet) -> f64 {
+    let normal = cross(jet.du, jet.dv);
+    let square = dot(normal, normal);
+    let (l, m, n) = (
+        dot(jet.duu, normal),
+        dot(jet.duv, normal),
+        dot(jet.dvv, normal),
+    );
+    (l / square) * (n / square) - (m / square) * (m / square)
+}
+
+/// The Christoffel symbols of the second kind: `[k][0]` = Γᵏ_uu, `[k][1]` = Γᵏ_uv, `[k][2]` = Γᵏ_vv.
+pub fn christoffel(jet: &Jet) -> [[f64; 3]; 2] {
+    let columns = [jet.duu, jet.duv, jet.dvv].map(|w| minus_components(jet.du, jet.dv, w));
+    [0, 1].map(|k| [-columns[0][k], -columns[1][k], -columns[2][k]])
+}

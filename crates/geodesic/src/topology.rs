@@ -1,0 +1,183 @@
+//! What lies beyond the sides of a domain, found numerically: samples of a surface in, [`Topology`] out.
+//!
+//! A pair of opposite sides that are the same curve wraps, with a flip where one runs backwards. A side that is one
+//! point, while the other parameter wraps, is the tip of a cone with some total angle; with the angle 2π it is a
+//! smooth pole. Tolerances are relative to the surface's size.
+
+use std::f64::consts::TAU;
+
+use crate::metric::{combine, cross, dot, norm};
+use crate::surface::{Jet, Scale, Side, Sides};
+
+/// A side that has collapsed to one point, seen as the tip of a cone. With ρ the parameter's distance to the side and
+/// t the other parameter, (a, b) = r (cos kt, sin kt), r = ρ^(1/power), are coordinates in which the metric stays
+/// regular at the tip: of a smooth pole the polar coordinates undone, of a cone the cone unrolled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Apex {
+    /// k: the tip's angle per unit of the other parameter.
+    pub rate: f64,
+    /// 1 where distance is proportional to ρ near the tip, 2 where it is to √ρ, ½ where it is to ρ².
+    pub power: f64,
+    /// Whether the total angle is 2π: a smooth point, which rays pass.
+    pub smooth: bool,
+    /// Whether the coordinates are of use: the angle grows evenly with t (or the tip is smooth).
+    pub regular: bool,
+}
+
+/// What lies beyond all four sides.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Topology {
+    /// What a ray meets at each side; a cone point is an edge here.
+    pub sides: Sides,
+    /// `[axis][end]`: the collapsed sides, poles among them.
+    pub apexes: [[Option<Apex>; 2]; 2],
+}
+
+/// How far apart two points may lie to be one, relative to the surface's size.
+const SAME_POINT: f64 = 1e-8;
+/// Where the sides are compared, as shares of the other axis: off every symmetry, in pairs (s, 1−s).
+const PLACES: [f64; 8] = [0.07, 0.21, 0.34, 0.46, 0.54, 0.66, 0.79, 0.93];
+/// How far the total angle of a tip may be off 2π to be a smooth pole.
+const FULL_TURN: f64 = 1e-4;
+
+impl Topology {
+    /// Looks at the sides of a domain. Sides that are mostly undefined are edges.
+    pub fn find(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2]) -> Self {
+        let size = Scale::measure(jet, domain).size;
+        let mut topology = Self::default();
+        let collapsed = [0, 1].map(|axis| [0, 1].map(|end| is_point(jet, domain, axis, end, size)));
+        let mut pairs = [Side::Edge; 2];
+        for axis in 0..2 {
+            if !collapsed[axis][0] && !collapsed[axis][1] {
+                pairs[axis] = seam(jet, domain, axis, size);
+            }
+        }
+        for axis in 0..2 {
+            let mut sides = [pairs[axis]; 2];
+            for end in 0..2 {
+                if collapsed[axis][end] && pairs[1 - axis] == Side::Wrap {
+                    let apex = apex(jet, domain, axis, end);
+                    topology.apexes[axis][end] = Some(apex);
+                    if apex.smooth {
+                        sides[end] = Side::Pole;
+                    }
+                }
+            }
+            if axis == 0 {
+                topology.sides.u = sides;
+            } else {
+                topology.sides.v = sides;
+            }
+        }
+        topology
+    }
+}
+
+/// The point of the domain at these shares of its widths.
+pub(crate) fn at(domain: [[f64; 2]; 2], share: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|k| {
+        let [low, high] = domain[k];
+        // The ends come out exactly.
+        if share[k] == 1.0 {
+            high
+        } else {
+            low + share[k] * (high - low)
+        }
+    })
+}
+
+fn place(axis: usize, along: f64, across: f64) -> [f64; 2] {
+    if axis == 0 {
+        [along, across]
+    } else {
+        [across, along]
+    }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    norm(combine(1.0, a, -1.0, b))
+}
+
+/// Whether the side is one point.
+fn is_point(
+    jet: &dyn Fn([f64; 2]) -> Jet,
+    domain: [[f64; 2]; 2],
+    axis: usize,
+    end: usize,
+    size: f64,
+) -> bool {
+    let points: Vec<[f64; 3]> = PLACES
+        .iter()
+        .map(|&across| jet(at(domain, place(axis, end as f64, across))).position)
+        .filter(|p| p.iter().all(|x| x.is_finite()))
+        .collect();
+    points.len() > PLACES.len() / 2
+        && points
+            .iter()
+            .all(|&p| distance(p, points[0]) <= SAME_POINT * size)
+}
+
+/// How the two sides of an axis are joined.
+fn seam(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2], axis: usize, size: f64) -> Side {
+    let point = |along: f64, across: f64| jet(at(domain, place(axis, along, across))).position;
+    let joined = |other: &dyn Fn(f64) -> f64| {
+        let mut compared = 0;
+        for across in PLACES {
+            let gap = distance(point(0.0, across), point(1.0, other(across)));
+            if gap.is_finite() {
+                if gap > SAME_POINT * size {
+                    return false;
+                }
+                compared += 1;
+            }
+        }
+        compared > PLACES.len() / 2
+    };
+    if joined(&|across| across) {
+        Side::Wrap
+    } else if joined(&|across| 1.0 - across) {
+        Side::WrapFlip
+    } else {
+        Side::Edge
+    }
+}
+
+/// The tip's shape, from the directions in which the surface leaves it.
+fn apex(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2], axis: usize, end: usize) -> Apex {
+    const SAMPLES: u32 = 64;
+    const NEAR: f64 = 1e-6;
+    const FARTHER: f64 = 1e-4;
+    let share = |offset: f64| if end == 0 { offset } else { 1.0 - offset };
+    let radial = |jet: &Jet| if axis == 0 { jet.du } else { jet.dv };
+    let [low, high] = domain[1 - axis];
+    let period = high - low;
+    let mut total = 0.0;
+    let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
+    let mut slope = 0.0;
+    for n in 0..SAMPLES {
+        let across = (f64::from(n) + 0.5) / f64::from(SAMPLES);
+        let near = jet(at(domain, place(axis, share(NEAR), across)));
+        let direction = radial(&near);
+        // The angle's rate |w × w_t|/|w|², for w the direction and t the other parameter.
+        let rate = norm(cross(direction, near.duv)) / dot(direction, direction);
+        total += rate * period / f64::from(SAMPLES);
+        least = least.min(rate);
+        most = most.max(rate);
+        let farther = jet(at(domain, place(axis, share(FARTHER), across)));
+        slope += (norm(radial(&farther)) / norm(direction)).ln()
+            / (FARTHER / NEAR).ln()
+            / f64::from(SAMPLES);
+    }
+    // Distance grows like ρ^(1 + slope).
+    let power = [1.0, 2.0, 0.5]
+        .into_iter()
+        .find(|power| (1.0 / power - 1.0 - slope).abs() < 0.02);
+    let even = most - least <= 1e-3 * most;
+    let smooth = power.is_some() && (total - TAU).abs() <= FULL_TURN;
+    Apex {
+        rate: if smooth { TAU / period } else { total / period },
+        power: power.unwrap_or(1.0),
+        smooth,
+        regular: smooth || (power.is_some() && even && total > 1e-3),
+    }
+}
