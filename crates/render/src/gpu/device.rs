@@ -256,7 +256,8 @@ impl Gpu {
             let _ = send.send(result);
         });
         self.wait()?;
-        match receive.try_recv() {
+        // Another thread's wait may have seen the end of this work and be about to send the answer.
+        match receive.recv_timeout(std::time::Duration::from_secs(60)) {
             Ok(Ok(())) => {}
             Ok(Err(error)) => return Err(lost(error.to_string())),
             Err(_) => return Err(lost("no answer".to_owned())),
