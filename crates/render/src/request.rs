@@ -121,6 +121,11 @@ pub enum RenderError {
         /// `[[u min, u max], [v min, v max]]`.
         domain: [[f64; 2]; 2],
     },
+    /// The surface's derivatives, which its geodesics need, are larger than the limit for expressions.
+    TooLarge {
+        /// The surface's name.
+        name: String,
+    },
     /// A number of the camera is not finite, a zoom is not positive, or eye and target coincide; the sentence
     /// says which.
     Camera(String),
@@ -260,6 +265,10 @@ impl fmt::Display for RenderError {
             } => write!(
                 f,
                 "({u}, {v}) is outside the domain of `{name}`, which is [{u0}, {u1}] by [{v0}, {v1}]"
+            ),
+            Self::TooLarge { name } => write!(
+                f,
+                "the derivatives of `{name}` are too large, and its geodesics need them"
             ),
             Self::Camera(sentence) => write!(f, "{sentence}"),
             Self::Size([width, height]) => {

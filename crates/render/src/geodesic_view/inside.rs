@@ -1,19 +1,18 @@
-//! Where the being inside the surface stands: the geodesic view's camera, from what was asked for.
+//! Where the being inside the surface stands, and what it sees in f64: the geodesic view's camera and map.
 
-use std::cell::RefCell;
-
-use expr::tape::{Registers, Tape};
-use expr::{Input, NodeId};
 use geodesic::frame::Frame;
-use geodesic::map::Map;
-use geodesic::surface::{Jet, Sides, Surface};
-use geodesic::trace::Status;
+use geodesic::map::{Map, MapOptions, Row, map_row};
+use geodesic::surface::{ParametricSurface, Sides, Surface};
+use geodesic::topology::Apex;
+use geodesic::trace::{self, TraceError};
 use glam::DVec3;
-use scene::scene::{Sampling, Scene, Shape};
+use rayon::prelude::*;
+use scene::scene::{Scene, Shape};
 use scene::values::Settings;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::request::{Method, RenderError, Request, View};
-use crate::sample::surface_roots;
+use crate::sample::DEGENERATE;
 
 /// Where the camera first looks for a place, as shares of the domain: its middle, then others off every symmetry.
 const PLACES: [[f64; 2]; 7] = [
@@ -27,10 +26,13 @@ const PLACES: [[f64; 2]; 7] = [
 ];
 /// The first zoom, as a share of the shorter of the two coordinate lines through the camera.
 const FIRST_ZOOM: f64 = 0.55;
+/// Steps of [`Method::Rk4Pixel`] for each pixel.
+pub const RK4_STEPS: u32 = 128;
 
 /// A surface with a camera on it.
+#[derive(Clone, Debug)]
 pub struct Inside {
-    surface: TapeSurface,
+    surface: ParametricSurface,
     /// The camera: a place and two tangent vectors X ⟂ Y of the length [`Inside::zoom`].
     pub frame: Frame,
     /// The distance on the surface from the picture's centre to the middle of its shorter side's edge.
@@ -43,10 +45,12 @@ pub struct Inside {
 }
 
 impl Inside {
-    /// The camera of a geodesic view; of a surface that depends on grids, the first instance is taken.
+    /// The camera of a geodesic view; of a surface that depends on grids, the first instance is taken. A place
+    /// beyond a side that wraps is brought back into the domain.
     ///
     /// # Errors
-    /// [`RenderError::NoSurface`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`].
+    /// [`RenderError::NoSurface`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`],
+    /// [`RenderError::TooLarge`].
     pub fn new(scene: &Scene, settings: &Settings, request: &Request) -> Result<Self, RenderError> {
         let View::Geodesic {
             surface,
@@ -62,48 +66,36 @@ impl Inside {
             .objects
             .get(surface.0 as usize)
             .ok_or(RenderError::NoSurface { name: None })?;
+        let name = || object.name.clone();
         let Shape::Surface {
             position, domain, ..
         } = &object.shape
         else {
-            return Err(RenderError::NoSurface {
-                name: Some(object.name.clone()),
-            });
+            return Err(RenderError::NoSurface { name: Some(name()) });
         };
+        let domain = domain
+            .each_ref()
+            .map(|axis| [axis.range.min, axis.range.max]);
         let uniforms = settings.first_instance(scene, object);
-        let surface = TapeSurface::new(scene, position, domain, &uniforms);
-        let bounds = surface.domain();
-        let undefined = |at| RenderError::UndefinedCamera {
-            name: object.name.clone(),
-            at,
-        };
-        let at = match at {
-            Some(at) => {
-                if (0..2).any(|k| at[k] < bounds[k][0] || at[k] > bounds[k][1]) {
-                    return Err(RenderError::CameraOutside {
-                        name: object.name.clone(),
-                        at,
-                        domain: bounds,
-                    });
-                }
-                at
-            }
-            None => {
-                let places = PLACES.map(|share| {
-                    std::array::from_fn(|k| bounds[k][0] + share[k] * (bounds[k][1] - bounds[k][0]))
-                });
-                let found = places
-                    .into_iter()
-                    .find(|&at| tangents(&surface, at).is_some());
-                found.ok_or_else(|| undefined(places[0]))?
-            }
-        };
-        let tangents = tangents(&surface, at).ok_or_else(|| undefined(at))?;
-        let zoom = zoom.unwrap_or_else(|| first_zoom(&surface, at));
-        let frame = frame(at, tangents, angle, zoom);
+        let surface = ParametricSurface::new(&scene.graph, *position, domain, &uniforms)
+            .map_err(|_| RenderError::TooLarge { name: name() })?;
+        let at = at.unwrap_or_else(|| first_place(&surface));
+        // The length does not matter yet: the first zoom is measured from where the frame turns out to stand.
+        let unit = Frame::new(&surface, at, angle, 1.0).map_err(|error| match error {
+            TraceError::OutsideDomain { at, domain } => RenderError::CameraOutside {
+                name: name(),
+                at,
+                domain,
+            },
+            _ => RenderError::UndefinedCamera { name: name(), at },
+        })?;
+        if !has_tangent_plane(&surface, unit.uv) {
+            return Err(RenderError::UndefinedCamera { name: name(), at });
+        }
+        let zoom = zoom.unwrap_or_else(|| first_zoom(&surface, unit.uv));
         Ok(Self {
+            frame: unit.zoomed(zoom),
             surface,
-            frame,
             zoom,
             uniforms,
             method,
@@ -121,52 +113,63 @@ impl Inside {
         self.surface.sides()
     }
 
+    /// The sides that are one point: `[axis][end]`.
+    pub fn apexes(&self) -> [[Option<Apex>; 2]; 2] {
+        self.surface.topology().apexes
+    }
+
     /// The ends of all pixels' geodesics, in f64 on all cores. `progress` is told the share that is done.
     pub fn map(&self, progress: &(dyn Fn(f32) + Sync)) -> Map {
-        progress(1.0);
-        let pixels = self.size[0] as usize * self.size[1] as usize;
-        let uv = vec![self.frame.uv.map(|x| x as f32); pixels];
-        Map {
-            size: self.size,
-            uv,
-            status: vec![Status::Complete; pixels],
-        }
+        let method = match self.method {
+            Method::Auto | Method::Adaptive => trace::Method::Adaptive,
+            Method::Rk4Pixel => trace::Method::Rk4 { steps: RK4_STEPS },
+        };
+        let options = MapOptions {
+            method,
+            ..MapOptions::default()
+        };
+        let height = self.size[1];
+        let done = AtomicU32::new(0);
+        let row = |row: u32| {
+            let row = map_row(&self.surface, &self.frame, self.size, row, &options);
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(done as f32 / height as f32);
+            row
+        };
+        let rows: Vec<Row> = (0..height).into_par_iter().map(row).collect();
+        Map::from_rows(self.size, rows)
     }
 }
 
-/// σu and σv where they span a plane.
-fn tangents(surface: &TapeSurface, at: [f64; 2]) -> Option<[DVec3; 2]> {
+/// A place with a tangent plane, the domain's middle if that has one.
+fn first_place(surface: &ParametricSurface) -> [f64; 2] {
+    let domain = surface.domain();
+    let places = PLACES.map(|share| {
+        std::array::from_fn(|k| domain[k][0] + share[k] * (domain[k][1] - domain[k][0]))
+    });
+    let found = places
+        .into_iter()
+        .find(|&at| has_tangent_plane(surface, at));
+    found.unwrap_or(places[0])
+}
+
+/// Whether σ is defined and σu, σv span a plane, each taken times its domain's width.
+fn has_tangent_plane(surface: &ParametricSurface, at: [f64; 2]) -> bool {
     let jet = surface.jet(at);
-    let [du, dv] = [jet.du, jet.dv].map(DVec3::from);
     let widths = surface.domain().map(|[low, high]| high - low);
-    let (a, b) = (du * widths[0], dv * widths[1]);
+    let (a, b) = (
+        DVec3::from(jet.du) * widths[0],
+        DVec3::from(jet.dv) * widths[1],
+    );
     let longest = a.abs().max_element().max(b.abs().max_element());
     if !(longest > 0.0 && longest.is_finite() && DVec3::from(jet.position).is_finite()) {
-        return None;
+        return false;
     }
-    let area = (a / longest).cross(b / longest).length();
-    (area > crate::sample::DEGENERATE).then_some([du, dv])
-}
-
-/// X at `angle` from σu towards σv and Y = X turned by 90°, both as long as `zoom`, in (u, v) components.
-fn frame(uv: [f64; 2], [du, dv]: [DVec3; 2], angle: f64, zoom: f64) -> Frame {
-    let (e, f) = (du.dot(du), du.dot(dv));
-    let area = du.cross(dv).length();
-    // Unit vectors along σu and across it: σu/√E, and (−F σu + E σv)/(√E R).
-    let along = [1.0 / e.sqrt(), 0.0];
-    let across = [-f / (e.sqrt() * area), e.sqrt() / area];
-    let (sin, cos) = angle.sin_cos();
-    let turned =
-        |cos: f64, sin: f64| std::array::from_fn(|k| zoom * (cos * along[k] + sin * across[k]));
-    Frame {
-        uv,
-        x: turned(cos, sin),
-        y: turned(-sin, cos),
-    }
+    (a / longest).cross(b / longest).length() > DEGENERATE
 }
 
 /// A zoom that shows a good part of the surface.
-fn first_zoom(surface: &TapeSurface, at: [f64; 2]) -> f64 {
+fn first_zoom(surface: &ParametricSurface, at: [f64; 2]) -> f64 {
     const STEPS: u32 = 64;
     let domain = surface.domain();
     let length = |k: usize| -> f64 {
@@ -188,88 +191,5 @@ fn first_zoom(surface: &TapeSurface, at: [f64; 2]) -> f64 {
         FIRST_ZOOM * shorter
     } else {
         1.0
-    }
-}
-
-/// A surface of a scene with its uniforms fixed.
-struct TapeSurface {
-    tape: Option<Tape>,
-    /// What each input of the tape is: a variable, or a number.
-    inputs: Vec<Result<usize, f64>>,
-    domain: [[f64; 2]; 2],
-}
-
-thread_local! {
-    static SCRATCH: RefCell<(Registers, Vec<f64>)> = RefCell::default();
-}
-
-impl TapeSurface {
-    fn new(
-        scene: &Scene,
-        position: &[NodeId; 3],
-        domain: &[Sampling; 2],
-        uniforms: &[f64],
-    ) -> Self {
-        let tape = jet_tape(scene, position);
-        let inputs = tape
-            .iter()
-            .flat_map(|tape| tape.inputs())
-            .map(|input| match *input {
-                Input::Variable(k) => Ok(k as usize),
-                Input::Uniform(k) => Err(uniforms[k as usize]),
-            });
-        let inputs = inputs.collect();
-        Self {
-            tape,
-            inputs,
-            domain: [0, 1].map(|k| [domain[k].range.min, domain[k].range.max]),
-        }
-    }
-}
-
-fn jet_tape(scene: &Scene, position: &[NodeId; 3]) -> Option<Tape> {
-    let (mut graph, first) = surface_roots(scene, position)?;
-    let mut roots = first.to_vec();
-    for (from, by) in [(3, 0), (3, 1), (6, 1)] {
-        roots.extend(
-            graph
-                .derivatives(&first[from..from + 3], Input::Variable(by))
-                .ok()?,
-        );
-    }
-    Some(Tape::new(&graph, &roots))
-}
-
-impl Surface for TapeSurface {
-    fn jet(&self, uv: [f64; 2]) -> Jet {
-        let mut out = [f64::NAN; 18];
-        if let Some(tape) = &self.tape {
-            SCRATCH.with_borrow_mut(|(registers, inputs)| {
-                inputs.clear();
-                inputs.extend(
-                    self.inputs
-                        .iter()
-                        .map(|input| input.map_or_else(|x| x, |k| uv[k])),
-                );
-                tape.eval(registers, inputs, &mut out);
-            });
-        }
-        let vector = |k: usize| [out[3 * k], out[3 * k + 1], out[3 * k + 2]];
-        Jet {
-            position: vector(0),
-            du: vector(1),
-            dv: vector(2),
-            duu: vector(3),
-            duv: vector(4),
-            dvv: vector(5),
-        }
-    }
-
-    fn domain(&self) -> [[f64; 2]; 2] {
-        self.domain
-    }
-
-    fn sides(&self) -> Sides {
-        Sides::default()
     }
 }

@@ -45,7 +45,7 @@ pub(crate) fn render(
     };
     let inside = geodesic_view::Inside::new(scene, settings, request)?;
     let object = &scene.objects[view.surface.0 as usize];
-    let chart = Chart::new(&inside.frame, inside.domain(), inside.sides(), inside.zoom);
+    let chart = Chart::of(&inside);
     let source = map_source(workshop, scene, view, &inside, progress)?;
     let [width, height] = request.size;
     let mut picture = RgbaImage::new(width, height);
@@ -127,7 +127,7 @@ pub(crate) fn map(
         return Err(RenderError::NoSurface { name: None });
     };
     let inside = geodesic_view::Inside::new(scene, settings, request)?;
-    let chart = Chart::new(&inside.frame, inside.domain(), inside.sides(), inside.zoom);
+    let chart = Chart::of(&inside);
     let Some(source) = kernel_source(workshop, scene, surface, &inside)? else {
         return Ok(None);
     };
@@ -208,6 +208,7 @@ impl MapSource {
                 uv: uv.collect(),
                 status: status.collect(),
                 size,
+                ..Map::default()
             }
         })
     }
@@ -275,6 +276,7 @@ struct Chart {
     y: [f64; 2],
     domain: [[f64; 2]; 2],
     sides: [u32; 4],
+    tip_powers: [f32; 4],
     zoom: f64,
 }
 
@@ -289,8 +291,23 @@ impl Chart {
             y: [0, 1].map(|k| frame.y[k] / scale[k]),
             domain,
             sides: [sides.u[0], sides.u[1], sides.v[0], sides.v[1]].map(side_code),
+            tip_powers: [1.0; 4],
             zoom,
         }
+    }
+
+    /// The chart of a camera that has been set up.
+    fn of(inside: &geodesic_view::Inside) -> Self {
+        let mut chart = Self::new(&inside.frame, inside.domain(), inside.sides(), inside.zoom);
+        for (side, apex) in inside.apexes().as_flattened().iter().enumerate() {
+            if let Some(apex) = apex.filter(|apex| apex.regular) {
+                chart.tip_powers[side] = apex.power as f32;
+                if !apex.smooth {
+                    chart.sides[side] = CONE;
+                }
+            }
+        }
+        chart
     }
 
     fn offset(&self, uv: [f32; 2]) -> [f32; 2] {
@@ -313,6 +330,7 @@ impl Chart {
             minimum: end(0),
             maximum: end(1),
             sides: self.sides,
+            tip_powers: self.tip_powers,
             size,
             rows,
             per_length: (1.0 / self.zoom) as f32,
@@ -357,6 +375,9 @@ impl Chart {
         }
     }
 }
+
+/// The number of a side that is the tip of a cone in lib/chart.wgsl.
+const CONE: u32 = 4;
 
 /// The number of a side in lib/chart.wgsl.
 fn side_code(side: Side) -> u32 {
@@ -403,7 +424,6 @@ mod tests {
     const WRAP: u32 = 1;
     const FLIP: u32 = 2;
     const POLE: u32 = 3;
-    const CONE: u32 = 4;
 
     /// The map of a surface with sides of the caller's choice.
     fn map(

@@ -141,6 +141,7 @@ pub(crate) struct ChartCamera {
     pub(crate) minimum: [f32; 2],
     pub(crate) maximum: [f32; 2],
     pub(crate) sides: [u32; 4],
+    pub(crate) tip_powers: [f32; 4],
     pub(crate) size: [u32; 2],
     pub(crate) rows: [u32; 2],
     pub(crate) per_length: f32,
@@ -291,8 +292,8 @@ mod tests {
             "Camera",
             super::ChartCamera,
             [
-                origin, scale, x, y, minimum, maximum, sides, size, rows, per_length, step_limit,
-                instance, map_row,
+                origin, scale, x, y, minimum, maximum, sides, tip_powers, size, rows, per_length,
+                step_limit, instance, map_row,
             ]
         );
         let evaluate = stubbed(&[
