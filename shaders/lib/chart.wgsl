@@ -30,6 +30,8 @@ struct Camera {
     maximum: vec2f,
     // u min, u max, v min, v max.
     sides: vec4u,
+    // Where a side is a point: the distance to it grows as the parameter's to the power of one over this.
+    tip_powers: vec4f,
     // The whole picture in pixels.
     size: vec2u,
     // The rows of this dispatch: first, and how many.

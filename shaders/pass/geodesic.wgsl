@@ -59,8 +59,19 @@ struct Crossing {
     time: f32,
 }
 
-// `axis` is 0 where u runs into the tip, 1 where v does; `tip` is the coordinate of the tip along it.
-fn crossing(at: vec2f, velocity: vec2f, jet: Jet, axis: u32, tip: f32, is_cone: bool, time_left: f32) -> Crossing {
+// The side that a mover runs into.
+struct Tip {
+    // 0 where u runs into it, 1 where v does.
+    axis: u32,
+    // Its coordinate along the axis.
+    place: f32,
+    // Distance grows as the coordinate's to the power of one over this.
+    power: f32,
+    is_cone: bool,
+}
+
+fn crossing(at: vec2f, velocity: vec2f, jet: Jet, tip: Tip, time_left: f32) -> Crossing {
+    let axis = tip.axis;
     let around = 1u - axis;
     var radial = jet.du;
     var angular = jet.dv;
@@ -68,8 +79,8 @@ fn crossing(at: vec2f, velocity: vec2f, jet: Jet, axis: u32, tip: f32, is_cone: 
         radial = jet.dv;
         angular = jet.du;
     }
-    let depth = at[axis] - tip;
-    let radius = length(radial) * abs(depth);
+    let depth = at[axis] - tip.place;
+    let radius = tip.power * length(radial) * abs(depth);
     // Inward speed, and speed around.
     let inward = -sign(depth) * velocity[axis] * length(radial);
     let sideways = velocity[around] * length(angular);
@@ -80,7 +91,7 @@ fn crossing(at: vec2f, velocity: vec2f, jet: Jet, axis: u32, tip: f32, is_cone: 
     let miss = radius * abs(sideways) * inverseSqrt(speed_squared);
     let full = 2.0 * radius * inward / speed_squared;
     let time = min(full, time_left);
-    if is_cone && miss < TIP_RADIUS * FLAT_RADIUS && time_left > 0.5 * full {
+    if tip.is_cone && miss < TIP_RADIUS * FLAT_RADIUS && time_left > 0.5 * full {
         return Crossing(true, true, at, velocity, time);
     }
     // The tip is the origin, the mover starts at (radius, 0).
@@ -91,14 +102,16 @@ fn crossing(at: vec2f, velocity: vec2f, jet: Jet, axis: u32, tip: f32, is_cone: 
     let winding = length(angular) / radius;
     var result = at;
     result[around] += turned / winding;
-    result[axis] = tip + depth * (end_radius / radius);
+    let ratio = end_radius / radius;
+    let depth_ratio = pow(ratio, tip.power);
+    result[axis] = tip.place + depth * depth_ratio;
     // The velocity (-inward, sideways) in the polar frame at the end.
     let outwards = end / end_radius;
     let radial_speed = dot(vec2f(-inward, sideways), outwards);
     let angular_speed = dot(vec2f(-inward, sideways), vec2f(-outwards.y, outwards.x));
     var heading = velocity;
-    heading[axis] = sign(depth) * radial_speed / length(radial);
-    heading[around] = angular_speed * (radius / end_radius) / length(angular);
+    heading[axis] = sign(depth) * radial_speed * (depth_ratio / ratio) / length(radial);
+    heading[around] = angular_speed / (ratio * length(angular));
     return Crossing(true, false, result, heading, time);
 }
 
@@ -133,35 +146,26 @@ fn follow(start_velocity: vec2f) -> End {
         let jet = jet_at(mover.at);
         var longest = min(left, LONGEST_STEP);
         if any(tips) {
-            var tip = vec2f();
-            var axis = 2u;
+            var tip = Tip(2u, 0.0, 1.0, false);
             let speed = mover.velocity;
             if tips.x && speed.x < 0.0 {
                 longest = min(longest, step_towards_tip(mover.at.x - camera.minimum.x, speed.x, length(jet.du)));
-                axis = 0u;
-                tip.x = camera.minimum.x;
+                tip = Tip(0u, camera.minimum.x, camera.tip_powers.x, camera.sides.x == SIDE_CONE);
             }
             if tips.y && speed.x > 0.0 {
                 longest = min(longest, step_towards_tip(camera.maximum.x - mover.at.x, speed.x, length(jet.du)));
-                axis = 0u;
-                tip.x = camera.maximum.x;
+                tip = Tip(0u, camera.maximum.x, camera.tip_powers.y, camera.sides.y == SIDE_CONE);
             }
             if tips.z && speed.y < 0.0 {
                 longest = min(longest, step_towards_tip(mover.at.y - camera.minimum.y, speed.y, length(jet.dv)));
-                axis = 1u;
-                tip.y = camera.minimum.y;
+                tip = Tip(1u, camera.minimum.y, camera.tip_powers.z, camera.sides.z == SIDE_CONE);
             }
             if tips.w && speed.y > 0.0 {
                 longest = min(longest, step_towards_tip(camera.maximum.y - mover.at.y, speed.y, length(jet.dv)));
-                axis = 1u;
-                tip.y = camera.maximum.y;
+                tip = Tip(1u, camera.maximum.y, camera.tip_powers.w, camera.sides.w == SIDE_CONE);
             }
-            if axis < 2u {
-                var side = select(camera.sides.x, camera.sides.y, mover.velocity.x > 0.0);
-                if axis == 1u {
-                    side = select(camera.sides.z, camera.sides.w, mover.velocity.y > 0.0);
-                }
-                let chord = crossing(mover.at, mover.velocity, jet, axis, tip[axis], side == SIDE_CONE, left);
+            if tip.axis < 2u {
+                let chord = crossing(mover.at, mover.velocity, jet, tip, left);
                 if chord.applies {
                     if chord.hits_tip {
                         return End(mover.at, CONE_POINT, attempts);
