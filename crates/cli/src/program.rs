@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use geodesic::surface::ParametricSurface;
 use scene::scene::{Object, ObjectId, Scene, Shape};
 use scene::values::{SetError, Settings};
 use scene::{Compilation, Outcome, Value};
@@ -61,6 +62,38 @@ impl Program {
     /// None in a loaded program: one with an error is not loaded, and only an error takes the scene away.
     pub(crate) fn scene(&self) -> Result<&Scene, Failure> {
         self.compilation.scene.as_ref().ok_or(Failure::Program)
+    }
+
+    /// A surface ready for geodesics: its first instance.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] if its derivatives are too large.
+    pub(crate) fn parametric(
+        &self,
+        object: &Object,
+        settings: &Settings,
+    ) -> Result<ParametricSurface, Failure> {
+        let scene = self.scene()?;
+        let Shape::Surface {
+            position, domain, ..
+        } = &object.shape
+        else {
+            return Err(Failure::usage(format!(
+                "`{}` is not a surface",
+                object.name
+            )));
+        };
+        let uniforms = settings.first_instance(scene, object);
+        let domain = domain.map(|axis| [axis.range.min, axis.range.max]);
+        ParametricSurface::new(&scene.graph, *position, domain, &uniforms).map_err(|_| {
+            Failure::Input {
+                message: format!(
+                    "the derivatives of `{}` are too large to be written out",
+                    object.name
+                ),
+                hint: None,
+            }
+        })
     }
 
     /// The name of an object.

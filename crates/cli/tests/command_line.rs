@@ -191,6 +191,21 @@ fn wrong_arguments_end_with_2_and_say_what_there_is() {
             &["render", "a.gtr", "-o", "a.png", "--texture", "s=none.png"],
             "none.png",
         ),
+        (
+            &[
+                "trace",
+                "a.gtr",
+                "--surface",
+                "t",
+                "--from",
+                "0,0",
+                "--heading",
+                "0",
+                "--length",
+                "1",
+            ],
+            "`s`",
+        ),
     ] {
         let run = run(folder.path(), arguments, "");
         assert_eq!(
@@ -202,6 +217,52 @@ fn wrong_arguments_end_with_2_and_say_what_there_is() {
         assert!(run.stderr.contains(part), "{arguments:?}: {}", run.stderr);
     }
     assert_eq!(names(&folder), ["a.gtr", "b.gtr"]);
+}
+
+#[test]
+fn a_great_circle_closes() {
+    let folder = folder(&[("a.gtr", SPHERE)]);
+    let run = run(
+        folder.path(),
+        &[
+            "trace",
+            "a.gtr",
+            "--surface",
+            "s",
+            "--from",
+            "1,1",
+            "--heading",
+            "30",
+            "--length",
+            "6.283185307179586",
+            "--format",
+            "json",
+        ],
+        "",
+    );
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    let end = run.json();
+    assert_eq!(end["status"], "complete");
+    for coordinate in ["u", "v"] {
+        let value = end[coordinate].as_f64().expect("a number");
+        assert!((value - 1.0).abs() < 1e-8, "{coordinate} = {value}");
+    }
+    let keys: Vec<&String> = end.as_object().expect("an object").keys().collect();
+    assert_eq!(
+        keys,
+        [
+            "direction",
+            "error_estimate",
+            "evaluations",
+            "length",
+            "position",
+            "speed_drift",
+            "status",
+            "steps",
+            "u",
+            "v"
+        ]
+    );
 }
 
 #[test]

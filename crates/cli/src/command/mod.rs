@@ -4,6 +4,7 @@ mod check;
 mod eval;
 mod explain;
 mod render;
+mod trace;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
@@ -41,6 +42,7 @@ pub(crate) struct Arguments {
 enum Command {
     Check(check::Arguments),
     Render(Box<render::Arguments>),
+    Trace(Box<trace::Arguments>),
     Eval(eval::Arguments),
     Explain(explain::Arguments),
 }
@@ -60,6 +62,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
         Command::Check(arguments) => check::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
+        Command::Trace(arguments) => trace::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
     }
@@ -84,6 +87,7 @@ What to do with it:
 And with a surface s:
 
   geotrace render torus.gtr -o inside.png --view geodesic:s    seen from inside
+  geotrace trace torus.gtr --surface s --from 0,0 --heading 30 --length 2
   geotrace explain torus.gtr                       what is built for it, and what is left out
 
 FILE may be `-` for standard input. `geotrace help COMMAND` tells more.
@@ -105,6 +109,8 @@ mod tests {
     #[test]
     fn values_may_start_with_a_minus_sign() {
         for arguments in [
+            "geotrace trace a.gtr --surface s --from -2,0.3 --direction -1,-1 --length 1",
+            "geotrace trace a.gtr --surface s --from 0,0 --heading -30 --length 1 --set a=-1",
             "geotrace render a.gtr -o a.png --at -1,-.5 --angle -90 --eye -1,-1,-1 --target -1,0,0",
             "geotrace eval a.gtr -x^2 --set a=-1",
             "geotrace eval a.gtr --set a=-1 -/2",
@@ -126,6 +132,9 @@ mod tests {
             "geotrace render a.gtr -o a.png --size 0x0",
             "geotrace render a.gtr -o a.png --at 1",
             "geotrace render a.gtr -o a.png --set r",
+            "geotrace trace a.gtr --surface s --from 0,0 --length 1",
+            "geotrace trace a.gtr --surface s --from 0,0 --length 1 --heading 0 --direction 1,0",
+            "geotrace trace a.gtr --surface s --from 0,0 --length 1 --heading nan",
             "geotrace eval a.gtr",
         ] {
             let refused = Arguments::try_parse_from(arguments.split(' '));

@@ -100,11 +100,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = program.scene()?;
     let settings = program.settings(&arguments.set)?;
     let request = Request {
-        backend: match arguments.backend {
-            BackendName::Auto => Backend::Auto,
-            BackendName::Gpu => Backend::Gpu,
-            BackendName::Software => Backend::Software,
-        },
+        backend: backend(arguments)?,
         view: view(arguments, &program, &settings)?,
         textures: textures(&arguments.texture, &program)?,
         ..Request::space(arguments.size.0)
@@ -121,6 +117,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     target.write(&png(&picture.image)?)?;
     output::print_error(&summary(&picture, &target, &request, &program));
     Ok(())
+}
+
+fn backend(arguments: &Arguments) -> Result<Backend, Failure> {
+    let geodesic = matches!(arguments.view, ViewName::Geodesic(_));
+    let adaptive = geodesic && arguments.method == Some(MethodName::Adaptive);
+    match arguments.backend {
+        BackendName::Gpu if adaptive => Err(Failure::Usage {
+            message: "--method adaptive runs in double precision, on the software path only".into(),
+            hint: Some("leave out `--backend gpu`".into()),
+        }),
+        BackendName::Auto if adaptive => Ok(Backend::Software),
+        BackendName::Auto => Ok(Backend::Auto),
+        BackendName::Gpu => Ok(Backend::Gpu),
+        BackendName::Software => Ok(Backend::Software),
+    }
 }
 
 fn view(arguments: &Arguments, program: &Program, settings: &Settings) -> Result<View, Failure> {
@@ -270,6 +281,10 @@ fn failure(error: RenderError) -> Failure {
         | RenderError::CameraOutside { .. }
         | RenderError::Camera(_)
         | RenderError::Size(_) => Failure::usage(message),
+        RenderError::TooLarge { .. } => Failure::Input {
+            message,
+            hint: Some("the 3D view does without them".into()),
+        },
         RenderError::UndefinedCamera { .. } => Failure::Input {
             message,
             hint: Some("`--at U,V` puts it elsewhere".into()),

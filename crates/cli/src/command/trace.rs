@@ -1,0 +1,263 @@
+//! `geotrace trace`: one geodesic in f64.
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args, ValueEnum};
+use geodesic::frame::Frame;
+use geodesic::surface::Surface;
+use geodesic::trace::{self, Method, Options, Status, Trace, TraceError};
+use serde::Serialize;
+
+use super::Format;
+use crate::argument::{self, Assignment, Pair, Quantity};
+use crate::failure::Failure;
+use crate::number::{self, show};
+use crate::output;
+use crate::program::Program;
+
+/// Follow one geodesic of a surface: the straightest line from a point in a direction.
+///
+/// Follows it adaptively in double precision, through poles and where the surface closes on itself, and says
+/// where it ends, why it ends there, and how far to trust that.
+#[derive(Args, Debug)]
+#[command(
+    group = ArgGroup::new("way").required(true).args(["direction", "heading"]),
+    after_help = "\
+Examples:
+  geotrace trace torus.gtr --surface s --from 0,0 --heading 30 --length 5
+  geotrace trace torus.gtr --surface s --from -pi/2,0.3 --direction 1,-1 --length 5 --format json
+
+A number may be an expression in the program's names, such as pi/2.
+
+The status is one of
+  complete      it has its full length
+  left_domain   it reached an edge of the surface
+  cone_point    it ran into the tip of a cone, from where no direction is straight on
+  degenerate    the parametrisation lost its rank: σu and σv are parallel there
+  undefined     the surface is undefined there
+  work_limit    it took more evaluations than allowed"
+)]
+pub(super) struct Arguments {
+    /// The program; `-` is standard input
+    file: PathBuf,
+    /// The surface's name; without it, the program's first surface
+    #[arg(long, value_name = "S")]
+    surface: Option<String>,
+    /// Where it starts, in the surface's parameters
+    #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true)]
+    from: Pair,
+    /// Where it goes: (u,v) components of any scale
+    #[arg(long, value_name = "A,B", value_parser = argument::pair, allow_hyphen_values = true)]
+    direction: Option<Pair>,
+    /// Where it goes: degrees from σu towards σv in the tangent plane
+    #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true)]
+    heading: Option<f64>,
+    /// How far it goes, in the surface's units
+    #[arg(long, value_name = "L", value_parser = argument::quantity, allow_hyphen_values = true)]
+    length: Quantity,
+    /// A value for a param or a grid; without one a param is at its minimum and a grid at its first value
+    #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
+    set: Vec<Assignment>,
+    /// The error allowed in a step, relative to the step's length; 1e-11 unless given
+    #[arg(long, value_name = "T", value_parser = argument::positive, allow_hyphen_values = true)]
+    tolerance: Option<f64>,
+    /// How it is integrated
+    #[arg(long, value_name = "M", value_enum, default_value_t)]
+    method: MethodName,
+    /// The number of steps of rk4-pixel
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    steps: Option<u32>,
+    /// For people, or one JSON document
+    #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
+    format: Format,
+}
+
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
+enum MethodName {
+    /// Steps as long as the tolerance allows; needs nothing else
+    #[default]
+    Adaptive,
+    /// The classical Runge–Kutta method with --steps steps of equal length (512 unless given), as in the
+    /// thesis, for comparison
+    Rk4Pixel,
+}
+
+/// The JSON document; numbers that do not exist are null.
+#[derive(Serialize)]
+struct Document {
+    u: f64,
+    v: f64,
+    position: [f64; 3],
+    direction: [f64; 2],
+    length: f64,
+    speed_drift: f64,
+    error_estimate: f64,
+    steps: usize,
+    evaluations: usize,
+    status: &'static str,
+}
+
+/// Traces one geodesic.
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let program = Program::load(&arguments.file, arguments.format)?;
+    let settings = program.settings(&arguments.set)?;
+    let (_, object) = program.surface(arguments.surface.as_deref())?;
+    let surface = program.parametric(object, &settings)?;
+    let from = program.numbers("--from", &arguments.from.0, &settings)?;
+    let length = program.number("--length", &arguments.length, &settings)?;
+    if length < 0.0 {
+        return Err(Failure::Usage {
+            message: format!("--length: {} is negative", show(length)),
+            hint: Some("the opposite direction goes the other way".into()),
+        });
+    }
+    let options = options(arguments)?;
+    let traced = match &arguments.direction {
+        Some(direction) => {
+            let direction = program.numbers("--direction", &direction.0, &settings)?;
+            trace::trace(&surface, from, direction, length, &options)
+        }
+        None => {
+            let angle = arguments.heading.unwrap_or(0.0).to_radians();
+            Frame::new(&surface, from, angle, 1.0)
+                .and_then(|frame| trace::trace(&surface, from, frame.x, length, &options))
+        }
+    };
+    let trace = match traced {
+        Ok(trace) => trace,
+        Err(error) => stopped_at_start(error, &surface)?,
+    };
+    match arguments.format {
+        Format::Json => output::print_json(&document(&trace)),
+        Format::Human => output::print(&text(&trace, from)),
+    }
+}
+
+fn options(arguments: &Arguments) -> Result<Options, Failure> {
+    let mut options = Options::default();
+    if let Some(tolerance) = arguments.tolerance {
+        options.tolerance = tolerance;
+    }
+    match (arguments.method, arguments.steps) {
+        (MethodName::Adaptive, None) => options.method = Method::Adaptive,
+        (MethodName::Adaptive, Some(_)) => {
+            return Err(Failure::Usage {
+                message: "--steps belongs to rk4-pixel; the adaptive method chooses its own".into(),
+                hint: Some("`--tolerance T` makes them shorter or longer".into()),
+            });
+        }
+        (MethodName::Rk4Pixel, steps) => {
+            options.method = Method::Rk4 {
+                steps: steps.unwrap_or(512),
+            };
+        }
+    }
+    Ok(options)
+}
+
+fn document(trace: &Trace) -> Document {
+    Document {
+        u: trace.uv[0],
+        v: trace.uv[1],
+        position: trace.position,
+        direction: trace.direction,
+        length: trace.length,
+        speed_drift: trace.speed_drift,
+        error_estimate: trace.error_estimate,
+        steps: trace.steps,
+        evaluations: trace.evaluations,
+        status: status_word(trace.status),
+    }
+}
+
+fn text(trace: &Trace, from: [f64; 2]) -> String {
+    let [u, v] = trace.uv;
+    let length = show(trace.length);
+    let end = match trace.status {
+        Status::Complete => format!("it has its full length, {length}"),
+        Status::LeftDomain => format!("it left the domain after {length}"),
+        Status::ConePoint => format!("it ran into the tip of a cone after {length}"),
+        Status::Degenerate => {
+            format!(
+                "after {length} the parametrisation lost its rank: σu and σv are parallel there"
+            )
+        }
+        Status::Undefined => format!("after {length} the surface is undefined"),
+        Status::WorkLimit => format!("it used up its evaluations after {length}"),
+    };
+    format!(
+        "\
+{}: {end}
+  from       (u, v) = {}
+  to         (u, v) = {}
+  position   {}
+  direction  {}
+  trust      error estimate {}, speed drift {}
+  work       {}, {}
+",
+        status_word(trace.status),
+        number::show_all(&from),
+        number::show_all(&[u, v]),
+        number::show_all(&trace.position),
+        if trace.direction[0].is_nan() {
+            "none".to_owned()
+        } else {
+            format!(
+                "{} in (u, v), at unit speed",
+                number::show_all(&trace.direction)
+            )
+        },
+        rough(trace.error_estimate),
+        rough(trace.speed_drift),
+        number::count(trace.steps, "step"),
+        number::count(trace.evaluations, "evaluation"),
+    )
+}
+
+/// An error to the two digits that it is good for.
+fn rough(error: f64) -> String {
+    if error == 0.0 {
+        "0".into()
+    } else {
+        format!("{error:.1e}")
+    }
+}
+
+fn status_word(status: Status) -> &'static str {
+    match status {
+        Status::Complete => "complete",
+        Status::LeftDomain => "left_domain",
+        Status::ConePoint => "cone_point",
+        Status::Degenerate => "degenerate",
+        Status::Undefined => "undefined",
+        Status::WorkLimit => "work_limit",
+    }
+}
+
+/// A start where no geodesic begins is an end too, with a status; any other error is one of the arguments.
+fn stopped_at_start(error: TraceError, surface: &impl Surface) -> Result<Trace, Failure> {
+    let (uv, status) = match error {
+        TraceError::UndefinedStart { at } => (at, Status::Undefined),
+        TraceError::DegenerateStart { at } => (at, Status::Degenerate),
+        TraceError::StartNotFinite
+        | TraceError::DirectionNotFinite
+        | TraceError::ZeroDirection
+        | TraceError::BadLength { .. }
+        | TraceError::BadTolerance { .. }
+        | TraceError::OutsideDomain { .. } => return Err(Failure::usage(error.to_string())),
+    };
+    Ok(Trace {
+        uv,
+        direction: [f64::NAN; 2],
+        position: surface.jet(uv).position,
+        length: 0.0,
+        speed_drift: 0.0,
+        error_estimate: 0.0,
+        steps: 0,
+        rejected: 0,
+        evaluations: 1,
+        status,
+        flipped: false,
+        path: Vec::new(),
+    })
+}
