@@ -12,7 +12,7 @@ use expr::{Input, NodeId};
 use scene::scene::{Object, ObjectId, Scene, Shape};
 use scene::values::Settings;
 
-use crate::request::{Backend, Request, View};
+use crate::request::{Backend, Method, Request, View};
 use crate::sample::surface_roots;
 
 /// From this many operations (samples × operations per sample) on, a generated kernel fills an object's samples on
@@ -132,11 +132,18 @@ pub fn plan(scene: &Scene, settings: &Settings, request: &Request) -> Plan {
                 "no geodesic kernel and no resolve pass: the picture is the 3D view".to_owned(),
             );
         }
-        View::Geodesic { surface, .. } => {
+        View::Geodesic {
+            surface, method, ..
+        } => {
             textured.push(*surface);
             plan.geodesic = Some(GeodesicPlan {
                 surface: *surface,
-                source: if gpu { Source::Kernel } else { Source::Blocks },
+                // Adaptive steps are taken in f64, whatever colours their ends.
+                source: if gpu && *method != Method::Adaptive {
+                    Source::Kernel
+                } else {
+                    Source::Blocks
+                },
                 derivative_operations: derivative_operations(scene, *surface),
             });
             plan.left_out

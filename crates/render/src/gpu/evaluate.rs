@@ -121,7 +121,7 @@ pub fn evaluate(
         }
         let group = workshop.bind_numbered(&pipeline.get_bind_group_layout(0), &bindings);
         gpu.submit(|encoder| dispatch_flat(encoder, &pipeline, &group, rows.len() as u64));
-        gpu.read(&outputs, size, |bytes| bytemuck::pod_collect_to_vec(bytes))
+        gpu.read(&outputs, size, bytemuck::pod_collect_to_vec)
     });
     let numbers = numbers.map_err(EvaluateError::Render)?;
     Ok(numbers.chunks(roots.len()).map(<[f32]>::to_vec).collect())
