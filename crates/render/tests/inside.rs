@@ -83,10 +83,10 @@ fn an_angle_turns_from_u_towards_v() {
 #[test]
 fn beyond_a_true_edge_nothing_is_seen() {
     let size = [50, 50];
-    let map = map(PLANE, &request(size, Some([2.0, 1.0]), 0.0, Some(4.0)));
+    let map = map(PLANE, &request(size, Some([2.0, 1.0]), 0.0, Some(3.9)));
     for index in 0..map.uv.len() {
         let [x, y] = place(size, index);
-        let inside = x.abs() < 0.5 && y.abs() < 0.25;
+        let inside = 3.9 * x.abs() < 2.0 && 3.9 * y.abs() < 1.0;
         assert_eq!(map.status[index] == Status::Complete, inside, "at {x}, {y}");
         assert!(inside || map.status[index] == Status::LeftDomain);
     }
@@ -117,7 +117,7 @@ fn on_a_sphere_every_pixel_ends_where_its_great_circle_does() {
             let expected = point(at) * w.length().cos() + w.normalize() * w.length().sin();
             let off = (point(map.uv[index].map(f64::from)) - expected).length();
             assert!(
-                off < 0.1 * pixel,
+                off < 0.25 * pixel,
                 "{} pixels off at {x}, {y} from {at:?}",
                 off / pixel
             );

@@ -27,7 +27,10 @@ const PLACES: [[f64; 2]; 7] = [
 /// The first zoom, as a share of the shorter of the two coordinate lines through the camera.
 const FIRST_ZOOM: f64 = 0.55;
 /// Steps of [`Method::Rk4Pixel`] for each pixel.
-pub const RK4_STEPS: u32 = 128;
+const RK4_STEPS: u32 = 128;
+
+/// The error that the integrator is asked for, in pixels: on its way to the end a ray's error grows by a few times.
+const TOLERANCE: f64 = 0.03;
 
 /// A surface with a camera on it.
 #[derive(Clone, Debug)]
@@ -126,6 +129,7 @@ impl Inside {
         };
         let options = MapOptions {
             method,
+            tolerance: TOLERANCE,
             ..MapOptions::default()
         };
         let height = self.size[1];
