@@ -1,6 +1,7 @@
 //! `geotrace explain`: what is built for a program, what is left out, and what it costs.
 
 mod acceleration;
+mod unshared;
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -30,8 +31,8 @@ Examples:
   geotrace explain circle.gtr --format json
 
 A geodesic is integrated from its acceleration. Its operations are counted in two forms: ours, where shared
-subexpressions are computed once, and the thesis' scheme, which expands E, F, G and their six derivatives
-as trees.")]
+subexpressions are computed once, and the thesis' scheme, which writes E, F, G and their six derivatives
+out as trees: nothing shared, nothing simplified.")]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
@@ -352,8 +353,8 @@ fn acceleration_text(text: &mut String, surface: &SurfaceEntry) {
             text,
             "  surface {}: {} here, {} in the thesis' scheme ({} times as many)",
             surface.name,
-            grouped(acceleration.operations_per_acceleration),
-            grouped(acceleration.thesis_operations_per_acceleration),
+            grouped(acceleration.acceleration_operations),
+            grouped(acceleration.thesis_tree_operations),
             number::show(acceleration.ratio().round()),
         ),
         None => writeln!(
