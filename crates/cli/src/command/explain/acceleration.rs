@@ -3,8 +3,8 @@
 //! Both give (u'', v'') from (u, v) and (u', v'). Ours is the ambient form: with
 //! A = σuu u'² + 2 σuv u'v' + σvv v'², solve `[E F; F G]`·(u'', v'') = −(σu·A, σv·A); every shared
 //! subexpression is computed once. The thesis' (system 2.2) evaluates E, F, G and their six derivatives, each
-//! written out as a tree by the rules of derivation, and solves 2·`[E F; F G]`·(u'', v'') = (v'²(Gu − 2Fv) − u'²Eu − 2u'v'Ev,
-//! u'²(Ev − 2Fu) − v'²Gv − 2u'v'Gu).
+//! written out as a tree by the rules of derivation, and solves
+//! 2·`[E F; F G]`·(u'', v'') = (v'²(Gu − 2Fv) − u'²Eu − 2u'v'Ev, u'²(Ev − 2Fu) − v'²Gv − 2u'v'Gu).
 
 use expr::graph::TooLarge;
 use expr::{Graph, Input, NodeId};
