@@ -4,7 +4,7 @@
 //! lengths in units of [`pixel_unit`], colours in linear light unless said otherwise.
 //!
 //! **Glyphs** (curves, arrow shafts, points) are camera-facing strips and discs that are shaded like tubes and
-//! balls: at the distance r ∈ [0,1] from the glyph's axis the normal leans so that its component towards the eye
+//! balls: at the distance r ∈ `[0, 1]` from the glyph's axis the normal leans so that its component towards the eye
 //! is √(1−r²), and the colour is multiplied by [`glyph_light`] of that. Arrowheads are true cones and use the
 //! same function with their normals.
 //!
@@ -110,7 +110,7 @@ impl Length {
     }
 }
 
-/// The light on a glyph whose normal has the component `facing` ∈ [0,1] towards the eye.
+/// The light on a glyph whose normal has the component `facing` ∈ `[0, 1]` towards the eye.
 pub fn glyph_light(facing: f32) -> f32 {
     GLYPH_RIM + (1.0 - GLYPH_RIM) * facing.clamp(0.0, 1.0)
 }
@@ -144,7 +144,7 @@ pub fn linear(colour: [u8; 3]) -> [f32; 3] {
     colour.map(decode)
 }
 
-/// One sRGB byte to linear light in [0,1].
+/// One sRGB byte to linear light in `[0, 1]`.
 pub fn decode(byte: u8) -> f32 {
     static TABLE: LazyLock<[f32; 256]> = LazyLock::new(|| {
         std::array::from_fn(|byte| {
@@ -160,7 +160,7 @@ pub fn decode(byte: u8) -> f32 {
 }
 
 /// Linear light to an sRGB byte, from a table of 2¹⁵ steps: the nearest, but for ties to within a tenth of a step.
-/// Values outside [0,1] are clamped.
+/// Values outside `[0, 1]` are clamped.
 pub fn encode(light: f32) -> u8 {
     const LAST: f32 = 32_767.0;
     static TABLE: LazyLock<Vec<u8>> = LazyLock::new(|| {
