@@ -1,1 +1,22 @@
-//! tests
+//! What the integration tests under `tests/` share.
+//!
+//! ```text
+//! cases/language/*.cases ──cases.rs──▶ cases ──conformance.rs──▶ what differs from scene::compile
+//! the binary `geotrace`  ──binary.rs──▶ status, output, peak memory
+//! two numbers or pictures ─close.rs, pictures.rs──▶ equal to a stated tolerance, or a message with both
+//! ```
+
+pub mod binary;
+pub mod cases;
+pub mod close;
+pub mod draw;
+pub mod examples;
+pub mod pictures;
+
+use syntax::diagnostic::Code;
+
+/// Every code that compiling a program can give, with what it means.
+pub fn codes() -> impl Iterator<Item = (Code, &'static str)> {
+    let all = syntax::codes::CODES.iter().chain(scene::CODES);
+    all.copied()
+}

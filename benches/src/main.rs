@@ -1,0 +1,45 @@
+//! Run times and peak memory, printed as tables: `cargo run --release -p geotrace-benches [PART…]`.
+//!
+//! Parts: `front` (checking and parsing), `klein` (derivatives and WGSL), `render` (both views of every example),
+//! `large` (many samples, many vectors). Without a part all are run. Times are medians of several runs with their
+//! least and greatest; a picture is drawn in a process of its own, so that its peak memory is its own and nothing is
+//! warm but the driver's cache on disk.
+
+mod front;
+mod klein;
+mod measure;
+mod pictures;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(("child", rest)) = arguments
+        .split_first()
+        .map(|(first, rest)| (first.as_str(), rest))
+    {
+        return pictures::child(rest);
+    }
+    if cfg!(debug_assertions) {
+        println!("This is a debug build: its times mean nothing. Use --release.\n");
+    }
+    let parts: [(&str, fn()); 4] = [
+        ("front", front::run),
+        ("klein", klein::run),
+        ("render", pictures::examples),
+        ("large", pictures::large),
+    ];
+    for wanted in &arguments {
+        if !parts.iter().any(|(name, _)| name == wanted) {
+            eprintln!("no part `{wanted}`: front, klein, render, large");
+            return ExitCode::from(2);
+        }
+    }
+    for (name, run) in parts {
+        if arguments.is_empty() || arguments.iter().any(|wanted| wanted == name) {
+            run();
+            println!();
+        }
+    }
+    ExitCode::SUCCESS
+}

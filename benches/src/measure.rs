@@ -1,0 +1,57 @@
+//! Times of several runs, and the peak memory of this process.
+
+use std::fmt;
+use std::time::{Duration, Instant};
+
+/// The times of several runs.
+#[derive(Clone, Debug)]
+pub(crate) struct Times(Vec<Duration>);
+
+impl Times {
+    /// Runs something several times, at least once.
+    pub(crate) fn of<T>(runs: usize, mut work: impl FnMut() -> T) -> Self {
+        let times = (0..runs.max(1)).map(|_| {
+            let start = Instant::now();
+            std::hint::black_box(work());
+            start.elapsed()
+        });
+        Self::new(times.collect())
+    }
+
+    /// Times measured elsewhere; not none.
+    pub(crate) fn new(mut times: Vec<Duration>) -> Self {
+        times.sort_unstable();
+        Self(times)
+    }
+
+    /// The median; zero for no runs.
+    pub(crate) fn median(&self) -> Duration {
+        self.0.get(self.0.len() / 2).copied().unwrap_or_default()
+    }
+}
+
+impl fmt::Display for Times {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let milliseconds =
+            |time: Option<&Duration>| time.map_or(0.0, |time| 1e3 * time.as_secs_f64());
+        write!(
+            f,
+            "{:9.2} ms ({:.2}–{:.2}, {} runs)",
+            1e3 * self.median().as_secs_f64(),
+            milliseconds(self.0.first()),
+            milliseconds(self.0.last()),
+            self.0.len()
+        )
+    }
+}
+
+/// The largest resident memory of this process so far, in bytes; 0 where the system does not tell.
+pub(crate) fn peak_memory() -> u64 {
+    std::fs::read_to_string("/proc/self/status")
+        .map_or(0, |status| testing::binary::high_water_mark(&status))
+}
+
+/// Bytes as megabytes.
+pub(crate) fn megabytes(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 20)
+}

@@ -1,0 +1,269 @@
+//! Holds the level table of ARCHITECTURE.md against what cargo says, and what is absent on purpose.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use cargo_metadata::{DependencyKind, Metadata, MetadataCommand};
+use testing::examples::repository;
+
+/// A row of the table.
+#[derive(Debug)]
+struct Row {
+    level: u32,
+    planned: bool,
+    depends_on: Vec<String>,
+}
+
+/// The rows by the crates' short names.
+fn table() -> BTreeMap<String, Row> {
+    let text = std::fs::read_to_string(repository().join("ARCHITECTURE.md")).expect("a map");
+    let mut rows = BTreeMap::new();
+    for line in text.lines() {
+        let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+        let [_, level, name, _, depends_on, _] = cells[..] else {
+            continue;
+        };
+        let (Ok(level), Some(name_end)) = (level.parse(), name.get(1..).and_then(|n| n.find('`')))
+        else {
+            continue;
+        };
+        let depends_on = depends_on
+            .split([',', ';'])
+            .map(|name| {
+                name.split('(')
+                    .next()
+                    .unwrap_or(name)
+                    .trim()
+                    .trim_matches('`')
+            })
+            .filter(|name| !name.is_empty() && *name != "–")
+            .map(str::to_owned)
+            .collect();
+        let row = Row {
+            level,
+            planned: name.contains("(planned)"),
+            depends_on,
+        };
+        rows.insert(name[1..=name_end].to_owned(), row);
+    }
+    assert!(rows.len() >= 7, "the table was not read: {rows:?}");
+    rows
+}
+
+fn metadata() -> Metadata {
+    MetadataCommand::new()
+        .manifest_path(repository().join("Cargo.toml"))
+        .no_deps()
+        .exec()
+        .expect("cargo metadata")
+}
+
+/// `geotrace-syntax` is `syntax`, `geotrace` is `cli`.
+fn short(package: &str) -> String {
+    match package.strip_prefix("geotrace-") {
+        Some(name) => name.to_owned(),
+        None if package == "geotrace" => "cli".to_owned(),
+        None => package.to_owned(),
+    }
+}
+
+/// Each crate's dependencies inside the workspace, whatever their kind.
+fn internal_dependencies() -> BTreeMap<String, Vec<String>> {
+    let metadata = metadata();
+    let crates = metadata.packages.iter().map(|package| {
+        let internal = package
+            .dependencies
+            .iter()
+            .filter(|dependency| dependency.path.is_some())
+            .map(|dependency| short(&dependency.name))
+            .collect();
+        (short(&package.name), internal)
+    });
+    crates.collect()
+}
+
+/// Outside the table: they may use every crate, and no crate may use them.
+const EXEMPT: &[&str] = &["tests", "benches"];
+
+#[test]
+fn every_crate_stands_in_the_table_and_every_row_is_a_crate() {
+    let (table, crates) = (table(), internal_dependencies());
+    for name in crates
+        .keys()
+        .filter(|name| !EXEMPT.contains(&name.as_str()))
+    {
+        let row = table
+            .get(name)
+            .unwrap_or_else(|| panic!("`{name}` is not in the table"));
+        assert!(!row.planned, "`{name}` exists, but is marked as planned");
+    }
+    for (name, row) in &table {
+        assert!(
+            row.planned || crates.contains_key(name),
+            "`{name}` is in the table, but does not exist"
+        );
+    }
+}
+
+#[test]
+fn arrows_point_downward_only() {
+    let (table, crates) = (table(), internal_dependencies());
+    for (name, dependencies) in &crates {
+        for dependency in dependencies {
+            assert!(
+                !EXEMPT.contains(&dependency.as_str()) || name == "benches",
+                "`{name}` uses `{dependency}`"
+            );
+            if EXEMPT.contains(&name.as_str()) {
+                continue;
+            }
+            let (from, to) = (&table[name], &table[dependency]);
+            assert!(
+                to.level < from.level,
+                "`{name}` (level {}) uses `{dependency}` (level {})",
+                from.level,
+                to.level
+            );
+        }
+    }
+}
+
+#[test]
+fn the_dependencies_that_the_table_lists_are_there() {
+    let (table, crates) = (table(), internal_dependencies());
+    for (name, row) in table.iter().filter(|(_, row)| !row.planned) {
+        for listed in &row.depends_on {
+            let planned = table.get(listed).is_some_and(|row| row.planned);
+            assert!(
+                planned || crates[name].contains(listed),
+                "the table says that `{name}` depends on `{listed}`"
+            );
+        }
+        let below = |name: &String| table[name].level;
+        let expected = row
+            .depends_on
+            .iter()
+            .map(below)
+            .max()
+            .map_or(0, |most| most + 1);
+        assert!(row.level >= expected, "`{name}` lies too low");
+    }
+}
+
+/// Packages that belong to one place only.
+const PLACES: &[(&str, &[&str])] = &[
+    ("wgpu", &["render"]),
+    ("naga", &["wgsl"]),
+    ("egui", &["preview"]),
+    ("eframe", &["preview"]),
+    ("winit", &["preview"]),
+    ("tower-lsp", &["server"]),
+    ("lsp-types", &["server"]),
+    ("tokio", &["server"]),
+    ("clap", &["cli"]),
+    ("annotate-snippets", &["cli"]),
+    ("indicatif", &["cli"]),
+];
+
+#[test]
+fn each_heavy_package_stays_in_its_place() {
+    for package in metadata().packages {
+        let name = short(&package.name);
+        if EXEMPT.contains(&name.as_str()) {
+            continue;
+        }
+        for dependency in &package.dependencies {
+            if dependency.kind == DependencyKind::Development {
+                continue;
+            }
+            for (guarded, places) in PLACES {
+                assert!(
+                    dependency.name != *guarded || places.contains(&name.as_str()),
+                    "`{name}` depends on `{guarded}`"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn syntax_knows_no_mathematics_and_expr_and_geodesic_know_no_syntax() {
+    let crates = internal_dependencies();
+    assert_eq!(crates["syntax"], Vec::<String>::new());
+    assert_eq!(crates["expr"], Vec::<String>::new());
+    assert!(!crates["geodesic"].contains(&"syntax".to_owned()));
+    for builtin in ["\"sinh\"", "\"acos\"", "\"tanh\""] {
+        for (path, text) in code("syntax") {
+            assert!(
+                !text.contains(builtin),
+                "{} names {builtin}",
+                path.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn wgpu_appears_under_render_gpu_only() {
+    for (path, text) in code("render") {
+        if path.components().any(|part| part.as_os_str() == "gpu") {
+            continue;
+        }
+        for word in ["wgpu::", "use wgpu"] {
+            assert!(!text.contains(word), "{} uses wgpu", path.display());
+        }
+    }
+}
+
+#[test]
+fn no_code_unwraps_without_a_reason() {
+    // `expect` states one; `unwrap` does not. Test modules stand at the end of a file.
+    let mut found = Vec::new();
+    for name in internal_dependencies()
+        .keys()
+        .filter(|name| !EXEMPT.contains(&name.as_str()))
+    {
+        for (path, text) in code(name) {
+            let lines = text
+                .lines()
+                .enumerate()
+                .filter(|(_, line)| line.contains(".unwrap()"));
+            found.extend(lines.map(|(line, _)| format!("{}:{}", path.display(), line + 1)));
+        }
+    }
+    assert!(found.is_empty(), "unwrap in {found:#?}");
+}
+
+/// The Rust files of a crate without comments and without what follows `#[cfg(test)]`.
+fn code(name: &str) -> Vec<(PathBuf, String)> {
+    let mut files = Vec::new();
+    collect(
+        &repository().join("crates").join(name).join("src"),
+        &mut files,
+    );
+    assert!(!files.is_empty(), "no code in `{name}`");
+    let mut read = Vec::new();
+    for path in files {
+        let text = std::fs::read_to_string(&path).expect("readable code");
+        let text = text.split("#[cfg(test)]").next().unwrap_or("");
+        let lines = text.lines().map(|line| match line.trim_start() {
+            comment if comment.starts_with("//") => "",
+            _ => line,
+        });
+        read.push((path, lines.collect::<Vec<_>>().join("\n")));
+    }
+    read
+}
+
+fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a readable folder") {
+        let path = entry.expect("a readable folder").path();
+        if path.is_dir() {
+            collect(&path, files);
+        } else if path.extension().is_some_and(|ending| ending == "rs")
+            && path.file_name().is_some_and(|name| name != "tests.rs")
+        {
+            files.push(path);
+        }
+    }
+}

@@ -1,0 +1,687 @@
+//! Bad and extreme input through the binary: each gets the right answer or a clear error, within bounded memory,
+//! with no panic and no half-written file. Statuses: 0 fine, 1 the program has errors, 2 wrong usage or files.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde_json::Value;
+use testing::binary::{Run, geotrace};
+
+/// No check of a small program may need more, in bytes of address space.
+const MEMORY: u64 = 1 << 30;
+/// No check may need more resident memory.
+const RESIDENT: u64 = 400 << 20;
+
+/// Checks a program given on standard input, as JSON.
+#[track_caller]
+fn check(program: impl Into<Vec<u8>>) -> Run {
+    let run = geotrace(["check", "-", "--format", "json"])
+        .input(program)
+        .memory(MEMORY)
+        .run();
+    assert!(run.peak < RESIDENT, "{}: {} MB", run.what, run.peak >> 20);
+    run
+}
+
+/// The first diagnostic of a run.
+#[track_caller]
+fn first(run: &Run) -> Value {
+    let json = run.json();
+    let first = &json["diagnostics"][0];
+    assert!(first.is_object(), "no diagnostic in {json}");
+    first.clone()
+}
+
+/// Checks that a program has an error of this code at this place.
+#[track_caller]
+fn error_at(program: impl Into<Vec<u8>>, code: &str, line: u64, column: u64) {
+    let run = check(program);
+    let found = first(run.expect_status(1));
+    assert_eq!(found["code"], code, "{found}");
+    assert_eq!(
+        (found["line"].as_u64(), found["column"].as_u64()),
+        (Some(line), Some(column)),
+        "{found}"
+    );
+    assert!(
+        found["message"]
+            .as_str()
+            .is_some_and(|text| text.len() > 10),
+        "{found}"
+    );
+}
+
+const SPHERE: &str =
+    "surface s(u,v) = (cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi/2];\n";
+
+#[test]
+fn an_empty_program_and_comments_are_valid() {
+    for program in ["", "\n", "  \t\r\n\n", "# nothing", "# é\n# ∂\n"] {
+        let run = check(program);
+        assert_eq!(
+            run.expect_status(0).json()["diagnostics"],
+            Value::Array(vec![])
+        );
+    }
+    geotrace(["check", "-"]).run().expect_status(0);
+}
+
+#[test]
+fn an_empty_program_gives_an_empty_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = folder.path().join("empty.png");
+    geotrace([
+        "render",
+        "-",
+        "--backend",
+        "software",
+        "--size",
+        "32x32",
+        "-o",
+    ])
+    .argument(&picture)
+    .run()
+    .expect_status(0);
+    let image = image::open(&picture).expect("a picture").to_rgba8();
+    assert_eq!(image.dimensions(), (32, 32));
+}
+
+#[test]
+fn bytes_that_are_no_text_have_a_place() {
+    error_at("define a = 1;\ndefine b = \0;", "bad-character", 2, 12);
+    error_at(b"define a = 1;\n# \xC3\xA9 \xFF\n", "invalid-utf8", 2, 5);
+    error_at(b"\xFF\xFE\x00", "invalid-utf8", 1, 1);
+    error_at(b"define a = 1;\n# \xE2\x82", "invalid-utf8", 2, 3);
+    // All NUL, and a lot of it.
+    check(vec![0; 1 << 20]).expect_status(1);
+}
+
+#[test]
+fn ten_megabytes_on_one_line_are_read() {
+    let mut sum = String::from("define a = 1");
+    while sum.len() < 10_000_000 {
+        sum.push_str("+1");
+    }
+    // Too large an expression may be refused, but with a sentence.
+    let run = check(sum.clone() + ";\n");
+    match run.status {
+        Some(0) => {}
+        _ => assert_eq!(first(run.expect_status(1))["code"], "expression-too-large"),
+    }
+    error_at(
+        format!("# {}\nfoo", "x".repeat(10_000_000)),
+        "expected-declaration",
+        2,
+        1,
+    );
+    let run = check("x".repeat(10_000_000));
+    run.expect_status(1);
+    let run = check("(".repeat(10_000_000));
+    run.expect_status(1);
+    let run = check(";".repeat(10_000_000));
+    run.expect_status(1);
+    let run = check("9".repeat(10_000_000));
+    run.expect_status(1);
+    // An error at the end of a long line has its column, and the terminal is spared the line.
+    let run = geotrace(["check", "-"])
+        .input(sum + "+;")
+        .memory(MEMORY)
+        .run();
+    run.expect_status(1);
+    assert!(
+        run.stdout.len() < 20_000,
+        "{} bytes of output",
+        run.stdout.len()
+    );
+}
+
+#[test]
+fn deep_nesting_is_an_error_and_no_crash() {
+    let deep = 100_000;
+    for (open, middle, close) in [
+        ("(", "1", ")"),
+        ("[", "1", "]"),
+        ("-", "1", ""),
+        ("*", "1", ""),
+        ("/", "1", ""),
+        ("sin ", "1", ""),
+        ("sin", "1", ""),
+        ("sin(", "1", ")"),
+        ("2^", "1", ""),
+        ("2^-", "1", ""),
+        ("sin^", "1", " 1"),
+        ("(1,", "1", ")"),
+    ] {
+        let text = format!(
+            "define a = {}{middle}{};",
+            open.repeat(deep),
+            close.repeat(deep)
+        );
+        let run = check(text);
+        let found = first(run.expect_status(1));
+        assert_eq!(found["code"], "too-deep", "{open}: {found}");
+        assert_eq!(
+            run.json()["diagnostics"].as_array().map(Vec::len),
+            Some(1),
+            "{open}"
+        );
+    }
+    // What is long but not deep is no error.
+    let flat = format!("define a = {}1;", "1*".repeat(100_000));
+    check(flat).expect_status(0);
+    let flat = format!("define a = ({}1);", "1,".repeat(10_000));
+    check(flat).expect_status(0);
+    // Primes and partial derivatives in a row.
+    let primes = format!("define a = sin{} 1;", "'".repeat(100_000));
+    let run = check(primes);
+    assert!(run.status == Some(0) || run.status == Some(1), "{run:?}");
+}
+
+#[test]
+fn derivatives_that_explode_are_an_error_and_no_hang() {
+    let primes = "'".repeat(40);
+    for body in [
+        "exp sin(x^2)",
+        "sin cos tan x",
+        "x^x^x",
+        "/(1+x^2)",
+        "sqrt(1+sin^2 x)/(2+cos x)",
+    ] {
+        let program = format!("function f(x) = {body};\ndefine a = f{primes} 0.5;\n");
+        let run = check(program);
+        match run.status {
+            Some(0) => {}
+            _ => assert_eq!(
+                first(run.expect_status(1))["code"],
+                "expression-too-large",
+                "{body}"
+            ),
+        }
+    }
+    // Functions that double what they take: the expression as a tree has 2^60 leaves.
+    let mut program = String::from("function f0(x) = sin x;\n");
+    for k in 1..60 {
+        let _ = writeln!(
+            program,
+            "function f{k}(x) = f{}(x)f{}(x + 1);",
+            k - 1,
+            k - 1
+        );
+    }
+    program.push_str("define a = f59 1;\n");
+    let run = check(program);
+    assert!(run.status == Some(0) || run.status == Some(1), "{run:?}");
+    let mut program = String::from("function f0(x) = x + x;\n");
+    for k in 1..60 {
+        let _ = writeln!(program, "function f{k}(x) = f{}(f{}(x));", k - 1, k - 1);
+    }
+    program.push_str("define a = f59 1;\n");
+    let run = check(program);
+    assert!(run.status == Some(0) || run.status == Some(1), "{run:?}");
+}
+
+#[test]
+fn numbers_out_of_range_are_named() {
+    error_at("define a = 1e999;", "number-out-of-range", 1, 12);
+    error_at(
+        format!("define a = {};", "9".repeat(400)),
+        "number-out-of-range",
+        1,
+        12,
+    );
+    check("define a = 1e-999;").expect_status(0);
+    error_at("param a : [0, 10^400];", "interval-undefined", 1, 11);
+    error_at(
+        "grid k : [0, 1, 10^9];\npoint p = (k, 0, 0);",
+        "interval-count",
+        1,
+        10,
+    );
+    error_at(
+        "grid a : [0, 1, 5000];\ngrid b : [0, 1, 5000];\npoint p = (a, b, 0);",
+        "too-many-instances",
+        3,
+        7,
+    );
+    error_at(
+        "surface s(u,v) = (u,v,0), u : [0,1,10^5], v : [0,1,10^5];",
+        "too-many-samples",
+        1,
+        9,
+    );
+}
+
+#[test]
+fn many_errors_are_all_counted_and_end() {
+    let program = "define a = ;\n".repeat(20_000);
+    let run = check(program.clone());
+    let json = run.expect_status(1).json();
+    assert!(
+        json["diagnostics"]
+            .as_array()
+            .is_some_and(|list| list.len() >= 1000)
+    );
+    let run = geotrace(["check", "-"]).input(program).memory(MEMORY).run();
+    run.expect_status(1);
+    assert!(
+        run.stdout.len() < 4_000_000,
+        "{} bytes of output",
+        run.stdout.len()
+    );
+}
+
+#[test]
+fn many_declarations_are_no_trouble() {
+    let mut program = String::new();
+    for k in 0..20_000 {
+        let _ = writeln!(
+            program,
+            "define a{k} = {k} + {};",
+            if k > 0 {
+                format!("a{}", k - 1)
+            } else {
+                "0".into()
+            }
+        );
+    }
+    check(program).expect_status(0);
+}
+
+#[test]
+fn files_that_cannot_be_read_are_wrong_usage() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let missing = folder.path().join("missing.gtr");
+    for command in ["check", "explain"] {
+        let run = geotrace([command]).argument(&missing).run();
+        run.expect_status(2).expect_text("missing.gtr");
+    }
+    geotrace(["check"])
+        .argument(folder.path())
+        .run()
+        .expect_status(2);
+    geotrace(["eval"])
+        .argument(&missing)
+        .argument("1")
+        .run()
+        .expect_status(2);
+    geotrace(["render"])
+        .argument(&missing)
+        .argument("-o")
+        .argument(folder.path().join("a.png"))
+        .run()
+        .expect_status(2);
+    assert!(!folder.path().join("a.png").exists());
+    // One bad file of several: the others are still checked.
+    let good = folder.path().join("good.gtr");
+    std::fs::write(&good, "define a = ;").expect("writable");
+    let run = geotrace(["check"]).argument(&good).argument(&missing).run();
+    run.expect_status(2).expect_text("good.gtr:1:12");
+}
+
+#[test]
+fn wrong_usage_is_told_from_errors_of_the_program() {
+    geotrace(Vec::<String>::new()).run().expect_status(2);
+    geotrace(["paint"]).run().expect_status(2);
+    geotrace(["check"]).run().expect_status(2);
+    geotrace(["check", "-", "--format", "xml"])
+        .run()
+        .expect_status(2);
+    geotrace(["render", "-"]).run().expect_status(2);
+    geotrace(["--version"])
+        .run()
+        .expect_status(0)
+        .expect_text("geotrace");
+    for command in ["check", "render", "trace", "eval", "explain"] {
+        geotrace([command, "--help"])
+            .run()
+            .expect_status(0)
+            .expect_text(command);
+    }
+    geotrace(["--help"])
+        .run()
+        .expect_status(0)
+        .expect_text("render");
+}
+
+/// Renders a program in an own folder, and checks that a failed run leaves nothing behind.
+#[track_caller]
+fn render(program: &str, more: &[&str], status: i32) -> Run {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = geotrace([
+        "render",
+        "-",
+        "--backend",
+        "software",
+        "-o",
+        "out.png",
+        "--size",
+        "16x16",
+    ])
+    .arguments(more)
+    .folder(folder.path())
+    .input(program)
+    .run();
+    run.expect_status(status);
+    let left: Vec<_> = std::fs::read_dir(folder.path())
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name())
+        .collect();
+    if status == 0 {
+        assert_eq!(left, ["out.png"], "{}", run.what);
+        image::open(folder.path().join("out.png")).expect("a whole picture");
+    } else {
+        assert!(left.is_empty(), "{} leaves {left:?}", run.what);
+        assert!(run.stderr.len() > 10, "{}: no sentence", run.what);
+    }
+    run
+}
+
+#[test]
+fn a_program_with_errors_is_not_drawn() {
+    let run = render("define a = ;", &[], 1);
+    run.expect_text("1:12");
+    render(SPHERE, &[], 0);
+}
+
+#[test]
+fn wrong_options_of_render_are_named() {
+    render(SPHERE, &["--size", "0x0"], 2);
+    render(SPHERE, &["--size", "100"], 2);
+    render(SPHERE, &["--size", "100000x100000"], 2);
+    render(SPHERE, &["--view", "sideways"], 2);
+    render(SPHERE, &["--view", "geodesic:t"], 2).expect_text("t");
+    render("point p = (1,2,3);", &["--view", "geodesic"], 2).expect_text("surface");
+    render(SPHERE, &["--set", "r=1"], 2).expect_text("r");
+    render(SPHERE, &["--set", "r"], 2);
+    render("param r : [0,1]; point p = (r,r,r);", &["--set", "r=2"], 2).expect_text("r");
+    render("param r : [0,1]; point p = (r,r,r);", &["--set", "r=x"], 2);
+    render(
+        "param r : [0,1]; point p = (r,r,r);",
+        &["--set", "r=nan"],
+        2,
+    );
+    render(
+        "param r : [0,1]; point p = (r,r,r);",
+        &["--set", "r=0.5,0.5"],
+        2,
+    );
+    render(
+        "param r : [-1,1]; point p = (r,r,r);",
+        &["--set", "r=-0.5"],
+        0,
+    );
+    render(SPHERE, &["--texture", "s=missing.png"], 2).expect_text("missing.png");
+    render(SPHERE, &["--texture", "t=missing.png"], 2);
+    render(SPHERE, &["--view", "geodesic", "--at", "nan,0"], 2);
+    render(SPHERE, &["--view", "geodesic", "--zoom", "-1"], 2);
+    render(SPHERE, &["--eye", "1,2"], 2);
+}
+
+#[test]
+fn a_file_that_is_no_picture_is_no_texture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("bad.png"), b"no picture").expect("writable");
+    let run = geotrace([
+        "render",
+        "-",
+        "--backend",
+        "software",
+        "-o",
+        "out.png",
+        "--texture",
+        "s=bad.png",
+    ])
+    .folder(folder.path())
+    .input(SPHERE)
+    .run();
+    run.expect_status(1).expect_text("bad.png");
+    assert!(!folder.path().join("out.png").exists());
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_named_and_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for target in ["no/such/folder/out.png", ".", "/proc/out.png"] {
+        let run = geotrace([
+            "render",
+            "-",
+            "--backend",
+            "software",
+            "--size",
+            "16x16",
+            "-o",
+            target,
+        ])
+        .folder(folder.path())
+        .input(SPHERE)
+        .run();
+        run.expect_status(2);
+        assert!(run.stderr.len() > 10, "{}: no sentence", run.what);
+    }
+    assert_eq!(
+        std::fs::read_dir(folder.path()).expect("a folder").count(),
+        0
+    );
+}
+
+#[test]
+fn a_failed_render_keeps_the_older_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = folder.path().join("out.png");
+    std::fs::write(&picture, b"older").expect("writable");
+    geotrace(["render", "-", "--backend", "software", "-o"])
+        .argument(&picture)
+        .input("define a = ;")
+        .run()
+        .expect_status(1);
+    assert_eq!(std::fs::read(&picture).expect("still there"), b"older");
+}
+
+#[test]
+fn a_trace_asks_for_what_it_needs() {
+    let trace = |more: &[&str]| {
+        geotrace(["trace", "-", "--format", "json"])
+            .arguments(more)
+            .input(SPHERE)
+            .run()
+    };
+    let good = [
+        "--surface",
+        "s",
+        "--from",
+        "1,0",
+        "--direction",
+        "1,0",
+        "--length",
+        "1",
+    ];
+    trace(&good).expect_status(0);
+    trace(&[
+        "--surface",
+        "t",
+        "--from",
+        "1,0",
+        "--direction",
+        "1,0",
+        "--length",
+        "1",
+    ])
+    .expect_status(2)
+    .expect_text("t");
+    trace(&["--surface", "s", "--from", "1,0", "--length", "1"]).expect_status(2);
+    trace(&[
+        "--surface",
+        "s",
+        "--from",
+        "1,0",
+        "--direction",
+        "0,0",
+        "--length",
+        "1",
+    ])
+    .expect_status(2);
+    trace(&[
+        "--surface",
+        "s",
+        "--from",
+        "1",
+        "--direction",
+        "1,0",
+        "--length",
+        "1",
+    ])
+    .expect_status(2);
+    trace(&[
+        "--surface",
+        "s",
+        "--from",
+        "nan,0",
+        "--direction",
+        "1,0",
+        "--length",
+        "1",
+    ])
+    .expect_status(2);
+    trace(&[
+        "--surface",
+        "s",
+        "--from",
+        "1,0",
+        "--direction",
+        "1,0",
+        "--length",
+        "inf",
+    ])
+    .expect_status(2);
+    let zero = trace(&[
+        "--surface",
+        "s",
+        "--from",
+        "-2,-0.3",
+        "--direction",
+        "1,0",
+        "--length",
+        "0",
+    ]);
+    assert_eq!(zero.expect_status(0).json()["status"], "complete");
+    // A length without end is cut by the limit of work, and says so.
+    let long = trace(&[
+        "--surface",
+        "s",
+        "--from",
+        "1,0",
+        "--direction",
+        "1,0.5",
+        "--length",
+        "1e9",
+    ]);
+    assert_eq!(long.expect_status(0).json()["status"], "work_limit");
+}
+
+#[test]
+fn eval_reports_in_the_expression() {
+    let eval = |expression: &str| {
+        geotrace(["eval", "-", "--format", "json"])
+            .argument(expression)
+            .input(SPHERE)
+            .run()
+    };
+    assert_eq!(eval("1/2").expect_status(0).json()["value"], 0.5);
+    assert_eq!(eval("-1").expect_status(0).json()["value"], -1.0);
+    assert_eq!(eval("0/0").expect_status(0).json()["value"], Value::Null);
+    assert_eq!(
+        eval("(1,0/0)").expect_status(0).json()["value"],
+        serde_json::json!([1.0, null])
+    );
+    for wrong in ["", "1 +", "foo", "1; define a = 2", "(1,2) + 1", "s"] {
+        eval(wrong).expect_status(1);
+    }
+    eval(&"(".repeat(50_000)).expect_status(1);
+    // A program with errors has no values.
+    let run = geotrace(["eval", "-", "1"]).input("define a = ;").run();
+    run.expect_status(1).expect_text("1:12");
+}
+
+#[test]
+fn a_pole_of_the_expression_is_reported_and_not_drawn() {
+    let run = render(
+        "param a : [0, 1];\npoint p = (1/a, 0, 0);\npoint q = (1, 1, 1);\n",
+        &[],
+        0,
+    );
+    run.expect_text("p");
+    render(
+        "surface s(u,v) = (u, v, 0/0), u : [0,1], v : [0,1];",
+        &[],
+        0,
+    );
+    render("curve c(t) = (log t, 0, 0), t : [-1, 1];", &[], 0);
+    render(
+        "surface s(u,v) = (u, v, 1/u), u : [-1,1], v : [0,1];",
+        &[],
+        0,
+    );
+    render(
+        "surface s(u,v) = (u, v, exp(1000u)), u : [-1,1], v : [0,1];",
+        &[],
+        0,
+    );
+    render(
+        "surface s(u,v) = (0, 0, 0), u : [-1,1], v : [0,1];",
+        &["--view", "geodesic"],
+        1,
+    );
+}
+
+#[test]
+fn standard_input_and_files_give_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("s.gtr");
+    std::fs::write(&file, SPHERE).expect("writable");
+    let from_file = geotrace(["explain", "--format", "json"])
+        .argument(&file)
+        .run();
+    let from_input = geotrace(["explain", "-", "--format", "json"])
+        .input(SPHERE)
+        .run();
+    let strip = |run: &Run| {
+        let mut json = run.expect_status(0).json();
+        if let Some(object) = json.as_object_mut() {
+            object.remove("file");
+        }
+        json
+    };
+    assert_eq!(strip(&from_file), strip(&from_input));
+    assert!(Path::new(&file).exists());
+}
+
+#[test]
+fn json_of_check_has_the_shape_of_the_contract() {
+    let run = check("define a = 1;\ndefine b = foo;\n");
+    let found = first(run.expect_status(1));
+    assert_eq!(found["line"], 2);
+    assert_eq!(found["column"], 12);
+    assert_eq!(found["end_line"], 2);
+    assert_eq!(found["end_column"], 15);
+    assert_eq!(found["severity"], "error");
+    assert_eq!(found["code"], "undefined-name");
+    assert!(found["file"].is_string() && found["message"].is_string());
+    assert!(found.get("hint").is_some(), "{found}");
+    // Warnings do not change the status.
+    let run = check("define x = 1;\ndefine a = sin 2x;\n");
+    let found = first(run.expect_status(0));
+    assert_eq!(found["severity"], "warning");
+    // The form for people.
+    let run = geotrace(["check", "-"]).input("define b = foo;\n").run();
+    let line = run
+        .expect_status(1)
+        .stdout
+        .lines()
+        .next()
+        .unwrap_or("")
+        .to_owned();
+    assert!(
+        line.contains(":1:12: error[undefined-name]: `foo` is not defined"),
+        "{line}"
+    );
+}

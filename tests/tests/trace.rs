@@ -1,0 +1,370 @@
+//! `geotrace trace` on surfaces whose geodesics are known in closed form, through the binary's JSON.
+
+use std::f64::consts::PI;
+
+use serde_json::Value;
+use testing::binary::geotrace;
+use testing::close::{assert_close, assert_near};
+
+/// Where a geodesic ended.
+#[derive(Debug)]
+struct End {
+    uv: [f64; 2],
+    position: Vec<f64>,
+    direction: [f64; 2],
+    length: f64,
+    speed_drift: f64,
+    error_estimate: f64,
+    evaluations: u64,
+    status: String,
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let list = value.as_array().map(Vec::as_slice).unwrap_or_default();
+    list.iter()
+        .map(|number| number.as_f64().unwrap_or(f64::NAN))
+        .collect()
+}
+
+/// Traces on the surface `s` of a program.
+#[track_caller]
+fn trace(program: &str, from: [f64; 2], direction: [f64; 2], length: f64) -> End {
+    trace_with(
+        program,
+        from,
+        &[
+            "--direction".to_owned(),
+            format!("{:?},{:?}", direction[0], direction[1]),
+        ],
+        length,
+    )
+}
+
+#[track_caller]
+fn trace_with(program: &str, from: [f64; 2], more: &[String], length: f64) -> End {
+    let mut arguments: Vec<String> = ["trace", "-", "--surface", "s", "--format", "json", "--from"]
+        .map(str::to_owned)
+        .to_vec();
+    arguments.push(format!("{:?},{:?}", from[0], from[1]));
+    arguments.extend(["--length".to_owned(), format!("{length:?}")]);
+    arguments.extend(more.iter().cloned());
+    let run = geotrace(&arguments).input(program).run();
+    let json = run.expect_status(0).json();
+    let number = |key: &str| {
+        json[key]
+            .as_f64()
+            .unwrap_or_else(|| panic!("no number `{key}` in {json}"))
+    };
+    let direction = numbers(&json["direction"]);
+    End {
+        uv: [number("u"), number("v")],
+        position: numbers(&json["position"]),
+        direction: [direction[0], direction[1]],
+        length: number("length"),
+        speed_drift: number("speed_drift"),
+        error_estimate: number("error_estimate"),
+        evaluations: number("evaluations") as u64,
+        status: json["status"].as_str().unwrap_or("none").to_owned(),
+    }
+}
+
+const SPHERE: &str =
+    "surface s(u,v) = (cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi/2];";
+const CYLINDER: &str = "surface s(u,v) = (2cos u, 2sin u, v), u : [0, 2pi], v : [-100, 100];";
+/// Half the opening angle has the sine 1/√2: unrolled, the full turn is a wedge of 2π/√2.
+const CONE: &str = "surface s(u,v) = (v cos u, v sin u, v), u : [0, 2pi], v : [0, 100];";
+const TORUS: &str = "surface s(u,v) = ((1 + 0.4cos v) cos u, (1 + 0.4cos v) sin u, 0.4sin v), u : [0, 2pi], v : [0, 2pi];";
+const PSEUDOSPHERE: &str =
+    "surface s(u,v) = (cos u/cosh v, sin u/cosh v, v - tanh v), u : [0, 2pi], v : [0.01, 20];";
+
+/// A point of the unit sphere, and the unit tangent with these chart components.
+fn sphere(uv: [f64; 2], direction: [f64; 2]) -> ([f64; 3], [f64; 3]) {
+    let ((su, cu), (sv, cv)) = (uv[0].sin_cos(), uv[1].sin_cos());
+    let [a, b] = direction;
+    let tangent = [
+        -a * cv * su - b * sv * cu,
+        a * cv * cu - b * sv * su,
+        b * cv,
+    ];
+    let length = tangent.iter().map(|x| x * x).sum::<f64>().sqrt();
+    ([cv * cu, cv * su, sv], tangent.map(|x| x / length))
+}
+
+#[test]
+fn geodesics_of_a_sphere_are_great_circles() {
+    let starts = [
+        ([0.3, 0.2], [1.0, 0.5], 2.0),
+        ([1.0, -0.7], [0.3, -1.0], 6.0),
+        ([5.0, 0.0], [1.0, 0.0], PI),
+        ([2.0, 0.5], [-1.0, 2.0], 20.0),
+        ([6.0, 1.2], [3.0, 0.1], 1.0),
+    ];
+    for (from, direction, length) in starts {
+        let end = trace(SPHERE, from, direction, length);
+        let (p, t) = sphere(from, direction);
+        let (sin, cos) = length.sin_cos();
+        let expected: Vec<f64> = (0..3).map(|k| p[k] * cos + t[k] * sin).collect();
+        assert_eq!(end.status, "complete");
+        assert_near("end", &end.position, &expected, 1e-8);
+        let (on_surface, tangent) = sphere(end.uv, end.direction);
+        assert_near("(u,v)", &on_surface, &expected, 1e-8);
+        let velocity: Vec<f64> = (0..3).map(|k| t[k] * cos - p[k] * sin).collect();
+        assert_near("direction", &tangent, &velocity, 1e-7);
+        assert_close("length", end.length, length, 1e-12);
+        assert!(end.speed_drift.abs() < 1e-8, "{end:?}");
+        let error = testing::close::distance(&end.position, &expected);
+        assert!(
+            error <= 30.0 * end.error_estimate.max(1e-12),
+            "the error {error:e} was estimated as {:e}",
+            end.error_estimate
+        );
+        assert!((0.0..=2.0 * PI).contains(&end.uv[0]), "{end:?}");
+        assert!((-PI / 2.0..=PI / 2.0).contains(&end.uv[1]), "{end:?}");
+    }
+}
+
+#[test]
+fn a_sphere_is_traced_through_and_past_its_poles() {
+    // Exactly through the pole: the meridian goes on half a turn further.
+    let end = trace(SPHERE, [0.5, 1.0], [0.0, 1.0], 2.0);
+    assert_eq!(end.status, "complete");
+    assert_near("through", &end.uv, &[0.5 + PI, PI - 3.0], 1e-9);
+    for miss in [1e-1, 1e-2, 1e-4, 1e-6, 1e-8_f64] {
+        // A great circle whose nearest point to the pole is `miss` away: start on it where it is 1 away.
+        let from = [0.0, PI / 2.0 - 1.0];
+        // Clairaut: cos(v)·sin(angle to the meridian) is constant, and is sin(miss) at the nearest point.
+        let sine = miss.sin() / 1.0_f64.sin();
+        let direction = [sine / from[1].cos(), (1.0 - sine * sine).sqrt()];
+        let end = trace(SPHERE, from, direction, 2.5);
+        let (p, t) = sphere(from, direction);
+        let (sin, cos) = 2.5_f64.sin_cos();
+        let expected: Vec<f64> = (0..3).map(|k| p[k] * cos + t[k] * sin).collect();
+        assert_eq!(end.status, "complete", "missing the pole by {miss:e}");
+        assert_near(
+            &format!("missing the pole by {miss:e}"),
+            &end.position,
+            &expected,
+            1e-8,
+        );
+        assert!(end.evaluations < 20_000, "{end:?}");
+    }
+}
+
+#[test]
+fn geodesics_of_a_cylinder_are_helices() {
+    for (from, direction, length) in [
+        ([0.0, 0.0], [1.0, 1.0], 10.0),
+        ([3.0, -2.0], [-1.0, 0.25], 50.0),
+        ([1.0, 1.0], [0.0, -1.0], 3.0),
+    ] {
+        let end = trace(CYLINDER, from, direction, length);
+        let speed = (4.0 * direction[0] * direction[0] + direction[1] * direction[1]).sqrt();
+        let (u, v) = (
+            from[0] + direction[0] * length / speed,
+            from[1] + direction[1] * length / speed,
+        );
+        assert_eq!(end.status, "complete");
+        assert_near(
+            "end",
+            &end.position,
+            &[2.0 * u.cos(), 2.0 * u.sin(), v],
+            1e-8,
+        );
+        assert_near("u", &[end.uv[0]], &[u.rem_euclid(2.0 * PI)], 1e-8);
+        assert_near(
+            "direction",
+            &end.direction,
+            &direction.map(|x| x / speed),
+            1e-9,
+        );
+    }
+}
+
+#[test]
+fn geodesics_of_a_cone_are_straight_when_it_is_unrolled() {
+    // Polar coordinates of the plane: radius v√2, angle u/√2.
+    let unroll = |uv: [f64; 2]| {
+        let (radius, angle) = (uv[1] * 2.0_f64.sqrt(), uv[0] / 2.0_f64.sqrt());
+        [radius * angle.cos(), radius * angle.sin()]
+    };
+    for (from, direction, length) in [
+        ([1.0, 5.0], [0.1, 1.0], 3.0),
+        ([1.0, 5.0], [1.0, -2.0], 8.0),
+        ([3.0, 1.0], [0.7, 0.2], 20.0),
+    ] {
+        let end = trace(CONE, from, direction, length);
+        assert_eq!(end.status, "complete");
+        let speed = (from[1] * from[1] * direction[0] * direction[0]
+            + 2.0 * direction[1] * direction[1])
+            .sqrt();
+        let start = unroll(from);
+        let (angle, root) = (from[0] / 2.0_f64.sqrt(), 2.0_f64.sqrt());
+        let radial = direction[1] * root / speed;
+        let around = from[1] * direction[0] / speed;
+        let expected = [
+            start[0] + length * (radial * angle.cos() - around * angle.sin()),
+            start[1] + length * (radial * angle.sin() + around * angle.cos()),
+        ];
+        // The end's u is known up to whole turns only.
+        let turns =
+            (-4..=4).map(|turn| unroll([end.uv[0] + 2.0 * PI * f64::from(turn), end.uv[1]]));
+        let nearest = turns
+            .min_by(|a, b| {
+                let of = |p: &[f64; 2]| testing::close::distance(p, &expected);
+                of(a).total_cmp(&of(b))
+            })
+            .unwrap_or_default();
+        assert_near("end", &nearest, &expected, 1e-8);
+    }
+}
+
+#[test]
+fn a_line_into_the_tip_of_a_cone_ends_there() {
+    let end = trace(CONE, [1.0, 2.0], [0.0, -1.0], 10.0);
+    assert_eq!(end.status, "cone_point");
+    assert_close("length", end.length, 2.0 * 2.0_f64.sqrt(), 1e-6);
+}
+
+#[test]
+fn a_line_over_a_true_edge_ends_there() {
+    let end = trace(CYLINDER, [1.0, 95.0], [0.0, 1.0], 10.0);
+    assert_eq!(end.status, "left_domain");
+    assert_close("length", end.length, 5.0, 1e-8);
+    assert_near("end", &end.uv, &[1.0, 100.0], 1e-7);
+}
+
+/// The distance to the axis times the sine of the angle to the meridian.
+fn clairaut_of_torus(uv: [f64; 2], direction: [f64; 2]) -> f64 {
+    let radius = 1.0 + 0.4 * uv[1].cos();
+    let (a, b) = (radius * direction[0], 0.4 * direction[1]);
+    radius * a / a.hypot(b)
+}
+
+#[test]
+fn clairauts_relation_holds_on_a_torus() {
+    for (from, direction, length) in [
+        ([0.0, 0.0], [1.0, 1.0], 50.0),
+        ([1.0, 2.0], [0.2, 1.0], 50.0),
+        ([1.0, PI], [1.0, 0.01], 5.0),
+    ] {
+        let end = trace(TORUS, from, direction, length);
+        assert_eq!(end.status, "complete");
+        let (before, after) = (
+            clairaut_of_torus(from, direction),
+            clairaut_of_torus(end.uv, end.direction),
+        );
+        assert_close("Clairaut", after, before, 1e-9);
+    }
+    // The outer equator is a geodesic: a whole turn returns.
+    let end = trace(TORUS, [1.0, 0.0], [1.0, 0.0], 2.0 * PI * 1.4);
+    assert_near(
+        "equator",
+        &end.position,
+        &[1.4 * 1.0_f64.cos(), 1.4 * 1.0_f64.sin(), 0.0],
+        1e-8,
+    );
+}
+
+#[test]
+fn the_pseudosphere_is_hyperbolic() {
+    // In the half-plane x = u, y = cosh v lines are circles about the axis: (x − c)² + y² is constant.
+    let (from, direction) = ([1.0, 1.0_f64], [0.3, 1.0_f64]);
+    let end = trace(PSEUDOSPHERE, from, direction, 1.5);
+    assert_eq!(end.status, "complete");
+    let plane = |uv: [f64; 2], d: [f64; 2]| ([uv[0], uv[1].cosh()], [d[0], d[1] * uv[1].sinh()]);
+    let centre = |p: [f64; 2], t: [f64; 2]| p[0] + p[1] * t[1] / t[0];
+    let (p, t) = plane(from, direction);
+    let (q, s) = plane(end.uv, end.direction);
+    assert_close("centre", centre(q, s), centre(p, t), 1e-8);
+    let square = |p: [f64; 2]| (p[0] - centre(plane(from, direction).0, t)).powi(2) + p[1] * p[1];
+    assert_close("radius", square(q), square(p), 1e-8);
+    // The distance between the ends in the half-plane is the length.
+    let chord = ((p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2)) / (2.0 * p[1] * q[1]);
+    assert_close("distance", (1.0 + chord).acosh(), 1.5, 1e-8);
+    // Two lines that start at a small angle run apart like sinh.
+    let other = trace(PSEUDOSPHERE, from, [0.3 + 1e-5, 1.0], 1.5);
+    let apart = testing::close::distance(&other.position, &end.position);
+    let speed = |d: [f64; 2]| {
+        let e = d[0] / from[1].cosh();
+        let g = d[1] * from[1].tanh();
+        (e, g)
+    };
+    let ((a, b), (c, d)) = (speed(direction), speed([0.3 + 1e-5, 1.0]));
+    let angle = (d.atan2(c) - b.atan2(a)).abs();
+    assert_close("growth", apart / angle, 1.5_f64.sinh(), 1e-3);
+}
+
+#[test]
+fn tracing_back_returns() {
+    for (program, from, direction, length) in [
+        (SPHERE, [1.0, 0.3], [1.0, 0.4], 5.0),
+        (CYLINDER, [1.0, 0.3], [1.0, 0.4], 20.0),
+        (CONE, [1.0, 5.0], [0.3, -1.0], 12.0),
+        (TORUS, [1.0, 0.3], [1.0, 0.4], 10.0),
+        (PSEUDOSPHERE, [3.0, 1.0], [1.0, 0.4], 1.0),
+    ] {
+        let there = trace(program, from, direction, length);
+        assert_eq!(there.status, "complete", "{program}");
+        let back = trace(program, there.uv, there.direction.map(|x| -x), length);
+        assert_eq!(back.status, "complete", "{program}");
+        assert_near(program, &back.uv, &from, 1e-7);
+    }
+}
+
+#[test]
+fn a_heading_is_an_angle_in_the_tangent_plane() {
+    // On the torus σu and σv are orthogonal: heading 90° is straight along v.
+    let by_heading = |degrees: &str| {
+        trace_with(
+            TORUS,
+            [1.0, 0.5],
+            &["--heading".to_owned(), degrees.to_owned()],
+            0.3,
+        )
+    };
+    let along_v = trace(TORUS, [1.0, 0.5], [0.0, 1.0], 0.3);
+    assert_near("90", &by_heading("90").uv, &along_v.uv, 1e-9);
+    let against_u = trace(TORUS, [1.0, 0.5], [-1.0, 0.0], 0.3);
+    assert_near("180", &by_heading("180").uv, &against_u.uv, 1e-9);
+    assert_near("-180", &by_heading("-180").uv, &against_u.uv, 1e-9);
+    let radius = 1.0 + 0.4 * 0.5_f64.cos();
+    let diagonal = trace(TORUS, [1.0, 0.5], [1.0 / radius, 1.0 / 0.4], 0.3);
+    assert_near("45", &by_heading("45").uv, &diagonal.uv, 1e-9);
+}
+
+#[test]
+fn a_moebius_strip_is_passed_through_its_seam_turned_over() {
+    let strip = |domain: &str| {
+        format!(
+            "surface s(u,v) = ((1 + v cos(u/2)) cos u, (1 + v cos(u/2)) sin u, v sin(u/2)), \
+             u : {domain}, v : [-0.8, 0.8];"
+        )
+    };
+    // One chart has its seam at u = 0, the other has none there.
+    let (seam, plain) = (strip("[0, 2pi]"), strip("[-pi, pi]"));
+    for (from, direction) in [([0.5, 0.1], [-1.0, 0.1]), ([0.3, -0.2], [-1.0, -0.3])] {
+        let through = trace(&seam, from, direction, 1.0);
+        let beside = trace(&plain, from, direction, 1.0);
+        assert_eq!(through.status, "complete");
+        assert_eq!(beside.status, "complete");
+        assert_near("position", &through.position, &beside.position, 1e-8);
+        let [u, v] = beside.uv;
+        assert!(u < -0.1, "{beside:?} does not cross the seam");
+        assert_near("(u,v)", &through.uv, &[u + 2.0 * PI, -v], 1e-8);
+        let [a, b] = beside.direction;
+        assert_near("direction", &through.direction, &[a, -b], 1e-8);
+    }
+}
+
+#[test]
+fn a_surface_of_any_size_is_traced_alike() {
+    for size in [1e-6, 1.0, 1e6] {
+        let program = format!(
+            "define R = {size:e}; surface s(u,v) = R(cos v cos u, cos v sin u, sin v), \
+             u : [0, 2pi], v : [-pi/2, pi/2];"
+        );
+        let end = trace(&program, [0.3, 0.2], [1.0, 0.5], 2.0 * size);
+        let unit = trace(SPHERE, [0.3, 0.2], [1.0, 0.5], 2.0);
+        assert_near("(u,v)", &end.uv, &unit.uv, 1e-8);
+    }
+}
