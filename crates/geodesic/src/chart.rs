@@ -19,6 +19,8 @@ pub(crate) const KEEP_OFF: f64 = 0.1;
 /// At a smooth pole, nearer than this share of the chart's radius the chain rule has lost digits and the
 /// acceleration is interpolated: it is a smooth function there.
 const INNER: f64 = 1e-3;
+/// The same as a share of the radius of curvature: the function's series must converge well there.
+const INNER_BEND: f64 = 5e-3;
 /// Where a ray stalls, a tangent vector this much shorter than usual, or an angle of this sine between both, is why.
 const THIN: f64 = 1e-3;
 
@@ -182,7 +184,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
                 })
             }
             Chart::Apex(chart) => {
-                let inner = INNER * chart.radius();
+                let inner = chart.inner();
                 let r = motion.at[0].hypot(motion.at[1]);
                 if chart.apex.smooth && r < inner {
                     return self.inner(chart, motion, r, inner, work);
@@ -193,7 +195,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         }
     }
 
-    /// Near a smooth pole: the acceleration from four points along a line, to fourth order in their distance.
+    /// Near a smooth pole: the acceleration from six points along a line, to sixth order in their distance.
     fn inner(
         &self,
         chart: &ApexChart,
@@ -207,23 +209,33 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         } else {
             [1.0, 0.0]
         };
-        *work += 4;
+        *work += 6;
         let sample = |offset: f64| {
             let at = [0, 1].map(|k| motion.at[k] + offset * along[k]);
             self.about_apex(chart, Motion { at, ..motion })
         };
         let step = 2.0 * inner;
-        let near = [sample(step)?, sample(-step)?];
-        let far = [sample(2.0 * step)?, sample(-2.0 * step)?];
-        let acceleration = [0, 1].map(|k| {
-            (4.0 * (near[0].acceleration[k] + near[1].acceleration[k])
-                - far[0].acceleration[k]
-                - far[1].acceleration[k])
-                / 6.0
-        });
+        // Interpolation at the middle of ±1, ±2, ±3 steps.
+        let weights = [0.75, -0.3, 0.05];
+        let near = sample(step)?;
+        let mut acceleration = [0.0; 2];
+        let mut tangents = [[0.0; 3]; 2];
+        for (n, weight) in (1..).zip(weights) {
+            let offset = step * f64::from(n);
+            let forward = if n == 1 { near } else { sample(offset)? };
+            let pair = [forward, sample(-offset)?];
+            for (k, sum) in acceleration.iter_mut().enumerate() {
+                *sum += weight * (pair[0].acceleration[k] + pair[1].acceleration[k]);
+            }
+            for (k, sum) in tangents.iter_mut().enumerate() {
+                *sum = combine(1.0, *sum, weight, pair[0].tangents[k]);
+                *sum = combine(1.0, *sum, weight, pair[1].tangents[k]);
+            }
+        }
         checked(Local {
             acceleration,
-            ..near[0]
+            tangents,
+            ..near
         })
     }
 
@@ -328,9 +340,45 @@ impl ApexChart {
         self.width.powf(1.0 / self.apex.power)
     }
 
+    /// The radius of the neighbourhood in which the acceleration is interpolated.
+    fn inner(&self) -> f64 {
+        (INNER * self.radius()).min(INNER_BEND * self.apex.bend)
+    }
+
+    /// The longest stretch, in chart units, that a step may go near a tip that is not smooth: towards it so that
+    /// the tip stays ahead, away from it twice the distance. There the chain rule's rounding grows like 1/r.
+    pub(crate) fn longest(&self, motion: Motion) -> f64 {
+        if self.apex.smooth {
+            return f64::INFINITY;
+        }
+        let ([a, b], [x, y]) = (motion.at, motion.velocity);
+        let r = a.hypot(b).max(1e-12 * self.radius());
+        if a * x + b * y < 0.0 {
+            0.75 * r
+        } else {
+            2.0 * r
+        }
+    }
+
     /// A point's distance from the apex, as a share of the domain's width.
     pub(crate) fn share(&self, at: [f64; 2]) -> f64 {
         at[0].hypot(at[1]).powf(self.apex.power) / self.width
+    }
+
+    /// What the rounding of the radial parameter does to a direction that passes from one point to another in a
+    /// straight line: nothing where the apex is at 0, much where ρ is a difference of large numbers.
+    pub(crate) fn noise(&self, from: [f64; 2], to: [f64; 2]) -> f64 {
+        let way = [0, 1].map(|k| to[k] - from[k]);
+        let square = way[0] * way[0] + way[1] * way[1];
+        let along = if square > 0.0 {
+            (-(from[0] * way[0] + from[1] * way[1]) / square).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let nearest = [0, 1].map(|k| from[k] + along * way[k]);
+        let floor = if self.apex.smooth { self.inner() } else { 0.0 };
+        let r = nearest[0].hypot(nearest[1]).max(floor);
+        f64::EPSILON * self.base.abs() / r.powf(self.apex.power)
     }
 
     /// Whether a point is far enough off to leave the chart.

@@ -9,11 +9,11 @@ use crate::surface::{Side, Surface};
 use crate::trace::Status;
 
 /// A tip of a cone is hit by what passes it within this share of its chart's radius.
-const HIT: f64 = 1e-10;
+const HIT: f64 = 1e-12;
 /// How far beyond an edge a ray may stray, as a share of the domain's width, and still be on it.
 const EDGE_SLACK: f64 = 1e-12;
 /// A step shorter than this share of the ray's own scale is not worth taking.
-const SHORTEST: f64 = 1e-14;
+const SHORTEST: f64 = 1e-13;
 /// What an evaluation's rounding may do to a step; the tolerance asked for has this as its floor.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
@@ -145,6 +145,7 @@ pub(crate) fn follow<S: Surface + ?Sized>(
         if remaining <= 1e-15 * length {
             break Status::Complete;
         }
+        h = h.min(ray.longest());
         // Two steps of equal length rather than a long one and a sliver.
         let tried = if h >= remaining {
             remaining
@@ -174,15 +175,15 @@ pub(crate) fn follow<S: Surface + ?Sized>(
             Attempt::Again(shorter) => {
                 ray.rejected += 1;
                 h = shorter;
-                let stuck =
-                    h < SHORTEST * length.min(atlas.scale.size).max(ray.s) || ray.s + h == ray.s;
                 if plan.tolerance.is_none() {
                     break stalled_at(atlas, ray.plain().at);
                 }
-                if stuck {
-                    break stalled_at(atlas, ray.plain().at);
-                }
             }
+        }
+        // Steps that shrink to nothing run into something that they will not pass.
+        let shortest = SHORTEST * length.min(atlas.scale.size).max(ray.s);
+        if plan.tolerance.is_some() && h < shortest && length - ray.s > shortest {
+            break stalled_at(atlas, ray.plain().at);
         }
         if ray.evaluations >= plan.max_evaluations {
             break if length - ray.s <= 1e-15 * length {
@@ -245,6 +246,17 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         motion
     }
 
+    /// The longest step that the chart allows.
+    fn longest(&self) -> f64 {
+        match &self.chart {
+            Chart::Plain => f64::INFINITY,
+            Chart::Apex(chart) => {
+                let [x, y] = self.motion.velocity;
+                chart.longest(self.motion) / x.hypot(y)
+            }
+        }
+    }
+
     fn step(&mut self, h: f64) -> Option<Step> {
         integrate::step(
             self.atlas,
@@ -263,13 +275,21 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         };
         let scale = self.atlas.scale.size.min(length);
         let rounding = self.rounding();
-        let error = step.position_error + scale * step.direction_error;
+        let noise = match &self.chart {
+            Chart::Plain => 0.0,
+            Chart::Apex(chart) => chart.noise(self.motion.at, step.end.at),
+        };
         let mut next = None;
         if let Some(tolerance) = self.plan.tolerance {
-            let allowed = (tolerance * h).max(rounding);
-            let order = self.plan.tableau.error_order;
-            let factor = 0.9 * (allowed / error).powf(1.0 / order);
-            if error > allowed || error.is_nan() {
+            // A ray of many short steps is allowed a thousandth of its scale's error in each: errors grow no more
+            // than that by being made over and over.
+            let floor = (rounding + scale * noise).max(1e-3 * tolerance * scale);
+            let allowed = (tolerance * h).max(floor);
+            let position = step.position_error / allowed;
+            let direction = scale * step.direction_error / allowed;
+            let excess = position + direction;
+            let factor = 0.9 * excess.powf(-1.0 / self.plan.tableau.error_order);
+            if excess > 1.0 || excess.is_nan() {
                 return Attempt::Again(h * factor.clamp(0.1, 0.9));
             }
             next = Some(h * factor.clamp(0.2, 6.0));
@@ -296,7 +316,11 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     }
 
     fn accept(&mut self, step: &Step, h: f64, rounding: f64, scale: f64) {
-        let direction = step.direction_error + ROUNDING * (1.0 + h / scale);
+        let noise = match &self.chart {
+            Chart::Plain => 0.0,
+            Chart::Apex(chart) => chart.noise(self.motion.at, step.end.at),
+        };
+        let direction = step.direction_error + noise + ROUNDING * (1.0 + h / scale);
         self.errors
             .add(step, step.position_error + rounding, direction);
         self.steps += 1;

@@ -18,6 +18,8 @@ pub struct Apex {
     pub rate: f64,
     /// 1 where distance is proportional to ρ near the tip, 2 where it is to √ρ, ½ where it is to ρ².
     pub power: f64,
+    /// The radius of curvature at the tip, in units of r: where the coordinates' series ends, in order of magnitude.
+    pub bend: f64,
     /// Whether the total angle is 2π: a smooth point, which rays pass.
     pub smooth: bool,
     /// Whether the coordinates are of use: the angle grows evenly with t (or the tip is smooth).
@@ -172,12 +174,45 @@ fn apex(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2], axis: usize, end: 
     let power = [1.0, 2.0, 0.5]
         .into_iter()
         .find(|power| (1.0 / power - 1.0 - slope).abs() < 0.02);
+    let bend = power.map_or(0.0, |power| bend(jet, domain, axis, end, power));
     let even = most - least <= 1e-3 * most;
     let smooth = power.is_some() && (total - TAU).abs() <= FULL_TURN;
     Apex {
         rate: if smooth { TAU / period } else { total / period },
         power: power.unwrap_or(1.0),
+        bend,
         smooth,
         regular: smooth || (power.is_some() && even && total > 1e-3),
     }
+}
+
+/// The least radius of curvature of the coordinate lines that leave the apex, a little off it, in units of r.
+fn bend(
+    jet: &dyn Fn([f64; 2]) -> Jet,
+    domain: [[f64; 2]; 2],
+    axis: usize,
+    end: usize,
+    power: f64,
+) -> f64 {
+    const OFF: f64 = 1e-5;
+    let [low, high] = domain[axis];
+    let sign = if end == 0 { 1.0 } else { -1.0 };
+    let rho = OFF * (high - low);
+    let r = rho.powf(1.0 / power);
+    let share = if end == 0 { OFF } else { 1.0 - OFF };
+    let radii = PLACES.map(|across| {
+        let jet = jet(at(domain, place(axis, share, across)));
+        let (w, ww) = if axis == 0 {
+            (jet.du, jet.duu)
+        } else {
+            (jet.dv, jet.dvv)
+        };
+        let first = sign * power * r.powf(power - 1.0);
+        let by_r = w.map(|x| x * first);
+        let by_rr = combine(first * first, ww, first * (power - 1.0) / r, w);
+        let bent = norm(cross(by_r, by_rr)) / dot(by_r, by_r);
+        1.0 / bent
+    });
+    // A NaN is passed over by `min`.
+    radii.into_iter().fold(f64::INFINITY, f64::min)
 }

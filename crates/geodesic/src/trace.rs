@@ -57,7 +57,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            tolerance: 1e-11,
+            tolerance: 3e-10,
             method: Method::Adaptive,
             max_evaluations: 20_000,
             keep_path: false,

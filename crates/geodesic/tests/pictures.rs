@@ -1,0 +1,147 @@
+//! The camera and the exponential map.
+
+mod shapes;
+
+use geodesic::frame::Frame;
+use geodesic::map::{MapOptions, exponential_map, map_row, pixel_place};
+use geodesic::metric::Metric;
+use geodesic::surface::Surface;
+use geodesic::trace::{Method, Options, Status};
+use shapes::*;
+
+/// X ⟂ Y of one length.
+#[track_caller]
+fn assert_orthogonal(surface: &dyn Surface, frame: &Frame, zoom: f64) {
+    let metric = Metric::of(&surface.jet(frame.uv));
+    let (xx, xy, yy) = (
+        metric.inner(frame.x, frame.x),
+        metric.inner(frame.x, frame.y),
+        metric.inner(frame.y, frame.y),
+    );
+    let square = zoom * zoom;
+    assert!(
+        (xx - square).abs() < 1e-9 * square,
+        "{frame:?}: {xx} {square}"
+    );
+    assert!(
+        (yy - square).abs() < 1e-9 * square,
+        "{frame:?}: {yy} {square}"
+    );
+    assert!(xy.abs() < 1e-9 * square, "{frame:?}: {xy}");
+}
+
+#[test]
+fn a_frame_is_carried_around_a_triangle_of_the_sphere_by_its_area() {
+    let s = spheroid(1.0, 1.0);
+    let start = Frame::new(&s, [1.0, 0.3], 0.4, 0.5).expect("a frame");
+    assert_orthogonal(&s, &start, 0.5);
+    assert!((start.zoom(&s) - 0.5).abs() < 1e-14);
+    // A quarter of a great circle is π/2 long, and the octant's three right angles turn the frame by π/2.
+    let quarter = PI;
+    let options = Options::default();
+    let mut frame = start;
+    for step in [[quarter, 0.0], [0.0, quarter]] {
+        frame = frame.advance(&s, step, &options).expect("a way").0;
+        assert_orthogonal(&s, &frame, 0.5);
+    }
+    // Back to the start along the third side, which lies along −X now.
+    let frame = frame
+        .advance(&s, [-quarter, 0.0], &options)
+        .expect("a way")
+        .0;
+    assert!(
+        (0..2).all(|k| (frame.uv[k] - start.uv[k]).abs() < 1e-9),
+        "{frame:?} {start:?}"
+    );
+    let turned = start.turned(PI / 2.0);
+    let miss = [0, 1].map(|k| {
+        (frame.x[k] - turned.x[k])
+            .abs()
+            .max((frame.y[k] - turned.y[k]).abs())
+    });
+    assert!(miss[0].max(miss[1]) < 1e-8, "{frame:?} {turned:?}");
+}
+
+#[test]
+fn a_frame_passes_a_moebius_strips_seam_mirrored_and_returns_as_it_was() {
+    let s = moebius(0.0);
+    let options = Options::default();
+    let start = Frame::new(&s, [0.5, 0.1], PI - 0.1, 1.0).expect("a frame");
+    let (there, trace) = start.advance(&s, [0.9, 0.1], &options).expect("a way");
+    assert!(
+        trace.flipped && trace.status == Status::Complete,
+        "{trace:?}"
+    );
+    assert_orthogonal(&s, &there, 1.0);
+    let left = Metric::of(&s.jet(there.uv)).turn_left(there.x);
+    assert!(
+        (0..2).all(|k| (left[k] + there.y[k]).abs() < 1e-9),
+        "{there:?} is not mirrored"
+    );
+    let (back, _) = there.advance(&s, [-0.9, -0.1], &options).expect("a way");
+    let miss = [(back.uv, start.uv), (back.x, start.x), (back.y, start.y)];
+    for (a, b) in miss {
+        assert!(
+            (0..2).all(|k| (a[k] - b[k]).abs() < 1e-9),
+            "{back:?} {start:?}"
+        );
+    }
+}
+
+#[test]
+fn every_pixel_of_a_sphere_is_right_with_the_pole_in_the_picture() {
+    let s = spheroid(1.0, 1.0);
+    let frame = Frame::new(&s, [0.3, 1.2], 0.5, 2.0).expect("a frame");
+    let size = [40, 24];
+    let map = exponential_map(&s, &frame, size, &MapOptions::default(), &|_| {});
+    assert_eq!(map.uv.len(), 40 * 24);
+    let pixel = 2.0 * 2.0 / 24.0;
+    let at = s.jet(frame.uv);
+    let mut worst = 0.0_f64;
+    for row in 0..size[1] {
+        for column in 0..size[0] {
+            let place = pixel_place(size, column, row);
+            let index = (row * size[0] + column) as usize;
+            assert_eq!(map.status[index], Status::Complete);
+            let velocity = frame.velocity(place);
+            let w = [0, 1, 2].map(|k| at.du[k] * velocity[0] + at.dv[k] * velocity[1]);
+            let length = w.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let end = s.jet(map.uv[index].map(f64::from)).position;
+            let (sin, cos) = length.sin_cos();
+            let gap: f64 = (0..3)
+                .map(|k| (at.position[k] * cos + w[k] / length * sin - end[k]).powi(2))
+                .sum();
+            worst = worst.max(gap.sqrt() / pixel);
+        }
+    }
+    assert!(worst <= 0.1, "{worst} px");
+}
+
+#[test]
+fn rows_do_not_depend_on_each_other() {
+    let s = torus(0.4);
+    let frame = Frame::new(&s, [0.3, 1.2], 0.0, 2.0).expect("a frame");
+    let options = MapOptions::default();
+    let map = exponential_map(&s, &frame, [9, 7], &options, &|_| {});
+    let row = map_row(&s, &frame, [9, 7], 4, &options);
+    assert_eq!(row.uv, map.uv[36..45]);
+    // The middle of an odd picture is the camera itself.
+    assert_eq!(map.uv[31], frame.uv.map(|x| x as f32));
+}
+
+#[test]
+fn pictures_of_no_and_of_one_pixel_and_without_zoom_are_finite() {
+    let s = torus(0.4);
+    let frame = Frame::new(&s, [0.3, 1.2], 0.0, 0.0).expect("a frame");
+    for size in [[0, 0], [1, 1], [3, 2]] {
+        for method in [Method::Adaptive, Method::Rk4 { steps: 8 }] {
+            let options = MapOptions {
+                method,
+                ..MapOptions::default()
+            };
+            let map = exponential_map(&s, &frame, size, &options, &|_| {});
+            assert_eq!(map.uv.len(), (size[0] * size[1]) as usize);
+            assert!(map.uv.iter().all(|&uv| uv == [0.3, 1.2]), "{map:?}");
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Surfaces for the tests, written by hand: their topology is found, their derivatives come from `expr`.
+
+use expr::ops::Unary;
+use expr::{Graph, Input, NodeId};
+use geodesic::surface::ParametricSurface;
+
+/// A graph with the few constructors that the shapes need.
+#[allow(dead_code)]
+pub(crate) struct Maker {
+    pub(crate) g: Graph,
+    pub(crate) u: NodeId,
+    pub(crate) v: NodeId,
+}
+
+#[allow(dead_code)]
+impl Maker {
+    pub(crate) fn new() -> Self {
+        let mut g = Graph::default();
+        let u = g.input(Input::Variable(0));
+        let v = g.input(Input::Variable(1));
+        Self { g, u, v }
+    }
+    pub(crate) fn c(&mut self, x: f64) -> NodeId {
+        self.g.constant(x)
+    }
+    pub(crate) fn f(&mut self, op: Unary, a: NodeId) -> NodeId {
+        self.g.unary(op, a)
+    }
+    pub(crate) fn mul(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        self.g.multiply(a, b)
+    }
+    pub(crate) fn add(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        self.g.add(a, b)
+    }
+    pub(crate) fn scale(&mut self, s: f64, a: NodeId) -> NodeId {
+        let s = self.c(s);
+        self.g.multiply(s, a)
+    }
+    pub(crate) fn plus(&mut self, s: f64, a: NodeId) -> NodeId {
+        let s = self.c(s);
+        self.g.add(s, a)
+    }
+    /// (r cos t, r sin t, z).
+    pub(crate) fn around(&mut self, r: NodeId, t: NodeId, z: NodeId) -> [NodeId; 3] {
+        let (cos, sin) = (self.f(Unary::Cos, t), self.f(Unary::Sin, t));
+        [self.mul(r, cos), self.mul(r, sin), z]
+    }
+    pub(crate) fn done(self, position: [NodeId; 3], domain: [[f64; 2]; 2]) -> ParametricSurface {
+        ParametricSurface::new(&self.g, position, domain, &[]).expect("small expressions")
+    }
+}
+
+pub(crate) const TAU: f64 = std::f64::consts::TAU;
+pub(crate) const PI: f64 = std::f64::consts::PI;
+
+/// A spheroid with the axes a, a, b; longitude, latitude.
+#[allow(dead_code)]
+pub(crate) fn spheroid(a: f64, b: f64) -> ParametricSurface {
+    triaxial(a, a, b)
+}
+
+/// An ellipsoid.
+#[allow(dead_code)]
+pub(crate) fn triaxial(a: f64, b: f64, c: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (cos, sin) = (m.f(Unary::Cos, m.v), m.f(Unary::Sin, m.v));
+    let u = m.u;
+    let [x, y, z] = m.around(cos, u, sin);
+    let p = [m.scale(a, x), m.scale(b, y), m.scale(c, z)];
+    m.done(p, [[0.0, TAU], [-PI / 2.0, PI / 2.0]])
+}
+
+/// v(cos u, sin u, slope).
+#[allow(dead_code)]
+pub(crate) fn cone(slope: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let z = m.scale(slope, m.v);
+    let (u, v) = (m.u, m.v);
+    let p = m.around(v, u, z);
+    m.done(p, [[0.0, TAU], [0.0, 100.0]])
+}
+
+/// The torus with the radii 1 and r.
+#[allow(dead_code)]
+pub(crate) fn torus(r: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (cos, sin) = (m.f(Unary::Cos, m.v), m.f(Unary::Sin, m.v));
+    let tube = m.scale(r, cos);
+    let radius = m.plus(1.0, tube);
+    let z = m.scale(r, sin);
+    let u = m.u;
+    let p = m.around(radius, u, z);
+    m.done(p, [[0.0, TAU], [0.0, TAU]])
+}
+
+/// The cylinder of radius 2.
+#[allow(dead_code)]
+pub(crate) fn cylinder() -> ParametricSurface {
+    let mut m = Maker::new();
+    let two = m.c(2.0);
+    let (u, v) = (m.u, m.v);
+    let p = m.around(two, u, v);
+    m.done(p, [[0.0, TAU], [-100.0, 100.0]])
+}
+
+/// The Möbius strip with its seam at u = `low`.
+#[allow(dead_code)]
+pub(crate) fn moebius(low: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let half = m.scale(0.5, m.u);
+    let (cos, sin) = (m.f(Unary::Cos, half), m.f(Unary::Sin, half));
+    let v = m.v;
+    let out = m.mul(v, cos);
+    let radius = m.plus(1.0, out);
+    let z = m.mul(v, sin);
+    let u = m.u;
+    let p = m.around(radius, u, z);
+    m.done(p, [[low, low + TAU], [-0.8, 0.8]])
+}
+
+/// The pseudosphere (cos u/cosh v, sin u/cosh v, v − tanh v), v ∈ [0.01, 20].
+#[allow(dead_code)]
+pub(crate) fn pseudosphere() -> ParametricSurface {
+    let mut m = Maker::new();
+    let cosh = m.f(Unary::Cosh, m.v);
+    let one = m.c(1.0);
+    let r = m.g.divide(one, cosh);
+    let tanh = m.f(Unary::Tanh, m.v);
+    let v = m.v;
+    let z = m.g.subtract(v, tanh);
+    let u = m.u;
+    let p = m.around(r, u, z);
+    m.done(p, [[0.0, TAU], [0.01, 20.0]])
+}
+
+/// The cuspidal edge (u², u³, v).
+#[allow(dead_code)]
+pub(crate) fn cuspidal() -> ParametricSurface {
+    let mut m = Maker::new();
+    let u = m.u;
+    let a = m.mul(u, u);
+    let b = m.mul(a, u);
+    let v = m.v;
+    m.done([a, b, v], [[-1.0, 1.0], [-1.0, 1.0]])
+}
+
+/// A sphere with height as its second parameter: (√(1−v²) cos u, √(1−v²) sin u, v).
+#[allow(dead_code)]
+pub(crate) fn sphere_by_height() -> ParametricSurface {
+    let mut m = Maker::new();
+    let v = m.v;
+    let square = m.mul(v, v);
+    let one = m.c(1.0);
+    let rest = m.g.subtract(one, square);
+    let r = m.f(Unary::Sqrt, rest);
+    let u = m.u;
+    let p = m.around(r, u, v);
+    m.done(p, [[0.0, TAU], [-1.0, 1.0]])
+}
