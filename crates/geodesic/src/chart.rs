@@ -67,6 +67,16 @@ pub(crate) struct Local {
     pub(crate) tangents: [[f64; 3]; 2],
 }
 
+/// How coordinates changed on the way back into the domain.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    /// The signs by which the components of a velocity change.
+    pub(crate) signs: [f64; 2],
+    /// Whether left and right have changed places: by a flip, but not by a pole, behind which the formula's own
+    /// coordinates are the mirrored ones.
+    pub(crate) flipped: bool,
+}
+
 /// A surface with what was found of it.
 pub(crate) struct Atlas<'s, S: Surface + ?Sized> {
     surface: &'s S,
@@ -91,10 +101,10 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         self.domain[axis][1] - self.domain[axis][0]
     }
 
-    /// Brings a point back through the sides that wrap, and through poles. Gives the signs by which the
-    /// components of a velocity change.
-    pub(crate) fn bring_back(&self, at: &mut [f64; 2]) -> [f64; 2] {
+    /// Brings a point back through the sides that wrap, and through poles.
+    pub(crate) fn bring_back(&self, at: &mut [f64; 2]) -> Crossing {
         let mut signs = [1.0; 2];
+        let mut flipped = false;
         for axis in 0..2 {
             let [low, high] = self.domain[axis];
             let width = high - low;
@@ -125,14 +135,15 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
                 let [low, high] = self.domain[1 - axis];
                 at[1 - axis] = low + high - at[1 - axis];
                 signs[1 - axis] = -signs[1 - axis];
+                flipped = !flipped;
             }
         }
-        signs
+        Crossing { signs, flipped }
     }
 
     /// The jet at a point that may lie beyond sides that wrap, in the coordinates that go on there.
     fn jet(&self, mut at: [f64; 2]) -> Jet {
-        let [s, t] = self.bring_back(&mut at);
+        let [s, t] = self.bring_back(&mut at).signs;
         let mut jet = self.surface.jet(at);
         if s < 0.0 {
             jet.du = jet.du.map(|x| -x);
@@ -158,15 +169,12 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         let [su, sv] = [norm(jet.du), norm(jet.dv)];
         let sine = norm(cross(jet.du, jet.dv)) / (su * sv);
         let short = su < THIN * self.scale.stretch[0] || sv < THIN * self.scale.stretch[1];
-        if short || sine < THIN {
+        let infinite = vectors.iter().flatten().any(|x| x.is_infinite());
+        if short || sine < THIN || infinite {
             Status::Degenerate
-        } else if vectors.iter().flatten().all(|x| x.is_finite()) {
-            // All is well here, and something is wrong at every distance beyond.
-            Status::Undefined
-        } else if sine.is_nan() {
-            Status::Undefined
         } else {
-            Status::Degenerate
+            // Undefined here, or all is well here and undefined at every distance beyond.
+            Status::Undefined
         }
     }
 

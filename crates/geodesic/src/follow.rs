@@ -2,16 +2,14 @@
 //!
 //! In: an atlas, a start at unit speed, a length. Out: [`End`]. Every ray ends, within its number of evaluations.
 
+mod event;
+
 use crate::chart::{Atlas, Chart, Local, Motion, REACH, rotated};
 use crate::integrate::{self, Step, Tableau};
 use crate::metric::{combine, norm};
 use crate::surface::{Side, Surface};
 use crate::trace::Status;
 
-/// A tip of a cone is hit by what passes it within this share of its chart's radius.
-const HIT: f64 = 1e-12;
-/// How far beyond an edge a ray may stray, as a share of the domain's width, and still be on it.
-const EDGE_SLACK: f64 = 1e-12;
 /// A step shorter than this share of the ray's own scale is not worth taking.
 const SHORTEST: f64 = 1e-13;
 /// What an evaluation's rounding may do to a step; the tolerance asked for has this as its floor.
@@ -72,13 +70,6 @@ impl ErrorSum {
     fn bound(&self) -> f64 {
         (self.terms * self.position.max(0.0)).sqrt()
     }
-}
-
-/// Where within a step something happens.
-#[derive(Clone, Copy, Debug)]
-enum Event {
-    Edge { axis: usize, end: usize },
-    NearestToApex,
 }
 
 /// A ray on its way.
@@ -241,7 +232,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             Chart::Plain => self.motion,
             Chart::Apex(chart) => chart.leave(self.motion),
         };
-        let signs = self.atlas.bring_back(&mut motion.at);
+        let signs = self.atlas.bring_back(&mut motion.at).signs;
         motion.velocity = [0, 1].map(|k| signs[k] * motion.velocity[k]);
         motion
     }
@@ -300,7 +291,10 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         if let Some((event, h)) = self.event(&step, h) {
             return self.end_at(event, h, length);
         }
-        self.accept(&step, h, rounding, scale);
+        let Some(local) = self.local_after(&step) else {
+            return Attempt::Again(0.25 * h);
+        };
+        self.accept(&step, local, h, rounding, scale);
         if self.enter_next_chart() {
             Attempt::Accepted(next)
         } else {
@@ -315,7 +309,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         ROUNDING * (a.abs() * norm(t) + b.abs() * norm(w))
     }
 
-    fn accept(&mut self, step: &Step, h: f64, rounding: f64, scale: f64) {
+    fn accept(&mut self, step: &Step, local: Local, h: f64, rounding: f64, scale: f64) {
         let noise = match &self.chart {
             Chart::Plain => 0.0,
             Chart::Apex(chart) => chart.noise(self.motion.at, step.end.at),
@@ -326,13 +320,16 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         self.steps += 1;
         self.s += h;
         self.motion = step.end;
-        if let Some(local) = step.end_local {
-            self.local = local;
-        } else if let Some(local) = self
-            .atlas
-            .local(&self.chart, step.end, &mut self.evaluations)
-        {
-            self.local = local;
+        self.local = local;
+    }
+
+    /// The local data at a step's end; `None` where the surface is undefined.
+    fn local_after(&mut self, step: &Step) -> Option<Local> {
+        match step.end_local {
+            Some(local) => Some(local),
+            None => self
+                .atlas
+                .local(&self.chart, step.end, &mut self.evaluations),
         }
     }
 
@@ -349,11 +346,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     fn enter_next_chart(&mut self) -> bool {
         match &mut self.chart {
             Chart::Plain => {
-                let signs = self.bring_back();
-                if signs[0] * signs[1] < 0.0 {
-                    // A pole mirrors one parameter and moves the other: that keeps the handedness, a flip not.
-                    self.flipped = !self.flipped;
-                }
+                self.bring_back();
                 if self.plan.charts
                     && let Chart::Apex(chart) = self.atlas.chart_for(self.motion.at)
                 {
@@ -367,10 +360,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                 if chart.is_left_at(self.motion.at) {
                     self.motion = chart.leave(self.motion);
                     self.chart = Chart::Plain;
-                    let signs = self.bring_back();
-                    if signs[0] * signs[1] < 0.0 {
-                        self.flipped = !self.flipped;
-                    }
+                    self.bring_back();
                     return self.look();
                 }
                 let rotation = chart.turn_to(&mut self.motion);
@@ -383,14 +373,14 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         }
     }
 
-    fn bring_back(&mut self) -> [f64; 2] {
-        let signs = self.atlas.bring_back(&mut self.motion.at);
-        for k in 0..2 {
-            self.motion.velocity[k] *= signs[k];
-            self.local.acceleration[k] *= signs[k];
-            self.local.tangents[k] = self.local.tangents[k].map(|x| x * signs[k]);
+    fn bring_back(&mut self) {
+        let crossing = self.atlas.bring_back(&mut self.motion.at);
+        self.flipped ^= crossing.flipped;
+        for (k, sign) in crossing.signs.into_iter().enumerate() {
+            self.motion.velocity[k] *= sign;
+            self.local.acceleration[k] *= sign;
+            self.local.tangents[k] = self.local.tangents[k].map(|x| x * sign);
         }
-        signs
     }
 
     fn look(&mut self) -> bool {
@@ -401,136 +391,6 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             self.local = local;
         }
         local.is_some()
-    }
-
-    /// What happens within a step, and a length of the step by which it has happened.
-    fn event(&self, step: &Step, h: f64) -> Option<(Event, f64)> {
-        match &self.chart {
-            Chart::Apex(chart) => {
-                if chart.apex.smooth {
-                    return None;
-                }
-                let outward = |motion: &Motion| {
-                    motion.at[0] * motion.velocity[0] + motion.at[1] * motion.velocity[1]
-                };
-                let passes = outward(&self.motion) < 0.0 && outward(&step.end) >= 0.0;
-                let arrives = step.end.at[0].hypot(step.end.at[1]) <= HIT * chart.radius();
-                (passes || arrives).then_some((Event::NearestToApex, h))
-            }
-            Chart::Plain => {
-                // The earliest of a few looks at the step, the last one at its end.
-                [0.25, 0.5, 0.75, 1.0].into_iter().find_map(|share| {
-                    let at = if share == 1.0 {
-                        step.end.at
-                    } else {
-                        hermite(&self.motion, &step.end, h, share)
-                    };
-                    (0..2).find_map(|axis| {
-                        let [low, high] = self.atlas.domain[axis];
-                        let slack = EDGE_SLACK * (high - low);
-                        [low - at[axis], at[axis] - high]
-                            .into_iter()
-                            .enumerate()
-                            .find_map(|(end, beyond)| {
-                                let ends =
-                                    self.atlas.sides.of(axis)[end] == Side::Edge && beyond > slack;
-                                ends.then_some((Event::Edge { axis, end }, share * h))
-                            })
-                    })
-                })
-            }
-        }
-    }
-
-    /// How far an event is ahead (negative) or behind (positive) at a point, and its rate.
-    fn measure(&self, event: Event, motion: &Motion) -> (f64, f64) {
-        match event {
-            Event::Edge { axis, end } => {
-                let sign = if end == 0 { -1.0 } else { 1.0 };
-                (
-                    sign * (motion.at[axis] - self.atlas.domain[axis][end]),
-                    sign * motion.velocity[axis],
-                )
-            }
-            Event::NearestToApex => {
-                let ([a, b], [x, y]) = (motion.at, motion.velocity);
-                (a * x + b * y, x * x + y * y)
-            }
-        }
-    }
-
-    /// Locates an event by Newton's method on the step's length, kept within a bracket: as exact as the steps are.
-    fn end_at(&mut self, event: Event, h: f64, length: f64) -> Attempt {
-        let scale = self.atlas.scale.size.min(length);
-        let rounding = self.rounding();
-        let (mut low, mut high) = (0.0, h);
-        let (value, rate) = self.measure(event, &self.motion);
-        let mut at = if rate > 0.0 {
-            (-value / rate).clamp(0.0, h)
-        } else {
-            0.5 * h
-        };
-        let mut best = None;
-        for _ in 0..60 {
-            let Some(step) = self.step(at) else {
-                high = at;
-                at = 0.5 * (low + high);
-                continue;
-            };
-            let (value, rate) = self.measure(event, &step.end);
-            best = Some((at, step));
-            if value > 0.0 {
-                high = at;
-            } else {
-                low = at;
-            }
-            let newton = at - value / rate;
-            let next = if newton > low && newton < high {
-                newton
-            } else {
-                0.5 * (low + high)
-            };
-            if (next - at).abs() <= 1e-15 * h || value == 0.0 {
-                break;
-            }
-            at = next;
-            if self.evaluations >= self.plan.max_evaluations {
-                break;
-            }
-        }
-        let Some((at, step)) = best else {
-            return Attempt::Ended(stalled_at(self.atlas, self.plain().at));
-        };
-        if let (Event::NearestToApex, Chart::Apex(chart)) = (event, &self.chart) {
-            let miss = step.end.at[0].hypot(step.end.at[1]);
-            let hit = miss <= HIT * chart.radius();
-            if !hit {
-                // A near miss: the step ends at the nearest point, from where the next one leads away.
-                self.accept(&step, at, rounding, scale);
-                // Past the nearest point by a hair, so that it is not met again.
-                let ([a, b], [x, y]) = (self.motion.at, self.motion.velocity);
-                if a * x + b * y < 0.0 {
-                    let along = (a * x + b * y) / (x * x + y * y);
-                    self.motion.at = [a - along * x, b - along * y];
-                }
-                return if self.enter_next_chart() {
-                    Attempt::Accepted(Some(h))
-                } else {
-                    Attempt::Ended(stalled_at(self.atlas, self.plain().at))
-                };
-            }
-        }
-        self.accept(&step, at, rounding, scale);
-        Attempt::Ended(match event {
-            Event::NearestToApex => Status::ConePoint,
-            Event::Edge { axis, end } => {
-                self.motion.at[axis] = self.atlas.domain[axis][end];
-                match self.atlas.apexes[axis][end] {
-                    Some(_) => Status::ConePoint,
-                    None => Status::LeftDomain,
-                }
-            }
-        })
     }
 }
 
@@ -548,24 +408,11 @@ fn chart_at<S: Surface + ?Sized>(
     (Chart::Plain, start)
 }
 
-/// A point of the cubic through both ends with their velocities.
-fn hermite(from: &Motion, to: &Motion, h: f64, share: f64) -> [f64; 2] {
-    let t = share;
-    let (h00, h10) = (
-        (1.0 + 2.0 * t) * (1.0 - t) * (1.0 - t),
-        t * (1.0 - t) * (1.0 - t),
-    );
-    let (h01, h11) = (t * t * (3.0 - 2.0 * t), t * t * (t - 1.0));
-    [0, 1].map(|k| {
-        h00 * from.at[k] + h10 * h * from.velocity[k] + h01 * to.at[k] + h11 * h * to.velocity[k]
-    })
-}
-
 /// Why a ray cannot go on from a point where the steps have become too short, or an evaluation fails.
 fn stalled_at<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, at: [f64; 2]) -> Status {
-    for axis in 0..2 {
+    for (axis, x) in at.into_iter().enumerate() {
         for end in 0..2 {
-            let off = (at[axis] - atlas.domain[axis][end]).abs() / atlas.width(axis);
+            let off = (x - atlas.domain[axis][end]).abs() / atlas.width(axis);
             if off < 1e-6 && atlas.apexes[axis][end].is_some() {
                 return Status::ConePoint;
             }

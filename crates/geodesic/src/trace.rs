@@ -258,7 +258,7 @@ pub(crate) fn unit_start<S: Surface + ?Sized>(
         return Err(TraceError::ZeroDirection);
     }
     let mut at = place(atlas, start)?;
-    let signs = atlas.bring_back(&mut at);
+    let signs = atlas.bring_back(&mut at).signs;
     let jet = surface.jet(at);
     if !jet.position.iter().all(|x| x.is_finite()) {
         return Err(TraceError::UndefinedStart { at: start });
@@ -292,18 +292,18 @@ fn place<S: Surface + ?Sized>(
     start: [f64; 2],
 ) -> Result<[f64; 2], TraceError> {
     let mut at = start;
-    for axis in 0..2 {
+    for (axis, x) in at.iter_mut().enumerate() {
         let [low, high] = atlas.domain[axis];
         let slack = 1e-12 * (high - low);
         let wraps = matches!(atlas.sides.of(axis)[0], Side::Wrap | Side::WrapFlip);
         if !wraps {
-            if at[axis] < low - slack || at[axis] > high + slack {
+            if *x < low - slack || *x > high + slack {
                 return Err(TraceError::OutsideDomain {
                     at: start,
                     domain: atlas.domain,
                 });
             }
-            at[axis] = at[axis].clamp(low, high);
+            *x = x.clamp(low, high);
         }
     }
     Ok(at)

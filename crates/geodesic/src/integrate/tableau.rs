@@ -2,7 +2,7 @@
 //!
 //! Dormand and Prince 5(4): J. Comput. Appl. Math. 6 (1980), table 2. DOP853: Hairer, Nørsett, Wanner, *Solving
 //! Ordinary Differential Equations I*, section II.10, with its two error estimates of orders 5 and 3. The tests
-//! check order conditions and measured orders.
+//! check their order conditions.
 
 /// An explicit embedded pair.
 #[derive(Debug)]
@@ -197,3 +197,42 @@ pub(crate) const DOP853: Tableau = Tableau {
     ],
     error_order: 8.0,
 };
+
+#[cfg(test)]
+mod tests {
+    use super::{DOP853, DOPRI5, RK4, Tableau};
+
+    /// The quadrature conditions Σ bᵢ cᵢ^(q−1) = 1/q, and Σ bᵢ cᵢ aᵢⱼ cⱼ = 1/8, a condition on the stages.
+    fn conditions(tableau: &Tableau, order: i32) {
+        let mut nodes = vec![0.0];
+        nodes.extend(tableau.stages.iter().map(|row| row.iter().sum::<f64>()));
+        for q in 1..=order {
+            let sum: f64 = (tableau.weights.iter().zip(&nodes))
+                .map(|(b, c)| b * c.powi(q - 1))
+                .sum();
+            assert!((sum - 1.0 / f64::from(q)).abs() < 1e-12, "order {q}: {sum}");
+        }
+        let inner = |i: usize| -> f64 {
+            let row = tableau.stages[i - 1];
+            row.iter().zip(&nodes).map(|(a, c)| a * c).sum()
+        };
+        let sum: f64 = (1..nodes.len())
+            .map(|i| tableau.weights[i] * nodes[i] * inner(i))
+            .sum();
+        assert!((sum - 0.125).abs() < 1e-12, "{sum}");
+    }
+
+    #[test]
+    fn weights_and_stages_fulfil_their_order_conditions() {
+        conditions(&RK4, 4);
+        conditions(&DOPRI5, 5);
+        conditions(&DOP853, 8);
+    }
+
+    #[test]
+    fn error_estimates_vanish_on_constant_slopes() {
+        for weights in [DOPRI5.error, DOP853.error, DOP853.low_error] {
+            assert!(weights.iter().sum::<f64>().abs() < 1e-14);
+        }
+    }
+}

@@ -1,4 +1,4 @@
-//! Surfaces for the tests, written by hand: their topology is found, their derivatives come from `expr`.
+//! Surfaces for the tests, as expressions: their derivatives and their topology are found as for a user's.
 
 use expr::ops::Unary;
 use expr::{Graph, Input, NodeId};
