@@ -29,12 +29,11 @@ pub(crate) enum Derivation {
     Total,
 }
 
-/// Which body: that of a function for these dimensions of its arguments (1 for a number), derived so.
+/// Which body: that of a function for these dimensions of its arguments (1 for a number).
 #[derive(Clone, Debug, Eq, Hash, PartialEq)]
 pub(crate) struct BodyKey {
     pub(crate) symbol: SymbolId,
     dimensions: Vec<usize>,
-    derivations: Vec<Derivation>,
 }
 
 /// A position in [`Applications::bodies`].
@@ -58,6 +57,8 @@ pub(crate) enum BodyOutcome {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Applications {
     ids: FxHashMap<BodyKey, BodyId>,
+    /// The derivatives of bodies, each by the body that it is taken of: a row of primes costs one entry each.
+    derived: FxHashMap<(BodyId, Derivation), BodyId>,
     bodies: Vec<BodyOutcome>,
     /// The value of a body for the components of its arguments: an application is written out once, however
     /// often it stands in the text.
@@ -67,9 +68,21 @@ pub(crate) struct Applications {
 impl Applications {
     /// A body has been lowered.
     pub(crate) fn add(&mut self, key: BodyKey, outcome: BodyOutcome) -> BodyId {
+        let id = self.push(outcome);
+        self.ids.insert(key, id);
+        id
+    }
+
+    /// The derivative of a body has been taken.
+    fn add_derived(&mut self, of: BodyId, by: Derivation, outcome: BodyOutcome) -> BodyId {
+        let id = self.push(outcome);
+        self.derived.insert((of, by), id);
+        id
+    }
+
+    fn push(&mut self, outcome: BodyOutcome) -> BodyId {
         let id = BodyId(self.bodies.len() as u32);
         self.bodies.push(outcome);
-        self.ids.insert(key, id);
         id
     }
 
@@ -107,10 +120,9 @@ impl Lowerer {
                 }
             }
         };
-        let mut key = BodyKey {
+        let key = BodyKey {
             symbol,
             dimensions: arguments.iter().map(Value::dimension).collect(),
-            derivations: Vec::new(),
         };
         let mut id = match (self.applications.ids.get(&key), body) {
             (Some(&id), _) => id,
@@ -126,12 +138,11 @@ impl Lowerer {
             }
         };
         for &derivation in &function.derivations {
-            key.derivations.push(derivation);
-            id = match self.applications.ids.get(&key) {
+            id = match self.applications.derived.get(&(id, derivation)) {
                 Some(&known) => known,
                 None => {
-                    let outcome = self.derive(id, &key).unwrap_or_else(failed);
-                    self.applications.add(key.clone(), outcome)
+                    let outcome = self.derive(id, derivation, &key).unwrap_or_else(failed);
+                    self.applications.add_derived(id, derivation, outcome)
                 }
             };
         }
@@ -252,14 +263,19 @@ impl Lowerer {
         })
     }
 
-    /// A body's derivative: the last of `key`'s derivations, taken of the body `id`.
-    fn derive(&mut self, id: BodyId, key: &BodyKey) -> Result<BodyOutcome, Fault> {
+    /// The derivative of the body `id`, which is one of `key`'s or of its derivatives.
+    fn derive(
+        &mut self,
+        id: BodyId,
+        derivation: Derivation,
+        key: &BodyKey,
+    ) -> Result<BodyOutcome, Fault> {
         let BodyOutcome::Ready { value, .. } = self.applications.body(id).clone() else {
             return Ok(self.applications.body(id).clone());
         };
-        let position = match key.derivations.last() {
-            Some(Derivation::By(position)) => *position as usize,
-            Some(Derivation::Total) | None => 0,
+        let position = match derivation {
+            Derivation::By(position) => position as usize,
+            Derivation::Total => 0,
         };
         let dimension = key.dimensions.get(position).copied().unwrap_or(1);
         if dimension != 1 {
