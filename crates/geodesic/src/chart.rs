@@ -21,6 +21,8 @@ pub(crate) const KEEP_OFF: f64 = 0.1;
 const INNER: f64 = 1e-3;
 /// The same as a share of the radius of curvature: the function's series must converge well there.
 const INNER_BEND: f64 = 5e-3;
+/// A point this near a pole, as a share of the chart's radius, is at it.
+const AT_POLE: f64 = 1e-15;
 /// Where a ray stalls, a tangent vector this much shorter than usual, or an angle of this sine between both, is why.
 const THIN: f64 = 1e-3;
 
@@ -65,6 +67,9 @@ pub(crate) struct Local {
     pub(crate) curvature: f64,
     /// The coordinates' tangent vectors.
     pub(crate) tangents: [[f64; 3]; 2],
+    /// By how much, relative to their lengths, the rounding of the coordinates turns or stretches the tangents:
+    /// nearer to a singular point than this says, no direction has a meaning.
+    pub(crate) noise: f64,
 }
 
 /// How coordinates changed on the way back into the domain.
@@ -189,6 +194,9 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
                     acceleration,
                     curvature: gaussian_curvature(&jet),
                     tangents: [jet.du, jet.dv],
+                    noise: f64::EPSILON
+                        * (motion.at[0].abs() * norm(jet.duu) / norm(jet.du))
+                            .max(motion.at[1].abs() * norm(jet.dvv) / norm(jet.dv)),
                 })
             }
             Chart::Apex(chart) => {
@@ -287,6 +295,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
             acceleration: minus_components(tangents[0], tangents[1], along),
             curvature: gaussian_curvature(&jet),
             tangents,
+            noise: 0.0,
         })
     }
 
@@ -418,11 +427,20 @@ impl ApexChart {
         }
     }
 
-    /// Back to (u,v), perhaps beyond sides that wrap. At the apex itself the angle stands still.
+    /// Back to (u,v), perhaps beyond sides that wrap.
     pub(crate) fn leave(&self, motion: Motion) -> Motion {
         let [a, b] = motion.at;
         let [x, y] = motion.velocity;
         let r = a.hypot(b);
+        if self.apex.smooth && r <= AT_POLE * self.radius() && x.hypot(y) > 0.0 {
+            // The angle of a point at the pole is free: the one in which the ray goes on.
+            let speed = x.hypot(y);
+            let along = AT_POLE * self.radius() / speed;
+            return self.leave(Motion {
+                at: [1.5 * along * x, 1.5 * along * y],
+                velocity: motion.velocity,
+            });
+        }
         let (cos, sin) = if r > 0.0 { (a / r, b / r) } else { (1.0, 0.0) };
         let power = self.apex.power;
         let radial = self.sign * power * r.powf(power - 1.0) * (cos * x + sin * y);

@@ -12,6 +12,8 @@ use crate::trace::Status;
 
 /// A step shorter than this share of the ray's own scale is not worth taking.
 const SHORTEST: f64 = 1e-13;
+/// Where the rounding of u and v turns the tangent plane by more than this, the chart has lost its rank.
+const MEANINGLESS: f64 = 1e-9;
 /// What an evaluation's rounding may do to a step; the tolerance asked for has this as its floor.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
@@ -266,6 +268,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         };
         let scale = self.atlas.scale.size.min(length);
         let rounding = self.rounding();
+        // Only what a chart about an apex loses may pass for rounding; in (u,v) it ends the ray, see below.
         let noise = match &self.chart {
             Chart::Plain => 0.0,
             Chart::Apex(chart) => chart.noise(self.motion.at, step.end.at),
@@ -295,6 +298,9 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             return Attempt::Again(0.25 * h);
         };
         self.accept(&step, local, h, rounding, scale);
+        if matches!(self.chart, Chart::Plain) && self.local.noise > MEANINGLESS {
+            return Attempt::Ended(Status::Degenerate);
+        }
         if self.enter_next_chart() {
             Attempt::Accepted(next)
         } else {
@@ -311,7 +317,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
 
     fn accept(&mut self, step: &Step, local: Local, h: f64, rounding: f64, scale: f64) {
         let noise = match &self.chart {
-            Chart::Plain => 0.0,
+            Chart::Plain => self.local.noise,
             Chart::Apex(chart) => chart.noise(self.motion.at, step.end.at),
         };
         let direction = step.direction_error + noise + ROUNDING * (1.0 + h / scale);

@@ -408,3 +408,28 @@ fn the_work_is_what_it_was() {
     ];
     assert_eq!(work, expected);
 }
+
+#[test]
+fn a_ray_stops_as_degenerate_where_the_chart_of_a_dome_ends() {
+    let end = go(&dome(), [0.0, 0.0], [1.0, 0.5], 3.0);
+    assert_eq!(end.status, Status::Degenerate, "{end:?}");
+    // Not farther than the rim, a quarter of a great circle off, and right up to where it stopped.
+    assert!(
+        end.length < PI / 2.0 && end.length > PI / 2.0 - 1e-3,
+        "{end:?}"
+    );
+    let error = (end.uv[0].hypot(end.uv[1]).asin() - end.length).abs();
+    report("rim", error, 1e-7, &end);
+}
+
+#[test]
+fn a_ray_that_ends_at_a_pole_can_be_traced_back() {
+    let s = spheroid(1.0, 1.0);
+    let there = go(&s, [1.0, 0.0], [0.0, 1.0], PI / 2.0);
+    assert_eq!(there.status, Status::Complete);
+    let back = go(&s, there.uv, there.direction.map(|x| -x), PI / 2.0);
+    assert!(
+        distance(back.position, s.jet([1.0, 0.0]).position) < 1e-12,
+        "{there:?} {back:?}"
+    );
+}

@@ -157,3 +157,16 @@ pub(crate) fn sphere_by_height() -> ParametricSurface {
     let p = m.around(r, u, v);
     m.done(p, [[0.0, TAU], [-1.0, 1.0]])
 }
+
+/// The upper half of the unit sphere as a graph over its disc: σu and σv grow without bound at the rim.
+#[allow(dead_code)]
+pub(crate) fn dome() -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let (uu, vv) = (m.mul(u, u), m.mul(v, v));
+    let sum = m.add(uu, vv);
+    let one = m.c(1.0);
+    let rest = m.g.subtract(one, sum);
+    let z = m.f(Unary::Sqrt, rest);
+    m.done([u, v, z], [[-1.0, 1.0], [-1.0, 1.0]])
+}
