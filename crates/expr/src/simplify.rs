@@ -7,8 +7,8 @@
 //!
 //! A value changes in these cases only, which sparse derivatives cannot do without:
 //!
-//! - `0·x`, `0/x`, `x − x` and the product that zero annihilates are 0, also where x is infinite, NaN or (in
-//!   `0/x`) zero: a NaN may become 0.
+//! - `0·x`, `x − x` and the product that zero annihilates are 0, also where x is infinite or NaN: a NaN may become
+//!   0. (`0/x` is kept: 0/0 is undefined, and a program is told so.)
 //! - `x + 0` is x and `0 − x` is −x, also where x is a zero: a result that is zero may have the other sign. So
 //!   may those of the rules above. The sign of a zero is seen only in the sign of an infinity that something
 //!   divided by it gives.
@@ -86,7 +86,6 @@ impl Graph {
     pub fn div(&mut self, a: NodeId, b: NodeId) -> NodeId {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(x / y),
-            (Some(0.0), None) => return self.constant(0.0),
             (Some(x), None) => {
                 if let Some(b) = self.negated(b) {
                     let minus = self.constant(-x);
