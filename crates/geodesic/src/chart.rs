@@ -3,6 +3,12 @@
 //! In: a point and a velocity in chart coordinates. Out: the acceleration there, with what error control needs. Points
 //! beyond a side that wraps are brought back into the domain, so that nothing relies on the formula going on there.
 
+mod apex;
+
+pub(crate) use apex::ApexChart;
+
+use std::cell::Cell;
+
 use crate::metric::{combine, cross, gaussian_curvature, minus_components, norm};
 use crate::surface::{Jet, Scale, Side, Sides, Surface};
 use crate::topology::Apex;
@@ -16,13 +22,6 @@ const LEAVE: f64 = 0.3;
 pub(crate) const REACH: f64 = 0.5;
 /// The plain chart is not used nearer than this to an apex that has its own chart.
 pub(crate) const KEEP_OFF: f64 = 0.1;
-/// At a smooth pole, nearer than this share of the chart's radius the chain rule has lost digits and the
-/// acceleration is interpolated: it is a smooth function there.
-const INNER: f64 = 1e-3;
-/// The same as a share of the radius of curvature: the function's series must converge well there.
-const INNER_BEND: f64 = 5e-3;
-/// A point this near a pole, as a share of the chart's radius, is at it.
-const AT_POLE: f64 = 1e-15;
 /// Where a ray stalls, a tangent vector this much shorter than usual, or an angle of this sine between both, is why.
 const THIN: f64 = 1e-3;
 
@@ -33,22 +32,6 @@ pub(crate) enum Chart {
     Plain,
     /// (a, b) = r (cos k(t−t₀), sin k(t−t₀)) about an apex.
     Apex(ApexChart),
-}
-
-/// The coordinates about an apex; see [`Apex`].
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ApexChart {
-    /// The axis along which the apex lies at an end of the domain.
-    pub(crate) axis: usize,
-    /// The parameter at the apex.
-    base: f64,
-    /// +1 where the domain lies above `base`, −1 where below.
-    sign: f64,
-    /// The other parameter along the a-axis.
-    reference: f64,
-    /// The domain's width along `axis`.
-    width: f64,
-    pub(crate) apex: Apex,
 }
 
 /// A point with its velocity.
@@ -82,13 +65,14 @@ pub(crate) struct Crossing {
     pub(crate) flipped: bool,
 }
 
-/// A surface with what was found of it.
+/// A surface with what was found of it. It counts its evaluations.
 pub(crate) struct Atlas<'s, S: Surface + ?Sized> {
     surface: &'s S,
     pub(crate) domain: [[f64; 2]; 2],
     pub(crate) sides: Sides,
     pub(crate) apexes: [[Option<Apex>; 2]; 2],
     pub(crate) scale: Scale,
+    evaluations: Cell<usize>,
 }
 
 impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
@@ -99,7 +83,13 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
             sides: surface.sides(),
             apexes: [0, 1].map(|axis| [0, 1].map(|end| surface.apex(axis, end))),
             scale: surface.scale(),
+            evaluations: Cell::new(0),
         }
+    }
+
+    /// How often the surface has been evaluated.
+    pub(crate) fn evaluations(&self) -> usize {
+        self.evaluations.get()
     }
 
     pub(crate) fn width(&self, axis: usize) -> f64 {
@@ -147,7 +137,8 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
     }
 
     /// The jet at a point that may lie beyond sides that wrap, in the coordinates that go on there.
-    fn jet(&self, mut at: [f64; 2]) -> Jet {
+    pub(crate) fn jet(&self, mut at: [f64; 2]) -> Jet {
+        self.evaluations.set(self.evaluations.get() + 1);
         let [s, t] = self.bring_back(&mut at).signs;
         let mut jet = self.surface.jet(at);
         if s < 0.0 {
@@ -183,11 +174,10 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         }
     }
 
-    /// The acceleration of a geodesic, and how many evaluations it took; `None` where anything is undefined.
-    pub(crate) fn local(&self, chart: &Chart, motion: Motion, work: &mut usize) -> Option<Local> {
+    /// The acceleration of a geodesic, with what else is local; `None` where anything is undefined.
+    pub(crate) fn local(&self, chart: &Chart, motion: Motion) -> Option<Local> {
         match chart {
             Chart::Plain => {
-                *work += 1;
                 let jet = self.jet(motion.at);
                 let acceleration = crate::metric::acceleration(&jet, motion.velocity);
                 checked(Local {
@@ -203,29 +193,20 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
                 let inner = chart.inner();
                 let r = motion.at[0].hypot(motion.at[1]);
                 if chart.apex.smooth && r < inner {
-                    return self.inner(chart, motion, r, inner, work);
+                    return self.inner(chart, motion, r, inner);
                 }
-                *work += 1;
                 self.about_apex(chart, motion)
             }
         }
     }
 
     /// Near a smooth pole: the acceleration from six points along a line, to sixth order in their distance.
-    fn inner(
-        &self,
-        chart: &ApexChart,
-        motion: Motion,
-        r: f64,
-        inner: f64,
-        work: &mut usize,
-    ) -> Option<Local> {
+    fn inner(&self, chart: &ApexChart, motion: Motion, r: f64, inner: f64) -> Option<Local> {
         let along = if r > 0.0 {
             motion.at.map(|x| x / r)
         } else {
             [1.0, 0.0]
         };
-        *work += 6;
         let sample = |offset: f64| {
             let at = [0, 1].map(|k| motion.at[k] + offset * along[k]);
             self.about_apex(chart, Motion { at, ..motion })
@@ -323,6 +304,57 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         Chart::Plain
     }
 
+    /// From (u,v) into an apex's chart. Near a smooth pole the velocity keeps its direction in space: there the
+    /// rounding of the parameter at the pole makes (u,v) and the chart disagree about angles.
+    pub(crate) fn enter(&self, chart: &ApexChart, motion: Motion) -> Option<(Motion, Local)> {
+        let mut entered = chart.enter(motion);
+        let at = Chart::Apex(*chart);
+        let mut local = self.local(&at, entered)?;
+        if chart.is_inner(entered.at) && entered.at[0] > 0.0 {
+            let jet = self.jet(motion.at);
+            let velocity = combine(motion.velocity[0], jet.du, motion.velocity[1], jet.dv);
+            if velocity.iter().all(|x| x.is_finite()) {
+                entered.velocity = components(local.tangents, velocity);
+                local = self.local(&at, entered)?;
+            }
+        }
+        Some((entered, local))
+    }
+
+    /// From an apex's chart, where it has these tangents, back to (u,v), perhaps beyond sides that wrap; again with
+    /// its direction in space.
+    pub(crate) fn leave(
+        &self,
+        chart: &ApexChart,
+        motion: Motion,
+        tangents: [[f64; 3]; 2],
+    ) -> Motion {
+        let mut left = chart.leave(motion);
+        if chart.is_inner(motion.at) {
+            let [x, y] = motion.velocity;
+            let jet = self.jet(left.at);
+            let velocity = components([jet.du, jet.dv], combine(x, tangents[0], y, tangents[1]));
+            if velocity.iter().all(|x| x.is_finite()) {
+                left.velocity = velocity;
+            }
+        }
+        left
+    }
+
+    /// A point at a pole is moved off it by as little as tells the meridians apart, so that its σu and σv span the
+    /// tangent plane there. Gives the point otherwise as it is.
+    pub(crate) fn off_pole(&self, mut at: [f64; 2]) -> [f64; 2] {
+        if let Chart::Apex(chart) = self.chart_for(at)
+            && chart.apex.smooth
+        {
+            let nearest = chart.plain_point([chart.nearest(), 0.0])[chart.axis];
+            if (at[chart.axis] - chart.base).abs() < (nearest - chart.base).abs() {
+                at[chart.axis] = nearest;
+            }
+        }
+        at
+    }
+
     /// Whether a point in (u,v) is too near an apex for the plain chart.
     pub(crate) fn needs_apex_chart(&self, at: [f64; 2]) -> bool {
         (0..2).any(|axis| {
@@ -334,6 +366,11 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
             })
         })
     }
+}
+
+/// The components of a tangent vector.
+fn components(tangents: [[f64; 3]; 2], vector: [f64; 3]) -> [f64; 2] {
+    minus_components(tangents[0], tangents[1], vector).map(|x| -x)
 }
 
 /// `None` unless all numbers are finite.
@@ -349,130 +386,6 @@ fn checked(local: Local) -> Option<Local> {
         },
         ..local
     })
-}
-
-impl ApexChart {
-    /// The chart's radius at the far end of the domain.
-    pub(crate) fn radius(&self) -> f64 {
-        self.width.powf(1.0 / self.apex.power)
-    }
-
-    /// The radius of the neighbourhood in which the acceleration is interpolated.
-    fn inner(&self) -> f64 {
-        (INNER * self.radius()).min(INNER_BEND * self.apex.bend)
-    }
-
-    /// The longest stretch, in chart units, that a step may go near a tip that is not smooth: towards it so that
-    /// the tip stays ahead, away from it twice the distance. There the chain rule's rounding grows like 1/r.
-    pub(crate) fn longest(&self, motion: Motion) -> f64 {
-        if self.apex.smooth {
-            return f64::INFINITY;
-        }
-        let ([a, b], [x, y]) = (motion.at, motion.velocity);
-        let r = a.hypot(b).max(1e-12 * self.radius());
-        if a * x + b * y < 0.0 {
-            0.75 * r
-        } else {
-            2.0 * r
-        }
-    }
-
-    /// A point's distance from the apex, as a share of the domain's width.
-    pub(crate) fn share(&self, at: [f64; 2]) -> f64 {
-        at[0].hypot(at[1]).powf(self.apex.power) / self.width
-    }
-
-    /// What the rounding of the radial parameter does to a direction that passes from one point to another in a
-    /// straight line: nothing where the apex is at 0, much where ρ is a difference of large numbers.
-    pub(crate) fn noise(&self, from: [f64; 2], to: [f64; 2]) -> f64 {
-        let way = [0, 1].map(|k| to[k] - from[k]);
-        let square = way[0] * way[0] + way[1] * way[1];
-        let along = if square > 0.0 {
-            (-(from[0] * way[0] + from[1] * way[1]) / square).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
-        let nearest = [0, 1].map(|k| from[k] + along * way[k]);
-        let floor = if self.apex.smooth { self.inner() } else { 0.0 };
-        let r = nearest[0].hypot(nearest[1]).max(floor);
-        f64::EPSILON * self.base.abs() / r.powf(self.apex.power)
-    }
-
-    /// Whether a point is far enough off to leave the chart.
-    pub(crate) fn is_left_at(&self, at: [f64; 2]) -> bool {
-        self.share(at) > LEAVE
-    }
-
-    /// The point in (u,v), perhaps beyond sides that wrap.
-    pub(crate) fn plain_point(&self, [a, b]: [f64; 2]) -> [f64; 2] {
-        let w = self.base + self.sign * a.hypot(b).powf(self.apex.power);
-        let t = self.reference + b.atan2(a) / self.apex.rate;
-        if self.axis == 0 { [w, t] } else { [t, w] }
-    }
-
-    /// From (u,v) into this chart, whose reference is the point's other parameter: it lies on the a-axis.
-    pub(crate) fn enter(&self, motion: Motion) -> Motion {
-        let root = 1.0 / self.apex.power;
-        let rho = (self.sign * (motion.at[self.axis] - self.base)).max(0.0);
-        let r = rho.powf(root);
-        let radial = self.sign * motion.velocity[self.axis];
-        let radial = if root == 1.0 {
-            radial
-        } else {
-            radial * root * rho.powf(root - 1.0)
-        };
-        Motion {
-            at: [r, 0.0],
-            velocity: [radial, r * self.apex.rate * motion.velocity[1 - self.axis]],
-        }
-    }
-
-    /// Back to (u,v), perhaps beyond sides that wrap.
-    pub(crate) fn leave(&self, motion: Motion) -> Motion {
-        let [a, b] = motion.at;
-        let [x, y] = motion.velocity;
-        let r = a.hypot(b);
-        if self.apex.smooth && r <= AT_POLE * self.radius() && x.hypot(y) > 0.0 {
-            // The angle of a point at the pole is free: the one in which the ray goes on.
-            let speed = x.hypot(y);
-            let along = AT_POLE * self.radius() / speed;
-            return self.leave(Motion {
-                at: [1.5 * along * x, 1.5 * along * y],
-                velocity: motion.velocity,
-            });
-        }
-        let (cos, sin) = if r > 0.0 { (a / r, b / r) } else { (1.0, 0.0) };
-        let power = self.apex.power;
-        let radial = self.sign * power * r.powf(power - 1.0) * (cos * x + sin * y);
-        let turning = if r > 0.0 {
-            (cos * y - sin * x) / r / self.apex.rate
-        } else {
-            0.0
-        };
-        Motion {
-            at: self.plain_point(motion.at),
-            velocity: if self.axis == 0 {
-                [radial, turning]
-            } else {
-                [turning, radial]
-            },
-        }
-    }
-
-    /// Turns the chart so that the point lies on the a-axis: along a ray the angle may go on growing. Gives the
-    /// rotation as (cos, sin), for what else is expressed in the chart.
-    pub(crate) fn turn_to(&mut self, motion: &mut Motion) -> [f64; 2] {
-        let [a, b] = motion.at;
-        let r = a.hypot(b);
-        if r == 0.0 {
-            return [1.0, 0.0];
-        }
-        let rotation = [a / r, b / r];
-        self.reference += b.atan2(a) / self.apex.rate;
-        motion.at = [r, 0.0];
-        motion.velocity = rotated(rotation, motion.velocity);
-        rotation
-    }
 }
 
 /// A vector turned back by the rotation.

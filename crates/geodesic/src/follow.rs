@@ -17,6 +17,9 @@ const MEANINGLESS: f64 = 1e-9;
 /// What an evaluation's rounding may do to a step; the tolerance asked for has this as its floor.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
+/// What the end of a ray takes at most: a last change of chart, a look at why it ended, its position.
+const AT_END: usize = 16;
+
 /// How a ray is to be integrated.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plan {
@@ -25,7 +28,8 @@ pub(crate) struct Plan {
     pub(crate) tolerance: Option<f64>,
     /// The first step's length; for steps of equal length, all of them.
     pub(crate) step: f64,
-    pub(crate) max_evaluations: usize,
+    /// How far the atlas's count of evaluations may go.
+    pub(crate) limit: usize,
     /// Whether apexes are passed in their own charts.
     pub(crate) charts: bool,
     /// Whether the positions of the steps' ends are kept.
@@ -41,7 +45,6 @@ pub(crate) struct End {
     pub(crate) error: f64,
     pub(crate) steps: usize,
     pub(crate) rejected: usize,
-    pub(crate) evaluations: usize,
     pub(crate) status: Status,
     pub(crate) flipped: bool,
     pub(crate) path: Vec<[f64; 2]>,
@@ -81,7 +84,6 @@ struct Ray<'a, 's, S: Surface + ?Sized> {
     chart: Chart,
     motion: Motion,
     local: Local,
-    evaluations: usize,
     steps: usize,
     rejected: usize,
     s: f64,
@@ -96,9 +98,7 @@ pub(crate) fn follow<S: Surface + ?Sized>(
     length: f64,
     plan: Plan,
 ) -> End {
-    let mut evaluations = 0;
-    let (chart, motion) = chart_at(atlas, &plan, start);
-    let Some(local) = atlas.local(&chart, motion, &mut evaluations) else {
+    let Some((chart, motion, local)) = begin(atlas, &plan, start) else {
         return End {
             motion: start,
             length: 0.0,
@@ -106,7 +106,6 @@ pub(crate) fn follow<S: Surface + ?Sized>(
             error: 0.0,
             steps: 0,
             rejected: 0,
-            evaluations,
             status: stalled_at(atlas, start.at),
             flipped: false,
             path: Vec::new(),
@@ -119,7 +118,6 @@ pub(crate) fn follow<S: Surface + ?Sized>(
         chart,
         motion,
         local,
-        evaluations,
         steps: 0,
         rejected: 0,
         s: 0.0,
@@ -137,6 +135,9 @@ pub(crate) fn follow<S: Surface + ?Sized>(
         let remaining = length - ray.s;
         if remaining <= 1e-15 * length {
             break Status::Complete;
+        }
+        if !ray.affords_step() {
+            break Status::WorkLimit;
         }
         h = h.min(ray.longest());
         // Two steps of equal length rather than a long one and a sliver.
@@ -178,13 +179,6 @@ pub(crate) fn follow<S: Surface + ?Sized>(
         if plan.tolerance.is_some() && h < shortest && length - ray.s > shortest {
             break stalled_at(atlas, ray.plain().at);
         }
-        if ray.evaluations >= plan.max_evaluations {
-            break if length - ray.s <= 1e-15 * length {
-                Status::Complete
-            } else {
-                Status::WorkLimit
-            };
-        }
     };
     if plan.keep_path {
         path.push(ray.plain().at);
@@ -201,7 +195,6 @@ pub(crate) fn follow<S: Surface + ?Sized>(
         error: ray.errors.bound(),
         steps: ray.steps,
         rejected: ray.rejected,
-        evaluations: ray.evaluations,
         status,
         flipped: ray.flipped,
         path,
@@ -232,7 +225,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     fn plain(&self) -> Motion {
         let mut motion = match &self.chart {
             Chart::Plain => self.motion,
-            Chart::Apex(chart) => chart.leave(self.motion),
+            Chart::Apex(chart) => self.atlas.leave(chart, self.motion, self.local.tangents),
         };
         let signs = self.atlas.bring_back(&mut motion.at).signs;
         motion.velocity = [0, 1].map(|k| signs[k] * motion.velocity[k]);
@@ -258,8 +251,15 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             self.motion,
             &self.local,
             h,
-            &mut self.evaluations,
         )
+    }
+
+    /// Whether one more step, and what its end takes, are within the limit.
+    fn affords_step(&self) -> bool {
+        let interpolated = matches!(&self.chart, Chart::Apex(chart) if chart.apex.smooth);
+        let each = if interpolated { 6 } else { 1 };
+        let step = each * (self.plan.tableau.stages.len() + 1);
+        self.atlas.evaluations() + step + AT_END <= self.plan.limit
     }
 
     fn attempt(&mut self, h: f64, length: f64) -> Attempt {
@@ -333,9 +333,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     fn local_after(&mut self, step: &Step) -> Option<Local> {
         match step.end_local {
             Some(local) => Some(local),
-            None => self
-                .atlas
-                .local(&self.chart, step.end, &mut self.evaluations),
+            None => self.atlas.local(&self.chart, step.end),
         }
     }
 
@@ -356,9 +354,11 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                 if self.plan.charts
                     && let Chart::Apex(chart) = self.atlas.chart_for(self.motion.at)
                 {
-                    self.motion = chart.enter(self.motion);
+                    let Some((motion, local)) = self.atlas.enter(&chart, self.motion) else {
+                        return false;
+                    };
+                    (self.motion, self.local) = (motion, local);
                     self.chart = Chart::Apex(chart);
-                    return self.look();
                 }
                 true
             }
@@ -367,7 +367,9 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                     self.motion = chart.leave(self.motion);
                     self.chart = Chart::Plain;
                     self.bring_back();
-                    return self.look();
+                    let local = self.atlas.local(&self.chart, self.motion);
+                    self.local = local.unwrap_or(self.local);
+                    return local.is_some();
                 }
                 let rotation = chart.turn_to(&mut self.motion);
                 self.local.acceleration = rotated(rotation, self.local.acceleration);
@@ -388,30 +390,22 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             self.local.tangents[k] = self.local.tangents[k].map(|x| x * sign);
         }
     }
-
-    fn look(&mut self) -> bool {
-        let local = self
-            .atlas
-            .local(&self.chart, self.motion, &mut self.evaluations);
-        if let Some(local) = local {
-            self.local = local;
-        }
-        local.is_some()
-    }
 }
 
-/// The chart for a point of the domain, and the motion in it.
-fn chart_at<S: Surface + ?Sized>(
+/// The chart for a point of the domain, the motion in it, and its local data.
+fn begin<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
     plan: &Plan,
     start: Motion,
-) -> (Chart, Motion) {
+) -> Option<(Chart, Motion, Local)> {
     if plan.charts
         && let Chart::Apex(chart) = atlas.chart_for(start.at)
     {
-        return (Chart::Apex(chart), chart.enter(start));
+        let (motion, local) = atlas.enter(&chart, start)?;
+        return Some((Chart::Apex(chart), motion, local));
     }
-    (Chart::Plain, start)
+    let local = atlas.local(&Chart::Plain, start)?;
+    Some((Chart::Plain, start, local))
 }
 
 /// Why a ray cannot go on from a point where the steps have become too short, or an evaluation fails.

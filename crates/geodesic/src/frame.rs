@@ -29,7 +29,7 @@ impl Frame {
             return Err(TraceError::DirectionNotFinite);
         }
         let atlas = crate::chart::Atlas::new(surface);
-        let start = trace::unit_start(&atlas, surface, uv, [1.0, 0.0])?;
+        let (start, _) = trace::unit_start(&atlas, uv, [1.0, 0.0])?;
         let jet = surface.jet(start.at);
         let metric = Metric::of(&jet);
         if metric.r.is_nan() || metric.r <= 0.0 {

@@ -39,7 +39,6 @@ pub(crate) fn step<S: Surface + ?Sized>(
     start: Motion,
     local: &Local,
     h: f64,
-    work: &mut usize,
 ) -> Option<Step> {
     let state: State = [
         start.at[0],
@@ -56,7 +55,7 @@ pub(crate) fn step<S: Surface + ?Sized>(
     let mut count = 1;
     for row in tableau.stages {
         let at = advance(&state, h, row, &stages);
-        let local = atlas.local(chart, motion(&at), work)?;
+        let local = atlas.local(chart, motion(&at))?;
         stages[count] = derivative(&at, &local);
         count += 1;
     }
@@ -66,7 +65,7 @@ pub(crate) fn step<S: Surface + ?Sized>(
     }
     let mut end_local = None;
     if tableau.error.len() > count {
-        let local = atlas.local(chart, motion(&end), work)?;
+        let local = atlas.local(chart, motion(&end))?;
         stages[count] = derivative(&end, &local);
         end_local = Some(local);
     }

@@ -118,8 +118,9 @@ pub fn map_row<S: Surface + ?Sized>(
             out.status.push(Status::Complete);
             continue;
         }
-        let start = match trace::unit_start(&atlas, surface, frame.uv, velocity) {
-            Ok(start) => start,
+        let limit = atlas.evaluations().saturating_add(options.max_evaluations);
+        let start = match trace::unit_start(&atlas, frame.uv, velocity) {
+            Ok((start, _)) => start,
             Err(_) => {
                 out.uv.push(frame.uv.map(|x| x as f32));
                 out.status.push(Status::Undefined);
@@ -130,7 +131,7 @@ pub fn map_row<S: Surface + ?Sized>(
             tableau: &DOPRI5,
             tolerance: Some((options.tolerance * pixel / length).clamp(1e-13, 1e-2)),
             step: step.unwrap_or_else(|| trace::first_step(&atlas, length)),
-            max_evaluations: options.max_evaluations,
+            limit,
             charts: true,
             keep_path: false,
         };
@@ -140,7 +141,6 @@ pub fn map_row<S: Surface + ?Sized>(
                 tableau: &RK4,
                 tolerance: None,
                 step: length / f64::from(steps.max(1)),
-                max_evaluations: usize::MAX,
                 charts: false,
                 ..common
             },
@@ -150,7 +150,7 @@ pub fn map_row<S: Surface + ?Sized>(
         step = (end.status == Status::Complete).then_some(end.step);
         out.uv.push(end.motion.at.map(|x| x as f32));
         out.status.push(end.status);
-        out.evaluations += end.evaluations as u64;
     }
+    out.evaluations = atlas.evaluations() as u64;
     out
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use crate::chart::{Atlas, Motion};
 use crate::follow::{self, End, Plan};
 use crate::integrate::{DOP853, DOPRI5, RK4};
-use crate::metric::{norm, speed};
+use crate::metric::{combine, norm, speed};
 use crate::surface::{Side, Surface};
 
 /// Why a geodesic ended.
@@ -34,7 +34,8 @@ pub enum Method {
     #[default]
     Adaptive,
     /// This many steps (at least one) of equal length of the classical Runge–Kutta method in (u,v), as in the thesis
-    /// (equations 4.2), for comparison. Its error is estimated from a second run with half the steps.
+    /// (equations 4.2), for comparison. Its error is estimated from a second run with half the steps; both are within
+    /// the limit on evaluations.
     Rk4 {
         /// How many steps.
         steps: u32,
@@ -48,7 +49,7 @@ pub struct Options {
     pub tolerance: f64,
     /// How it is integrated.
     pub method: Method,
-    /// The most evaluations of the surface and its derivatives; a step in progress is finished.
+    /// The most evaluations of the surface and its derivatives, whatever the method.
     pub max_evaluations: usize,
     /// Whether [`Trace::path`] is kept.
     pub keep_path: bool,
@@ -191,12 +192,12 @@ pub fn trace<S: Surface + ?Sized>(
         return Err(TraceError::BadTolerance { tolerance });
     }
     let atlas = Atlas::new(surface);
-    let start = unit_start(&atlas, surface, start, velocity)?;
+    let (start, moved) = unit_start(&atlas, start, velocity)?;
     let common = Plan {
         tableau: &DOP853,
         tolerance: None,
         step: length,
-        max_evaluations: options.max_evaluations,
+        limit: options.max_evaluations,
         charts: false,
         keep_path: options.keep_path,
     };
@@ -213,18 +214,23 @@ pub fn trace<S: Surface + ?Sized>(
             follow::follow(&atlas, start, length, plan)
         }
         Method::Rk4 { steps } => {
-            let run = |steps: u32, keep_path: bool| {
-                let plan = Plan {
-                    tableau: &RK4,
-                    step: length / f64::from(steps.max(1)),
-                    max_evaluations: usize::MAX,
-                    keep_path,
-                    ..common
-                };
-                follow::follow(&atlas, start, length, plan)
+            let step = length / f64::from(steps.max(1));
+            let fine = Plan {
+                tableau: &RK4,
+                step,
+                // The run with half the steps takes half as much.
+                limit: options.max_evaluations / 3 * 2,
+                ..common
             };
-            let coarse = run(steps / 2, false);
-            let mut fine = run(steps, options.keep_path);
+            let coarse = Plan {
+                step: 2.0 * step,
+                limit: options.max_evaluations,
+                keep_path: false,
+                ..fine
+            };
+            let mut fine = follow::follow(&atlas, start, length, fine);
+            // Where the first run ended early, there the second one is compared with it.
+            let coarse = follow::follow(&atlas, start, fine.length, coarse);
             let gap = [0, 1, 2]
                 .map(|k| atlas.position(fine.motion.at)[k] - atlas.position(coarse.motion.at)[k]);
             // Of fourth order: the coarse run's error is sixteen times the fine one's.
@@ -232,7 +238,11 @@ pub fn trace<S: Surface + ?Sized>(
             fine
         }
     };
-    Ok(finish(&atlas, end))
+    let mut trace = finish(&atlas, end);
+    if moved > 0.0 {
+        trace.error_estimate += moved;
+    }
+    Ok(trace)
 }
 
 /// A first step that is surely not too long for the tolerance to be judged.
@@ -240,13 +250,12 @@ pub(crate) fn first_step<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, length: f64)
     length.min(0.03 * atlas.scale.size)
 }
 
-/// The start brought back into the domain, at unit speed.
+/// The start brought back into the domain, at unit speed, and how far it has been moved off a pole.
 pub(crate) fn unit_start<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
-    surface: &S,
     start: [f64; 2],
     velocity: [f64; 2],
-) -> Result<Motion, TraceError> {
+) -> Result<(Motion, f64), TraceError> {
     if !start.iter().all(|x| x.is_finite()) {
         return Err(TraceError::StartNotFinite);
     }
@@ -259,7 +268,9 @@ pub(crate) fn unit_start<S: Surface + ?Sized>(
     }
     let mut at = place(atlas, start)?;
     let signs = atlas.bring_back(&mut at).signs;
-    let jet = surface.jet(at);
+    let given = at;
+    at = atlas.off_pole(at);
+    let jet = atlas.jet(at);
     if !jet.position.iter().all(|x| x.is_finite()) {
         return Err(TraceError::UndefinedStart { at: start });
     }
@@ -280,10 +291,13 @@ pub(crate) fn unit_start<S: Surface + ?Sized>(
     if speed <= 0.0 || !usable {
         return Err(TraceError::DegenerateStart { at: start });
     }
-    Ok(Motion {
-        at,
-        velocity: velocity.map(|x| x / speed),
-    })
+    let moved = if at == given {
+        0.0
+    } else {
+        norm(combine(1.0, jet.position, -1.0, atlas.position(given)))
+    };
+    let velocity = velocity.map(|x| x / speed);
+    Ok((Motion { at, velocity }, moved))
 }
 
 /// The start, which may lie beyond sides that wrap, but not beyond others (but for rounding).
@@ -311,16 +325,17 @@ fn place<S: Surface + ?Sized>(
 
 fn finish<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, end: End) -> Trace {
     let Motion { at, velocity } = end.motion;
+    let position = atlas.position(at);
     Trace {
         uv: at,
         direction: velocity,
-        position: atlas.position(at),
+        position,
         length: end.length,
         speed_drift: end.speed_drift,
         error_estimate: end.error,
         steps: end.steps,
         rejected: end.rejected,
-        evaluations: end.evaluations,
+        evaluations: atlas.evaluations(),
         status: end.status,
         flipped: end.flipped,
         path: end.path,

@@ -109,7 +109,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                 break;
             }
             at = next;
-            if self.evaluations >= self.plan.max_evaluations {
+            if !self.affords_step() {
                 break;
             }
         }

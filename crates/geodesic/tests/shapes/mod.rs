@@ -170,3 +170,83 @@ pub(crate) fn dome() -> ParametricSurface {
     let z = m.f(Unary::Sqrt, rest);
     m.done([u, v, z], [[-1.0, 1.0], [-1.0, 1.0]])
 }
+
+/// The sphere of radius `size` with u and v in units of `unit` radians, sheared: longitude u + shear·v.
+#[allow(dead_code)]
+pub(crate) fn sphere_in_units(unit: f64, size: f64, shear: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let unit_node = m.c(unit);
+    let (u, v) = (m.u, m.v);
+    let latitude = m.g.divide(v, unit_node);
+    let longitude = m.g.divide(u, unit_node);
+    let skew = m.scale(shear, latitude);
+    let longitude = m.add(longitude, skew);
+    let (cos, sin) = (m.f(Unary::Cos, latitude), m.f(Unary::Sin, latitude));
+    let p = m.around(cos, longitude, sin);
+    let p = p.map(|x| m.scale(size, x));
+    m.done(p, [[0.0, TAU * unit], [-PI / 2.0 * unit, PI / 2.0 * unit]])
+}
+
+/// The plane, (eᵛ cos u, eᵛ sin u, 0).
+#[allow(dead_code)]
+pub(crate) fn log_polar() -> ParametricSurface {
+    let mut m = Maker::new();
+    let r = m.f(Unary::Exp, m.v);
+    let zero = m.c(0.0);
+    let u = m.u;
+    let p = m.around(r, u, zero);
+    m.done(p, [[0.0, TAU], [-20.0, 6.0]])
+}
+
+/// The catenoid (cosh v cos u, cosh v sin u, v).
+#[allow(dead_code)]
+pub(crate) fn catenoid() -> ParametricSurface {
+    let mut m = Maker::new();
+    let r = m.f(Unary::Cosh, m.v);
+    let (u, v) = (m.u, m.v);
+    let p = m.around(r, u, v);
+    m.done(p, [[0.0, TAU], [-10.0, 10.0]])
+}
+
+/// The helicoid (sinh v cos u, sinh v sin u, u), which the catenoid bends into.
+#[allow(dead_code)]
+pub(crate) fn helicoid() -> ParametricSurface {
+    let mut m = Maker::new();
+    let cosh = m.f(Unary::Cosh, m.v);
+    let tanh = m.f(Unary::Tanh, m.v);
+    let r = m.mul(cosh, tanh);
+    let u = m.u;
+    let p = m.around(r, u, u);
+    m.done(p, [[-50.0, 50.0], [-10.0, 10.0]])
+}
+
+/// The graph of 0.1 sin 20u sin 20v.
+#[allow(dead_code)]
+pub(crate) fn bumps() -> ParametricSurface {
+    let mut m = Maker::new();
+    let (a, b) = (m.scale(20.0, m.u), m.scale(20.0, m.v));
+    let (a, b) = (m.f(Unary::Sin, a), m.f(Unary::Sin, b));
+    let p = m.mul(a, b);
+    let z = m.scale(0.1, p);
+    let (u, v) = (m.u, m.v);
+    m.done([u, v, z], [[-5.0, 5.0], [-5.0, 5.0]])
+}
+
+/// The bottle of Klein that a figure of eight sweeps, turning by half a turn on its way round. Over `turns` of
+/// 2·2π it is covered twice and wraps without a flip.
+#[allow(dead_code)]
+pub(crate) fn klein(turns: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let half = m.scale(0.5, m.u);
+    let (cos, sin) = (m.f(Unary::Cos, half), m.f(Unary::Sin, half));
+    let double = m.scale(2.0, m.v);
+    let (s, t) = (m.f(Unary::Sin, m.v), m.f(Unary::Sin, double));
+    let (cs, st) = (m.mul(cos, s), m.mul(sin, t));
+    let out = m.g.subtract(cs, st);
+    let radius = m.plus(2.5, out);
+    let (ss, ct) = (m.mul(sin, s), m.mul(cos, t));
+    let z = m.add(ss, ct);
+    let u = m.u;
+    let p = m.around(radius, u, z);
+    m.done(p, [[0.0, turns], [0.0, TAU]])
+}

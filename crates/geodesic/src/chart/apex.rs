@@ -1,0 +1,160 @@
+//! The coordinates about an apex: polar coordinates undone, or a cone unrolled.
+
+use super::{LEAVE, Motion, rotated};
+use crate::topology::Apex;
+
+/// At a smooth pole, nearer than this share of the chart's radius the chain rule has lost digits and the
+/// acceleration is interpolated: it is a smooth function there.
+const INNER: f64 = 1e-3;
+/// The same as a share of the radius of curvature: the function's series must converge well there.
+const INNER_BEND: f64 = 5e-3;
+/// A point this near a pole, as a share of the domain's width, is at it.
+const AT_POLE: f64 = 1e-15;
+
+/// The coordinates about an apex; see [`Apex`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ApexChart {
+    /// The axis along which the apex lies at an end of the domain.
+    pub(crate) axis: usize,
+    /// The parameter at the apex.
+    pub(super) base: f64,
+    /// +1 where the domain lies above `base`, −1 where below.
+    pub(super) sign: f64,
+    /// The other parameter along the a-axis.
+    pub(super) reference: f64,
+    /// The domain's width along `axis`.
+    pub(super) width: f64,
+    pub(crate) apex: Apex,
+}
+
+impl ApexChart {
+    /// The chart's radius at the far end of the domain.
+    pub(crate) fn radius(&self) -> f64 {
+        self.width.powf(1.0 / self.apex.power)
+    }
+
+    /// The radius of the neighbourhood in which the acceleration is interpolated.
+    pub(super) fn inner(&self) -> f64 {
+        (INNER * self.radius()).min(INNER_BEND * self.apex.bend)
+    }
+
+    /// The longest stretch, in chart units, that a step may go near a tip that is not smooth: towards it so that
+    /// the tip stays ahead, away from it twice the distance. There the chain rule's rounding grows like 1/r.
+    pub(crate) fn longest(&self, motion: Motion) -> f64 {
+        if self.apex.smooth {
+            return f64::INFINITY;
+        }
+        let ([a, b], [x, y]) = (motion.at, motion.velocity);
+        let r = a.hypot(b).max(1e-12 * self.radius());
+        if a * x + b * y < 0.0 {
+            0.75 * r
+        } else {
+            2.0 * r
+        }
+    }
+
+    /// A point's distance from the apex, as a share of the domain's width.
+    pub(crate) fn share(&self, at: [f64; 2]) -> f64 {
+        at[0].hypot(at[1]).powf(self.apex.power) / self.width
+    }
+
+    /// What the rounding of the radial parameter does to a direction that passes from one point to another in a
+    /// straight line: nothing where the apex is at 0, much where ρ is a difference of large numbers.
+    pub(crate) fn noise(&self, from: [f64; 2], to: [f64; 2]) -> f64 {
+        let way = [0, 1].map(|k| to[k] - from[k]);
+        let square = way[0] * way[0] + way[1] * way[1];
+        let along = if square > 0.0 {
+            (-(from[0] * way[0] + from[1] * way[1]) / square).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let nearest = [0, 1].map(|k| from[k] + along * way[k]);
+        let floor = if self.apex.smooth { self.inner() } else { 0.0 };
+        let r = nearest[0].hypot(nearest[1]).max(floor);
+        f64::EPSILON * self.base.abs() / r.powf(self.apex.power)
+    }
+
+    /// Whether a point is far enough off to leave the chart.
+    pub(crate) fn is_left_at(&self, at: [f64; 2]) -> bool {
+        self.share(at) > LEAVE
+    }
+
+    /// The point in (u,v), perhaps beyond sides that wrap.
+    pub(crate) fn plain_point(&self, [a, b]: [f64; 2]) -> [f64; 2] {
+        let w = self.base + self.sign * a.hypot(b).powf(self.apex.power);
+        let t = self.reference + b.atan2(a) / self.apex.rate;
+        if self.axis == 0 { [w, t] } else { [t, w] }
+    }
+
+    /// From (u,v) into this chart, whose reference is the point's other parameter: it lies on the a-axis.
+    pub(crate) fn enter(&self, motion: Motion) -> Motion {
+        let root = 1.0 / self.apex.power;
+        let rho = (self.sign * (motion.at[self.axis] - self.base)).max(0.0);
+        let r = rho.powf(root);
+        let radial = self.sign * motion.velocity[self.axis];
+        let radial = if root == 1.0 {
+            radial
+        } else {
+            radial * root * rho.powf(root - 1.0)
+        };
+        Motion {
+            at: [r, 0.0],
+            velocity: [radial, r * self.apex.rate * motion.velocity[1 - self.axis]],
+        }
+    }
+
+    /// How near the apex, in units of r, the parameters can still tell a point from it.
+    pub(crate) fn nearest(&self) -> f64 {
+        let rho = (AT_POLE * self.width).max(4.0 * f64::EPSILON * self.base.abs());
+        rho.powf(1.0 / self.apex.power)
+    }
+
+    /// Whether a point lies where the chain rule from (u,v) has lost digits.
+    pub(crate) fn is_inner(&self, at: [f64; 2]) -> bool {
+        self.apex.smooth && at[0].hypot(at[1]) < self.inner()
+    }
+
+    /// Back to (u,v), perhaps beyond sides that wrap.
+    pub(crate) fn leave(&self, mut motion: Motion) -> Motion {
+        let [x, y] = motion.velocity;
+        let nearest = self.nearest();
+        let r = motion.at[0].hypot(motion.at[1]);
+        if self.apex.smooth && r < nearest && x.hypot(y) > 0.0 {
+            // The angle of a point at the pole is free: the one in which the ray goes on.
+            motion.at = [x, y].map(|c| nearest * c / x.hypot(y));
+        }
+        let [a, b] = motion.at;
+        let r = a.hypot(b);
+        let (cos, sin) = if r > 0.0 { (a / r, b / r) } else { (1.0, 0.0) };
+        let power = self.apex.power;
+        let radial = self.sign * power * r.powf(power - 1.0) * (cos * x + sin * y);
+        let turning = if r > 0.0 {
+            (cos * y - sin * x) / r / self.apex.rate
+        } else {
+            0.0
+        };
+        Motion {
+            at: self.plain_point(motion.at),
+            velocity: if self.axis == 0 {
+                [radial, turning]
+            } else {
+                [turning, radial]
+            },
+        }
+    }
+
+    /// Turns the chart so that the point lies on the a-axis: along a ray the angle may go on growing. Gives the
+    /// rotation as (cos, sin), for what else is expressed in the chart.
+    pub(crate) fn turn_to(&mut self, motion: &mut Motion) -> [f64; 2] {
+        let [a, b] = motion.at;
+        let r = a.hypot(b);
+        if r == 0.0 {
+            return [1.0, 0.0];
+        }
+        let rotation = [a / r, b / r];
+        self.reference += b.atan2(a) / self.apex.rate;
+        motion.at = [r, 0.0];
+        motion.velocity = rotated(rotation, motion.velocity);
+        rotation
+    }
+}
