@@ -46,6 +46,15 @@ fn program(declarations: usize) -> String {
     text
 }
 
+/// One expression: the thesis' sphere, so many times, in which nearly every word is split into names.
+fn dense(terms: usize) -> String {
+    let term = " + (sin(piv)cos(2piu), -sin(piv)sin(2piu), cos(piv))/2x^2";
+    format!(
+        "define u = 1/3; define v = 1/4; define x = 3; define sum = (0, 0, 0){};\n",
+        term.repeat(terms)
+    )
+}
+
 /// Hooks that do nothing: lexing and parsing alone.
 struct Nothing;
 impl Actions for Nothing {}
@@ -96,14 +105,20 @@ pub(crate) fn run() {
             "cosh", "tanh", "abs",
         ],
     );
-    let large = program(100_000);
-    let size = megabytes(large.len() as u64);
-    let times = Times::of(11, || {
-        syntax::parse_program(&large, &vocabulary, &mut Nothing)
-    });
-    println!(
-        "  lexing and parsing {size:.1} MB: {}, {:.0} MB/s",
-        times,
-        size / times.median().as_secs_f64()
-    );
+    let names = program(100_000);
+    let dense = dense(100_000);
+    for (what, text) in [
+        ("many short declarations", &names),
+        ("dense expressions", &dense),
+    ] {
+        let size = megabytes(text.len() as u64);
+        let times = Times::of(11, || {
+            syntax::parse_program(text, &vocabulary, &mut Nothing)
+        });
+        println!(
+            "  lexing and parsing {what}, {size:.1} MB: {}, {:.0} MB/s",
+            times,
+            size / times.median().as_secs_f64()
+        );
+    }
 }
