@@ -115,8 +115,9 @@ fn crossing(at: vec2f, velocity: vec2f, jet: Jet, tip: Tip, time_left: f32) -> C
     return Crossing(true, false, result, heading, time);
 }
 
-// The longest step that does not reach a tip.
-fn step_towards_tip(distance: f32, speed: f32, radial_length: f32) -> f32 {
+// The longest step beside a tip, where the chart is polar: it neither reaches the tip nor, on the way out, leaves
+// the scale on which the chart bends.
+fn step_near_tip(distance: f32, speed: f32, radial_length: f32) -> f32 {
     let short = max(distance, 0.25 * FLAT_RADIUS / max(radial_length, 1e-20));
     return 0.5 * short / max(abs(speed), 1e-20);
 }
@@ -148,21 +149,29 @@ fn follow(start_velocity: vec2f) -> End {
         if any(tips) {
             var tip = Tip(2u, 0.0, 1.0, false);
             let speed = mover.velocity;
-            if tips.x && speed.x < 0.0 {
-                longest = min(longest, step_towards_tip(mover.at.x - camera.minimum.x, speed.x, length(jet.du)));
-                tip = Tip(0u, camera.minimum.x, camera.tip_powers.x, camera.sides.x == SIDE_CONE);
+            if tips.x {
+                longest = min(longest, step_near_tip(mover.at.x - camera.minimum.x, speed.x, length(jet.du)));
+                if speed.x < 0.0 {
+                    tip = Tip(0u, camera.minimum.x, camera.tip_powers.x, camera.sides.x == SIDE_CONE);
+                }
             }
-            if tips.y && speed.x > 0.0 {
-                longest = min(longest, step_towards_tip(camera.maximum.x - mover.at.x, speed.x, length(jet.du)));
-                tip = Tip(0u, camera.maximum.x, camera.tip_powers.y, camera.sides.y == SIDE_CONE);
+            if tips.y {
+                longest = min(longest, step_near_tip(camera.maximum.x - mover.at.x, speed.x, length(jet.du)));
+                if speed.x > 0.0 {
+                    tip = Tip(0u, camera.maximum.x, camera.tip_powers.y, camera.sides.y == SIDE_CONE);
+                }
             }
-            if tips.z && speed.y < 0.0 {
-                longest = min(longest, step_towards_tip(mover.at.y - camera.minimum.y, speed.y, length(jet.dv)));
-                tip = Tip(1u, camera.minimum.y, camera.tip_powers.z, camera.sides.z == SIDE_CONE);
+            if tips.z {
+                longest = min(longest, step_near_tip(mover.at.y - camera.minimum.y, speed.y, length(jet.dv)));
+                if speed.y < 0.0 {
+                    tip = Tip(1u, camera.minimum.y, camera.tip_powers.z, camera.sides.z == SIDE_CONE);
+                }
             }
-            if tips.w && speed.y > 0.0 {
-                longest = min(longest, step_towards_tip(camera.maximum.y - mover.at.y, speed.y, length(jet.dv)));
-                tip = Tip(1u, camera.maximum.y, camera.tip_powers.w, camera.sides.w == SIDE_CONE);
+            if tips.w {
+                longest = min(longest, step_near_tip(camera.maximum.y - mover.at.y, speed.y, length(jet.dv)));
+                if speed.y > 0.0 {
+                    tip = Tip(1u, camera.maximum.y, camera.tip_powers.w, camera.sides.w == SIDE_CONE);
+                }
             }
             if tip.axis < 2u {
                 let chord = crossing(mover.at, mover.velocity, jet, tip, left);
