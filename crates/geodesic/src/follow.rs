@@ -320,13 +320,17 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             Chart::Plain => self.local.noise,
             Chart::Apex(chart) => chart.noise(self.motion.at, step.end.at),
         };
-        let direction = step.direction_error + noise + ROUNDING * (1.0 + h / scale);
-        self.errors
-            .add(step, step.position_error + rounding, direction);
+        let before = self.speed();
         self.steps += 1;
         self.s += h;
         self.motion = step.end;
         self.local = local;
+        // A pair's estimate for the point is now and then small by chance, when the one for the velocity, which acts
+        // on the point within the step, or the change of speed, is not.
+        let velocity = step.direction_error.max((self.speed() - before).abs());
+        let position = step.position_error.max(h * velocity);
+        let direction = velocity + noise + ROUNDING * (1.0 + h / scale);
+        self.errors.add(step, position + rounding, direction);
     }
 
     /// The local data at a step's end; `None` where the surface is undefined.
