@@ -7,7 +7,7 @@
 //! and raises [`Graph::overflowed`]; [`Graph::derivatives`] and [`Graph::substitute`] give [`TooLarge`] and
 //! leave the graph as it was. No function here recurses: expressions may be as deep as the graph is large.
 
-use rustc_hash::{FxHashMap, FxHashSet};
+use rustc_hash::{FxBuildHasher, FxHashMap, FxHashSet};
 
 use crate::ops::{Binary, Unary};
 
@@ -69,6 +69,9 @@ pub const DEFAULT_LIMIT: usize = 1_000_000;
 /// How many nodes may be made or visited in all, for each node that may be held: what bounds the time that
 /// rewriting takes even where its results are given up.
 const WORK_PER_NODE: u64 = 40;
+
+/// How many nodes the body of a function usually has.
+const USUAL_BODY: usize = 48;
 
 /// A node by its bits, so that equality is exact: 0 and −0 are two constants, all NaN are one.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
@@ -194,9 +197,12 @@ impl Graph {
         roots: &[NodeId],
         mut wanted: impl FnMut(NodeId) -> bool,
     ) -> Vec<NodeId> {
-        let mut seen: FxHashSet<NodeId> = FxHashSet::default();
-        let mut stack: Vec<NodeId> = roots.to_vec();
-        let mut order = Vec::new();
+        // Room for a usual body, so that none of its thousands of uses grows a table step by step.
+        let mut seen: FxHashSet<NodeId> =
+            FxHashSet::with_capacity_and_hasher(USUAL_BODY, FxBuildHasher);
+        let mut stack: Vec<NodeId> = Vec::with_capacity(USUAL_BODY);
+        stack.extend_from_slice(roots);
+        let mut order = Vec::with_capacity(USUAL_BODY);
         while let Some(id) = stack.pop() {
             if wanted(id) && seen.insert(id) {
                 order.push(id);

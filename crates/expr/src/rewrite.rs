@@ -52,9 +52,14 @@ impl Graph {
         self.whole(|graph| {
             let order = graph.reachable(roots, |id| !graph.dependencies(id).is_empty());
             graph.charge(order.len() + roots.len())?;
-            let mut copies: FxHashMap<NodeId, NodeId> = FxHashMap::default();
-            for id in order {
-                let copy = |operand| copies.get(&operand).copied().unwrap_or(operand);
+            // The copy of `order[k]` at k. Bodies are short: a search in the sorted order beats a table of its own.
+            let mut copies: Vec<NodeId> = Vec::with_capacity(order.len());
+            let copy_in = |copies: &[NodeId], operand: NodeId| match order.binary_search(&operand) {
+                Ok(place) => copies[place],
+                Err(_) => operand,
+            };
+            for &id in &order {
+                let copy = |operand| copy_in(&copies, operand);
                 let rewritten = match graph.node(id) {
                     Node::Constant(_) => id,
                     Node::Input(input) => replace(input).unwrap_or(id),
@@ -65,12 +70,9 @@ impl Graph {
                     Node::Binary(op, a, b) => graph.binary(op, copy(a), copy(b)),
                 };
                 graph.charge(0)?;
-                copies.insert(id, rewritten);
+                copies.push(rewritten);
             }
-            Ok(roots
-                .iter()
-                .map(|root| copies.get(root).copied().unwrap_or(*root))
-                .collect())
+            Ok(roots.iter().map(|&root| copy_in(&copies, root)).collect())
         })
     }
 
