@@ -178,26 +178,6 @@ impl Graph {
         }
     }
 
-    /// a − b: [`Graph::sub`] by its full name.
-    pub fn subtract(&mut self, a: NodeId, b: NodeId) -> NodeId {
-        self.sub(a, b)
-    }
-
-    /// a·b: [`Graph::mul`] by its full name.
-    pub fn multiply(&mut self, a: NodeId, b: NodeId) -> NodeId {
-        self.mul(a, b)
-    }
-
-    /// a/b: [`Graph::div`] by its full name.
-    pub fn divide(&mut self, a: NodeId, b: NodeId) -> NodeId {
-        self.div(a, b)
-    }
-
-    /// −a: [`Graph::neg`] by its full name.
-    pub fn negate(&mut self, a: NodeId) -> NodeId {
-        self.neg(a)
-    }
-
     /// Any operation on one number.
     pub fn unary(&mut self, op: Unary, a: NodeId) -> NodeId {
         if let Some(x) = self.value(a) {

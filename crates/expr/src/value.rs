@@ -255,7 +255,7 @@ pub fn juxtapose(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
             }
             let mut sum = None;
             for (&x, &y) in x.iter().zip(y) {
-                let product = graph.multiply(x, y);
+                let product = graph.mul(x, y);
                 sum = Some(match sum {
                     None => product,
                     Some(sum) => graph.add(sum, product),
@@ -282,9 +282,9 @@ pub fn multiply(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
                 });
             };
             let mut minor = |a, b, c, d| {
-                let left = graph.multiply(a, d);
-                let right = graph.multiply(b, c);
-                graph.subtract(left, right)
+                let left = graph.mul(a, d);
+                let right = graph.mul(b, c);
+                graph.sub(left, right)
             };
             Ok(Value::Vector(vec![
                 minor(x2, x3, y2, y3),
@@ -299,8 +299,8 @@ pub fn multiply(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
 /// A product in which at most one factor is a vector.
 fn scale(graph: &mut Graph, a: &Value, b: &Value) -> Value {
     match (a, b) {
-        (Value::Number(a), b) => each(b, |node| graph.multiply(*a, node)),
-        (a, Value::Number(b)) => each(a, |node| graph.multiply(node, *b)),
+        (Value::Number(a), b) => each(b, |node| graph.mul(*a, node)),
+        (a, Value::Number(b)) => each(a, |node| graph.mul(node, *b)),
         (a, Value::Vector(_)) => a.clone(),
     }
 }
@@ -311,7 +311,7 @@ fn scale(graph: &mut Graph, a: &Value, b: &Value) -> Value {
 /// [`DimensionError::Quotient`] where b is a vector.
 pub fn divide(graph: &mut Graph, a: &Value, b: &Value) -> Outcome {
     match b {
-        Value::Number(b) => Ok(each(a, |node| graph.divide(node, *b))),
+        Value::Number(b) => Ok(each(a, |node| graph.div(node, *b))),
         Value::Vector(_) => Err(DimensionError::Quotient {
             left: a.dimension(),
             right: b.dimension(),
@@ -350,7 +350,7 @@ pub fn reciprocal(graph: &mut Graph, a: &Value) -> Outcome {
     match a {
         Value::Number(a) => {
             let one = graph.constant(1.0);
-            Ok(Value::Number(graph.divide(one, *a)))
+            Ok(Value::Number(graph.div(one, *a)))
         }
         Value::Vector(nodes) => Err(DimensionError::Reciprocal {
             dimension: nodes.len(),

@@ -27,14 +27,14 @@ impl Maker {
         self.g.unary(op, a)
     }
     pub(crate) fn mul(&mut self, a: NodeId, b: NodeId) -> NodeId {
-        self.g.multiply(a, b)
+        self.g.mul(a, b)
     }
     pub(crate) fn add(&mut self, a: NodeId, b: NodeId) -> NodeId {
         self.g.add(a, b)
     }
     pub(crate) fn scale(&mut self, s: f64, a: NodeId) -> NodeId {
         let s = self.c(s);
-        self.g.multiply(s, a)
+        self.g.mul(s, a)
     }
     pub(crate) fn plus(&mut self, s: f64, a: NodeId) -> NodeId {
         let s = self.c(s);
@@ -124,10 +124,10 @@ pub(crate) fn pseudosphere() -> ParametricSurface {
     let mut m = Maker::new();
     let cosh = m.f(Unary::Cosh, m.v);
     let one = m.c(1.0);
-    let r = m.g.divide(one, cosh);
+    let r = m.g.div(one, cosh);
     let tanh = m.f(Unary::Tanh, m.v);
     let v = m.v;
-    let z = m.g.subtract(v, tanh);
+    let z = m.g.sub(v, tanh);
     let u = m.u;
     let p = m.around(r, u, z);
     m.done(p, [[0.0, TAU], [0.01, 20.0]])
@@ -151,7 +151,7 @@ pub(crate) fn sphere_by_height() -> ParametricSurface {
     let v = m.v;
     let square = m.mul(v, v);
     let one = m.c(1.0);
-    let rest = m.g.subtract(one, square);
+    let rest = m.g.sub(one, square);
     let r = m.f(Unary::Sqrt, rest);
     let u = m.u;
     let p = m.around(r, u, v);
@@ -166,7 +166,7 @@ pub(crate) fn dome() -> ParametricSurface {
     let (uu, vv) = (m.mul(u, u), m.mul(v, v));
     let sum = m.add(uu, vv);
     let one = m.c(1.0);
-    let rest = m.g.subtract(one, sum);
+    let rest = m.g.sub(one, sum);
     let z = m.f(Unary::Sqrt, rest);
     m.done([u, v, z], [[-1.0, 1.0], [-1.0, 1.0]])
 }
@@ -177,8 +177,8 @@ pub(crate) fn sphere_in_units(unit: f64, size: f64, shear: f64) -> ParametricSur
     let mut m = Maker::new();
     let unit_node = m.c(unit);
     let (u, v) = (m.u, m.v);
-    let latitude = m.g.divide(v, unit_node);
-    let longitude = m.g.divide(u, unit_node);
+    let latitude = m.g.div(v, unit_node);
+    let longitude = m.g.div(u, unit_node);
     let skew = m.scale(shear, latitude);
     let longitude = m.add(longitude, skew);
     let (cos, sin) = (m.f(Unary::Cos, latitude), m.f(Unary::Sin, latitude));
@@ -242,7 +242,7 @@ pub(crate) fn klein(turns: f64) -> ParametricSurface {
     let double = m.scale(2.0, m.v);
     let (s, t) = (m.f(Unary::Sin, m.v), m.f(Unary::Sin, double));
     let (cs, st) = (m.mul(cos, s), m.mul(sin, t));
-    let out = m.g.subtract(cs, st);
+    let out = m.g.sub(cs, st);
     let radius = m.plus(2.5, out);
     let (ss, ct) = (m.mul(sin, s), m.mul(cos, t));
     let z = m.add(ss, ct);

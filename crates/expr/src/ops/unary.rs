@@ -1,0 +1,210 @@
+//! The rows of operations on one number.
+//!
+//! What flows in: nothing, or an operand. What flows out: the enum [`Unary`], and each column as a function.
+
+use crate::arithmetic::sign;
+use crate::graph::{Graph, NodeId};
+use crate::ops::lanes::each;
+use crate::ops::{Row, Wgsl};
+
+macro_rules! unary_operations {
+    ($(
+        $(#[doc = $doc:literal])+
+        $variant:ident = $name:literal, builtin: $builtin:expr, wgsl: $wgsl:expr,
+        eval: |$x:ident| $value:expr,
+        derivative: $text:literal, |$graph:ident, $a:ident, $y:ident, $da:ident| $rule:expr;
+    )+) => {
+        /// An operation on one number.
+        #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+        pub enum Unary {
+            $( $(#[doc = $doc])+ $variant, )+
+        }
+
+        impl Unary {
+            /// All of them, in the table's order.
+            pub const ALL: [Self; [$(Self::$variant),+].len()] = [$(Self::$variant),+];
+
+            /// Its name in listings.
+            pub fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name,)+ }
+            }
+
+            /// What it is, for readers.
+            pub fn doc(self) -> &'static str {
+                match self { $(Self::$variant => concat!($($doc),+).trim_ascii(),)+ }
+            }
+
+            /// The name under which programs know it as a function.
+            pub fn builtin(self) -> Option<&'static str> {
+                match self { $(Self::$variant => $builtin,)+ }
+            }
+
+            /// Its WGSL.
+            pub fn wgsl(self) -> Wgsl {
+                match self { $(Self::$variant => $wgsl,)+ }
+            }
+
+            /// The rule of its derivative, for readers: x is the operand, x' its derivative, y the result.
+            pub fn derivative_text(self) -> &'static str {
+                match self { $(Self::$variant => $text,)+ }
+            }
+
+            /// The operation's row.
+            pub fn row(self) -> Row {
+                Row {
+                    name: self.name(),
+                    builtin: self.builtin(),
+                    wgsl: self.wgsl(),
+                    derivative: self.derivative_text(),
+                    doc: self.doc(),
+                }
+            }
+
+            /// Its value.
+            #[inline]
+            pub fn eval(self, x: f64) -> f64 {
+                match self { $(Self::$variant => { let $x = x; $value })+ }
+            }
+
+            /// Its value in each lane.
+            pub fn eval_lanes<const N: usize>(self, x: &[f64; N], out: &mut [f64; N]) {
+                match self { $(Self::$variant => each(x, out, |$x| $value),)+ }
+            }
+
+            /// The derivative of `y`, which is this operation on `x`, where that of `x` is `dx`.
+            pub(crate) fn derivative(
+                self,
+                graph: &mut Graph,
+                x: NodeId,
+                y: NodeId,
+                dx: NodeId,
+            ) -> NodeId {
+                match self {
+                    $(Self::$variant => {
+                        let ($graph, $a, $y, $da) = (graph, x, y, dx);
+                        $rule
+                    })+
+                }
+            }
+        }
+    };
+}
+
+unary_operations! {
+    /// The number with the other sign.
+    Neg = "neg", builtin: None, wgsl: Wgsl::Prefix("-"),
+    eval: |x| -x,
+    derivative: "-x'", |g, _x, _y, dx| g.neg(dx);
+
+    /// Sine of an angle in radians.
+    Sin = "sin", builtin: Some("sin"), wgsl: Wgsl::Builtin("sin"),
+    eval: |x| x.sin(),
+    derivative: "cos x · x'", |g, x, _y, dx| { let c = g.unary(Unary::Cos, x); g.mul(c, dx) };
+
+    /// Cosine of an angle in radians.
+    Cos = "cos", builtin: Some("cos"), wgsl: Wgsl::Builtin("cos"),
+    eval: |x| x.cos(),
+    derivative: "-sin x · x'", |g, x, _y, dx| {
+        let s = g.unary(Unary::Sin, x);
+        let product = g.mul(s, dx);
+        g.neg(product)
+    };
+
+    /// Tangent of an angle in radians.
+    Tan = "tan", builtin: Some("tan"), wgsl: Wgsl::Builtin("tan"),
+    eval: |x| x.tan(),
+    derivative: "(1 + y²) x'", |g, _x, y, dx| {
+        let one = g.constant(1.0);
+        let square = g.mul(y, y);
+        let sum = g.add(one, square);
+        g.mul(sum, dx)
+    };
+
+    /// The exponential function: e to a power.
+    Exp = "exp", builtin: Some("exp"), wgsl: Wgsl::Builtin("exp"),
+    eval: |x| x.exp(),
+    derivative: "y x'", |g, _x, y, dx| g.mul(y, dx);
+
+    /// Natural logarithm; undefined below zero, minus infinity at zero.
+    Log = "log", builtin: Some("log"), wgsl: Wgsl::Builtin("log"),
+    eval: |x| x.ln(),
+    derivative: "x' / x", |g, x, _y, dx| g.div(dx, x);
+
+    /// Square root; undefined below zero.
+    Sqrt = "sqrt", builtin: Some("sqrt"), wgsl: Wgsl::Builtin("sqrt"),
+    eval: |x| x.sqrt(),
+    derivative: "x' / 2y", |g, _x, y, dx| {
+        let two = g.constant(2.0);
+        let double = g.mul(two, y);
+        g.div(dx, double)
+    };
+
+    /// The angle in [-π/2, π/2] with this sine; undefined outside [-1, 1].
+    Asin = "asin", builtin: Some("asin"), wgsl: Wgsl::Builtin("asin"),
+    eval: |x| x.asin(),
+    derivative: "x' / √((1 - x)(1 + x))", |g, x, _y, dx| {
+        let root = sine_of_complement(g, x);
+        g.div(dx, root)
+    };
+
+    /// The angle in [0, π] with this cosine; undefined outside [-1, 1].
+    Acos = "acos", builtin: Some("acos"), wgsl: Wgsl::Builtin("acos"),
+    eval: |x| x.acos(),
+    derivative: "-x' / √((1 - x)(1 + x))", |g, x, _y, dx| {
+        let root = sine_of_complement(g, x);
+        let quotient = g.div(dx, root);
+        g.neg(quotient)
+    };
+
+    /// The angle in (-π/2, π/2) with this tangent.
+    Atan = "atan", builtin: Some("atan"), wgsl: Wgsl::Builtin("atan"),
+    eval: |x| x.atan(),
+    derivative: "x' / (1 + x²)", |g, x, _y, dx| {
+        let one = g.constant(1.0);
+        let square = g.mul(x, x);
+        let sum = g.add(one, square);
+        g.div(dx, sum)
+    };
+
+    /// Hyperbolic sine.
+    Sinh = "sinh", builtin: Some("sinh"), wgsl: Wgsl::Builtin("sinh"),
+    eval: |x| x.sinh(),
+    derivative: "cosh x · x'", |g, x, _y, dx| { let c = g.unary(Unary::Cosh, x); g.mul(c, dx) };
+
+    /// Hyperbolic cosine.
+    Cosh = "cosh", builtin: Some("cosh"), wgsl: Wgsl::Builtin("cosh"),
+    eval: |x| x.cosh(),
+    derivative: "sinh x · x'", |g, x, _y, dx| { let s = g.unary(Unary::Sinh, x); g.mul(s, dx) };
+
+    /// Hyperbolic tangent.
+    Tanh = "tanh", builtin: Some("tanh"), wgsl: Wgsl::Builtin("tanh"),
+    eval: |x| x.tanh(),
+    derivative: "(1 - y)(1 + y) x'", |g, _x, y, dx| {
+        let product = one_minus_square(g, y);
+        g.mul(product, dx)
+    };
+
+    /// Absolute value. Its derivative at zero is taken to be zero.
+    Abs = "abs", builtin: Some("abs"), wgsl: Wgsl::Builtin("abs"),
+    eval: |x| x.abs(),
+    derivative: "sign x · x'", |g, x, _y, dx| { let s = g.unary(Unary::Sign, x); g.mul(s, dx) };
+
+    /// The sign of a number: -1, 0 or 1; 0 for both zeros.
+    Sign = "sign", builtin: None, wgsl: Wgsl::Builtin("sign"),
+    eval: |x| sign(x),
+    derivative: "0", |g, _x, _y, _dx| g.constant(0.0);
+}
+
+/// (1 − x)(1 + x): 1 − x² without its cancellation near ±1.
+fn one_minus_square(graph: &mut Graph, x: NodeId) -> NodeId {
+    let one = graph.constant(1.0);
+    let less = graph.sub(one, x);
+    let more = graph.add(one, x);
+    graph.mul(less, more)
+}
+
+/// √(1 − x²).
+fn sine_of_complement(graph: &mut Graph, x: NodeId) -> NodeId {
+    let square = one_minus_square(graph, x);
+    graph.unary(Unary::Sqrt, square)
+}
