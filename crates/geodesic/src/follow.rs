@@ -2,6 +2,7 @@
 //!
 //! In: an atlas, a start at unit speed, a length. Out: [`End`]. Every ray ends, within its number of evaluations.
 
+mod collapse;
 mod event;
 
 use crate::chart::{Atlas, Chart, Local, Motion, REACH, rotated};
@@ -12,6 +13,8 @@ use crate::trace::Status;
 
 /// A step shorter than this share of the ray's own scale is not worth taking.
 const SHORTEST: f64 = 1e-13;
+/// Steps shorter than this share of the ray's scale have something singular near by.
+const SHORT: f64 = 0.01;
 /// Where the rounding of u and v turns the tangent plane by more than this, the chart has lost its rank.
 const MEANINGLESS: f64 = 1e-9;
 /// What an evaluation's rounding may do to a step; the tolerance asked for has this as its floor.
@@ -89,6 +92,8 @@ struct Ray<'a, 's, S: Surface + ?Sized> {
     s: f64,
     errors: ErrorSum,
     flipped: bool,
+    /// The length of the step before; 0 before the first.
+    last_step: f64,
 }
 
 /// Follows the geodesic from `start` in (u,v), inside the domain, at unit speed.
@@ -123,6 +128,7 @@ pub(crate) fn follow<S: Surface + ?Sized>(
         s: 0.0,
         errors: ErrorSum::default(),
         flipped: false,
+        last_step: 0.0,
     };
     let before = ray.speed();
     let mut path = Vec::new();
@@ -275,9 +281,9 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         };
         let mut next = None;
         if let Some(tolerance) = self.plan.tolerance {
-            // A ray of many short steps is allowed a thousandth of its scale's error in each: errors grow no more
+            // A ray of many short steps is allowed a hundredth of its scale's error in each: errors grow no more
             // than that by being made over and over.
-            let floor = (rounding + scale * noise).max(1e-3 * tolerance * scale);
+            let floor = (rounding + scale * noise).max(0.01 * tolerance * scale);
             let allowed = (tolerance * h).max(floor);
             let position = step.position_error / allowed;
             let direction = scale * step.direction_error / allowed;
@@ -286,7 +292,14 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             if excess > 1.0 || excess.is_nan() {
                 return Attempt::Again(h * factor.clamp(0.1, 0.9));
             }
-            next = Some(h * factor.clamp(0.2, 6.0));
+            // Steps that have been shrinking, towards a singular point, will go on to shrink.
+            let shrinking = h < self.last_step && h < SHORT * scale;
+            let trend = if shrinking {
+                (h / self.last_step).max(0.5)
+            } else {
+                1.0
+            };
+            next = Some(h * factor.clamp(0.2, 6.0) * trend);
         }
         if self.oversteps(&step) {
             return Attempt::Again(0.5 * h);
@@ -297,7 +310,11 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         let Some(local) = self.local_after(&step) else {
             return Attempt::Again(0.25 * h);
         };
+        let rank = self.rank();
         self.accept(&step, local, h, rounding, scale);
+        if let Some(status) = self.collapses(rank, h) {
+            return Attempt::Ended(status);
+        }
         if matches!(self.chart, Chart::Plain) && self.local.noise > MEANINGLESS {
             return Attempt::Ended(Status::Degenerate);
         }
@@ -322,6 +339,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         };
         let before = self.speed();
         self.steps += 1;
+        self.last_step = h;
         self.s += h;
         self.motion = step.end;
         self.local = local;

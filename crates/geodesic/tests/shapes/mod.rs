@@ -250,3 +250,25 @@ pub(crate) fn klein(turns: f64) -> ParametricSurface {
     let p = m.around(radius, u, z);
     m.done(p, [[0.0, turns], [0.0, TAU]])
 }
+
+/// The plane as (√u, v), u ≥ `low`.
+#[allow(dead_code)]
+pub(crate) fn root_plane(low: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let x = m.f(Unary::Sqrt, m.u);
+    let (v, zero) = (m.v, m.c(0.0));
+    m.done([x, v, zero], [[low, 4.0], [-300.0, 300.0]])
+}
+
+/// The plane (u, v, 0), undefined for u < 0: 0 is written as 2√u − 2√u, moved off the edge by 10⁻³⁰⁰.
+#[allow(dead_code)]
+pub(crate) fn walled_plane() -> ParametricSurface {
+    let mut m = Maker::new();
+    let shifted = m.plus(1e-300, m.u);
+    let root = m.f(Unary::Sqrt, shifted);
+    let other = m.scale(2.0, root);
+    let twice = m.add(root, root);
+    let zero = m.g.sub(twice, other);
+    let (u, v) = (m.u, m.v);
+    m.done([u, v, zero], [[0.0, 4.0], [-300.0, 300.0]])
+}

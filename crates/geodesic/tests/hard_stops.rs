@@ -1,0 +1,120 @@
+//! Where geodesics end that cannot go on: with the right status, at the right place, without wasting work.
+
+mod shapes;
+
+use geodesic::surface::Surface;
+use geodesic::trace::{Method, Options, Status, Trace, trace};
+use shapes::*;
+
+fn go<S: Surface>(surface: &S, from: [f64; 2], direction: [f64; 2], length: f64) -> Trace {
+    trace(surface, from, direction, length, &Options::default()).expect("a start")
+}
+
+#[test]
+fn a_cuspidal_edge_ends_a_ray_within_two_thousand_evaluations() {
+    let s = cuspidal();
+    // (u², u³) unrolls to a line with this coordinate.
+    let arc = |u: f64| (f64::powf(4.0 + 9.0 * u * u, 1.5) - 8.0) / 27.0;
+    for start in [0.5, -0.5, 0.2] {
+        for across in [0.0, 0.1, 1.0, 1.5_f64] {
+            let along = start * f64::sqrt(4.0 + 9.0 * start * start);
+            let v = -0.5 * across.signum();
+            let end = go(&s, [start, v], [-start.signum(), across * along.abs()], 3.0);
+            let expected = arc(start) * across.hypot(1.0);
+            assert_eq!(end.status, Status::Degenerate, "{end:?}");
+            assert!(
+                end.length <= expected && end.length > expected - 2e-6,
+                "{end:?} {expected}"
+            );
+            assert!(end.evaluations <= 2_000, "{end:?}");
+            // Exact as far as it went.
+            let error = ((arc(start) - arc(end.uv[0])) * across.hypot(1.0) - end.length).abs();
+            assert!(
+                error <= 3.0 * end.error_estimate + 1e-15,
+                "{error:e} {end:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_flat_rim_is_not_taken_for_a_loss_of_rank() {
+    for b in [0.1, 0.01, 0.001] {
+        let end = go(&spheroid(1.0, b), [0.3, 0.2], [0.3, 1.0], 1.5);
+        assert_eq!(end.status, Status::Complete, "{b} {end:?}");
+        let clairaut = |uv: [f64; 2], d: [f64; 2]| uv[1].cos().powi(2) * d[0];
+        let start = go(&spheroid(1.0, b), [0.3, 0.2], [0.3, 1.0], 0.0);
+        let drift = clairaut(end.uv, end.direction) - clairaut(start.uv, start.direction);
+        assert!(drift.abs() < 1e-10, "{b} {drift:e} {end:?}");
+    }
+}
+
+#[test]
+fn the_rim_of_a_dome_costs_less_than_the_limit() {
+    for (from, direction) in [
+        ([0.0, 0.0], [1.0, 0.5]),
+        ([0.5, 0.1], [1.0, 0.0]),
+        ([0.0, 0.0], [1.0, 1.0]),
+        ([0.3, -0.2], [0.3, 1.0]),
+    ] {
+        let end = go(&dome(), from, direction, 3.0);
+        assert_eq!(end.status, Status::Degenerate, "{end:?}");
+        assert!(end.evaluations <= 10_000, "{end:?}");
+        let height = (1.0 - end.uv[0].powi(2) - end.uv[1].powi(2)).sqrt();
+        assert!(height < 1e-3, "{end:?}");
+    }
+}
+
+#[test]
+fn an_edge_is_met_exactly_where_the_formula_ends_there() {
+    // A half plane as (√u, v), undefined for u < 0, and singular on the edge itself; a cut-off one beside it.
+    for low in [1e-3, 0.25] {
+        let s = root_plane(low);
+        for (from, direction) in [([1.0, 0.0], [-1.0, 0.2]), ([2.0, 1.0], [-1.0, -0.7])] {
+            let end = go(&s, from, direction, 100.0);
+            assert_eq!(end.status, Status::LeftDomain, "{end:?}");
+            // Straight in x = √u.
+            let (x, slope) = (
+                f64::sqrt(from[0]),
+                direction[0] / (2.0 * f64::sqrt(from[0])),
+            );
+            let time = (f64::sqrt(low) - x) / slope;
+            let expected = time * slope.hypot(direction[1]);
+            assert!((end.length - expected).abs() < 1e-12, "{end:?} {expected}");
+            assert_eq!(end.uv[0], low);
+            assert!(
+                (end.uv[1] - (from[1] + time * direction[1])).abs() < 1e-12,
+                "{end:?}"
+            );
+        }
+    }
+    // Defined on the edge and nowhere beyond: ln and √ give NaN there.
+    let s = walled_plane();
+    for direction in [[-1.0, 0.3], [-1.0, 0.0], [-1.0, -3.0]] {
+        let end = go(&s, [0.8, 0.0], direction, 50.0);
+        assert_eq!(end.status, Status::LeftDomain, "{end:?}");
+        let expected = 0.8 * f64::hypot(direction[0], direction[1]);
+        assert!((end.length - expected).abs() < 1e-12, "{end:?} {expected}");
+        assert_eq!(end.uv[0], 0.0);
+        assert!((end.uv[1] - 0.8 * direction[1]).abs() < 1e-12, "{end:?}");
+    }
+}
+
+#[test]
+fn the_limit_on_evaluations_bounds_every_method() {
+    let s = torus(0.4);
+    for method in [Method::Adaptive, Method::Rk4 { steps: 1_000_000 }] {
+        for max_evaluations in [0, 1, 50, 1000, 20_000] {
+            let options = Options {
+                method,
+                max_evaluations,
+                ..Options::default()
+            };
+            let end = trace(&s, [0.3, 0.2], [1.0, 0.5], 1e5, &options).expect("a start");
+            assert_eq!(end.status, Status::WorkLimit);
+            // A start and an end are looked at in any case.
+            assert!(end.evaluations <= max_evaluations.max(10), "{end:?}");
+            assert!(end.length < 1e5);
+        }
+    }
+}
