@@ -19,10 +19,11 @@ fn integer_power(x: f32, n: i32) -> f32 {
     return result;
 }
 
-// x^y. An exponent whose value is an integer takes a negative base; WGSL's own pow is undefined there.
+// x^y. An exponent whose value is an integer takes a negative base; WGSL's own pow is undefined there. Integers
+// multiply as far as f32 tells them apart (2^24); beyond, f32 knows even numbers only.
 fn power(x: f32, y: f32) -> f32 {
-    let is_integer = y == round(y);
-    if is_integer && abs(y) <= 1024.0 {
+    let is_integer = y == trunc(y);
+    if is_integer && abs(y) <= 16777216.0 {
         return integer_power(x, i32(y));
     }
     if x > 0.0 {
@@ -32,8 +33,7 @@ fn power(x: f32, y: f32) -> f32 {
         return select(infinite(1.0), 0.0, y > 0.0);
     }
     if is_integer {
-        let is_odd = fract(0.5 * y) != 0.0;
-        return select(1.0, -1.0, is_odd) * pow(-x, y);
+        return pow(-x, y);
     }
     return undefined();
 }

@@ -48,7 +48,8 @@ pub fn integer_power_lanes<const N: usize>(x: &[f64; N], n: i32, out: &mut [f64;
 
 /// x^y. An exponent whose value is an integer up to [`LARGEST_INTEGER_POWER`] multiplies
 /// ([`integer_power`]), so 0^0 is 1 and negative bases have their powers; larger integers take negative bases
-/// too. Other powers of a negative base are undefined.
+/// too. Other powers of a negative base are undefined. In f32 the exponent is first rounded to f32, which knows
+/// every integer up to 2^24 and only even ones beyond; shaders multiply for all of the former.
 #[inline]
 pub fn power(x: f64, y: f64) -> f64 {
     match small_integer(y) {

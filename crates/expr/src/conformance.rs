@@ -27,6 +27,23 @@ const NUMBERS: [f64; 11] = [
 /// Exponents of integer powers: each length of binary expansion, both signs, and those that are other nodes.
 const EXPONENTS: [i32; 11] = [-5, -3, -2, -1, 0, 1, 2, 3, 4, 7, 13];
 
+/// Powers beyond those that [`crate::ops::power`] multiplies: integers take negative bases there too, odd ones
+/// keep the sign. In f32 all numbers beyond 2^24 are even; bases are exact in f32.
+const LARGE_POWERS: [(f64, f64); 12] = [
+    (-1.0, 1025.0),
+    (-1.0, 1026.0),
+    (-1.0, -4097.0),
+    (-1.0, 16_777_215.0),
+    (-1.0, 16_777_216.0),
+    (-1.0, 4e9),
+    (1.0, -4e9),
+    (-0.9921875, 1501.0),
+    (-1.0078125, -2000.0),
+    (1.0009765625, 5001.0),
+    (0.0, 1025.0),
+    (0.0, 4e9),
+];
+
 /// Every operation at every operand, or pair of operands, where it is finite.
 pub fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
@@ -53,6 +70,9 @@ pub fn cases() -> Vec<Case> {
                 push(Operation::Binary(op), a, b);
             }
         }
+    }
+    for (a, b) in LARGE_POWERS {
+        push(Operation::Binary(Binary::Pow), a, b);
     }
     cases
 }
@@ -196,6 +216,8 @@ const ANCHORS: &[(Operation, [f64; 2], f64)] = &[
         0.19245008972987526,
     ),
     (Operation::Binary(Binary::Pow), [0.0, 1.5], 0.0),
+    (Operation::Binary(Binary::Pow), [-1.0, 1025.0], -1.0),
+    (Operation::Binary(Binary::Pow), [-1.0, 4e9], 1.0),
     (Operation::Binary(Binary::Zmul), [1.5, -2.5], -3.75),
     (Operation::Binary(Binary::Zmul), [0.0, 3.0], 0.0),
     // Zero annihilates what is not a number of any kind.
