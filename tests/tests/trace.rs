@@ -114,7 +114,7 @@ fn geodesics_of_a_sphere_are_great_circles() {
         assert!(end.speed_drift.abs() < 1e-8, "{end:?}");
         let error = testing::close::distance(&end.position, &expected);
         assert!(
-            error <= 30.0 * end.error_estimate.max(1e-12),
+            error <= 3.0 * end.error_estimate + 2e-15,
             "the error {error:e} was estimated as {:e}",
             end.error_estimate
         );
@@ -147,6 +147,43 @@ fn a_sphere_is_traced_through_and_past_its_poles() {
             1e-8,
         );
         assert!(end.evaluations < 20_000, "{end:?}");
+    }
+}
+
+#[test]
+fn a_line_from_a_pole_or_a_hair_beside_it_goes_where_it_is_headed() {
+    // In units of turns from the pole, as in the gallery's sphere: the north pole at v = 0, the south pole at 1.
+    let program = "surface s(u,v) = (sin(pi v)cos(2pi u), sin(pi v)sin(2pi u), cos(pi v)), \
+                   u : [0, 1], v : [0, 1];";
+    for v in [0.0, 1e-12, 1e-9, 1e-6, 1e-3, 0.999, 1.0 - 1e-9, 1.0] {
+        for degrees in [30.0_f64, -100.0, 90.0] {
+            let (from, length) = ([0.2, v], 2.0_f64);
+            let end = trace_with(
+                program,
+                from,
+                &["--heading".to_owned(), format!("{degrees}")],
+                length,
+            );
+            assert_eq!(end.status, "complete", "{v} {degrees}");
+            let ((su, cu), (s, c)) = (
+                (2.0 * PI * from[0]).sin_cos(),
+                degrees.to_radians().sin_cos(),
+            );
+            // The sine of a small angle from the south pole keeps its digits this way.
+            let (sine, cosine) = ((PI * v.min(1.0 - v)).sin(), (PI * v).cos());
+            let (at, goes) = (length.cos(), length.sin());
+            let expected = [
+                sine * cu * at + (cosine * cu * s - su * c) * goes,
+                sine * su * at + (cosine * su * s + cu * c) * goes,
+                cosine * at - sine * s * goes,
+            ];
+            let error = testing::close::distance(&end.position, &expected);
+            assert!(
+                error <= 3.0 * end.error_estimate + 2e-15 && end.error_estimate < 1e-9,
+                "{v} {degrees}: {error:e} {end:?}"
+            );
+            assert!(end.speed_drift.abs() < 1e-10, "{end:?}");
+        }
     }
 }
 
