@@ -14,7 +14,7 @@ use crate::surface::{Jet, Scale, Side, Sides, Surface};
 use crate::topology::Apex;
 use crate::trace::Status;
 
-/// An apex's chart is entered within this share of the domain's width from the apex, …
+/// An apex's chart is entered within this share of the chart's reach from the apex, …
 const ENTER: f64 = 0.25;
 /// … left beyond this one, so that a ray does not go back and forth, …
 const LEAVE: f64 = 0.3;
@@ -296,7 +296,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
                     apex,
                 };
                 let distance = chart.sign * (at[axis] - chart.base);
-                if (0.0..=ENTER * chart.width).contains(&distance) {
+                if (0.0..=ENTER * chart.reach()).contains(&distance) {
                     return Chart::Apex(chart);
                 }
             }
@@ -361,8 +361,9 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
             (0..2).any(|end| {
                 let distance =
                     (at[axis] - self.domain[axis][end]) * if end == 0 { 1.0 } else { -1.0 };
-                self.apexes[axis][end].is_some_and(|apex| apex.regular)
-                    && distance < KEEP_OFF * self.width(axis)
+                self.apexes[axis][end].is_some_and(|apex| {
+                    apex.regular && distance < KEEP_OFF * apex.reach * self.width(axis)
+                })
             })
         })
     }

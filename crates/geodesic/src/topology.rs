@@ -20,6 +20,9 @@ pub struct Apex {
     pub power: f64,
     /// The radius of curvature at the tip, in units of r: where the coordinates' series ends, in order of magnitude.
     pub bend: f64,
+    /// The share of the domain's width over which the lines of constant t leave the tip nearly straight; 1 unless
+    /// they wind about it, as in a sheared chart. Beyond it the coordinates above wind as they do.
+    pub reach: f64,
     /// Whether the total angle is 2π: a smooth point, which rays pass.
     pub smooth: bool,
     /// Whether the coordinates are of use: the angle grows evenly with t (or the tip is smooth).
@@ -41,6 +44,9 @@ const SAME_POINT: f64 = 1e-8;
 const PLACES: [f64; 8] = [0.07, 0.21, 0.34, 0.46, 0.54, 0.66, 0.79, 0.93];
 /// How far the total angle of a tip may be off 2π to be a smooth pole.
 const FULL_TURN: f64 = 1e-4;
+
+/// Lines that leave a tip are straight while they turn less than this angle about it.
+const STRAIGHT: f64 = 0.5;
 
 impl Topology {
     /// Looks at the sides of a domain. Sides that are mostly undefined are edges.
@@ -153,15 +159,21 @@ fn apex(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2], axis: usize, end: 
     let radial = |jet: &Jet| if axis == 0 { jet.du } else { jet.dv };
     let [low, high] = domain[1 - axis];
     let period = high - low;
+    let width = domain[axis][1] - domain[axis][0];
     let mut total = 0.0;
     let (mut least, mut most) = (f64::INFINITY, 0.0_f64);
     let mut slope = 0.0;
+    let mut winding = 0.0;
     for n in 0..SAMPLES {
         let across = (f64::from(n) + 0.5) / f64::from(SAMPLES);
         let near = jet(at(domain, place(axis, share(NEAR), across)));
         let direction = radial(&near);
         // The angle's rate |w × w_t|/|w|², for w the direction and t the other parameter.
         let rate = norm(cross(direction, near.duv)) / dot(direction, direction);
+        let around = if axis == 0 { near.dv } else { near.du };
+        // How fast t has to change for the line to leave the tip at a right angle to the curves about it; their being
+        // ellipses cancels over a turn.
+        winding += dot(direction, around) / dot(around, around) * rate / f64::from(SAMPLES);
         total += rate * period / f64::from(SAMPLES);
         least = least.min(rate);
         most = most.max(rate);
@@ -181,6 +193,7 @@ fn apex(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2], axis: usize, end: 
         rate: if smooth { TAU / period } else { total / period },
         power: power.unwrap_or(1.0),
         bend,
+        reach: (STRAIGHT / (winding.abs() * width)).min(1.0),
         smooth,
         regular: smooth || (power.is_some() && even && total > 1e-3),
     }

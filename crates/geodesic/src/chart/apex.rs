@@ -28,9 +28,14 @@ pub(crate) struct ApexChart {
 }
 
 impl ApexChart {
-    /// The chart's radius at the far end of the domain.
+    /// How far in the domain's parameter the chart is of use.
+    pub(super) fn reach(&self) -> f64 {
+        self.width * self.apex.reach
+    }
+
+    /// The chart's radius where its reach ends, which is the far end of the domain unless the chart winds.
     pub(crate) fn radius(&self) -> f64 {
-        self.width.powf(1.0 / self.apex.power)
+        self.reach().powf(1.0 / self.apex.power)
     }
 
     /// The radius of the neighbourhood in which the acceleration is interpolated.
@@ -53,9 +58,9 @@ impl ApexChart {
         }
     }
 
-    /// A point's distance from the apex, as a share of the domain's width.
+    /// A point's distance from the apex, as a share of the chart's reach.
     pub(crate) fn share(&self, at: [f64; 2]) -> f64 {
-        at[0].hypot(at[1]).powf(self.apex.power) / self.width
+        at[0].hypot(at[1]).powf(self.apex.power) / self.reach()
     }
 
     /// What the rounding of the radial parameter does to a direction that passes from one point to another in a
