@@ -292,5 +292,9 @@ fn a_lone_expression_is_read_to_its_end() {
             "{text}"
         );
         assert_eq!(recorder.diagnostics.len(), usize::from(!complete), "{text}");
+        for diagnostic in &recorder.diagnostics {
+            let message = &diagnostic.message;
+            assert!(!message.contains("after the end"), "{text}: {message}");
+        }
     }
 }

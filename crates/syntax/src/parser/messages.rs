@@ -151,7 +151,8 @@ impl<A: Actions> Parser<'_, '_, A> {
     /// The current token begins no expression.
     pub(super) fn expected_expression(&mut self) -> Stop {
         let found = self.found();
-        let message = if self.accepted == 0 {
+        // Comments are passed without being a token to stand after.
+        let message = if self.previous.kind == TokenKind::Eoi {
             format!("expected an expression, found {found}")
         } else {
             let after = describe(self.source, self.previous);
