@@ -428,15 +428,22 @@ impl Declarations {
             .iter()
             .fold(1, |product: u64, (_, count)| product.saturating_mul(*count));
         if instances > MAX_INSTANCES {
-            let product: Vec<String> = counts
+            let mut product: Vec<String> = counts
                 .iter()
                 .take(6)
                 .map(|(grid, count)| format!("`{grid}` has {count} values"))
                 .collect();
+            if counts.len() > product.len() {
+                product.push("…".to_owned());
+            }
+            let times = match instances {
+                u64::MAX => "too many".to_owned(),
+                _ => instances.to_string(),
+            };
             let fault = Fault::new(
                 fault::TOO_MANY_INSTANCES,
                 format!(
-                    "`{name}` would be drawn {instances} times, and the limit is {MAX_INSTANCES}: {}",
+                    "`{name}` would be drawn {times} times, and the limit is {MAX_INSTANCES}: {}",
                     product.join(", ")
                 ),
             );
