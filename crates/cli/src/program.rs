@@ -194,6 +194,9 @@ impl Program {
             let names: Vec<String> = surfaces().map(|(_, object)| format!("`{}`", object.name)).collect();
             let file = &self.source.name;
             let message = match name {
+                Some(name) if scene.objects.iter().any(|object| object.name == name) => {
+                    format!("`{name}` is not a surface of `{file}`, but another object")
+                }
                 Some(name) => format!("`{file}` declares no surface `{name}`"),
                 None => format!("`{file}` declares no surface"),
             };
