@@ -47,6 +47,9 @@ pub(crate) enum Failure {
     ReaderGone,
 }
 
+/// What [`Failure::Unwritable`] calls the standard output.
+pub(crate) const STDOUT: &str = "standard output";
+
 impl Failure {
     /// Wrong usage, without a hint.
     pub(crate) fn usage(message: impl Into<String>) -> Self {
@@ -81,6 +84,9 @@ impl Failure {
                 (message.clone(), hint.clone())
             }
             Self::Unreadable { file, reason } => (format!("cannot read `{file}`: {reason}"), None),
+            Self::Unwritable { file, reason } if file == STDOUT => {
+                (format!("cannot write to {file}: {reason}"), None)
+            }
             Self::Unwritable { file, reason } => (format!("cannot write `{file}`: {reason}"), None),
             Self::Internal { message } => (
                 message.clone(),

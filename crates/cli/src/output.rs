@@ -43,7 +43,7 @@ fn stdout_failure(error: io::Error) -> Failure {
         Failure::ReaderGone
     } else {
         Failure::Unwritable {
-            file: "standard output".into(),
+            file: crate::failure::STDOUT.into(),
             reason: reason(&error),
         }
     }
@@ -153,7 +153,7 @@ impl Target {
     /// As it was given; `standard output` for `-`.
     pub(crate) fn name(&self) -> &str {
         match self.place {
-            Place::Stdout => "standard output",
+            Place::Stdout => crate::failure::STDOUT,
             _ => &self.name,
         }
     }

@@ -431,15 +431,12 @@ impl Declarations {
             let mut product: Vec<String> = counts
                 .iter()
                 .take(6)
-                .map(|(grid, count)| format!("`{grid}` has {count} values"))
+                .map(|(grid, count)| format!("`{grid}` has {} values", tally(*count)))
                 .collect();
             if counts.len() > product.len() {
                 product.push("…".to_owned());
             }
-            let times = match instances {
-                u64::MAX => "too many".to_owned(),
-                _ => instances.to_string(),
-            };
+            let times = tally(instances);
             let fault = Fault::new(
                 fault::TOO_MANY_INSTANCES,
                 format!(
@@ -463,7 +460,10 @@ impl Declarations {
             };
             let fault = Fault::new(
                 fault::TOO_MANY_SAMPLES,
-                format!("`{name}` has {samples} samples{all}; the limit is {MAX_SAMPLES} in all"),
+                format!(
+                    "`{name}` has {} samples{all}; the limit is {MAX_SAMPLES} in all",
+                    tally(samples)
+                ),
             )
             .with_hint("give its intervals, or the grids it depends on, smaller counts");
             self.diagnostics.push(fault.at(declaration.name_span));
@@ -504,5 +504,13 @@ fn list_span(parameters: &[Parameter], name: Span) -> Span {
         [] => name,
         [first, .., last] => first.span.to(last.span),
         [only] => only.span,
+    }
+}
+
+/// A count in words: a product that was too large to hold is no number to be told.
+fn tally(count: u64) -> String {
+    match count {
+        u64::MAX => "too many".to_owned(),
+        _ => count.to_string(),
     }
 }

@@ -46,6 +46,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut tally = Tally::default();
     let mut checked = 0;
     let mut unreadable = None;
+    // A reader that has stopped reading does not change what the status says.
+    let mut printed = Ok(());
     for file in &arguments.files {
         let (source, compilation) = match program::compile(file) {
             Ok(compiled) => compiled,
@@ -62,8 +64,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         match arguments.format {
             Format::Human => {
                 let text = report::text(&source, &compilation.diagnostics, style);
-                if !text.is_empty() {
-                    output::print(&text)?;
+                if !text.is_empty() && printed.is_ok() {
+                    printed = output::print(&text);
                 }
             }
             Format::Json => document.add(&source, &compilation.diagnostics),
@@ -78,11 +80,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             };
             output::print_error(&format!("{what}: {}\n", tally.text()));
         }
-        Format::Json => output::print_json(&document)?,
+        Format::Json => printed = output::print_json(&document),
     }
-    match unreadable {
-        Some(failure) => Err(failure),
-        None if tally.errors > 0 => Err(Failure::Program),
-        None => Ok(()),
+    match (unreadable, printed) {
+        (Some(failure), _) => Err(failure),
+        (None, Ok(()) | Err(Failure::ReaderGone)) if tally.errors > 0 => Err(Failure::Program),
+        (None, printed) => printed,
     }
 }
