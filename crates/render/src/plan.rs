@@ -146,8 +146,6 @@ pub fn plan(scene: &Scene, settings: &Settings, request: &Request) -> Plan {
                 },
                 derivative_operations: derivative_operations(scene, *surface),
             });
-            plan.left_out
-                .push("no painter, no sample: the picture is a geodesic view".to_owned());
         }
     }
     let images: BTreeSet<_> = textured
@@ -159,27 +157,40 @@ pub fn plan(scene: &Scene, settings: &Settings, request: &Request) -> Plan {
         plan.left_out
             .push("no texture and no sampler: nothing in the picture has one".to_owned());
     }
-    if plan.geodesic.is_none() {
-        let painters = plan.painters();
-        for (painter, kind) in [
-            (Painter::Points, "point"),
-            (Painter::Vectors, "vector"),
-            (Painter::Curves, "curve"),
-            (Painter::Surfaces, "surface"),
-        ] {
-            if !painters.contains(&painter) {
-                plan.left_out
-                    .push(format!("no {kind} pipeline: the scene has no {kind}"));
-            }
+    let inside = plan.geodesic.is_some();
+    let painters = plan.painters();
+    for (painter, kind) in [
+        (Painter::Points, "point"),
+        (Painter::Vectors, "vector"),
+        (Painter::Curves, "curve"),
+        (Painter::Surfaces, "surface"),
+    ] {
+        if !painters.contains(&painter) {
+            let reason = if inside {
+                "the picture is a geodesic view".to_owned()
+            } else {
+                format!("the scene has no {kind}")
+            };
+            plan.left_out.push(format!("no {kind} pipeline: {reason}"));
         }
-        if plan
-            .objects
-            .iter()
-            .all(|object| object.source == Source::Blocks)
-        {
-            plan.left_out
-                .push("no sampling kernel: the samples come from f64 blocks".to_owned());
-        }
+    }
+    if plan
+        .objects
+        .iter()
+        .all(|object| object.source == Source::Blocks)
+    {
+        let reason = if inside {
+            "a geodesic view has no samples"
+        } else {
+            "the samples come from f64 blocks"
+        };
+        plan.left_out.push(format!("no sampling kernel: {reason}"));
+    }
+    if let Some(view) = &plan.geodesic
+        && view.source == Source::Blocks
+    {
+        plan.left_out
+            .push("no geodesic kernel: the geodesics are followed in f64".to_owned());
     }
     plan
 }

@@ -65,6 +65,32 @@ fn a_geodesic_view_builds_no_painter() {
 }
 
 #[test]
+fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
+    let scene = scene(&format!("{SURFACE} point p = (0,0,0);"));
+    let settings = Settings::opening(&scene);
+    let mut request = Request::geodesic(ObjectId(0), [64, 64]);
+    let parts = [
+        "no point pipeline",
+        "no vector pipeline",
+        "no curve pipeline",
+        "no surface pipeline",
+        "no sampling kernel",
+    ];
+    let left_out = plan(&scene, &settings, &request).left_out;
+    assert_eq!(left_out.len(), parts.len(), "{left_out:?}");
+    for (sentence, part) in left_out.iter().zip(parts) {
+        assert!(sentence.starts_with(part), "{sentence}");
+    }
+    request.backend = Backend::Software;
+    let left_out = plan(&scene, &settings, &request).left_out;
+    let last = left_out.last().map(String::as_str);
+    assert_eq!(
+        last,
+        Some("no geodesic kernel: the geodesics are followed in f64")
+    );
+}
+
+#[test]
 fn the_software_path_builds_nothing_on_a_gpu() {
     let request = Request {
         backend: Backend::Software,
