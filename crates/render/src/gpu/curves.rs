@@ -1,58 +1,13 @@
 //! Painter of curves: strips with round joins.
 
-use crate::gpu::layout::Glyph;
-use crate::gpu::samples::SampleBuffer;
-use crate::gpu::space::{Draw, Vertices};
-use crate::gpu::workshop::Workshop;
-use crate::request::RenderError;
+use crate::gpu::glyphs::Kind;
 use crate::style;
 
-/// Corners that the shader makes of one sample.
-const CORNERS: u32 = 6 + 3 * style::JOIN_SEGMENTS;
-
-/// The painter.
-pub(crate) struct Curves {
-    pipeline: wgpu::RenderPipeline,
-}
-
-impl Curves {
-    pub(crate) fn new(workshop: &mut Workshop<'_>) -> Result<Self, RenderError> {
-        let joined = wgsl::painter::curves()?;
-        Ok(Self {
-            pipeline: workshop.draw_pipeline("curves", &joined),
-        })
-    }
-
-    /// The draw of all instances of one object, in linear light.
-    pub(crate) fn draw(
-        &self,
-        workshop: &Workshop<'_>,
-        view: &wgpu::Buffer,
-        samples: &SampleBuffer,
-        colour: [f32; 3],
-    ) -> Draw {
-        let glyph = Glyph::new(
-            colour,
-            &style::LINE_HALF_WIDTH,
-            style::LEAST_HALF_WIDTH,
-            samples.count[0],
-            samples.total,
-            0,
-        );
-        let glyph = workshop.gpu.uniform("glyph", &glyph);
-        let group = workshop.bind(
-            &self.pipeline.get_bind_group_layout(0),
-            &[
-                view.as_entire_binding(),
-                glyph.as_entire_binding(),
-                samples.buffer.as_entire_binding(),
-            ],
-        );
-        let vertices = Vertices::Plain(samples.total.saturating_mul(CORNERS));
-        Draw {
-            pipeline: self.pipeline.clone(),
-            group,
-            vertices,
-        }
-    }
-}
+/// A quad and a join for each sample.
+pub(crate) const KIND: Kind = Kind {
+    label: "curves",
+    shader: wgsl::painter::curves,
+    width: &style::LINE_HALF_WIDTH,
+    least: style::LEAST_HALF_WIDTH,
+    corners: 6 + 3 * style::JOIN_SEGMENTS,
+};

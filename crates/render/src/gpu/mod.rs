@@ -11,6 +11,7 @@ mod curves;
 mod device;
 mod evaluate;
 mod geodesic;
+mod glyphs;
 mod layout;
 mod points;
 mod samples;

@@ -1,58 +1,13 @@
 //! Painter of points: discs.
 
-use crate::gpu::layout::Glyph;
-use crate::gpu::samples::SampleBuffer;
-use crate::gpu::space::{Draw, Vertices};
-use crate::gpu::workshop::Workshop;
-use crate::request::RenderError;
+use crate::gpu::glyphs::Kind;
 use crate::style;
 
-/// Corners that the shader makes of one point.
-const CORNERS: u32 = 3 * style::POINT_SEGMENTS;
-
-/// The painter.
-pub(crate) struct Points {
-    pipeline: wgpu::RenderPipeline,
-}
-
-impl Points {
-    pub(crate) fn new(workshop: &mut Workshop<'_>) -> Result<Self, RenderError> {
-        let joined = wgsl::painter::points()?;
-        Ok(Self {
-            pipeline: workshop.draw_pipeline("points", &joined),
-        })
-    }
-
-    /// The draw of all instances of one object, in linear light.
-    pub(crate) fn draw(
-        &self,
-        workshop: &Workshop<'_>,
-        view: &wgpu::Buffer,
-        samples: &SampleBuffer,
-        colour: [f32; 3],
-    ) -> Draw {
-        let glyph = Glyph::new(
-            colour,
-            &style::POINT_RADIUS,
-            style::LEAST_POINT_RADIUS,
-            samples.count[0],
-            samples.total,
-            0,
-        );
-        let glyph = workshop.gpu.uniform("glyph", &glyph);
-        let group = workshop.bind(
-            &self.pipeline.get_bind_group_layout(0),
-            &[
-                view.as_entire_binding(),
-                glyph.as_entire_binding(),
-                samples.buffer.as_entire_binding(),
-            ],
-        );
-        let vertices = Vertices::Plain(samples.total.saturating_mul(CORNERS));
-        Draw {
-            pipeline: self.pipeline.clone(),
-            group,
-            vertices,
-        }
-    }
-}
+/// A disc for each point.
+pub(crate) const KIND: Kind = Kind {
+    label: "points",
+    shader: wgsl::painter::points,
+    width: &style::POINT_RADIUS,
+    least: style::LEAST_POINT_RADIUS,
+    corners: 3 * style::POINT_SEGMENTS,
+};

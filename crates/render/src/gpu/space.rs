@@ -6,10 +6,12 @@ use scene::{scene::Scene, values::Settings};
 use crate::bounds::Bounds;
 use crate::camera::Camera;
 use crate::gpu::device::Gpu;
+use crate::gpu::glyphs::Glyphs;
 use crate::gpu::layout::View;
 use crate::gpu::samples;
+use crate::gpu::surfaces::Surfaces;
 use crate::gpu::workshop::{COLOUR_FORMAT, DEPTH_FORMAT, SAMPLES, Workshop};
-use crate::gpu::{curves, points, surfaces, vectors};
+use crate::gpu::{curves, points, vectors};
 use crate::plan::{Painter, Plan};
 use crate::request::{RenderError, Request};
 use crate::style;
@@ -65,20 +67,18 @@ pub(crate) fn render(
             object.object,
             &scene.objects[object.object.0 as usize].shape,
         );
-        let draw = match object.painter {
-            Painter::Points => painters
-                .points(workshop)?
+        let glyph = match object.painter {
+            Painter::Points => Some((&mut painters.points, &points::KIND)),
+            Painter::Vectors => Some((&mut painters.vectors, &vectors::KIND)),
+            Painter::Curves => Some((&mut painters.curves, &curves::KIND)),
+            Painter::Surfaces => None,
+        };
+        let draw = match glyph {
+            Some((place, kind)) => built(place, || Glyphs::new(workshop, kind))?
                 .draw(workshop, &view, &samples, colour),
-            Painter::Vectors => painters
-                .vectors(workshop)?
-                .draw(workshop, &view, &samples, colour),
-            Painter::Curves => painters
-                .curves(workshop)?
-                .draw(workshop, &view, &samples, colour),
-            Painter::Surfaces => {
+            None => {
                 let texture = request.texture(object.object);
-                painters
-                    .surfaces(workshop)?
+                built(&mut painters.surfaces, || Surfaces::new(workshop))?
                     .draw(workshop, &view, &samples, colour, &texture)?
             }
         };
@@ -114,44 +114,19 @@ pub(crate) fn render(
 /// The painters in use, each built when the first of its objects comes.
 #[derive(Default)]
 struct Painters {
-    points: Option<points::Points>,
-    vectors: Option<vectors::Vectors>,
-    curves: Option<curves::Curves>,
-    surfaces: Option<surfaces::Surfaces>,
+    points: Option<Glyphs>,
+    vectors: Option<Glyphs>,
+    curves: Option<Glyphs>,
+    surfaces: Option<Surfaces>,
 }
 
-impl Painters {
-    fn points(&mut self, workshop: &mut Workshop<'_>) -> Result<&points::Points, RenderError> {
-        let built = self
-            .points
-            .take()
-            .map_or_else(|| points::Points::new(workshop), Ok)?;
-        Ok(self.points.insert(built))
-    }
-    fn vectors(&mut self, workshop: &mut Workshop<'_>) -> Result<&vectors::Vectors, RenderError> {
-        let built = self
-            .vectors
-            .take()
-            .map_or_else(|| vectors::Vectors::new(workshop), Ok)?;
-        Ok(self.vectors.insert(built))
-    }
-    fn curves(&mut self, workshop: &mut Workshop<'_>) -> Result<&curves::Curves, RenderError> {
-        let built = self
-            .curves
-            .take()
-            .map_or_else(|| curves::Curves::new(workshop), Ok)?;
-        Ok(self.curves.insert(built))
-    }
-    fn surfaces(
-        &mut self,
-        workshop: &mut Workshop<'_>,
-    ) -> Result<&mut surfaces::Surfaces, RenderError> {
-        let built = self
-            .surfaces
-            .take()
-            .map_or_else(|| surfaces::Surfaces::new(workshop), Ok)?;
-        Ok(self.surfaces.insert(built))
-    }
+/// What stands in the place, built now if nothing does.
+fn built<T>(
+    place: &mut Option<T>,
+    build: impl FnOnce() -> Result<T, RenderError>,
+) -> Result<&mut T, RenderError> {
+    let value = place.take().map_or_else(build, Ok)?;
+    Ok(place.insert(value))
 }
 
 /// A multisampled target and what it resolves to.

@@ -1,0 +1,73 @@
+//! Painter of glyphs: what points, vectors and curves have in common. Each sample becomes a few triangles whose
+//! size follows the distance; the shader alone knows their form.
+
+use crate::gpu::layout::Glyph;
+use crate::gpu::samples::SampleBuffer;
+use crate::gpu::space::{Draw, Vertices};
+use crate::gpu::workshop::Workshop;
+use crate::request::RenderError;
+use crate::style;
+
+/// A kind of glyph.
+pub(crate) struct Kind {
+    /// The pipeline's name.
+    pub(crate) label: &'static str,
+    /// Its shader.
+    pub(crate) shader: fn() -> Result<wgsl::Joined, wgsl::InternalError>,
+    /// Half its width, or its radius.
+    pub(crate) width: &'static style::Length,
+    /// The least of it, in pixels; what is thinner fades instead.
+    pub(crate) least: f32,
+    /// Corners that the shader makes of one sample.
+    pub(crate) corners: u32,
+}
+
+/// The painter of one kind.
+pub(crate) struct Glyphs {
+    kind: &'static Kind,
+    pipeline: wgpu::RenderPipeline,
+}
+
+impl Glyphs {
+    pub(crate) fn new(
+        workshop: &mut Workshop<'_>,
+        kind: &'static Kind,
+    ) -> Result<Self, RenderError> {
+        let joined = (kind.shader)()?;
+        let pipeline = workshop.draw_pipeline(kind.label, &joined);
+        Ok(Self { kind, pipeline })
+    }
+
+    /// The draw of all instances of one object, in linear light.
+    pub(crate) fn draw(
+        &self,
+        workshop: &Workshop<'_>,
+        view: &wgpu::Buffer,
+        samples: &SampleBuffer,
+        colour: [f32; 3],
+    ) -> Draw {
+        let kind = self.kind;
+        let glyph = Glyph::new(
+            colour,
+            kind.width,
+            kind.least,
+            samples.count[0],
+            samples.total,
+            0,
+        );
+        let glyph = workshop.gpu.uniform("glyph", &glyph);
+        let group = workshop.bind(
+            &self.pipeline.get_bind_group_layout(0),
+            &[
+                view.as_entire_binding(),
+                glyph.as_entire_binding(),
+                samples.buffer.as_entire_binding(),
+            ],
+        );
+        Draw {
+            pipeline: self.pipeline.clone(),
+            group,
+            vertices: Vertices::Plain(samples.total.saturating_mul(kind.corners)),
+        }
+    }
+}
