@@ -140,6 +140,9 @@ pub enum RenderError {
     },
 }
 
+/// The zooms that single precision can hold, and their inverses.
+const ZOOMS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
+
 impl Request {
     /// A 3D view of the given size, everything else at its default.
     pub fn space(size: [u32; 2]) -> Self {
@@ -233,6 +236,13 @@ impl Request {
                     return Err(RenderError::Camera(
                         "the zoom is a distance and must be positive".into(),
                     ));
+                }
+                if zoom.is_some_and(|zoom| !ZOOMS.contains(&zoom)) {
+                    return Err(RenderError::Camera(format!(
+                        "the zoom must lie between {:e} and {:e}",
+                        ZOOMS.start(),
+                        ZOOMS.end()
+                    )));
                 }
             }
         }

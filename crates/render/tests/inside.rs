@@ -227,3 +227,17 @@ fn the_first_instance_of_a_surface_with_grids_is_seen() {
     settings.set(&scene, "r", &[3.0]).expect("in range");
     assert!((zoom(&settings) - 3.0 * first).abs() < 1e-9);
 }
+
+#[test]
+fn a_view_of_a_million_turns_ends_and_says_so() {
+    let size = [48, 1];
+    let far = request(size, Some([0.3, 0.4]), 0.0, Some(1e6));
+    let map = map(SPHERE, &far);
+    assert!(map.evaluations <= 48 * 20_010, "{}", map.evaluations);
+    let limited = map
+        .status
+        .iter()
+        .filter(|&&status| status == Status::WorkLimit)
+        .count();
+    assert!(limited > 40, "{limited} of 48");
+}

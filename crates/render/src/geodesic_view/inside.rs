@@ -24,6 +24,11 @@ const PLACES: [[f64; 2]; 7] = [
     [0.83, 0.64],
     [0.13, 0.17],
 ];
+/// The work that the pixels of a picture share, so that a view of a million turns ends too. A usual pixel takes some
+/// dozens of evaluations.
+const PICTURE_EVALUATIONS: u64 = 400_000_000;
+/// However many pixels there are, each has so many evaluations: more than the fixed steps of Runge–Kutta need.
+const LEAST_EVALUATIONS: usize = 1000;
 /// The first zoom, as a share of the shorter of the two coordinate lines through the camera.
 const FIRST_ZOOM: f64 = 0.55;
 /// Steps of [`Method::Rk4Pixel`] for each pixel.
@@ -130,7 +135,7 @@ impl Inside {
         let options = MapOptions {
             method,
             tolerance: TOLERANCE,
-            ..MapOptions::default()
+            max_evaluations: evaluations_per_pixel(self.size),
         };
         let height = self.size[1];
         let done = AtomicU32::new(0);
@@ -172,6 +177,15 @@ fn has_tangent_plane(surface: &ParametricSurface, at: [f64; 2]) -> bool {
     (a / longest).cross(b / longest).length() > DEGENERATE
 }
 
+/// The most evaluations for one pixel of a picture of this size: fewer where there are many pixels.
+fn evaluations_per_pixel(size: [u32; 2]) -> usize {
+    let pixels = u64::from(size[0]) * u64::from(size[1]);
+    let share = PICTURE_EVALUATIONS / pixels.max(1);
+    usize::try_from(share)
+        .unwrap_or(usize::MAX)
+        .clamp(LEAST_EVALUATIONS, MapOptions::default().max_evaluations)
+}
+
 /// A zoom that shows a good part of the surface.
 fn first_zoom(surface: &ParametricSurface, at: [f64; 2]) -> f64 {
     const STEPS: u32 = 64;
@@ -195,5 +209,17 @@ fn first_zoom(surface: &ParametricSurface, at: [f64; 2]) -> f64 {
         FIRST_ZOOM * shorter
     } else {
         1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::evaluations_per_pixel;
+
+    #[test]
+    fn pixels_share_a_picture_s_work() {
+        assert_eq!(evaluations_per_pixel([100, 100]), 20_000);
+        assert_eq!(evaluations_per_pixel([512, 512]), 1525);
+        assert_eq!(evaluations_per_pixel([16_384, 16_384]), 1000);
     }
 }
