@@ -65,44 +65,27 @@ fn passed_sides(mover: Mover, camera: Camera) -> Mover {
         if !any(below) && !any(above) {
             break;
         }
-        if below.x || above.x {
-            let side = select(camera.sides.y, camera.sides.x, below.x);
-            let direction = select(-1.0, 1.0, below.x);
-            switch side {
-                case SIDE_WRAP: {
-                    m.at.x += direction * period.x;
-                }
-                case SIDE_WRAP_FLIP: {
-                    m.at.x += direction * period.x;
-                    m.at.y = camera.minimum.y + camera.maximum.y - m.at.y;
-                    m.velocity.y = -m.velocity.y;
-                }
-                case SIDE_POLE: {
-                    m.at.x = 2.0 * select(camera.maximum.x, camera.minimum.x, below.x) - m.at.x;
-                    m.at.y += select(-0.5, 0.5, m.at.y < 0.5 * (camera.minimum.y + camera.maximum.y)) * period.y;
-                    m.velocity.x = -m.velocity.x;
-                }
-                default: {
-                    m.inside = false;
-                }
+        for (var axis = 0u; axis < 2u; axis++) {
+            if !below[axis] && !above[axis] {
+                continue;
             }
-        }
-        if below.y || above.y {
-            let side = select(camera.sides.w, camera.sides.z, below.y);
-            let direction = select(-1.0, 1.0, below.y);
+            let other = 1u - axis;
+            let side = camera.sides[2u * axis + select(1u, 0u, below[axis])];
+            let direction = select(-1.0, 1.0, below[axis]);
             switch side {
                 case SIDE_WRAP: {
-                    m.at.y += direction * period.y;
+                    m.at[axis] += direction * period[axis];
                 }
                 case SIDE_WRAP_FLIP: {
-                    m.at.y += direction * period.y;
-                    m.at.x = camera.minimum.x + camera.maximum.x - m.at.x;
-                    m.velocity.x = -m.velocity.x;
+                    m.at[axis] += direction * period[axis];
+                    m.at[other] = camera.minimum[other] + camera.maximum[other] - m.at[other];
+                    m.velocity[other] = -m.velocity[other];
                 }
                 case SIDE_POLE: {
-                    m.at.y = 2.0 * select(camera.maximum.y, camera.minimum.y, below.y) - m.at.y;
-                    m.at.x += select(-0.5, 0.5, m.at.x < 0.5 * (camera.minimum.x + camera.maximum.x)) * period.x;
-                    m.velocity.y = -m.velocity.y;
+                    m.at[axis] = 2.0 * select(camera.maximum[axis], camera.minimum[axis], below[axis]) - m.at[axis];
+                    let middle = 0.5 * (camera.minimum[other] + camera.maximum[other]);
+                    m.at[other] += select(-0.5, 0.5, m.at[other] < middle) * period[other];
+                    m.velocity[axis] = -m.velocity[axis];
                 }
                 default: {
                     m.inside = false;
