@@ -28,6 +28,7 @@
 mod arithmetic;
 pub mod conformance;
 pub mod graph;
+pub mod jets;
 pub mod number;
 pub mod ops;
 pub mod print;

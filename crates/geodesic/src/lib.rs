@@ -12,11 +12,14 @@
 //! No GPU, no syntax. Lengths are in the surface's own units, angles in radians, `u`, `v` in the chart's units.
 
 mod chart;
+pub mod ends;
+pub mod fan;
 mod follow;
 pub mod frame;
 mod integrate;
 pub mod map;
 pub mod metric;
+pub mod patchwork;
 pub mod surface;
 pub mod topology;
 pub mod trace;

@@ -20,10 +20,74 @@ pub struct Jet {
     pub dvv: [f64; 3],
 }
 
+/// How many points a [`JetBlock`] holds.
+pub const LANES: usize = expr::jets::LANES;
+
+/// One number for each lane.
+pub type Lanes = [f64; LANES];
+
+/// The jets at [`LANES`] points, component by component: `du[k][lane]` is the k-th component of σu at a lane's point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub struct JetBlock {
+    pub position: [Lanes; 3],
+    pub du: [Lanes; 3],
+    pub dv: [Lanes; 3],
+    pub duu: [Lanes; 3],
+    pub duv: [Lanes; 3],
+    pub dvv: [Lanes; 3],
+}
+
+impl Default for JetBlock {
+    fn default() -> Self {
+        let nothing = [[f64::NAN; LANES]; 3];
+        Self {
+            position: nothing,
+            du: nothing,
+            dv: nothing,
+            duu: nothing,
+            duv: nothing,
+            dvv: nothing,
+        }
+    }
+}
+
+impl JetBlock {
+    /// Puts the jet of one lane's point.
+    pub fn set(&mut self, lane: usize, jet: &Jet) {
+        let parts = [
+            (&mut self.position, jet.position),
+            (&mut self.du, jet.du),
+            (&mut self.dv, jet.dv),
+            (&mut self.duu, jet.duu),
+            (&mut self.duv, jet.duv),
+            (&mut self.dvv, jet.dvv),
+        ];
+        for (block, vector) in parts {
+            for (lanes, component) in block.iter_mut().zip(vector) {
+                lanes[lane] = component;
+            }
+        }
+    }
+}
+
 /// A parametrised surface σ: R² → R³. Undefined values are NaN. Cheap to call from many threads.
 pub trait Surface: Sync {
     /// The jet at (u, v).
     fn jet(&self, uv: [f64; 2]) -> Jet;
+    /// The jets at [`LANES`] points (`at[0]` their u, `at[1]` their v), each the same as [`Surface::jet`]'s but for
+    /// rounding.
+    fn jets(&self, at: &[Lanes; 2], out: &mut JetBlock) {
+        for lane in 0..LANES {
+            out.set(lane, &self.jet([at[0][lane], at[1][lane]]));
+        }
+    }
+    /// Whether positions are places in space. A metric without an embedding gives jets in a frame of its own at each
+    /// point: inner products and Gauss's equation hold in each, but vectors at different points, and positions, are
+    /// not to be compared.
+    fn is_embedded(&self) -> bool {
+        true
+    }
     /// The domain: `[[u min, u max], [v min, v max]]`.
     fn domain(&self) -> [[f64; 2]; 2];
     /// What lies beyond each side of the domain.

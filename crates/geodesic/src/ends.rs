@@ -1,0 +1,105 @@
+//! Where geodesics end, as a function of the pixel: what every method gives and every picture is made of.
+
+use crate::trace::Status;
+
+/// The coordinates that an [`Ends`] speaks in.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Coordinates {
+    /// (u, v), going on beyond sides that wrap: a neighbouring pixel's are near by, whatever lies between. To be
+    /// brought back into the domain by who shows them.
+    #[default]
+    Plain,
+    /// (a, b) = r (cos kt, sin kt) about the apex at an end of `axis` (0 u, 1 v; `end` 0 its minimum, 1 its maximum),
+    /// where r is the distance in the parameter (to the power 1/[`power`](crate::topology::Apex::power)) and t the
+    /// other parameter less its minimum, k the apex's [`rate`](crate::topology::Apex::rate).
+    Apex {
+        /// 0 for u, 1 for v.
+        axis: u8,
+        /// 0 for the minimum, 1 for the maximum.
+        end: u8,
+    },
+}
+
+/// Where the geodesic of one place in the picture ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct End {
+    /// What `at` means.
+    pub coordinates: Coordinates,
+    /// Its end.
+    pub at: [f64; 2],
+    /// The ray's unit tangent there, in these coordinates.
+    pub along: [f64; 2],
+    /// The unit normal to it, towards the side on which the frame's Y lies of X at the start.
+    pub across: [f64; 2],
+    /// m/s, the Jacobi field over the arc length (1 at the centre): along the ray the surface is seen at its own
+    /// scale, across it at this one, negative behind a conjugate point. NaN where it is not known.
+    pub stretch: f64,
+    /// Why it ended; what stands above has a meaning for [`Status::Complete`].
+    pub status: Status,
+    /// The estimated error in pixels.
+    pub error: f64,
+}
+
+impl End {
+    /// ∂at/∂x and ∂at/∂y at a place of the picture, whose unit is `zoom` long on the surface.
+    pub fn by_place(&self, place: [f64; 2], zoom: f64) -> [[f64; 2]; 2] {
+        let radius = place[0].hypot(place[1]);
+        let [cos, sin] = if radius > 0.0 {
+            place.map(|x| x / radius)
+        } else {
+            [1.0, 0.0]
+        };
+        let (along, across) = (self.along, self.across);
+        let m = self.stretch;
+        [
+            [0, 1].map(|k| zoom * (along[k] * cos - m * across[k] * sin)),
+            [0, 1].map(|k| zoom * (along[k] * sin + m * across[k] * cos)),
+        ]
+    }
+
+    /// The length on the surface of a small difference in the coordinates.
+    pub fn length(&self, difference: [f64; 2]) -> f64 {
+        let ([a, b], [c, d]) = (self.along, self.across);
+        let [x, y] = difference;
+        let determinant = a * d - b * c;
+        ((x * d - y * c) / determinant).hypot((a * y - b * x) / determinant)
+    }
+}
+
+/// The exponential map of a camera, by any method.
+pub trait Ends: Sync {
+    /// Where the geodesic of a place (x, y) of the picture ends; the coordinates are the method's choice.
+    fn end(&self, place: [f64; 2]) -> End;
+    /// The camera's zoom: the length on the surface of the picture's unit.
+    fn zoom(&self) -> f64;
+    /// The camera's (u, v).
+    fn origin(&self) -> [f64; 2];
+    /// An end in other coordinates, for a common polynomial with its neighbours; `None` where those are of no use.
+    fn in_coordinates(&self, end: &End, coordinates: Coordinates) -> Option<End>;
+    /// The coordinate periods that an end may be off its neighbour by, behind a pole: 0 where the axis has none.
+    fn periods(&self) -> [f64; 2];
+}
+
+/// What a picture cost.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub struct Work {
+    /// Rays of a fan.
+    pub rays: u64,
+    /// Steps taken, of all rays.
+    pub steps: u64,
+    /// Steps tried and not taken.
+    pub rejected: u64,
+    /// Evaluations of the surface and its derivatives, each point of a block counted, whatever they were for.
+    pub evaluations: u64,
+    /// Pixels whose geodesics were followed one by one.
+    pub followed: u64,
+}
+
+/// How exact a picture is, in pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// The largest error.
+    pub max: f64,
+    /// The error that 99 % of the pixels stay below.
+    pub p99: f64,
+}
