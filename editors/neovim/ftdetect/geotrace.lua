@@ -1,0 +1,2 @@
+-- Files ending in .gtr are Geotrace programs.
+vim.filetype.add({ extension = { gtr = "geotrace" } })

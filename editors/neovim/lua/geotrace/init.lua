@@ -1,0 +1,46 @@
+-- What the commands do.
+local M = {}
+
+local function client(buffer)
+  return vim.lsp.get_clients({ name = "geotrace", bufnr = buffer })[1]
+end
+
+-- The preview of the current buffer: {}, {"3d"} or {"inside", NAME}.
+function M.preview(words)
+  local running = client(0)
+  if not running then
+    vim.notify("Geotrace: the language server does not run here; :checkhealth geotrace says why", vim.log.levels.ERROR)
+    return
+  end
+  local arguments = { vim.uri_from_bufnr(0) }
+  if words[1] == "3d" then
+    arguments[2] = { view = "3d" }
+  elseif words[1] == "inside" then
+    arguments[2] = { view = "geodesic", surface = words[2] }
+  elseif words[1] then
+    vim.notify("Geotrace: a view is 3d, or inside NAME", vim.log.levels.ERROR)
+    return
+  end
+  running:exec_cmd({ title = "Preview", command = "geotrace.preview", arguments = arguments }, { bufnr = 0 })
+end
+
+-- Stops the server and starts it anew for all Geotrace buffers.
+function M.restart()
+  local running = vim.lsp.get_clients({ name = "geotrace" })
+  local buffers = {}
+  for _, each in ipairs(running) do
+    for buffer in pairs(each.attached_buffers) do
+      buffers[buffer] = true
+    end
+    each:stop()
+  end
+  vim.wait(3000, function()
+    return #vim.lsp.get_clients({ name = "geotrace" }) == 0
+  end, 20)
+  local config = vim.lsp.config.geotrace
+  for buffer in pairs(buffers) do
+    vim.lsp.start(config, { bufnr = buffer })
+  end
+end
+
+return M

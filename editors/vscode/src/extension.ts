@@ -1,0 +1,167 @@
+// Starts the language server for Geotrace documents, keeps its status in view, and hands the preview's command on.
+
+import * as vscode from "vscode";
+import {
+    type ExecuteCommandSignature,
+    LanguageClient,
+    type LanguageClientOptions,
+    type ServerOptions,
+    State,
+} from "vscode-languageclient/node";
+import { findServer, ServerMissing } from "./server";
+
+/** The command that the server executes: its arguments are a document's URI and, perhaps, a view. */
+const PREVIEW = "geotrace.preview";
+
+/** What the tests of the extension look at. */
+export interface Api {
+    /** The client, once it runs. */
+    client(): LanguageClient | undefined;
+    /** What the status item says. */
+    status(): string;
+}
+
+export async function activate(context: vscode.ExtensionContext): Promise<Api> {
+    const session = new Session(context);
+    context.subscriptions.push(session);
+    await session.start();
+    return { client: () => session.client, status: () => session.status.text };
+}
+
+/** One run of the server after the other. */
+class Session implements vscode.Disposable {
+    client: LanguageClient | undefined;
+    readonly status = vscode.languages.createLanguageStatusItem("geotrace.status", { language: "geotrace" });
+    private readonly output = vscode.window.createOutputChannel("Geotrace", { log: true });
+    private readonly context: vscode.ExtensionContext;
+    private readonly disposables: vscode.Disposable[];
+    /** Starts and stops come one after the other. */
+    private turn: Promise<void> = Promise.resolve();
+
+    constructor(context: vscode.ExtensionContext) {
+        this.context = context;
+        this.status.name = "Geotrace";
+        this.disposables = [
+            this.status,
+            this.output,
+            vscode.commands.registerCommand("geotrace.restart", () => this.restart()),
+            vscode.commands.registerCommand("geotrace.showLog", () => this.output.show()),
+            vscode.workspace.onDidChangeConfiguration(async (change) => {
+                if (change.affectsConfiguration("geotrace.server")) {
+                    await this.restart();
+                }
+            }),
+            vscode.workspace.onDidOpenTextDocument((document) => this.openPreview(document)),
+        ];
+    }
+
+    start(): Promise<void> {
+        this.turn = this.turn.then(() => this.run());
+        return this.turn;
+    }
+
+    restart(): Promise<void> {
+        this.turn = this.turn.then(() => this.stop()).then(() => this.run());
+        return this.turn;
+    }
+
+    dispose(): void {
+        void this.turn.then(() => this.stop());
+        for (const disposable of this.disposables) {
+            disposable.dispose();
+        }
+    }
+
+    private async run(): Promise<void> {
+        this.show("starting", true);
+        const setting = vscode.workspace.getConfiguration("geotrace").get("server.path", "");
+        const wanted = String(this.context.extension.packageJSON.version);
+        try {
+            const server = await findServer(setting, this.context.extensionPath, wanted);
+            this.output.info(`${server.path} (from ${server.from}), version ${server.version}`);
+            const options: ServerOptions = { command: server.path, args: ["lsp"] };
+            const client = new LanguageClient("geotrace", "Geotrace", options, this.clientOptions());
+            client.onDidChangeState(({ newState }) => this.changed(newState, server.version));
+            this.client = client;
+            await client.start();
+            for (const document of vscode.workspace.textDocuments) {
+                this.openPreview(document);
+            }
+        } catch (error) {
+            const message = error instanceof Error ? error.message : String(error);
+            this.show("not running", false, message);
+            this.output.error(message);
+            const settings = "Open Settings";
+            const buttons = error instanceof ServerMissing ? [settings] : [];
+            // Not awaited: activation must not hang on a message.
+            void vscode.window.showErrorMessage(message, ...buttons).then((choice) => {
+                if (choice === settings) {
+                    return vscode.commands.executeCommand("workbench.action.openSettings", "geotrace.server.path");
+                }
+                return undefined;
+            });
+        }
+    }
+
+    private async stop(): Promise<void> {
+        const client = this.client;
+        this.client = undefined;
+        try {
+            await client?.dispose();
+        } catch (error) {
+            this.output.warn(String(error));
+        }
+    }
+
+    private clientOptions(): LanguageClientOptions {
+        return {
+            documentSelector: [{ language: "geotrace" }],
+            outputChannel: this.output,
+            synchronize: { configurationSection: "geotrace" },
+            middleware: {
+                executeCommand: (command: string, given: unknown[], next: ExecuteCommandSignature) =>
+                    next(command, command === PREVIEW ? this.previewArguments(given) : given),
+            },
+        };
+    }
+
+    /** From the palette, a key or the title bar the command comes without what the server needs: a document. */
+    private previewArguments(given: unknown[]): unknown[] {
+        if (typeof given[0] === "string") {
+            return given;
+        }
+        const named = given[0] instanceof vscode.Uri ? given[0] : undefined;
+        const uri = named ?? vscode.window.activeTextEditor?.document.uri;
+        return uri === undefined ? [] : [this.client?.code2ProtocolConverter.asUri(uri) ?? uri.toString()];
+    }
+
+    private openPreview(document: vscode.TextDocument): void {
+        const when = vscode.workspace.getConfiguration("geotrace").get<string>("preview.open", "onCommand");
+        if (document.languageId === "geotrace" && when === "onOpen" && this.client?.state === State.Running) {
+            void vscode.commands.executeCommand(PREVIEW, document.uri.toString());
+        }
+    }
+
+    private changed(state: State, version: string): void {
+        void vscode.commands.executeCommand("setContext", "geotrace.running", state === State.Running);
+        if (state === State.Running) {
+            this.show(`running, version ${version}`, false);
+        } else if (state === State.Starting) {
+            this.show("starting", true);
+        } else {
+            this.show("stopped", false, "The language server has stopped.");
+        }
+    }
+
+    private show(state: string, busy: boolean, problem?: string): void {
+        this.status.text = `Geotrace: ${state}`;
+        this.status.busy = busy;
+        this.status.detail = problem ?? "language server";
+        this.status.severity =
+            problem === undefined ? vscode.LanguageStatusSeverity.Information : vscode.LanguageStatusSeverity.Error;
+        this.status.command =
+            problem === undefined
+                ? { title: "Restart", command: "geotrace.restart" }
+                : { title: "Show output", command: "geotrace.showLog" };
+    }
+}
