@@ -1,0 +1,111 @@
+// Runs `suite/` in the real extension host of VS Code, with the extension from its .vsix, in a headless browser.
+//
+//   node run.mjs CACHE EXTENSION WORKSPACE PROGRAM
+//
+// CACHE holds code-server and playwright-core (see `install`), EXTENSION is the unpacked .vsix, WORKSPACE a folder of
+// the test's own, PROGRAM the geotrace binary. Exit status: that of the suite; 3 where it did not report in time.
+import { spawn } from "node:child_process";
+import { mkdtempSync } from "node:fs";
+import { createRequire } from "node:module";
+import { createServer } from "node:net";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+
+const [cache, extension, workspace, program] = process.argv.slice(2);
+const here = dirname(fileURLToPath(import.meta.url));
+const { chromium } = createRequire(join(cache, "package.json"))("playwright-core");
+const LIMIT = 180_000;
+
+const port = await new Promise((resolve) => {
+    const probe = createServer().listen(0, "127.0.0.1", () => {
+        const { port } = probe.address();
+        probe.close(() => resolve(port));
+    });
+});
+const home = mkdtempSync(join(tmpdir(), "geotrace-vscode-"));
+const code = join(cache, "node_modules/code-server/lib/vscode");
+const server = spawn(
+    process.execPath,
+    [
+        join(code, "out/server-main.js"),
+        "--host=127.0.0.1",
+        `--port=${port}`,
+        "--without-connection-token",
+        "--accept-server-license-terms",
+        "--disable-telemetry",
+        "--enable-smoke-test-driver",
+        "--reconnection-grace-time=1",
+        `--server-data-dir=${home}`,
+    ],
+    {
+        env: { ...process.env, XDG_CONFIG_HOME: home, GEOTRACE_PROGRAM: program, GEOTRACE_WORKSPACE: workspace },
+        stdio: ["ignore", "pipe", "pipe"],
+    },
+);
+let log = "";
+server.stdout.on("data", (data) => (log += data));
+server.stderr.on("data", (data) => (log += data));
+await new Promise((resolve, reject) => {
+    const timer = setInterval(() => {
+        if (log.includes("Web UI available") || log.includes("Server bound to")) {
+            clearInterval(timer);
+            resolve();
+        }
+    }, 50);
+    server.on("exit", (status) => reject(new Error(`the server of VS Code ended with ${status}:\n${log}`)));
+});
+
+const browser = await chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: [
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-quic",
+        "--no-first-run",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+    ],
+});
+const finish = async (status) => {
+    await browser.close().catch(() => {});
+    server.removeAllListeners("exit");
+    server.kill("SIGKILL");
+    process.exit(status);
+};
+const page = await (await browser.newContext({ viewport: { width: 1280, height: 800 } })).newPage();
+const lines = [];
+await page.exposeFunction("codeAutomationLog", (kind, args) => {
+    const line = args.join(" ");
+    // The workbench talks much; the suite's own lines begin like this.
+    if (/^(ok|FAILED|VS Code:)/.test(line)) {
+        console.log(line);
+    } else {
+        lines.push(line);
+    }
+});
+await page.exposeFunction("codeAutomationExit", (status) => {
+    const screenshot = process.env.GEOTRACE_SCREENSHOT;
+    void (async () => {
+        if (screenshot) {
+            await page.screenshot({ path: screenshot });
+        }
+        if (status !== 0) {
+            console.error(lines.slice(-30).join("\n"));
+        }
+        await finish(status);
+    })();
+});
+page.on("console", (message) => lines.push(message.text()));
+setTimeout(() => {
+    console.error(`no report within ${LIMIT / 1000} s:\n${lines.slice(-40).join("\n")}\n${log}`);
+    void finish(3);
+}, LIMIT);
+const remote = (path) => `vscode-remote://localhost:${port}${path}`;
+const payload = JSON.stringify([
+    ["extensionDevelopmentPath", remote(extension)],
+    ["extensionTestsPath", remote(join(here, "suite/index.js"))],
+    ["skipWelcome", "true"],
+]);
+await page.goto(`http://localhost:${port}/?folder=${encodeURIComponent(workspace)}&payload=${encodeURIComponent(payload)}`);
