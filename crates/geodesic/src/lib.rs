@@ -6,7 +6,7 @@
 //!                        metric.rs, chart.rs ──▶ acceleration ──integrate──▶ one step
 //!                                                                   │
 //!                    frame.rs (camera) ◀── trace.rs: an end and a status ◀── follow.rs: many steps
-//!                         └──────────▶ map.rs: a picture's pixels
+//!                         └──────────▶ map.rs: a picture's pixels ◀── reference.rs: how far they are off
 //! ```
 //!
 //! No GPU, no syntax. Lengths are in the surface's own units, angles in radians, `u`, `v` in the chart's units.
@@ -20,6 +20,7 @@ mod integrate;
 pub mod map;
 pub mod metric;
 pub mod patchwork;
+pub mod reference;
 pub mod surface;
 pub mod topology;
 pub mod trace;
