@@ -118,6 +118,10 @@ fn roots(shape: &Shape) -> Vec<NodeId> {
         | Shape::Curve { position, .. }
         | Shape::Surface { position, .. } => position.to_vec(),
         Shape::Vector { direction, origin } => [*origin, *direction].concat(),
+        Shape::Metric { components, .. } => components.to_vec(),
+        Shape::Geodesic {
+            direction, start, ..
+        } => [*direction, *start].concat(),
     }
 }
 
@@ -125,9 +129,9 @@ fn roots(shape: &Shape) -> Vec<NodeId> {
 fn rows(scene: &Scene, shape: &Shape, uniforms: &[f64]) -> Vec<Vec<f64>> {
     let inputs = scene.graph.inputs(&roots(shape));
     let domains: Vec<_> = match shape {
-        Shape::Point { .. } | Shape::Vector { .. } => Vec::new(),
+        Shape::Point { .. } | Shape::Vector { .. } | Shape::Geodesic { .. } => Vec::new(),
         Shape::Curve { domain, .. } => vec![*domain],
-        Shape::Surface { domain, .. } => domain.to_vec(),
+        Shape::Surface { domain, .. } | Shape::Metric { domain, .. } => domain.to_vec(),
     };
     let count = if domains.is_empty() { 1 } else { 50 };
     let mut rows = Vec::new();
@@ -222,6 +226,9 @@ fn the_samples_that_are_drawn_are_the_values_of_the_tape() {
         let settings = middle(&scene);
         let placement = Bounds::of(&scene, &settings).placement;
         for (index, object) in scene.objects.iter().enumerate() {
+            if matches!(object.shape, Shape::Metric { .. } | Shape::Geodesic { .. }) {
+                continue;
+            }
             let samples = sample(&scene, &settings, ObjectId(index as u32), &placement);
             let uniforms = settings.first_instance(&scene, object);
             let tape = Tape::new(&scene.graph, &roots(&object.shape));

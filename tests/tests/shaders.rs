@@ -19,6 +19,8 @@ fn kernels(graph: &expr::Graph, object: &Object) -> Vec<Result<Kernel, GenerateE
             wgsl::kernel::sample_surface(graph, position),
             wgsl::kernel::geodesic(graph, position),
         ],
+        // Neither is sampled by a kernel.
+        Shape::Metric { .. } | Shape::Geodesic { .. } => Vec::new(),
     }
 }
 

@@ -56,6 +56,8 @@ impl Bounds {
                 Shape::Vector { direction, origin } => {
                     origin.iter().chain(direction).copied().collect()
                 }
+                // Neither has samples in space.
+                Shape::Metric { .. } | Shape::Geodesic { .. } => continue,
             };
             let tape = Tape::new(&scene.graph, &roots);
             let sampler = Sampler::new(scene, settings, object, tape, Resolution::Coarse(SAMPLES));

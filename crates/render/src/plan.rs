@@ -126,7 +126,7 @@ pub fn plan(scene: &Scene, settings: &Settings, request: &Request) -> Plan {
                     textured.push(id);
                 }
                 plan.objects
-                    .push(object_plan(scene, settings, id, object, gpu));
+                    .extend(object_plan(scene, settings, id, object, gpu));
             }
             plan.left_out.push(
                 "no geodesic kernel and no resolve pass: the picture is the 3D view".to_owned(),
@@ -229,7 +229,7 @@ fn object_plan(
     id: ObjectId,
     object: &Object,
     gpu: bool,
-) -> ObjectPlan {
+) -> Option<ObjectPlan> {
     let instances = settings.instance_count(scene, object);
     let (painter, roots, per_instance) = match &object.shape {
         Shape::Point { position } => (Painter::Points, position.to_vec(), 1),
@@ -246,6 +246,8 @@ fn object_plan(
             position.to_vec(),
             u64::from(domain[0].count) * u64::from(domain[1].count),
         ),
+        // Neither has samples in space.
+        Shape::Metric { .. } | Shape::Geodesic { .. } => return None,
     };
     let operations = count(&scene.graph, &roots);
     let with_normals = match &object.shape {
@@ -261,7 +263,7 @@ fn object_plan(
         Input::Uniform(k) => Some(k),
         Input::Variable(_) => None,
     });
-    ObjectPlan {
+    Some(ObjectPlan {
         object: id,
         painter,
         instances,
@@ -274,7 +276,7 @@ fn object_plan(
         uniforms: uniforms.collect(),
         operations,
         operations_with_normals: with_normals,
-    }
+    })
 }
 
 fn derivative_operations(scene: &Scene, surface: ObjectId) -> Option<u64> {

@@ -157,6 +157,7 @@ pub fn sample(
         Shape::Surface {
             position, domain, ..
         } => surface(scene, settings, object, placement, position, domain),
+        Shape::Metric { .. } | Shape::Geodesic { .. } => Samples::Points(Vec::new()),
     }
 }
 
@@ -346,7 +347,10 @@ impl Sampler {
         let axes = match &object.shape {
             Shape::Point { .. } | Shape::Vector { .. } => [vec![0.0], vec![0.0]],
             Shape::Curve { domain, .. } => [axis(domain), vec![0.0]],
-            Shape::Surface { domain, .. } => [axis(&domain[0]), axis(&domain[1])],
+            Shape::Surface { domain, .. } | Shape::Metric { domain, .. } => {
+                [axis(&domain[0]), axis(&domain[1])]
+            }
+            Shape::Geodesic { domain, .. } => [axis(domain), vec![0.0]],
         };
         let per_instance = axes[0].len() * axes[1].len();
         let all = settings.instance_count(scene, object) as usize;

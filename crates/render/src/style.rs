@@ -134,8 +134,8 @@ pub fn colour(shape: &Shape) -> [u8; 3] {
     match shape {
         Shape::Point { .. } => POINT_COLOUR,
         Shape::Vector { .. } => VECTOR_COLOUR,
-        Shape::Curve { .. } => CURVE_COLOUR,
-        Shape::Surface { .. } => SURFACE_COLOUR,
+        Shape::Curve { .. } | Shape::Geodesic { .. } => CURVE_COLOUR,
+        Shape::Surface { .. } | Shape::Metric { .. } => SURFACE_COLOUR,
     }
 }
 

@@ -108,6 +108,10 @@ impl Lowerer {
         let symbol = function.symbol;
         let (arguments, body) = match self.symbols.meaning(symbol) {
             Meaning::Poisoned | Meaning::Constant(_) => return Ok(Effect::Push(Item::Poison)),
+            Meaning::Geodesic => {
+                let fault = self.symbols.value_fault(symbol);
+                return fault.map_or(Ok(Effect::Push(Item::Poison)), |fault| Err((fault, span)));
+            }
             Meaning::Builtin(_) => match self.value(operand.clone())? {
                 Some(value) => (vec![value], None),
                 None => return Ok(Effect::Push(Item::Poison)),

@@ -101,6 +101,18 @@ impl Code {
         self.steps.truncate(self.open);
     }
 
+    /// The functions in an expression, each with its place.
+    pub(crate) fn functions(
+        &self,
+        expression: Expression,
+    ) -> impl Iterator<Item = (SymbolId, Span)> + '_ {
+        let steps = self.steps[expression.steps()].iter();
+        steps.filter_map(|step| match step.operator {
+            Operator::Function(symbol) => Some((symbol, step.span)),
+            _ => None,
+        })
+    }
+
     /// The places in an expression where `'` follows a function, each with the function.
     pub(crate) fn totals(
         &self,

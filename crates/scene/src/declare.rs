@@ -3,11 +3,12 @@
 
 use expr::value::Value;
 use expr::{Graph, Input, NodeId};
+use rustc_hash::FxHashMap;
 use syntax::actions::{self, Declaration, Parameter};
 use syntax::codes::MISSING_INTERVAL;
 use syntax::diagnostic::{Diagnostic, Related};
 use syntax::span::Span;
-use syntax::token::DeclareWord;
+use syntax::token::{DeclareWord, SymbolId};
 
 use crate::builtin;
 use crate::code::Expression;
@@ -16,7 +17,7 @@ use crate::interval::{Bounds, Interval, Purpose};
 use crate::limits::{DEFAULT_SAMPLES, MAX_INSTANCES, MAX_SAMPLES, MAX_UNIFORMS};
 use crate::lower::{Lowered, Lowerer};
 use crate::reads::Reads;
-use crate::scene::{Grid, GridId, Object, Param, ParamId, Sampling, Scene, Shape};
+use crate::scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape};
 use crate::symbol::{Constant, Declared, Meaning};
 
 /// The compiler between two declarations: what has been declared, and what has been read of the next.
@@ -32,6 +33,16 @@ pub(crate) struct Declarations {
     sources: Vec<Owner>,
     /// How many samples the objects have together.
     samples: u64,
+    /// The surfaces and metrics, for the geodesics that lie on them.
+    patches: FxHashMap<SymbolId, Patch>,
+}
+
+/// What a geodesic has to know of the surface or metric that it lies on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Patch {
+    pub(crate) object: ObjectId,
+    pub(crate) domain: [Range; 2],
+    pub(crate) reads: Reads,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -104,6 +115,8 @@ impl Declarations {
             DeclareWord::Vector => self.vector(declaration),
             DeclareWord::Curve => self.curve(declaration, intervals),
             DeclareWord::Surface => self.surface(declaration, intervals),
+            DeclareWord::Metric => self.metric(declaration, intervals),
+            DeclareWord::Geodesic => self.geodesic(declaration, intervals),
         }
     }
 
@@ -146,9 +159,12 @@ impl Declarations {
         // What is wrong whatever the function is applied to is reported where it stands.
         let symbols = &self.lowerer.symbols;
         let totals = self.lowerer.code.totals(body);
-        let faults: Vec<Diagnostic> = totals
-            .filter_map(|(symbol, span)| Some(symbols.total_fault(symbol)?.at(span)))
-            .collect();
+        let totals =
+            totals.filter_map(|(symbol, span)| Some(symbols.total_fault(symbol)?.at(span)));
+        let functions = self.lowerer.code.functions(body);
+        let values =
+            functions.filter_map(|(symbol, span)| Some(symbols.value_fault(symbol)?.at(span)));
+        let faults: Vec<Diagnostic> = totals.chain(values).collect();
         let sound = faults.is_empty();
         self.diagnostics.extend(faults);
         sound.then(|| self.keep(declaration, body))
@@ -208,31 +224,54 @@ impl Declarations {
         let [first, second] = declaration.parameters else {
             return None;
         };
-        self.object(
-            declaration,
-            Shape::Surface {
-                position,
-                domain: [u?, v?],
-                parameters: [first.name.clone(), second.name.clone()],
-            },
-            lowered.reads,
-        );
+        let shape = Shape::Surface {
+            position,
+            domain: [u?, v?],
+            parameters: [first.name.clone(), second.name.clone()],
+        };
+        self.patch(declaration, shape, lowered.reads);
         Some(self.keep(declaration, body))
     }
 
+    /// Adds a surface or a metric, on which geodesics may lie.
+    pub(crate) fn patch(
+        &mut self,
+        declaration: &Declaration<'_>,
+        shape: Shape,
+        reads: Reads,
+    ) -> Option<ObjectId> {
+        let domain = shape.patch()?.map(|axis| axis.range);
+        let object = self.object(declaration, shape, reads)?;
+        let patch = Patch {
+            object,
+            domain,
+            reads,
+        };
+        self.patches.insert(declaration.symbol?, patch);
+        Some(object)
+    }
+
+    /// The surface or metric of this name; none where it could not be added.
+    pub(crate) fn patch_of(&self, symbol: SymbolId) -> Option<Patch> {
+        self.patches.get(&symbol).copied()
+    }
+
     /// The expressions that stand before the intervals.
-    fn expressions<const N: usize>(&self, intervals: &[Interval]) -> Option<[Expression; N]> {
+    pub(crate) fn expressions<const N: usize>(
+        &self,
+        intervals: &[Interval],
+    ) -> Option<[Expression; N]> {
         let code = &self.lowerer.code;
         let end = intervals.first().map_or(code.end(), Interval::start);
         code.last_before(end)
     }
 
-    fn constant(&mut self, body: Expression) -> Lowered {
+    pub(crate) fn constant(&mut self, body: Expression) -> Lowered {
         self.lowerer.lower(body, Vec::new(), &mut self.diagnostics)
     }
 
     /// Lowers a curve's or a surface's own body, whose parameters are numbers.
-    fn over_variables(&mut self, body: Expression, count: usize) -> Lowered {
+    pub(crate) fn over_variables(&mut self, body: Expression, count: usize) -> Lowered {
         let graph = &mut self.lowerer.graph;
         let variables = (0..count as u32)
             .map(|index| Value::Number(graph.input(Input::Variable(index))))
@@ -241,7 +280,7 @@ impl Declarations {
     }
 
     /// A function's meaning; its steps are kept.
-    fn keep(&mut self, declaration: &Declaration<'_>, body: Expression) -> Meaning {
+    pub(crate) fn keep(&mut self, declaration: &Declaration<'_>, body: Expression) -> Meaning {
         self.lowerer.code.keep(body.steps().end);
         let parameters = declaration.parameters.iter();
         Meaning::Declared(Declared {
@@ -300,7 +339,7 @@ impl Declarations {
 
     /// The sampled intervals of a curve or a surface in the order of its parameters, each none where something
     /// is wrong with it; none at all where the number of parameters is wrong or a tag is.
-    fn domain<const N: usize>(
+    pub(crate) fn domain<const N: usize>(
         &mut self,
         declaration: &Declaration<'_>,
         intervals: &[Interval],
@@ -399,21 +438,25 @@ impl Declarations {
         {
             return Some(position);
         }
-        let found = match value {
-            Value::Number(_) => "a number".to_owned(),
-            Value::Vector(nodes) => format!("a vector of dimension {}", nodes.len()),
-        };
         let fault = Fault::new(
             fault::NOT_IN_SPACE,
-            format!("{what} lies in space and needs 3 components, but this is {found}"),
+            format!(
+                "{what} lies in space and needs 3 components, but this is {}",
+                kind_of(value)
+            ),
         );
         let span = self.lowerer.code.span(expression);
         self.diagnostics.push(fault.at(span));
         None
     }
 
-    /// Adds an object, within the limits of what can be drawn.
-    fn object(&mut self, declaration: &Declaration<'_>, shape: Shape, reads: Reads) {
+    /// Adds an object, within the limits of what can be drawn; none where it lies beyond them.
+    pub(crate) fn object(
+        &mut self,
+        declaration: &Declaration<'_>,
+        shape: Shape,
+        reads: Reads,
+    ) -> Option<ObjectId> {
         let (params, grids) = self.dependencies(reads);
         let name = declaration.name;
         let mut counts = Vec::new();
@@ -445,11 +488,11 @@ impl Declarations {
                 ),
             );
             self.diagnostics.push(fault.at(declaration.name_span));
-            return;
+            return None;
         }
         let samples = instances.saturating_mul(match &shape {
-            Shape::Point { .. } | Shape::Vector { .. } => 1,
-            Shape::Curve { domain, .. } => u64::from(domain.count),
+            Shape::Point { .. } | Shape::Vector { .. } | Shape::Metric { .. } => 1,
+            Shape::Curve { domain, .. } | Shape::Geodesic { domain, .. } => u64::from(domain.count),
             Shape::Surface { domain: [u, v], .. } => u64::from(u.count) * u64::from(v.count),
         });
         if samples > MAX_SAMPLES - self.samples {
@@ -467,8 +510,9 @@ impl Declarations {
             )
             .with_hint("give its intervals, or the grids it depends on, smaller counts");
             self.diagnostics.push(fault.at(declaration.name_span));
-            return;
+            return None;
         }
+        let id = ObjectId(self.scene.objects.len() as u32);
         self.samples += samples;
         self.scene.objects.push(Object {
             name: name.to_owned(),
@@ -477,6 +521,7 @@ impl Declarations {
             params,
             grids,
         });
+        Some(id)
     }
 
     /// The params and grids of a set of reads, in the order of the text.
@@ -491,6 +536,14 @@ impl Declarations {
             }
         }
         (params, grids)
+    }
+}
+
+/// A value's dimension in words.
+pub(crate) fn kind_of(value: &Value) -> String {
+    match value {
+        Value::Number(_) => "a number".to_owned(),
+        Value::Vector(nodes) => format!("a vector of dimension {}", nodes.len()),
     }
 }
 

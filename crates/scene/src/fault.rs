@@ -27,7 +27,7 @@ pub(crate) const INTERVAL_EMPTY: Code = Code("interval-empty");
 pub(crate) const INTERVAL_COUNT: Code = Code("interval-count");
 /// Two intervals for one parameter.
 pub(crate) const DUPLICATE_TAG: Code = Code("duplicate-tag");
-/// A curve whose parameters are not one, a surface whose parameters are not two.
+/// A curve or a geodesic whose parameters are not one, a surface or a metric whose parameters are not two.
 pub(crate) const PARAMETER_COUNT: Code = Code("parameter-count");
 /// What is drawn does not lie in space.
 pub(crate) const NOT_IN_SPACE: Code = Code("not-in-space");
@@ -37,6 +37,18 @@ pub(crate) const TOO_MANY_INSTANCES: Code = Code("too-many-instances");
 pub(crate) const TOO_MANY_SAMPLES: Code = Code("too-many-samples");
 /// The params and grids have too many components.
 pub(crate) const TOO_MANY_UNIFORMS: Code = Code("too-many-params");
+/// A metric's value is not (E, F, G).
+pub(crate) const NOT_A_METRIC: Code = Code("not-a-metric");
+/// A metric is not positive definite everywhere inside its domain.
+pub(crate) const DEGENERATE_METRIC: Code = Code("degenerate-metric");
+/// A geodesic is declared on what is no surface and no metric.
+pub(crate) const NOT_A_SURFACE: Code = Code("not-a-surface");
+/// A geodesic's direction or start has not two components.
+pub(crate) const NOT_IN_CHART: Code = Code("not-in-chart");
+/// A geodesic that cannot start.
+pub(crate) const GEODESIC_NOT_DRAWN: Code = Code("geodesic-not-drawn");
+/// A geodesic is used as a value.
+pub(crate) const NO_FORMULA: Code = Code("no-formula");
 /// An expression is evaluated in a program that has errors.
 pub(crate) const PROGRAM_HAS_ERRORS: Code = Code("program-has-errors");
 
@@ -90,7 +102,7 @@ pub const CODES: &[(Code, &str)] = &[
     (DUPLICATE_TAG, "A parameter has one interval, not two."),
     (
         PARAMETER_COUNT,
-        "A curve has one parameter, a surface has two.",
+        "A curve and a geodesic have one parameter, a surface and a metric have two.",
     ),
     (
         NOT_IN_SPACE,
@@ -107,6 +119,30 @@ pub const CODES: &[(Code, &str)] = &[
     (
         TOO_MANY_UNIFORMS,
         "The params and grids have more components together than the limit.",
+    ),
+    (
+        NOT_A_METRIC,
+        "A metric's value is (E, F, G), the coefficients of its first fundamental form: a vector of dimension 3.",
+    ),
+    (
+        DEGENERATE_METRIC,
+        "A metric is positive definite: inside its domain E and E G - F^2 are positive.",
+    ),
+    (
+        NOT_A_SURFACE,
+        "A geodesic lies on a surface or a metric that is declared above it.",
+    ),
+    (
+        NOT_IN_CHART,
+        "A geodesic's direction and start are vectors of dimension 2, in the parameters of its surface.",
+    ),
+    (
+        GEODESIC_NOT_DRAWN,
+        "A geodesic starts inside the domain of its surface and has a direction that is not zero; another is not drawn.",
+    ),
+    (
+        NO_FORMULA,
+        "A geodesic is integrated: no formula gives its points, so it cannot be used as a value.",
     ),
     (
         PROGRAM_HAS_ERRORS,

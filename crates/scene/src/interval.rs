@@ -231,7 +231,7 @@ fn whole(count: f64, purpose: Purpose) -> Result<u32, Fault> {
 }
 
 /// A number as a person would write it, never hundreds of digits.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude == 0.0 || (1e-5..1e15).contains(&magnitude) {
         format!("{value}")

@@ -106,8 +106,8 @@ pub struct Object {
     pub grids: Vec<GridId>,
 }
 
-/// The kinds of object. Nodes are handles into [`Scene::graph`], over the scene's uniforms and, for a curve
-/// or a surface, `expr::Input::Variable(0)` (and `Variable(1)`).
+/// The kinds of object. Nodes are handles into [`Scene::graph`], over the scene's uniforms and, for a curve,
+/// a surface or a metric, `expr::Input::Variable(0)` (and `Variable(1)`).
 #[derive(Clone, Debug)]
 #[allow(missing_docs)]
 pub enum Shape {
@@ -128,16 +128,54 @@ pub enum Shape {
         domain: [Sampling; 2],
         parameters: [String; 2],
     },
+    /// A surface without a shape in space, given by its first fundamental form: it has a geodesic view, and
+    /// the 3D view leaves it out. The domain's counts mean nothing.
+    Metric {
+        /// E, F and G, over `Variable(0)` and `Variable(1)` as a surface's position is.
+        components: [NodeId; 3],
+        domain: [Sampling; 2],
+        parameters: [String; 2],
+    },
+    /// The curve γ(t) of unit speed with γ(0) = `start` and γ'(0) along a σu + b σv; a negative t lies behind
+    /// its start. Its nodes read no `Variable`. [`crate::geodesic::Launcher`] evaluates them.
+    Geodesic {
+        /// The surface or metric that it lies on, declared above it. What that reads, this reads too, so an
+        /// instance of the one determines the instance of the other.
+        surface: ObjectId,
+        /// (a, b); its length does not matter.
+        direction: [NodeId; 2],
+        /// (u, v), in the surface's parameters.
+        start: [NodeId; 2],
+        /// The arc lengths t that are drawn, and the number of samples.
+        domain: Sampling,
+        parameter: String,
+    },
 }
 
 impl Shape {
-    /// Its nodes: three for a position; for a vector the direction's three, then the origin's.
+    /// The domain of what has a geodesic view: a surface or a metric.
+    pub fn patch(&self) -> Option<&[Sampling; 2]> {
+        match self {
+            Self::Surface { domain, .. } | Self::Metric { domain, .. } => Some(domain),
+            Self::Point { .. }
+            | Self::Vector { .. }
+            | Self::Curve { .. }
+            | Self::Geodesic { .. } => None,
+        }
+    }
+
+    /// Its nodes: three for a position, or for E, F and G; for a vector the direction's three, then the
+    /// origin's; for a geodesic the direction's two, then the start's.
     pub fn roots(&self) -> Vec<NodeId> {
         match self {
             Self::Point { position }
             | Self::Curve { position, .. }
             | Self::Surface { position, .. } => position.to_vec(),
+            Self::Metric { components, .. } => components.to_vec(),
             Self::Vector { direction, origin } => [*direction, *origin].concat(),
+            Self::Geodesic {
+                direction, start, ..
+            } => [*direction, *start].concat(),
         }
     }
 
@@ -147,7 +185,11 @@ impl Shape {
             Self::Point { position }
             | Self::Curve { position, .. }
             | Self::Surface { position, .. } => (position, &mut []),
+            Self::Metric { components, .. } => (components, &mut []),
             Self::Vector { direction, origin } => (direction, origin),
+            Self::Geodesic {
+                direction, start, ..
+            } => (direction, start),
         };
         first.iter_mut().chain(second)
     }

@@ -33,6 +33,8 @@ pub(crate) enum Meaning {
     Constant(Constant),
     Builtin(Builtin),
     Declared(Declared),
+    /// A curve that is integrated: no expression stands for its points.
+    Geodesic,
 }
 
 /// A value with a name.
@@ -43,7 +45,7 @@ pub(crate) struct Constant {
     pub(crate) reads: Reads,
 }
 
-/// A declared function, curve or surface.
+/// A declared function, curve, surface or metric.
 #[derive(Clone, Debug)]
 pub(crate) struct Declared {
     pub(crate) body: Expression,
@@ -101,6 +103,19 @@ impl Symbols {
             }
             _ => "x",
         }
+    }
+
+    /// What is wrong with a use of a function as a value, if anything: a geodesic has none.
+    pub(crate) fn value_fault(&self, symbol: SymbolId) -> Option<Fault> {
+        let Meaning::Geodesic = self.meaning(symbol) else {
+            return None;
+        };
+        let name = self.name(symbol);
+        let message =
+            format!("`{name}` is a geodesic, which has no formula: it cannot be used as a value");
+        Some(Fault::new(fault::NO_FORMULA, message).with_hint(format!(
+            "`{name}` is drawn; its start and direction are values that a `define` can name"
+        )))
     }
 
     /// What is wrong with `f'`, if anything: a function of several parameters has a derivative by each.

@@ -14,7 +14,7 @@ pub enum Operator {
     Constant(SymbolId),
     /// Pushes a parameter of the body that is being read, by its position.
     Variable(u32),
-    /// Pushes a function.
+    /// Pushes a function. That of a geodesic's surface or metric comes alone, before its direction and start.
     Function(SymbolId),
     /// `f_u`: function → its derivative by its parameter at this position.
     Partial(u32),
@@ -66,7 +66,7 @@ pub struct Interval {
     pub kind: IntervalKind,
     /// From `[` to `]`.
     pub span: Span,
-    /// For a curve or a surface: the position of the parameter that the tag names, where it names one,
+    /// For what has parameters: the position of the parameter that the tag names, where it names one,
     /// and the tag's own place. A tag that is missing, or names no parameter, has been reported.
     pub tag: Option<(Option<u32>, Span)>,
 }
@@ -93,7 +93,7 @@ pub struct Declaration<'a> {
     pub name: &'a str,
     /// Where the name stands; empty where it was not read.
     pub name_span: Span,
-    /// The parameters, for a function, curve or surface.
+    /// The parameters, for what is applied.
     pub parameters: &'a [Parameter],
     /// An error lies in it, and has been reported: what the stack holds may be incomplete and is to be
     /// dropped, and uses of the name are to be silent.

@@ -16,6 +16,8 @@ pub enum Terminal {
     Surface,
     Point,
     Vector,
+    Metric,
+    Geodesic,
     /// A new name, or an interval's tag.
     Id,
     Const,
@@ -50,6 +52,7 @@ pub enum Nonterminal {
     Prog,
     Decl,
     Fdecl,
+    Head,
     Ids,
     IdsTail,
     Int,
@@ -117,6 +120,8 @@ impl Terminal {
                 DeclareWord::Surface => Self::Surface,
                 DeclareWord::Point => Self::Point,
                 DeclareWord::Vector => Self::Vector,
+                DeclareWord::Metric => Self::Metric,
+                DeclareWord::Geodesic => Self::Geodesic,
             },
             TokenKind::Undefined => Self::Id,
             TokenKind::Constant(_) => Self::Const,
@@ -170,8 +175,11 @@ pub const PRODUCTIONS: &[Production] = {
         Decl = T(Surface) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
         Decl = T(Point) T(Id) T(Equals) N(Expr) T(Semicolon);
         Decl = T(Vector) T(Id) T(Equals) N(Expr) T(At) N(Expr) T(Semicolon);
+        Decl = T(Metric) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
+        Decl = T(Geodesic) N(Head) T(Colon) T(Func) T(Equals) N(Expr) T(At) N(Expr) T(Comma) N(Tints) T(Semicolon);
 
-        Fdecl = T(Id) T(ParenOpen) N(Ids) T(ParenClose) T(Equals) N(Expr);
+        Fdecl = N(Head) T(Equals) N(Expr);
+        Head = T(Id) T(ParenOpen) N(Ids) T(ParenClose);
         Ids = T(Id) N(IdsTail);
         IdsTail = T(Comma) T(Id) N(IdsTail);
         IdsTail =;

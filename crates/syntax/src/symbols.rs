@@ -19,7 +19,7 @@ pub struct Vocabulary {
 pub enum SymbolKind {
     /// A value: `pi`, and declared params, grids, defines, points, vectors.
     Constant,
-    /// Applied to operands: `sin`, and declared functions, curves, surfaces.
+    /// Applied to operands: `sin`, and declared functions, curves, surfaces, metrics, geodesics.
     Function,
 }
 
@@ -34,7 +34,7 @@ pub struct Symbol {
     pub word: Option<DeclareWord>,
     /// Where its declaration names it; `None` for a builtin.
     pub name_span: Option<Span>,
-    /// The parameters of a declared function, curve or surface; empty for everything else.
+    /// The parameters of what is declared with parameters; empty for everything else.
     pub parameters: Vec<Parameter>,
     /// Its declaration holds an error, which has been reported: uses of it are to be silent.
     pub faulty: bool,

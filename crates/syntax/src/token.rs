@@ -19,6 +19,8 @@ pub enum DeclareWord {
     Surface,
     Point,
     Vector,
+    Metric,
+    Geodesic,
 }
 
 /// What a token is, to the parser.
@@ -70,7 +72,7 @@ pub struct Token {
 
 impl DeclareWord {
     /// Every declaring word.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::Param,
         Self::Grid,
         Self::Define,
@@ -79,6 +81,8 @@ impl DeclareWord {
         Self::Surface,
         Self::Point,
         Self::Vector,
+        Self::Metric,
+        Self::Geodesic,
     ];
 
     /// As it is written.
@@ -92,12 +96,17 @@ impl DeclareWord {
             Self::Surface => "surface",
             Self::Point => "point",
             Self::Vector => "vector",
+            Self::Metric => "metric",
+            Self::Geodesic => "geodesic",
         }
     }
 
-    /// Whether what it declares is applied (a function, curve or surface) rather than a value.
+    /// Whether what it declares is applied (it has parameters) rather than a value.
     pub fn declares_function(self) -> bool {
-        matches!(self, Self::Function | Self::Curve | Self::Surface)
+        matches!(
+            self,
+            Self::Function | Self::Curve | Self::Surface | Self::Metric | Self::Geodesic
+        )
     }
 
     /// The declaring word that is written so.
@@ -111,6 +120,8 @@ impl DeclareWord {
             "surface" => Self::Surface,
             "point" => Self::Point,
             "vector" => Self::Vector,
+            "metric" => Self::Metric,
+            "geodesic" => Self::Geodesic,
             _ => return None,
         })
     }

@@ -10,12 +10,13 @@ use syntax::diagnostic::Severity;
 use syntax::grammar::{Item, Nonterminal, PRODUCTIONS, Production, Terminal};
 use syntax::token::TokenKind;
 
-/// The grammar as LANGUAGE.md states it, left recursion and all.
+/// The grammar as the language's page states it, left recursion and all.
 const ORIGINAL: &str = r#"
 PROG  = DECL PROG |
 DECL  = "param" id ":" INTS ";" | "grid" id ":" GRIDS ";" | "define" id "=" EXPR ";" | "function" FDECL ";"
       | "curve" FDECL "," TINTS ";" | "surface" FDECL "," TINTS ";" | "point" id "=" EXPR ";"
-      | "vector" id "=" EXPR "@" EXPR ";"
+      | "vector" id "=" EXPR "@" EXPR ";" | "metric" FDECL "," TINTS ";"
+      | "geodesic" id "(" IDS ")" ":" func "=" EXPR "@" EXPR "," TINTS ";"
 FDECL = id "(" IDS ")" "=" EXPR
 IDS   = IDS "," id | id
 INT   = "[" EXPR "," EXPR "]"
@@ -39,7 +40,7 @@ FACT  = const | num | var | "(" TUPLE ")" | "[" TUPLE "]" | "{" TUPLE "}"
 TUPLE = ADD "," TUPLE | ADD
 "#;
 
-const TERMINALS: [(&str, Terminal); 31] = [
+const TERMINALS: [(&str, Terminal); 33] = [
     ("\"param\"", Terminal::Param),
     ("\"grid\"", Terminal::Grid),
     ("\"define\"", Terminal::Define),
@@ -48,6 +49,8 @@ const TERMINALS: [(&str, Terminal); 31] = [
     ("\"surface\"", Terminal::Surface),
     ("\"point\"", Terminal::Point),
     ("\"vector\"", Terminal::Vector),
+    ("\"metric\"", Terminal::Metric),
+    ("\"geodesic\"", Terminal::Geodesic),
     ("id", Terminal::Id),
     ("const", Terminal::Const),
     ("func", Terminal::Func),
@@ -491,7 +494,7 @@ fn render(terminals: &[Terminal]) -> String {
             parameter = None;
             has_body = matches!(
                 terminal,
-                Terminal::Function | Terminal::Curve | Terminal::Surface
+                Terminal::Function | Terminal::Curve | Terminal::Surface | Terminal::Metric
             );
         }
         text.push_str(&word);

@@ -149,7 +149,7 @@ proptest! {
     fn any_mixture_of_tokens_is_read_to_its_end(
         pieces in prop::collection::vec(
             prop::sample::select(vec![
-                "define ", "function ", "curve ", "surface ", "param ", "grid ", "point ", "vector ", "defin ",
+                "define ", "function ", "curve ", "surface ", "param ", "grid ", "point ", "vector ", "metric ", "geodesic ", "defin ",
                 "f", "g", "u", "x", "pi", "sin", "e", "2", ".5", ".", "1e999", "1e-999", "(", ")", "[", "]", "{", "}",
                 ",", ";", ";", ":", "=", "=", "@", "_", "'", "^", "+", "-", "*", "/", " ", "\n", "# c\n", "α", "\0", "f(u)=",
             ]),

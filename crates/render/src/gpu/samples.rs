@@ -79,6 +79,7 @@ pub(crate) fn computed(
     };
     Ok(Some(match &object.shape {
         Shape::Point { .. } => Samples::Points(positions()?),
+        Shape::Metric { .. } | Shape::Geodesic { .. } => return Ok(None),
         Shape::Curve { .. } => Samples::Curves {
             count: filled.count[0],
             samples: positions()?,
@@ -129,6 +130,10 @@ fn upload(
 
 fn kernel(scene: &Scene, shape: &Shape) -> Result<Kernel, GenerateError> {
     match shape {
+        // Neither is planned with a kernel: f64 blocks hold no samples of them.
+        Shape::Metric { .. } | Shape::Geodesic { .. } => {
+            Err(GenerateError::TooLarge { operations: None })
+        }
         Shape::Point { position } => wgsl::kernel::sample_point(&scene.graph, *position),
         Shape::Vector { direction, origin } => {
             wgsl::kernel::sample_vector(&scene.graph, *direction, *origin)
@@ -149,7 +154,9 @@ fn run(
     let gpu = workshop.gpu;
     let ends = |sampling: &Sampling| [sampling.range.min as f32, sampling.range.max as f32];
     let (domains, count, bytes_per_sample) = match &object.shape {
-        Shape::Point { .. } => ([[0.0; 2]; 2], [1, 1], size_of::<PositionSample>()),
+        Shape::Point { .. } | Shape::Metric { .. } | Shape::Geodesic { .. } => {
+            ([[0.0; 2]; 2], [1, 1], size_of::<PositionSample>())
+        }
         Shape::Vector { .. } => ([[0.0; 2]; 2], [1, 1], size_of::<VectorSample>()),
         Shape::Curve { domain, .. } => (
             [ends(domain), [0.0; 2]],

@@ -4,7 +4,7 @@ use super::messages::quote;
 use super::names::{Mode, list};
 use super::suggestions::nearest_declaring;
 use super::{Parser, State, Stop};
-use crate::actions::{Actions, Declaration, Interval, IntervalKind};
+use crate::actions::{Actions, Declaration, Interval, IntervalKind, Operator};
 use crate::codes;
 use crate::span::Span;
 use crate::symbols::{Symbol, SymbolKind};
@@ -12,6 +12,9 @@ use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
 
 /// An interval's tag: the position of the parameter that it names, if it names one, and its place.
 type Tag = Option<(Option<u32>, Span)>;
+
+/// A geodesic as it is written.
+const GEODESIC: &str = "geodesic g(t) : s = (a, b) @ (u, v), t : [0, length];";
 
 impl<A: Actions> Parser<'_, '_, A> {
     /// A declaration whose word is the current token. It depends only on the names defined above it, and
@@ -155,6 +158,7 @@ impl<A: Actions> Parser<'_, '_, A> {
 
     /// `DECL` after its word, up to its `;`.
     fn decl(&mut self, word: DeclareWord) -> Result<(), Stop> {
+        self.state.word = Some(word);
         match word {
             DeclareWord::Param | DeclareWord::Grid => {
                 self.new_name(word)?;
@@ -170,11 +174,18 @@ impl<A: Actions> Parser<'_, '_, A> {
                 self.new_name(word)?;
                 self.after_name(word, TokenKind::Equals, "`=`")?;
                 self.expression()?;
-                self.origin()?;
+                self.origin("the vector's origin", "vector v = direction @ origin;")?;
             }
             DeclareWord::Function => self.fdecl(word)?,
-            DeclareWord::Curve | DeclareWord::Surface => {
+            DeclareWord::Curve | DeclareWord::Surface | DeclareWord::Metric => {
                 self.fdecl(word)?;
+                self.tints()?;
+            }
+            DeclareWord::Geodesic => {
+                self.head(word)?;
+                self.surface()?;
+                self.expression()?;
+                self.origin("the parameters where the geodesic starts", GEODESIC)?;
                 self.tints()?;
             }
         }
@@ -202,7 +213,11 @@ impl<A: Actions> Parser<'_, '_, A> {
             }),
             TokenKind::Equals => Some("a constant is declared by `define`".to_owned()),
             TokenKind::ParenOpen => {
-                Some("only `function`, `curve` and `surface` have parameters".to_owned())
+                let words = DeclareWord::ALL
+                    .into_iter()
+                    .filter(|w| w.declares_function());
+                let words: Vec<_> = words.map(|word| format!("`{}`", word.text())).collect();
+                Some(format!("parameters belong to {}", words.join(", ")))
             }
             TokenKind::Colon => {
                 Some("only `param` and `grid` have `:` after their name".to_owned())
@@ -221,12 +236,12 @@ impl<A: Actions> Parser<'_, '_, A> {
         Err(self.reject(diagnostic))
     }
 
-    /// `"@" EXPR` of a vector.
-    fn origin(&mut self) -> Result<(), Stop> {
+    /// `"@" EXPR` of a vector or a geodesic.
+    fn origin(&mut self, what: &str, form: &str) -> Result<(), Stop> {
         if self.current.kind != TokenKind::At {
             let diagnostic = self
-                .expected_diagnostic("`@` and the vector's origin")
-                .with_hint("write `vector v = direction @ origin;`");
+                .expected_diagnostic(&format!("`@` and {what}"))
+                .with_hint(format!("write `{form}`"));
             return Err(self.reject(diagnostic));
         }
         self.advance(Mode::Expression);
@@ -234,15 +249,36 @@ impl<A: Actions> Parser<'_, '_, A> {
         Ok(())
     }
 
-    /// `FDECL = id "(" IDS ")" "=" EXPR`
-    fn fdecl(&mut self, word: DeclareWord) -> Result<(), Stop> {
-        self.new_name(word)?;
-        let opening = self.current.span;
-        if self.current.kind != TokenKind::ParenOpen {
-            return self.after_name(word, TokenKind::ParenOpen, "`(`");
+    /// `":" func "="` of a geodesic: the surface or metric that it lies on, as a whole word.
+    fn surface(&mut self) -> Result<(), Stop> {
+        if self.current.kind != TokenKind::Colon {
+            let diagnostic = self
+                .expected_diagnostic("`:` and a surface after the parameters")
+                .with_hint(format!("write `{GEODESIC}`"));
+            return Err(self.reject(diagnostic));
         }
         self.advance(Mode::Name);
-        self.ids(opening)?;
+        match self.current.kind {
+            TokenKind::Function(id) => {
+                self.operator(Operator::Function(id), self.current.span);
+                self.advance(Mode::Expression);
+            }
+            TokenKind::Undefined => self.undefined_surface(),
+            _ => return Err(self.expected("the name of a surface or a metric after `:`")),
+        }
+        if self.current.kind != TokenKind::Equals {
+            let diagnostic = self
+                .expected_diagnostic("`=` and the geodesic's direction")
+                .with_hint(format!("write `{GEODESIC}`"));
+            return Err(self.reject(diagnostic));
+        }
+        self.advance(Mode::Expression);
+        Ok(())
+    }
+
+    /// `FDECL = HEAD "=" EXPR`
+    fn fdecl(&mut self, word: DeclareWord) -> Result<(), Stop> {
+        self.head(word)?;
         if self.current.kind != TokenKind::Equals {
             return Err(self.expected("`=` after the parameters"));
         }
@@ -251,6 +287,17 @@ impl<A: Actions> Parser<'_, '_, A> {
         self.expression()?;
         self.state.in_body = false;
         Ok(())
+    }
+
+    /// `HEAD = id "(" IDS ")"`
+    fn head(&mut self, word: DeclareWord) -> Result<(), Stop> {
+        self.new_name(word)?;
+        let opening = self.current.span;
+        if self.current.kind != TokenKind::ParenOpen {
+            return self.after_name(word, TokenKind::ParenOpen, "`(`");
+        }
+        self.advance(Mode::Name);
+        self.ids(opening)
     }
 
     /// `IDS = IDS "," id | id`, and the `)` behind it.
@@ -277,7 +324,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         Ok(())
     }
 
-    /// `"," TINTS` of a curve or a surface.
+    /// `"," TINTS` of what has a domain.
     fn tints(&mut self) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Comma {
             let ends = matches!(

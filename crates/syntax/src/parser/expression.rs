@@ -270,13 +270,24 @@ impl<A: Actions> Parser<'_, '_, A> {
     }
 
     /// The current number as the number of a component: digits alone, and not 0.
-    fn component_index(&self) -> Option<u32> {
+    fn component_index(&mut self) -> Option<u32> {
         let digits = self.current.span.text(self.source);
         let is_integer = digits.bytes().all(|byte| byte.is_ascii_digit());
-        // No value has as many components as the largest number says.
-        let index = || digits.parse().unwrap_or(u32::MAX);
         let positive = is_integer && digits.bytes().any(|byte| byte != b'0');
-        positive.then(index)
+        positive.then(|| match digits.parse() {
+            Ok(index) => index,
+            Err(_) => self.component_beyond_number(),
+        })
+    }
+
+    /// The current number counts further than components can; returns one that they can have.
+    #[cold]
+    fn component_beyond_number(&mut self) -> u32 {
+        let message = format!("no value has so many components: {}", self.found());
+        let diagnostic = self.here(codes::COMPONENT_INDEX, message);
+        self.report(diagnostic);
+        self.state.silent = true;
+        1
     }
 
     #[cold]

@@ -212,7 +212,7 @@ impl<A: Actions> Parser<'_, '_, A> {
                 .with_hint("a tuple is written in brackets: `(1, 2)`"),
             TokenKind::At => self
                 .expected_diagnostic("`;`")
-                .with_hint("only a `vector` has an origin"),
+                .with_hint("only a `vector` and a `geodesic` have an origin"),
             TokenKind::Prime => self
                 .expected_diagnostic("`;`")
                 .with_hint("only a function has a derivative: write `f' x`, not `(f x)'`"),

@@ -28,7 +28,7 @@ use crate::lexer::{Fault, Lexer};
 use crate::line_index::LineIndex;
 use crate::span::Span;
 use crate::symbols::{Parsed, Vocabulary};
-use crate::token::{Token, TokenKind};
+use crate::token::{DeclareWord, Token, TokenKind};
 use crate::trie::Trie;
 use names::Mode;
 
@@ -115,6 +115,7 @@ struct State<'s> {
     /// Its steps are incomplete: no more are handed out.
     silent: bool,
     depth: u32,
+    word: Option<DeclareWord>,
     name: &'s str,
     name_span: Span,
     name_is_free: bool,

@@ -210,6 +210,16 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         span.to(self.previous.span)
     }
 
+    /// A word that means nothing stands where a surface is named: it is reported and passed.
+    #[cold]
+    pub(super) fn undefined_surface(&mut self) {
+        self.report_undefined();
+        self.state.faulty = true;
+        self.state.silent = true;
+        self.advance(Mode::Expression);
+        self.flagged = true;
+    }
+
     fn report_undefined(&mut self) {
         let span = self.current.span;
         let word = span.text(self.source);
@@ -261,9 +271,11 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         }
         if !self.state.in_body && self.state.parameter_trie.get(word).is_some() {
             let name = quote(word);
-            return Some(format!(
-                "{name} is a parameter: an interval's ends are constants"
-            ));
+            return Some(if self.state.word == Some(DeclareWord::Geodesic) {
+                format!("{name} is the length along the geodesic: nothing else depends on it")
+            } else {
+                format!("{name} is a parameter: an interval's ends are constants")
+            });
         }
         let after_number = matches!(self.previous.kind, TokenKind::Number(_));
         let touches = self.previous.span.end == self.current.span.start;

@@ -219,6 +219,8 @@ fn kind(shape: &Shape) -> &'static str {
         Shape::Vector { .. } => "vector",
         Shape::Curve { .. } => "curve",
         Shape::Surface { .. } => "surface",
+        Shape::Metric { .. } => "metric",
+        Shape::Geodesic { .. } => "geodesic",
     }
 }
 

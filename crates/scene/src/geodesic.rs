@@ -1,0 +1,133 @@
+//! Where a declared geodesic starts.
+//!
+//! What flows in: an object whose shape is [`Shape::Geodesic`] and the uniforms of one of its instances. What
+//! flows out: the place and the direction it starts with, or why it cannot start and is not drawn.
+
+use std::fmt;
+
+use expr::tape::{Registers, Tape};
+use expr::{Graph, Input, NodeId};
+
+use crate::scene::{ObjectId, Range, Scene, Shape};
+
+/// How one instance of a geodesic starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Launch {
+    /// The parameters (u, v) where it starts, inside the domain of its surface or on the domain's sides.
+    pub start: [f64; 2],
+    /// The direction a σu + b σv as (a, b), finite and not zero; its length does not matter.
+    pub direction: [f64; 2],
+}
+
+/// Why an instance of a geodesic cannot start. Each is told as the end of a sentence: "its direction is zero".
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LaunchFault {
+    /// A component of the direction is no finite number.
+    UndefinedDirection,
+    /// The direction is (0, 0).
+    ZeroDirection,
+    /// A parameter of the start is no finite number.
+    UndefinedStart,
+    /// The start lies outside the surface's domain.
+    Outside {
+        /// The start.
+        start: [f64; 2],
+        /// The domain.
+        domain: [Range; 2],
+    },
+}
+
+impl fmt::Display for LaunchFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UndefinedDirection => write!(f, "its direction is undefined"),
+            Self::ZeroDirection => write!(f, "its direction is zero"),
+            Self::UndefinedStart => write!(f, "its start is undefined"),
+            Self::Outside {
+                start: [u, v],
+                domain: [first, second],
+            } => write!(
+                f,
+                "its start ({u}, {v}) lies outside the domain [{}, {}] × [{}, {}]",
+                first.min, first.max, second.min, second.max
+            ),
+        }
+    }
+}
+
+/// Evaluates the starts of a geodesic's instances.
+#[derive(Clone, Debug)]
+pub struct Launcher {
+    tape: Tape,
+    registers: Registers,
+    domain: [Range; 2],
+}
+
+impl Launcher {
+    /// For an object of the scene; none where that is no geodesic.
+    pub fn new(scene: &Scene, object: ObjectId) -> Option<Self> {
+        let shape = &scene.objects.get(object.0 as usize)?.shape;
+        let Shape::Geodesic {
+            surface,
+            direction,
+            start,
+            ..
+        } = shape
+        else {
+            return None;
+        };
+        let domain = scene.objects.get(surface.0 as usize)?.shape.patch()?;
+        let domain = domain.map(|axis| axis.range);
+        Some(Self::of(&scene.graph, direction, start, domain))
+    }
+
+    /// For expressions of a graph.
+    pub(crate) fn of(
+        graph: &Graph,
+        direction: &[NodeId; 2],
+        start: &[NodeId; 2],
+        domain: [Range; 2],
+    ) -> Self {
+        let [a, b] = *direction;
+        let [u, v] = *start;
+        Self {
+            tape: Tape::new(graph, &[a, b, u, v]),
+            registers: Registers::default(),
+            domain,
+        }
+    }
+
+    /// The start of the instance with these uniforms, one number each.
+    ///
+    /// # Errors
+    /// Where it cannot start.
+    pub fn launch(&mut self, uniforms: &[f64]) -> Result<Launch, LaunchFault> {
+        let number = |input: &Input| match *input {
+            Input::Uniform(index) => uniforms.get(index as usize).copied(),
+            Input::Variable(_) => None,
+        };
+        let inputs = self.tape.inputs().iter();
+        let inputs: Vec<f64> = inputs
+            .map(|input| number(input).unwrap_or(f64::NAN))
+            .collect();
+        let mut out = [f64::NAN; 4];
+        self.tape.eval(&mut self.registers, &inputs, &mut out);
+        let [a, b, u, v] = out;
+        let (direction, start) = ([a, b], [u, v]);
+        if !direction.iter().all(|x| x.is_finite()) {
+            return Err(LaunchFault::UndefinedDirection);
+        }
+        if direction == [0.0; 2] {
+            return Err(LaunchFault::ZeroDirection);
+        }
+        if !start.iter().all(|x| x.is_finite()) {
+            return Err(LaunchFault::UndefinedStart);
+        }
+        let domain = self.domain;
+        let inside = |(range, x): (&Range, &f64)| (range.min..=range.max).contains(x);
+        if !domain.iter().zip(&start).all(inside) {
+            return Err(LaunchFault::Outside { start, domain });
+        }
+        Ok(Launch { start, direction })
+    }
+}

@@ -1,0 +1,228 @@
+//! Whether a declared metric is one: E > 0 and E G − F² > 0 inside its domain.
+//!
+//! What flows in: E, F and G as expressions, the domain, and the uniforms of one instance. What flows out: a
+//! point inside the domain where they are no metric, if the search finds one.
+//!
+//! The search looks at a lattice, and from its least values walks downhill, so that a line where the metric
+//! only just vanishes is found as well. The domain's sides are left out: a metric may collapse there, as
+//! `sin^2 u` does at the poles of a sphere.
+
+use expr::tape::{Registers, Tape};
+use expr::{Graph, Input, NodeId};
+
+use crate::scene::Sampling;
+
+/// A point where E, F and G are no metric.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Witness {
+    /// Its parameters.
+    pub(crate) at: [f64; 2],
+    pub(crate) defect: Defect,
+}
+
+/// What is wrong with E, F and G at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Defect {
+    /// One of them is no finite number.
+    Undefined,
+    /// E is this, and not positive.
+    First(f64),
+    /// E is positive, but E G − F² is this.
+    Determinant(f64),
+}
+
+/// The most operations that are spent on the lattice of one metric.
+const LATTICE_OPERATIONS: usize = 2_000_000;
+
+/// The most lattice lines along one parameter. Even, so that the middle of the domain is on one.
+const LINES: usize = 32;
+
+/// The walks keep this share of the domain's width away from its sides.
+const MARGIN: f64 = 1e-3;
+
+/// A value this small beside the metric's typical one is taken for zero: around a zero line a walk stops
+/// about 1e-8 from it, and the value is quadratic there.
+const ZERO: f64 = 1e-13;
+
+/// From how many of the lattice's least values a walk starts.
+const WALKS: usize = 3;
+
+/// Searches one instance of a metric. `instances` says how many will be searched in all, for the work is
+/// shared among them.
+pub(crate) fn witness(
+    graph: &Graph,
+    components: &[NodeId; 3],
+    domain: &[Sampling; 2],
+    uniforms: &[f64],
+    instances: usize,
+) -> Option<Witness> {
+    let tape = Tape::new(graph, components);
+    let budget = LATTICE_OPERATIONS / instances.max(1) / (tape.operation_count() + 1);
+    let lines = LINES.min(budget.isqrt() & !1).max(4);
+    let mut search = Search {
+        tape,
+        registers: Registers::default(),
+        domain,
+        uniforms,
+    };
+    let points: Vec<Point> = (1..lines)
+        .flat_map(|i| (1..lines).map(move |j| [i, j].map(|k| k as f64 / lines as f64)))
+        .map(|share| search.point(share))
+        .collect();
+    let worst = points.iter().filter_map(Point::defect);
+    if let Some(defect) = worst.min_by_key(|defect| match defect {
+        Defect::First(_) => 0,
+        Defect::Determinant(_) => 1,
+        Defect::Undefined => 2,
+    }) {
+        let kind = std::mem::discriminant(&defect);
+        let same = |point: &&Point| {
+            let found = point.defect();
+            found.is_some_and(|found| std::mem::discriminant(&found) == kind)
+        };
+        // The one deepest inside: it is most surely not a matter of the sides.
+        let deepest = points.iter().filter(same).max_by(|a, b| {
+            let depth = |point: &Point| point.share.map(|x| x.min(1.0 - x)).into_iter();
+            let least = |point: &Point| depth(point).fold(f64::INFINITY, f64::min);
+            least(a).total_cmp(&least(b))
+        })?;
+        return Some(search.witness(deepest, deepest.defect()?));
+    }
+    MERITS
+        .iter()
+        .find_map(|&merit| search.descend(&points, merit, 1.0 / lines as f64))
+}
+
+/// What has to stay above zero: E, G, and E G − F² beside E G.
+const MERITS: [fn(&Point) -> f64; 3] = [
+    |point| point.form[0],
+    |point| point.form[2],
+    |point| 1.0 - point.form[1] / point.form[0] * (point.form[1] / point.form[2]),
+];
+
+/// E, F and G at a point of the domain, which is told as shares of its width.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    share: [f64; 2],
+    form: [f64; 3],
+}
+
+impl Point {
+    fn determinant(&self) -> f64 {
+        let [e, f, g] = self.form;
+        let determinant = e * g - f * f;
+        if determinant.is_normal() || determinant < 0.0 {
+            return determinant;
+        }
+        // The products under- or overflow where the metric itself does not.
+        let scaled = 1.0 - f / e * (f / g);
+        if e > 0.0 && g > 0.0 && scaled > 0.0 {
+            f64::MIN_POSITIVE
+        } else {
+            determinant
+        }
+    }
+
+    fn defect(&self) -> Option<Defect> {
+        if !self.form.iter().all(|x| x.is_finite()) {
+            return Some(Defect::Undefined);
+        }
+        if self.form[0] <= 0.0 {
+            return Some(Defect::First(self.form[0]));
+        }
+        let determinant = self.determinant();
+        (determinant <= 0.0).then_some(Defect::Determinant(determinant))
+    }
+}
+
+struct Search<'a> {
+    tape: Tape,
+    registers: Registers,
+    domain: &'a [Sampling; 2],
+    uniforms: &'a [f64],
+}
+
+impl Search<'_> {
+    /// The parameters of a place.
+    fn parameters(&self, share: [f64; 2]) -> [f64; 2] {
+        std::array::from_fn(|axis| {
+            let range = self.domain[axis].range;
+            range.min * (1.0 - share[axis]) + range.max * share[axis]
+        })
+    }
+
+    fn point(&mut self, share: [f64; 2]) -> Point {
+        let at = self.parameters(share);
+        let number = |input: &Input| match *input {
+            Input::Variable(index) => at.get(index as usize).copied(),
+            Input::Uniform(index) => self.uniforms.get(index as usize).copied(),
+        };
+        let inputs = self.tape.inputs().iter();
+        let inputs: Vec<f64> = inputs
+            .map(|input| number(input).unwrap_or(f64::NAN))
+            .collect();
+        let mut form = [f64::NAN; 3];
+        self.tape.eval(&mut self.registers, &inputs, &mut form);
+        Point { share, form }
+    }
+
+    /// Walks downhill from the lattice's least values of a merit.
+    fn descend(
+        &mut self,
+        points: &[Point],
+        merit: fn(&Point) -> f64,
+        cell: f64,
+    ) -> Option<Witness> {
+        let mut ranked: Vec<(f64, &Point)> = points.iter().map(|p| (merit(p), p)).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let typical = ranked.get(ranked.len() / 2)?.0;
+        for &(_, start) in ranked.iter().take(WALKS) {
+            let end = self.walk(*start, merit, cell);
+            if let Some(defect) = end.defect() {
+                return Some(self.witness(&end, defect));
+            }
+            let is_inside = |x: &f64| (1.5 * MARGIN..=1.0 - 1.5 * MARGIN).contains(x);
+            if merit(&end) <= ZERO * typical && end.share.iter().all(is_inside) {
+                // So close to zero that the rest is rounding.
+                let defect = match merit(&Point {
+                    form: [0.0, 1.0, 1.0],
+                    ..end
+                }) {
+                    0.0 => Defect::First(0.0),
+                    _ => Defect::Determinant(0.0),
+                };
+                return Some(self.witness(&end, defect));
+            }
+        }
+        None
+    }
+
+    /// Compass search: steps along the axes while they lead down, halved where none does.
+    fn walk(&mut self, start: Point, merit: fn(&Point) -> f64, cell: f64) -> Point {
+        let mut best = start;
+        let mut step = cell;
+        while step > 1e-10 && best.defect().is_none() {
+            let moves = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
+            let next = moves
+                .map(|[x, y]| {
+                    let [u, v] = best.share;
+                    let share = [u + x, v + y].map(|x| x.clamp(MARGIN, 1.0 - MARGIN));
+                    self.point(share)
+                })
+                .into_iter()
+                .find(|point| point.defect().is_some() || merit(point) < merit(&best));
+            match next {
+                Some(point) => best = point,
+                None => step *= 0.5,
+            }
+        }
+        best
+    }
+
+    fn witness(&self, point: &Point, defect: Defect) -> Witness {
+        Witness {
+            at: self.parameters(point.share),
+            defect,
+        }
+    }
+}
