@@ -304,6 +304,30 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         Chart::Plain
     }
 
+    /// The chart about a smooth pole in the coordinates that [`crate::ends::Coordinates`] has, which are everyone's
+    /// and not a ray's own; `None` where that end of the axis is none.
+    pub(crate) fn pole_chart(&self, axis: usize, end: usize) -> Option<ApexChart> {
+        let apex = self.apexes[axis][end].filter(|apex| apex.smooth)?;
+        Some(ApexChart {
+            axis,
+            base: self.domain[axis][end],
+            sign: if end == 0 { 1.0 } else { -1.0 },
+            reference: self.domain[1 - axis][0],
+            width: self.width(axis),
+            apex,
+        })
+    }
+
+    /// The smooth pole so near to a point in (u,v) that directions have a meaning only in its chart: axis and end.
+    pub(crate) fn pole_near(&self, at: [f64; 2]) -> Option<(usize, usize)> {
+        (0..2).find_map(|axis| {
+            (0..2).find_map(|end| {
+                let chart = self.pole_chart(axis, end)?;
+                chart.is_inner(chart.point(at)).then_some((axis, end))
+            })
+        })
+    }
+
     /// From (u,v) into an apex's chart. Near a smooth pole the velocity keeps its direction in space: there the
     /// rounding of the parameter at the pole makes (u,v) and the chart disagree about angles.
     pub(crate) fn enter(&self, chart: &ApexChart, motion: Motion) -> Option<(Motion, Local)> {

@@ -5,7 +5,7 @@
 mod collapse;
 mod event;
 
-use crate::chart::{Atlas, Chart, Local, Motion, REACH, rotated};
+use crate::chart::{ApexChart, Atlas, Chart, Local, Motion, REACH, rotated};
 use crate::integrate::{self, Step, Tableau};
 use crate::metric::{combine, norm};
 use crate::surface::{Side, Surface};
@@ -39,10 +39,28 @@ pub(crate) struct Plan {
     pub(crate) keep_path: bool,
 }
 
+/// Where a ray begins.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Start {
+    /// In (u,v), inside the domain, at unit speed.
+    Plain(Motion),
+    /// In the chart about an apex, at unit speed.
+    About(ApexChart, Motion),
+}
+
+impl From<Motion> for Start {
+    fn from(motion: Motion) -> Self {
+        Self::Plain(motion)
+    }
+}
+
 /// Where a ray ended.
 #[derive(Clone, Debug)]
 pub(crate) struct End {
+    /// In (u,v), inside the domain.
     pub(crate) motion: Motion,
+    /// The chart that it ended in, and the point and velocity there.
+    pub(crate) inside: (Chart, Motion),
     pub(crate) length: f64,
     pub(crate) speed_drift: f64,
     pub(crate) error: f64,
@@ -53,6 +71,8 @@ pub(crate) struct End {
     pub(crate) path: Vec<[f64; 2]>,
     /// The length of the last step that the tolerance chose: where a neighbouring ray may begin.
     pub(crate) step: f64,
+    /// m at the end: the Jacobi field with m = 0, m' = 1 at the start, across the ray.
+    pub(crate) field: f64,
 }
 
 /// The covariance of the error sideways and in direction: errors of the steps, carried on by the Jacobi fields.
@@ -91,21 +111,29 @@ struct Ray<'a, 's, S: Surface + ?Sized> {
     rejected: usize,
     s: f64,
     errors: ErrorSum,
+    /// m and m'.
+    field: [f64; 2],
     flipped: bool,
     /// The length of the step before; 0 before the first.
     last_step: f64,
 }
 
-/// Follows the geodesic from `start` in (u,v), inside the domain, at unit speed.
+/// Follows the geodesic from `start`.
 pub(crate) fn follow<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
-    start: Motion,
+    start: impl Into<Start>,
     length: f64,
     plan: Plan,
 ) -> End {
+    let start = start.into();
     let Some((chart, motion, local)) = begin(atlas, &plan, start) else {
+        let start = match start {
+            Start::Plain(motion) => motion,
+            Start::About(chart, motion) => chart.leave(motion),
+        };
         return End {
             motion: start,
+            inside: (Chart::Plain, start),
             length: 0.0,
             speed_drift: 0.0,
             error: 0.0,
@@ -115,6 +143,7 @@ pub(crate) fn follow<S: Surface + ?Sized>(
             flipped: false,
             path: Vec::new(),
             step: plan.step,
+            field: 0.0,
         };
     };
     let mut ray = Ray {
@@ -127,13 +156,14 @@ pub(crate) fn follow<S: Surface + ?Sized>(
         rejected: 0,
         s: 0.0,
         errors: ErrorSum::default(),
+        field: [0.0, 1.0],
         flipped: false,
         last_step: 0.0,
     };
     let before = ray.speed();
     let mut path = Vec::new();
     if plan.keep_path {
-        path.push(start.at);
+        path.push(ray.plain().at);
     }
     let mut h = plan.step;
     let mut chosen = plan.step;
@@ -192,6 +222,7 @@ pub(crate) fn follow<S: Surface + ?Sized>(
     let drift = ray.speed() / before - 1.0;
     End {
         motion: ray.plain(),
+        inside: (ray.chart, ray.motion),
         length: if status == Status::Complete {
             length
         } else {
@@ -205,6 +236,7 @@ pub(crate) fn follow<S: Surface + ?Sized>(
         flipped: ray.flipped,
         path,
         step: chosen,
+        field: ray.field[0],
     }
 }
 
@@ -343,6 +375,8 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         self.s += h;
         self.motion = step.end;
         self.local = local;
+        let [m, m1] = self.field;
+        self.field = step.propagator.map(|[n, k]| n * m + k * m1);
         // A pair's estimate for the point is now and then small by chance, when the one for the velocity, which acts
         // on the point within the step, or the change of speed, is not.
         let velocity = step.direction_error.max((self.speed() - before).abs());
@@ -414,12 +448,25 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     }
 }
 
-/// The chart for a point of the domain, the motion in it, and its local data.
+/// The chart for a start, the motion in it, and its local data.
 fn begin<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
     plan: &Plan,
-    start: Motion,
+    start: Start,
 ) -> Option<(Chart, Motion, Local)> {
+    let start = match start {
+        Start::Plain(motion) => motion,
+        Start::About(chart, motion) => {
+            let local = atlas.local(&Chart::Apex(chart), motion)?;
+            if plan.charts {
+                return Some((Chart::Apex(chart), motion, local));
+            }
+            let mut left = atlas.leave(&chart, motion, local.tangents);
+            let signs = atlas.bring_back(&mut left.at).signs;
+            left.velocity = [0, 1].map(|k| signs[k] * left.velocity[k]);
+            left
+        }
+    };
     if plan.charts
         && let Chart::Apex(chart) = atlas.chart_for(start.at)
     {

@@ -1,21 +1,36 @@
 //! The camera of the geodesic view: a place with two tangent vectors, moved by parallel transport.
+//!
+//! In: a place, an angle, a zoom; then steps in the picture's own directions. Out: frames, and the geodesics that
+//! begin at them. At a smooth pole (u,v) has no directions: there a frame holds its vectors in the coordinates
+//! about the pole, and is moved through poles like anywhere else.
 
-use crate::metric::Metric;
-use crate::surface::Surface;
+use crate::chart::{ApexChart, Atlas, Chart, Motion};
+use crate::ends::Coordinates;
+use crate::follow::Start;
+use crate::metric::{Metric, combine, norm};
+use crate::surface::{Jet, Surface};
 use crate::trace::{self, Options, Trace, TraceError};
 
-/// A point of the chart with two tangent vectors X ⟂ Y of equal length, in (u,v) components. Pixel
-/// (x, y) ∈ [−1,1]² looks along xX + yY.
+/// A point of the chart with two tangent vectors X ⟂ Y of equal length. Pixel (x, y) ∈ [−1,1]² looks along xX + yY.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)]
 pub struct Frame {
+    /// The place, in (u,v).
     pub uv: [f64; 2],
+    /// What the components of X and Y belong to: (u,v), or, at a smooth pole and so near by that (u,v) tells no
+    /// directions apart, the coordinates (a,b) about it.
+    pub coordinates: Coordinates,
+    /// X in these coordinates.
     pub x: [f64; 2],
+    /// Y in these coordinates.
     pub y: [f64; 2],
 }
 
 impl Frame {
     /// X along σu turned by `angle` radians towards σv, Y = X turned by +90°, both of the length `zoom`.
+    ///
+    /// At a smooth pole, where σu or σv is zero, X lies along the a-axis of [`Coordinates::Apex`], whatever the other
+    /// parameter says: away from the pole along the meridian where that parameter has its minimum. It is turned in
+    /// the sense in which σu turns towards σv all around the pole.
     ///
     /// # Errors
     /// [`TraceError`] where the surface has no tangent plane, or a number is not finite.
@@ -28,49 +43,134 @@ impl Frame {
         if !(angle.is_finite() && zoom.is_finite()) {
             return Err(TraceError::DirectionNotFinite);
         }
-        let atlas = crate::chart::Atlas::new(surface);
-        let (start, _) = trace::unit_start(&atlas, uv, [1.0, 0.0])?;
-        let jet = surface.jet(start.at);
-        let metric = Metric::of(&jet);
+        Self::at(&Atlas::new(surface), uv, angle, zoom, Meridian::First)
+    }
+
+    fn at<S: Surface + ?Sized>(
+        atlas: &Atlas<'_, S>,
+        uv: [f64; 2],
+        angle: f64,
+        zoom: f64,
+        meridian: Meridian,
+    ) -> Result<Self, TraceError> {
+        let (start, _) = trace::unit_start(atlas, uv, [1.0, 0.0])?;
+        let mut frame = Self {
+            uv: start.at,
+            coordinates: Coordinates::Plain,
+            x: [1.0, 0.0],
+            y: [0.0, 1.0],
+        };
+        if let Some((axis, end)) = atlas.pole_near(start.at)
+            && let Some(chart) = atlas.pole_chart(axis, end)
+        {
+            frame.coordinates = apex_coordinates(axis, end);
+            frame.x = along_u(&chart, start.at);
+            if chart.is_at(start.at) {
+                frame.uv[axis] = chart.base();
+                if meridian == Meridian::First {
+                    frame.x = [1.0, 0.0];
+                }
+            }
+        }
+        let metric = frame.metric_in(atlas);
         if metric.r.is_nan() || metric.r <= 0.0 {
             return Err(TraceError::DegenerateStart { at: uv });
         }
-        let unit = [1.0 / metric.e.sqrt(), 0.0];
-        let x = metric.turn(unit, angle).map(|a| a * zoom);
-        Ok(Self {
-            uv: start.at,
-            x,
-            y: metric.turn_left(x),
-        })
+        let hand = frame.handedness(atlas);
+        let length = metric.inner(frame.x, frame.x).sqrt();
+        let unit = frame.x.map(|a| a / length);
+        frame.x = metric.turn(unit, hand * angle).map(|a| a * zoom);
+        frame.y = metric.turn_left(frame.x).map(|a| hand * a);
+        Ok(frame)
     }
 
-    /// The velocity of the geodesic that a pixel shows: xX + yY.
+    /// The velocity of the geodesic that a pixel shows: xX + yY, in the frame's coordinates.
     pub fn velocity(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| x * self.x[k] + y * self.y[k])
     }
 
     /// The length of X: the distance on the surface from the picture's centre to its edge.
     pub fn zoom<S: Surface + ?Sized>(&self, surface: &S) -> f64 {
-        crate::metric::speed(&surface.jet(self.uv), self.x)
+        let [t, w] = self.tangents(&Atlas::new(surface));
+        norm(combine(self.x[0], t, self.x[1], w))
+    }
+
+    /// The first fundamental form at the frame's place, in its coordinates.
+    pub fn metric<S: Surface + ?Sized>(&self, surface: &S) -> Metric {
+        self.metric_in(&Atlas::new(surface))
+    }
+
+    /// Whether Y lies to the right of X, as (u,v) has it: after an odd number of flips.
+    pub fn is_mirrored<S: Surface + ?Sized>(&self, surface: &S) -> bool {
+        self.orientation(&Atlas::new(surface)) < 0.0
     }
 
     /// The frame with X and Y turned by `angle` radians.
     pub fn turned(&self, angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self {
-            uv: self.uv,
             x: [0, 1].map(|k| cos * self.x[k] + sin * self.y[k]),
             y: [0, 1].map(|k| cos * self.y[k] - sin * self.x[k]),
+            ..*self
         }
     }
 
     /// The frame with X and Y longer by `factor`.
     pub fn zoomed(&self, factor: f64) -> Self {
         Self {
-            uv: self.uv,
             x: self.x.map(|a| a * factor),
             y: self.y.map(|a| a * factor),
+            ..*self
         }
+    }
+
+    /// The frame in (u,v), for what knows no other coordinates. At a pole it is moved off by as little as tells the
+    /// meridians apart, along X; its vectors are very long there.
+    pub fn plain<S: Surface + ?Sized>(&self, surface: &S) -> Self {
+        let atlas = Atlas::new(surface);
+        let Some(chart) = self.chart(&atlas) else {
+            return *self;
+        };
+        let mut at = chart.point(self.uv);
+        if at[0].hypot(at[1]) < chart.nearest() {
+            let length = self.x[0].hypot(self.x[1]);
+            at = self.x.map(|x| x / length * chart.nearest());
+        }
+        // As the directions in space are: the parameter's rounding at the pole stretches (u,v) there.
+        let tangents = self.tangents(&atlas);
+        let [mut x, mut y] = [self.x, self.y].map(|velocity| {
+            let motion = Motion { at, velocity };
+            atlas.leave(&chart, motion, tangents).velocity
+        });
+        let mut uv = chart.plain_point(at);
+        let signs = atlas.bring_back(&mut uv).signs;
+        for k in 0..2 {
+            x[k] *= signs[k];
+            y[k] *= signs[k];
+        }
+        Self {
+            uv,
+            coordinates: Coordinates::Plain,
+            x,
+            y,
+        }
+    }
+
+    /// Follows the geodesic that begins here along xX + yY, `direction` = (x, y), for the arc length `length`.
+    ///
+    /// # Errors
+    /// As [`trace::trace`].
+    pub fn trace<S: Surface + ?Sized>(
+        &self,
+        surface: &S,
+        direction: [f64; 2],
+        length: f64,
+        options: &Options,
+    ) -> Result<Trace, TraceError> {
+        trace::check(length, options)?;
+        let atlas = Atlas::new(surface);
+        let start = self.start(&atlas, direction)?;
+        Ok(trace::trace_from(&atlas, start, length, options).0)
     }
 
     /// Moves by `step` (x, y), in units of the frame: along the geodesic with the velocity xX + yY, which X and Y
@@ -85,34 +185,167 @@ impl Frame {
         step: [f64; 2],
         options: &Options,
     ) -> Result<(Self, Trace), TraceError> {
+        let atlas = Atlas::new(surface);
         let zoom = self.zoom(surface);
         let share = step[0].hypot(step[1]);
+        let length = share * zoom;
+        trace::check(length, options)?;
         if share == 0.0 {
-            let trace = trace::trace(surface, self.uv, self.x, 0.0, options)?;
-            return Ok((*self, trace));
+            let start = self.start(&atlas, [1.0, 0.0])?;
+            return Ok((*self, trace::trace_from(&atlas, start, 0.0, options).0));
         }
-        let velocity = self.velocity(step);
-        let trace = trace::trace(surface, self.uv, velocity, share * zoom, options)?;
-        let metric = Metric::of(&surface.jet(trace.uv));
-        let along = trace.direction.map(|a| a * zoom);
-        let mut left = metric.turn_left(along);
+        let start = self.start(&atlas, step)?;
+        let (trace, inside) = trace::trace_from(&atlas, start, length, options);
+        let mut frame = Self {
+            uv: trace.uv,
+            coordinates: Coordinates::Plain,
+            x: trace.direction,
+            y: trace.direction,
+        };
+        if let (Chart::Apex(chart), Motion { at, velocity }) = inside
+            && chart.is_inner(at)
+        {
+            let (axis, end) = (chart.axis, chart.end());
+            if let Some(pole) = atlas.pole_chart(axis, end) {
+                frame.coordinates = apex_coordinates(axis, end);
+                frame.x = pole.vector_of(&chart, velocity);
+                if at[0].hypot(at[1]) <= chart.nearest() {
+                    frame.uv[axis] = chart.base();
+                }
+            }
+        }
+        // A mirrored camera has Y to the right of X, before and after.
+        let mirrored = self.orientation(&atlas) < 0.0;
+        let metric = frame.metric_in(&atlas);
+        let hand = frame.handedness(&atlas) * if trace.flipped != mirrored { -1.0 } else { 1.0 };
+        let along = frame.x.map(|a| a * zoom);
+        let left = metric.turn_left(along).map(|a| hand * a);
         if !left.iter().all(|a| a.is_finite()) {
             return Err(TraceError::DegenerateStart { at: trace.uv });
         }
-        // A mirrored camera has Y to the right of X, before and after.
-        let mirrored = Metric::of(&surface.jet(self.uv))
-            .inner(Metric::of(&surface.jet(self.uv)).turn_left(self.x), self.y)
-            < 0.0;
-        if trace.flipped != mirrored {
-            left = left.map(|a| -a);
-        }
         // In the plane of the frame, the geodesic's direction is (cos, sin).
         let [cos, sin] = step.map(|a| a / share);
-        let frame = Self {
-            uv: trace.uv,
-            x: [0, 1].map(|k| cos * along[k] - sin * left[k]),
-            y: [0, 1].map(|k| sin * along[k] + cos * left[k]),
-        };
+        frame.x = [0, 1].map(|k| cos * along[k] - sin * left[k]);
+        frame.y = [0, 1].map(|k| sin * along[k] + cos * left[k]);
         Ok((frame, trace))
+    }
+
+    /// Where the geodesic of a place (x, y) of the picture begins, at unit speed.
+    pub(crate) fn start<S: Surface + ?Sized>(
+        &self,
+        atlas: &Atlas<'_, S>,
+        place: [f64; 2],
+    ) -> Result<Start, TraceError> {
+        let velocity = self.velocity(place);
+        let Some(chart) = self.chart(atlas) else {
+            return Ok(trace::unit_start(atlas, self.uv, velocity)?.0.into());
+        };
+        if !velocity.iter().all(|x| x.is_finite()) {
+            return Err(TraceError::DirectionNotFinite);
+        }
+        let largest = velocity[0].abs().max(velocity[1].abs());
+        if largest == 0.0 {
+            return Err(TraceError::ZeroDirection);
+        }
+        let velocity = velocity.map(|x| x / largest);
+        let [t, w] = self.tangents(atlas);
+        let speed = norm(combine(velocity[0], t, velocity[1], w));
+        if !(speed > 0.0 && speed.is_finite()) {
+            return Err(TraceError::UndefinedStart { at: self.uv });
+        }
+        let motion = Motion {
+            at: chart.point(self.uv),
+            velocity: velocity.map(|x| x / speed),
+        };
+        Ok(Start::About(chart, motion))
+    }
+
+    /// The chart about the pole that the frame is at or near.
+    fn chart<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> Option<ApexChart> {
+        match self.coordinates {
+            Coordinates::Plain => None,
+            Coordinates::Apex { axis, end } => {
+                atlas.pole_chart(usize::from(axis.min(1)), usize::from(end.min(1)))
+            }
+        }
+    }
+
+    /// The tangent vectors of the frame's coordinates at its place; NaN where the surface is undefined.
+    fn tangents<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> [[f64; 3]; 2] {
+        let Some(chart) = self.chart(atlas) else {
+            let jet = atlas.jet(self.uv);
+            return [jet.du, jet.dv];
+        };
+        let motion = Motion {
+            at: chart.point(self.uv),
+            velocity: [0.0; 2],
+        };
+        let local = atlas.local(&Chart::Apex(chart), motion);
+        local.map_or([[f64::NAN; 3]; 2], |local| local.tangents)
+    }
+
+    fn metric_in<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> Metric {
+        let [du, dv] = self.tangents(atlas);
+        Metric::of(&Jet {
+            du,
+            dv,
+            ..Jet::default()
+        })
+    }
+
+    /// +1 where the frame's coordinates have the handedness of (u,v), else −1.
+    fn handedness<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> f64 {
+        self.chart(atlas).map_or(1.0, |chart| chart.handedness())
+    }
+
+    /// Positive where Y lies to the left of X, as (u,v) has it.
+    fn orientation<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> f64 {
+        let (x, y) = (self.x, self.y);
+        self.handedness(atlas) * (x[0] * y[1] - x[1] * y[0])
+    }
+}
+
+/// The geodesic from a place along σu turned by `angle` radians towards σv, for the arc length `length`. At a smooth
+/// pole σu is that of the meridian whose parameter is given, from however near by it is looked at.
+///
+/// # Errors
+/// As [`trace::trace`].
+pub fn trace_heading<S: Surface + ?Sized>(
+    surface: &S,
+    uv: [f64; 2],
+    angle: f64,
+    length: f64,
+    options: &Options,
+) -> Result<Trace, TraceError> {
+    if !angle.is_finite() {
+        return Err(TraceError::DirectionNotFinite);
+    }
+    let frame = Frame::at(&Atlas::new(surface), uv, angle, 1.0, Meridian::Given)?;
+    frame.trace(surface, [1.0, 0.0], length, options)
+}
+
+/// What X of angle 0 is at a pole.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Meridian {
+    /// The a-axis.
+    First,
+    /// The direction of σu beside the pole on the meridian given.
+    Given,
+}
+
+fn apex_coordinates(axis: usize, end: usize) -> Coordinates {
+    Coordinates::Apex {
+        axis: axis as u8,
+        end: end as u8,
+    }
+}
+
+/// The direction of σu near a pole, in the chart about it.
+fn along_u(chart: &ApexChart, at: [f64; 2]) -> [f64; 2] {
+    let (sin, cos) = chart.angle(at).sin_cos();
+    if chart.axis == 0 {
+        [cos, sin].map(|x| chart.outward() * x)
+    } else {
+        [-sin, cos].map(|x| chart.apex.rate.signum() * x)
     }
 }

@@ -13,7 +13,7 @@ use crate::map::pixel_place;
 use crate::metric::{combine, norm};
 use crate::surface::{Jet, Side, Surface};
 use crate::topology::Apex;
-use crate::trace::{self, Options, Status};
+use crate::trace::{Options, Status};
 
 /// Within this share of the domain's width from a pole, points are compared in polar coordinates too.
 const NEAR_POLE: f64 = 0.1;
@@ -260,8 +260,7 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
             max_evaluations: 200_000,
             ..Options::default()
         };
-        let velocity = self.frame.velocity(place);
-        match trace::trace(self.surface, self.frame.uv, velocity, length, &options) {
+        match self.frame.trace(self.surface, place, length, &options) {
             Ok(end) => Truth {
                 uv: end.uv,
                 jet: self.surface.jet(end.uv),

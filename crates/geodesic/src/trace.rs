@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use crate::chart::{Atlas, Motion};
-use crate::follow::{self, End, Plan};
+use crate::chart::{Atlas, Chart, Motion};
+use crate::follow::{self, End, Plan, Start};
 use crate::integrate::{DOP853, DOPRI5, RK4};
 use crate::metric::{combine, norm, speed};
 use crate::surface::{Side, Surface};
@@ -184,6 +184,16 @@ pub fn trace<S: Surface + ?Sized>(
     length: f64,
     options: &Options,
 ) -> Result<Trace, TraceError> {
+    let atlas = Atlas::new(surface);
+    check(length, options)?;
+    let (start, moved) = unit_start(&atlas, start, velocity)?;
+    let (mut trace, _) = trace_from(&atlas, start.into(), length, options);
+    trace.error_estimate += moved;
+    Ok(trace)
+}
+
+/// Whether length and tolerance are numbers that a trace can be made with.
+pub(crate) fn check(length: f64, options: &Options) -> Result<(), TraceError> {
     if !(length >= 0.0 && length.is_finite()) {
         return Err(TraceError::BadLength { length });
     }
@@ -191,8 +201,18 @@ pub fn trace<S: Surface + ?Sized>(
     if tolerance.is_nan() || tolerance <= 0.0 {
         return Err(TraceError::BadTolerance { tolerance });
     }
-    let atlas = Atlas::new(surface);
-    let (start, moved) = unit_start(&atlas, start, velocity)?;
+    Ok(())
+}
+
+/// Follows the geodesic from a start, whose numbers have been checked; beside the trace, the chart that it ended in,
+/// and the point and velocity there.
+pub(crate) fn trace_from<S: Surface + ?Sized>(
+    atlas: &Atlas<'_, S>,
+    start: Start,
+    length: f64,
+    options: &Options,
+) -> (Trace, (Chart, Motion)) {
+    let tolerance = options.tolerance;
     let common = Plan {
         tableau: &DOP853,
         tolerance: None,
@@ -207,11 +227,11 @@ pub fn trace<S: Surface + ?Sized>(
             let plan = Plan {
                 tableau: if loose { &DOPRI5 } else { &DOP853 },
                 tolerance: Some(tolerance.max(TIGHTEST)),
-                step: first_step(&atlas, length),
+                step: first_step(atlas, length),
                 charts: true,
                 ..common
             };
-            follow::follow(&atlas, start, length, plan)
+            follow::follow(atlas, start, length, plan)
         }
         Method::Rk4 { steps } => {
             let step = length / f64::from(steps.max(1));
@@ -228,9 +248,9 @@ pub fn trace<S: Surface + ?Sized>(
                 keep_path: false,
                 ..fine
             };
-            let mut fine = follow::follow(&atlas, start, length, fine);
+            let mut fine = follow::follow(atlas, start, length, fine);
             // Where the first run ended early, there the second one is compared with it.
-            let coarse = follow::follow(&atlas, start, fine.length, coarse);
+            let coarse = follow::follow(atlas, start, fine.length, coarse);
             let gap = [0, 1, 2]
                 .map(|k| atlas.position(fine.motion.at)[k] - atlas.position(coarse.motion.at)[k]);
             // Of fourth order: the coarse run's error is sixteen times the fine one's.
@@ -238,11 +258,8 @@ pub fn trace<S: Surface + ?Sized>(
             fine
         }
     };
-    let mut trace = finish(&atlas, end);
-    if moved > 0.0 {
-        trace.error_estimate += moved;
-    }
-    Ok(trace)
+    let inside = end.inside;
+    (finish(atlas, end), inside)
 }
 
 /// A first step that is surely not too long for the tolerance to be judged.

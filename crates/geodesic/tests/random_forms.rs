@@ -216,8 +216,9 @@ fn starts_at_a_pole_go_where_they_are_headed() {
         let from = [u, side * PI / 2.0];
         let angle = random.turn();
         let length = random.size(0.1, 3.0);
-        let frame = geodesic::frame::Frame::new(&s, from, angle, 1.0).expect("a frame");
-        let end = go(&s, from, frame.x, length);
+        let options = Options::default();
+        let end =
+            geodesic::frame::trace_heading(&s, from, angle, length, &options).expect("a start");
         let error = distance(end.position, great_circle(from, angle, length));
         tally.add(&format!("{from:?} {angle} {length}"), error, &end);
         let end = go(&s, from, [0.7, -side], length);

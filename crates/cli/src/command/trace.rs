@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args, ValueEnum};
-use geodesic::frame::Frame;
+use geodesic::frame::trace_heading;
 use geodesic::surface::Surface;
 use geodesic::trace::{self, Method, Options, Status, Trace, TraceError};
 use serde::Serialize;
@@ -119,8 +119,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         }
         None => {
             let angle = arguments.heading.unwrap_or(0.0).to_radians();
-            Frame::new(&surface, from, angle, 1.0)
-                .and_then(|frame| trace::trace(&surface, from, frame.x, length, &options))
+            trace_heading(&surface, from, angle, length, &options)
         }
     };
     let trace = match traced {

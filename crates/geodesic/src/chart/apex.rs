@@ -91,6 +91,53 @@ impl ApexChart {
         if self.axis == 0 { [w, t] } else { [t, w] }
     }
 
+    /// (a, b) of a point in (u,v).
+    pub(crate) fn point(&self, at: [f64; 2]) -> [f64; 2] {
+        let rho = (self.sign * (at[self.axis] - self.base)).max(0.0);
+        let (sin, cos) = self.angle(at).sin_cos();
+        let r = rho.powf(1.0 / self.apex.power);
+        [r * cos, r * sin]
+    }
+
+    /// The angle of a point in (u,v) from the a-axis.
+    pub(crate) fn angle(&self, at: [f64; 2]) -> f64 {
+        self.apex.rate * (at[1 - self.axis] - self.reference)
+    }
+
+    /// A vector of `other`, the chart about the same apex with another reference, in this one.
+    pub(crate) fn vector_of(&self, other: &Self, vector: [f64; 2]) -> [f64; 2] {
+        let (sin, cos) = (self.apex.rate * (self.reference - other.reference)).sin_cos();
+        rotated([cos, sin], vector)
+    }
+
+    /// +1 where the parameter along the axis grows away from the apex, else −1.
+    pub(crate) fn outward(&self) -> f64 {
+        self.sign
+    }
+
+    /// 0 for the axis' minimum, 1 for its maximum.
+    pub(crate) fn end(&self) -> usize {
+        usize::from(self.sign < 0.0)
+    }
+
+    /// Whether a point in (u,v) is at the apex, as far as its parameter can tell.
+    pub(crate) fn is_at(&self, at: [f64; 2]) -> bool {
+        let rho = (self.sign * (at[self.axis] - self.base)).max(0.0);
+        rho.powf(1.0 / self.apex.power) <= (1.0 + 1e-3) * self.nearest()
+    }
+
+    /// +1 where (a, b) has the handedness of (u,v), −1 where it is mirrored.
+    pub(crate) fn handedness(&self) -> f64 {
+        // (r, angle) has the handedness of (a,b); the parameter along the axis comes first or second in (u,v).
+        let order = if self.axis == 0 { 1.0 } else { -1.0 };
+        self.sign * self.apex.rate.signum() * order
+    }
+
+    /// The parameter at the apex.
+    pub(crate) fn base(&self) -> f64 {
+        self.base
+    }
+
     /// From (u,v) into this chart, whose reference is the point's other parameter: it lies on the a-axis.
     pub(crate) fn enter(&self, motion: Motion) -> Motion {
         let root = 1.0 / self.apex.power;

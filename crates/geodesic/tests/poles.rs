@@ -1,0 +1,129 @@
+//! The camera at a pole: its frame there, the geodesics from it, and walks onto poles, through them and away.
+
+mod shapes;
+
+use geodesic::ends::Coordinates;
+use geodesic::frame::Frame;
+use geodesic::surface::Surface;
+use geodesic::trace::{Options, Status};
+use shapes::*;
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+#[test]
+fn at_both_poles_of_a_sphere_x_lies_along_the_first_meridian() {
+    let s = spheroid(1.0, 1.0);
+    for north in [1.0, -1.0] {
+        for u in [0.0, 0.7, TAU] {
+            let frame = Frame::new(&s, [u, north * PI / 2.0], 0.0, 0.5).expect("a frame");
+            assert!(
+                matches!(frame.coordinates, Coordinates::Apex { axis: 1, .. }),
+                "{frame:?}"
+            );
+            let metric = frame.metric(&s);
+            assert!(
+                (metric.inner(frame.x, frame.x) - 0.25).abs() < 1e-14,
+                "{frame:?}"
+            );
+            assert!(
+                (metric.inner(frame.y, frame.y) - 0.25).abs() < 1e-14,
+                "{frame:?}"
+            );
+            assert!(metric.inner(frame.x, frame.y).abs() < 1e-14, "{frame:?}");
+            assert!(!frame.is_mirrored(&s));
+            for (place, towards) in [
+                ([1.0, 0.0], [1.0, 0.0, 0.0]),
+                // σu×σv points outward everywhere: left is the other way about at the south pole.
+                ([0.0, 1.0], [0.0, north, 0.0]),
+                ([-0.6, 0.8], [-0.6, 0.8 * north, 0.0]),
+            ] {
+                for length in [1e-6, 0.3, 3.0, 6.0_f64] {
+                    let end = frame
+                        .trace(&s, place, length, &Options::default())
+                        .expect("a start");
+                    assert_eq!(end.status, Status::Complete);
+                    let (sin, cos) = length.sin_cos();
+                    let expected = [sin * towards[0], sin * towards[1], north * cos];
+                    let error = distance(s.jet(end.uv).position, expected);
+                    assert!(
+                        error < 1e-11,
+                        "{north} {u} {place:?} {length}: {error:e} {end:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// The frame's X and Y in space.
+fn in_space(s: &dyn Surface, frame: &Frame) -> [[f64; 3]; 3] {
+    let plain = frame.plain(s);
+    let jet = s.jet(plain.uv);
+    let vector = |a: [f64; 2]| [0, 1, 2].map(|k| a[0] * jet.du[k] + a[1] * jet.dv[k]);
+    [jet.position, vector(plain.x), vector(plain.y)]
+}
+
+#[test]
+fn walks_onto_a_pole_and_on_carry_the_frame_as_parallel_transport_does() {
+    let s = spheroid(1.0, 1.0);
+    let options = Options::default();
+    for miss in [0.0, 1e-15, 1e-9, 1e-5, 1e-3] {
+        for angle in [0.0, 0.4, PI / 2.0, 3.0] {
+            let start = Frame::new(&s, [0.3, 1.0], angle, 0.5).expect("a frame");
+            // Towards the pole, which is π/2 − 1 off: north is at the angle π/2 − `angle` in the frame.
+            let heading = PI / 2.0 - angle + miss;
+            let way = (PI / 2.0 - 1.0) / 0.5;
+            let step = [way * heading.cos(), way * heading.sin()];
+            let (at_pole, trace) = start.advance(&s, step, &options).expect("a way");
+            assert_eq!(trace.status, Status::Complete);
+            assert!(
+                at_pole.x.iter().chain(&at_pole.y).all(|x| x.abs() < 1.0),
+                "{at_pole:?}"
+            );
+            assert!((at_pole.zoom(&s) - 0.5).abs() < 1e-11, "{at_pole:?}");
+            // On by as much again, in the same direction of the frame: a great circle twice as long.
+            let (beyond, _) = at_pole.advance(&s, step, &options).expect("a way");
+            let twice = step.map(|x| 2.0 * x);
+            let (direct, _) = start.advance(&s, twice, &options).expect("a way");
+            for (a, b) in in_space(&s, &beyond).into_iter().zip(in_space(&s, &direct)) {
+                let error = distance(a, b);
+                assert!(
+                    error < 1e-9,
+                    "{miss:e} {angle}: {error:e} {beyond:?} {direct:?}"
+                );
+            }
+            // And back to the start.
+            let (back, _) = beyond
+                .advance(&s, twice.map(|x| -x), &options)
+                .expect("a way");
+            for (a, b) in in_space(&s, &back).into_iter().zip(in_space(&s, &start)) {
+                assert!(
+                    distance(a, b) < 1e-9,
+                    "{miss:e} {angle}: {back:?} {start:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_frame_beside_a_pole_is_the_one_along_its_own_meridian() {
+    let s = spheroid(1.0, 1.0);
+    for off in [1e-12, 1e-8, 1e-5, 1e-3, 0.1] {
+        for (north, u) in [(1.0, 0.9), (-1.0, 2.5)] {
+            let frame = Frame::new(&s, [u, north * (PI / 2.0 - off)], 0.0, 1.0).expect("a frame");
+            let [_, x, y] = in_space(&s, &frame);
+            let east = [-f64::sin(u), f64::cos(u), 0.0];
+            let tilt = f64::sin(off) * north;
+            let up = [
+                -north * f64::cos(off) * f64::cos(u),
+                -north * f64::cos(off) * f64::sin(u),
+                tilt.abs(),
+            ];
+            assert!(distance(x, east) < 1e-9, "{off:e}: {x:?} {east:?}");
+            assert!(distance(y, up) < 1e-9, "{off:e}: {y:?} {up:?}");
+        }
+    }
+}
