@@ -2,10 +2,35 @@
 //!
 //! In: a surface, a frame, a picture's size, a tolerance. Out: [`Ends`] for every place in the picture, interpolated
 //! between a few rays.
+//!
+//! ```text
+//! frame ──start.rs──▶ runners ──march.rs (lanes.rs)──▶ rays (ray.rs) ──refine.rs──▶ sectors
+//!                                                                                     │
+//!                                            a place in the picture ──cell.rs──▶ its end
+//! ```
 
+mod cell;
+mod coordinates;
+mod lanes;
+mod march;
+mod ray;
+mod refine;
+mod start;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::chart::{Atlas, Motion};
 use crate::ends::{Coordinates, End, Ends, Estimate, Work};
+use crate::follow;
 use crate::frame::Frame;
+use crate::integrate::DOPRI5;
+use crate::metric::Metric;
 use crate::surface::Surface;
+use crate::trace::{self, Status};
+use cell::Found;
+use coordinates::{Kind, Space};
+use refine::Sectors;
+use start::Start;
 
 /// How ends between two rays are interpolated.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
@@ -38,48 +63,197 @@ impl Default for FanOptions {
     }
 }
 
+/// The most evaluations for a pixel that is followed by itself.
+const ONE_PIXEL: usize = 20_000;
+
 /// Rays with what lies between them.
 pub struct Fan<'s, S: Surface + ?Sized> {
     surface: &'s S,
+    space: Space,
+    options: FanOptions,
+    /// `None` where no ray can start.
+    start: Option<Start>,
+    sectors: Sectors,
+    /// The error allowed to a pixel followed by itself, per length.
+    tolerance: f64,
+    /// Pixels followed, and their evaluations.
+    followed: AtomicU64,
+    evaluations: AtomicU64,
 }
 
 impl<'s, S: Surface + ?Sized> Fan<'s, S> {
-    /// Follows as many rays as the tolerance asks for, on all cores of the current rayon pool.
-    pub fn build(surface: &'s S, _frame: &Frame, _size: [u32; 2], _options: &FanOptions) -> Self {
-        let _ = Self { surface };
-        todo!()
+    /// Follows as many rays as the tolerance asks for, on all cores of the current rayon pool. The outcome does not
+    /// depend on their number.
+    pub fn build(surface: &'s S, frame: &Frame, size: [u32; 2], options: &FanOptions) -> Self {
+        let space = Space::of(surface);
+        let start = Start::of(surface, &space, frame, size);
+        let sectors = match &start {
+            Some(start) => refine::build(surface, &space, start, options),
+            None => Sectors::default(),
+        };
+        let tolerance = start.as_ref().map_or(1e-6, |start| {
+            (0.1 * options.tolerance * start.pixel / start.reach).clamp(1e-13, 1e-3)
+        });
+        Self {
+            surface,
+            space,
+            options: *options,
+            start,
+            sectors,
+            tolerance,
+            followed: AtomicU64::new(0),
+            evaluations: AtomicU64::new(0),
+        }
     }
 
-    /// What it cost.
+    /// What it cost, with the pixels that have been followed one by one until now.
     pub fn work(&self) -> Work {
-        let _ = self.surface;
-        todo!()
+        let mut work = self.sectors.work;
+        work.followed = self.followed.load(Ordering::Relaxed);
+        work.evaluations += self.evaluations.load(Ordering::Relaxed);
+        work
     }
 
     /// How exact it is, by rays that took no part in it.
     pub fn estimate(&self) -> Estimate {
-        todo!()
+        self.sectors.estimate
+    }
+
+    fn ended(&self, status: Status) -> End {
+        End {
+            coordinates: Coordinates::Plain,
+            at: [f64::NAN; 2],
+            along: [f64::NAN; 2],
+            across: [f64::NAN; 2],
+            stretch: f64::NAN,
+            status,
+            error: 0.0,
+        }
+    }
+
+    /// One geodesic by itself, where the rays do not say.
+    fn follow(&self, start: &Start, place: [f64; 2], s: f64) -> End {
+        if self.sectors.exhausted {
+            return self.ended(Status::WorkLimit);
+        }
+        self.followed.fetch_add(1, Ordering::Relaxed);
+        let atlas = Atlas::new(self.surface);
+        let radius = place[0].hypot(place[1]);
+        let velocity = start.frame.velocity(place.map(|x| x / radius));
+        let Ok((motion, _)) = trace::unit_start(&atlas, start.frame.uv, velocity) else {
+            return self.ended(Status::Undefined);
+        };
+        let plan = follow::Plan {
+            tableau: &DOPRI5,
+            tolerance: Some(self.tolerance),
+            step: trace::first_step(&atlas, s),
+            limit: ONE_PIXEL,
+            charts: true,
+            keep_path: false,
+        };
+        let end = follow::follow(&atlas, motion, s, plan);
+        let evaluations = atlas.evaluations() as u64;
+        self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
+        if end.status != Status::Complete {
+            return self.ended(end.status);
+        }
+        let Motion { at, velocity } = end.motion;
+        let metric = Metric::of(&atlas.jet(at));
+        let left = metric.turn_left(velocity);
+        let side = if end.flipped { -start.side } else { start.side };
+        End {
+            coordinates: Coordinates::Plain,
+            at,
+            along: velocity,
+            across: left.map(|x| x * side),
+            stretch: f64::NAN,
+            status: Status::Complete,
+            error: end.error / start.pixel,
+        }
     }
 }
 
 impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
-    fn end(&self, _place: [f64; 2]) -> End {
-        todo!()
+    fn end(&self, place: [f64; 2]) -> End {
+        let Some(start) = &self.start else {
+            return self.ended(Status::Undefined);
+        };
+        let s = start.zoom * place[0].hypot(place[1]);
+        if s == 0.0 {
+            return start.centre(&self.space);
+        }
+        if !s.is_finite() {
+            return self.ended(Status::Undefined);
+        }
+        let Some((sector, t)) = self.sectors.find(place[1].atan2(place[0])) else {
+            return self.follow(start, place, s);
+        };
+        let rays = self.sectors.rays(sector);
+        if s >= sector.unknown_from {
+            // Where both end before, that much is known.
+            if let Some(status) = cell::both_ended(rays, t, s) {
+                return self.ended(status);
+            }
+            return self.follow(start, place, s);
+        }
+        match cell::look(&self.space, self.options.across, rays, sector.width, t, s) {
+            Found::Point(point) => point.end(&self.space, s, sector.error_at(s, start.reach)),
+            Found::Ended(status) => self.ended(status),
+            Found::Unknown => self.follow(start, place, s),
+        }
     }
 
     fn zoom(&self) -> f64 {
-        todo!()
+        self.start.as_ref().map_or(f64::NAN, |start| start.zoom)
     }
 
     fn origin(&self) -> [f64; 2] {
-        todo!()
+        self.start
+            .as_ref()
+            .map_or([f64::NAN; 2], |start| start.frame.uv)
     }
 
-    fn in_coordinates(&self, _end: &End, _coordinates: Coordinates) -> Option<End> {
-        todo!()
+    fn in_coordinates(&self, end: &End, coordinates: Coordinates) -> Option<End> {
+        if end.coordinates == coordinates {
+            return Some(*end);
+        }
+        let mut end = *end;
+        if let Coordinates::Apex { axis, end: side } = end.coordinates {
+            let tip = self.space.tip(Kind::Apex { axis, end: side })?;
+            let [along, across] = [end.along, end.across].map(|v| tip.plain_vector(end.at, v));
+            let at = tip.plain_point(end.at, tip.low);
+            end = End {
+                coordinates: Coordinates::Plain,
+                at,
+                along,
+                across,
+                ..end
+            };
+        }
+        if let Coordinates::Apex { axis, end: side } = coordinates {
+            let tip = self.space.tip(Kind::Apex { axis, end: side })?;
+            if !(tip.apex.smooth && tip.holds(end.at)) {
+                return None;
+            }
+            let [along, across] = [end.along, end.across].map(|v| tip.vector(end.at, tip.low, v));
+            end = End {
+                coordinates,
+                at: tip.point(end.at, tip.low),
+                along,
+                across,
+                ..end
+            };
+        }
+        let finite = end
+            .at
+            .iter()
+            .chain(&end.along)
+            .chain(&end.across)
+            .all(|x| x.is_finite());
+        finite.then_some(end)
     }
 
     fn periods(&self) -> [f64; 2] {
-        todo!()
+        self.space.periods()
     }
 }

@@ -1,0 +1,344 @@
+//! Between two rays: two rays and a place between them in, the end of the geodesic there out.
+
+use super::coordinates::{Chart, Kind, Space};
+use super::ray::{Ray, Sample, same};
+use crate::ends::{Coordinates, End};
+use crate::fan::Across;
+use crate::trace::Status;
+
+/// What lies at a place between two rays.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Found {
+    /// The geodesic's end.
+    Point(Point),
+    /// It ended before.
+    Ended(Status),
+    /// The rays do not say.
+    Unknown,
+}
+
+/// An end with its derivatives.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    pub(super) chart: Chart,
+    pub(super) at: [f64; 2],
+    /// The unit tangent.
+    pub(super) along: [f64; 2],
+    /// The derivative by the angle.
+    pub(super) turning: [f64; 2],
+    /// The unit normal, roughly.
+    pub(super) normal: [f64; 2],
+}
+
+impl Point {
+    /// m: the component of the derivative by the angle along the normal.
+    pub(super) fn m(&self) -> f64 {
+        determinant(self.along, self.turning) / determinant(self.along, self.normal)
+    }
+
+    /// As an [`End`] at the arc length `s` > 0.
+    pub(super) fn end(&self, space: &Space, s: f64, error: f64) -> End {
+        let m = self.m();
+        let stretch = m / s;
+        let across = if stretch.abs() > 0.1 {
+            self.turning.map(|x| x / m)
+        } else {
+            self.normal
+        };
+        let end = End {
+            coordinates: Coordinates::Plain,
+            at: self.at,
+            along: self.along,
+            across,
+            stretch,
+            status: Status::Complete,
+            error,
+        };
+        match (self.chart.kind, space.tip(self.chart.kind)) {
+            (Kind::Apex { axis, end: side }, Some(tip)) if tip.apex.smooth => End {
+                coordinates: Coordinates::Apex { axis, end: side },
+                ..end
+            },
+            (_, Some(tip)) => End {
+                at: tip.plain_point(self.at, self.chart.reference),
+                along: tip.plain_vector(self.at, self.along),
+                across: tip.plain_vector(self.at, across),
+                ..end
+            },
+            (_, None) => end,
+        }
+    }
+}
+
+pub(super) fn determinant(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// A sample in other coordinates.
+fn convert(space: &Space, sample: &Sample, chart: Chart) -> Sample {
+    if same(&sample.chart, &chart) {
+        return *sample;
+    }
+    if let (true, Some(tip)) = (sample.chart.kind == chart.kind, space.tip(chart.kind)) {
+        // A cone unrolled along another line.
+        let (sin, cos) = (tip.apex.rate * (sample.chart.reference - chart.reference)).sin_cos();
+        let turn = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
+        return Sample {
+            chart,
+            at: turn(sample.at),
+            along: turn(sample.along),
+            jacobi: sample.jacobi.map(turn),
+            normal: turn(sample.normal),
+        };
+    }
+    let plain = match space.tip(sample.chart.kind) {
+        None => *sample,
+        Some(tip) => {
+            let vector = |v| tip.plain_vector(sample.at, v);
+            Sample {
+                chart: Chart::PLAIN,
+                at: tip.plain_point(sample.at, sample.chart.reference),
+                along: vector(sample.along),
+                jacobi: [vector(sample.jacobi[0]), [f64::NAN; 2]],
+                normal: vector(sample.normal),
+            }
+        }
+    };
+    match space.tip(chart.kind) {
+        None => plain,
+        Some(tip) => {
+            let vector = |v| tip.vector(plain.at, chart.reference, v);
+            Sample {
+                chart,
+                at: tip.point(plain.at, chart.reference),
+                along: vector(plain.along),
+                jacobi: [vector(plain.jacobi[0]), [f64::NAN; 2]],
+                normal: vector(plain.normal),
+            }
+        }
+    }
+}
+
+/// Both samples in common coordinates, those of an apex where both are near it.
+fn together(space: &Space, a: Sample, b: Sample) -> (Sample, Sample) {
+    if same(&a.chart, &b.chart) {
+        return (a, b);
+    }
+    let chart = match (space.tip(a.chart.kind), space.tip(b.chart.kind)) {
+        (Some(_), Some(_)) if a.chart.kind == b.chart.kind => a.chart,
+        (Some(tip), None) if tip.apex.smooth && tip.holds(b.at) => a.chart,
+        (None, Some(tip)) if tip.apex.smooth && tip.holds(a.at) => b.chart,
+        _ => Chart::PLAIN,
+    };
+    (convert(space, &a, chart), convert(space, &b, chart))
+}
+
+/// Interpolates between rays that are `width` apart in angle, at the share `t` of the way, at the arc length `s`.
+pub(super) fn between(
+    space: &Space,
+    across: Across,
+    [a, b]: [&Ray; 2],
+    width: f64,
+    t: f64,
+    s: f64,
+) -> Option<Point> {
+    let (mut a, mut b) = (a.at(s)?, b.at(s)?);
+    if !same(&a.chart, &b.chart) {
+        (a, b) = together(space, a, b);
+    }
+    if a.chart.kind == Kind::Plain {
+        // Behind a pole the lifts may be periods apart: the field says where the neighbour is to be expected.
+        let periods = space.periods();
+        for k in 0..2 {
+            if periods[k] > 0.0 {
+                let expected = 0.5 * width * (a.jacobi[0][k] + b.jacobi[0][k]);
+                let off = b.at[k] - a.at[k] - expected;
+                b.at[k] -= periods[k] * (off / periods[k]).round();
+            }
+        }
+    }
+    let rest = 1.0 - t;
+    let mix = |x: [f64; 2], y: [f64; 2]| [0, 1].map(|k| rest * x[k] + t * y[k]);
+    let (at, along, turning) = match across {
+        Across::Hermite => {
+            let (h00, h10) = ((1.0 + 2.0 * t) * rest * rest, width * t * rest * rest);
+            let (h01, h11) = (t * t * (3.0 - 2.0 * t), -width * t * t * rest);
+            let blend = |p: [f64; 2], q: [f64; 2], v: [f64; 2], w: [f64; 2]| {
+                [0, 1].map(|k| h00 * p[k] + h01 * q[k] + h10 * v[k] + h11 * w[k])
+            };
+            let (d0, d1) = (6.0 * t * rest / width, 1.0 - t * (4.0 - 3.0 * t));
+            let d2 = t * (3.0 * t - 2.0);
+            let [j, k] = [a.jacobi[0], b.jacobi[0]];
+            let mut along = blend(a.along, b.along, a.jacobi[1], b.jacobi[1]);
+            if !(along[0] + along[1]).is_finite() {
+                along = mix(a.along, b.along);
+            }
+            (
+                blend(a.at, b.at, j, k),
+                along,
+                [0, 1].map(|i| d0 * (b.at[i] - a.at[i]) + d1 * j[i] + d2 * k[i]),
+            )
+        }
+        Across::Linear => (
+            mix(a.at, b.at),
+            mix(a.along, b.along),
+            [0, 1].map(|k| (b.at[k] - a.at[k]) / width),
+        ),
+    };
+    Some(Point {
+        chart: a.chart,
+        at,
+        along,
+        turning,
+        normal: mix(a.normal, b.normal),
+    })
+}
+
+/// Where the edge lies between two rays that leave through it: the arc length at the share `t`.
+fn edge(rays: [&Ray; 2], width: f64, t: f64) -> Option<(f64, Status)> {
+    let [a, b] = [rays[0].stop?, rays[1].stop?];
+    let rest = 1.0 - t;
+    let status = if t < 0.5 { a.status } else { b.status };
+    let smooth = a.edge == b.edge && a.slope.is_finite() && b.slope.is_finite();
+    let s = if smooth {
+        (1.0 + 2.0 * t) * rest * rest * a.s
+            + t * t * (3.0 - 2.0 * t) * b.s
+            + width * t * rest * (rest * a.slope - t * b.slope)
+    } else {
+        rest * a.s + t * b.s
+    };
+    Some((s, status))
+}
+
+/// Why both rays have ended before an arc length, if they have.
+pub(super) fn both_ended(rays: [&Ray; 2], t: f64, s: f64) -> Option<Status> {
+    let [a, b] = [rays[0].stop?, rays[1].stop?];
+    let known = a.status != Status::WorkLimit && b.status != Status::WorkLimit;
+    (known && s > a.s && s > b.s).then_some(if t < 0.5 { a.status } else { b.status })
+}
+
+/// What lies at the share `t` between two rays, at the arc length `s`.
+#[inline]
+pub(super) fn look(
+    space: &Space,
+    across: Across,
+    rays: [&Ray; 2],
+    width: f64,
+    t: f64,
+    s: f64,
+) -> Found {
+    let limits = rays.map(Ray::limit);
+    let unknown = |ray: &Ray| {
+        ray.stop
+            .is_some_and(|stop| stop.status == Status::WorkLimit && s > stop.s)
+    };
+    if rays.into_iter().any(unknown) {
+        return Found::Unknown;
+    }
+    if s > limits[0].min(limits[1])
+        && let Some((edge, status)) = edge(rays, width, t)
+        && s > edge
+    {
+        return Found::Ended(status);
+    }
+    let Some(point) = between(space, across, rays, width, t, s) else {
+        return Found::Unknown;
+    };
+    if point.chart.kind == Kind::Plain
+        && let Some((axis, end)) = space.beyond_edge(point.at)
+    {
+        return if limits[0].is_finite() && limits[1].is_finite() {
+            // The exits say that it is still inside: on the edge, but for the interpolation.
+            Found::Point(point)
+        } else if space.is_collapsed(axis, end) {
+            Found::Ended(Status::ConePoint)
+        } else {
+            Found::Ended(Status::LeftDomain)
+        };
+    }
+    let finite = (point.at[0] + point.at[1] + point.along[0] + point.turning[0]).is_finite();
+    if finite {
+        Found::Point(point)
+    } else {
+        Found::Unknown
+    }
+}
+
+/// The length on the surface between what two rays say about a third one, at an arc length: what is seen of it, and
+/// the position of the largest error that an odd one would have. `None` where there is nothing to compare.
+pub(super) fn discrepancy(
+    space: &Space,
+    across: Across,
+    rays: [&Ray; 2],
+    width: f64,
+    middle: &Ray,
+    t: f64,
+    s: f64,
+) -> Option<f64> {
+    let truth = middle.at(s)?;
+    let guess = between(space, across, rays, width, t, s)?;
+    let guess = Sample {
+        chart: guess.chart,
+        at: guess.at,
+        along: guess.along,
+        jacobi: [guess.turning, [f64::NAN; 2]],
+        normal: guess.normal,
+    };
+    let (truth, guess) = together(space, truth, guess);
+    let mut off = [0, 1].map(|k| guess.at[k] - truth.at[k]);
+    if truth.chart.kind == Kind::Plain {
+        let periods = space.periods();
+        for k in 0..2 {
+            if periods[k] > 0.0 {
+                off[k] -= periods[k] * (off[k] / periods[k]).round();
+            }
+        }
+    }
+    let area = determinant(truth.along, truth.normal);
+    let length = |v: [f64; 2]| {
+        (determinant(v, truth.normal) / area).hypot(determinant(truth.along, v) / area)
+    };
+    let bend = match across {
+        // An error odd about the middle does not show there but in its slope.
+        Across::Hermite if t == 0.5 => {
+            0.143 * width * length([0, 1].map(|k| guess.jacobi[0][k] - truth.jacobi[0][k]))
+        }
+        _ => 0.0,
+    };
+    Some(length(off).max(bend))
+}
+
+/// By how much two rays mistake the place where a third one ends, as a length; infinite where they do not agree.
+pub(super) fn exit_discrepancy(rays: [&Ray; 2], width: f64, middle: &Ray) -> f64 {
+    match (rays[0].stop, rays[1].stop, middle.stop) {
+        (None, None, None) => 0.0,
+        (Some(_), Some(_), Some(stop)) => {
+            edge(rays, width, 0.5).map_or(f64::INFINITY, |(s, _)| (s - stop.s).abs())
+        }
+        _ => f64::INFINITY,
+    }
+}
+
+/// Whether two rays end alike, so that what lies between them may be told from both.
+pub(super) fn end_alike(rays: [&Ray; 2], reach: f64, pixel: f64) -> bool {
+    let known = |ray: &Ray, s: f64| s <= ray.end + ray.slack;
+    match (rays[0].stop, rays[1].stop) {
+        (None, None) => true,
+        (Some(a), Some(b)) => {
+            let like = a.status == b.status && a.edge == b.edge && a.status != Status::WorkLimit;
+            let far = a.s.max(b.s);
+            let near = (a.s - b.s).abs() <= pixel
+                || (a.edge.is_some() && known(rays[0], far) && known(rays[1], far));
+            // Beyond the picture nothing matters.
+            (like && near) || a.s.min(b.s) >= reach
+        }
+        (Some(stop), None) | (None, Some(stop)) => {
+            let ended = if rays[0].stop.is_some() {
+                rays[0]
+            } else {
+                rays[1]
+            };
+            stop.s >= reach || (stop.status == Status::LeftDomain && known(ended, reach))
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! A ray with dense output: knots of an integration in; position, Jacobi field and their derivatives at any arc
+//! length out.
+
+use super::coordinates::{Chart, Kind};
+use crate::trace::Status;
+
+/// A ray's state at a step's end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Knot {
+    pub(super) s: f64,
+    pub(super) at: [f64; 2],
+    pub(super) velocity: [f64; 2],
+    pub(super) acceleration: [f64; 2],
+    /// The Jacobi field m and its derivative.
+    pub(super) m: [f64; 2],
+    /// The unit normal and its derivative.
+    pub(super) normal: [[f64; 2]; 2],
+}
+
+impl Knot {
+    /// The k-th component of the field J = m·N, and of J'.
+    fn jacobi(&self, k: usize) -> [f64; 2] {
+        let [m, m1] = self.m;
+        let ([n, n1], k) = ([self.normal[0], self.normal[1]], k);
+        [m * n[k], m1 * n[k] + m * n1[k]]
+    }
+}
+
+/// Knots in common coordinates.
+#[derive(Clone, Debug)]
+pub(super) struct Segment {
+    pub(super) chart: Chart,
+    pub(super) knots: Vec<Knot>,
+}
+
+/// Why, and where, a ray ends before its length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stop {
+    pub(super) s: f64,
+    pub(super) status: Status,
+    /// The edge that it leaves through.
+    pub(super) edge: Option<(usize, usize)>,
+    /// ds/dθ along the edge; 0 where it is not known.
+    pub(super) slope: f64,
+}
+
+/// Between two knots: polynomials in the share x ∈ [0,1].
+#[derive(Clone, Debug)]
+struct Interval {
+    from: f64,
+    length: f64,
+    chart: Chart,
+    /// `[power][γ0, γ1, J0, J1]`.
+    main: [[f64; 4]; 6],
+    /// `[power][N0, N1]`.
+    normal: [[f64; 2]; 4],
+}
+
+/// A whole ray.
+#[derive(Clone, Debug)]
+pub(super) struct Ray {
+    /// In the frame's plane, from X towards Y.
+    pub(super) angle: f64,
+    /// Where the intervals begin.
+    starts: Vec<f64>,
+    intervals: Vec<Interval>,
+    /// As far as the intervals reach.
+    pub(super) end: f64,
+    /// How much farther than that they may be relied on.
+    pub(super) slack: f64,
+    pub(super) stop: Option<Stop>,
+    /// Radii at which to compare it with others.
+    pub(super) probes: Vec<f64>,
+    /// The greatest m/s, where it is greater than 1: what its errors of direction grow by.
+    pub(super) errors: f64,
+}
+
+/// A ray at an arc length.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sample {
+    pub(super) chart: Chart,
+    pub(super) at: [f64; 2],
+    pub(super) along: [f64; 2],
+    /// J and J'.
+    pub(super) jacobi: [[f64; 2]; 2],
+    pub(super) normal: [f64; 2],
+}
+
+/// The most radii at which a ray is compared.
+const PROBES: usize = 24;
+
+impl Ray {
+    pub(super) fn new(angle: f64, segments: &[Segment], stop: Option<Stop>, errors: f64) -> Self {
+        let count = segments.iter().map(|segment| segment.knots.len()).sum();
+        let mut starts = Vec::with_capacity(count);
+        let mut intervals = Vec::with_capacity(count);
+        for segment in segments {
+            let knots = &segment.knots;
+            let seconds: Vec<[f64; 2]> = (0..knots.len()).map(|n| second(knots, n)).collect();
+            for (n, pair) in knots.windows(2).enumerate() {
+                let [a, b] = [&pair[0], &pair[1]];
+                starts.push(a.s);
+                intervals.push(Interval::between(
+                    segment.chart,
+                    a,
+                    b,
+                    seconds[n],
+                    seconds[n + 1],
+                ));
+            }
+        }
+        let last = intervals.last();
+        let end = last.map_or(0.0, |last| last.from + last.length);
+        // A step that was cut short says little about how far it may be gone beyond.
+        let slack = 0.25 * last.map_or(0.0, |last| last.length);
+        let mut ray = Self {
+            angle,
+            starts,
+            intervals,
+            end,
+            slack,
+            stop,
+            probes: Vec::new(),
+            errors,
+        };
+        let reach = ray.stop.map_or(end, |stop| stop.s.min(end));
+        let stride = ray.intervals.len().div_ceil(PROBES).max(1);
+        for (n, interval) in ray.intervals.iter().enumerate() {
+            let middle = interval.from + 0.5 * interval.length;
+            if (n + 1) % stride == 0 && middle < reach {
+                ray.probes.push(middle);
+            }
+        }
+        ray.probes.push(reach);
+        ray
+    }
+
+    /// Whether it has been followed at all.
+    pub(super) fn is_empty(&self) -> bool {
+        self.intervals.is_empty()
+    }
+
+    /// How far it goes on the surface.
+    pub(super) fn limit(&self) -> f64 {
+        self.stop.map_or(f64::INFINITY, |stop| stop.s)
+    }
+
+    /// The ray at an arc length; `None` where it is not known.
+    #[inline]
+    pub(super) fn at(&self, s: f64) -> Option<Sample> {
+        if s > self.end + self.slack {
+            return None;
+        }
+        let after = self.starts.partition_point(|from| *from <= s);
+        let interval = self.intervals.get(after.max(1) - 1)?;
+        Some(interval.at(s))
+    }
+
+    /// The middles of the gaps between knots, every one.
+    pub(super) fn middles(&self) -> impl Iterator<Item = f64> {
+        self.intervals
+            .iter()
+            .map(|interval| interval.from + 0.5 * interval.length)
+    }
+}
+
+impl Interval {
+    fn between(chart: Chart, a: &Knot, b: &Knot, j2: [f64; 2], k2: [f64; 2]) -> Self {
+        let h = b.s - a.s;
+        let mut main = [[0.0; 4]; 6];
+        let mut normal = [[0.0; 2]; 4];
+        for k in 0..2 {
+            let from = [a.at[k], a.velocity[k], a.acceleration[k]];
+            let to = [b.at[k], b.velocity[k], b.acceleration[k]];
+            let [j, j1] = a.jacobi(k);
+            let [l, l1] = b.jacobi(k);
+            let gamma = quintic(h, from, to);
+            let field = quintic(h, [j, j1, j2[k]], [l, l1, k2[k]]);
+            for power in 0..6 {
+                main[power][k] = gamma[power];
+                main[power][2 + k] = field[power];
+            }
+            let (n, n1) = (a.normal[0][k], h * a.normal[1][k]);
+            let rise = b.normal[0][k] - n - n1;
+            let turn = h * b.normal[1][k] - n1;
+            for (power, c) in [n, n1, 3.0 * rise - turn, turn - 2.0 * rise]
+                .into_iter()
+                .enumerate()
+            {
+                normal[power][k] = c;
+            }
+        }
+        Self {
+            from: a.s,
+            length: h,
+            chart,
+            main,
+            normal,
+        }
+    }
+
+    #[inline]
+    fn at(&self, s: f64) -> Sample {
+        let x = (s - self.from) / self.length;
+        let mut value = self.main[5];
+        let mut rate = [0.0; 4];
+        for power in (0..5).rev() {
+            for k in 0..4 {
+                rate[k] = rate[k] * x + value[k];
+                value[k] = value[k] * x + self.main[power][k];
+            }
+        }
+        let mut normal = self.normal[3];
+        for power in (0..3).rev() {
+            for k in 0..2 {
+                normal[k] = normal[k] * x + self.normal[power][k];
+            }
+        }
+        let by_s = 1.0 / self.length;
+        Sample {
+            chart: self.chart,
+            at: [value[0], value[1]],
+            along: [rate[0] * by_s, rate[1] * by_s],
+            jacobi: [[value[2], value[3]], [rate[2] * by_s, rate[3] * by_s]],
+            normal,
+        }
+    }
+}
+
+/// The coefficients of the quintic with these values, first and second derivatives at both ends.
+fn quintic(h: f64, a: [f64; 3], b: [f64; 3]) -> [f64; 6] {
+    let (c0, c1, c2) = (a[0], h * a[1], 0.5 * h * h * a[2]);
+    let x = b[0] - c0 - c1 - c2;
+    let y = h * b[1] - c1 - 2.0 * c2;
+    let z = h * h * b[2] - 2.0 * c2;
+    [
+        c0,
+        c1,
+        c2,
+        10.0 * x - 4.0 * y + 0.5 * z,
+        -15.0 * x + 7.0 * y - z,
+        6.0 * x - 3.0 * y + 0.5 * z,
+    ]
+}
+
+/// J'' at a knot. At the centre m'' = 0, so that it is 2N'; elsewhere that of the quintic through J and J' at three
+/// knots, as it takes the derivative of the curvature.
+fn second(knots: &[Knot], n: usize) -> [f64; 2] {
+    let knot = &knots[n];
+    if knot.s == 0.0 {
+        return knot.normal[1].map(|x| 2.0 * x);
+    }
+    let last = knots.len() - 1;
+    let others = match n {
+        0 => [1, 2],
+        n if n == last => [last.saturating_sub(1), last.saturating_sub(2)],
+        n => [n - 1, n + 1],
+    };
+    [0, 1].map(|k| {
+        let node = |n: usize| {
+            let knot = &knots[n.min(last)];
+            let [value, rate] = knot.jacobi(k);
+            (knot.s, value, rate)
+        };
+        let (p, q) = (node(others[0]), node(others[1]));
+        let t = node(n);
+        if last == 0 {
+            0.0
+        } else if last == 1 {
+            // Of the cubic through both.
+            let h = p.0 - t.0;
+            (6.0 * (p.1 - t.1) / h - 4.0 * t.2 - 2.0 * p.2) / h
+        } else {
+            confluent(t, p, q)
+        }
+    })
+}
+
+/// The second derivative at t of the quintic through (node, value, derivative) of t, p, q, by divided differences.
+fn confluent(t: (f64, f64, f64), p: (f64, f64, f64), q: (f64, f64, f64)) -> f64 {
+    let (tp, pq, tq) = (p.0 - t.0, q.0 - p.0, q.0 - t.0);
+    let first = [t.2, (p.1 - t.1) / tp, p.2, (q.1 - p.1) / pq, q.2];
+    let second = [
+        (first[1] - first[0]) / tp,
+        (first[2] - first[1]) / tp,
+        (first[3] - first[2]) / pq,
+        (first[4] - first[3]) / pq,
+    ];
+    let third = [
+        (second[1] - second[0]) / tp,
+        (second[2] - second[1]) / tq,
+        (second[3] - second[2]) / pq,
+    ];
+    let fourth = [(third[1] - third[0]) / tq, (third[2] - third[1]) / tq];
+    let fifth = (fourth[1] - fourth[0]) / tq;
+    2.0 * (second[0] - third[0] * tp + fourth[0] * tp * tp - fifth * tp * tp * tq)
+}
+
+/// The kinds of two charts, and whether points in both may be compared as they are.
+pub(super) fn same(a: &Chart, b: &Chart) -> bool {
+    a.kind == b.kind && (a.kind == Kind::Plain || a.reference == b.reference)
+}

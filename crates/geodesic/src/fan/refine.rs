@@ -1,0 +1,532 @@
+//! How many rays a fan needs: bisection in angle, by what a new ray says about the two beside it.
+//!
+//! A new ray in the middle of a sector shows the error that interpolation makes there. In the halves it is a sixteenth
+//! of that, so that they need not be looked at, each, to be accepted. In the end rays that are integrated more
+//! exactly measure the error where it should be the largest, and in places spread evenly.
+
+use std::f64::consts::TAU;
+
+use super::cell;
+use super::coordinates::Space;
+use super::march::{self, Plan};
+use super::ray::Ray;
+use super::start::Start;
+use super::{Across, FanOptions};
+use crate::ends::{Estimate, Work};
+use crate::surface::Surface;
+
+/// Rays to begin with.
+const BASE: usize = 16;
+/// An error is known for each of so many ranges of radius.
+const BINS: usize = 16;
+/// The share of the tolerance that interpolation between rays may use, …
+const ACROSS: f64 = 0.5;
+/// … and the one that the rays' own errors may.
+const ALONG: f64 = 0.3;
+/// An edge is to be at its place to this part of a pixel.
+const EDGE: f64 = 0.25;
+/// Sectors narrower than this, in pixels at the picture's border, are not bisected.
+const NARROWEST: f64 = 0.5;
+/// How much more exactly the rays are integrated that measure the errors of the others.
+const EXACT: f64 = 0.01;
+/// The most evaluations for one ray.
+const ONE_RAY: u64 = 20_000;
+
+/// Errors in pixels by ranges of radius.
+type Profile = [f32; BINS];
+
+/// What lies between two neighbouring rays.
+#[derive(Clone, Debug)]
+pub(super) struct Sector {
+    rays: [usize; 2],
+    angle: f64,
+    pub(super) width: f64,
+    /// From this arc length on its rays do not say where geodesics end.
+    pub(super) unknown_from: f64,
+    errors: Profile,
+    /// The error of the edge's place.
+    edge: f64,
+    /// Whether a more exact ray has measured the errors.
+    measured: bool,
+}
+
+impl Sector {
+    /// The estimated error in pixels.
+    pub(super) fn error_at(&self, s: f64, reach: f64) -> f64 {
+        f64::from(self.errors[bin(s, reach)])
+    }
+
+    fn worst(&self) -> f64 {
+        f64::from(self.errors.iter().fold(0.0_f32, |worst, x| worst.max(*x)))
+    }
+}
+
+/// A whole fan.
+#[derive(Debug, Default)]
+pub(super) struct Sectors {
+    rays: Vec<Ray>,
+    /// By angle.
+    sectors: Vec<Sector>,
+    /// The sector that holds the beginning of each of equal parts of the turn.
+    table: Vec<u32>,
+    pub(super) work: Work,
+    pub(super) estimate: Estimate,
+    /// Whether all evaluations have been used up.
+    pub(super) exhausted: bool,
+}
+
+impl Sectors {
+    /// The sector that holds an angle, and how far from its first ray to its second.
+    #[inline]
+    pub(super) fn find(&self, angle: f64) -> Option<(&Sector, f64)> {
+        let angle = if angle < 0.0 { angle + TAU } else { angle };
+        let part = angle * (self.table.len() as f64 / TAU);
+        let last = self.table.len().checked_sub(1)?;
+        let mut n = self.table[(part as usize).min(last)] as usize;
+        while self
+            .sectors
+            .get(n + 1)
+            .is_some_and(|next| next.angle <= angle)
+        {
+            n += 1;
+        }
+        let sector = self.sectors.get(n)?;
+        Some((
+            sector,
+            ((angle - sector.angle) / sector.width).clamp(0.0, 1.0),
+        ))
+    }
+
+    pub(super) fn rays(&self, sector: &Sector) -> [&Ray; 2] {
+        sector.rays.map(|ray| &self.rays[ray])
+    }
+
+    fn index(&mut self) {
+        self.sectors.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+        let parts = (4 * self.sectors.len()).next_power_of_two();
+        let mut n = 0;
+        self.table = (0..parts)
+            .map(|part| {
+                let angle = TAU * part as f64 / parts as f64;
+                while self
+                    .sectors
+                    .get(n + 1)
+                    .is_some_and(|next| next.angle <= angle)
+                {
+                    n += 1;
+                }
+                n as u32
+            })
+            .collect();
+    }
+}
+
+fn bin(s: f64, reach: f64) -> usize {
+    ((s / reach * BINS as f64) as usize).min(BINS - 1)
+}
+
+struct Builder<'a, S: Surface + ?Sized> {
+    surface: &'a S,
+    space: &'a Space,
+    start: &'a Start,
+    options: &'a FanOptions,
+    plan: Plan,
+    rays: Vec<Ray>,
+    work: Work,
+    exhausted: bool,
+    /// The rays' own errors.
+    along: Profile,
+}
+
+/// Makes a fan.
+pub(super) fn build<S: Surface + ?Sized>(
+    surface: &S,
+    space: &Space,
+    start: &Start,
+    options: &FanOptions,
+) -> Sectors {
+    let tolerance = options.tolerance.clamp(1e-6, 100.0);
+    let options = FanOptions {
+        tolerance,
+        ..*options
+    };
+    let size = space.scale.size;
+    let allowed = ALONG * tolerance * start.pixel;
+    let mut builder = Builder {
+        surface,
+        space,
+        start,
+        options: &options,
+        plan: Plan {
+            rate: allowed / start.reach,
+            lever: 0.5 * size.min(start.reach),
+            field: 0.05,
+            shortest: 1e-4 * start.pixel,
+            first: start.reach.min(size) * 0.03,
+            limit: ONE_RAY,
+        },
+        rays: Vec::new(),
+        work: Work::default(),
+        exhausted: false,
+        along: [0.0; BINS],
+    };
+    let mut sectors = builder.base();
+    builder.refine(&mut sectors);
+    let estimate = builder.verify(&mut sectors);
+    let mut all = Sectors {
+        rays: builder.rays,
+        sectors,
+        table: Vec::new(),
+        work: builder.work,
+        estimate,
+        exhausted: builder.exhausted,
+    };
+    all.work.rays = all.rays.len() as u64;
+    all.index();
+    all
+}
+
+impl<S: Surface + ?Sized> Builder<'_, S> {
+    /// How much smaller the errors of a halved sector are.
+    fn order(&self) -> f32 {
+        match self.options.across {
+            Across::Hermite => 16.0,
+            Across::Linear => 4.0,
+        }
+    }
+
+    /// Integrates rays at these angles, each as long as the picture is within a distance in angle of it. `None` where
+    /// the evaluations do not suffice for all.
+    fn integrate(&mut self, plan: &Plan, wanted: &[(f64, f64)]) -> Option<Vec<Ray>> {
+        let rays = self.work.rays.max(1);
+        let each = 2 * self.work.evaluations / rays + 100;
+        if self.work.evaluations + each * wanted.len() as u64 > self.options.max_evaluations {
+            self.exhausted = true;
+            return None;
+        }
+        let runners = wanted
+            .iter()
+            .enumerate()
+            .map(|(id, &(angle, around))| {
+                let mut runner = self.start.runner(angle, around, plan.first);
+                runner.id = id;
+                runner
+            })
+            .collect();
+        let done = march::march_all(self.surface, self.space, plan, runners);
+        for runner in &done {
+            self.work.rays += 1;
+            self.work.steps += runner.steps;
+            self.work.rejected += runner.rejected;
+            self.work.evaluations += runner.evaluations;
+        }
+        Some(done.into_iter().map(march::Runner::finish).collect())
+    }
+
+    /// The first rays, exact enough, and the sectors between them.
+    fn base(&mut self) -> Vec<Sector> {
+        let step = TAU / BASE as f64;
+        let wanted: Vec<(f64, f64)> = (0..BASE).map(|n| (n as f64 * step, 2.0 * step)).collect();
+        for _ in 0..4 {
+            let plan = self.plan;
+            let Some(rays) = self.integrate(&plan, &wanted) else {
+                return Vec::new();
+            };
+            self.rays = rays;
+            // Every other one again, more exactly: how far off are they?
+            let exact = Plan {
+                rate: EXACT * plan.rate,
+                ..plan
+            };
+            let again: Vec<(f64, f64)> = wanted.iter().copied().skip(1).step_by(2).collect();
+            let Some(again) = self.integrate(&exact, &again) else {
+                break;
+            };
+            self.along = [0.0; BINS];
+            for (n, exact) in again.iter().enumerate() {
+                let ray = &self.rays[2 * n + 1];
+                let next = &self.rays[(2 * n + 2) % BASE];
+                let profile = self.profile([ray, next], step, exact, 0.0);
+                for (all, one) in self.along.iter_mut().zip(profile) {
+                    *all = all.max(one);
+                }
+            }
+            let worst = f64::from(self.along.iter().fold(0.0_f32, |worst, x| worst.max(*x)));
+            let share = worst / (ALONG * self.options.tolerance);
+            if share <= 1.0 {
+                break;
+            }
+            self.plan.rate *= (0.5 / share).max(1e-3);
+        }
+        let order = self.order();
+        (0..BASE)
+            .map(|n| {
+                // The odd rays are the middles of sectors twice as wide.
+                let pair = n / 2;
+                let [a, middle, b] = [2 * pair, 2 * pair + 1, (2 * pair + 2) % BASE];
+                let rays = [&self.rays[a], &self.rays[b]];
+                let errors = self.profile(rays, 2.0 * step, &self.rays[middle], 0.5);
+                let edge = cell::exit_discrepancy(rays, 2.0 * step, &self.rays[middle]);
+                self.sector(
+                    [n, (n + 1) % BASE],
+                    n as f64 * step,
+                    step,
+                    errors.map(|x| x / order),
+                    edge / f64::from(order),
+                )
+            })
+            .collect()
+    }
+
+    fn sector(
+        &self,
+        rays: [usize; 2],
+        angle: f64,
+        width: f64,
+        errors: Profile,
+        edge: f64,
+    ) -> Sector {
+        Sector {
+            rays,
+            angle,
+            width,
+            unknown_from: f64::INFINITY,
+            errors,
+            edge: edge / self.start.pixel,
+            measured: false,
+        }
+    }
+
+    /// The errors that a ray shows of the two beside it, in pixels.
+    fn profile(&self, rays: [&Ray; 2], width: f64, middle: &Ray, t: f64) -> Profile {
+        let mut out = [0.0_f32; BINS];
+        let mut seen = 0;
+        let border = self.start.border(middle.angle, 0.5 * width);
+        let last = rays[0].limit().min(rays[1].limit()).min(border);
+        for &s in middle.probes.iter().filter(|s| **s <= last) {
+            let across = self.options.across;
+            let Some(error) = cell::discrepancy(self.space, across, rays, width, middle, t, s)
+            else {
+                continue;
+            };
+            // What is not a number is as wrong as can be.
+            let error = if error.is_finite() {
+                error / self.start.pixel
+            } else {
+                1e9
+            };
+            let bin = bin(s, self.start.reach);
+            // Ranges that were passed over in between.
+            for k in seen.min(bin)..bin {
+                out[k] = out[k].max(error.min(1e9) as f32);
+            }
+            out[bin] = out[bin].max(error.min(1e9) as f32);
+            seen = bin + 1;
+        }
+        if let Some(&last) = seen.checked_sub(1).and_then(|last| out.get(last)) {
+            out.iter_mut().skip(seen).for_each(|x| *x = last);
+        }
+        out
+    }
+
+    fn pair(&self, sector: &Sector) -> [&Ray; 2] {
+        sector.rays.map(|ray| &self.rays[ray])
+    }
+
+    /// The farthest that the picture reaches in a sector.
+    fn border(&self, sector: &Sector) -> f64 {
+        self.start
+            .border(sector.angle + 0.5 * sector.width, 0.5 * sector.width)
+    }
+
+    fn is_fine(&self, sector: &Sector) -> bool {
+        let border = self.border(sector);
+        let inside = bin(border, self.start.reach);
+        let worst = sector.errors[..=inside]
+            .iter()
+            .fold(0.0_f32, |worst, x| worst.max(*x));
+        f64::from(worst) <= ACROSS * self.options.tolerance
+            && (sector.edge <= EDGE
+                || self.pair(sector)[0]
+                    .limit()
+                    .min(self.pair(sector)[1].limit())
+                    >= border)
+            && cell::end_alike(self.pair(sector), border, self.start.pixel)
+    }
+
+    /// What is known of a sector that cannot be made better.
+    fn give_up(&self, sector: &mut Sector) {
+        let wrong = sector
+            .errors
+            .iter()
+            .position(|x| f64::from(*x) > ACROSS * self.options.tolerance);
+        if let Some(bin) = wrong {
+            sector.unknown_from = self.start.reach * bin as f64 / BINS as f64;
+        }
+        let rays = self.pair(sector);
+        let alike = cell::end_alike(rays, self.border(sector), self.start.pixel);
+        if !alike || sector.edge > EDGE {
+            let limit = rays[0].limit().min(rays[1].limit());
+            sector.unknown_from = sector.unknown_from.min(limit);
+        }
+    }
+
+    /// Bisects until all sectors are fine.
+    fn refine(&mut self, sectors: &mut Vec<Sector>) {
+        loop {
+            let narrowest = NARROWEST * self.start.pixel / self.start.reach;
+            let (open, mut done): (Vec<Sector>, Vec<Sector>) = std::mem::take(sectors)
+                .into_iter()
+                .partition(|sector| sector.width > narrowest && !self.is_fine(sector));
+            if open.is_empty() {
+                *sectors = done;
+                break;
+            }
+            let wanted: Vec<(f64, f64)> = open
+                .iter()
+                .map(|sector| (sector.angle + 0.5 * sector.width, 0.5 * sector.width))
+                .collect();
+            let plan = self.plan;
+            let Some(middles) = self.integrate(&plan, &wanted) else {
+                done.extend(open);
+                *sectors = done;
+                break;
+            };
+            for (sector, middle) in open.into_iter().zip(middles) {
+                let halves = self.halve(sector, middle);
+                done.extend(halves);
+            }
+            *sectors = done;
+        }
+        for n in 0..sectors.len() {
+            if !self.is_fine(&sectors[n]) {
+                let mut sector = sectors[n].clone();
+                self.give_up(&mut sector);
+                sectors[n] = sector;
+            }
+        }
+    }
+
+    /// Both halves of a sector, with a new ray between them.
+    fn halve(&mut self, sector: Sector, middle: Ray) -> [Sector; 2] {
+        let order = self.order();
+        let rays = self.pair(&sector);
+        let errors = self
+            .profile(rays, sector.width, &middle, 0.5)
+            .map(|x| x / order);
+        let edge = cell::exit_discrepancy(rays, sector.width, &middle) / f64::from(order);
+        let half = 0.5 * sector.width;
+        let new = self.rays.len();
+        self.rays.push(middle);
+        let [a, b] = sector.rays;
+        [
+            self.sector([a, new], sector.angle, half, errors, edge),
+            self.sector([new, b], sector.angle + half, half, errors, edge),
+        ]
+    }
+
+    /// Measures errors with rays that are integrated more exactly; where they are too large, these take part.
+    fn verify(&mut self, sectors: &mut Vec<Sector>) -> Estimate {
+        const WORST: usize = 8;
+        const SPREAD: usize = 8;
+        let mut samples: Vec<(f32, f64)> = Vec::new();
+        let mut ratio = 0.0_f64;
+        for round in 0..4 {
+            let known: Vec<usize> = (0..sectors.len())
+                .filter(|&n| {
+                    !sectors[n].measured && sectors[n].unknown_from > 0.1 * self.start.reach
+                })
+                .collect();
+            let mut chosen = known.clone();
+            chosen.sort_by(|&a, &b| {
+                sectors[b]
+                    .worst()
+                    .total_cmp(&sectors[a].worst())
+                    .then(a.cmp(&b))
+            });
+            chosen.truncate(WORST);
+            if round == 0 {
+                let mut by_angle = known.clone();
+                by_angle.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
+                chosen.extend(
+                    (0..SPREAD.min(by_angle.len())).map(|n| by_angle[n * by_angle.len() / SPREAD]),
+                );
+                chosen.sort_unstable();
+                chosen.dedup();
+            }
+            if chosen.is_empty() {
+                break;
+            }
+            let wanted: Vec<(f64, f64)> = chosen
+                .iter()
+                .map(|&n| {
+                    (
+                        sectors[n].angle + 0.5 * sectors[n].width,
+                        0.5 * sectors[n].width,
+                    )
+                })
+                .collect();
+            let exact = Plan {
+                rate: EXACT * self.plan.rate,
+                ..self.plan
+            };
+            let Some(exact) = self.integrate(&exact, &wanted) else {
+                break;
+            };
+            let mut halves = Vec::new();
+            for (&n, ray) in chosen.iter().zip(exact) {
+                let sector = sectors[n].clone();
+                let found = self.profile(self.pair(&sector), sector.width, &ray, 0.5);
+                let worst = f64::from(found.iter().fold(0.0_f32, |worst, x| worst.max(*x)));
+                if round == 0 {
+                    for (k, &error) in found.iter().enumerate() {
+                        let weight = sector.width * (k as f64 + 0.5);
+                        for share in [1.0, 0.5625, 0.13] {
+                            samples.push((error * share, weight));
+                        }
+                    }
+                }
+                if worst > self.options.tolerance && sector.unknown_from.is_infinite() {
+                    let [a, b] = self.halve(sector, ray);
+                    sectors[n] = a;
+                    halves.push(b);
+                } else {
+                    if sector.worst() > 0.0 {
+                        ratio = ratio.max(worst / sector.worst());
+                    }
+                    sectors[n].errors = found;
+                    sectors[n].measured = true;
+                }
+            }
+            if halves.is_empty() {
+                break;
+            }
+            sectors.extend(halves);
+            self.refine(sectors);
+        }
+        for sector in sectors.iter_mut().filter(|sector| !sector.measured) {
+            for (error, along) in sector.errors.iter_mut().zip(self.along) {
+                *error = (*error).max(along);
+            }
+        }
+        let max = sectors
+            .iter()
+            .filter(|sector| sector.measured)
+            .map(Sector::worst)
+            .fold(0.0, f64::max);
+        let max = max.max(f64::from(
+            self.along.iter().fold(0.0_f32, |worst, x| worst.max(*x)),
+        ));
+        samples.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let total: f64 = samples.iter().map(|sample| sample.1).sum();
+        let mut sum = 0.0;
+        let p99 = samples.iter().find(|sample| {
+            sum += sample.1;
+            sum >= 0.01 * total
+        });
+        Estimate {
+            max,
+            p99: p99.map_or(max, |sample| f64::from(sample.0)).min(max),
+        }
+    }
+}
