@@ -103,3 +103,16 @@ pub struct Estimate {
     /// The error that 99 % of the pixels stay below.
     pub p99: f64,
 }
+
+impl Estimate {
+    /// The estimate for pixels with these errors; `None` where there are none. A NaN is passed over.
+    pub fn of(errors: &mut Vec<f32>) -> Option<Self> {
+        errors.retain(|error| !error.is_nan());
+        let last = errors.len().checked_sub(1)?;
+        errors.sort_unstable_by(f32::total_cmp);
+        Some(Self {
+            max: f64::from(errors[last]),
+            p99: f64::from(errors[(0.99 * last as f64).ceil() as usize]),
+        })
+    }
+}

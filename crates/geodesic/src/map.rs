@@ -1,54 +1,112 @@
-//! The exponential map, pixel by pixel: what a geodesic picture is resolved from.
+//! The exponential map: for each pixel of a picture where its geodesic ends. What a geodesic picture is resolved from.
+//!
+//! In: a surface, a frame, a picture's size, a method. Out: [`Map`]. The methods stand side by side: the fan, which
+//! shares its rays among the pixels, and those that follow a geodesic for each pixel (`map/pixel.rs`), which it is
+//! compared with.
 
-use crate::chart::Atlas;
-use crate::follow::{self, Plan};
+mod pixel;
+
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::ends::{Estimate, Work};
+use crate::fan::{Across, Fan, FanOptions};
 use crate::frame::Frame;
-use crate::integrate::{DOPRI5, RK4};
-use crate::surface::Surface;
-use crate::trace::{self, Method, Status};
+use crate::patchwork::Patchwork;
+use crate::surface::{Side, Sides, Surface};
+use crate::trace::Status;
 
 /// For each pixel, row by row from the top, where its geodesic ends.
 #[derive(Clone, Debug, Default)]
 pub struct Map {
     /// Pixels: width, height.
     pub size: [u32; 2],
-    /// The end of each pixel's geodesic, brought back into the domain.
-    pub uv: Vec<[f32; 2]>,
+    /// The camera's (u, v), from which `offset` counts.
+    pub origin: [f64; 2],
+    /// Where each pixel's geodesic ends: (u, v) − origin, going on beyond sides that wrap; [`bring_back`] takes it
+    /// into the domain. Finite for every pixel, without a meaning where the status is not complete.
+    pub offset: Vec<[f32; 2]>,
+    /// ∂(u,v) by one pixel to the right, then by one pixel **down**; empty where a method does not know it.
+    pub by_pixel: Vec<[f32; 4]>,
     /// Why each pixel's geodesic ended.
     pub status: Vec<Status>,
-    /// Evaluations of the surface and its derivatives, for all pixels together.
-    pub evaluations: u64,
+    /// What it cost.
+    pub work: Work,
+    /// How exact it is, as far as the method can tell.
+    pub estimate: Option<Estimate>,
 }
 
-/// One row of a [`Map`].
-#[derive(Clone, Debug, Default)]
-pub struct Row {
-    /// The ends, from left to right.
-    pub uv: Vec<[f32; 2]>,
-    /// Why they ended.
-    pub status: Vec<Status>,
-    /// Evaluations of the surface and its derivatives.
-    pub evaluations: u64,
+impl Map {
+    /// A pixel's end in (u, v), perhaps beyond sides that wrap.
+    pub fn uv(&self, index: usize) -> [f64; 2] {
+        [0, 1].map(|k| self.origin[k] + f64::from(self.offset[index][k]))
+    }
+}
+
+/// What a classical Runge–Kutta method computes with.
+#[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
+pub enum Arithmetic {
+    /// Pixel by pixel in f64.
+    #[default]
+    F64,
+    /// Pixel by pixel, state and sums rounded to f32; the surface itself is evaluated in f64 at the rounded point.
+    F32,
+    /// Eight pixels at a time in f64.
+    F64Lanes,
 }
 
 /// How a map is made.
+#[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
+pub enum Method {
+    /// Rays shared by all pixels, interpolated by their Jacobi fields.
+    Fan,
+    /// Rays shared by all pixels, interpolated linearly, for comparison.
+    FanLinear,
+    /// Each pixel's geodesic by itself, with steps as long as the tolerance allows; poles in charts of their own.
+    #[default]
+    Adaptive,
+    /// Each pixel's geodesic by itself, with steps of equal length of the classical Runge–Kutta method in (u,v), as in
+    /// the thesis (equations 4.2), for comparison.
+    Rk4 {
+        /// How many steps; at least one is taken.
+        steps: u32,
+        /// In which arithmetic.
+        arithmetic: Arithmetic,
+    },
+}
+
+/// What to do for accuracy, and at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapOptions {
-    /// How each geodesic is integrated.
+    /// How the map is made.
     pub method: Method,
     /// The error allowed at a pixel, in pixels.
     pub tolerance: f64,
-    /// The most evaluations for one pixel.
-    pub max_evaluations: usize,
+    /// The most evaluations of all pixels together. A method that follows them one by one gives each the same share of
+    /// it, but at least [`LEAST_FOR_PIXEL`] and at most [`MOST_FOR_PIXEL`].
+    pub max_evaluations: u64,
 }
+
+/// However many pixels there are, each may have so many evaluations: more than most fixed numbers of steps need.
+pub const LEAST_FOR_PIXEL: u64 = 1000;
+/// However few pixels there are, each has no more evaluations.
+pub const MOST_FOR_PIXEL: u64 = 20_000;
 
 impl Default for MapOptions {
     fn default() -> Self {
         Self {
-            method: Method::Adaptive,
+            method: Method::default(),
             tolerance: 0.1,
-            max_evaluations: 20_000,
+            max_evaluations: 400_000_000,
         }
+    }
+}
+
+impl MapOptions {
+    /// The most evaluations for one pixel of a picture of this size, by a method that follows them one by one.
+    pub fn evaluations_per_pixel(&self, size: [u32; 2]) -> u64 {
+        let pixels = u64::from(size[0]) * u64::from(size[1]);
+        (self.max_evaluations / pixels.max(1)).clamp(LEAST_FOR_PIXEL, MOST_FOR_PIXEL)
     }
 }
 
@@ -61,7 +119,30 @@ pub fn pixel_place(size: [u32; 2], column: u32, row: u32) -> [f64; 2] {
     ]
 }
 
-/// The whole map, a row after the other. `progress` is told the share that is done.
+/// Brings a point back through the sides that wrap, and gives the signs by which the components of a vector change: a
+/// flip turns the other one over.
+pub fn bring_back(domain: [[f64; 2]; 2], sides: Sides, mut at: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+    let mut signs = [1.0; 2];
+    for axis in 0..2 {
+        let [low, high] = domain[axis];
+        let side = sides.of(axis)[0];
+        let wraps = matches!(side, Side::Wrap | Side::WrapFlip);
+        if !wraps || (low..=high).contains(&at[axis]) {
+            continue;
+        }
+        let turns = ((at[axis] - low) / (high - low)).floor();
+        at[axis] = (at[axis] - turns * (high - low)).clamp(low, high);
+        if side == Side::WrapFlip && turns.rem_euclid(2.0) == 1.0 {
+            let [low, high] = domain[1 - axis];
+            at[1 - axis] = low + high - at[1 - axis];
+            signs[1 - axis] = -signs[1 - axis];
+        }
+    }
+    (at, signs)
+}
+
+/// The whole map, on all cores of the current rayon pool; it does not depend on how many they are. `progress` is told
+/// the share that is done.
 pub fn exponential_map<S: Surface + ?Sized>(
     surface: &S,
     frame: &Frame,
@@ -69,88 +150,69 @@ pub fn exponential_map<S: Surface + ?Sized>(
     options: &MapOptions,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Map {
-    let rows: Vec<Row> = (0..size[1])
-        .map(|row| {
-            let done = map_row(surface, frame, size, row, options);
-            progress((row + 1) as f32 / size[1] as f32);
-            done
-        })
-        .collect();
-    Map::from_rows(size, rows)
-}
-
-impl Map {
-    /// Puts rows together, given from the top; they may have been made in any order, on any thread.
-    pub fn from_rows(size: [u32; 2], rows: impl IntoIterator<Item = Row>) -> Self {
-        let mut map = Self {
-            size,
-            ..Self::default()
-        };
-        for row in rows {
-            map.uv.extend(row.uv);
-            map.status.extend(row.status);
-            map.evaluations += row.evaluations;
+    let across = match options.method {
+        Method::Fan => Across::Hermite,
+        Method::FanLinear => Across::Linear,
+        Method::Adaptive | Method::Rk4 { .. } => {
+            return pixel_by_pixel(surface, frame, size, options, progress);
         }
-        map
-    }
+    };
+    let defaults = FanOptions::default();
+    let fan_options = FanOptions {
+        tolerance: options.tolerance,
+        across,
+        max_evaluations: defaults.max_evaluations.min(options.max_evaluations),
+    };
+    let fan = Fan::build(surface, frame, size, &fan_options);
+    progress(0.5);
+    let patchwork = Patchwork::cut(&fan, size, PATCHWORK_SHARE * options.tolerance);
+    let mut map = patchwork.map();
+    map.work = fan.work();
+    let (rays, patches) = (fan.estimate(), patchwork.estimate);
+    map.estimate = Some(Estimate {
+        max: rays.max + patches.max,
+        p99: rays.p99 + patches.p99,
+    });
+    progress(1.0);
+    map
 }
 
-/// One row of the map, `row` counted from the top. It depends on no other row.
-pub fn map_row<S: Surface + ?Sized>(
+/// The share of the tolerance that the patchwork may add to the rays' error.
+const PATCHWORK_SHARE: f64 = 0.25;
+
+fn pixel_by_pixel<S: Surface + ?Sized>(
     surface: &S,
     frame: &Frame,
     size: [u32; 2],
-    row: u32,
     options: &MapOptions,
-) -> Row {
-    let atlas = Atlas::new(surface);
-    let mut out = Row::default();
-    let zoom = frame.zoom(surface);
-    // A pixel's width on the surface, at the centre; per length, over the longest ray of the row's pixels.
-    let pixel = zoom * 2.0 / f64::from(size[0].min(size[1]).max(1));
-    let mut step = None;
-    for column in 0..size[0] {
-        let place = pixel_place(size, column, row);
-        let length = zoom * place[0].hypot(place[1]);
-        let velocity = frame.velocity(place);
-        if length == 0.0 || length.is_nan() {
-            out.uv.push(frame.uv.map(|x| x as f32));
-            out.status.push(Status::Complete);
-            continue;
-        }
-        let limit = atlas.evaluations().saturating_add(options.max_evaluations);
-        let start = match trace::unit_start(&atlas, frame.uv, velocity) {
-            Ok((start, _)) => start,
-            Err(_) => {
-                out.uv.push(frame.uv.map(|x| x as f32));
-                out.status.push(Status::Undefined);
-                continue;
-            }
-        };
-        let common = Plan {
-            tableau: &DOPRI5,
-            tolerance: Some((options.tolerance * pixel / length).clamp(1e-13, 1e-2)),
-            step: step.unwrap_or_else(|| trace::first_step(&atlas, length)),
-            limit,
-            charts: true,
-            keep_path: false,
-        };
-        let plan = match options.method {
-            Method::Adaptive => common,
-            Method::Rk4 { steps } => Plan {
-                tableau: &RK4,
-                tolerance: None,
-                step: length / f64::from(steps.max(1)),
-                charts: false,
-                ..common
-            },
-        };
-        let end = follow::follow(&atlas, start, length, plan);
-        // The neighbour's geodesic is much the same.
-        step = (end.status == Status::Complete).then_some(end.step);
-        out.uv.push(end.motion.at.map(|x| x as f32));
-        out.status.push(end.status);
+    progress: &(dyn Fn(f32) + Sync),
+) -> Map {
+    let done = AtomicU32::new(0);
+    let rows: Vec<pixel::Row> = (0..size[1])
+        .into_par_iter()
+        .map(|row| {
+            let finished = pixel::row(surface, frame, size, row, options);
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            progress(done as f32 / size[1] as f32);
+            finished
+        })
+        .collect();
+    let mut map = Map {
+        size,
+        origin: frame.uv,
+        ..Map::default()
+    };
+    let mut errors = Vec::new();
+    for row in rows {
+        map.offset.extend(row.offset);
+        map.by_pixel.extend(row.by_pixel);
+        map.status.extend(row.status);
+        map.work.steps += row.work.steps;
+        map.work.rejected += row.work.rejected;
+        map.work.evaluations += row.work.evaluations;
+        map.work.followed += row.work.followed;
+        errors.extend(row.errors);
     }
-    out.evaluations = atlas.evaluations() as u64;
-    out
+    map.estimate = Estimate::of(&mut errors);
+    map
 }

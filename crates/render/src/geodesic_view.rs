@@ -6,7 +6,8 @@ mod inside;
 
 pub use inside::Inside;
 
-use geodesic::map::Map;
+use geodesic::map::{Map, bring_back};
+use geodesic::surface::Sides;
 use geodesic::trace::Status;
 use image::{Rgba, RgbaImage};
 use rayon::prelude::*;
@@ -30,6 +31,8 @@ pub struct Paint<'a> {
     pub colour: [f32; 3],
     /// `[[u min, u max], [v min, v max]]`: one width of the domain is one width of the image.
     pub domain: [[f64; 2]; 2],
+    /// Beyond sides that wrap, the image goes on; beyond a flip it is mirrored.
+    pub sides: Sides,
     /// Whether the centre is marked by an open ring.
     pub mark_centre: bool,
 }
@@ -100,9 +103,10 @@ fn pixel_colour(map: &Map, paint: &Paint, x: u32, y: u32) -> [f32; 3] {
     let index = at(x, y);
     let status = map.status[index];
     let normal = |index: usize| -> [f32; 2] {
+        let (at, _) = bring_back(paint.domain, paint.sides, map.uv(index));
         std::array::from_fn(|k| {
             let [low, high] = paint.domain[k];
-            ((f64::from(map.uv[index][k]) - low) / (high - low)) as f32
+            ((at[k] - low) / (high - low)) as f32
         })
     };
     if status != Status::Complete {

@@ -1,6 +1,7 @@
 //! From maps to colours: the geodesic view's second half, on maps with known ends.
 
 use geodesic::map::Map;
+use geodesic::surface::Sides;
 use geodesic::trace::Status;
 use image::{Rgba, RgbaImage};
 use render::geodesic_view::{Paint, hatching, resolve};
@@ -11,10 +12,10 @@ const UNIT: [[f64; 2]; 2] = [[0.0, 1.0], [0.0, 1.0]];
 
 fn map(size: u32, end: impl Fn(u32, u32) -> ([f32; 2], Status)) -> Map {
     let pixels = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
-    let (uv, status) = pixels.map(|(x, y)| end(x, y)).unzip();
+    let (offset, status) = pixels.map(|(x, y)| end(x, y)).unzip();
     Map {
         size: [size, size],
-        uv,
+        offset,
         status,
         ..Map::default()
     }
@@ -25,6 +26,7 @@ fn paint(texture: &Texture) -> Paint<'_> {
         texture,
         colour: [1.0; 3],
         domain: UNIT,
+        sides: Sides::default(),
         mark_centre: false,
     }
 }

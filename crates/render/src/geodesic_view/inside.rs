@@ -1,15 +1,13 @@
 //! Where the being inside the surface stands, and what it sees in f64: the geodesic view's camera and map.
 
 use geodesic::frame::Frame;
-use geodesic::map::{Map, MapOptions, Row, map_row};
+use geodesic::map::{self, Arithmetic, Map, MapOptions, exponential_map};
 use geodesic::surface::{ParametricSurface, Sides, Surface};
 use geodesic::topology::Apex;
-use geodesic::trace::{self, TraceError};
+use geodesic::trace::TraceError;
 use glam::DVec3;
-use rayon::prelude::*;
 use scene::scene::{Scene, Shape};
 use scene::values::Settings;
-use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::request::{Method, RenderError, Request, View};
 use crate::sample::DEGENERATE;
@@ -24,11 +22,6 @@ const PLACES: [[f64; 2]; 7] = [
     [0.83, 0.64],
     [0.13, 0.17],
 ];
-/// The work that the pixels of a picture share, so that a view of a million turns ends too. A usual pixel takes some
-/// dozens of evaluations.
-const PICTURE_EVALUATIONS: u64 = 400_000_000;
-/// However many pixels there are, each has so many evaluations: more than the fixed steps of Runge–Kutta need.
-const LEAST_EVALUATIONS: usize = 1000;
 /// The first zoom, as a share of the shorter of the two coordinate lines through the camera.
 const FIRST_ZOOM: f64 = 0.55;
 /// Steps of [`Method::Rk4Pixel`] for each pixel.
@@ -129,24 +122,18 @@ impl Inside {
     /// The ends of all pixels' geodesics, in f64 on all cores. `progress` is told the share that is done.
     pub fn map(&self, progress: &(dyn Fn(f32) + Sync)) -> Map {
         let method = match self.method {
-            Method::Auto | Method::Adaptive => trace::Method::Adaptive,
-            Method::Rk4Pixel => trace::Method::Rk4 { steps: RK4_STEPS },
+            Method::Auto | Method::Adaptive => map::Method::Adaptive,
+            Method::Rk4Pixel => map::Method::Rk4 {
+                steps: RK4_STEPS,
+                arithmetic: Arithmetic::F64,
+            },
         };
         let options = MapOptions {
             method,
             tolerance: TOLERANCE,
-            max_evaluations: evaluations_per_pixel(self.size),
+            ..MapOptions::default()
         };
-        let height = self.size[1];
-        let done = AtomicU32::new(0);
-        let row = |row: u32| {
-            let row = map_row(&self.surface, &self.frame, self.size, row, &options);
-            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            progress(done as f32 / height as f32);
-            row
-        };
-        let rows: Vec<Row> = (0..height).into_par_iter().map(row).collect();
-        Map::from_rows(self.size, rows)
+        exponential_map(&self.surface, &self.frame, self.size, &options, progress)
     }
 }
 
@@ -177,15 +164,6 @@ fn has_tangent_plane(surface: &ParametricSurface, at: [f64; 2]) -> bool {
     (a / longest).cross(b / longest).length() > DEGENERATE
 }
 
-/// The most evaluations for one pixel of a picture of this size: fewer where there are many pixels.
-fn evaluations_per_pixel(size: [u32; 2]) -> usize {
-    let pixels = u64::from(size[0]) * u64::from(size[1]);
-    let share = PICTURE_EVALUATIONS / pixels.max(1);
-    usize::try_from(share)
-        .unwrap_or(usize::MAX)
-        .clamp(LEAST_EVALUATIONS, MapOptions::default().max_evaluations)
-}
-
 /// A zoom that shows a good part of the surface.
 fn first_zoom(surface: &ParametricSurface, at: [f64; 2]) -> f64 {
     const STEPS: u32 = 64;
@@ -209,17 +187,5 @@ fn first_zoom(surface: &ParametricSurface, at: [f64; 2]) -> f64 {
         FIRST_ZOOM * shorter
     } else {
         1.0
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::evaluations_per_pixel;
-
-    #[test]
-    fn pixels_share_a_picture_s_work() {
-        assert_eq!(evaluations_per_pixel([100, 100]), 20_000);
-        assert_eq!(evaluations_per_pixel([512, 512]), 1525);
-        assert_eq!(evaluations_per_pixel([16_384, 16_384]), 1000);
     }
 }

@@ -4,7 +4,7 @@
 //! long. The resolve pass looks at neighbouring pixels: a slab's map has some rows more than are coloured.
 
 use geodesic::frame::Frame;
-use geodesic::map::Map;
+use geodesic::map::{Map, bring_back};
 use geodesic::surface::{Side, Sides};
 use geodesic::trace::Status;
 use image::RgbaImage;
@@ -140,6 +140,7 @@ enum MapSource {
         pipeline: wgpu::ComputePipeline,
         uniforms: Option<wgpu::Buffer>,
     },
+    /// A map whose ends have been brought back into the domain.
     Blocks(Map),
 }
 
@@ -155,9 +156,12 @@ fn map_source(
     {
         return Ok(source);
     }
-    Ok(MapSource::Blocks(
-        inside.map(&|share| progress(0.9 * share)),
-    ))
+    let mut map = inside.map(&|share| progress(0.9 * share));
+    for index in 0..map.offset.len() {
+        let (at, _) = bring_back(inside.domain(), inside.sides(), map.uv(index));
+        map.offset[index] = [0, 1].map(|k| (at[k] - map.origin[k]) as f32);
+    }
+    Ok(MapSource::Blocks(map))
 }
 
 /// The generated kernel; `None` if it would be too large for a shader: f64 takes any expression.
@@ -200,12 +204,14 @@ impl MapSource {
         let bytes = PIXEL_BYTES * u64::from(size[0]) * u64::from(size[1]);
         workshop.gpu.read(&buffer, bytes, |bytes| {
             let pixels: Vec<[u32; 4]> = bytemuck::pod_collect_to_vec(bytes);
-            let uv = pixels
-                .iter()
-                .map(|&[a, b, ..]| chart.uv([f32::from_bits(a), f32::from_bits(b)]));
+            let offset = pixels.iter().map(|&[a, b, ..]| {
+                let scaled = [a, b].map(f32::from_bits);
+                [0, 1].map(|k| (chart.scale[k] * f64::from(scaled[k])) as f32)
+            });
             let status = pixels.iter().map(|&[_, _, status, _]| status_of(status));
             Map {
-                uv: uv.collect(),
+                offset: offset.collect(),
+                origin: chart.at,
                 status: status.collect(),
                 size,
                 ..Map::default()
@@ -230,7 +236,8 @@ impl MapSource {
                     (first as usize * width as usize)..((first + count) as usize * width as usize);
                 let packed: Vec<[u32; 4]> = pixels
                     .map(|at| {
-                        let [a, b] = chart.offset(map.uv[at]).map(f32::to_bits);
+                        let scaled = |k: usize| f64::from(map.offset[at][k]) / chart.scale[k];
+                        let [a, b] = [0, 1].map(|k| (scaled(k) as f32).to_bits());
                         [a, b, code_of(map.status[at]), 0]
                     })
                     .collect();
@@ -308,14 +315,6 @@ impl Chart {
             }
         }
         chart
-    }
-
-    fn offset(&self, uv: [f32; 2]) -> [f32; 2] {
-        [0, 1].map(|k| ((f64::from(uv[k]) - self.at[k]) / self.scale[k]) as f32)
-    }
-
-    fn uv(&self, offset: [f32; 2]) -> [f32; 2] {
-        [0, 1].map(|k| (self.at[k] + self.scale[k] * f64::from(offset[k])) as f32)
     }
 
     fn camera(&self, size: [u32; 2], rows: [u32; 2], map_row: u32) -> ChartCamera {

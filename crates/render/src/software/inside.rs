@@ -23,6 +23,7 @@ pub(super) fn render(
         texture: &texture,
         colour: request.colour(surface, shape),
         domain: inside.domain(),
+        sides: inside.sides(),
         mark_centre: request.mark_centre,
     };
     let image = resolve(&map, &paint);
