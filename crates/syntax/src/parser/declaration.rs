@@ -211,7 +211,17 @@ impl<A: Actions> Parser<'_, '_, A> {
                 }
                 _ => format!("write `param {text} : [min, max];`, or use `define` for a constant"),
             }),
-            TokenKind::Equals => Some("a constant is declared by `define`".to_owned()),
+            TokenKind::Equals if word == DeclareWord::Function => {
+                Some("a constant is declared by `define`".to_owned())
+            }
+            TokenKind::Equals => Some(match word {
+                DeclareWord::Curve => format!("write `curve {text}(t) = …`"),
+                DeclareWord::Geodesic => format!("write `{GEODESIC}`"),
+                word => format!("write `{} {text}(u, v) = …`", word.text()),
+            }),
+            TokenKind::Colon if word == DeclareWord::Geodesic => {
+                Some(format!("write `{GEODESIC}`"))
+            }
             TokenKind::ParenOpen => {
                 let words = DeclareWord::ALL
                     .into_iter()
