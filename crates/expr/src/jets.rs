@@ -1,57 +1,170 @@
-//! Evaluation with derivatives: values and all partial derivatives up to order two, in lanes of points.
+//! Evaluation with derivatives: values and partial derivatives by two variables up to order two, in lanes of points.
 //!
-//! What flows in: roots and the two variables to derive by, then points. What flows out: a [`Jet`] for each root.
-//! The derivatives are carried along with the values (truncated Taylor arithmetic in two variables), so that nothing
-//! is derived symbolically; what a node does not depend on is known beforehand and costs nothing.
+//! ```text
+//! roots ──expand.rs──▶ one coefficient for each node and derivative ──assemble.rs──▶ code ──run.rs──▶ numbers
+//! ```
+//!
+//! What flows in: roots and the two variables to derive by, then points. What flows out: the coefficients of each
+//! root. Derivatives are carried along with the values (truncated Taylor arithmetic in two variables), nothing is
+//! derived symbolically, and each operation costs a bounded number of instructions. The arithmetic is unrolled before
+//! any point is seen: a coefficient that is zero everywhere, because its node does not depend on a variable or is
+//! linear in it, costs nothing; equal coefficients (the derivative of a sine, and the cosine) are computed once; what
+//! depends on uniforms alone is computed once for their values ([`JetTape::fix`]).
+//!
+//! ```
+//! use expr::jets::{JetRegisters, JetTape, Order};
+//! use expr::{Graph, Input};
+//!
+//! let mut graph = Graph::default();
+//! let [u, v] = [0, 1].map(|k| graph.input(Input::Variable(k)));
+//! let square = graph.mul(u, u);
+//! let root = graph.mul(square, v);
+//! let tape = JetTape::new(&graph, &[root], [Input::Variable(0), Input::Variable(1)], Order::Second).unwrap();
+//! let [mut value, mut du, mut dv, mut duu, mut duv, mut dvv] = [[[f64::NAN]]; 6];
+//! let out = [&mut value[..], &mut du, &mut dv, &mut duu, &mut duv, &mut dvv];
+//! tape.eval(&mut JetRegisters::default(), &tape.fix(&[]), &[[3.0], [5.0]], out);
+//! assert_eq!([value, du, dv, duu, duv, dvv], [45.0, 30.0, 9.0, 10.0, 6.0, 0.0].map(|x| [[x]]));
+//! ```
 
-use crate::graph::{Graph, Input, NodeId};
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// How many points are evaluated at once where many are: two vectors of four on a processor with AVX2.
+use crate::graph::{Graph, Input, NodeId, TooLarge};
+use crate::jets::assemble::{Code, assemble};
+use crate::jets::expand::{Expansion, expand};
+
+mod assemble;
+mod expand;
+mod run;
+pub use run::JetRegisters;
+
+/// How many points are evaluated at once where many are: a vector of eight, or two of four.
 pub const LANES: usize = 8;
 
-/// A value with its partial derivatives by two variables, in `N` lanes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)]
-pub struct Jet<const N: usize> {
-    pub value: [f64; N],
-    pub du: [f64; N],
-    pub dv: [f64; N],
-    pub duu: [f64; N],
-    pub duv: [f64; N],
-    pub dvv: [f64; N],
+/// Up to which order derivatives are computed.
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub enum Order {
+    /// The value alone.
+    Value,
+    /// The value and both first derivatives.
+    First,
+    /// The value, both first and all three second derivatives.
+    Second,
 }
 
-/// Straight-line code for the jets of some roots.
-#[derive(Clone, Debug)]
-pub struct JetTape {}
+impl Order {
+    /// How many coefficients a root has: 1, 3 or 6.
+    pub fn coefficients(self) -> usize {
+        match self {
+            Self::Value => 1,
+            Self::First => 3,
+            Self::Second => 6,
+        }
+    }
+}
 
-/// Registers, reused between evaluations so that none allocates. One per thread, for any tapes.
-#[derive(Clone, Debug, Default)]
-pub struct JetRegisters<const N: usize> {}
+/// Straight-line code for the coefficients of some roots.
+#[derive(Clone, Debug)]
+pub struct JetTape {
+    expansion: Expansion,
+    code: Code,
+    order: Order,
+    identity: u64,
+}
+
+/// The numbers of a [`JetTape`] that are the same at every point: constants, and what follows from uniforms.
+#[derive(Clone, Debug)]
+pub struct Fixed {
+    numbers: Vec<f64>,
+    tape: u64,
+    identity: u64,
+}
+
+/// Names tapes and their fixed numbers, so that registers know whose numbers they hold.
+fn next_identity() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    NEXT.fetch_add(1, Ordering::Relaxed)
+}
 
 impl JetTape {
-    /// Compiles the roots, to be derived by `variables`.
-    pub fn new(_graph: &Graph, _roots: &[NodeId], _variables: [Input; 2]) -> Self {
-        todo!()
+    /// Compiles the roots, to be derived by `variables`; every other input is a uniform.
+    ///
+    /// # Errors
+    /// [`TooLarge`] where there are more coefficients than the graph may hold nodes.
+    pub fn new(
+        graph: &Graph,
+        roots: &[NodeId],
+        variables: [Input; 2],
+        order: Order,
+    ) -> Result<Self, TooLarge> {
+        let expansion = expand(graph, roots, variables, order)?;
+        let code = assemble(&expansion, order.coefficients());
+        Ok(Self {
+            expansion,
+            code,
+            order,
+            identity: next_identity(),
+        })
     }
 
-    /// The inputs other than the two variables, in the order in which evaluation takes them.
+    /// The inputs other than the two variables, in the order in which [`JetTape::fix`] takes them.
     pub fn uniforms(&self) -> &[Input] {
-        todo!()
+        &self.expansion.uniforms
     }
 
-    /// Values and derivatives up to order two at `N` points; `at` holds the two variables, `uniforms` follows
-    /// [`JetTape::uniforms`], `out` has one place per root.
+    /// Up to which order it derives.
+    pub fn order(&self) -> Order {
+        self.order
+    }
+
+    /// How many roots it evaluates.
+    pub fn root_count(&self) -> usize {
+        self.code.places.len() / self.order.coefficients()
+    }
+
+    /// How many instructions one evaluation runs.
+    pub fn instruction_count(&self) -> usize {
+        self.code.instructions.len()
+    }
+
+    /// How many registers an evaluation uses, those of fixed numbers among them.
+    pub fn register_count(&self) -> usize {
+        self.code.register_count
+    }
+
+    /// Computes what is the same at every point. `uniforms` follows [`JetTape::uniforms`].
     ///
     /// # Panics
-    /// If `uniforms` or `out` is not of this length.
-    pub fn eval<const N: usize>(
+    /// If `uniforms` is not of this length.
+    pub fn fix(&self, uniforms: &[f64]) -> Fixed {
+        assert_eq!(
+            uniforms.len(),
+            self.uniforms().len(),
+            "one number per uniform"
+        );
+        Fixed {
+            numbers: self.expansion.fixed_numbers(uniforms, &self.code.fixed),
+            tape: self.identity,
+            identity: next_identity(),
+        }
+    }
+
+    /// Evaluates at `N` points: `at` holds the two variables, `out[k][root]` receives coefficient k of a root, in the
+    /// order value, ∂u, ∂v, ∂uu, ∂uv, ∂vv. The bits do not depend on `N`, nor on the processor.
+    ///
+    /// # Panics
+    /// If `fixed` is another tape's, `K` is not the number of coefficients of [`JetTape::order`], or `out` has not one
+    /// place per root.
+    pub fn eval<const N: usize, const K: usize>(
         &self,
-        _registers: &mut JetRegisters<N>,
-        _at: &[[f64; N]; 2],
-        _uniforms: &[f64],
-        _out: &mut [Jet<N>],
+        registers: &mut JetRegisters,
+        fixed: &Fixed,
+        at: &[[f64; N]; 2],
+        out: [&mut [[f64; N]]; K],
     ) {
-        todo!()
+        assert_eq!(fixed.tape, self.identity, "fixed numbers of this tape");
+        assert_eq!(K, self.order.coefficients(), "all coefficients");
+        let roots = self.root_count();
+        assert!(out.iter().all(|out| out.len() == roots), "a place per root");
+        registers.run(&self.code, &fixed.numbers, fixed.identity, at, out);
     }
 }

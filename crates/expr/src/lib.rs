@@ -5,7 +5,7 @@
 //!                                                      │
 //!                  graph.rs (the arena), simplify.rs (its constructors), ops.rs (the one table of operations)
 //!                                                      │
-//!                  tape.rs (f64, blocks of lanes)   print.rs (text)   statistics.rs   crate wgsl (shaders)
+//!   jets.rs (values with derivatives)   tape.rs (f64, blocks of lanes)   print.rs (text)   statistics.rs   crate wgsl (shaders)
 //! ```
 //!
 //! This crate knows no syntax and no GPU: the WGSL column of the table is text. Every evaluator of these
@@ -27,11 +27,13 @@
 
 mod arithmetic;
 pub mod conformance;
+pub mod elementary;
 pub mod graph;
 pub mod jets;
 pub mod number;
 pub mod ops;
 pub mod print;
+pub mod processor;
 mod rewrite;
 mod simplify;
 pub mod statistics;

@@ -1,8 +1,8 @@
 //! The one table of scalar operations.
 //!
 //! What flows in: nothing. What flows out: for each operation its name, documentation, exact f64 meaning (one
-//! number and blocks of lanes, from one expression), derivative rule, WGSL text, and the name under which
-//! programs know it. The rows stand in `ops/unary.rs` and `ops/binary.rs`. To add an operation, add a row, and
+//! number and blocks of lanes, from one expression), derivative rule, first and second derivative at a number, WGSL
+//! text, and the name under which programs know it. The rows stand in `ops/unary.rs` and `ops/binary.rs`. To add an operation, add a row, and
 //! cases to [`crate::conformance`].
 //!
 //! f64 functions are those of `std`, which round as the system's mathematical library does.
@@ -16,10 +16,12 @@ use crate::graph::{Graph, NodeId};
 mod binary;
 mod lanes;
 mod power;
+mod slopes;
 mod unary;
 pub use binary::Binary;
 pub use lanes::Lanes;
 pub(crate) use power::integer_power_derivative;
+pub use slopes::{Arithmetic, Numbers};
 pub use unary::Unary;
 
 /// How an operation is written in WGSL.

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use expr::graph::TooLarge;
-use expr::tape::{Registers, Tape};
+use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::{Graph, Input, NodeId};
 
 use crate::topology::{Apex, Topology};
@@ -193,32 +193,26 @@ impl Sides {
 }
 
 /// A surface given by expressions in `Variable(0)` = u and `Variable(1)` = v, with the uniforms' values fixed. All
-/// six vectors of a jet are one tape, so that they share their subexpressions.
+/// three components are one tape, so that they share their subexpressions. Cheap to make: nothing is derived
+/// symbolically.
 #[derive(Clone, Debug)]
 pub struct ParametricSurface {
-    tape: Tape,
-    inputs: Vec<Source>,
+    tape: JetTape,
+    fixed: Fixed,
     domain: [[f64; 2]; 2],
     topology: Topology,
     scale: Scale,
 }
 
-/// Where an input of the tape comes from.
-#[derive(Clone, Copy, Debug)]
-enum Source {
-    U,
-    V,
-    Fixed(f64),
-}
-
 thread_local! {
-    /// Registers and inputs of the evaluation, one per thread, so that none allocates.
-    static SCRATCH: RefCell<(Registers, Vec<f64>)> = RefCell::default();
+    /// Registers, one set per thread for single points and one for lanes, so that none allocates and neither
+    /// displaces the other's constants.
+    static REGISTERS: RefCell<[JetRegisters; 2]> = RefCell::default();
 }
 
 impl ParametricSurface {
-    /// Derives the position twice, compiles it, and looks for what lies beyond the sides. A uniform without a
-    /// value is NaN: the surface is undefined then.
+    /// Compiles the position, and looks for what lies beyond the sides. A uniform without a value is NaN: the surface
+    /// is undefined then.
     ///
     /// # Errors
     /// [`TooLarge`] where the derivatives do not fit into the graph's limit.
@@ -228,29 +222,20 @@ impl ParametricSurface {
         domain: [[f64; 2]; 2],
         uniforms: &[f64],
     ) -> Result<Self, TooLarge> {
-        let (mut graph, first) = graph.extract(&position);
-        let du = graph.derivatives(&first, Input::Variable(0))?;
-        let dv = graph.derivatives(&first, Input::Variable(1))?;
-        let duu = graph.derivatives(&du, Input::Variable(0))?;
-        let duv = graph.derivatives(&du, Input::Variable(1))?;
-        let dvv = graph.derivatives(&dv, Input::Variable(1))?;
-        let roots = [first, du, dv, duu, duv, dvv].concat();
-        let tape = Tape::new(&graph, &roots);
-        let inputs = tape
-            .inputs()
+        let variables = [Input::Variable(0), Input::Variable(1)];
+        let tape = JetTape::new(graph, &position, variables, Order::Second)?;
+        let values: Vec<f64> = tape
+            .uniforms()
             .iter()
             .map(|input| match *input {
-                Input::Variable(0) => Source::U,
-                Input::Variable(1) => Source::V,
-                Input::Variable(_) => Source::Fixed(f64::NAN),
-                Input::Uniform(k) => {
-                    Source::Fixed(uniforms.get(k as usize).copied().unwrap_or(f64::NAN))
-                }
+                Input::Variable(_) => f64::NAN,
+                Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
             })
             .collect();
+        let fixed = tape.fix(&values);
         let mut surface = Self {
             tape,
-            inputs,
+            fixed,
             domain,
             topology: Topology::default(),
             scale: Scale {
@@ -271,25 +256,43 @@ impl ParametricSurface {
 
 impl Surface for ParametricSurface {
     fn jet(&self, uv: [f64; 2]) -> Jet {
-        let mut out = [0.0; 18];
-        SCRATCH.with_borrow_mut(|(registers, values)| {
-            values.clear();
-            values.extend(self.inputs.iter().map(|source| match *source {
-                Source::U => uv[0],
-                Source::V => uv[1],
-                Source::Fixed(value) => value,
-            }));
-            self.tape.eval(registers, values, &mut out);
+        let mut out = [[[f64::NAN]; 3]; 6];
+        let [position, du, dv, duu, duv, dvv] = &mut out;
+        REGISTERS.with_borrow_mut(|[registers, _]| {
+            let out = [
+                &mut position[..],
+                &mut du[..],
+                &mut dv[..],
+                &mut duu[..],
+                &mut duv[..],
+                &mut dvv[..],
+            ];
+            let at = uv.map(|x| [x]);
+            self.tape.eval(registers, &self.fixed, &at, out);
         });
-        let vector = |k: usize| [out[3 * k], out[3 * k + 1], out[3 * k + 2]];
+        let [position, du, dv, duu, duv, dvv] = out.map(|vector| vector.map(|[x]| x));
         Jet {
-            position: vector(0),
-            du: vector(1),
-            dv: vector(2),
-            duu: vector(3),
-            duv: vector(4),
-            dvv: vector(5),
+            position,
+            du,
+            dv,
+            duu,
+            duv,
+            dvv,
         }
+    }
+
+    fn jets(&self, at: &[Lanes; 2], out: &mut JetBlock) {
+        REGISTERS.with_borrow_mut(|[_, registers]| {
+            let out = [
+                &mut out.position[..],
+                &mut out.du[..],
+                &mut out.dv[..],
+                &mut out.duu[..],
+                &mut out.duv[..],
+                &mut out.dvv[..],
+            ];
+            self.tape.eval(registers, &self.fixed, at, out);
+        });
     }
 
     fn domain(&self) -> [[f64; 2]; 2] {

@@ -5,6 +5,10 @@
 use crate::arithmetic::sign;
 use crate::graph::{Graph, NodeId};
 use crate::ops::lanes::each;
+use crate::ops::slopes::{
+    Arithmetic, one_minus_square as complement, reciprocal_of_complement,
+    reciprocal_of_one_plus_square,
+};
 use crate::ops::{Row, Wgsl};
 
 macro_rules! unary_operations {
@@ -12,7 +16,8 @@ macro_rules! unary_operations {
         $(#[doc = $doc:literal])+
         $variant:ident = $name:literal, builtin: $builtin:expr, wgsl: $wgsl:expr,
         eval: |$x:ident| $value:expr,
-        derivative: $text:literal, |$graph:ident, $a:ident, $y:ident, $da:ident| $rule:expr;
+        derivative: $text:literal, |$graph:ident, $a:ident, $y:ident, $da:ident| $rule:expr,
+        slopes: |$n:ident, $s:ident, $t:ident| $slopes:expr;
     )+) => {
         /// An operation on one number.
         #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
@@ -71,6 +76,22 @@ macro_rules! unary_operations {
                 match self { $(Self::$variant => each(x, out, |$x| $value),)+ }
             }
 
+            /// Its first and second derivative at `x`, where its value is `y`, in any arithmetic. What is zero
+            /// everywhere is the constant 0.
+            pub fn slopes<A: Arithmetic>(
+                self,
+                arithmetic: &mut A,
+                x: A::Number,
+                y: A::Number,
+            ) -> [A::Number; 2] {
+                match self {
+                    $(Self::$variant => {
+                        let ($n, $s, $t) = (arithmetic, x, y);
+                        $slopes
+                    })+
+                }
+            }
+
             /// The derivative of `y`, which is this operation on `x`, where that of `x` is `dx`.
             pub(crate) fn derivative(
                 self,
@@ -94,12 +115,14 @@ unary_operations! {
     /// The number with the other sign.
     Neg = "neg", builtin: None, wgsl: Wgsl::Prefix("-"),
     eval: |x| -x,
-    derivative: "-x'", |g, _x, _y, dx| g.neg(dx);
+    derivative: "-x'", |g, _x, _y, dx| g.neg(dx),
+    slopes: |n, _x, _y| [n.constant(-1.0), n.constant(0.0)];
 
     /// Sine of an angle in radians.
     Sin = "sin", builtin: Some("sin"), wgsl: Wgsl::Builtin("sin"),
     eval: |x| x.sin(),
-    derivative: "cos x · x'", |g, x, _y, dx| { let c = g.unary(Unary::Cos, x); g.mul(c, dx) };
+    derivative: "cos x · x'", |g, x, _y, dx| { let c = g.unary(Unary::Cos, x); g.mul(c, dx) },
+    slopes: |n, x, y| [n.unary(Unary::Cos, x), n.neg(y)];
 
     /// Cosine of an angle in radians.
     Cos = "cos", builtin: Some("cos"), wgsl: Wgsl::Builtin("cos"),
@@ -108,7 +131,8 @@ unary_operations! {
         let s = g.unary(Unary::Sin, x);
         let product = g.mul(s, dx);
         g.neg(product)
-    };
+    },
+    slopes: |n, x, y| { let s = n.unary(Unary::Sin, x); [n.neg(s), n.neg(y)] };
 
     /// Tangent of an angle in radians.
     Tan = "tan", builtin: Some("tan"), wgsl: Wgsl::Builtin("tan"),
@@ -118,17 +142,31 @@ unary_operations! {
         let square = g.mul(y, y);
         let sum = g.add(one, square);
         g.mul(sum, dx)
+    },
+    slopes: |n, _x, y| {
+        let (one, two) = (n.constant(1.0), n.constant(2.0));
+        let square = n.mul(y, y);
+        let first = n.add(one, square);
+        let twice = n.mul(two, y);
+        [first, n.mul(twice, first)]
     };
 
     /// The exponential function: e to a power.
     Exp = "exp", builtin: Some("exp"), wgsl: Wgsl::Builtin("exp"),
     eval: |x| x.exp(),
-    derivative: "y x'", |g, _x, y, dx| g.mul(y, dx);
+    derivative: "y x'", |g, _x, y, dx| g.mul(y, dx),
+    slopes: |_n, _x, y| [y, y];
 
     /// Natural logarithm; undefined below zero, minus infinity at zero.
     Log = "log", builtin: Some("log"), wgsl: Wgsl::Builtin("log"),
     eval: |x| x.ln(),
-    derivative: "x' / x", |g, x, _y, dx| g.div(dx, x);
+    derivative: "x' / x", |g, x, _y, dx| g.div(dx, x),
+    slopes: |n, x, _y| {
+        let one = n.constant(1.0);
+        let first = n.div(one, x);
+        let square = n.mul(first, first);
+        [first, n.neg(square)]
+    };
 
     /// Square root; undefined below zero.
     Sqrt = "sqrt", builtin: Some("sqrt"), wgsl: Wgsl::Builtin("sqrt"),
@@ -137,6 +175,14 @@ unary_operations! {
         let two = g.constant(2.0);
         let double = g.mul(two, y);
         g.div(dx, double)
+    },
+    slopes: |n, _x, y| {
+        let (one, half) = (n.constant(1.0), n.constant(0.5));
+        let reciprocal = n.div(one, y);
+        let first = n.mul(half, reciprocal);
+        let square = n.mul(first, first);
+        let second = n.mul(square, reciprocal);
+        [first, n.neg(second)]
     };
 
     /// The angle in [-π/2, π/2] with this sine; undefined outside [-1, 1].
@@ -145,7 +191,8 @@ unary_operations! {
     derivative: "x' / √((1 - x)(1 + x))", |g, x, _y, dx| {
         let root = sine_of_complement(g, x);
         g.div(dx, root)
-    };
+    },
+    slopes: |n, x, _y| reciprocal_of_complement(n, x);
 
     /// The angle in [0, π] with this cosine; undefined outside [-1, 1].
     Acos = "acos", builtin: Some("acos"), wgsl: Wgsl::Builtin("acos"),
@@ -154,7 +201,8 @@ unary_operations! {
         let root = sine_of_complement(g, x);
         let quotient = g.div(dx, root);
         g.neg(quotient)
-    };
+    },
+    slopes: |n, x, _y| { let [first, second] = reciprocal_of_complement(n, x); [n.neg(first), n.neg(second)] };
 
     /// The angle in (-π/2, π/2) with this tangent.
     Atan = "atan", builtin: Some("atan"), wgsl: Wgsl::Builtin("atan"),
@@ -164,17 +212,20 @@ unary_operations! {
         let square = g.mul(x, x);
         let sum = g.add(one, square);
         g.div(dx, sum)
-    };
+    },
+    slopes: |n, x, _y| reciprocal_of_one_plus_square(n, x);
 
     /// Hyperbolic sine.
     Sinh = "sinh", builtin: Some("sinh"), wgsl: Wgsl::Builtin("sinh"),
     eval: |x| x.sinh(),
-    derivative: "cosh x · x'", |g, x, _y, dx| { let c = g.unary(Unary::Cosh, x); g.mul(c, dx) };
+    derivative: "cosh x · x'", |g, x, _y, dx| { let c = g.unary(Unary::Cosh, x); g.mul(c, dx) },
+    slopes: |n, x, y| [n.unary(Unary::Cosh, x), y];
 
     /// Hyperbolic cosine.
     Cosh = "cosh", builtin: Some("cosh"), wgsl: Wgsl::Builtin("cosh"),
     eval: |x| x.cosh(),
-    derivative: "sinh x · x'", |g, x, _y, dx| { let s = g.unary(Unary::Sinh, x); g.mul(s, dx) };
+    derivative: "sinh x · x'", |g, x, _y, dx| { let s = g.unary(Unary::Sinh, x); g.mul(s, dx) },
+    slopes: |n, x, y| [n.unary(Unary::Sinh, x), y];
 
     /// Hyperbolic tangent.
     Tanh = "tanh", builtin: Some("tanh"), wgsl: Wgsl::Builtin("tanh"),
@@ -182,17 +233,25 @@ unary_operations! {
     derivative: "(1 - y)(1 + y) x'", |g, _x, y, dx| {
         let product = one_minus_square(g, y);
         g.mul(product, dx)
+    },
+    slopes: |n, _x, y| {
+        let minus_two = n.constant(-2.0);
+        let first = complement(n, y);
+        let twice = n.mul(minus_two, y);
+        [first, n.mul(twice, first)]
     };
 
     /// Absolute value. Its derivative at zero is taken to be zero.
     Abs = "abs", builtin: Some("abs"), wgsl: Wgsl::Builtin("abs"),
     eval: |x| x.abs(),
-    derivative: "sign x · x'", |g, x, _y, dx| { let s = g.unary(Unary::Sign, x); g.mul(s, dx) };
+    derivative: "sign x · x'", |g, x, _y, dx| { let s = g.unary(Unary::Sign, x); g.mul(s, dx) },
+    slopes: |n, x, _y| [n.unary(Unary::Sign, x), n.constant(0.0)];
 
     /// The sign of a number: -1, 0 or 1; 0 for both zeros.
     Sign = "sign", builtin: None, wgsl: Wgsl::Builtin("sign"),
     eval: |x| sign(x),
-    derivative: "0", |g, _x, _y, _dx| g.constant(0.0);
+    derivative: "0", |g, _x, _y, _dx| g.constant(0.0),
+    slopes: |n, _x, _y| [n.constant(0.0), n.constant(0.0)];
 }
 
 /// (1 − x)(1 + x): 1 − x² without its cancellation near ±1.

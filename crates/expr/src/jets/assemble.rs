@@ -1,0 +1,375 @@
+//! From coefficients to code: what the roots need, in an order that keeps registers few, sums of products as one
+//! instruction, sine and cosine of one angle as one.
+//!
+//! What flows in: an [`Expansion`]. What flows out: [`Code`] over registers: first the two variables, then fixed
+//! numbers, then what is computed. A register is used again as soon as its value has been used for the last time;
+//! those of fixed numbers never are, so that they stay filled from one evaluation to the next.
+
+use crate::jets::expand::{Expansion, Micro, Term};
+use crate::ops::{Binary, Unary};
+
+/// Straight-line code.
+#[derive(Clone, Debug)]
+pub(super) struct Code {
+    pub(super) instructions: Vec<Instruction>,
+    /// For each coefficient and root its register, and the bit to flip for its sign; all values first.
+    pub(super) places: Vec<(u32, u64)>,
+    /// Which coefficients the registers from [`FIRST_FIXED`] on hold.
+    pub(super) fixed: Vec<u32>,
+    pub(super) register_count: usize,
+}
+
+/// The register of the first fixed number; before it stand the variables.
+pub(super) const FIRST_FIXED: usize = 2;
+
+/// One instruction: registers in, registers out. An out register may be one of those read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Instruction {
+    pub(super) op: Op,
+    pub(super) out: u32,
+    /// Where the second result goes, if there are two.
+    pub(super) second: u32,
+    pub(super) operands: [u32; 4],
+}
+
+/// What is done with operands a, b, c, d.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(super) enum Op {
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Pow,
+    Zmul,
+    /// a·b + c.
+    ProductPlus,
+    /// a·b − c.
+    ProductMinus,
+    /// c − a·b.
+    MinusProduct,
+    /// a·b + c·d.
+    ProductsPlus,
+    /// a·b − c·d.
+    ProductsMinus,
+    Neg,
+    SinCos,
+    SinhCosh,
+    Tan,
+    Exp,
+    Log,
+    Sqrt,
+    Asin,
+    Acos,
+    Atan,
+    Tanh,
+    Abs,
+    Sign,
+}
+
+/// No coefficient, or no register.
+const NOWHERE: u32 = u32::MAX;
+
+/// What is computed for a coefficient.
+#[derive(Clone, Copy, Debug)]
+struct Plan {
+    op: Op,
+    operands: [u32; 4],
+    count: usize,
+}
+
+/// Makes the code for roots of so many coefficients each.
+pub(super) fn assemble(expansion: &Expansion, coefficients: usize) -> Code {
+    let uses = count_uses(expansion);
+    let plans = Plans {
+        expansion,
+        uses: &uses,
+    };
+    let (order, partners) = plans.schedule();
+    let mut registers = Allocation::new(expansion, &plans, &order);
+    let mut instructions = Vec::with_capacity(order.len());
+    for &id in &order {
+        let plan = plans.of(id);
+        let mut operands = [0; 4];
+        for (place, &operand) in operands.iter_mut().zip(&plan.operands[..plan.count]) {
+            *place = registers.take(operand);
+        }
+        // A pair's results are the sine and the cosine; one that nobody wants frees its register at once.
+        let pair = partners[id as usize];
+        let results = match expansion.micros[id as usize] {
+            Micro::Unary(Unary::Sin | Unary::Sinh, _) => vec![id, pair],
+            Micro::Unary(Unary::Cos | Unary::Cosh, _) => vec![pair, id],
+            _ => vec![id],
+        };
+        let places: Vec<u32> = results.iter().map(|&id| registers.give(id)).collect();
+        for (&result, &place) in results.iter().zip(&places) {
+            if result == NOWHERE {
+                registers.free.push(place);
+            }
+        }
+        let (out, second) = (places[0], places[places.len() - 1]);
+        instructions.push(Instruction {
+            op: plan.op,
+            out,
+            second,
+            operands,
+        });
+    }
+    Code {
+        instructions,
+        places: (0..coefficients)
+            .flat_map(|k| expansion.roots.iter().skip(k).step_by(coefficients))
+            .map(|term| (registers.places[term.id as usize], sign_bit(*term)))
+            .collect(),
+        register_count: registers.count as usize,
+        fixed: registers.fixed,
+    }
+}
+
+fn sign_bit(term: Term) -> u64 {
+    u64::from(term.negative) << 63
+}
+
+/// How often each coefficient is used by what the roots need; what they do not need has no uses.
+fn count_uses(expansion: &Expansion) -> Vec<u32> {
+    let mut uses = vec![0u32; expansion.micros.len()];
+    for root in &expansion.roots {
+        // A root's register is never free again.
+        uses[root.id as usize] = u32::MAX;
+    }
+    for id in (0..expansion.micros.len()).rev() {
+        if uses[id] > 0 && expansion.varying[id] {
+            for operand in expansion.micros[id].operands() {
+                let count = &mut uses[operand as usize];
+                *count = count.saturating_add(1);
+            }
+        }
+    }
+    uses
+}
+
+struct Plans<'a> {
+    expansion: &'a Expansion,
+    uses: &'a [u32],
+}
+
+impl Plans<'_> {
+    /// The factors of a product that is used here only, and so need not stand in a register.
+    fn absorbed(&self, id: u32) -> Option<(u32, u32)> {
+        match self.expansion.micros[id as usize] {
+            Micro::Binary(Binary::Mul, a, b)
+                if self.uses[id as usize] == 1 && self.expansion.varying[id as usize] =>
+            {
+                Some((a, b))
+            }
+            _ => None,
+        }
+    }
+
+    fn of(&self, id: u32) -> Plan {
+        let plan = |op, operands: &[u32]| {
+            let mut all = [0; 4];
+            all[..operands.len()].copy_from_slice(operands);
+            Plan {
+                op,
+                operands: all,
+                count: operands.len(),
+            }
+        };
+        match self.expansion.micros[id as usize] {
+            // Leaves have no plan; they are not asked for.
+            Micro::Constant(_) | Micro::Uniform(_) | Micro::Variable(_) => plan(Op::Neg, &[id]),
+            Micro::Neg(a) => plan(Op::Neg, &[a]),
+            Micro::Unary(op, a) => plan(unary_op(op), &[a]),
+            Micro::Binary(Binary::Add, a, b) => match (self.absorbed(a), self.absorbed(b)) {
+                (Some((a, b)), Some((c, d))) => plan(Op::ProductsPlus, &[a, b, c, d]),
+                (Some((a, b)), None) => plan(Op::ProductPlus, &[a, b, self.same(id, 1)]),
+                (None, Some((c, d))) => plan(Op::ProductPlus, &[c, d, a]),
+                (None, None) => plan(Op::Add, &[a, b]),
+            },
+            Micro::Binary(Binary::Sub, a, b) => match (self.absorbed(a), self.absorbed(b)) {
+                (Some((a, b)), Some((c, d))) => plan(Op::ProductsMinus, &[a, b, c, d]),
+                (Some((a, b)), None) => plan(Op::ProductMinus, &[a, b, self.same(id, 1)]),
+                (None, Some((c, d))) => plan(Op::MinusProduct, &[c, d, a]),
+                (None, None) => plan(Op::Sub, &[a, b]),
+            },
+            Micro::Binary(op, a, b) => plan(binary_op(op), &[a, b]),
+        }
+    }
+
+    /// An operand of a coefficient by its position.
+    fn same(&self, id: u32, position: usize) -> u32 {
+        self.expansion.micros[id as usize]
+            .operands()
+            .nth(position)
+            .unwrap_or(id)
+    }
+
+    /// What is computed, operands first, each as late as possible; and for sines and cosines, circular or
+    /// hyperbolic, the other one that comes with it if it is wanted.
+    fn schedule(&self) -> (Vec<u32>, Vec<u32>) {
+        let count = self.expansion.micros.len();
+        let partners = self.partners();
+        let mut done = vec![false; count];
+        let mut order = Vec::with_capacity(count);
+        let mut stack: Vec<(u32, bool)> = Vec::new();
+        for root in &self.expansion.roots {
+            stack.push((root.id, false));
+            while let Some((id, ready)) = stack.pop() {
+                if !self.expansion.varying[id as usize]
+                    || done[id as usize]
+                    || matches!(self.expansion.micros[id as usize], Micro::Variable(_))
+                {
+                    continue;
+                }
+                if ready {
+                    done[id as usize] = true;
+                    let pair = partners[id as usize];
+                    if pair != NOWHERE {
+                        done[pair as usize] = true;
+                    }
+                    order.push(id);
+                } else {
+                    stack.push((id, true));
+                    let plan = self.of(id);
+                    for &operand in plan.operands[..plan.count].iter().rev() {
+                        stack.push((operand, false));
+                    }
+                }
+            }
+        }
+        (order, partners)
+    }
+
+    fn partners(&self) -> Vec<u32> {
+        let mut partners = vec![NOWHERE; self.expansion.micros.len()];
+        // For each operand the sine, and the hyperbolic sine, or their cosine, that came first.
+        let mut first: [rustc_hash::FxHashMap<u32, u32>; 2] = Default::default();
+        for (id, micro) in self.expansion.micros.iter().enumerate() {
+            if self.uses[id] == 0 {
+                continue;
+            }
+            let (kind, operand) = match *micro {
+                Micro::Unary(Unary::Sin | Unary::Cos, a) => (0, a),
+                Micro::Unary(Unary::Sinh | Unary::Cosh, a) => (1, a),
+                _ => continue,
+            };
+            match first[kind].get(&operand) {
+                None => {
+                    first[kind].insert(operand, id as u32);
+                }
+                Some(&other) => {
+                    partners[id] = other;
+                    partners[other as usize] = id as u32;
+                }
+            }
+        }
+        partners
+    }
+}
+
+fn unary_op(op: Unary) -> Op {
+    match op {
+        Unary::Neg => Op::Neg,
+        Unary::Sin | Unary::Cos => Op::SinCos,
+        Unary::Tan => Op::Tan,
+        Unary::Exp => Op::Exp,
+        Unary::Log => Op::Log,
+        Unary::Sqrt => Op::Sqrt,
+        Unary::Asin => Op::Asin,
+        Unary::Acos => Op::Acos,
+        Unary::Atan => Op::Atan,
+        Unary::Sinh | Unary::Cosh => Op::SinhCosh,
+        Unary::Tanh => Op::Tanh,
+        Unary::Abs => Op::Abs,
+        Unary::Sign => Op::Sign,
+    }
+}
+
+fn binary_op(op: Binary) -> Op {
+    match op {
+        Binary::Add => Op::Add,
+        Binary::Sub => Op::Sub,
+        Binary::Mul => Op::Mul,
+        Binary::Div => Op::Div,
+        Binary::Pow => Op::Pow,
+        Binary::Zmul => Op::Zmul,
+    }
+}
+
+/// Hands out registers.
+struct Allocation {
+    /// The register of each coefficient that has one.
+    places: Vec<u32>,
+    /// How often each is still to be read; [`u32::MAX`] for one that stays.
+    reads: Vec<u32>,
+    free: Vec<u32>,
+    fixed: Vec<u32>,
+    count: u32,
+}
+
+impl Allocation {
+    fn new(expansion: &Expansion, plans: &Plans<'_>, order: &[u32]) -> Self {
+        let micros = expansion.micros.len();
+        let mut allocation = Self {
+            places: vec![NOWHERE; micros],
+            reads: vec![0; micros],
+            free: Vec::new(),
+            fixed: Vec::new(),
+            count: FIRST_FIXED as u32,
+        };
+        for root in &expansion.roots {
+            allocation.fix(expansion, root.id);
+            allocation.reads[root.id as usize] = u32::MAX;
+        }
+        for &id in order {
+            let plan = plans.of(id);
+            for &operand in &plan.operands[..plan.count] {
+                allocation.fix(expansion, operand);
+                let reads = &mut allocation.reads[operand as usize];
+                *reads = reads.saturating_add(1);
+            }
+        }
+        allocation
+    }
+
+    /// Gives variables and fixed numbers their registers, for good.
+    fn fix(&mut self, expansion: &Expansion, id: u32) {
+        let place = &mut self.places[id as usize];
+        if *place != NOWHERE {
+            return;
+        }
+        if let Micro::Variable(k) = expansion.micros[id as usize] {
+            *place = k;
+        } else if !expansion.varying[id as usize] {
+            *place = self.count;
+            self.count += 1;
+            self.fixed.push(id);
+        } else {
+            return;
+        }
+        self.reads[id as usize] = u32::MAX;
+    }
+
+    fn take(&mut self, id: u32) -> u32 {
+        let place = self.places[id as usize];
+        let reads = &mut self.reads[id as usize];
+        if *reads != u32::MAX {
+            *reads -= 1;
+            if *reads == 0 {
+                self.free.push(place);
+            }
+        }
+        place
+    }
+
+    fn give(&mut self, id: u32) -> u32 {
+        let register = self.free.pop().unwrap_or_else(|| {
+            self.count += 1;
+            self.count - 1
+        });
+        if id != NOWHERE {
+            self.places[id as usize] = register;
+        }
+        register
+    }
+}

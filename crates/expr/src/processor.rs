@@ -1,0 +1,53 @@
+//! Which vector instructions this processor has, found at run time.
+//!
+//! What flows in: work over arrays of numbers, written as plain loops. What flows out: its result, from a copy of the
+//! work that was compiled for the widest vectors at hand (on x86-64: 128 bits everywhere, 256 with AVX2, 512 with
+//! AVX-512). Nothing is contracted or reordered, so that every copy gives the same bits.
+
+/// Something to compute. Mark [`Work::run`] and all that it calls in its inner loops `#[inline(always)]`: only what is
+/// inlined is compiled anew for each kind of processor.
+pub trait Work {
+    /// What it gives.
+    type Output;
+    /// Computes it.
+    fn run(self) -> Self::Output;
+}
+
+/// A kind of processor. Cheap to copy and to keep.
+#[derive(Clone, Copy, Debug)]
+pub struct Processor(pulp::Arch);
+
+impl Processor {
+    /// The processor that this runs on.
+    pub fn here() -> Self {
+        Self(pulp::Arch::new())
+    }
+
+    /// What every processor of the architecture has.
+    pub fn least() -> Self {
+        Self(pulp::Arch::Scalar)
+    }
+
+    /// Runs the work with this processor's instructions.
+    #[inline]
+    pub fn run<W: Work>(self, work: W) -> W::Output {
+        self.0.dispatch(Inlined(work))
+    }
+}
+
+impl Default for Processor {
+    fn default() -> Self {
+        Self::here()
+    }
+}
+
+struct Inlined<W>(W);
+
+impl<W: Work> pulp::WithSimd for Inlined<W> {
+    type Output = W::Output;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> W::Output {
+        self.0.run()
+    }
+}
