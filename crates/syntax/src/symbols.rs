@@ -1,8 +1,9 @@
 //! What names mean: the builtins that are handed in, and what the declarations of a text add to them.
 
 use crate::actions::Parameter;
+use crate::parser::suggestions::Search;
 use crate::span::Span;
-use crate::token::{DeclareWord, SymbolId};
+use crate::token::{DeclareWord, SymbolId, TokenKind};
 use crate::trie::Trie;
 
 /// The names defined at a place of a text.
@@ -47,6 +48,35 @@ pub struct Symbol {
 /// Every symbol of a text, the builtins first.
 #[derive(Clone, Debug, Default)]
 pub struct Symbols(Vec<Symbol>);
+
+/// The names that the parser sees at a place of a text, and what it adds to them.
+pub(crate) trait Scope {
+    /// What is said of other places of the text is left to whoever drives the parser: it reads a piece and
+    /// knows no others.
+    const IS_PIECE: bool;
+
+    /// The longest name that `word` begins with: its length in bytes, and what it names.
+    fn longest_prefix(&self, word: &str) -> Option<(usize, SymbolId)>;
+
+    /// What exactly this name names.
+    fn get(&self, name: &str) -> Option<SymbolId>;
+
+    /// A symbol that one of the other functions has returned.
+    fn symbol(&self, id: SymbolId) -> &Symbol;
+
+    /// Adds a symbol whose name is free.
+    fn define(&mut self, symbol: Symbol) -> SymbolId;
+
+    /// The rest of a word has been looked up, and a token of so many bytes was made of it: another name that
+    /// the rest begins with would have been taken if it were longer.
+    fn note(&mut self, rest: &str, length: usize, kind: TokenKind);
+
+    /// Looks for a name that is spelt alike among all names.
+    fn search(&self, search: &mut Search<'_>);
+
+    /// Exactly this name has been looked up.
+    fn note_whole(&mut self, name: &str, kind: TokenKind);
+}
 
 /// What a whole text defines.
 #[derive(Clone, Debug, Default)]
@@ -97,6 +127,39 @@ impl Vocabulary {
         }
         parsed
     }
+}
+
+impl Scope for Parsed {
+    const IS_PIECE: bool = false;
+
+    #[inline]
+    fn longest_prefix(&self, word: &str) -> Option<(usize, SymbolId)> {
+        self.trie.longest_prefix(word)
+    }
+
+    #[inline]
+    fn get(&self, name: &str) -> Option<SymbolId> {
+        self.trie.get(name)
+    }
+
+    #[inline]
+    fn symbol(&self, id: SymbolId) -> &Symbol {
+        &self.symbols[id]
+    }
+
+    fn define(&mut self, symbol: Symbol) -> SymbolId {
+        Self::define(self, symbol)
+    }
+
+    fn search(&self, search: &mut Search<'_>) {
+        search.among(&self.trie, |_| true);
+    }
+
+    #[inline]
+    fn note(&mut self, _: &str, _: usize, _: TokenKind) {}
+
+    #[inline]
+    fn note_whole(&mut self, _: &str, _: TokenKind) {}
 }
 
 impl Parsed {

@@ -108,6 +108,24 @@ impl<V: Copy> Trie<V> {
     }
 }
 
+impl<V: Copy> Trie<V> {
+    /// Visits what names begin with, in the order of the alphabet: what has been read so far, how much of
+    /// that had been seen before, and the value where it is a name. Where `enter` says no, nothing that
+    /// begins so is visited.
+    pub(crate) fn each_below(&self, mut enter: impl FnMut(&str, usize, Option<V>) -> bool) {
+        let mut name = String::new();
+        let mut stack = vec![(&*self.root, 0)];
+        while let Some((node, above)) = stack.pop() {
+            name.truncate(above);
+            name.extend(node.label.iter().map(|byte| char::from(*byte)));
+            if enter(&name, above, node.value) {
+                let children = node.children.iter().rev();
+                stack.extend(children.map(|child| (&**child, name.len())));
+            }
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 struct Node<V> {
     /// What leads here from the parent; empty at the root alone.

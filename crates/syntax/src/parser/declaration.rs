@@ -1,13 +1,13 @@
 //! Declarations: `DECL` and all below it that is not an expression.
 
 use super::messages::quote;
-use super::names::{Mode, list};
+use super::names::{self, Mode, list};
 use super::suggestions::nearest_declaring;
 use super::{Parser, State, Stop};
 use crate::actions::{Actions, Declaration, Interval, IntervalKind, Operator};
 use crate::codes;
 use crate::span::Span;
-use crate::symbols::{Symbol, SymbolKind};
+use crate::symbols::{Scope, Symbol, SymbolKind};
 use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
 
 /// An interval's tag: the position of the parameter that it names, if it names one, and its place.
@@ -16,7 +16,7 @@ type Tag = Option<(Option<u32>, Span)>;
 /// A geodesic as it is written.
 const GEODESIC: &str = "geodesic g(t) : s = (a, b) @ (u, v), t : [0, length];";
 
-impl<A: Actions> Parser<'_, '_, A> {
+impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     /// A declaration whose word is the current token. It depends only on the names defined above it, and
     /// leaves the parser at the token after it.
     pub(super) fn declaration(&mut self, word: DeclareWord) {
@@ -44,7 +44,14 @@ impl<A: Actions> Parser<'_, '_, A> {
         let following = self.following(word.end);
         let guess = nearest_declaring(text)
             .filter(|_| is_word && following.is_some_and(|byte| byte.is_ascii_alphabetic()));
-        let is_free = is_word && self.parsed.trie.get(text).is_none();
+        let is_free = is_word && self.parsed.get(text).is_none();
+        if is_word {
+            let found = self
+                .parsed
+                .get(text)
+                .map(|id| names::meaning(&self.parsed, id));
+            (self.parsed).note_whole(text, found.unwrap_or(TokenKind::Undefined));
+        }
         if is_word && (guess.is_some() || is_free) {
             // Whatever was split off the word, the whole of it is looked at.
             self.lexer.rewind(word.start);
@@ -117,7 +124,7 @@ impl<A: Actions> Parser<'_, '_, A> {
             self.accept();
         }
         let parameters = match symbol {
-            Some(id) => &self.parsed.symbols[id].parameters,
+            Some(id) => &self.parsed.symbol(id).parameters,
             None => &self.state.parameters,
         };
         self.actions.act_declaration(&Declaration {

@@ -7,9 +7,10 @@ use super::{MAX_DEPTH, Parse, Parser, Stop};
 use crate::actions::{Actions, Operator};
 use crate::codes;
 use crate::span::Span;
+use crate::symbols::Scope;
 use crate::token::{SymbolId, TokenKind};
 
-impl<A: Actions> Parser<'_, '_, A> {
+impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     /// `EXPR = ADD`
     pub(super) fn expression(&mut self) -> Parse {
         self.add()

@@ -1,11 +1,13 @@
 //! The sentences of lexical and syntax errors, in the user's words.
 
+use super::elsewhere::Elsewhere;
 use super::{Parser, Stop};
 use crate::actions::Actions;
 use crate::codes;
 use crate::diagnostic::{Code, Diagnostic};
 use crate::lexer::Fault;
 use crate::span::Span;
+use crate::symbols::Scope;
 use crate::token::{DeclareWord, Token, TokenKind};
 
 /// How many characters of the text a sentence quotes.
@@ -113,16 +115,28 @@ fn substitute(character: char) -> Option<&'static str> {
     })
 }
 
-impl<A: Actions> Parser<'_, '_, A> {
+impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     /// Reports that the current token was not accepted, unless what stands before it has been reported, or
     /// it is itself reported already.
     pub(super) fn reject(&mut self, diagnostic: Diagnostic) -> Stop {
+        self.reject_elsewhere(diagnostic, None)
+    }
+
+    /// The same, where something has to be told of another place.
+    pub(super) fn reject_elsewhere(
+        &mut self,
+        diagnostic: Diagnostic,
+        elsewhere: Option<Elsewhere>,
+    ) -> Stop {
         self.state.faulty = true;
         self.state.silent = true;
         // A missing `;` is an error of its own, whatever stands before it.
         let is_own = diagnostic.code == codes::MISSING_SEMICOLON;
         if !self.state.rejected && (is_own || !self.flagged) {
-            self.report(diagnostic);
+            match elsewhere {
+                Some(elsewhere) => self.report_elsewhere(diagnostic, elsewhere),
+                None => self.report(diagnostic),
+            }
         }
         self.state.rejected = true;
         Stop
@@ -189,17 +203,19 @@ impl<A: Actions> Parser<'_, '_, A> {
         let end = self.previous.span.end;
         let found = self.found();
         let diagnostic = match self.current.kind {
-            TokenKind::Declare(_) | TokenKind::Eoi => self
-                .here(
-                    codes::MISSING_SEMICOLON,
-                    format!("missing `;` after this declaration, found {found}"),
-                )
-                .with_hint(format!(
-                    "put a `;` after {}, in line {}",
-                    describe(self.source, self.previous),
-                    self.line_of(self.previous.span.start),
-                ))
-                .with_related(Span::new(end, end), "the `;` belongs here"),
+            TokenKind::Declare(_) | TokenKind::Eoi => {
+                let diagnostic = self
+                    .here(
+                        codes::MISSING_SEMICOLON,
+                        format!("missing `;` after this declaration, found {found}"),
+                    )
+                    .with_related(Span::new(end, end), "the `;` belongs here");
+                let elsewhere = Elsewhere::Semicolon {
+                    after: describe(self.source, self.previous),
+                    offset: self.previous.span.start,
+                };
+                return self.reject_elsewhere(diagnostic, Some(elsewhere));
+            }
             TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => self.here(
                 codes::UNEXPECTED_TOKEN,
                 format!("expected `;`, found {found}, which closes no bracket"),

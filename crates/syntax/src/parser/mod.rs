@@ -9,15 +9,17 @@
 //! - `expression`: `EXPR` and all below it.
 //! - `names`: which token a word is, new names, words that mean nothing.
 //! - `readings`: warnings about legal text that is not read as it looks.
+//! - `elsewhere`: what diagnostics tell of other places of the text.
 //! - `suggestions`: what such a word may have been meant to be.
 //! - `messages`: the sentences of lexical and syntax errors.
 
 mod declaration;
+pub(crate) mod elsewhere;
 mod expression;
 mod messages;
 mod names;
 mod readings;
-mod suggestions;
+pub(crate) mod suggestions;
 
 use std::cell::OnceCell;
 
@@ -27,10 +29,12 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::lexer::{Fault, Lexer};
 use crate::line_index::LineIndex;
 use crate::span::Span;
-use crate::symbols::{Parsed, Vocabulary};
-use crate::token::{DeclareWord, Token, TokenKind};
+use crate::symbols::{Parsed, Scope, Vocabulary};
+use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
 use crate::trie::Trie;
+use elsewhere::{Elsewhere, Surroundings};
 use names::Mode;
+use suggestions::{DeclaredNames, Search};
 
 /// How deep an expression may be nested: brackets, prefix operators, exponents and functions of functions
 /// all count. A thread with 2 MiB of stack holds this many levels in a debug build.
@@ -84,11 +88,11 @@ struct Stop;
 /// Where a nonterminal was read, from its first token to its last.
 type Parse = Result<Span, Stop>;
 
-struct Parser<'s, 'a, A> {
+struct Parser<'s, 'a, A, S> {
     source: &'s str,
     lexer: Lexer<'s>,
     /// The names defined so far.
-    parsed: Parsed,
+    parsed: S,
     actions: &'a mut A,
     /// The token to be accepted next; no more are looked at.
     current: Token,
@@ -102,7 +106,10 @@ struct Parser<'s, 'a, A> {
     diagnostics: usize,
     state: State<'s>,
     readings: readings::Readings,
-    suggestions: suggestions::Suggestions,
+    /// The words that mean nothing reported so far.
+    searches: usize,
+    /// What the diagnostics, by their number, have yet to tell of the text around a piece.
+    untold: Vec<(usize, Elsewhere)>,
     lines: OnceCell<LineIndex<'s>>,
     declared_below: OnceCell<suggestions::DeclaredNames<'s>>,
 }
@@ -129,8 +136,8 @@ struct State<'s> {
     rejected: bool,
 }
 
-impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
-    fn new(source: &'s str, parsed: Parsed, actions: &'a mut A) -> Self {
+impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
+    fn new(source: &'s str, parsed: S, actions: &'a mut A) -> Self {
         let start = Token {
             kind: TokenKind::Eoi,
             span: Span::default(),
@@ -147,7 +154,8 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
             diagnostics: 0,
             state: State::default(),
             readings: readings::Readings::default(),
-            suggestions: suggestions::Suggestions::default(),
+            searches: 0,
+            untold: Vec::new(),
             lines: OnceCell::new(),
             declared_below: OnceCell::new(),
         };
@@ -263,6 +271,19 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
         }
     }
 
+    /// The same for one that tells of other places of the text.
+    #[cold]
+    fn report_elsewhere(&mut self, mut diagnostic: Diagnostic, elsewhere: Elsewhere) {
+        let searches = self.searches;
+        self.searches += usize::from(matches!(elsewhere, Elsewhere::Undefined(_)));
+        if S::IS_PIECE {
+            self.untold.push((self.diagnostics, elsewhere));
+        } else if !self.is_muted() {
+            elsewhere.complete(&mut diagnostic, self, searches);
+        }
+        self.report(diagnostic);
+    }
+
     #[inline]
     fn operator(&mut self, operator: Operator, span: Span) {
         if !self.state.silent {
@@ -285,5 +306,37 @@ impl<'s, 'a, A: Actions> Parser<'s, 'a, A> {
     fn line_of(&self, offset: u32) -> u32 {
         let lines = self.lines.get_or_init(|| LineIndex::new(self.source));
         lines.position(offset).line
+    }
+}
+
+/// A whole text is its own surroundings.
+impl<A: Actions, S: Scope> Surroundings for Parser<'_, '_, A, S> {
+    fn line(&self, offset: u32) -> u32 {
+        self.line_of(offset)
+    }
+
+    fn declaration(&self, symbol: SymbolId) -> Option<(&str, &'static str, Span, u32)> {
+        let symbol = self.parsed.symbol(symbol);
+        let span = symbol.name_span?;
+        let line = self.line_of(span.start);
+        Some((&symbol.name, symbol.word?.text(), span, line))
+    }
+
+    fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)> {
+        let names = self
+            .declared_below
+            .get_or_init(|| DeclaredNames::scan(self.source));
+        let start = names.place(name).filter(|start| *start > offset)?;
+        let span = Span::new(start, start + name.len() as u32);
+        Some((span, self.line_of(start)))
+    }
+
+    fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str) -> Option<String> {
+        let mut search = Search::new(word)?;
+        if let Some(parameters) = parameters {
+            search.among(parameters, |_| true);
+        }
+        self.parsed.search(&mut search);
+        search.nearest()
     }
 }

@@ -1,15 +1,16 @@
 //! Words: which token a word is at this place, whether a new name is free, and what to say about a word that
 //! means nothing.
 
+use super::elsewhere::{Elsewhere, Undefined};
 use super::messages::quote;
-use super::suggestions::{DeclaredNames, nearest_declaring};
+use super::suggestions::nearest_declaring;
 use super::{Parser, State, Stop};
 use crate::actions::{Actions, Parameter};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::lexer::{Lexeme, Word};
 use crate::span::Span;
-use crate::symbols::{Parsed, SymbolKind};
+use crate::symbols::{Scope, SymbolKind};
 use crate::token::{DeclareWord, SymbolId, TokenKind};
 
 /// How the parser wants the next word read.
@@ -31,7 +32,7 @@ const MAX_NAME_LENGTH: usize = 255;
 /// The most undefined words that are reported in one declaration.
 const MAX_UNDEFINED: usize = 32;
 
-impl<'s, A: Actions> Parser<'s, '_, A> {
+impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
     /// The next lexeme of the text.
     #[inline]
     pub(super) fn lex(&mut self, mode: Mode) -> Lexeme {
@@ -45,18 +46,23 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         lexer.next(|word| match mode {
             Mode::Expression => {
                 let (length, kind) = expression_word(parsed, state, word);
-                if length < word.rest.len() {
+                if length < word.rest.len() && !S::IS_PIECE {
                     readings.record_split(word, length);
                 }
+                parsed.note(word.rest, length, kind);
                 (length, kind)
             }
-            Mode::Name => whole_word(parsed, word),
+            Mode::Name => {
+                let (length, kind) = whole_word(parsed, word);
+                parsed.note_whole(word.rest, kind);
+                (length, kind)
+            }
             Mode::Tag => match state.parameter_trie.get(word.rest) {
                 Some(parameter) => (word.rest.len(), TokenKind::Variable(parameter)),
                 None => declaring_or(word, TokenKind::Undefined),
             },
             Mode::ParameterOf(function) => {
-                let parameters = &parsed.symbols[function].parameter_trie;
+                let parameters = &parsed.symbol(function).parameter_trie;
                 match parameters.longest_prefix(word.rest) {
                     Some((length, parameter)) => (length, TokenKind::Variable(parameter)),
                     None => declaring_or(word, TokenKind::Undefined),
@@ -123,7 +129,11 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
                 let hint = format!("a name has at most {MAX_NAME_LENGTH} characters");
                 self.here(codes::NAME_TOO_LONG, message).with_hint(hint)
             }
-            TokenKind::Constant(id) | TokenKind::Function(id) => self.name_taken(id),
+            TokenKind::Constant(id) | TokenKind::Function(id) => {
+                let diagnostic = self.name_taken(id);
+                self.report_elsewhere(diagnostic, Elsewhere::Taken(id));
+                return Ok(false);
+            }
             TokenKind::Declare(_) if !self.is_followed_by_word() => {
                 let message = format!("`{name}` opens a declaration: it cannot be a name");
                 self.here(codes::NAME_TAKEN, message)
@@ -141,29 +151,16 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
         Ok(false)
     }
 
+    /// Of a name that is declared in the text, [`Elsewhere::Taken`] tells where.
     fn name_taken(&self, id: SymbolId) -> Diagnostic {
-        let symbol = &self.parsed.symbols[id];
-        let name = quote(&symbol.name);
-        match (symbol.word, symbol.name_span) {
-            (Some(word), Some(span)) => {
-                let (word, line) = (word.text(), self.line_of(span.start));
-                let message = format!("{name} is already declared, as a {word} in line {line}");
-                self.here(codes::NAME_TAKEN, message)
-                    .with_hint("choose another name: the earlier meaning stays")
-                    .with_related(span, format!("{name} is declared here"))
-            }
-            _ => {
-                let kind = match symbol.kind {
-                    SymbolKind::Constant => "constant",
-                    SymbolKind::Function => "function",
-                };
-                self.here(
-                    codes::NAME_TAKEN,
-                    format!("{name} is already a builtin {kind}"),
-                )
-                .with_hint("choose another name: the earlier meaning stays")
-            }
-        }
+        let symbol = self.parsed.symbol(id);
+        let kind = match symbol.kind {
+            SymbolKind::Constant => "constant",
+            SymbolKind::Function => "function",
+        };
+        let message = format!("{} is already a builtin {kind}", quote(&symbol.name));
+        self.here(codes::NAME_TAKEN, message)
+            .with_hint("choose another name: the earlier meaning stays")
     }
 
     /// Whether another word comes next after the current token.
@@ -236,28 +233,20 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
             let reading = quote(&format!("{front} {word}"));
             message.push_str(&format!(": {} is read as {reading}", quote(whole)));
         }
-        let mut diagnostic = self.here(codes::UNDEFINED_NAME, message);
-        if let Some((offset, name)) = self.declared_below(whole, word) {
-            let line = self.line_of(offset);
-            let place = Span::new(offset, offset + name.len() as u32);
-            diagnostic = diagnostic
-                .with_hint(format!(
-                    "{} is declared below, at line {line}: move it up",
-                    if name == word {
-                        "it".to_owned()
-                    } else {
-                        quote(name)
-                    }
-                ))
-                .with_related(place, "it is declared here");
-        } else if let Some(hint) = self.undefined_hint(whole, word) {
-            diagnostic = diagnostic.with_hint(hint);
-        }
-        self.report(diagnostic);
+        let diagnostic = self.here(codes::UNDEFINED_NAME, message);
+        let undefined = Undefined {
+            whole: whole.to_owned(),
+            word: word.to_owned(),
+            offset: span.start,
+            hint: self.undefined_hint(whole, word),
+            parameters: (self.state.in_body).then(|| self.state.parameter_trie.clone()),
+        };
+        self.report_elsewhere(diagnostic, Elsewhere::Undefined(undefined));
     }
 
-    /// What to do about a word that means nothing and is not declared below.
-    fn undefined_hint(&mut self, whole: &str, word: &str) -> Option<String> {
+    /// What to do about a word that means nothing and is not declared below, as far as that follows from the
+    /// declaration alone.
+    fn undefined_hint(&self, whole: &str, word: &str) -> Option<String> {
         let name = self.state.name;
         if !name.is_empty() && (word == name || whole == name) {
             return Some(if self.state.parameters.is_empty() {
@@ -294,46 +283,13 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
                 declaring.text()
             ));
         }
-        let nearest = self.nearest(whole).or_else(|| {
-            (word.len() < whole.len())
-                .then(|| self.nearest(word))
-                .flatten()
-        })?;
-        Some(format!("did you mean `{nearest}`?"))
-    }
-
-    /// Where the word, or what is left of it, is declared further down.
-    fn declared_below(&self, whole: &'s str, word: &'s str) -> Option<(u32, &'s str)> {
-        let names = self
-            .declared_below
-            .get_or_init(|| DeclaredNames::scan(self.source));
-        let place = |name: &'s str| {
-            let offset = names.place(name)?;
-            (offset > self.current.span.start).then_some((offset, name))
-        };
-        place(whole).or_else(|| place(word))
-    }
-
-    /// The defined name that is spelt most like a word.
-    fn nearest(&mut self, word: &str) -> Option<String> {
-        let Self {
-            suggestions,
-            parsed,
-            state,
-            ..
-        } = self;
-        let mut search = suggestions.search(word)?;
-        if state.in_body {
-            state.parameter_trie.each(|name, _| search.consider(name));
-        }
-        parsed.trie.each(|name, _| search.consider(name));
-        search.best.map(|(_, name)| name)
+        None
     }
 
     /// The current token follows `f_` and is no parameter of `f`. A word is reported and passed.
     #[cold]
     pub(super) fn no_such_parameter(&mut self, function: SymbolId) -> Result<(), Stop> {
-        let symbol = &self.parsed.symbols[function];
+        let symbol = self.parsed.symbol(function);
         let name = &symbol.name;
         let is_word = self.current.kind == TokenKind::Undefined;
         let found = self.found();
@@ -352,17 +308,15 @@ impl<'s, A: Actions> Parser<'s, '_, A> {
                 let hint = format!("a component of its value is written `({name}(…))_1`");
                 diagnostic = diagnostic.with_hint(hint);
             }
-            match symbol.name_span {
-                Some(span) => diagnostic.with_related(span, "it is declared here"),
-                None => diagnostic,
-            }
+            diagnostic
         };
+        let elsewhere = Elsewhere::Declared(function);
         if !is_word {
-            return Err(self.reject(diagnostic));
+            return Err(self.reject_elsewhere(diagnostic, Some(elsewhere)));
         }
         // A function whose own declaration failed may lack parameters.
         if !symbol.faulty {
-            self.report(diagnostic);
+            self.report_elsewhere(diagnostic, elsewhere);
         }
         self.state.faulty = true;
         self.state.silent = true;
@@ -387,13 +341,13 @@ pub(super) fn list(parameters: &[Parameter]) -> String {
     }
 }
 
-fn expression_word(parsed: &Parsed, state: &State<'_>, word: Word<'_>) -> (usize, TokenKind) {
+fn expression_word(parsed: &impl Scope, state: &State<'_>, word: Word<'_>) -> (usize, TokenKind) {
     if word.is_whole()
         && let Some(declaring) = DeclareWord::from_text(word.rest)
     {
         return (word.rest.len(), TokenKind::Declare(declaring));
     }
-    let symbol = parsed.trie.longest_prefix(word.rest);
+    let symbol = parsed.longest_prefix(word.rest);
     if state.in_body
         && let Some((length, parameter)) = state.parameter_trie.longest_prefix(word.rest)
         && symbol.is_none_or(|(symbol_length, _)| symbol_length < length)
@@ -406,8 +360,8 @@ fn expression_word(parsed: &Parsed, state: &State<'_>, word: Word<'_>) -> (usize
     }
 }
 
-fn whole_word(parsed: &Parsed, word: Word<'_>) -> (usize, TokenKind) {
-    match parsed.trie.get(word.rest) {
+fn whole_word(parsed: &impl Scope, word: Word<'_>) -> (usize, TokenKind) {
+    match parsed.get(word.rest) {
         Some(id) => (word.rest.len(), meaning(parsed, id)),
         None => declaring_or(word, TokenKind::Undefined),
     }
@@ -419,8 +373,8 @@ fn declaring_or(word: Word<'_>, otherwise: TokenKind) -> (usize, TokenKind) {
     (word.rest.len(), kind)
 }
 
-fn meaning(parsed: &Parsed, id: SymbolId) -> TokenKind {
-    match parsed.symbols[id].kind {
+pub(super) fn meaning(parsed: &impl Scope, id: SymbolId) -> TokenKind {
+    match parsed.symbol(id).kind {
         SymbolKind::Constant => TokenKind::Constant(id),
         SymbolKind::Function => TokenKind::Function(id),
     }

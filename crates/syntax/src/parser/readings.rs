@@ -9,6 +9,7 @@ use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::lexer::Word;
 use crate::span::Span;
+use crate::symbols::{Parsed, Scope};
 use crate::token::{SymbolId, TokenKind};
 
 /// What has been read so far that may turn out to be surprising.
@@ -62,7 +63,7 @@ impl Readings {
     }
 }
 
-impl<A: Actions> Parser<'_, '_, A> {
+impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     fn surprising(&mut self, span: Span, message: String, hint: String) {
         if !self.state.silent {
             let warning = Diagnostic::warning(codes::SURPRISING_READING, span, message);
@@ -114,7 +115,7 @@ impl<A: Actions> Parser<'_, '_, A> {
         if text.len() > MAX_INVERSE_LENGTH || !signs.eq(*b"-1") {
             return;
         }
-        let symbol = &self.parsed.symbols[id];
+        let symbol = self.parsed.symbol(id);
         let name = function.text(self.source);
         let reciprocal = quote(&format!("1/{name} x"));
         let hint = match symbol.inverse.as_deref().filter(|_| symbol.name == name) {
@@ -181,7 +182,9 @@ impl<A: Actions> Parser<'_, '_, A> {
             self.surprising(function.to(component), message, hint);
         }
     }
+}
 
+impl<A: Actions> Parser<'_, '_, A, Parsed> {
     /// A name that is longer than a token above which was split off the same letters. Called once, at the
     /// end of the text: one walk through the trie for each split.
     pub(super) fn warn_hidden_splits(&mut self) {
