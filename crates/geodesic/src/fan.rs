@@ -138,9 +138,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         }
         self.followed.fetch_add(1, Ordering::Relaxed);
         let atlas = Atlas::new(self.surface);
-        let radius = place[0].hypot(place[1]);
-        let velocity = start.frame.velocity(place.map(|x| x / radius));
-        let Ok((motion, _)) = trace::unit_start(&atlas, start.frame.uv, velocity) else {
+        let Ok(from) = start.frame.start(&atlas, place) else {
             return self.ended(Status::Undefined);
         };
         let plan = follow::Plan {
@@ -151,7 +149,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
             charts: true,
             keep_path: false,
         };
-        let end = follow::follow(&atlas, motion, s, plan);
+        let end = follow::follow(&atlas, from, s, plan);
         let evaluations = atlas.evaluations() as u64;
         self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
         if end.status != Status::Complete {
@@ -166,7 +164,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
             at,
             along: velocity,
             across: left.map(|x| x * side),
-            stretch: f64::NAN,
+            stretch: end.field / s,
             status: Status::Complete,
             error: end.error / start.pixel,
         }

@@ -1,7 +1,9 @@
 //! Between two rays: two rays and a place between them in, the end of the geodesic there out.
 
+use std::f64::consts::PI;
+
 use super::coordinates::{Chart, Kind, Space};
-use super::ray::{Ray, Sample, same};
+use super::ray::{Ray, Sample, Stop, same};
 use crate::ends::{Coordinates, End};
 use crate::fan::Across;
 use crate::trace::Status;
@@ -81,6 +83,7 @@ fn convert(space: &Space, sample: &Sample, chart: Chart) -> Sample {
     }
     if let (true, Some(tip)) = (sample.chart.kind == chart.kind, space.tip(chart.kind)) {
         // A cone unrolled along another line.
+        // (`together` has seen to it that the tip does not lie between.)
         let (sin, cos) = (tip.apex.rate * (sample.chart.reference - chart.reference)).sin_cos();
         let turn = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
         return Sample {
@@ -120,7 +123,18 @@ fn convert(space: &Space, sample: &Sample, chart: Chart) -> Sample {
 }
 
 /// Both samples in common coordinates, those of an apex where both are near it.
-fn together(space: &Space, a: Sample, b: Sample) -> (Sample, Sample) {
+fn together(space: &Space, a: Sample, mut b: Sample) -> (Sample, Sample) {
+    if let (true, Some(tip)) = (a.chart.kind == b.chart.kind, space.tip(a.chart.kind))
+        && !tip.apex.smooth
+    {
+        // The tip of a cone between both: no surface lies there, only the cut along which it was unrolled.
+        let angle = |sample: &Sample| {
+            sample.at[1].atan2(sample.at[0]) + tip.apex.rate * sample.chart.reference
+        };
+        if (angle(&a) - angle(&b)).abs() > PI {
+            b.at = [f64::NAN; 2];
+        }
+    }
     if same(&a.chart, &b.chart) {
         return (a, b);
     }
@@ -142,9 +156,26 @@ pub(super) fn between(
     t: f64,
     s: f64,
 ) -> Option<Point> {
-    let (mut a, mut b) = (a.at(s)?, b.at(s)?);
-    if !same(&a.chart, &b.chart) {
+    let stretched = Stretch::of([a, b], width, t);
+    let (mut a, mut b) = match &stretched {
+        None => (a.at(s)?, b.at(s)?),
+        Some(stretch) => {
+            let share = s / stretch.s;
+            (
+                a.at(share * stretch.ends[0])?,
+                b.at(share * stretch.ends[1])?,
+            )
+        }
+    };
+    if a.chart.kind != Kind::Plain || b.chart.kind != Kind::Plain {
         (a, b) = together(space, a, b);
+    }
+    if let Some(stretch) = &stretched {
+        for (ray, slope) in [&mut a, &mut b].into_iter().zip(stretch.slopes) {
+            let slope = slope * s / stretch.s;
+            ray.jacobi[0] = [0, 1].map(|k| ray.jacobi[0][k] + slope * ray.along[k]);
+            ray.jacobi[1] = [f64::NAN; 2];
+        }
     }
     if a.chart.kind == Kind::Plain {
         // Behind a pole the lifts may be periods apart: the field says where the neighbour is to be expected.
@@ -185,6 +216,11 @@ pub(super) fn between(
             [0, 1].map(|k| (b.at[k] - a.at[k]) / width),
         ),
     };
+    let turning = match &stretched {
+        None => turning,
+        // From constant shares of the way to the edge back to constant arc length.
+        Some(stretch) => [0, 1].map(|k| turning[k] - stretch.slope * s / stretch.s * along[k]),
+    };
     Some(Point {
         chart: a.chart,
         at,
@@ -192,6 +228,45 @@ pub(super) fn between(
         turning,
         normal: mix(a.normal, b.normal),
     })
+}
+
+/// Where both rays end at an edge that lies aslant, one of them says nothing about where only the other still is. There
+/// places at equal shares of the way to the edge are compared, instead of equal arc lengths.
+struct Stretch {
+    ends: [f64; 2],
+    slopes: [f64; 2],
+    /// The arc length of the edge here, and its derivative by the angle.
+    s: f64,
+    slope: f64,
+}
+
+impl Stretch {
+    fn of(rays: [&Ray; 2], width: f64, t: f64) -> Option<Self> {
+        let (a, b) = (rays[0].stop.as_ref()?, rays[1].stop.as_ref()?);
+        if !aslant(rays, [a, b]) {
+            return None;
+        }
+        let rest = 1.0 - t;
+        let (s, _) = edge(rays, width, t)?;
+        let slope = 6.0 * t * rest / width * (b.s - a.s)
+            + (1.0 - t * (4.0 - 3.0 * t)) * a.slope
+            + t * (3.0 * t - 2.0) * b.slope;
+        Some(Self {
+            ends: [a.s, b.s],
+            slopes: [a.slope, b.slope],
+            s,
+            slope,
+        })
+    }
+}
+
+/// Whether the way to the edge has to be stretched, and can be.
+fn aslant(rays: [&Ray; 2], stops: [&Stop; 2]) -> bool {
+    let [a, b] = stops;
+    let far = a.s.max(b.s);
+    let known = rays.into_iter().all(|ray| far <= ray.end + ray.slack);
+    let like = a.status == b.status && a.edge == b.edge && a.status != Status::WorkLimit;
+    like && !known && (a.slope + b.slope).is_finite() && a.s.min(b.s) > 0.5 * far
 }
 
 /// Where the edge lies between two rays that leave through it: the arc length at the share `t`.

@@ -53,8 +53,6 @@ pub(super) struct Runner {
     segments: Vec<Segment>,
     stop: Option<Stop>,
     pub(super) done: bool,
-    /// The error's covariance: of position, mixed, of direction.
-    errors: [f64; 3],
 }
 
 /// A lane within this share of its radius of a cone's tip has hit it.
@@ -90,18 +88,12 @@ impl Runner {
             segments: Vec::new(),
             stop: None,
             done: false,
-            errors: [0.0; 3],
         }
     }
 
     /// The ray, once it is done.
     pub(super) fn finish(self) -> Ray {
-        Ray::new(
-            self.angle,
-            &self.segments,
-            self.stop,
-            self.errors[0].max(0.0).sqrt(),
-        )
+        Ray::new(self.angle, &self.segments, self.stop)
     }
 
     fn stop(&mut self, s: f64, status: Status) {
@@ -461,14 +453,6 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             n * runner.m[0] + m * runner.m[1],
             n1 * runner.m[0] + m1 * runner.m[1],
         ];
-        let [p, x, d] = runner.errors;
-        let (position, direction) = (trial.position[lane], trial.direction[lane]);
-        let position = position.max(h * direction);
-        runner.errors = [
-            n * n * p + 2.0 * n * m * x + m * m * d + position * position,
-            n * n1 * p + (n * m1 + m * n1) * x + m * m1 * d,
-            n1 * n1 * p + 2.0 * n1 * m1 * x + m1 * m1 * d + direction * direction,
-        ];
         runner.steps += 1;
         runner.s += h;
         runner.at = knot.at;
@@ -561,10 +545,10 @@ impl<S: Surface + ?Sized> Group<'_, S> {
         let (at, signs) = space.bring_back(at);
         let velocity = [0, 1].map(|k| velocity[k] * signs[k]);
         let atlas = Atlas::new(self.field.surface);
-        let way = (runner.length - runner.s).min(1e4 * self.plan.shortest);
+        let way = (runner.length - runner.s).min(1e2 * self.plan.shortest);
         let plan = follow::Plan {
             tableau: &DOPRI5,
-            tolerance: Some(1e-9),
+            tolerance: Some(self.plan.rate.clamp(1e-9, 1e-3)),
             step: self.plan.shortest,
             limit: 4000,
             charts: true,

@@ -71,8 +71,6 @@ pub(super) struct Ray {
     pub(super) stop: Option<Stop>,
     /// Radii at which to compare it with others.
     pub(super) probes: Vec<f64>,
-    /// The greatest m/s, where it is greater than 1: what its errors of direction grow by.
-    pub(super) errors: f64,
 }
 
 /// A ray at an arc length.
@@ -90,7 +88,7 @@ pub(super) struct Sample {
 const PROBES: usize = 24;
 
 impl Ray {
-    pub(super) fn new(angle: f64, segments: &[Segment], stop: Option<Stop>, errors: f64) -> Self {
+    pub(super) fn new(angle: f64, segments: &[Segment], stop: Option<Stop>) -> Self {
         let count = segments.iter().map(|segment| segment.knots.len()).sum();
         let mut starts = Vec::with_capacity(count);
         let mut intervals = Vec::with_capacity(count);
@@ -121,7 +119,6 @@ impl Ray {
             slack,
             stop,
             probes: Vec::new(),
-            errors,
         };
         let reach = ray.stop.map_or(end, |stop| stop.s.min(end));
         let stride = ray.intervals.len().div_ceil(PROBES).max(1);
@@ -133,11 +130,6 @@ impl Ray {
         }
         ray.probes.push(reach);
         ray
-    }
-
-    /// Whether it has been followed at all.
-    pub(super) fn is_empty(&self) -> bool {
-        self.intervals.is_empty()
     }
 
     /// How far it goes on the surface.
@@ -154,13 +146,6 @@ impl Ray {
         let after = self.starts.partition_point(|from| *from <= s);
         let interval = self.intervals.get(after.max(1) - 1)?;
         Some(interval.at(s))
-    }
-
-    /// The middles of the gaps between knots, every one.
-    pub(super) fn middles(&self) -> impl Iterator<Item = f64> {
-        self.intervals
-            .iter()
-            .map(|interval| interval.from + 0.5 * interval.length)
     }
 }
 

@@ -161,7 +161,7 @@ pub(super) fn build<S: Surface + ?Sized>(
             rate: allowed / start.reach,
             lever: 0.5 * size.min(start.reach),
             field: 0.05,
-            shortest: 1e-4 * start.pixel,
+            shortest: (1e-2 * start.pixel).min(1e-4 * size),
             first: start.reach.min(size) * 0.03,
             limit: ONE_RAY,
         },
@@ -302,7 +302,12 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let mut out = [0.0_f32; BINS];
         let mut seen = 0;
         let border = self.start.border(middle.angle, 0.5 * width);
-        let last = rays[0].limit().min(rays[1].limit()).min(border);
+        let limits = rays.map(Ray::limit);
+        let last = if limits[0].is_finite() && limits[1].is_finite() {
+            middle.limit().min(border)
+        } else {
+            limits[0].min(limits[1]).min(border)
+        };
         for &s in middle.probes.iter().filter(|s| **s <= last) {
             let across = self.options.across;
             let Some(error) = cell::discrepancy(self.space, across, rays, width, middle, t, s)
@@ -362,6 +367,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             .position(|x| f64::from(*x) > ACROSS * self.options.tolerance);
         if let Some(bin) = wrong {
             sector.unknown_from = self.start.reach * bin as f64 / BINS as f64;
+            sector.errors[bin..].fill(0.0);
         }
         let rays = self.pair(sector);
         let alike = cell::end_alike(rays, self.border(sector), self.start.pixel);
@@ -374,6 +380,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
     /// Bisects until all sectors are fine.
     fn refine(&mut self, sectors: &mut Vec<Sector>) {
         loop {
+            self.slopes(sectors);
             let narrowest = NARROWEST * self.start.pixel / self.start.reach;
             let (open, mut done): (Vec<Sector>, Vec<Sector>) = std::mem::take(sectors)
                 .into_iter()
@@ -403,6 +410,34 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 let mut sector = sectors[n].clone();
                 self.give_up(&mut sector);
                 sectors[n] = sector;
+            }
+        }
+    }
+
+    /// Where rays end at no edge, how the place changes with the angle is told from their neighbours.
+    fn slopes(&mut self, sectors: &mut [Sector]) {
+        let open = |ray: &Ray| ray.stop.is_some_and(|stop| stop.edge.is_none());
+        if !self.rays.iter().any(open) {
+            return;
+        }
+        sectors.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+        for n in 0..sectors.len() {
+            let (before, after) = (&sectors[n], &sectors[(n + 1) % sectors.len()]);
+            let [first, here, last] = [before.rays[0], before.rays[1], after.rays[1]];
+            let (Some(a), Some(b), Some(c)) = (
+                self.rays[first].stop,
+                self.rays[here].stop,
+                self.rays[last].stop,
+            ) else {
+                continue;
+            };
+            if b.edge.is_some() || a.status != b.status || b.status != c.status {
+                continue;
+            }
+            let (h, k) = (before.width, after.width);
+            let slope = ((b.s - a.s) / h * k + (c.s - b.s) / k * h) / (h + k);
+            if let Some(stop) = &mut self.rays[here].stop {
+                stop.slope = slope;
             }
         }
     }
@@ -444,7 +479,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                     .total_cmp(&sectors[a].worst())
                     .then(a.cmp(&b))
             });
-            chosen.truncate(WORST);
+            chosen.truncate((known.len() / 8).clamp(WORST, 64));
             if round == 0 {
                 let mut by_angle = known.clone();
                 by_angle.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
@@ -476,7 +511,11 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             let mut halves = Vec::new();
             for (&n, ray) in chosen.iter().zip(exact) {
                 let sector = sectors[n].clone();
-                let found = self.profile(self.pair(&sector), sector.width, &ray, 0.5);
+                let mut found = self.profile(self.pair(&sector), sector.width, &ray, 0.5);
+                if sector.unknown_from.is_finite() {
+                    let known = bin(sector.unknown_from, self.start.reach);
+                    found[known..].fill(0.0);
+                }
                 let worst = f64::from(found.iter().fold(0.0_f32, |worst, x| worst.max(*x)));
                 if round == 0 {
                     for (k, &error) in found.iter().enumerate() {

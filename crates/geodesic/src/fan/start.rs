@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 
 use super::coordinates::{Chart, Kind, Space};
 use super::march::Runner;
-use crate::chart::{self, Atlas, Motion};
+use crate::chart::Atlas;
 use crate::ends::{Coordinates, End};
+use crate::follow;
 use crate::frame::Frame;
-use crate::metric::{Metric, speed};
 use crate::surface::Surface;
-use crate::trace::{self, Status};
+use crate::trace::Status;
 
 /// The start of all rays.
 #[derive(Clone, Debug)]
@@ -39,43 +39,54 @@ impl Start {
         size: [u32; 2],
     ) -> Option<Self> {
         let atlas = Atlas::new(surface);
-        let metric = Metric::of(&atlas.jet(frame.uv));
-        let (x, _) = trace::unit_start(&atlas, frame.uv, frame.x).ok()?;
-        let (y, _) = trace::unit_start(&atlas, frame.uv, frame.y).ok()?;
-        let zoom = speed(&atlas.jet(x.at), frame.x);
-        let least = f64::from(size[0].min(size[1]).max(1));
-        let half = size.map(|n| zoom * f64::from(n.max(1)) / least);
-        let side = if metric.inner(metric.turn_left(frame.x), frame.y) < 0.0 {
-            -1.0
-        } else {
-            1.0
-        };
+        let zoom = frame.zoom(surface);
         if !(zoom.is_finite() && zoom > 0.0) {
             return None;
         }
+        let [x, y] = [[1.0, 0.0], [0.0, 1.0]].map(|place| frame.start(&atlas, place).ok());
+        let (x, y) = (x?, y?);
+        let least = f64::from(size[0].min(size[1]).max(1));
+        let half = size.map(|n| zoom * f64::from(n.max(1)) / least);
         let mut start = Self {
             frame: *frame,
             zoom,
             pixel: 2.0 * zoom / least,
             reach: half[0].hypot(half[1]),
             half,
-            side,
+            side: if frame.is_mirrored(surface) {
+                -1.0
+            } else {
+                1.0
+            },
             chart: Chart::PLAIN,
-            at: x.at,
-            axes: [x.velocity, y.velocity],
+            at: frame.uv,
+            axes: [[0.0; 2]; 2],
         };
-        if let (Some(chart), chart::Chart::Apex(near)) =
-            (space.chart_near(x.at), atlas.chart_for(x.at))
-            && let Some(tip) = space.tip(chart.kind)
-        {
-            // Near a pole directions in space are kept; the coordinates found have the start on their a-axis.
-            let enter = |motion: Motion| atlas.enter(&near, motion).map(|(motion, _)| motion);
-            let (x, y) = (enter(x)?, enter(y)?);
-            let (sin, cos) = (tip.apex.rate * (start.at[1 - tip.axis] - chart.reference)).sin_cos();
-            let turn = |[a, b]: [f64; 2]| [cos * a - sin * b, sin * a + cos * b];
-            start.at = turn(x.at);
-            start.axes = [turn(x.velocity), turn(y.velocity)];
-            start.chart = chart;
+        let motion = |start: &follow::Start| match start {
+            follow::Start::Plain(motion) | follow::Start::About(_, motion) => *motion,
+        };
+        start.at = motion(&x).at;
+        start.axes = [motion(&x).velocity, motion(&y).velocity];
+        match x {
+            follow::Start::About(chart, _) => {
+                start.chart = Chart {
+                    kind: Kind::Apex {
+                        axis: chart.axis as u8,
+                        end: chart.end() as u8,
+                    },
+                    reference: space.domain[1 - chart.axis][0],
+                };
+            }
+            follow::Start::Plain(_) => {
+                if let Some(chart) = space.chart_near(start.at)
+                    && let Some(tip) = space.tip(chart.kind)
+                {
+                    let at = start.at;
+                    start.at = tip.point(at, chart.reference);
+                    start.axes = start.axes.map(|v| tip.vector(at, chart.reference, v));
+                    start.chart = chart;
+                }
+            }
         }
         Some(start)
     }
