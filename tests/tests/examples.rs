@@ -1,6 +1,7 @@
 //! Every example says what to look for, compiles without a word, and can be seen in both views.
 
 use render::{Backend, Request};
+use scene::scene::Shape;
 use scene::{Settings, compile};
 use testing::draw::{draw, drawn_share, middle, scene, surfaces};
 use testing::examples;
@@ -61,10 +62,17 @@ fn the_examples_of_the_thesis_are_the_thesis_programs() {
 fn see_all(backend: Backend) {
     for example in examples::all() {
         let scene = scene(&example.source);
+        // A metric, and a geodesic on one, have no place in space.
+        let in_space = scene.objects.iter().any(|object| {
+            !matches!(object.shape, Shape::Metric { .. } | Shape::Geodesic { .. })
+        });
         for (what, settings) in [
             ("opening", Settings::opening(&scene)),
             ("middle", middle(&scene)),
         ] {
+            if !in_space {
+                break;
+            }
             let request = Request {
                 backend,
                 ..Request::space([96, 72])
