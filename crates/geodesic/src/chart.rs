@@ -9,7 +9,7 @@ pub(crate) use apex::ApexChart;
 
 use std::cell::Cell;
 
-use crate::metric::{combine, cross, gaussian_curvature, minus_components, norm};
+use crate::metric::{combine, cross, dot, gaussian_curvature, minus_components, norm};
 use crate::surface::{Jet, Scale, Side, Sides, Surface};
 use crate::topology::Apex;
 use crate::trace::Status;
@@ -72,6 +72,8 @@ pub(crate) struct Atlas<'s, S: Surface + ?Sized> {
     pub(crate) sides: Sides,
     pub(crate) apexes: [[Option<Apex>; 2]; 2],
     pub(crate) scale: Scale,
+    /// Whether vectors at different points may be compared.
+    pub(crate) embedded: bool,
     evaluations: Cell<usize>,
 }
 
@@ -83,6 +85,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
             sides: surface.sides(),
             apexes: [0, 1].map(|axis| [0, 1].map(|end| surface.apex(axis, end))),
             scale: surface.scale(),
+            embedded: surface.is_embedded(),
             evaluations: Cell::new(0),
         }
     }
@@ -153,9 +156,23 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         jet
     }
 
-    /// The position of a point in (u,v).
-    pub(crate) fn position(&self, at: [f64; 2]) -> [f64; 3] {
-        self.jet(at).position
+    /// The distance of two points in (u,v): in space, or, where there is none, by the metric at the first one, with
+    /// the second brought as near as its repetitions are.
+    pub(crate) fn gap(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        let jet = self.jet(a);
+        if self.embedded {
+            return norm(combine(1.0, jet.position, -1.0, self.jet(b).position));
+        }
+        let difference = [0, 1].map(|axis| {
+            let difference = b[axis] - a[axis];
+            let width = self.width(axis);
+            if self.sides.of(axis)[0] == Side::Wrap {
+                difference - width * (difference / width).round()
+            } else {
+                difference
+            }
+        });
+        crate::metric::speed(&jet, difference)
     }
 
     /// Why a ray cannot go on at a point of the domain.
@@ -275,7 +292,11 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         checked(Local {
             acceleration: minus_components(tangents[0], tangents[1], along),
             curvature: gaussian_curvature(&jet),
-            tangents,
+            tangents: if self.embedded {
+                tangents
+            } else {
+                upright(tangents)
+            },
             noise: 0.0,
         })
     }
@@ -335,12 +356,21 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         let at = Chart::Apex(*chart);
         let mut local = self.local(&at, entered)?;
         if chart.is_inner(entered.at) && entered.at[0] > 0.0 {
-            let jet = self.jet(motion.at);
-            let velocity = combine(motion.velocity[0], jet.du, motion.velocity[1], jet.dv);
-            if velocity.iter().all(|x| x.is_finite()) {
-                entered.velocity = components(local.tangents, velocity);
-                local = self.local(&at, entered)?;
+            if self.embedded {
+                let jet = self.jet(motion.at);
+                let velocity = combine(motion.velocity[0], jet.du, motion.velocity[1], jet.dv);
+                if velocity.iter().all(|x| x.is_finite()) {
+                    entered.velocity = components(local.tangents, velocity);
+                }
+            } else {
+                // Without a direction in space, the unit speed at least.
+                let [x, y] = entered.velocity;
+                let speed = norm(combine(x, local.tangents[0], y, local.tangents[1]));
+                if speed > 0.0 && speed.is_finite() {
+                    entered.velocity = [x / speed, y / speed];
+                }
             }
+            local = self.local(&at, entered)?;
         }
         Some((entered, local))
     }
@@ -354,7 +384,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         tangents: [[f64; 3]; 2],
     ) -> Motion {
         let mut left = chart.leave(motion);
-        if chart.is_inner(motion.at) {
+        if self.embedded && chart.is_inner(motion.at) {
             let [x, y] = motion.velocity;
             let jet = self.jet(left.at);
             let velocity = components([jet.du, jet.dv], combine(x, tangents[0], y, tangents[1]));
@@ -391,6 +421,16 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
             })
         })
     }
+}
+
+/// Two tangent vectors in the frame whose first vector lies along the first of them: without an embedding, the one
+/// frame at each point that changes smoothly from point to point.
+fn upright([t, w]: [[f64; 3]; 2]) -> [[f64; 3]; 2] {
+    let length = norm(t);
+    [
+        [length, 0.0, 0.0],
+        [dot(t, w) / length, norm(cross(t, w)) / length, 0.0],
+    ]
 }
 
 /// The components of a tangent vector.

@@ -3,6 +3,7 @@
 //! In: an atlas, a start at unit speed, a length. Out: [`End`]. Every ray ends, within its number of evaluations.
 
 mod collapse;
+mod conjugate;
 mod event;
 
 use crate::chart::{ApexChart, Atlas, Chart, Local, Motion, REACH, rotated};
@@ -73,6 +74,10 @@ pub(crate) struct End {
     pub(crate) step: f64,
     /// m at the end: the Jacobi field with m = 0, m' = 1 at the start, across the ray.
     pub(crate) field: f64,
+    /// m' there.
+    pub(crate) field_rate: f64,
+    /// The arc lengths at which m = 0, if they were asked for.
+    pub(crate) conjugates: Vec<f64>,
 }
 
 /// The covariance of the error sideways and in direction: errors of the steps, carried on by the Jacobi fields.
@@ -114,6 +119,8 @@ struct Ray<'a, 's, S: Surface + ?Sized> {
     /// m and m'.
     field: [f64; 2],
     flipped: bool,
+    /// The arc lengths of the conjugate points, where they are asked for.
+    conjugates: Option<Vec<f64>>,
     /// The length of the step before; 0 before the first.
     last_step: f64,
 }
@@ -125,7 +132,17 @@ pub(crate) fn follow<S: Surface + ?Sized>(
     length: f64,
     plan: Plan,
 ) -> End {
-    let start = start.into();
+    follow_noting(atlas, start.into(), length, plan, false)
+}
+
+/// The same, noting conjugate points on the way if asked to.
+pub(crate) fn follow_noting<S: Surface + ?Sized>(
+    atlas: &Atlas<'_, S>,
+    start: Start,
+    length: f64,
+    plan: Plan,
+    conjugates: bool,
+) -> End {
     let Some((chart, motion, local)) = begin(atlas, &plan, start) else {
         let start = match start {
             Start::Plain(motion) => motion,
@@ -144,6 +161,8 @@ pub(crate) fn follow<S: Surface + ?Sized>(
             path: Vec::new(),
             step: plan.step,
             field: 0.0,
+            field_rate: 1.0,
+            conjugates: Vec::new(),
         };
     };
     let mut ray = Ray {
@@ -157,6 +176,7 @@ pub(crate) fn follow<S: Surface + ?Sized>(
         s: 0.0,
         errors: ErrorSum::default(),
         field: [0.0, 1.0],
+        conjugates: conjugates.then(Vec::new),
         flipped: false,
         last_step: 0.0,
     };
@@ -237,6 +257,8 @@ pub(crate) fn follow<S: Surface + ?Sized>(
         path,
         step: chosen,
         field: ray.field[0],
+        field_rate: ray.field[1],
+        conjugates: ray.conjugates.unwrap_or_default(),
     }
 }
 
@@ -369,6 +391,9 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             Chart::Plain => self.local.noise,
             Chart::Apex(chart) => chart.noise(self.motion.at, step.end.at),
         };
+        if self.conjugates.is_some() {
+            self.note_conjugates(step, h);
+        }
         let before = self.speed();
         self.steps += 1;
         self.last_step = h;

@@ -17,6 +17,7 @@ pub mod fan;
 mod follow;
 pub mod frame;
 mod integrate;
+pub mod intrinsic;
 pub mod map;
 pub mod metric;
 pub mod patchwork;

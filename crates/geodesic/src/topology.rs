@@ -6,7 +6,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::metric::{combine, cross, dot, norm};
+use crate::intrinsic::Form;
+use crate::metric::{combine, cross, dot, gaussian_curvature, norm};
 use crate::surface::{Jet, Scale, Side, Sides};
 
 /// A side that has collapsed to one point, seen as the tip of a cone. With ρ the parameter's distance to the side and
@@ -52,7 +53,6 @@ impl Topology {
     /// Looks at the sides of a domain. Sides that are mostly undefined are edges.
     pub fn find(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2]) -> Self {
         let size = Scale::measure(jet, domain).size;
-        let mut topology = Self::default();
         let collapsed = [0, 1].map(|axis| [0, 1].map(|end| is_point(jet, domain, axis, end, size)));
         let mut pairs = [Side::Edge; 2];
         for axis in 0..2 {
@@ -60,11 +60,43 @@ impl Topology {
                 pairs[axis] = seam(jet, domain, axis, size);
             }
         }
+        Self::with(pairs, collapsed, &|axis, end| apex(jet, domain, axis, end))
+    }
+
+    /// Looks at the sides of a metric's domain, of which the coefficients and the jets are given: see
+    /// [`crate::intrinsic::MetricSurface`].
+    pub(crate) fn of_metric(
+        form: &dyn Fn([f64; 2]) -> Form,
+        jet: &dyn Fn([f64; 2]) -> Jet,
+        domain: [[f64; 2]; 2],
+        scale: Scale,
+    ) -> Self {
+        let collapsed =
+            [0, 1].map(|axis| [0, 1].map(|end| has_no_length(form, domain, axis, end, scale)));
+        let mut pairs = [Side::Edge; 2];
+        for axis in 0..2 {
+            if !collapsed[axis][0] && !collapsed[axis][1] {
+                pairs[axis] = metric_seam(form, domain, axis);
+            }
+        }
+        Self::with(pairs, collapsed, &|axis, end| {
+            let mut apex = apex(jet, domain, axis, end);
+            apex.bend = apex.bend.min(curvature_radius(jet, domain, axis, end));
+            apex
+        })
+    }
+
+    fn with(
+        pairs: [Side; 2],
+        collapsed: [[bool; 2]; 2],
+        apex: &dyn Fn(usize, usize) -> Apex,
+    ) -> Self {
+        let mut topology = Self::default();
         for axis in 0..2 {
             let mut sides = [pairs[axis]; 2];
             for end in 0..2 {
                 if collapsed[axis][end] && pairs[1 - axis] == Side::Wrap {
-                    let apex = apex(jet, domain, axis, end);
+                    let apex = apex(axis, end);
                     topology.apexes[axis][end] = Some(apex);
                     if apex.smooth {
                         sides[end] = Side::Pole;
@@ -148,6 +180,96 @@ fn seam(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2], axis: usize, size:
     } else {
         Side::Edge
     }
+}
+
+/// Whether a metric gives the side no length.
+fn has_no_length(
+    form: &dyn Fn([f64; 2]) -> Form,
+    domain: [[f64; 2]; 2],
+    axis: usize,
+    end: usize,
+    scale: Scale,
+) -> bool {
+    let mut compared = 0;
+    for across in PLACES {
+        let [e, _, g] = form(at(domain, place(axis, end as f64, across))).efg;
+        let square = if axis == 0 { g } else { e };
+        let least = SAME_POINT * scale.stretch[1 - axis];
+        if square.is_finite() {
+            // Rounding may leave a little on either side of zero.
+            if square.abs() > least * least {
+                return false;
+            }
+            compared += 1;
+        }
+    }
+    compared > PLACES.len() / 2
+}
+
+/// How the two sides of an axis are joined in a metric: where it is the same on both with its first derivatives.
+fn metric_seam(form: &dyn Fn([f64; 2]) -> Form, domain: [[f64; 2]; 2], axis: usize) -> Side {
+    let widths = domain.map(|[low, high]| high - low);
+    let joined = |flip: bool| {
+        let mut compared = 0;
+        for across in PLACES {
+            let other = if flip { 1.0 - across } else { across };
+            let near = form(at(domain, place(axis, 0.0, across)));
+            let far = form(at(domain, place(axis, 1.0, other)));
+            if near.efg.iter().chain(&far.efg).any(|x| !x.is_finite()) {
+                continue;
+            }
+            compared += 1;
+            let [e, _, g] = near.efg.map(f64::abs);
+            let sizes = [e, (e * g).sqrt(), g];
+            for (k, size) in sizes.into_iter().enumerate() {
+                // Turned over, F is odd, and so is the derivative across the flip of what is even.
+                let sign = if flip && k == 1 { -1.0 } else { 1.0 };
+                let turned = if flip { -sign } else { sign };
+                let [by_u, by_v] = if axis == 0 {
+                    [sign, turned]
+                } else {
+                    [turned, sign]
+                };
+                for (a, b, unit) in [
+                    (near.efg[k], sign * far.efg[k], 1.0),
+                    (near.by_u[k], by_u * far.by_u[k], widths[0]),
+                    (near.by_v[k], by_v * far.by_v[k], widths[1]),
+                ] {
+                    let (a, b) = (a * unit, b * unit);
+                    // Also `false` for NaN.
+                    let same = (a - b).abs() <= SAME_POINT * size.max(a.abs()).max(b.abs());
+                    if !same {
+                        return false;
+                    }
+                }
+            }
+        }
+        compared > PLACES.len() / 2
+    };
+    if joined(false) {
+        Side::Wrap
+    } else if joined(true) {
+        Side::WrapFlip
+    } else {
+        Side::Edge
+    }
+}
+
+/// The least 1/√|K| a little off an apex, in units of r.
+fn curvature_radius(
+    jet: &dyn Fn([f64; 2]) -> Jet,
+    domain: [[f64; 2]; 2],
+    axis: usize,
+    end: usize,
+) -> f64 {
+    const OFF: f64 = 1e-3;
+    let share = if end == 0 { OFF } else { 1.0 - OFF };
+    let radii = PLACES.map(|across| {
+        let jet = jet(at(domain, place(axis, share, across)));
+        let stretch = norm(if axis == 0 { jet.du } else { jet.dv });
+        1.0 / gaussian_curvature(&jet).abs().sqrt() / stretch
+    });
+    radii.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// The tip's shape, from the directions in which the surface leaves it.

@@ -5,7 +5,7 @@ use std::fmt;
 use crate::chart::{Atlas, Chart, Motion};
 use crate::follow::{self, End, Plan, Start};
 use crate::integrate::{DOP853, DOPRI5, RK4};
-use crate::metric::{combine, norm, speed};
+use crate::metric::{norm, speed};
 use crate::surface::{Side, Surface};
 
 /// Why a geodesic ended.
@@ -53,6 +53,8 @@ pub struct Options {
     pub max_evaluations: usize,
     /// Whether [`Trace::path`] is kept.
     pub keep_path: bool,
+    /// Whether conjugate points are looked for: [`Trace::conjugates`].
+    pub conjugates: bool,
 }
 
 impl Default for Options {
@@ -62,19 +64,20 @@ impl Default for Options {
             method: Method::Adaptive,
             max_evaluations: 20_000,
             keep_path: false,
+            conjugates: false,
         }
     }
 }
 
 /// A geodesic's end.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// Where it ended, brought back into the domain where the surface wraps.
     pub uv: [f64; 2],
     /// (u', v') there, at unit speed.
     pub direction: [f64; 2],
-    /// σ there.
-    pub position: [f64; 3],
+    /// σ there; none on a metric without an embedding.
+    pub position: Option<[f64; 3]>,
     /// The arc length that it reached.
     pub length: f64,
     /// How much its speed, which is 1, has changed: nothing corrects it, so it measures the integration.
@@ -91,6 +94,11 @@ pub struct Trace {
     pub status: Status,
     /// Whether it has passed an odd number of flips: left is then right.
     pub flipped: bool,
+    /// (m, m') at the end: the Jacobi field across the geodesic with m = 0, m' = 1 at its start. A small change dθ of
+    /// the direction moves the end by m dθ.
+    pub jacobi: [f64; 2],
+    /// The arc lengths of the conjugate points, where m = 0, in ascending order, if they were asked for; else empty.
+    pub conjugates: Vec<f64>,
     /// (u, v) after each step, the start first, if it was asked for; else empty.
     pub path: Vec<[f64; 2]>,
 }
@@ -231,7 +239,7 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
                 charts: true,
                 ..common
             };
-            follow::follow(atlas, start, length, plan)
+            follow::follow_noting(atlas, start, length, plan, options.conjugates)
         }
         Method::Rk4 { steps } => {
             let step = length / f64::from(steps.max(1));
@@ -248,13 +256,12 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
                 keep_path: false,
                 ..fine
             };
-            let mut fine = follow::follow(atlas, start, length, fine);
+            let mut fine = follow::follow_noting(atlas, start, length, fine, options.conjugates);
             // Where the first run ended early, there the second one is compared with it.
             let coarse = follow::follow(atlas, start, fine.length, coarse);
-            let gap = [0, 1, 2]
-                .map(|k| atlas.position(fine.motion.at)[k] - atlas.position(coarse.motion.at)[k]);
+            let gap = atlas.gap(fine.motion.at, coarse.motion.at);
             // Of fourth order: the coarse run's error is sixteen times the fine one's.
-            fine.error = norm(gap) / 15.0;
+            fine.error = gap / 15.0;
             fine
         }
     };
@@ -311,7 +318,7 @@ pub(crate) fn unit_start<S: Surface + ?Sized>(
     let moved = if at == given {
         0.0
     } else {
-        norm(combine(1.0, jet.position, -1.0, atlas.position(given)))
+        crate::metric::speed(&jet, [0, 1].map(|k| at[k] - given[k]))
     };
     let velocity = velocity.map(|x| x / speed);
     Ok((Motion { at, velocity }, moved))
@@ -342,7 +349,7 @@ fn place<S: Surface + ?Sized>(
 
 fn finish<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, end: End) -> Trace {
     let Motion { at, velocity } = end.motion;
-    let position = atlas.position(at);
+    let position = atlas.embedded.then(|| atlas.jet(at).position);
     Trace {
         uv: at,
         direction: velocity,
@@ -355,6 +362,8 @@ fn finish<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, end: End) -> Trace {
         evaluations: atlas.evaluations(),
         status: end.status,
         flipped: end.flipped,
+        jacobi: [end.field, end.field_rate],
+        conjugates: end.conjugates,
         path: end.path,
     }
 }

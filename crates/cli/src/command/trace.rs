@@ -80,6 +80,11 @@ enum MethodName {
     /// The classical Runge–Kutta method with --steps steps of equal length (512 unless given), as in the
     /// thesis, for comparison
     Rk4Pixel,
+    // A method of pictures: refused with the reason, rather than as an unknown word.
+    #[value(hide = true)]
+    Fan,
+    #[value(hide = true)]
+    FanLinear,
 }
 
 /// The JSON document; numbers that do not exist are null.
@@ -87,7 +92,7 @@ enum MethodName {
 struct Document {
     u: f64,
     v: f64,
-    position: [f64; 3],
+    position: Option<[f64; 3]>,
     direction: [f64; 2],
     length: f64,
     speed_drift: f64,
@@ -133,22 +138,29 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn options(arguments: &Arguments) -> Result<Options, Failure> {
+    if let MethodName::Fan | MethodName::FanLinear = arguments.method {
+        return Err(Failure::Usage {
+            message: "--method: a fan shares its rays among the pixels of a picture; one geodesic has nothing to share"
+                .into(),
+            hint: Some("`--method adaptive` follows one geodesic".into()),
+        });
+    }
     let mut options = Options::default();
     if let Some(tolerance) = arguments.tolerance {
         options.tolerance = tolerance;
     }
     match (arguments.method, arguments.steps) {
-        (MethodName::Adaptive, None) => options.method = Method::Adaptive,
-        (MethodName::Adaptive, Some(_)) => {
-            return Err(Failure::Usage {
-                message: "--steps belongs to rk4-pixel; the adaptive method chooses its own".into(),
-                hint: Some("`--tolerance T` makes them shorter or longer".into()),
-            });
-        }
         (MethodName::Rk4Pixel, steps) => {
             options.method = Method::Rk4 {
                 steps: steps.unwrap_or(512),
             };
+        }
+        (_, None) => options.method = Method::Adaptive,
+        (_, Some(_)) => {
+            return Err(Failure::Usage {
+                message: "--steps belongs to rk4-pixel; the adaptive method chooses its own".into(),
+                hint: Some("`--tolerance T` makes them shorter or longer".into()),
+            });
         }
     }
     Ok(options)
@@ -197,7 +209,7 @@ fn text(trace: &Trace, from: [f64; 2]) -> String {
         status_word(trace.status),
         number::show_all(&from),
         number::show_all(&[u, v]),
-        number::show_all(&trace.position),
+        trace.position.map_or_else(|| "none".to_owned(), |at| number::show_all(&at)),
         if trace.direction[0].is_nan() {
             "none".to_owned()
         } else {
@@ -248,15 +260,9 @@ fn stopped_at_start(error: TraceError, surface: &impl Surface) -> Result<Trace, 
     Ok(Trace {
         uv,
         direction: [f64::NAN; 2],
-        position: surface.jet(uv).position,
-        length: 0.0,
-        speed_drift: 0.0,
-        error_estimate: 0.0,
-        steps: 0,
-        rejected: 0,
+        position: surface.is_embedded().then(|| surface.jet(uv).position),
         evaluations: 1,
         status,
-        flipped: false,
-        path: Vec::new(),
+        ..Trace::default()
     })
 }

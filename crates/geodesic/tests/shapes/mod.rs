@@ -2,6 +2,7 @@
 
 use expr::ops::Unary;
 use expr::{Graph, Input, NodeId};
+use geodesic::intrinsic::MetricSurface;
 use geodesic::surface::ParametricSurface;
 
 /// A graph with the few constructors that the shapes need.
@@ -271,4 +272,75 @@ pub(crate) fn walled_plane() -> ParametricSurface {
     let zero = m.g.sub(twice, other);
     let (u, v) = (m.u, m.v);
     m.done([u, v, zero], [[0.0, 4.0], [-300.0, 300.0]])
+}
+
+/// A metric by three expressions.
+#[allow(dead_code)]
+pub(crate) fn metric(
+    domain: [[f64; 2]; 2],
+    form: impl FnOnce(&mut Maker) -> [NodeId; 3],
+) -> MetricSurface {
+    let mut m = Maker::new();
+    let form = form(&mut m);
+    MetricSurface::new(&m.g, form, domain, &[]).expect("small expressions")
+}
+
+/// The half-plane of curvature −1: (du² + dv²)/v².
+#[allow(dead_code)]
+pub(crate) fn half_plane() -> MetricSurface {
+    metric([[-1e6, 1e6 + 1.0], [1e-9, 1e9]], |m| {
+        let one = m.c(1.0);
+        let square = m.mul(m.v, m.v);
+        let e = m.g.div(one, square);
+        let zero = m.c(0.0);
+        [e, zero, e]
+    })
+}
+
+/// The disc of curvature −1: 4(du² + dv²)/(1 − u² − v²)², on a square around it.
+#[allow(dead_code)]
+pub(crate) fn poincare_disc() -> MetricSurface {
+    metric([[-1.0, 1.0], [-1.0, 1.0]], |m| {
+        let (uu, vv) = (m.mul(m.u, m.u), m.mul(m.v, m.v));
+        let sum = m.add(uu, vv);
+        let one = m.c(1.0);
+        let rest = m.g.sub(one, sum);
+        let square = m.mul(rest, rest);
+        let four = m.c(4.0);
+        let e = m.g.div(four, square);
+        let zero = m.c(0.0);
+        [e, zero, e]
+    })
+}
+
+/// The Tannery–Zoll metric (1 + cos u/2)² du² + sin²u dv², all of whose geodesics close after 2π.
+#[allow(dead_code)]
+pub(crate) fn zoll() -> MetricSurface {
+    metric([[0.0, PI], [0.0, TAU]], |m| {
+        let cos = m.f(Unary::Cos, m.u);
+        let half = m.scale(0.5, cos);
+        let stretch = m.plus(1.0, half);
+        let e = m.mul(stretch, stretch);
+        let sin = m.f(Unary::Sin, m.u);
+        let g = m.mul(sin, sin);
+        let zero = m.c(0.0);
+        [e, zero, g]
+    })
+}
+
+/// The metric of the spheroid with the axes a, a, b in longitude and latitude, or of another chart of it:
+/// longitude u + shear·v.
+#[allow(dead_code)]
+pub(crate) fn spheroid_metric(a: f64, b: f64, shear: f64) -> MetricSurface {
+    metric([[0.0, TAU], [-PI / 2.0, PI / 2.0]], |m| {
+        let (cos, sin) = (m.f(Unary::Cos, m.v), m.f(Unary::Sin, m.v));
+        let (cc, ss) = (m.mul(cos, cos), m.mul(sin, sin));
+        let e = m.scale(a * a, cc);
+        let (x, y) = (m.scale(a * a, ss), m.scale(b * b, cc));
+        let along = m.add(x, y);
+        let f = m.scale(shear, e);
+        let skew = m.scale(shear * shear, e);
+        let g = m.add(along, skew);
+        [e, f, g]
+    })
 }

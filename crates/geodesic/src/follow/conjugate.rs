@@ -1,0 +1,65 @@
+//! Conjugate points: where the Jacobi field of a ray's start is zero again, found within the steps on the way.
+
+use super::Ray;
+use crate::integrate::Step;
+use crate::surface::Surface;
+
+/// A conjugate point is located to this share of its step.
+const SHARP: f64 = 1e-14;
+
+impl<S: Surface + ?Sized> Ray<'_, '_, S> {
+    /// Adds the arc lengths of the conjugate points within a step of length `h` that is about to be taken, by
+    /// Newton's method on the step's length, kept within a bracket: as exact as the steps are.
+    pub(super) fn note_conjugates(&mut self, step: &Step, h: f64) {
+        let before = self.field;
+        let carried = |step: &Step| step.propagator.map(|[n, k]| n * before[0] + k * before[1]);
+        let after = carried(step);
+        // The cubic through both ends tells where to look.
+        let m = |share: f64| {
+            let t = share;
+            (1.0 + 2.0 * t) * (1.0 - t) * (1.0 - t) * before[0]
+                + t * (1.0 - t) * (1.0 - t) * h * before[1]
+                + t * t * (3.0 - 2.0 * t) * after[0]
+                + t * t * (t - 1.0) * h * after[1]
+        };
+        const LOOKS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+        for pair in LOOKS.windows(2) {
+            let (from, to) = (m(pair[0]), m(pair[1]));
+            // The start itself, where m = 0, is none.
+            if from == 0.0 || (from > 0.0) == (to > 0.0) {
+                continue;
+            }
+            let (mut low, mut high) = (pair[0] * h, pair[1] * h);
+            let mut at = low + (high - low) * from / (from - to);
+            for _ in 0..40 {
+                if !self.affords_step() {
+                    return;
+                }
+                let Some(part) = self.step(at) else {
+                    return;
+                };
+                let [value, rate] = carried(&part);
+                if (value > 0.0) == (from > 0.0) {
+                    low = at;
+                } else {
+                    high = at;
+                }
+                let newton = at - value / rate;
+                let next = if newton >= low && newton <= high {
+                    newton
+                } else {
+                    0.5 * (low + high)
+                };
+                let moved = (next - at).abs();
+                at = next;
+                if moved <= SHARP * h || value == 0.0 {
+                    break;
+                }
+            }
+            let place = self.s + at;
+            if let Some(found) = &mut self.conjugates {
+                found.push(place);
+            }
+        }
+    }
+}

@@ -1,0 +1,275 @@
+//! Surfaces that are a metric and nothing else: E du² + 2F du dv + G dv² in, jets out.
+//!
+//! Without an embedding there is no σ. What geodesics need of one, inner products of the derivatives of σ at one point,
+//! follows from E, F, G and their derivatives, so at each point a jet is given in an orthonormal frame of that point's
+//! own: the tangential parts by the Christoffel symbols, and normal parts that make Gauss's equation give the
+//! curvature. Nothing of two jets at different points may be compared: [`Surface::is_embedded`] says so.
+
+use std::cell::RefCell;
+
+use expr::graph::TooLarge;
+use expr::tape::{Registers, Tape};
+use expr::{Graph, Input, NodeId};
+
+use crate::surface::{Jet, Scale, Sides, Surface};
+use crate::topology::{Apex, Topology, at};
+
+/// E, F, G and their first derivatives at a point: `by_u[0]` is ∂E/∂u.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub(crate) struct Form {
+    pub(crate) efg: [f64; 3],
+    pub(crate) by_u: [f64; 3],
+    pub(crate) by_v: [f64; 3],
+    /// −Evv/2 + Fuv − Guu/2, what the second derivatives give of the curvature.
+    bent: f64,
+}
+
+/// A metric E du² + 2F du dv + G dv² given by expressions in `Variable(0)` = u and `Variable(1)` = v, with the
+/// uniforms' values fixed.
+///
+/// Opposite sides of the domain at which E, F, G and their first derivatives agree are glued: the metric du² + dv² of
+/// a rectangle is a flat torus. If they agree only with one side turned over (E and G even, F odd), they are glued
+/// with a flip. A side along which the length is zero is the tip of a cone, or a smooth point where its angle is 2π.
+/// Where E ≤ 0 or EG − F² ≤ 0 it is degenerate. The position of its jets is (u, v, 0), a place in no space.
+#[derive(Clone, Debug)]
+pub struct MetricSurface {
+    tape: Tape,
+    inputs: Vec<Source>,
+    domain: [[f64; 2]; 2],
+    topology: Topology,
+    scale: Scale,
+}
+
+/// Where an input of the tape comes from.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    U,
+    V,
+    Fixed(f64),
+}
+
+thread_local! {
+    /// Registers and inputs of the evaluation, one per thread, so that none allocates.
+    static SCRATCH: RefCell<(Registers, Vec<f64>)> = RefCell::default();
+}
+
+impl MetricSurface {
+    /// Derives the form [E, F, G], compiles it, and looks for what lies beyond the sides. A uniform without a value
+    /// is NaN: the metric is undefined then.
+    ///
+    /// # Errors
+    /// [`TooLarge`] where the derivatives do not fit into the graph's limit.
+    pub fn new(
+        graph: &Graph,
+        form: [NodeId; 3],
+        domain: [[f64; 2]; 2],
+        uniforms: &[f64],
+    ) -> Result<Self, TooLarge> {
+        let (mut graph, form) = graph.extract(&form);
+        let by_u = graph.derivatives(&form, Input::Variable(0))?;
+        let by_v = graph.derivatives(&form, Input::Variable(1))?;
+        let seconds = [
+            (by_v[0], Input::Variable(1)),
+            (by_u[1], Input::Variable(1)),
+            (by_u[2], Input::Variable(0)),
+        ];
+        let mut roots = [form, by_u, by_v].concat();
+        for (root, variable) in seconds {
+            roots.extend(graph.derivatives(&[root], variable)?);
+        }
+        let tape = Tape::new(&graph, &roots);
+        let inputs = tape
+            .inputs()
+            .iter()
+            .map(|input| match *input {
+                Input::Variable(0) => Source::U,
+                Input::Variable(1) => Source::V,
+                Input::Variable(_) => Source::Fixed(f64::NAN),
+                Input::Uniform(k) => {
+                    Source::Fixed(uniforms.get(k as usize).copied().unwrap_or(f64::NAN))
+                }
+            })
+            .collect();
+        let mut surface = Self {
+            tape,
+            inputs,
+            domain,
+            topology: Topology::default(),
+            scale: Scale {
+                size: 1.0,
+                stretch: [1.0; 2],
+            },
+        };
+        surface.scale = measure(&|uv| surface.jet(uv), domain);
+        surface.topology = Topology::of_metric(
+            &|uv| surface.form(uv),
+            &|uv| surface.jet(uv),
+            domain,
+            surface.scale,
+        );
+        Ok(surface)
+    }
+
+    /// What was found beyond the sides.
+    pub fn topology(&self) -> &Topology {
+        &self.topology
+    }
+
+    fn form(&self, uv: [f64; 2]) -> Form {
+        let mut out = [0.0; 12];
+        SCRATCH.with_borrow_mut(|(registers, values)| {
+            values.clear();
+            values.extend(self.inputs.iter().map(|source| match *source {
+                Source::U => uv[0],
+                Source::V => uv[1],
+                Source::Fixed(value) => value,
+            }));
+            self.tape.eval(registers, values, &mut out);
+        });
+        let triple = |k: usize| [out[k], out[k + 1], out[k + 2]];
+        Form {
+            efg: triple(0),
+            by_u: triple(3),
+            by_v: triple(6),
+            bent: -0.5 * out[9] + out[10] - 0.5 * out[11],
+        }
+    }
+}
+
+impl Surface for MetricSurface {
+    fn jet(&self, uv: [f64; 2]) -> Jet {
+        jet_of(&self.form(uv), uv)
+    }
+
+    fn is_embedded(&self) -> bool {
+        false
+    }
+
+    fn domain(&self) -> [[f64; 2]; 2] {
+        self.domain
+    }
+
+    fn sides(&self) -> Sides {
+        self.topology.sides
+    }
+
+    fn apex(&self, axis: usize, end: usize) -> Option<Apex> {
+        self.topology.apexes[axis][end]
+    }
+
+    fn scale(&self) -> Scale {
+        self.scale
+    }
+}
+
+/// √(EG − F²), the product of differences with its rounding error put back.
+fn area_element([e, f, g]: [f64; 3]) -> f64 {
+    if f == 0.0 {
+        return e.sqrt() * g.sqrt();
+    }
+    let square = f * f;
+    let lost = f.mul_add(-f, square);
+    (e.mul_add(g, -square) + lost).sqrt()
+}
+
+/// The jet in the frame e₁ ∥ σu, e₂ to its left, e₃ the normal.
+fn jet_of(form: &Form, uv: [f64; 2]) -> Jet {
+    let [e, f, g] = form.efg;
+    let position = [uv[0], uv[1], 0.0];
+    let undefined = [f64::NAN; 3];
+    if !(e.is_finite() && f.is_finite() && g.is_finite()) {
+        return Jet {
+            position: undefined,
+            du: undefined,
+            dv: undefined,
+            duu: undefined,
+            duv: undefined,
+            dvv: undefined,
+        };
+    }
+    let r = area_element(form.efg);
+    let root = e.sqrt();
+    if !(e > 0.0 && r > 0.0) {
+        // Parallel tangents: no plane.
+        let root = e.max(0.0).sqrt();
+        return Jet {
+            position,
+            du: [root, 0.0, 0.0],
+            dv: [g.max(0.0).sqrt(), 0.0, 0.0],
+            duu: undefined,
+            duv: undefined,
+            dvv: undefined,
+        };
+    }
+    // The frame's components of a vector with these inner products with σu and σv.
+    let vector = |by_u: f64, by_v: f64| [by_u / root, (by_v - f / e * by_u) * root / r];
+    let [eu, fu, gu] = form.by_u;
+    let [ev, fv, gv] = form.by_v;
+    let uu = vector(0.5 * eu, fu - 0.5 * ev);
+    let mixed = vector(0.5 * ev, 0.5 * gu);
+    let vv = vector(fv - 0.5 * gu, 0.5 * gv);
+    // Gauss's equation: LN − M² = ⟨σuu,σvv⟩ − ⟨σuv,σuv⟩ less the tangential parts, and K = (LN − M²)/R².
+    let plane = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    let second = form.bent - plane(uu, vv) + plane(mixed, mixed);
+    // As on a sphere: L : N = E : G, M = 0.
+    let ratio = (g / e).sqrt();
+    let l = (second.abs() / ratio.max(f64::MIN_POSITIVE)).sqrt();
+    let l = l / ratio.sqrt();
+    let n = if l > 0.0 { second / l } else { 0.0 };
+    Jet {
+        position,
+        du: [root, 0.0, 0.0],
+        dv: [f / root, r / root, 0.0],
+        duu: [uu[0], uu[1], l],
+        duv: [mixed[0], mixed[1], 0.0],
+        dvv: [vv[0], vv[1], n],
+    }
+}
+
+/// Lengths typical of a metric, along the coordinate lines.
+fn measure(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2]) -> Scale {
+    const LINES: u32 = 5;
+    const PIECES: u32 = 8;
+    let mut scale = Scale {
+        size: 1.0,
+        stretch: [1.0; 2],
+    };
+    let median = |values: &mut Vec<f64>| {
+        values.sort_unstable_by(f64::total_cmp);
+        values.get(values.len() / 2).copied()
+    };
+    let mut size = 0.0_f64;
+    for axis in 0..2 {
+        let width = domain[axis][1] - domain[axis][0];
+        let (mut lengths, mut stretches) = (Vec::new(), Vec::new());
+        for line in 0..LINES {
+            let mut length = 0.0;
+            let across = (f64::from(line) + 0.61) / f64::from(LINES);
+            for piece in 0..PIECES {
+                let along = (f64::from(piece) + 0.43) / f64::from(PIECES);
+                let share = if axis == 0 {
+                    [along, across]
+                } else {
+                    [across, along]
+                };
+                let jet = jet(at(domain, share));
+                let stretch = crate::metric::norm(if axis == 0 { jet.du } else { jet.dv });
+                if stretch.is_finite() && stretch > 0.0 {
+                    length += stretch * width / f64::from(PIECES);
+                    stretches.push(stretch);
+                }
+            }
+            if length > 0.0 && length.is_finite() {
+                lengths.push(length);
+            }
+        }
+        size = size.max(median(&mut lengths).unwrap_or(0.0));
+        scale.stretch[axis] = median(&mut stretches).unwrap_or(1.0);
+    }
+    // A closed surface's extent is about half of what its lines are long.
+    if size > 0.0 && size.is_finite() {
+        scale.size = 0.5 * size;
+    }
+    scale
+}
