@@ -118,12 +118,12 @@ impl JetTape {
 
     /// How many roots it evaluates.
     pub fn root_count(&self) -> usize {
-        self.code.places.len() / self.order.coefficients()
+        self.code.program.place_count() / self.order.coefficients()
     }
 
     /// How many instructions one evaluation runs.
     pub fn instruction_count(&self) -> usize {
-        self.code.instructions.len()
+        self.code.program.instruction_count()
     }
 
     /// How many registers an evaluation uses, those of fixed numbers among them.
@@ -159,12 +159,12 @@ impl JetTape {
         registers: &mut JetRegisters,
         fixed: &Fixed,
         at: &[[f64; N]; 2],
-        out: [&mut [[f64; N]]; K],
+        mut out: [&mut [[f64; N]]; K],
     ) {
         assert_eq!(fixed.tape, self.identity, "fixed numbers of this tape");
         assert_eq!(K, self.order.coefficients(), "all coefficients");
         let roots = self.root_count();
         assert!(out.iter().all(|out| out.len() == roots), "a place per root");
-        registers.run(&self.code, &fixed.numbers, fixed.identity, at, out);
+        registers.run(&self.code, &fixed.numbers, fixed.identity, at, &mut out);
     }
 }

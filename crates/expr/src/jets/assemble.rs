@@ -11,12 +11,29 @@ use crate::ops::{Binary, Unary};
 /// Straight-line code.
 #[derive(Clone, Debug)]
 pub(super) struct Code {
-    pub(super) instructions: Vec<Instruction>,
-    /// For each coefficient and root its register, and the bit to flip for its sign; all values first.
-    pub(super) places: Vec<(u32, u64)>,
+    pub(super) program: Program,
     /// Which coefficients the registers from [`FIRST_FIXED`] on hold.
     pub(super) fixed: Vec<u32>,
     pub(super) register_count: usize,
+}
+
+/// Instructions, and where their results are: over few registers, which is usual, or over many.
+#[derive(Clone, Debug)]
+pub(super) enum Program {
+    /// All registers are among the first [`FEW`].
+    Few(Steps<u8>),
+    Many(Steps<u32>),
+}
+
+/// How many registers a byte can name.
+pub(super) const FEW: usize = 256;
+
+/// A program whose registers are named by `R`.
+#[derive(Clone, Debug)]
+pub(super) struct Steps<R> {
+    pub(super) instructions: Vec<Instruction<R>>,
+    /// For each coefficient and root its register, and the bit to flip for its sign; all values first.
+    pub(super) places: Vec<(R, u64)>,
 }
 
 /// The register of the first fixed number; before it stand the variables.
@@ -24,12 +41,12 @@ pub(super) const FIRST_FIXED: usize = 2;
 
 /// One instruction: registers in, registers out. An out register may be one of those read.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Instruction {
+pub(super) struct Instruction<R> {
     pub(super) op: Op,
-    pub(super) out: u32,
+    pub(super) out: R,
     /// Where the second result goes, if there are two.
-    pub(super) second: u32,
-    pub(super) operands: [u32; 4],
+    pub(super) second: R,
+    pub(super) operands: [R; 4],
 }
 
 /// What is done with operands a, b, c, d.
@@ -114,14 +131,56 @@ pub(super) fn assemble(expansion: &Expansion, coefficients: usize) -> Code {
             operands,
         });
     }
-    Code {
+    let places = (0..coefficients)
+        .flat_map(|k| expansion.roots.iter().skip(k).step_by(coefficients))
+        .map(|term| (registers.places[term.id as usize], sign_bit(*term)))
+        .collect();
+    let register_count = registers.count as usize;
+    let steps = Steps {
         instructions,
-        places: (0..coefficients)
-            .flat_map(|k| expansion.roots.iter().skip(k).step_by(coefficients))
-            .map(|term| (registers.places[term.id as usize], sign_bit(*term)))
-            .collect(),
-        register_count: registers.count as usize,
+        places,
+    };
+    Code {
+        program: if register_count <= FEW {
+            Program::Few(steps.named(|register| register as u8))
+        } else {
+            Program::Many(steps)
+        },
+        register_count,
         fixed: registers.fixed,
+    }
+}
+
+impl Program {
+    pub(super) fn instruction_count(&self) -> usize {
+        match self {
+            Self::Few(steps) => steps.instructions.len(),
+            Self::Many(steps) => steps.instructions.len(),
+        }
+    }
+
+    pub(super) fn place_count(&self) -> usize {
+        match self {
+            Self::Few(steps) => steps.places.len(),
+            Self::Many(steps) => steps.places.len(),
+        }
+    }
+}
+
+impl<R: Copy> Steps<R> {
+    /// The same with other names.
+    fn named<S>(self, name: impl Fn(R) -> S) -> Steps<S> {
+        let instructions = self.instructions.into_iter().map(|i| Instruction {
+            op: i.op,
+            out: name(i.out),
+            second: name(i.second),
+            operands: i.operands.map(&name),
+        });
+        let places = self.places.into_iter();
+        Steps {
+            instructions: instructions.collect(),
+            places: places.map(|(place, flip)| (name(place), flip)).collect(),
+        }
     }
 }
 

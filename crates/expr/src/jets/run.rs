@@ -7,7 +7,7 @@
 
 use crate::arithmetic::{power, sign, zmul};
 use crate::elementary;
-use crate::jets::assemble::{Code, FIRST_FIXED, Instruction, Op};
+use crate::jets::assemble::{Code, FEW, FIRST_FIXED, Instruction, Op, Program, Steps};
 use crate::processor::{Processor, Work};
 
 /// Registers, reused between evaluations so that none allocates. One per thread, for any tapes.
@@ -37,9 +37,12 @@ impl JetRegisters {
         fixed: &[f64],
         identity: u64,
         at: &[[f64; N]; 2],
-        out: [&mut [[f64; N]]; K],
+        out: &mut [&mut [[f64; N]]; K],
     ) {
-        let length = code.register_count * N;
+        let length = N * match code.program {
+            Program::Few(_) => FEW,
+            Program::Many(_) => code.register_count,
+        };
         if self.numbers.len() < length + LINE {
             self.numbers = vec![0.0; length + LINE];
             self.filled = (0, 0);
@@ -55,86 +58,162 @@ impl JetRegisters {
                 place.fill(number);
             }
         }
-        let out = out.map(<[[f64; N]]>::as_flattened_mut);
+        let run = Run {
+            code,
+            registers,
+            at,
+            out,
+        };
         match N {
-            1 => whole::<1, 1, N, K>(code, registers, at, out),
-            8 => self.processor.run(Run::<1, N, K> {
-                code,
-                registers,
-                at,
-                out,
-            }),
-            64 => self.processor.run(Run::<8, N, K> {
-                code,
-                registers,
-                at,
-                out,
-            }),
-            _ => whole::<1, N, N, K>(code, registers, at, out),
+            // One point is no vector.
+            1 => run.lines::<1, 1, { FEW }>(),
+            8 => self.processor.run(Eight(run)),
+            64 => self.processor.run(SixtyFour(run)),
+            _ => run.lines::<1, N, 0>(),
         }
     }
 }
 
-/// An evaluation with `COUNT` lines to a register.
-struct Run<'a, const COUNT: usize, const N: usize, const K: usize> {
+/// An evaluation.
+struct Run<'a, 'out, const N: usize, const K: usize> {
     code: &'a Code,
     registers: &'a mut [f64],
     at: &'a [[f64; N]; 2],
-    out: [&'a mut [f64]; K],
+    out: &'a mut [&'out mut [[f64; N]]; K],
 }
 
-impl<const COUNT: usize, const N: usize, const K: usize> Work for Run<'_, COUNT, N, K> {
+/// One line to a register.
+struct Eight<'a, 'out, const N: usize, const K: usize>(Run<'a, 'out, N, K>);
+
+/// Eight lines to a register.
+struct SixtyFour<'a, 'out, const N: usize, const K: usize>(Run<'a, 'out, N, K>);
+
+impl<const N: usize, const K: usize> Work for Eight<'_, '_, N, K> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        whole::<LINE, COUNT, N, K>(self.code, self.registers, self.at, self.out);
+        self.0.lines::<LINE, 1, { FEW }>();
     }
 }
 
-/// Points in, code, coefficients out; N = W·COUNT.
-#[inline(always)]
-fn whole<const W: usize, const COUNT: usize, const N: usize, const K: usize>(
-    code: &Code,
-    registers: &mut [f64],
-    at: &[[f64; N]; 2],
-    out: [&mut [f64]; K],
-) {
-    let (registers, _) = registers.as_chunks_mut::<W>();
-    let (at, _) = at.as_flattened().as_chunks::<W>();
-    registers[..2 * COUNT].copy_from_slice(at);
-    run_lines::<W, COUNT>(code, registers);
-    let per_coefficient = code.places.chunks_exact((code.places.len() / K).max(1));
-    for (places, out) in per_coefficient.zip(out) {
-        let (out, _) = out.as_chunks_mut::<W>();
-        for (&(register, flip), out) in places.iter().zip(out.chunks_exact_mut(COUNT)) {
-            let first = register as usize * COUNT;
-            for (out, line) in out.iter_mut().zip(&registers[first..first + COUNT]) {
-                let mut lanes = [0.0; W];
-                for lane in 0..W {
-                    lanes[lane] = f64::from_bits(line[lane].to_bits() ^ flip);
-                }
-                *out = lanes;
+impl<const N: usize, const K: usize> Work for SixtyFour<'_, '_, N, K> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.0.lines::<LINE, 8, { 8 * FEW }>();
+    }
+}
+
+/// What names a register.
+trait Name: Copy {
+    fn index(self) -> usize;
+}
+
+impl Name for u8 {
+    #[inline(always)]
+    fn index(self) -> usize {
+        usize::from(self)
+    }
+}
+
+impl Name for u32 {
+    #[inline(always)]
+    fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// The lines that hold registers.
+trait Lines<const W: usize> {
+    fn get(&self, line: usize) -> [f64; W];
+    fn set(&mut self, line: usize, value: [f64; W]);
+}
+
+impl<const W: usize> Lines<W> for [[f64; W]] {
+    #[inline(always)]
+    fn get(&self, line: usize) -> [f64; W] {
+        self[line]
+    }
+
+    #[inline(always)]
+    fn set(&mut self, line: usize, value: [f64; W]) {
+        self[line] = value;
+    }
+}
+
+/// So many lines that a byte cannot name one outside: the compiler leaves out the checks of bounds.
+impl<const W: usize, const ALL: usize> Lines<W> for [[f64; W]; ALL] {
+    #[inline(always)]
+    fn get(&self, line: usize) -> [f64; W] {
+        self[line]
+    }
+
+    #[inline(always)]
+    fn set(&mut self, line: usize, value: [f64; W]) {
+        self[line] = value;
+    }
+}
+
+impl<const N: usize, const K: usize> Run<'_, '_, N, K> {
+    /// Evaluates with `COUNT` lines of `W` lanes to a register, N = W·COUNT; `ALL` are the lines of [`FEW`]
+    /// registers.
+    #[inline(always)]
+    fn lines<const W: usize, const COUNT: usize, const ALL: usize>(self) {
+        let (registers, _) = self.registers.as_chunks_mut::<W>();
+        let (at, _) = self.at.as_flattened().as_chunks::<W>();
+        registers[..2 * COUNT].copy_from_slice(at);
+        match &self.code.program {
+            Program::Few(steps) => match registers.first_chunk_mut::<ALL>() {
+                Some(all) if ALL > 0 => evaluate::<W, COUNT, N, K, u8, _>(steps, all, self.out),
+                _ => evaluate::<W, COUNT, N, K, u8, _>(steps, registers, self.out),
+            },
+            Program::Many(steps) => {
+                evaluate::<W, COUNT, N, K, u32, _>(steps, registers, self.out);
             }
         }
     }
 }
 
-/// Runs code over registers of `COUNT` lines of `W` lanes.
+/// Runs the instructions, and copies coefficients to where the caller wants them, with their signs.
 #[inline(always)]
-fn run_lines<const W: usize, const COUNT: usize>(code: &Code, registers: &mut [[f64; W]]) {
-    for instruction in &code.instructions {
-        step::<W, COUNT>(instruction, registers);
+fn evaluate<const W: usize, const COUNT: usize, const N: usize, const K: usize, R, L>(
+    steps: &Steps<R>,
+    registers: &mut L,
+    out: &mut [&mut [[f64; N]]; K],
+) where
+    R: Name,
+    L: Lines<W> + ?Sized,
+{
+    for instruction in &steps.instructions {
+        step::<W, COUNT, R, L>(instruction, registers);
+    }
+    let mut places = steps.places.iter();
+    for out in out {
+        for (out, &(register, flip)) in out.iter_mut().zip(&mut places) {
+            let (out, _) = out.as_chunks_mut::<W>();
+            for (line, out) in out.iter_mut().enumerate() {
+                let value = registers.get(register.index() * COUNT + line);
+                for lane in 0..W {
+                    out[lane] = f64::from_bits(value[lane].to_bits() ^ flip);
+                }
+            }
+        }
     }
 }
 
 /// Runs one instruction, line by line. Macros rather than closures: what is not inlined is not compiled for the
 /// processor at hand.
 #[inline(always)]
-fn step<const W: usize, const COUNT: usize>(i: &Instruction, registers: &mut [[f64; W]]) {
+fn step<const W: usize, const COUNT: usize, R, L>(i: &Instruction<R>, registers: &mut L)
+where
+    R: Name,
+    L: Lines<W> + ?Sized,
+{
     macro_rules! read {
         ($line:ident, $k:literal) => {
-            registers[i.operands[$k] as usize * COUNT + $line]
+            registers.get(i.operands[$k].index() * COUNT + $line)
         };
     }
     macro_rules! each {
@@ -146,7 +225,7 @@ fn step<const W: usize, const COUNT: usize>(i: &Instruction, registers: &mut [[f
                     $(let $x = $x[lane];)+
                     out[lane] = $value;
                 }
-                registers[i.out as usize * COUNT + line] = out;
+                registers.set(i.out.index() * COUNT + line, out);
             }
         };
     }
@@ -154,7 +233,7 @@ fn step<const W: usize, const COUNT: usize>(i: &Instruction, registers: &mut [[f
         ($f:path) => {
             for line in 0..COUNT {
                 let x = read!(line, 0);
-                registers[i.out as usize * COUNT + line] = $f(&x);
+                registers.set(i.out.index() * COUNT + line, $f(&x));
             }
         };
     }
@@ -163,8 +242,8 @@ fn step<const W: usize, const COUNT: usize>(i: &Instruction, registers: &mut [[f
             for line in 0..COUNT {
                 let x = read!(line, 0);
                 let (first, second) = $f(&x);
-                registers[i.out as usize * COUNT + line] = first;
-                registers[i.second as usize * COUNT + line] = second;
+                registers.set(i.out.index() * COUNT + line, first);
+                registers.set(i.second.index() * COUNT + line, second);
             }
         };
     }
