@@ -329,3 +329,21 @@ fn every_code_has_a_case() {
         .collect();
     assert!(missing.is_empty(), "codes without a case: {missing:?}");
 }
+
+#[test]
+fn the_programs_on_the_language_s_page_compile() {
+    let path = repository().join("docs/language.md");
+    let page = std::fs::read_to_string(path).expect("docs/language.md");
+    let mut count = 0;
+    for block in page.split("```gtr\n").skip(1) {
+        let program = block.split("```").next().unwrap_or_default();
+        let compilation = compile(program);
+        assert!(
+            compilation.diagnostics.is_empty(),
+            "{program}\n{:#?}",
+            compilation.diagnostics
+        );
+        count += 1;
+    }
+    assert!(count >= 3, "only {count} programs were found");
+}

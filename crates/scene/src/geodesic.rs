@@ -131,3 +131,53 @@ impl Launcher {
         Ok(Launch { start, direction })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Launch, LaunchFault, Launcher};
+    use crate::scene::{ObjectId, Range, Scene};
+    use crate::values::Settings;
+
+    fn scene(source: &str) -> Scene {
+        let compilation = crate::compile(source);
+        let found = compilation.diagnostics;
+        compilation.scene.unwrap_or_else(|| panic!("{found:#?}"))
+    }
+
+    const PROGRAM: &str = "
+        param a : [0, 1]; param place : [-1, 1], [0, 3];
+        surface s(u,v) = (u, v, a), u : [0, 1], v : [0, 2];
+        geodesic g(t) : s = (a, 2a) @ place, t : [0, 1];";
+
+    #[test]
+    fn a_geodesic_starts_where_its_params_put_it() {
+        let scene = scene(PROGRAM);
+        let mut settings = Settings::opening(&scene);
+        let mut launcher = Launcher::new(&scene, ObjectId(1)).expect("a geodesic");
+        let mut launch = |settings: &Settings| {
+            launcher.launch(&settings.first_instance(&scene, &scene.objects[1]))
+        };
+        assert_eq!(launch(&settings), Err(LaunchFault::ZeroDirection));
+        settings.set(&scene, "a", &[0.5]).expect("in range");
+        let domain = [(0.0, 1.0), (0.0, 2.0)].map(|(min, max)| Range { min, max });
+        let start = [-1.0, 0.0];
+        let outside = Err(LaunchFault::Outside { start, domain });
+        assert_eq!(launch(&settings), outside);
+        // A corner belongs to the domain.
+        settings
+            .set(&scene, "place", &[1.0, 2.0])
+            .expect("in range");
+        let (start, direction) = ([1.0, 2.0], [0.5, 1.0]);
+        assert_eq!(launch(&settings), Ok(Launch { start, direction }));
+        let sentence = LaunchFault::Outside { start, domain }.to_string();
+        let expected = "its start (1, 2) lies outside the domain [0, 1] × [0, 2]";
+        assert_eq!(sentence, expected);
+    }
+
+    #[test]
+    fn what_is_no_geodesic_has_no_launcher() {
+        let scene = scene(PROGRAM);
+        assert!(Launcher::new(&scene, ObjectId(0)).is_none());
+        assert!(Launcher::new(&scene, ObjectId(2)).is_none());
+    }
+}

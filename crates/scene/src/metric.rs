@@ -226,3 +226,68 @@ impl Search<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Defect, Witness, witness};
+    use crate::scene::{Scene, Shape};
+    use crate::values::Settings;
+
+    fn found(metric: &str) -> Option<Witness> {
+        let source = format!("metric h(u,v) = {metric};");
+        let scene: Scene = crate::compile(&source).scene.expect("no errors");
+        let object = &scene.objects[0];
+        let Shape::Metric {
+            components, domain, ..
+        } = &object.shape
+        else {
+            panic!("not a metric");
+        };
+        let uniforms = Settings::opening(&scene).first_instance(&scene, object);
+        witness(&scene.graph, components, domain, &uniforms, 1)
+    }
+
+    #[test]
+    fn metrics_of_the_textbooks_have_no_witness() {
+        for metric in [
+            "(1, 0, sin^2 u), u : [0, pi], v : [0, 2pi]",
+            "(1, 0, sinh^2 u), u : [0, 30], v : [0, 2pi]",
+            "4(1, 0, u^2)/(1 - u^2)^2, u : [0, 1], v : [0, 2pi]",
+            "4(1, 0, 1)/(1 - u^2 - v^2)^2, u : [-0.7, 0.7], v : [-0.7, 0.7]",
+            "(1, 0, 1)/v^2, u : [-1e6, 1e6], v : [0, 1e-6]",
+            "(1, 0.999999, 1), u : [0, 1], v : [0, 1]",
+            "1e-200(1, 0, 1), u : [0, 1], v : [0, 1]",
+            "1e200(1, 0.5, 1), u : [0, 1], v : [0, 1]",
+            "((1 + (cos u)/2)^2, 0, sin^2 u), u : [0, pi], v : [0, 2pi]",
+        ] {
+            assert_eq!(found(metric), None, "{metric}");
+        }
+    }
+
+    #[test]
+    fn a_witness_is_a_point_where_the_metric_fails() {
+        for metric in [
+            "(1, 0, sin u), u : [0.1, 6], v : [0, 1]",
+            "(cos v, 0, 1), u : [0, 1], v : [0, 2]",
+            "(1, 1.0000001, 1), u : [0, 1], v : [0, 1]",
+            "(1, 2 exp(-((u - 0.31)^2 + (v - 0.72)^2)/0.0001), 1), u : [0, 1], v : [0, 1]",
+        ] {
+            let Some(Witness { at: [u, v], defect }) = found(metric) else {
+                panic!("{metric}: nothing found");
+            };
+            assert_ne!(defect, Defect::Undefined, "{metric}");
+            let body = metric.split(", u :").next().unwrap_or_default();
+            let source = format!("metric h(u,v) = {metric};");
+            let compilation = crate::compile(&source);
+            let settings = Settings::opening(compilation.scene.as_ref().expect("a scene"));
+            let value = compilation.evaluate(&format!("h({u}, {v})"), &settings);
+            let value = value.expect("a value").outcome;
+            let crate::Outcome::Single(crate::Value::Vector(form)) = value else {
+                panic!("{body} is no vector");
+            };
+            let [e, f, g] = [0, 1, 2].map(|k| form[k].expect("defined"));
+            let fails = e <= 0.0 || e * g - f * f <= 1e-15;
+            assert!(fails, "{metric}: E = {e}, F = {f}, G = {g} at ({u}, {v})");
+        }
+    }
+}

@@ -139,6 +139,28 @@ mod tests {
     use crate::symbols::Vocabulary;
 
     #[test]
+    fn metrics_and_geodesics_are_functions_where_they_are_named() {
+        let vocabulary = Vocabulary::new(&[], &["sin"]);
+        let source = "metric h(u,v) = (1,0,u), u:[1,2], v:[1,2];
+            geodesic g(t) : h = (1,0) @ (1,1), t:[0,1]; metrics geodesic";
+        let coloured = highlight(source, &vocabulary);
+        let of = |wanted: HighlightKind, declares: bool| -> Vec<&str> {
+            let found = coloured
+                .iter()
+                .filter(|h| h.kind == wanted && h.declares == declares);
+            found.map(|h| h.span.text(source)).collect()
+        };
+        let keywords = ["metric", "geodesic", "geodesic"];
+        assert_eq!(of(HighlightKind::Keyword, false), keywords);
+        assert_eq!(of(HighlightKind::Function, true), ["h", "g"]);
+        assert_eq!(of(HighlightKind::Function, false), ["h"]);
+        assert_eq!(of(HighlightKind::Variable, true), ["u", "v", "t"]);
+        // In the body, and before the intervals.
+        assert_eq!(of(HighlightKind::Variable, false), ["u", "u", "v", "t"]);
+        assert_eq!(of(HighlightKind::Undefined, false), ["metrics"]);
+    }
+
+    #[test]
     fn each_token_has_the_colour_of_what_it_means() {
         let vocabulary = Vocabulary::new(&["pi"], &["sin"]);
         let source = "#π\nfunction f(u) = sinpiu + 2foo €; define a = f 3; define pi = 1;";

@@ -11,34 +11,13 @@ use syntax::grammar::{Item, Nonterminal, PRODUCTIONS, Production, Terminal};
 use syntax::token::TokenKind;
 
 /// The grammar as the language's page states it, left recursion and all.
-const ORIGINAL: &str = r#"
-PROG  = DECL PROG |
-DECL  = "param" id ":" INTS ";" | "grid" id ":" GRIDS ";" | "define" id "=" EXPR ";" | "function" FDECL ";"
-      | "curve" FDECL "," TINTS ";" | "surface" FDECL "," TINTS ";" | "point" id "=" EXPR ";"
-      | "vector" id "=" EXPR "@" EXPR ";" | "metric" FDECL "," TINTS ";"
-      | "geodesic" id "(" IDS ")" ":" func "=" EXPR "@" EXPR "," TINTS ";"
-FDECL = id "(" IDS ")" "=" EXPR
-IDS   = IDS "," id | id
-INT   = "[" EXPR "," EXPR "]"
-GRID  = "[" EXPR "," EXPR "," EXPR "]"
-TINT  = id ":" INT | id ":" GRID
-INTS  = INTS "," INT | INT
-GRIDS = GRIDS "," GRID | GRID
-TINTS = TINTS "," TINT | TINT
-EXPR  = ADD
-ADD   = ADD "+" JUX | ADD "-" JUX | JUX
-JUX   = JUX MULT2 | MULT
-MULT  = MULT "*" UNARY | MULT "/" UNARY | UNARY
-MULT2 = MULT2 "*" UNARY | MULT2 "/" UNARY | APP
-UNARY = "+" UNARY | "-" UNARY | "*" UNARY | "/" UNARY | APP
-APP   = FUNC UNARY | POW
-FUNC  = FUNC2 "^" UNARY | FUNC2
-FUNC2 = FUNC2 "_" var | FUNC2 "'" | func
-POW   = COMP "^" UNARY | COMP
-COMP  = COMP "_" num | FACT
-FACT  = const | num | var | "(" TUPLE ")" | "[" TUPLE "]" | "{" TUPLE "}"
-TUPLE = ADD "," TUPLE | ADD
-"#;
+fn original_text() -> String {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/language.md");
+    let page = std::fs::read_to_string(path).expect("docs/language.md");
+    let block = page.split("```grammar\n").nth(1);
+    let block = block.and_then(|rest| rest.split("```").next());
+    block.expect("a grammar in docs/language.md").to_owned()
+}
 
 const TERMINALS: [(&str, Terminal); 33] = [
     ("\"param\"", Terminal::Param),
@@ -296,7 +275,7 @@ impl Grammar {
     }
 
     fn original() -> Self {
-        let joined = ORIGINAL.replace("\n      |", " |");
+        let joined = original_text().replace("\n      |", " |");
         let lines: Vec<(&str, &str)> = joined
             .lines()
             .filter_map(|line| line.split_once(" = "))

@@ -44,10 +44,13 @@ pub(super) struct Arguments {
 /// The JSON document.
 #[derive(Serialize)]
 struct Document {
+    #[serde(skip)]
+    objects: usize,
     params: Vec<Dial>,
     grids: Vec<Dial>,
     views: Vec<ViewEntry>,
     surfaces: Vec<SurfaceEntry>,
+    intrinsic: Vec<IntrinsicEntry>,
 }
 
 /// A param or a grid, and how many uniforms hold its components.
@@ -108,6 +111,23 @@ struct SurfaceEntry {
     acceleration: Option<Acceleration>,
 }
 
+/// A metric, or a geodesic on a surface or a metric: what its own expressions are.
+#[derive(Serialize)]
+struct IntrinsicEntry {
+    name: String,
+    kind: &'static str,
+    /// What a geodesic lies on.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    on: Option<String>,
+    instances: u64,
+    /// Of a geodesic.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    samples: Option<u64>,
+    params: Vec<String>,
+    grids: Vec<String>,
+    operations: usize,
+}
+
 /// Plans every view of the program and prints the plans.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let program = Program::load(&arguments.file, arguments.format)?;
@@ -144,11 +164,57 @@ fn document(scene: &Scene) -> Document {
         .map(|param| (&param.name, param.ranges.len()));
     let grids = scene.grids.iter().map(|grid| (&grid.name, grid.axes.len()));
     Document {
+        objects: scene.objects.len(),
         params: params.map(dial).collect(),
         grids: grids.map(dial).collect(),
         views,
         surfaces,
+        intrinsic: intrinsic(scene, &settings),
     }
+}
+
+fn intrinsic(scene: &Scene, settings: &Settings) -> Vec<IntrinsicEntry> {
+    let entries = scene.objects.iter().filter_map(|object| {
+        let (on, per_instance) = match &object.shape {
+            Shape::Metric { .. } => (None, None),
+            Shape::Geodesic {
+                surface, domain, ..
+            } => {
+                let surface = scene.objects.get(surface.0 as usize)?;
+                (Some(surface.name.clone()), Some(u64::from(domain.count)))
+            }
+            _ => return None,
+        };
+        let instances = settings.instance_count(scene, object);
+        let (params, grids) = inputs(scene, object);
+        Some(IntrinsicEntry {
+            name: object.name.clone(),
+            kind: kind(&object.shape),
+            on,
+            instances,
+            samples: per_instance.map(|samples| samples.saturating_mul(instances)),
+            params,
+            grids,
+            operations: scene.graph.operation_count(&object.shape.roots()),
+        })
+    });
+    entries.collect()
+}
+
+/// The names of the params and of the grids that an object depends on.
+fn inputs(scene: &Scene, object: &Object) -> (Vec<String>, Vec<String>) {
+    let params = object
+        .params
+        .iter()
+        .filter_map(|id| scene.params.get(id.0 as usize));
+    let grids = object
+        .grids
+        .iter()
+        .filter_map(|id| scene.grids.get(id.0 as usize));
+    (
+        params.map(|param| param.name.clone()).collect(),
+        grids.map(|grid| grid.name.clone()).collect(),
+    )
 }
 
 fn view(scene: &Scene, settings: &Settings, request: &Request) -> ViewEntry {
@@ -191,22 +257,15 @@ fn built(plan: &Plan) -> BuiltEntry {
 }
 
 fn object_entry(scene: &Scene, object: &Object, planned: &ObjectPlan) -> ObjectEntry {
-    let params = object
-        .params
-        .iter()
-        .filter_map(|id| scene.params.get(id.0 as usize));
-    let grids = object
-        .grids
-        .iter()
-        .filter_map(|id| scene.grids.get(id.0 as usize));
+    let (params, grids) = inputs(scene, object);
     ObjectEntry {
         name: object.name.clone(),
         kind: kind(&object.shape),
         instances: planned.instances,
         samples: planned.samples,
         source: source(planned.source),
-        params: params.map(|param| param.name.clone()).collect(),
-        grids: grids.map(|grid| grid.name.clone()).collect(),
+        params,
+        grids,
         uniforms: planned.uniforms.len(),
         operations: planned.operations,
         operations_with_normals: planned.operations_with_normals,
@@ -243,11 +302,10 @@ fn source(source: Source) -> &'static str {
 fn text(document: &Document, file: &str) -> String {
     // Writing to a string cannot fail.
     let mut text = String::new();
-    let objects: usize = document.views.first().map_or(0, |view| view.objects.len());
     let _ = writeln!(
         text,
         "{file}: {}, {}, {}",
-        count(objects, "object"),
+        count(document.objects, "object"),
         count(document.params.len(), "param"),
         count(document.grids.len(), "grid"),
     );
@@ -260,7 +318,38 @@ fn text(document: &Document, file: &str) -> String {
             acceleration_text(&mut text, surface);
         }
     }
+    if !document.intrinsic.is_empty() {
+        let _ = writeln!(text, "\nInside surfaces");
+        for entry in &document.intrinsic {
+            intrinsic_text(&mut text, entry);
+        }
+    }
     text
+}
+
+fn intrinsic_text(text: &mut String, entry: &IntrinsicEntry) {
+    let _ = write!(text, "  {} {}", entry.kind, entry.name);
+    if let Some(on) = &entry.on {
+        let _ = write!(text, " on {on}");
+    }
+    let _ = write!(text, ": {}", count(entry.instances as usize, "instance"));
+    if let Some(samples) = entry.samples {
+        let _ = write!(text, ", {}", count(samples as usize, "sample"));
+    }
+    let operations = count(entry.operations, "operation");
+    let _ = match entry.on {
+        Some(_) => write!(text, ", {operations} for each start"),
+        None => write!(text, ", {operations} for E, F and G"),
+    };
+    depends(text, &entry.params, &entry.grids);
+    text.push('\n');
+}
+
+fn depends(text: &mut String, params: &[String], grids: &[String]) {
+    let inputs: Vec<&str> = params.iter().chain(grids).map(String::as_str).collect();
+    if !inputs.is_empty() {
+        let _ = write!(text, "; depends on {}", inputs.join(", "));
+    }
 }
 
 fn view_text(text: &mut String, view: &ViewEntry) {
@@ -279,15 +368,7 @@ fn view_text(text: &mut String, view: &ViewEntry) {
         if let Some(operations) = object.operations_with_normals {
             let _ = write!(text, ", {} with normals", grouped(operations));
         }
-        let inputs: Vec<&str> = object
-            .params
-            .iter()
-            .chain(&object.grids)
-            .map(String::as_str)
-            .collect();
-        if !inputs.is_empty() {
-            let _ = write!(text, "; depends on {}", inputs.join(", "));
-        }
+        depends(text, &object.params, &object.grids);
         text.push('\n');
     }
     if let Some(geodesic) = &view.geodesic {
