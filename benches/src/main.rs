@@ -1,10 +1,12 @@
 //! Run times and peak memory, printed as tables: `cargo run --release -p geotrace-benches [PART…]`.
 //!
 //! Parts: `front` (checking and parsing), `klein` (derivatives and WGSL), `render` (both views of every example),
-//! `large` (many samples, many vectors). Without a part all are run. Times are medians of several runs with their
+//! `large` (many samples, many vectors), `accuracy` (the geodesic view against the thesis' method, frames while moving,
+//! the sphere from ten thousand places). Without a part all are run. Times are medians of several runs with their
 //! least and greatest; a picture is drawn in a process of its own, so that its peak memory is its own and nothing is
 //! warm but the driver's cache on disk.
 
+mod accuracy;
 mod front;
 mod klein;
 mod measure;
@@ -23,15 +25,17 @@ fn main() -> ExitCode {
     if cfg!(debug_assertions) {
         println!("This is a debug build: its times mean nothing. Use --release.\n");
     }
-    let parts: [(&str, fn()); 4] = [
+    let parts: &[(&str, fn())] = &[
         ("front", front::run),
         ("klein", klein::run),
         ("render", pictures::examples),
         ("large", pictures::large),
+        ("accuracy", accuracy::run),
     ];
     for wanted in &arguments {
         if !parts.iter().any(|(name, _)| name == wanted) {
-            eprintln!("no part `{wanted}`: front, klein, render, large");
+            let names: Vec<&str> = parts.iter().map(|(name, _)| *name).collect();
+            eprintln!("no part `{wanted}`: {}", names.join(", "));
             return ExitCode::from(2);
         }
     }

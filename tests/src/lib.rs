@@ -11,6 +11,8 @@ pub mod cases;
 pub mod close;
 pub mod draw;
 pub mod examples;
+pub mod great_circles;
+pub mod inside;
 pub mod pictures;
 
 use syntax::diagnostic::Code;

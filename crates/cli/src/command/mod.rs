@@ -1,5 +1,6 @@
 //! The subcommands: one file each, with its arguments, its work and its output.
 
+mod accuracy;
 mod check;
 mod eval;
 mod explain;
@@ -45,6 +46,7 @@ enum Command {
     Trace(Box<trace::Arguments>),
     Eval(eval::Arguments),
     Explain(explain::Arguments),
+    Accuracy(accuracy::Arguments),
 }
 
 /// For whom the result is printed.
@@ -65,6 +67,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
+        Command::Accuracy(arguments) => accuracy::run(&arguments),
     }
 }
 
@@ -89,6 +92,7 @@ And with a surface s:
   geotrace render torus.gtr -o inside.png --view geodesic:s    seen from inside
   geotrace trace torus.gtr --surface s --from 0,0 --heading 30 --length 2
   geotrace explain torus.gtr                       what is built for it, and what is left out
+  geotrace accuracy torus.gtr                      every method of following geodesics: error against run time
 
 FILE may be `-` for standard input. `geotrace help COMMAND` tells more.
 Exit status: 0 fine, 1 the program or the input has errors, 2 wrong usage or an unreadable file.",

@@ -266,7 +266,7 @@ fn texture_failure(file: &TextureFile, error: TextureError) -> Failure {
     }
 }
 
-fn failure(error: RenderError) -> Failure {
+pub(super) fn failure(error: RenderError) -> Failure {
     let message = error.to_string();
     match error {
         RenderError::NoGpu { .. } => Failure::Usage {

@@ -209,7 +209,9 @@ fn text(trace: &Trace, from: [f64; 2]) -> String {
         status_word(trace.status),
         number::show_all(&from),
         number::show_all(&[u, v]),
-        trace.position.map_or_else(|| "none".to_owned(), |at| number::show_all(&at)),
+        trace
+            .position
+            .map_or_else(|| "none".to_owned(), |at| number::show_all(&at)),
         if trace.direction[0].is_nan() {
             "none".to_owned()
         } else {

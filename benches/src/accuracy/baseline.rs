@@ -1,0 +1,124 @@
+//! The thesis' method at its best: the fewest steps that are exact enough, in every precision.
+
+use std::time::{Duration, Instant};
+
+use geodesic::frame::Frame;
+use geodesic::map::{Arithmetic, Map, MapOptions, Method, exponential_map};
+use geodesic::reference::{Errors, Reference};
+use geodesic::surface::Surface;
+
+use super::{EQUAL, SAMPLE};
+
+/// A way to compute.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kind {
+    pub(super) name: &'static str,
+    pub(super) arithmetic: Arithmetic,
+    /// Whether several pixels go at once.
+    pub(super) simd: bool,
+}
+
+/// All of them.
+pub(super) const KINDS: [Kind; 3] = [
+    Kind {
+        name: "f64",
+        arithmetic: Arithmetic::F64,
+        simd: false,
+    },
+    Kind {
+        name: "f32",
+        arithmetic: Arithmetic::F32,
+        simd: false,
+    },
+    Kind {
+        name: "f64 SIMD",
+        arithmetic: Arithmetic::F64Lanes,
+        simd: true,
+    },
+];
+
+/// What one of them takes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Baseline {
+    /// The fewest steps; `None` where no number of steps is enough.
+    pub(super) steps: Option<u32>,
+    /// For the whole picture, with these steps.
+    pub(super) time: Duration,
+    /// The share of the pixels that no number of steps gets right.
+    pub(super) never: f64,
+}
+
+/// The picture that is run: one pixel of several.
+const THIN: u32 = 128;
+/// The most steps that are tried.
+const MOST: u32 = 1024;
+/// Where the method has pixels that it never gets right, it may leave so many more of the others wrong: else it would
+/// be held to the few that only its greatest number of steps gets right.
+const SPARED: f64 = 0.01;
+
+/// Searches and measures all kinds, on one thread.
+pub(super) fn measure<S: Surface + ?Sized>(surface: &S, frame: &Frame, size: u32) -> Vec<Baseline> {
+    let scale = f64::from(size) / f64::from(THIN);
+    let mut reference = Reference::new(surface, frame, [THIN; 2], SAMPLE);
+    KINDS
+        .iter()
+        .map(|kind| {
+            let make = |steps: u32| {
+                let options = MapOptions {
+                    method: Method::Rk4 {
+                        steps,
+                        arithmetic: kind.arithmetic,
+                    },
+                    max_evaluations: u64::MAX,
+                    ..MapOptions::default()
+                };
+                exponential_map(surface, frame, [THIN; 2], &options, &|_| {})
+            };
+            let mut errors =
+                |map: &Map| reference.errors(&|index| (map.uv(index), map.status[index]));
+            let best = errors(&make(MOST));
+            let wrong = |errors: &Errors| errors.wrong(EQUAL / scale);
+            let floor = wrong(&best);
+            let pixels = best.pixels.max(1);
+            let never = floor as f64 / pixels as f64;
+            let enough = |errors: &Errors| {
+                if floor == 0 {
+                    wrong(errors) == 0 && errors.max <= EQUAL / scale
+                } else {
+                    wrong(errors) <= floor + (SPARED * pixels as f64) as usize
+                }
+            };
+            if !enough(&best) || 2 * floor > pixels {
+                return Baseline {
+                    steps: None,
+                    time: Duration::ZERO,
+                    never,
+                };
+            }
+            // Enough at `high`, not at `low`.
+            let (mut low, mut high) = (1, MOST);
+            while high - low > (high / 20).max(1) {
+                // In the middle by ratio: errors fall with the fourth power.
+                let middle = (f64::from(low * high).sqrt() as u32).clamp(low + 1, high - 1);
+                if enough(&errors(&make(middle))) {
+                    high = middle;
+                } else {
+                    low = middle;
+                }
+            }
+            let time = (0..3)
+                .map(|_| {
+                    let start = Instant::now();
+                    std::hint::black_box(make(high));
+                    start.elapsed()
+                })
+                .min()
+                .unwrap_or_default();
+            Baseline {
+                steps: Some(high),
+                time: time.mul_f64(scale * scale),
+                never,
+            }
+        })
+        .collect()
+}

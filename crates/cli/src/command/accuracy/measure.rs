@@ -1,0 +1,205 @@
+//! One method with one setting on one view: run times, work, and the errors against the reference.
+
+use std::time::{Duration, Instant};
+
+use geodesic::frame::Frame;
+use geodesic::map::{Map, MapOptions, exponential_map};
+use geodesic::reference::Reference;
+use geodesic::surface::Surface;
+use geodesic::trace::Status;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde::Serialize;
+
+use super::method::{Kind, Setting};
+use crate::failure::Failure;
+
+/// Methods that go pixel by pixel are run on every so manyth pixel, along both axes.
+pub(super) const EVERY: u32 = 8;
+/// How long the repetitions of one run may take together, after the first.
+const PATIENCE: Duration = Duration::from_millis(400);
+/// The most runs for one time.
+const RUNS: usize = 9;
+/// How many pixels the reference takes.
+const SAMPLE: usize = 4096;
+
+/// All reasons to end, in the order in which shares are given.
+pub(super) const STATUSES: [(Status, &str); 6] = [
+    (Status::Complete, "complete"),
+    (Status::LeftDomain, "left_domain"),
+    (Status::ConePoint, "cone_point"),
+    (Status::Degenerate, "degenerate"),
+    (Status::Undefined, "undefined"),
+    (Status::WorkLimit, "work_limit"),
+];
+
+/// One thread, and all.
+#[derive(Debug)]
+pub(super) struct Threads {
+    one: ThreadPool,
+    all: ThreadPool,
+}
+
+impl Threads {
+    /// Starts them.
+    ///
+    /// # Errors
+    /// [`Failure::Internal`] where the system gives none.
+    pub(super) fn new() -> Result<Self, Failure> {
+        let pool = |threads: usize| {
+            ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .map_err(|error| Failure::Internal {
+                    message: format!("no threads could be started: {error}"),
+                })
+        };
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        Ok(Self {
+            one: pool(1)?,
+            all: pool(cores)?,
+        })
+    }
+
+    /// How many all are.
+    pub(super) fn count(&self) -> usize {
+        self.all.current_num_threads()
+    }
+}
+
+/// The largest error and the one that 99 % of the pixels stay below, in pixels.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct Bounds {
+    pub(super) max: f64,
+    pub(super) p99: f64,
+}
+
+/// What a run has shown.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Measured {
+    /// In milliseconds, for the whole picture, on one thread.
+    pub(super) time_one_ms: f64,
+    /// The same on all cores.
+    pub(super) time_all_ms: f64,
+    pub(super) evaluations_per_pixel: f64,
+    pub(super) rays: u64,
+    /// Of the pixels that have an end and should.
+    pub(super) error_px: Bounds,
+    /// What the method says of itself.
+    pub(super) estimate_px: Option<Bounds>,
+    /// The share of the pixels that ended otherwise than they should.
+    pub(super) unlike: f64,
+    /// The shares of the pixels by the reason why they ended, in the order of [`STATUSES`].
+    #[serde(skip)]
+    pub(super) shares: [f64; STATUSES.len()],
+}
+
+/// A view to be measured.
+pub(super) struct View<'s, S: Surface + ?Sized> {
+    surface: &'s S,
+    frame: Frame,
+    size: [u32; 2],
+    full: Reference<'s, S>,
+    thin: Reference<'s, S>,
+}
+
+impl<'s, S: Surface + ?Sized> View<'s, S> {
+    /// Takes the references.
+    pub(super) fn new(surface: &'s S, frame: Frame, size: [u32; 2]) -> Self {
+        Self {
+            surface,
+            frame,
+            size,
+            full: Reference::new(surface, &frame, size, SAMPLE),
+            thin: Reference::new(surface, &frame, thinned(size), SAMPLE),
+        }
+    }
+
+    /// How many pixels the reference compares, and how many of them have no known truth.
+    pub(super) fn sampled(&mut self) -> (usize, usize) {
+        let errors = self.full.errors(&|_| ([f64::NAN; 2], Status::Complete));
+        (errors.pixels, errors.unknown)
+    }
+
+    /// Measures a method with a setting.
+    pub(super) fn measure(&mut self, setting: &Setting, threads: &Threads) -> Measured {
+        let kind = setting.method().kind;
+        self.run(kind, setting.steps, setting.tolerance, threads)
+    }
+
+    /// Measures a method; see [`Kind::options`].
+    pub(super) fn run(
+        &mut self,
+        kind: Kind,
+        steps: Option<u32>,
+        tolerance: Option<f64>,
+        threads: &Threads,
+    ) -> Measured {
+        let thin = kind.is_pixel_by_pixel();
+        let mut options = kind.options(steps, tolerance);
+        let (size, scale) = if thin {
+            // Of the whole picture's pixels, of which one of the thin picture's is several.
+            options.tolerance /= f64::from(EVERY);
+            (thinned(self.size), f64::from(EVERY))
+        } else {
+            (self.size, 1.0)
+        };
+        let (surface, frame) = (self.surface, self.frame);
+        let make = || make(surface, &frame, size, &options);
+        let (one, map) = threads.one.install(|| timed(make));
+        let (all, _) = threads.all.install(|| timed(make));
+        let reference = if thin { &mut self.thin } else { &mut self.full };
+        let errors = reference.errors(&|index| (map.uv(index), map.status[index]));
+        let pixels = map.status.len().max(1) as f64;
+        let share = |status| map.status.iter().filter(|s| **s == status).count() as f64 / pixels;
+        let milliseconds = |time: Duration| 1e3 * scale * scale * time.as_secs_f64();
+        Measured {
+            time_one_ms: milliseconds(one),
+            time_all_ms: milliseconds(all),
+            evaluations_per_pixel: map.work.evaluations as f64 / pixels,
+            rays: map.work.rays,
+            error_px: Bounds {
+                max: scale * errors.max,
+                p99: scale * errors.quantile(0.99),
+            },
+            estimate_px: map.estimate.map(|estimate| Bounds {
+                max: scale * estimate.max,
+                p99: scale * estimate.p99,
+            }),
+            unlike: errors.unlike as f64 / errors.pixels.max(1) as f64,
+            shares: STATUSES.map(|(status, _)| share(status)),
+        }
+    }
+}
+
+fn make<S: Surface + ?Sized>(
+    surface: &S,
+    frame: &Frame,
+    size: [u32; 2],
+    options: &MapOptions,
+) -> Map {
+    exponential_map(surface, frame, size, options, &|_| {})
+}
+
+/// The median time of several runs, or the time of one where that takes long; and what it gave.
+fn timed(make: impl Fn() -> Map) -> (Duration, Map) {
+    let start = Instant::now();
+    let map = make();
+    let first = start.elapsed();
+    // The first run warms the caches; it counts only where it is all there is.
+    if first > PATIENCE {
+        return (first, map);
+    }
+    let begun = Instant::now();
+    let mut times = Vec::new();
+    while times.len() < RUNS && (times.is_empty() || begun.elapsed() + first < PATIENCE) {
+        let start = Instant::now();
+        std::hint::black_box(make());
+        times.push(start.elapsed());
+    }
+    times.sort_unstable();
+    (times.get(times.len() / 2).copied().unwrap_or(first), map)
+}
+
+fn thinned(size: [u32; 2]) -> [u32; 2] {
+    size.map(|pixels| pixels.div_ceil(EVERY))
+}

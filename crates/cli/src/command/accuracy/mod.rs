@@ -1,0 +1,289 @@
+//! `geotrace accuracy`: error against run time, for every method, on one view.
+//!
+//! ```text
+//! program ──▶ opening view ──measure.rs──▶ rows ──▶ table (text.rs) | JSON | diagram (plot.rs)
+//!                               └ method.rs: what is measured
+//! ```
+
+mod measure;
+mod method;
+mod plot;
+mod text;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use geodesic::frame::Frame;
+use geodesic::surface::Surface;
+use render::Request;
+use render::geodesic_view::Inside;
+use serde::Serialize;
+
+use self::measure::{Measured, STATUSES, Threads, View};
+use self::method::{Kind, SERIES, STEPS, Setting};
+use super::Format;
+use crate::argument::{self, Assignment};
+use crate::failure::Failure;
+use crate::output::{self, Target};
+use crate::program::Program;
+use crate::progress::Progress;
+
+/// The picture's size, in pixels along each side.
+const SIZE: u32 = 512;
+/// Picture sizes and view lengths over which the growth of the cost is shown.
+const SIZES: [u32; 4] = [128, 256, 512, 1024];
+const LENGTHS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+/// The error at which methods are compared, in pixels.
+const EQUAL: f64 = 0.25;
+
+/// Measure every method of following geodesics on this program: error against run time.
+///
+/// Each method makes the geodesic view as it opens, 512 × 512 pixels, with several settings. Their ends are compared
+/// with a reference, which is traced again and far more exactly at some thousands of pixels and uphill from the worst of
+/// them. Run times are of this machine; they are for the ends of all pixels, without their colours.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  geotrace accuracy torus.gtr
+  geotrace accuracy torus.gtr --set r=0.5 -o torus.svg
+
+Errors are distances on the surface, in pixels. The methods:
+  rk4-pixel    steps of equal length for each pixel, as in the thesis: in double or single precision, one pixel
+               after the other or several at once (SIMD)
+  adaptive     steps as long as the tolerance allows, for each pixel
+  fan-linear   rays that all pixels share, with linear interpolation between them
+  fan          rays with their Jacobi fields: what `render` uses")]
+pub(super) struct Arguments {
+    /// The program; `-` is standard input
+    file: PathBuf,
+    /// The surface's name; without it, the program's first surface
+    #[arg(long, value_name = "S")]
+    surface: Option<String>,
+    /// A value for a param or a grid; without one a param is at its minimum and a grid at its first value
+    #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
+    set: Vec<Assignment>,
+    /// For people, or one JSON document
+    #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
+    format: Format,
+    /// A diagram of it, an SVG file
+    #[arg(short, long, value_name = "PLOT.svg")]
+    output: Option<PathBuf>,
+}
+
+/// The JSON document. Times are in milliseconds, errors in pixels.
+#[derive(Debug, Serialize)]
+struct Document {
+    file: String,
+    surface: String,
+    size: [u32; 2],
+    zoom: f64,
+    threads: usize,
+    reference: Sampled,
+    rows: Vec<Row>,
+    /// How cost grows with the picture's size …
+    by_size: Vec<Growth>,
+    /// … and with the length of the view.
+    by_length: Vec<Growth>,
+}
+
+#[derive(Debug, Serialize)]
+struct Sampled {
+    pixels: usize,
+    unknown: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Row {
+    method: &'static str,
+    steps: Option<u32>,
+    tolerance: Option<f64>,
+    #[serde(flatten)]
+    measured: Measured,
+    status: serde_json::Map<String, serde_json::Value>,
+    #[serde(skip)]
+    setting: Setting,
+}
+
+/// One view of another size, or length.
+#[derive(Debug, Serialize)]
+struct Growth {
+    size: u32,
+    zoom: f64,
+    rows: Vec<Row>,
+}
+
+/// Measures, and prints what came out.
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let program = Program::load(&arguments.file, arguments.format)?;
+    let settings = program.settings(&arguments.set)?;
+    let (id, object) = program.surface(arguments.surface.as_deref())?;
+    let target = match &arguments.output {
+        Some(path) => Some(Target::new(path)?),
+        None => None,
+    };
+    let request = Request::geodesic(id, [SIZE; 2]);
+    let inside =
+        Inside::new(program.scene()?, &settings, &request).map_err(super::render::failure)?;
+    let surface = program.parametric(object, &settings)?;
+
+    let threads = Threads::new()?;
+    let progress = Progress::start("measuring");
+    let document = measure(
+        Subject {
+            file: program.source.name.clone(),
+            name: object.name.clone(),
+            surface: &surface,
+            frame: inside.frame,
+        },
+        &threads,
+        &|share| progress.reach(share),
+    );
+    drop(progress);
+    match arguments.format {
+        Format::Json => output::print_json(&document)?,
+        Format::Human => output::print(&text::table(&document))?,
+    }
+    if let Some(target) = target {
+        target.write(diagram(&document).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// What is measured.
+struct Subject<'s, S: Surface + ?Sized> {
+    file: String,
+    name: String,
+    surface: &'s S,
+    frame: Frame,
+}
+
+fn measure<S: Surface + ?Sized>(
+    subject: Subject<'_, S>,
+    threads: &Threads,
+    progress: &dyn Fn(f32),
+) -> Document {
+    let Subject {
+        file,
+        name,
+        surface,
+        frame,
+    } = subject;
+    let settings = Setting::all();
+    let parts = (settings.len() + SIZES.len() + LENGTHS.len()) as f32;
+    let mut done = 0.0;
+    let mut reach = || {
+        done += 1.0;
+        progress(done / parts);
+    };
+    let mut view = View::new(surface, frame, [SIZE; 2]);
+    let (pixels, unknown) = view.sampled();
+    let mut rows = Vec::new();
+    for setting in settings {
+        rows.push(Row::new(setting, view.measure(&setting, threads)));
+        reach();
+    }
+    let mut grown = |size: u32, factor: f64| {
+        let frame = frame.zoomed(factor);
+        let mut view = View::new(surface, frame, [size; 2]);
+        let rows = growth(&mut view, threads);
+        reach();
+        Growth {
+            size,
+            zoom: frame.zoom(surface),
+            rows,
+        }
+    };
+    let by_size = SIZES.map(|size| grown(size, 1.0)).into();
+    let by_length = LENGTHS.map(|factor| grown(SIZE, factor)).into();
+    Document {
+        file,
+        surface: name,
+        size: [SIZE; 2],
+        zoom: frame.zoom(surface),
+        threads: threads.count(),
+        reference: Sampled { pixels, unknown },
+        rows,
+        by_size,
+        by_length,
+    }
+}
+
+/// The thesis' method with the fewest steps that are exact enough, the adaptive one, and the fan.
+fn growth<S: Surface + ?Sized>(view: &mut View<'_, S>, threads: &Threads) -> Vec<Row> {
+    let of = |kind: Kind| SERIES.iter().position(|series| series.kind == kind);
+    let mut rows = Vec::new();
+    if let Some(series) = of(Kind::Rk4(geodesic::map::Arithmetic::F64Lanes)) {
+        for steps in STEPS {
+            let setting = Setting {
+                series,
+                steps: Some(steps),
+                tolerance: None,
+            };
+            let row = Row::new(setting, view.measure(&setting, threads));
+            let enough = row.measured.error_px.max <= EQUAL;
+            if enough || steps == STEPS[STEPS.len() - 1] {
+                rows.push(row);
+                break;
+            }
+        }
+    }
+    for kind in [Kind::Adaptive, Kind::Fan] {
+        if let Some(series) = of(kind) {
+            let setting = Setting {
+                series,
+                steps: None,
+                tolerance: Some(0.1),
+            };
+            rows.push(Row::new(setting, view.measure(&setting, threads)));
+        }
+    }
+    rows
+}
+
+impl Row {
+    fn new(setting: Setting, measured: Measured) -> Self {
+        let status = STATUSES
+            .iter()
+            .zip(measured.shares)
+            .map(|((_, name), share)| ((*name).to_owned(), share.into()))
+            .collect();
+        Self {
+            method: setting.method().name,
+            steps: setting.steps,
+            tolerance: setting.tolerance,
+            measured,
+            status,
+            setting,
+        }
+    }
+}
+
+/// The work–precision diagram.
+fn diagram(document: &Document) -> String {
+    let series: Vec<plot::Series> = SERIES
+        .iter()
+        .map(|series| plot::Series {
+            name: series.name.to_owned(),
+            points: document
+                .rows
+                .iter()
+                .filter(|row| row.method == series.name)
+                .map(|row| {
+                    let at = [row.measured.time_one_ms, row.measured.error_px.max];
+                    (at, row.setting.text())
+                })
+                .collect(),
+        })
+        .collect();
+    let words = plot::Words {
+        title: format!("{}: error against run time", document.file),
+        subtitle: format!(
+            "geodesic view of {}, {} × {} pixels, zoom {:.4}, one thread",
+            document.surface, SIZE, SIZE, document.zoom
+        ),
+        across: "run time (ms)",
+        up: "largest error (px)",
+        mark: (EQUAL, "0.25 px"),
+    };
+    plot::svg(&words, &series)
+}
