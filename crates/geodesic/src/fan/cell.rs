@@ -269,6 +269,14 @@ fn aslant(rays: [&Ray; 2], stops: [&Stop; 2]) -> bool {
     like && !known && (a.slope + b.slope).is_finite() && a.s.min(b.s) > 0.5 * far
 }
 
+/// Whether places between two rays are told by their shares of the way to the edge.
+pub(super) fn is_stretched(rays: [&Ray; 2]) -> bool {
+    match (&rays[0].stop, &rays[1].stop) {
+        (Some(a), Some(b)) => aslant(rays, [a, b]),
+        _ => false,
+    }
+}
+
 /// Where the edge lies between two rays that leave through it: the arc length at the share `t`.
 fn edge(rays: [&Ray; 2], width: f64, t: f64) -> Option<(f64, Status)> {
     let [a, b] = [rays[0].stop?, rays[1].stop?];
@@ -403,7 +411,8 @@ pub(super) fn end_alike(rays: [&Ray; 2], reach: f64, pixel: f64) -> bool {
             let like = a.status == b.status && a.edge == b.edge && a.status != Status::WorkLimit;
             let far = a.s.max(b.s);
             let near = (a.s - b.s).abs() <= pixel
-                || (a.edge.is_some() && known(rays[0], far) && known(rays[1], far));
+                || (a.edge.is_some() && known(rays[0], far) && known(rays[1], far))
+                || aslant(rays, [&a, &b]);
             // Beyond the picture nothing matters.
             (like && near) || a.s.min(b.s) >= reach
         }

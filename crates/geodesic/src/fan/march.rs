@@ -4,7 +4,7 @@
 //! asks for much shorter steps than the others, or that comes to other coordinates, leaves the group, so that it does
 //! not hold it up.
 
-use super::coordinates::{Chart, Space};
+use super::coordinates::{Chart, Kind, Space};
 use super::lanes::{Field, Local, STAGES, State, Trial, normals};
 use super::ray::{Knot, Ray, Segment, Stop};
 use crate::chart::{Atlas, Motion};
@@ -18,6 +18,8 @@ use crate::trace::Status;
 pub(super) struct Plan {
     /// The error allowed per arc length.
     pub(super) rate: f64,
+    /// A step shorter than this is allowed the error of one of this length: few are.
+    pub(super) least: f64,
     /// What an error of direction is multiplied by to be one of position.
     pub(super) lever: f64,
     /// What a relative error of the Jacobi field matters.
@@ -45,6 +47,8 @@ pub(super) struct Runner {
     m: [f64; 2],
     s: f64,
     pub(super) h: f64,
+    /// The step before; 0 before the first.
+    last: f64,
     /// The angle about an apex, going on over more than a turn.
     turned: f64,
     pub(super) steps: u64,
@@ -81,6 +85,7 @@ impl Runner {
             m: [0.0, 1.0],
             s: 0.0,
             h,
+            last: 0.0,
             turned: at[1].atan2(at[0]),
             steps: 0,
             rejected: 0,
@@ -103,7 +108,26 @@ impl Runner {
             status,
             edge: None,
             slope: f64::NAN,
+            told: false,
         });
+    }
+
+    /// Says which edge it has left through, and how its place changes with the angle.
+    fn aim(&mut self, axis: usize, end: usize) {
+        let knots = self
+            .segments
+            .last()
+            .map(|segment| (segment.chart.kind, segment.knots.as_slice()));
+        let (Some(stop), Some((Kind::Plain, [.., a, b]))) = (&mut self.stop, knots) else {
+            return;
+        };
+        stop.edge = Some((axis, end));
+        // Between the knots the field and the velocity change little enough for a slope.
+        let share = ((stop.s - a.s) / (b.s - a.s)).clamp(0.0, 1.0);
+        let jacobi = |knot: &Knot| knot.m[0] * knot.normal[0][axis];
+        let mix = |x: f64, y: f64| x + share * (y - x);
+        stop.slope = -mix(jacobi(a), jacobi(b)) / mix(a.velocity[axis], b.velocity[axis]);
+        stop.told = stop.slope.is_finite();
     }
 
     /// Its point and velocity in the plain coordinates.
@@ -367,7 +391,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
         }
         // So do those that would hold up the others.
         let going = self.active.iter().filter(|active| **active).count();
-        let slow = |runner: &Runner| runner.h < 2.0 * next;
+        let slow = |runner: &Runner| runner.h < 1.5 * next;
         let slower = (0..runners.len())
             .filter(|&lane| self.active[lane] && slow(&runners[lane]))
             .count();
@@ -376,7 +400,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             .zip(self.active)
             .filter(|(runner, active)| *active && !slow(runner))
             .fold(f64::INFINITY, |least, (runner, _)| least.min(runner.h));
-        if going >= 4 && slower * 4 <= going && others > 4.0 * next {
+        if slower * 2 <= going && others > 2.5 * next {
             for (lane, runner) in runners.iter().enumerate() {
                 if self.active[lane] && slow(runner) {
                     self.active[lane] = false;
@@ -400,7 +424,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
         let error = trial.position[lane]
             + self.plan.lever * trial.direction[lane]
             + self.plan.field * field;
-        let mut excess = error / (self.plan.rate * h);
+        let mut excess = error / (self.plan.rate * h.max(self.plan.least));
         let [x, y] = trial.local.acceleration;
         if !(x[lane].is_finite() && y[lane].is_finite() && trial.local.curvature[lane].is_finite())
         {
@@ -453,6 +477,11 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             n * runner.m[0] + m * runner.m[1],
             n1 * runner.m[0] + m1 * runner.m[1],
         ];
+        // Steps that have been shrinking, towards something singular, will go on to shrink.
+        if h < runner.last && h < 3.0 * self.plan.least {
+            runner.h *= (h / runner.last).max(0.5);
+        }
+        runner.last = h;
         runner.steps += 1;
         runner.s += h;
         runner.at = knot.at;
@@ -523,19 +552,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
                 Status::LeftDomain
             },
         );
-        let knots = runner
-            .segments
-            .last()
-            .map(|segment| segment.knots.as_slice());
-        let (Some(stop), Some([.., a, b])) = (&mut runner.stop, knots) else {
-            return;
-        };
-        stop.edge = Some((axis, end));
-        // Between the knots the field and the velocity change little enough for a slope.
-        let share = ((s - a.s) / (b.s - a.s)).clamp(0.0, 1.0);
-        let jacobi = |knot: &Knot| knot.m[0] * knot.normal[0][axis];
-        let mix = |x: f64, y: f64| x + share * (y - x);
-        stop.slope = -mix(jacobi(a), jacobi(b)) / mix(a.velocity[axis], b.velocity[axis]);
+        runner.aim(axis, end);
     }
 
     /// Where steps lead nowhere, one careful integration says why, and where it ends.
@@ -567,13 +584,16 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             runner.s + end.length
         };
         runner.stop(s, status);
-        if let (Status::LeftDomain, Some(stop)) = (status, &mut runner.stop) {
+        if status == Status::LeftDomain {
             let off = |axis: usize, side: usize| {
                 (end.motion.at[axis] - space.domain[axis][side]).abs() / space.width(axis)
             };
-            stop.edge = (0..4)
+            let nearest = (0..4)
                 .map(|n| (n / 2, n % 2))
                 .min_by(|a, b| off(a.0, a.1).total_cmp(&off(b.0, b.1)));
+            if let Some((axis, side)) = nearest {
+                runner.aim(axis, side);
+            }
         }
     }
 }

@@ -40,8 +40,10 @@ pub(super) struct Stop {
     pub(super) status: Status,
     /// The edge that it leaves through.
     pub(super) edge: Option<(usize, usize)>,
-    /// ds/dθ along the edge; 0 where it is not known.
+    /// ds/dθ along the edge; NaN where it is not known.
     pub(super) slope: f64,
+    /// Whether the ray itself tells the slope, and not its neighbours.
+    pub(super) told: bool,
 }
 
 /// Between two knots: polynomials in the share x ∈ [0,1].
@@ -110,7 +112,7 @@ impl Ray {
         let last = intervals.last();
         let end = last.map_or(0.0, |last| last.from + last.length);
         // A step that was cut short says little about how far it may be gone beyond.
-        let slack = 0.25 * last.map_or(0.0, |last| last.length);
+        let slack = 0.05 * last.map_or(0.0, |last| last.length);
         let mut ray = Self {
             angle,
             starts,

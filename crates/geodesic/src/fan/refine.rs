@@ -29,8 +29,16 @@ const EDGE: f64 = 0.25;
 const NARROWEST: f64 = 0.5;
 /// How much more exactly the rays are integrated that measure the errors of the others.
 const EXACT: f64 = 0.01;
+/// So many sectors are measured at least that should have the largest errors, and so many spread evenly, …
+const WORST: usize = 8;
+const SPREAD: usize = 8;
+/// … so many times, while sectors have to be bisected after it.
+const ROUNDS: usize = 4;
 /// The most evaluations for one ray.
 const ONE_RAY: u64 = 20_000;
+
+/// An error in pixels that stands for no agreement at all.
+const WRONG: f64 = 1e9;
 
 /// Errors in pixels by ranges of radius.
 type Profile = [f32; BINS];
@@ -46,18 +54,18 @@ pub(super) struct Sector {
     errors: Profile,
     /// The error of the edge's place.
     edge: f64,
+    /// Whether the errors have been told from a wider sector that interpolates in the same way.
+    proven: bool,
     /// Whether a more exact ray has measured the errors.
     measured: bool,
+    /// Whether the errors have been raised since measured ones were larger than told.
+    doubted: bool,
 }
 
 impl Sector {
     /// The estimated error in pixels.
     pub(super) fn error_at(&self, s: f64, reach: f64) -> f64 {
         f64::from(self.errors[bin(s, reach)])
-    }
-
-    fn worst(&self) -> f64 {
-        f64::from(self.errors.iter().fold(0.0_f32, |worst, x| worst.max(*x)))
     }
 }
 
@@ -159,6 +167,7 @@ pub(super) fn build<S: Surface + ?Sized>(
         options: &options,
         plan: Plan {
             rate: allowed / start.reach,
+            least: 0.01 * start.reach,
             lever: 0.5 * size.min(start.reach),
             field: 0.05,
             shortest: (1e-2 * start.pixel).min(1e-4 * size),
@@ -215,6 +224,17 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             .collect();
         let done = march::march_all(self.surface, self.space, plan, runners);
         for runner in &done {
+            if std::env::var("DBG2").is_ok() {
+                eprintln!(
+                    "{:.4} steps {} rej {} ev {} len {:.4} {}",
+                    runner.angle,
+                    runner.steps,
+                    runner.rejected,
+                    runner.evaluations,
+                    runner.length,
+                    runner.debug()
+                );
+            }
             self.work.rays += 1;
             self.work.steps += runner.steps;
             self.work.rejected += runner.rejected;
@@ -246,7 +266,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             for (n, exact) in again.iter().enumerate() {
                 let ray = &self.rays[2 * n + 1];
                 let next = &self.rays[(2 * n + 2) % BASE];
-                let profile = self.profile([ray, next], step, exact, 0.0);
+                let (profile, _) = self.seen([ray, next], step, exact, 0.0);
                 for (all, one) in self.along.iter_mut().zip(profile) {
                     *all = all.max(one);
                 }
@@ -259,6 +279,8 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             self.plan.rate *= (0.5 / share).max(1e-3);
         }
         let order = self.order();
+        let stretched =
+            |a: usize, b: usize| cell::is_stretched([&self.rays[a], &self.rays[b % BASE]]);
         (0..BASE)
             .map(|n| {
                 // The odd rays are the middles of sectors twice as wide.
@@ -267,13 +289,15 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 let rays = [&self.rays[a], &self.rays[b]];
                 let errors = self.profile(rays, 2.0 * step, &self.rays[middle], 0.5);
                 let edge = cell::exit_discrepancy(rays, 2.0 * step, &self.rays[middle]);
-                self.sector(
+                let mut sector = self.sector(
                     [n, (n + 1) % BASE],
                     n as f64 * step,
                     step,
                     errors.map(|x| x / order),
                     edge / f64::from(order),
-                )
+                );
+                sector.proven = stretched(n, n + 1) == stretched(a, b);
+                sector
             })
             .collect()
     }
@@ -293,22 +317,46 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             unknown_from: f64::INFINITY,
             errors,
             edge: edge / self.start.pixel,
+            proven: true,
             measured: false,
+            doubted: false,
         }
     }
 
-    /// The errors that a ray shows of the two beside it, in pixels.
+    /// The errors that a ray shows of the two beside it, in pixels; infinite where it shows nothing.
     fn profile(&self, rays: [&Ray; 2], width: f64, middle: &Ray, t: f64) -> Profile {
+        let (mut out, seen) = self.seen(rays, width, middle, t);
+        if seen < BINS {
+            // At an edge that both rays meet it goes on much the same, elsewhere anything may be.
+            let both = rays.iter().all(|ray| ray.limit().is_finite());
+            let last = if both || seen > bin(self.border_of(middle, width), self.start.reach) {
+                seen.checked_sub(1).map_or(0.0, |last| out[last])
+            } else {
+                f32::INFINITY
+            };
+            out[seen..].fill(last);
+        }
+        out
+    }
+
+    fn border_of(&self, middle: &Ray, width: f64) -> f64 {
+        self.start.border(middle.angle, 0.5 * width)
+    }
+
+    /// The errors that a ray shows, and for how many ranges it does.
+    fn seen(&self, rays: [&Ray; 2], width: f64, middle: &Ray, t: f64) -> (Profile, usize) {
         let mut out = [0.0_f32; BINS];
         let mut seen = 0;
-        let border = self.start.border(middle.angle, 0.5 * width);
+        let border = self.border_of(middle, width);
         let limits = rays.map(Ray::limit);
         let last = if limits[0].is_finite() && limits[1].is_finite() {
             middle.limit().min(border)
         } else {
             limits[0].min(limits[1]).min(border)
         };
-        for &s in middle.probes.iter().filter(|s| **s <= last) {
+        let last = last.min(middle.end);
+        let probes = middle.probes.iter().copied().filter(|s| *s < last);
+        for s in probes.chain([last]) {
             let across = self.options.across;
             let Some(error) = cell::discrepancy(self.space, across, rays, width, middle, t, s)
             else {
@@ -318,20 +366,17 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             let error = if error.is_finite() {
                 error / self.start.pixel
             } else {
-                1e9
+                WRONG
             };
+            let error = error.min(WRONG) as f32;
             let bin = bin(s, self.start.reach);
-            // Ranges that were passed over in between.
-            for k in seen.min(bin)..bin {
-                out[k] = out[k].max(error.min(1e9) as f32);
+            // With the ranges that were passed over in between.
+            for range in &mut out[seen.min(bin)..=bin] {
+                *range = range.max(error);
             }
-            out[bin] = out[bin].max(error.min(1e9) as f32);
-            seen = bin + 1;
+            seen = seen.max(bin + 1);
         }
-        if let Some(&last) = seen.checked_sub(1).and_then(|last| out.get(last)) {
-            out.iter_mut().skip(seen).for_each(|x| *x = last);
-        }
-        out
+        (out, seen)
     }
 
     fn pair(&self, sector: &Sector) -> [&Ray; 2] {
@@ -346,11 +391,10 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
 
     fn is_fine(&self, sector: &Sector) -> bool {
         let border = self.border(sector);
-        let inside = bin(border, self.start.reach);
-        let worst = sector.errors[..=inside]
-            .iter()
-            .fold(0.0_f32, |worst, x| worst.max(*x));
+        let inside = self.inside(sector);
+        let worst = most(&sector.errors[..=inside]);
         f64::from(worst) <= ACROSS * self.options.tolerance
+            && sector.proven
             && (sector.edge <= EDGE
                 || self.pair(sector)[0]
                     .limit()
@@ -359,10 +403,25 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             && cell::end_alike(self.pair(sector), border, self.start.pixel)
     }
 
+    /// The last range of radius that matters.
+    fn inside(&self, sector: &Sector) -> usize {
+        let [a, b] = self.pair(sector).map(Ray::limit);
+        bin(self.border(sector).min(a.max(b)), self.start.reach)
+    }
+
+    /// The largest error as far as it is known and matters.
+    fn worst(&self, sector: &Sector) -> f64 {
+        let mut last = self.inside(sector);
+        if sector.unknown_from.is_finite() {
+            last = last.min(bin(sector.unknown_from, self.start.reach).saturating_sub(1));
+        }
+        f64::from(most(&sector.errors[..=last]))
+    }
+
     /// What is known of a sector that cannot be made better.
     fn give_up(&self, sector: &mut Sector) {
-        let wrong = sector
-            .errors
+        let inside = self.inside(sector);
+        let wrong = sector.errors[..=inside]
             .iter()
             .position(|x| f64::from(*x) > ACROSS * self.options.tolerance);
         if let Some(bin) = wrong {
@@ -416,7 +475,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
 
     /// Where rays end at no edge, how the place changes with the angle is told from their neighbours.
     fn slopes(&mut self, sectors: &mut [Sector]) {
-        let open = |ray: &Ray| ray.stop.is_some_and(|stop| stop.edge.is_none());
+        let open = |ray: &Ray| ray.stop.is_some_and(|stop| !stop.told);
         if !self.rays.iter().any(open) {
             return;
         }
@@ -431,7 +490,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             ) else {
                 continue;
             };
-            if b.edge.is_some() || a.status != b.status || b.status != c.status {
+            if b.told || a.status != b.status || b.status != c.status {
                 continue;
             }
             let (h, k) = (before.width, after.width);
@@ -454,108 +513,95 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let new = self.rays.len();
         self.rays.push(middle);
         let [a, b] = sector.rays;
-        [
+        let before = cell::is_stretched(self.pair(&sector));
+        let mut halves = [
             self.sector([a, new], sector.angle, half, errors, edge),
             self.sector([new, b], sector.angle + half, half, errors, edge),
-        ]
+        ];
+        for half in &mut halves {
+            half.proven = cell::is_stretched(self.pair(half)) == before;
+        }
+        halves
     }
 
     /// Measures errors with rays that are integrated more exactly; where they are too large, these take part.
     fn verify(&mut self, sectors: &mut Vec<Sector>) -> Estimate {
-        const WORST: usize = 8;
-        const SPREAD: usize = 8;
+        let exact = Plan {
+            rate: EXACT * self.plan.rate,
+            ..self.plan
+        };
         let mut samples: Vec<(f32, f64)> = Vec::new();
-        let mut ratio = 0.0_f64;
-        for round in 0..4 {
-            let known: Vec<usize> = (0..sectors.len())
-                .filter(|&n| {
-                    !sectors[n].measured && sectors[n].unknown_from > 0.1 * self.start.reach
-                })
-                .collect();
-            let mut chosen = known.clone();
-            chosen.sort_by(|&a, &b| {
-                sectors[b]
-                    .worst()
-                    .total_cmp(&sectors[a].worst())
-                    .then(a.cmp(&b))
-            });
-            chosen.truncate((known.len() / 8).clamp(WORST, 64));
-            if round == 0 {
-                let mut by_angle = known.clone();
-                by_angle.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
-                chosen.extend(
-                    (0..SPREAD.min(by_angle.len())).map(|n| by_angle[n * by_angle.len() / SPREAD]),
-                );
-                chosen.sort_unstable();
-                chosen.dedup();
-            }
-            if chosen.is_empty() {
-                break;
-            }
+        // By how much predictions have been too low.
+        let mut low = 1.0_f64;
+        for round in 0..ROUNDS {
+            let chosen = self.doubtful(sectors, round == 0);
             let wanted: Vec<(f64, f64)> = chosen
                 .iter()
                 .map(|&n| {
-                    (
-                        sectors[n].angle + 0.5 * sectors[n].width,
-                        0.5 * sectors[n].width,
-                    )
+                    let half = 0.5 * sectors[n].width;
+                    (sectors[n].angle + half, half)
                 })
                 .collect();
-            let exact = Plan {
-                rate: EXACT * self.plan.rate,
-                ..self.plan
-            };
-            let Some(exact) = self.integrate(&exact, &wanted) else {
+            if chosen.is_empty() {
+                break;
+            }
+            let Some(rays) = self.integrate(&exact, &wanted) else {
                 break;
             };
             let mut halves = Vec::new();
-            for (&n, ray) in chosen.iter().zip(exact) {
+            for (&n, ray) in chosen.iter().zip(rays) {
                 let sector = sectors[n].clone();
-                let mut found = self.profile(self.pair(&sector), sector.width, &ray, 0.5);
-                if sector.unknown_from.is_finite() {
-                    let known = bin(sector.unknown_from, self.start.reach);
-                    found[known..].fill(0.0);
-                }
-                let worst = f64::from(found.iter().fold(0.0_f32, |worst, x| worst.max(*x)));
+                let (found, _) = self.seen(self.pair(&sector), sector.width, &ray, 0.5);
+                let inside = self.inside(&sector);
+                let worst = f64::from(most(&found[..=inside]));
                 if round == 0 {
-                    for (k, &error) in found.iter().enumerate() {
+                    // Between two rays the error is like t²(1−t)².
+                    for (k, &error) in found[..=inside].iter().enumerate() {
                         let weight = sector.width * (k as f64 + 0.5);
-                        for share in [1.0, 0.5625, 0.13] {
-                            samples.push((error * share, weight));
+                        for (share, part) in [(1.0, 0.3), (0.7, 0.3), (0.25, 0.4)] {
+                            samples.push((error * share, weight * part));
                         }
                     }
+                }
+                let predicted = self.worst(&sector);
+                if predicted.is_finite() && predicted > 0.2 * ACROSS * self.options.tolerance {
+                    let across = worst - f64::from(most(&self.along));
+                    low = low.max((across / predicted).min(4.0));
                 }
                 if worst > self.options.tolerance && sector.unknown_from.is_infinite() {
                     let [a, b] = self.halve(sector, ray);
                     sectors[n] = a;
                     halves.push(b);
                 } else {
-                    if sector.worst() > 0.0 {
-                        ratio = ratio.max(worst / sector.worst());
-                    }
                     sectors[n].errors = found;
                     sectors[n].measured = true;
                 }
             }
-            if halves.is_empty() {
+            let before = sectors.len() + halves.len();
+            sectors.extend(halves);
+            if low > 1.25 {
+                for sector in sectors
+                    .iter_mut()
+                    .filter(|sector| !sector.measured && !sector.doubted)
+                {
+                    sector.errors = sector.errors.map(|error| error * low as f32);
+                    sector.doubted = true;
+                }
+            }
+            self.refine(sectors);
+            if sectors.len() == before && round > 0 {
                 break;
             }
-            sectors.extend(halves);
-            self.refine(sectors);
         }
         for sector in sectors.iter_mut().filter(|sector| !sector.measured) {
             for (error, along) in sector.errors.iter_mut().zip(self.along) {
-                *error = (*error).max(along);
+                *error += along;
             }
         }
         let max = sectors
             .iter()
-            .filter(|sector| sector.measured)
-            .map(Sector::worst)
+            .map(|sector| self.worst(sector))
             .fold(0.0, f64::max);
-        let max = max.max(f64::from(
-            self.along.iter().fold(0.0_f32, |worst, x| worst.max(*x)),
-        ));
         samples.sort_by(|a, b| b.0.total_cmp(&a.0));
         let total: f64 = samples.iter().map(|sample| sample.1).sum();
         let mut sum = 0.0;
@@ -568,4 +614,29 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             p99: p99.map_or(max, |sample| f64::from(sample.0)).min(max),
         }
     }
+
+    /// The sectors whose errors are to be measured: those that should have the largest, and some spread evenly.
+    fn doubtful(&self, sectors: &[Sector], spread: bool) -> Vec<usize> {
+        let mut known: Vec<usize> = (0..sectors.len())
+            .filter(|&n| !sectors[n].measured && sectors[n].unknown_from > 0.1 * self.start.reach)
+            .collect();
+        known.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
+        let count = if spread { SPREAD.min(known.len()) } else { 0 };
+        let mut chosen: Vec<usize> = (0..count)
+            .map(|n| known[n * known.len() / SPREAD])
+            .collect();
+        known.sort_by(|&a, &b| {
+            let [a, b] = [a, b].map(|n| self.worst(&sectors[n]));
+            b.total_cmp(&a)
+        });
+        known.truncate((known.len() / 16).clamp(WORST, 64));
+        chosen.extend(known);
+        chosen.sort_unstable();
+        chosen.dedup();
+        chosen
+    }
+}
+
+fn most(errors: &[f32]) -> f32 {
+    errors.iter().fold(0.0_f32, |most, x| most.max(*x))
 }
