@@ -224,17 +224,6 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             .collect();
         let done = march::march_all(self.surface, self.space, plan, runners);
         for runner in &done {
-            if std::env::var("DBG2").is_ok() {
-                eprintln!(
-                    "{:.4} steps {} rej {} ev {} len {:.4} {}",
-                    runner.angle,
-                    runner.steps,
-                    runner.rejected,
-                    runner.evaluations,
-                    runner.length,
-                    runner.debug()
-                );
-            }
             self.work.rays += 1;
             self.work.steps += runner.steps;
             self.work.rejected += runner.rejected;
