@@ -66,6 +66,22 @@ impl End {
     }
 }
 
+/// How the coordinates about an apex, (a, b) = r (cos kt, sin kt), become (u,v): the parameter along the axis is
+/// `base` + `sign` r^`power`, the other one `low` + t, where t = angle/`rate`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Polar {
+    /// The parameter at the apex.
+    pub base: f64,
+    /// +1 where the domain lies above `base`, −1 where below.
+    pub sign: f64,
+    /// The other parameter where the a-axis points.
+    pub low: f64,
+    /// k.
+    pub rate: f64,
+    /// 1, 2 or ½.
+    pub power: f64,
+}
+
 /// The exponential map of a camera, by any method.
 pub trait Ends: Sync {
     /// Where the geodesic of a place (x, y) of the picture ends; the coordinates are the method's choice.
@@ -78,6 +94,11 @@ pub trait Ends: Sync {
     fn in_coordinates(&self, end: &End, coordinates: Coordinates) -> Option<End>;
     /// The coordinate periods that an end may be off its neighbour by, behind a pole: 0 where the axis has none.
     fn periods(&self) -> [f64; 2];
+    /// The coordinates about the apex at an end of an axis, if any end may be in them.
+    fn polar(&self, axis: u8, end: u8) -> Option<Polar> {
+        let _ = (axis, end);
+        None
+    }
 }
 
 /// What a picture cost.

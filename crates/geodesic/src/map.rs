@@ -85,6 +85,8 @@ pub struct MapOptions {
     /// The most evaluations of all pixels together. A method that follows them one by one gives each the same share of
     /// it, but at least [`LEAST_FOR_PIXEL`] and at most [`MOST_FOR_PIXEL`].
     pub max_evaluations: u64,
+    /// Whether [`Map::by_pixel`] is wanted, of the methods that know it.
+    pub by_pixel: bool,
 }
 
 /// However many pixels there are, each may have so many evaluations: more than most fixed numbers of steps need.
@@ -98,6 +100,7 @@ impl Default for MapOptions {
             method: Method::default(),
             tolerance: 0.1,
             max_evaluations: 400_000_000,
+            by_pixel: true,
         }
     }
 }
@@ -166,7 +169,7 @@ pub fn exponential_map<S: Surface + ?Sized>(
     let fan = Fan::build(surface, frame, size, &fan_options);
     progress(0.5);
     let patchwork = Patchwork::cut(&fan, size, PATCHWORK_SHARE * options.tolerance);
-    let mut map = patchwork.map();
+    let mut map = patchwork.map(options.by_pixel);
     map.work = fan.work();
     let (rays, patches) = (fan.estimate(), patchwork.estimate);
     map.estimate = Some(Estimate {

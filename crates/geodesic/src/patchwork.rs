@@ -2,16 +2,40 @@
 //!
 //! The picture is cut into squares of pixels, as large as one polynomial in each meets the tolerance, by evaluations
 //! that took no part in it. Pixels that no square covers are evaluated one by one. The same table is read by the CPU
-//! ([`Patchwork::map`]) and by a fixed pass on the GPU.
+//! ([`Patchwork::map`]) and by a fixed pass on the GPU ([`table`]).
+//!
+//! A square is one polynomial only if all the ends that were looked at in it are complete: at the nodes, at the
+//! corners, at the middles of the sides. So a straight line of what is otherwise (an edge, what lies behind a tip)
+//! cannot pass through it unseen; what can is an area that lies wholly between the places looked at, which are at most
+//! a quarter of the square's side apart (32 pixels in the largest, less in those that its neighbourhood has made
+//! small), or a curve that bends into the square and out again between two of them.
 
-use crate::ends::{Coordinates, Ends, Estimate};
+mod angle;
+mod cut;
+mod evaluate;
+mod fit;
+pub mod table;
+
+pub use angle::ARC_TANGENT;
+pub use evaluate::Rows;
+
+use expr::processor::Processor;
+use rayon::prelude::*;
+
+use crate::ends::{Coordinates, Ends, Estimate, Polar};
 use crate::map::Map;
 use crate::trace::Status;
+use cut::{Cutter, Piece, Pieces};
+use evaluate::Band;
+use fit::Fit;
 
 /// The side in pixels of the smallest square.
 pub const BLOCK: u32 = 8;
 /// The polynomials' degree in x and in y.
 pub const DEGREE: usize = 5;
+/// The side of the largest square; pictures with fewer than so many times four pixels along the shorter side begin
+/// with smaller ones.
+const LARGEST: u32 = 128;
 
 /// A square of pixels on which the ends are one polynomial.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,12 +44,17 @@ pub struct Patch {
     pub corner: [u32; 2],
     /// Pixels along each side: a power of two times [`BLOCK`]; it may reach beyond the picture.
     pub side: u32,
+    /// How many columns and rows of it are in the picture.
+    pub extent: [u32; 2],
     /// What the polynomial's values mean.
     pub coordinates: Coordinates,
-    /// The value at the square's middle; the polynomials are offsets from it.
+    /// The value at the middle of its extent; the polynomials are offsets from it.
     pub centre: [f64; 2],
-    /// `[coordinate][j][i]` multiplies X^i Y^j, X to the right and Y **down**, in [−1, 1] over the square.
+    /// `[coordinate][j][i]` multiplies X^i Y^j, X to the right and Y **down**, in [−1, 1] over the extent: a pixel's
+    /// centre lies at (2n+1)/extent − 1.
     pub coefficients: [[[f32; DEGREE + 1]; DEGREE + 1]; 2],
+    /// The estimated error of the polynomials, in pixels.
+    pub error: f32,
 }
 
 /// A block of pixels that have been evaluated one by one.
@@ -63,6 +92,10 @@ pub struct Patchwork {
     pub patches: Vec<Patch>,
     /// The pixels evaluated one by one.
     pub singles: Vec<Single>,
+    /// `[axis][end]`: the coordinates about apexes, those that patches may be in.
+    pub polars: [[Option<Polar>; 2]; 2],
+    /// ∂(u,v) by pixel at the camera's own place, which a picture of odd sizes shows exactly.
+    pub centre_by_pixel: [f32; 4],
     /// The polynomials' own error, beside that of the ends.
     pub estimate: Estimate,
     /// How often the ends have been evaluated.
@@ -70,14 +103,207 @@ pub struct Patchwork {
 }
 
 impl Patchwork {
-    /// Cuts a picture. `tolerance` is what the polynomials may add to the error, in pixels of length `pixel` on the
-    /// surface.
-    pub fn cut(_ends: &dyn Ends, _size: [u32; 2], _tolerance: f64) -> Self {
-        todo!()
+    /// Cuts a picture, on all cores of the current rayon pool; the outcome does not depend on their number.
+    /// `tolerance` is what the polynomials may add to the error, in pixels of the length that one has on the surface.
+    pub fn cut(ends: &dyn Ends, size: [u32; 2], tolerance: f64) -> Self {
+        let zoom = ends.zoom();
+        let per_place = 2.0 / f64::from(size[0].min(size[1]).max(1));
+        let origin = ends.origin().map(|x| if x.is_finite() { x } else { 0.0 });
+        let cutter = Cutter {
+            ends,
+            size,
+            origin,
+            tolerance,
+            pixel: zoom * per_place,
+            per_place,
+            zoom,
+            fit: Fit::new(),
+        };
+        let shorter = size[0].min(size[1]);
+        let mut side = LARGEST;
+        while side > 2 * BLOCK && 4 * side > shorter {
+            side /= 2;
+        }
+        let [columns, rows] = size.map(|n| n.div_ceil(side));
+        let squares: Vec<[u32; 2]> = (0..rows)
+            .flat_map(|row| (0..columns).map(move |column| [column * side, row * side]))
+            .collect();
+        let parts: Vec<Pieces> = squares
+            .into_par_iter()
+            .with_min_len(1)
+            .map(|corner| {
+                let mut pieces = Pieces::default();
+                cutter.cover(corner, side, &mut pieces);
+                pieces
+            })
+            .collect();
+        let [across, down] = size.map(|n| n.div_ceil(BLOCK) as usize);
+        let mut patchwork = Self {
+            size,
+            origin,
+            covers: vec![Cover::Nothing(Status::Undefined); across * down],
+            polars: [0, 1].map(|axis| [0, 1].map(|end| ends.polar(axis, end))),
+            ..Self::default()
+        };
+        if size[0] > 0 && size[1] > 0 {
+            let end = ends.end([0.0; 2]);
+            patchwork.samples += 1;
+            if end.status == Status::Complete {
+                patchwork.centre_by_pixel = cutter.pixel(end, [0.0; 2]).1;
+            }
+        }
+        for part in parts {
+            patchwork.samples += part.samples;
+            for piece in part.all {
+                patchwork.put(piece);
+            }
+        }
+        patchwork.estimate = patchwork.estimated();
+        patchwork
     }
 
-    /// All pixels.
-    pub fn map(&self) -> Map {
-        todo!()
+    fn put(&mut self, piece: Piece) {
+        let (corner, side, cover) = match piece {
+            Piece::Patch(patch) => {
+                let place = (patch.corner, patch.side);
+                self.patches.push(*patch);
+                (place.0, place.1, Cover::Patch(index(self.patches.len())))
+            }
+            Piece::Single { corner, single } => {
+                self.singles.push(single);
+                (corner, BLOCK, Cover::Single(index(self.singles.len())))
+            }
+            Piece::Nothing {
+                corner,
+                side,
+                status,
+            } => (corner, side, Cover::Nothing(status)),
+        };
+        let [across, down] = self.size.map(|n| n.div_ceil(BLOCK));
+        let [left, top] = corner.map(|n| n / BLOCK);
+        let count = side / BLOCK;
+        for row in top..(top + count).min(down) {
+            let from = (row * across + left) as usize;
+            let to = (row * across + (left + count).min(across)) as usize;
+            self.covers[from..to].fill(cover);
+        }
     }
+
+    /// The polynomials' errors, each for as many pixels as it covers.
+    fn estimated(&self) -> Estimate {
+        let area = |patch: &Patch| u64::from(patch.extent[0]) * u64::from(patch.extent[1]);
+        let mut errors: Vec<(f32, u64)> = self
+            .patches
+            .iter()
+            .map(|patch| (patch.error, area(patch)))
+            .collect();
+        errors.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+        let mut left = u64::from(self.size[0]) * u64::from(self.size[1]) / 100;
+        let max = errors.first().map_or(0.0, |(error, _)| *error);
+        let mut p99 = 0.0;
+        for (error, area) in errors {
+            if area > left {
+                p99 = error;
+                break;
+            }
+            left -= area;
+        }
+        Estimate {
+            max: f64::from(max),
+            p99: f64::from(p99),
+        }
+    }
+
+    /// All pixels, on all cores of the current rayon pool; bit by bit the same on any number of them. `by_pixel` says
+    /// whether the derivatives are wanted, two thirds of the numbers.
+    pub fn map(&self, by_pixel: bool) -> Map {
+        let [width, height] = self.size.map(|n| n as usize);
+        let pixels = width * height;
+        let mut map = Map {
+            size: self.size,
+            origin: self.origin,
+            offset: vec![[0.0; 2]; pixels],
+            by_pixel: vec![[0.0; 4]; if by_pixel { pixels } else { 0 }],
+            status: vec![Status::default(); pixels],
+            estimate: Some(self.estimate),
+            ..Map::default()
+        };
+        if pixels == 0 {
+            return map;
+        }
+        let band = BLOCK as usize * width;
+        let offsets = map.offset.par_chunks_mut(band);
+        let statuses = map.status.par_chunks_mut(band);
+        if by_pixel {
+            let by_pixel = map.by_pixel.par_chunks_mut(band);
+            let all = offsets.zip(statuses).zip(by_pixel).enumerate();
+            all.for_each(|(row, ((offset, status), by_pixel))| {
+                let rows = Rows {
+                    offset,
+                    by_pixel,
+                    status,
+                };
+                self.block_row(row as u32, rows);
+            });
+        } else {
+            offsets
+                .zip(statuses)
+                .enumerate()
+                .for_each(|(row, (offset, status))| {
+                    let rows = Rows {
+                        offset,
+                        by_pixel: &mut [],
+                        status,
+                    };
+                    self.block_row(row as u32, rows);
+                });
+        }
+        map
+    }
+
+    /// The pixels of one row of blocks, `row` counted from the top: [`BLOCK`] rows of the picture (at the bottom
+    /// fewer), of its whole width, into buffers of exactly as many pixels. Small enough to be coloured while it is in
+    /// the cache.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn block_row(&self, row: u32, mut rows: Rows<'_>) {
+        let [width, height] = self.size;
+        let whole = Rows {
+            offset: &mut *rows.offset,
+            by_pixel: &mut *rows.by_pixel,
+            status: &mut *rows.status,
+        };
+        let band = Band {
+            patchwork: self,
+            block_row: row,
+            rows: whole,
+        };
+        Processor::here().run(band);
+        // The middle pixel of an odd picture is the camera's own place, to the last bit.
+        if width % 2 == 1 && height % 2 == 1 && height / 2 / BLOCK == row {
+            let index = ((height / 2 - row * BLOCK) * width + width / 2) as usize;
+            if self.cover_at(width / 2, height / 2) {
+                if let Some(offset) = rows.offset.get_mut(index) {
+                    *offset = [0.0; 2];
+                }
+                if let Some(by_pixel) = rows.by_pixel.get_mut(index) {
+                    *by_pixel = self.centre_by_pixel;
+                }
+            }
+            let _ = &mut rows;
+        }
+    }
+
+    /// Whether a pixel is part of a polynomial.
+    fn cover_at(&self, column: u32, row: u32) -> bool {
+        let across = self.size[0].div_ceil(BLOCK);
+        let index = (row / BLOCK * across + column / BLOCK) as usize;
+        matches!(self.covers.get(index), Some(Cover::Patch(_)))
+    }
+}
+
+/// The index of the last of so many.
+fn index(count: usize) -> u32 {
+    u32::try_from(count.saturating_sub(1)).unwrap_or(u32::MAX)
 }

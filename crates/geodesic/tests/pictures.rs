@@ -142,7 +142,10 @@ fn pictures_of_no_and_of_one_pixel_and_without_zoom_are_finite() {
             };
             let map = exponential_map(&s, &frame, size, &options, &|_| {});
             assert_eq!(map.offset.len(), (size[0] * size[1]) as usize);
-            assert!((0..map.offset.len()).all(|k| map.uv(k) == [0.3, 1.2]), "{map:?}");
+            assert!(
+                (0..map.offset.len()).all(|k| map.uv(k) == [0.3, 1.2]),
+                "{map:?}"
+            );
         }
     }
 }
@@ -170,9 +173,9 @@ fn a_pixel_s_derivatives_are_the_differences_to_its_neighbours() {
             if ![index, left, right, up, down].into_iter().all(complete) || index % 65 % 64 == 0 {
                 continue;
             }
-            let metric = Metric::of(&s.jet(
-                geodesic::map::bring_back(s.domain(), s.sides(), map.uv(index)).0,
-            ));
+            let metric = Metric::of(
+                &s.jet(geodesic::map::bring_back(s.domain(), s.sides(), map.uv(index)).0),
+            );
             let known = map.by_pixel[index];
             for (k, pair) in [[left, right], [up, down]].into_iter().enumerate() {
                 let [a, b] = pair.map(|n| map.offset[n].map(f64::from));

@@ -98,7 +98,7 @@ pub(super) fn row<S: Surface + ?Sized>(
         }
         out.push(offset, by_place, per_place, end.status);
     }
-    if !matches!(options.method, Method::Adaptive) {
+    if !(options.by_pixel && matches!(options.method, Method::Adaptive)) {
         out.by_pixel.clear();
     }
     out.work.evaluations = atlas.evaluations() as u64;
@@ -106,13 +106,7 @@ pub(super) fn row<S: Surface + ?Sized>(
 }
 
 impl Row {
-    fn push(
-        &mut self,
-        offset: [f64; 2],
-        by_place: [[f64; 2]; 2],
-        per_place: f64,
-        status: Status,
-    ) {
+    fn push(&mut self, offset: [f64; 2], by_place: [[f64; 2]; 2], per_place: f64, status: Status) {
         let finite = offset.iter().all(|x| x.is_finite());
         let offset = if finite { offset } else { [0.0; 2] };
         self.offset.push(offset.map(|x| x as f32));
