@@ -13,6 +13,7 @@ pub mod bounds;
 pub mod camera;
 pub mod geodesic_view;
 pub mod gpu;
+pub mod ground;
 pub mod plan;
 pub mod request;
 pub mod sample;

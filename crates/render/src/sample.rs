@@ -15,6 +15,8 @@ use scene::values::Settings;
 
 use crate::bounds::Placement;
 
+mod surface;
+
 /// A surface's normal that does not exist (a pole, a crease) is taken this share of the domain further inside.
 pub const NORMAL_NUDGE: f64 = 1e-4;
 /// σu and σv, each times its domain's width, count as parallel where |σu×σv| is at most this times the square of
@@ -156,7 +158,7 @@ pub fn sample(
         }
         Shape::Surface {
             position, domain, ..
-        } => surface(scene, settings, object, placement, position, domain),
+        } => surface::surface(scene, settings, object, placement, position, domain),
         Shape::Metric { .. } | Shape::Geodesic { .. } => Samples::Points(Vec::new()),
     }
 }
@@ -168,82 +170,6 @@ pub fn surface_roots(scene: &Scene, position: &[NodeId; 3]) -> Option<(Graph, [N
     let dv = graph.derivatives(&roots, Input::Variable(1)).ok()?;
     let all: Vec<NodeId> = roots.iter().chain(&du).chain(&dv).copied().collect();
     Some((graph, <[NodeId; 9]>::try_from(all).ok()?))
-}
-
-fn surface(
-    scene: &Scene,
-    settings: &Settings,
-    object: &Object,
-    placement: &Placement,
-    position: &[NodeId; 3],
-    domain: &[Sampling; 2],
-) -> Samples {
-    let count = [domain[0].count, domain[1].count];
-    let Some((graph, roots)) = surface_roots(scene, position) else {
-        // Without derivatives there are no normals; the shape can still be seen, lit from the eye alone.
-        let sampler = Sampler::full(scene, settings, object, position);
-        let samples = sampler.map(|_, out: &[f64; 3]| {
-            let PositionSample { position, defined } = placed(placement, out);
-            SurfaceSample {
-                position,
-                defined,
-                ..SurfaceSample::default()
-            }
-        });
-        return Samples::Surfaces { count, samples };
-    };
-    let tape = Tape::new(&graph, &roots);
-    let sampler = Sampler::new(scene, settings, object, tape, Resolution::Full);
-    let widths = [
-        domain[0].range.max - domain[0].range.min,
-        domain[1].range.max - domain[1].range.min,
-    ];
-    let mut samples = sampler.map(|_, out: &[f64; 9]| {
-        let PositionSample { position, defined } = placed(placement, &[out[0], out[1], out[2]]);
-        let normal = normal(out, widths).unwrap_or_default();
-        SurfaceSample {
-            position,
-            defined,
-            normal,
-            padding: 0.0,
-        }
-    });
-    samples.par_iter_mut().enumerate().for_each_init(
-        Registers::default,
-        |registers, (index, sample)| {
-            if sample.defined == 0.0 || sample.normal != [0.0; 3] {
-                return;
-            }
-            let (_, at) = sampler.locate(index);
-            let inside = |k: usize| {
-                let middle = 0.5 * (domain[k].range.min + domain[k].range.max);
-                let step = NORMAL_NUDGE * widths[k];
-                if at[k] > middle {
-                    at[k] - step
-                } else {
-                    at[k] + step
-                }
-            };
-            let mut out = [0.0; 9];
-            sampler.eval(registers, index, [inside(0), inside(1)], &mut out);
-            sample.normal = normal(&out, widths).unwrap_or_default();
-        },
-    );
-    Samples::Surfaces { count, samples }
-}
-
-/// The unit normal, if σu and σv (out[3..9]) are defined and not parallel.
-fn normal(out: &[f64; 9], widths: [f64; 2]) -> Option<[f32; 3]> {
-    let du = glam::DVec3::new(out[3], out[4], out[5]) * widths[0];
-    let dv = glam::DVec3::new(out[6], out[7], out[8]) * widths[1];
-    let longest = du.abs().max_element().max(dv.abs().max_element());
-    if !(longest > 0.0 && longest.is_finite()) {
-        return None;
-    }
-    // Divided first, so that no square over- or underflows.
-    let cross = (du / longest).cross(dv / longest);
-    let length = cross.length();
-    (length > DEGENERATE).then(|| (cross / length).as_vec3().to_array())
 }
 
 fn placed(placement: &Placement, out: &[f64; 3]) -> PositionSample {

@@ -159,21 +159,40 @@ pub fn decode(byte: u8) -> f32 {
     TABLE[usize::from(byte)]
 }
 
-/// Linear light to an sRGB byte, from a table of 2¹⁵ steps: the nearest, but for ties to within a tenth of a step.
-/// Values outside `[0, 1]` are clamped.
+/// Linear light to an sRGB byte; see [`Encoder::encode`].
 pub fn encode(light: f32) -> u8 {
-    const LAST: f32 = 32_767.0;
-    static TABLE: LazyLock<Vec<u8>> = LazyLock::new(|| {
-        let byte = |step: u32| {
-            let light = step as f32 / LAST;
-            let c = if light <= 0.003_130_8 {
-                12.92 * light
-            } else {
-                1.055 * light.powf(1.0 / 2.4) - 0.055
+    Encoder::get().encode(light)
+}
+
+/// The table from linear light to sRGB, fetched once for many colours.
+#[derive(Clone, Copy, Debug)]
+pub struct Encoder(&'static [u8; STEPS]);
+
+/// Steps of the table, a power of two.
+const STEPS: usize = 1 << 15;
+
+impl Encoder {
+    /// The table.
+    pub fn get() -> Self {
+        static TABLE: LazyLock<Box<[u8; STEPS]>> = LazyLock::new(|| {
+            let byte = |step: usize| {
+                let light = step as f32 / (STEPS - 1) as f32;
+                let c = if light <= 0.003_130_8 {
+                    12.92 * light
+                } else {
+                    1.055 * light.powf(1.0 / 2.4) - 0.055
+                };
+                (c * 255.0).round() as u8
             };
-            (c * 255.0).round() as u8
-        };
-        (0..=LAST as u32).map(byte).collect()
-    });
-    TABLE[(light.clamp(0.0, 1.0) * LAST).round() as usize]
+            Box::new(std::array::from_fn(byte))
+        });
+        Self(&TABLE)
+    }
+
+    /// The byte of a value: the nearest, but for ties to within a tenth of a step. Values outside `[0, 1]` are clamped.
+    #[inline]
+    pub fn encode(self, light: f32) -> u8 {
+        let step = (light.clamp(0.0, 1.0) * (STEPS - 1) as f32 + 0.5) as i32 as usize;
+        self.0[step & (STEPS - 1)]
+    }
 }

@@ -3,7 +3,11 @@
 //! An image's left is u min, its top row v min; one width of the image is one width of the domain, and it repeats
 //! beyond. Texels are opaque sRGB; filtering happens in linear light, so a fine checkerboard keeps its brightness.
 
+mod filter;
 mod orientation;
+
+pub(crate) use filter::Footprint;
+pub use filter::Sampler;
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -20,13 +24,21 @@ pub const MAX_FILE_SIDE: u32 = 32_768;
 pub const MAX_SIDE: u32 = 8_192;
 /// What decoding one image may take, in bytes.
 const MAX_BYTES: u64 = 1 << 30;
-/// How many times a footprint may be longer than wide before it is blurred across.
-const MAX_ANISOTROPY: f32 = 8.0;
 
 /// An image with its mip chain.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Texture {
     levels: Vec<Level>,
+    /// The same in linear light, made when first asked for: a GPU has no use for it.
+    light: OnceLock<Vec<filter::Light>>,
+    /// The covers by [`Texture::cover`], as they are asked for.
+    covers: [OnceLock<Arc<Texture>>; 3],
+}
+
+impl PartialEq for Texture {
+    fn eq(&self, other: &Self) -> bool {
+        self.levels == other.levels
+    }
 }
 
 /// One level of a mip chain.
@@ -115,19 +127,23 @@ impl Texture {
         let mut texels: Vec<[u8; 4]> = image.pixels().map(|pixel| over_white(pixel.0)).collect();
         if texels.is_empty() {
             texels.push([255; 4]);
-            return Self {
-                levels: vec![Level {
-                    size: [1, 1],
-                    texels,
-                }],
-            };
+            let (size, texels) = ([1, 1], texels);
+            return Self::chain(Level { size, texels });
         }
-        let mut levels = vec![Level { size, texels }];
+        Self::chain(Level { size, texels })
+    }
+
+    fn chain(first: Level) -> Self {
+        let mut levels = vec![first];
         while let Some(last) = levels.last().filter(|level| level.size != [1, 1]) {
             let next = last.halved();
             levels.push(next);
         }
-        Self { levels }
+        Self {
+            levels,
+            light: OnceLock::new(),
+            covers: Default::default(),
+        }
     }
 
     /// The texture of surfaces without an image: 8 × 8 cells named A1 (u min, v min) to H8 (u max, v max), the hue
@@ -145,80 +161,54 @@ impl Texture {
         &self.levels
     }
 
-    /// The colour in linear light at `uv` (1 is the image's width or height; repeats), averaged over a footprint:
-    /// the parallelogram that `across` and `along` (in the same units) span around it. Up to eight trilinear probes
-    /// along the longer axis of its ellipse.
-    pub fn sample(&self, uv: [f32; 2], across: [f32; 2], along: [f32; 2]) -> [f32; 3] {
-        let size = self.levels[0].size.map(|side| side as f32);
-        let [a, b] = [across, along].map(|d| [d[0] * size[0], d[1] * size[1]]);
-        // The ellipse's axes are the singular vectors of (a b).
-        let (xx, xy, yy) = (
-            a[0] * a[0] + b[0] * b[0],
-            a[0] * a[1] + b[0] * b[1],
-            a[1] * a[1] + b[1] * b[1],
-        );
-        let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
-        let spread = half.hypot(xy);
-        let major = (mean + spread).max(0.0).sqrt();
-        let minor = (mean - spread).max(0.0).sqrt();
-        if !major.is_finite() {
-            return self.level(self.levels.len() as f32, uv);
-        }
-        let minor = minor.max(major / MAX_ANISOTROPY).max(1.0);
-        let level = minor.log2();
-        // A footprint that is a circle but for rounding has one probe.
-        let probes = (major / minor - 0.1).ceil().clamp(1.0, MAX_ANISOTROPY);
-        if probes == 1.0 {
-            return self.level(level, uv);
-        }
-        let angle = 0.5 * xy.atan2(half);
-        let step = [major * angle.cos() / size[0], major * angle.sin() / size[1]];
-        let mut sum = [0.0; 3];
-        for k in 0..probes as u32 {
-            let t = (k as f32 + 0.5) / probes - 0.5;
-            let probe = self.level(level, [uv[0] + t * step[0], uv[1] + t * step[1]]);
-            sum = std::array::from_fn(|k| sum[k] + probe[k]);
-        }
-        sum.map(|x| x / probes)
+    /// The image as it goes on beyond the sides of its domain: itself where they wrap plainly. A side of u that is
+    /// glued to the other one turned over (`flips[0]`) is followed by the image upside down, so that it repeats after
+    /// two widths; likewise `flips[1]` for v and left to right.
+    pub fn cover(self: &Arc<Self>, flips: [bool; 2]) -> Arc<Self> {
+        let index = match flips {
+            [false, false] => return self.clone(),
+            [true, false] => 0,
+            [false, true] => 1,
+            [true, true] => 2,
+        };
+        let make = || Arc::new(Self::chain(self.levels[0].covered(flips)));
+        self.covers[index].get_or_init(make).clone()
     }
 
-    /// Between two levels.
-    fn level(&self, level: f32, uv: [f32; 2]) -> [f32; 3] {
-        let last = self.levels.len() - 1;
-        let level = level.clamp(0.0, last as f32);
-        let lower = level as usize;
-        let near = self.levels[lower].bilinear(uv);
-        let share = level - lower as f32;
-        if share == 0.0 {
-            return near;
-        }
-        let far = self.levels[(lower + 1).min(last)].bilinear(uv);
-        std::array::from_fn(|k| near[k] + share * (far[k] - near[k]))
+    /// The colour in linear light at `uv` (1 is the image's width or height; repeats), averaged over a footprint:
+    /// the parallelogram that `across` and `along` (in the same units) span around it.
+    pub fn sample(&self, uv: [f32; 2], across: [f32; 2], along: [f32; 2]) -> [f32; 3] {
+        self.sampler().colour(uv, across, along)
+    }
+
+    /// The image about its corner, for many calls of [`Sampler::colour`].
+    pub fn sampler(&self) -> Sampler<'_> {
+        Sampler::new(self, [0.0; 2], [1.0; 2], [true; 2])
+    }
+
+    fn light(&self) -> &[filter::Light] {
+        self.light.get_or_init(|| filter::light_of(&self.levels))
     }
 }
 
 impl Level {
-    fn bilinear(&self, uv: [f32; 2]) -> [f32; 3] {
-        let axis = |k: usize| {
-            let side = self.size[k];
-            // Brought into one period first: a large coordinate would leave no digits for the weight.
-            let x = (uv[k] - uv[k].floor()) * side as f32 - 0.5;
-            let low = x.floor();
-            let first = (low as i64).rem_euclid(i64::from(side)) as usize;
-            (first, (first + 1) % side as usize, x - low)
+    /// Twice as large along each axis that flips: beside the image, itself turned over.
+    fn covered(&self, flips: [bool; 2]) -> Self {
+        let [width, height] = self.size;
+        let size = [0, 1].map(|k| self.size[k] << u32::from(flips[k]));
+        let texel = |x: u32, y: u32| {
+            // A step beyond a side of u turns v over, and one beyond a side of v turns u over.
+            let (over_u, over_v) = (x >= width, y >= height);
+            let (x, y) = (x % width, y % height);
+            let x = if over_v { width - 1 - x } else { x };
+            let y = if over_u { height - 1 - y } else { y };
+            self.texels[y as usize * width as usize + x as usize]
         };
-        let ((x0, x1, tx), (y0, y1, ty)) = (axis(0), axis(1));
-        let width = self.size[0] as usize;
-        let texel = |x: usize, y: usize| {
-            let [r, g, b, _] = self.texels[y * width + x];
-            [decode(r), decode(g), decode(b)]
-        };
-        let (p, q, r, s) = (texel(x0, y0), texel(x1, y0), texel(x0, y1), texel(x1, y1));
-        std::array::from_fn(|k| {
-            let top = p[k] + tx * (q[k] - p[k]);
-            let bottom = r[k] + tx * (s[k] - r[k]);
-            top + ty * (bottom - top)
-        })
+        let rows = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
+        Self {
+            size,
+            texels: rows.map(|(x, y)| texel(x, y)).collect(),
+        }
     }
 
     /// The next level: each texel is the average of the area it covers, in linear light. With an odd side a texel

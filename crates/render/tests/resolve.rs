@@ -1,7 +1,9 @@
 //! From maps to colours: the geodesic view's second half, on maps with known ends.
 
+use std::sync::Arc;
+
 use geodesic::map::Map;
-use geodesic::surface::Sides;
+use geodesic::surface::{Side, Sides};
 use geodesic::trace::Status;
 use image::{Rgba, RgbaImage};
 use render::geodesic_view::{Paint, hatching, resolve};
@@ -9,6 +11,10 @@ use render::style;
 use render::texture::Texture;
 
 const UNIT: [[f64; 2]; 2] = [[0.0, 1.0], [0.0, 1.0]];
+const WRAPPED: Sides = Sides {
+    u: [Side::Wrap; 2],
+    v: [Side::Wrap; 2],
+};
 
 fn map(size: u32, end: impl Fn(u32, u32) -> ([f32; 2], Status)) -> Map {
     let pixels = (0..size).flat_map(|y| (0..size).map(move |x| (x, y)));
@@ -21,14 +27,19 @@ fn map(size: u32, end: impl Fn(u32, u32) -> ([f32; 2], Status)) -> Map {
     }
 }
 
-fn paint(texture: &Texture) -> Paint<'_> {
+fn paint(texture: &Arc<Texture>) -> Paint<'_> {
     Paint {
         texture,
         colour: [1.0; 3],
         domain: UNIT,
-        sides: Sides::default(),
+        sides: WRAPPED,
         mark_centre: false,
     }
+}
+
+/// A texture of an image.
+fn image_of(image: RgbaImage) -> Arc<Texture> {
+    Arc::new(Texture::from_image(image))
 }
 
 /// A colourful image that is different everywhere.
@@ -41,7 +52,7 @@ fn colourful(side: u32) -> RgbaImage {
 #[test]
 fn a_map_of_texel_centres_shows_the_image_itself() {
     let image = colourful(40);
-    let texture = Texture::from_image(image.clone());
+    let texture = image_of(image.clone());
     let centres = map(40, |x, y| {
         (
             [(x as f32 + 0.5) / 40.0, (y as f32 + 0.5) / 40.0],
@@ -58,7 +69,7 @@ fn a_map_of_texel_centres_shows_the_image_itself() {
 
 #[test]
 fn the_domain_is_one_width_of_the_image_and_colours_multiply() {
-    let texture = Texture::from_image(RgbaImage::from_fn(2, 1, |x, _| {
+    let texture = image_of(RgbaImage::from_fn(2, 1, |x, _| {
         if x == 0 {
             Rgba([0, 0, 0, 255])
         } else {
@@ -109,7 +120,7 @@ fn a_seam_of_the_chart_is_no_edge_of_the_picture() {
 
 #[test]
 fn what_is_not_seen_is_hatched_in_light_tones_with_an_edge_line() {
-    let texture = Texture::from_image(RgbaImage::from_pixel(1, 1, Rgba([0, 90, 0, 255])));
+    let texture = image_of(RgbaImage::from_pixel(1, 1, Rgba([0, 90, 0, 255])));
     let all = [
         Status::LeftDomain,
         Status::ConePoint,
@@ -143,7 +154,7 @@ fn what_is_not_seen_is_hatched_in_light_tones_with_an_edge_line() {
 
 #[test]
 fn the_mark_is_an_open_ring_that_leaves_the_centre_as_it_is() {
-    let texture = Texture::from_image(RgbaImage::from_pixel(1, 1, Rgba([40, 120, 200, 255])));
+    let texture = image_of(RgbaImage::from_pixel(1, 1, Rgba([40, 120, 200, 255])));
     for size in [64, 65, 512] {
         let ends = map(size, |_, _| ([0.5; 2], Status::Complete));
         let seen = resolve(
@@ -183,7 +194,7 @@ fn a_fine_pattern_far_away_is_averaged_and_does_not_flicker() {
             Rgba([0, 0, 0, 255])
         }
     });
-    let texture = Texture::from_image(checker);
+    let texture = image_of(checker);
     // 37 widths of the image in 64 pixels.
     let ends = map(64, |x, y| {
         (
@@ -198,4 +209,102 @@ fn a_fine_pattern_far_away_is_averaged_and_does_not_flicker() {
     for pixel in seen.pixels() {
         assert!(pixel.0[0].abs_diff(style::encode(0.5)) <= 3, "{pixel:?}");
     }
+}
+
+#[test]
+fn a_known_derivative_is_the_footprint_whatever_the_neighbours_are() {
+    let checker = image_of(RgbaImage::from_fn(256, 256, |x, y| {
+        if (x + y) % 2 == 0 {
+            Rgba([255; 4])
+        } else {
+            Rgba([0, 0, 0, 255])
+        }
+    }));
+    // All pixels end in one texel: by differences it is seen large, by the derivative far away.
+    let mut ends = map(16, |_, _| ([0.3 / 256.0; 2], Status::Complete));
+    assert_eq!(resolve(&ends, &paint(&checker)).get_pixel(8, 8).0, [255; 4]);
+    ends.by_pixel = vec![[0.06, 0.01, -0.01, 0.07]; 256];
+    let seen = resolve(&ends, &paint(&checker)).get_pixel(8, 8).0;
+    assert!(seen[0].abs_diff(style::encode(0.5)) <= 3, "{seen:?}");
+    // What is not known (NaN) is taken from the neighbours.
+    ends.by_pixel = vec![[f32::NAN; 4]; 256];
+    assert_eq!(resolve(&ends, &paint(&checker)).get_pixel(8, 8).0, [255; 4]);
+}
+
+#[test]
+fn beyond_a_flip_the_image_is_upside_down_and_the_seam_is_no_edge() {
+    let gradient = image_of(RgbaImage::from_fn(8, 64, |_, y| {
+        Rgba([(4 * y) as u8, 0, 0, 255])
+    }));
+    let sides = Sides {
+        u: [Side::WrapFlip; 2],
+        v: [Side::Edge; 2],
+    };
+    let flipped = Paint {
+        sides,
+        ..paint(&gradient)
+    };
+    for (turns, mirrored) in [
+        (0.0, false),
+        (1.0, true),
+        (2.0, false),
+        (-1.0, true),
+        (-2.0, false),
+    ] {
+        let ends = map(64, |x, y| {
+            let (u, v) = ((x as f32 + 0.5) / 64.0, (y as f32 + 0.5) / 64.0);
+            ([u + turns, v], Status::Complete)
+        });
+        let seen = resolve(&ends, &flipped);
+        for y in 0..64 {
+            let from = if mirrored { 63 - y } else { y };
+            // The seam's own columns are between both sides.
+            let off = seen.get_pixel(32, y).0[0].abs_diff((4 * from) as u8);
+            assert!(off <= 4, "row {y} after {turns} turns");
+        }
+    }
+}
+
+#[test]
+fn an_image_does_not_go_on_beyond_an_edge_or_a_pole() {
+    let bands = image_of(RgbaImage::from_fn(4, 16, |_, y| {
+        if y < 8 {
+            Rgba([255; 4])
+        } else {
+            Rgba([0, 0, 0, 255])
+        }
+    }));
+    for side in [Side::Edge, Side::Pole] {
+        let sides = Sides {
+            u: [Side::Wrap; 2],
+            v: [side; 2],
+        };
+        let ends = map(16, |x, _| ([x as f32 / 16.0, 0.0], Status::Complete));
+        let paint = Paint {
+            sides,
+            ..paint(&bands)
+        };
+        let seen = resolve(&ends, &paint);
+        assert!(seen.pixels().all(|pixel| pixel.0 == [255; 4]), "{side:?}");
+    }
+}
+
+#[test]
+fn a_deep_zoom_sees_the_texel_that_it_stands_in_from_edge_to_edge() {
+    let image = colourful(64);
+    let texture = image_of(image);
+    let steps = |size: f32| {
+        let mut ends = map(64, |x, y| {
+            let at = |x: u32| (x as f32 - 31.5) * size;
+            ([at(x), at(y)], Status::Complete)
+        });
+        ends.origin = [20.5 / 64.0, 40.5 / 64.0];
+        resolve(&ends, &paint(&texture))
+    };
+    // Pixels of a thousandth of a texel: the colours follow the offsets, not f32 coordinates.
+    let (near, nearer) = (steps(1e-3 / 64.0), steps(1e-12));
+    let row: Vec<u8> = (0..64).map(|x| near.get_pixel(x, 32).0[0]).collect();
+    assert!(row.windows(2).all(|pair| pair[0] <= pair[1]), "{row:?}");
+    let centre = nearer.get_pixel(0, 0);
+    assert!(nearer.pixels().all(|pixel| pixel == centre));
 }

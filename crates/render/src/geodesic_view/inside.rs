@@ -1,14 +1,16 @@
 //! Where the being inside the surface stands, and what it sees in f64: the geodesic view's camera and map.
 
+use geodesic::ends::Coordinates;
 use geodesic::frame::Frame;
 use geodesic::map::{self, Arithmetic, Map, MapOptions, exponential_map};
-use geodesic::surface::{ParametricSurface, Sides, Surface};
+use geodesic::surface::{Sides, Surface};
 use geodesic::topology::Apex;
 use geodesic::trace::TraceError;
 use glam::DVec3;
-use scene::scene::{Scene, Shape};
+use scene::scene::Scene;
 use scene::values::Settings;
 
+use crate::ground::Ground;
 use crate::request::{Method, RenderError, Request, View};
 use crate::sample::DEGENERATE;
 
@@ -33,7 +35,7 @@ const TOLERANCE: f64 = 0.03;
 /// A surface with a camera on it.
 #[derive(Clone, Debug)]
 pub struct Inside {
-    surface: ParametricSurface,
+    ground: Ground,
     /// The camera: a place and two tangent vectors X ⟂ Y of the length [`Inside::zoom`].
     pub frame: Frame,
     /// The distance on the surface from the picture's centre to the middle of its shorter side's edge.
@@ -68,21 +70,12 @@ impl Inside {
             .get(surface.0 as usize)
             .ok_or(RenderError::NoSurface { name: None })?;
         let name = || object.name.clone();
-        let Shape::Surface {
-            position, domain, ..
-        } = &object.shape
-        else {
-            return Err(RenderError::NoSurface { name: Some(name()) });
-        };
-        let domain = domain
-            .each_ref()
-            .map(|axis| [axis.range.min, axis.range.max]);
         let uniforms = settings.first_instance(scene, object);
-        let surface = ParametricSurface::new(&scene.graph, *position, domain, &uniforms)
-            .map_err(|_| RenderError::TooLarge { name: name() })?;
-        let at = at.unwrap_or_else(|| first_place(&surface));
+        let ground = Ground::new(scene, surface, &uniforms)?;
+        let surface = ground.surface();
+        let at = at.unwrap_or_else(|| first_place(surface));
         // The length does not matter yet: the first zoom is measured from where the frame turns out to stand.
-        let unit = Frame::new(&surface, at, angle, 1.0).map_err(|error| match error {
+        let unit = Frame::new(surface, at, angle, 1.0).map_err(|error| match error {
             TraceError::OutsideDomain { at, domain } => RenderError::CameraOutside {
                 name: name(),
                 at,
@@ -90,13 +83,13 @@ impl Inside {
             },
             _ => RenderError::UndefinedCamera { name: name(), at },
         })?;
-        if !has_tangent_plane(&surface, unit.uv) {
+        if unit.coordinates == Coordinates::Plain && !has_tangent_plane(surface, unit.uv) {
             return Err(RenderError::UndefinedCamera { name: name(), at });
         }
-        let zoom = zoom.unwrap_or_else(|| first_zoom(&surface, unit.uv));
+        let zoom = zoom.unwrap_or_else(|| first_zoom(surface, unit.uv));
         Ok(Self {
             frame: unit.zoomed(zoom),
-            surface,
+            ground,
             zoom,
             uniforms,
             method,
@@ -106,17 +99,17 @@ impl Inside {
 
     /// `[[u min, u max], [v min, v max]]`.
     pub fn domain(&self) -> [[f64; 2]; 2] {
-        self.surface.domain()
+        self.ground.surface().domain()
     }
 
     /// What lies beyond each side of the domain.
     pub fn sides(&self) -> Sides {
-        self.surface.sides()
+        self.ground.surface().sides()
     }
 
     /// The sides that are one point: `[axis][end]`.
     pub fn apexes(&self) -> [[Option<Apex>; 2]; 2] {
-        self.surface.topology().apexes
+        self.ground.apexes()
     }
 
     /// The ends of all pixels' geodesics, in f64 on all cores. `progress` is told the share that is done.
@@ -133,12 +126,18 @@ impl Inside {
             tolerance: TOLERANCE,
             ..MapOptions::default()
         };
-        exponential_map(&self.surface, &self.frame, self.size, &options, progress)
+        exponential_map(
+            self.ground.surface(),
+            &self.frame,
+            self.size,
+            &options,
+            progress,
+        )
     }
 }
 
 /// A place with a tangent plane, the domain's middle if that has one.
-fn first_place(surface: &ParametricSurface) -> [f64; 2] {
+fn first_place(surface: &dyn Surface) -> [f64; 2] {
     let domain = surface.domain();
     let places = PLACES.map(|share| {
         std::array::from_fn(|k| domain[k][0] + share[k] * (domain[k][1] - domain[k][0]))
@@ -150,7 +149,7 @@ fn first_place(surface: &ParametricSurface) -> [f64; 2] {
 }
 
 /// Whether σ is defined and σu, σv span a plane, each taken times its domain's width.
-fn has_tangent_plane(surface: &ParametricSurface, at: [f64; 2]) -> bool {
+fn has_tangent_plane(surface: &dyn Surface, at: [f64; 2]) -> bool {
     let jet = surface.jet(at);
     let widths = surface.domain().map(|[low, high]| high - low);
     let (a, b) = (
@@ -165,7 +164,7 @@ fn has_tangent_plane(surface: &ParametricSurface, at: [f64; 2]) -> bool {
 }
 
 /// A zoom that shows a good part of the surface.
-fn first_zoom(surface: &ParametricSurface, at: [f64; 2]) -> f64 {
+fn first_zoom(surface: &dyn Surface, at: [f64; 2]) -> f64 {
     const STEPS: u32 = 64;
     let domain = surface.domain();
     let length = |k: usize| -> f64 {

@@ -1,21 +1,19 @@
 //! The colour of a place on a triangle.
 
-use std::sync::Arc;
-
 use glam::{Vec2, Vec3};
 
 use crate::style;
-use crate::texture::Texture;
+use crate::texture::Sampler;
 
 /// How triangles of one kind of one object look.
 #[derive(Clone, Debug)]
-pub(super) enum Material {
+pub(super) enum Material<'a> {
     /// A strip or disc that faces the eye: its texture coordinates are the place in the unit disc.
     Glyph([f32; 3]),
     /// An arrowhead.
     Cone([f32; 3]),
     /// A lit surface.
-    Surface([f32; 3], Arc<Texture>),
+    Surface([f32; 3], Sampler<'a>),
 }
 
 /// A place on a triangle, interpolated.
@@ -31,7 +29,7 @@ pub(super) struct Place {
     pub front: bool,
 }
 
-impl Material {
+impl Material<'_> {
     /// Whether a place's normal, or footprint, matters.
     pub(super) fn is_surface(&self) -> bool {
         matches!(self, Self::Surface(..))
@@ -52,7 +50,7 @@ impl Material {
                     .abs();
                 colour.map(|c| c * style::glyph_light(facing))
             }
-            Self::Surface(colour, texture) => {
+            Self::Surface(colour, image) => {
                 let normal = match place.normal.try_normalize() {
                     // The side is the triangle's: near a silhouette an interpolated normal may lean away from the
                     // eye, and turning it over there would speckle the rim.
@@ -62,7 +60,7 @@ impl Material {
                 };
                 let (diffuse, white) = style::surface_light(normal.into(), place.to_eye.into());
                 let [across, along] = place.footprint;
-                let texel = texture.sample(place.uv.into(), across.into(), along.into());
+                let texel = image.colour(place.uv.into(), across.into(), along.into());
                 std::array::from_fn(|k| texel[k] * colour[k] * diffuse + white)
             }
         }

@@ -85,7 +85,7 @@ pub fn draw(camera: &Camera, objects: &[Painted], progress: &(dyn Fn(f32) + Sync
         .iter()
         .flat_map(|object| match &object.texture {
             Some(texture) => [
-                Material::Surface(object.colour, texture.clone()),
+                Material::Surface(object.colour, texture.sampler()),
                 Material::Cone(object.colour),
             ],
             None => [

@@ -1,0 +1,269 @@
+//! From a map of geodesics' ends to colours.
+//!
+//! A pixel shows the image's own colour times the surface's: no light, no gamma change. Its footprint in the image is
+//! what the map knows of its derivative; where it knows none, the difference to the pixel's neighbours.
+
+use std::sync::Arc;
+
+use expr::processor::{Processor, Work};
+use geodesic::map::Map;
+use geodesic::surface::{Side, Sides};
+use geodesic::trace::Status;
+use image::RgbaImage;
+use rayon::prelude::*;
+
+use super::{HATCH, LEAST_RING, RING, hatching};
+use crate::style::{self, Encoder};
+use crate::texture::{Footprint, Sampler, Texture};
+
+/// Pixels that go through each stage together.
+const STRIP: usize = 64;
+
+/// What a map is coloured with.
+#[derive(Clone, Copy, Debug)]
+pub struct Paint<'a> {
+    /// The surface's image.
+    pub texture: &'a Arc<Texture>,
+    /// The surface's colour in linear light; multiplies the image.
+    pub colour: [f32; 3],
+    /// `[[u min, u max], [v min, v max]]`: one width of the domain is one width of the image.
+    pub domain: [[f64; 2]; 2],
+    /// Beyond sides that wrap, the image goes on; beyond a flip it is mirrored. At other sides it ends.
+    pub sides: Sides,
+    /// Whether the centre is marked by an open ring.
+    pub mark_centre: bool,
+}
+
+/// Colours a map, on all cores.
+pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
+    let [width, height] = map.size;
+    let mut image = RgbaImage::new(width, height);
+    let row_bytes = 4 * width as usize;
+    if row_bytes == 0 {
+        return image;
+    }
+    let cover = Cover::new(paint.texture, paint.domain, paint.sides);
+    let sampler = cover.sampler(map.origin);
+    let (cover, sampler) = (&cover, &sampler);
+    let processor = Processor::here();
+    image
+        .par_chunks_mut(row_bytes)
+        .enumerate()
+        .for_each(|(y, pixels)| {
+            processor.run(Row {
+                map,
+                paint,
+                cover,
+                sampler,
+                y,
+                pixels,
+            });
+        });
+    if paint.mark_centre {
+        mark_centre(&mut image);
+    }
+    image
+}
+
+/// An image as it goes on beyond the domain's sides.
+pub(crate) struct Cover {
+    pub(crate) texture: Arc<Texture>,
+    /// Where it repeats.
+    pub(crate) repeats: [bool; 2],
+    /// The domain's minima.
+    low: [f64; 2],
+    /// Its width and height in (u,v).
+    pub(crate) period: [f64; 2],
+}
+
+impl Cover {
+    pub(crate) fn new(texture: &Arc<Texture>, domain: [[f64; 2]; 2], sides: Sides) -> Self {
+        let flips = [0, 1].map(|k| sides.of(k)[0] == Side::WrapFlip);
+        Self {
+            texture: texture.cover(flips),
+            repeats: [0, 1].map(|k| matches!(sides.of(k)[0], Side::Wrap | Side::WrapFlip)),
+            low: domain.map(|[low, _]| low),
+            period: [0, 1].map(|k| {
+                let [low, high] = domain[k];
+                (high - low) * if flips[k] { 2.0 } else { 1.0 }
+            }),
+        }
+    }
+
+    /// A point in widths of the cover, from its minimum.
+    pub(crate) fn share(&self, at: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| (at[k] - self.low[k]) / self.period[k])
+    }
+
+    /// The image about a point, in units of (u,v).
+    fn sampler(&self, origin: [f64; 2]) -> Sampler<'_> {
+        let unit = self.period.map(|period| 1.0 / period);
+        Sampler::new(&self.texture, self.share(origin), unit, self.repeats)
+    }
+}
+
+/// One row of the picture.
+struct Row<'a> {
+    map: &'a Map,
+    paint: &'a Paint<'a>,
+    cover: &'a Cover,
+    sampler: &'a Sampler<'a>,
+    y: usize,
+    pixels: &'a mut [u8],
+}
+
+impl Work for Row<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (map, y) = (self.map, self.y);
+        let width = map.size[0] as usize;
+        let here = y * width..(y + 1) * width;
+        let (offset, status) = (&map.offset[here.clone()], &map.status[here.clone()]);
+        let by_pixel = map.by_pixel.get(here);
+        let mut derivatives = [[0.0; 4]; STRIP];
+        let mut footprints = [Footprint::default(); STRIP];
+        let mut colours = [[0.0; 3]; STRIP];
+        let encoder = Encoder::get();
+        let tint = self.paint.colour;
+        for (strip, pixels) in self.pixels.chunks_mut(4 * STRIP).enumerate() {
+            let first = strip * STRIP;
+            let count = pixels.len() / 4;
+            for k in 0..count {
+                let known = by_pixel.map_or([f32::NAN; 4], |row| row[first + k]);
+                derivatives[k] = if (known[0] + known[1] + known[2] + known[3]).is_finite() {
+                    known
+                } else if status[first + k] == Status::Complete {
+                    differences(map, self.cover, first + k, y)
+                } else {
+                    [0.0; 4]
+                };
+            }
+            for (footprint, derivative) in footprints.iter_mut().zip(&derivatives) {
+                *footprint = self.sampler.footprint(*derivative);
+            }
+            for k in 0..count {
+                let x = first + k;
+                colours[k] = if status[x] == Status::Complete {
+                    let [r, g, b] = self.sampler.averaged(offset[x], footprints[k]);
+                    [r * tint[0], g * tint[1], b * tint[2]]
+                } else {
+                    hatched(map, x as u32, y as u32, status[x])
+                };
+            }
+            for (pixel, [r, g, b]) in pixels.chunks_exact_mut(4).zip(&colours) {
+                let bytes = [
+                    encoder.encode(*r),
+                    encoder.encode(*g),
+                    encoder.encode(*b),
+                    255,
+                ];
+                pixel.copy_from_slice(&bytes);
+            }
+        }
+    }
+}
+
+/// The differences of a pixel's end to its neighbours' across and down, each the shorter of both sides' and to the
+/// image's nearest repetition: a seam, where the chart jumps, is no edge of the picture.
+#[inline(never)]
+fn differences(map: &Map, cover: &Cover, x: usize, y: usize) -> [f32; 4] {
+    let [width, height] = map.size.map(|side| side as usize);
+    let here = map.offset[y * width + x];
+    let toward = |x: Option<usize>, y: Option<usize>| {
+        let index = y? * width + x?;
+        (map.status[index] == Status::Complete).then(|| -> [f32; 2] {
+            std::array::from_fn(|k| {
+                let step = f64::from(map.offset[index][k]) - f64::from(here[k]);
+                let period = cover.period[k];
+                if cover.repeats[k] {
+                    (step - period * (step / period).round()) as f32
+                } else {
+                    step as f32
+                }
+            })
+        })
+    };
+    let shorter = |one: Option<[f32; 2]>, other: Option<[f32; 2]>| {
+        // In widths of the image, so that both coordinates count.
+        let square = |d: [f32; 2]| -> f64 {
+            let of = |k: usize| (f64::from(d[k]) / cover.period[k]).powi(2);
+            of(0) + of(1)
+        };
+        match (one, other) {
+            (Some(one), Some(other)) if square(other) < square(one) => other,
+            (Some(one), _) => one,
+            (None, other) => other.unwrap_or_default(),
+        }
+    };
+    let after = |x: usize, size: usize| (x + 1 < size).then_some(x + 1);
+    let [a, b] = shorter(
+        toward(x.checked_sub(1), Some(y)),
+        toward(after(x, width), Some(y)),
+    );
+    let [c, d] = shorter(
+        toward(Some(x), y.checked_sub(1)),
+        toward(Some(x), after(y, height)),
+    );
+    [a, b, c, d]
+}
+
+/// The hatching of a pixel that shows nothing of the surface; darker along its border to what is seen.
+fn hatched(map: &Map, x: u32, y: u32, status: Status) -> [f32; 3] {
+    let [width, height] = map.size;
+    let unit = style::pixel_unit(map.size).max(0.4);
+    let seen = |dx: i64, dy: i64| {
+        let (x, y) = (i64::from(x) + dx, i64::from(y) + dy);
+        let inside = (0..i64::from(width)).contains(&x) && (0..i64::from(height)).contains(&y);
+        inside && map.status[y as usize * width as usize + x as usize] == Status::Complete
+    };
+    let reach = (unit.round() as i64).max(1);
+    let border = (-reach..=reach)
+        .any(|dy| (-reach..=reach).any(|dx| dx * dx + dy * dy <= reach * reach && seen(dx, dy)));
+    if border {
+        return style::linear(hatching(status)[1]).map(|c| 0.45 * c);
+    }
+    stripes(status, x as f32 + y as f32 + 1.0, unit)
+}
+
+/// The hatching itself: stripes at 45°, their edges softened over a pixel. `place` is the sum of a pixel's column and
+/// row, `unit` its [`style::pixel_unit`].
+pub(super) fn stripes(status: Status, place: f32, unit: f32) -> [f32; 3] {
+    let [paper, stripe] = hatching(status).map(style::linear);
+    let period = 2.0 * HATCH * unit;
+    let phase = (place / std::f32::consts::SQRT_2 / period).rem_euclid(1.0);
+    let to_middle = (phase - 0.5).abs() * period;
+    let share = (0.5 * HATCH * unit - to_middle + 0.5).clamp(0.0, 1.0);
+    std::array::from_fn(|k| paper[k] + share * (stripe[k] - paper[k]))
+}
+
+/// Lays an open ring over the centre: white with a dark rim, so that it is seen on anything; what lies in the centre
+/// stays free. A picture of less than 32 pixels has no room for it.
+fn mark_centre(image: &mut RgbaImage) {
+    let size = [image.width(), image.height()];
+    if size[0].min(size[1]) < 32 {
+        return;
+    }
+    let unit = style::pixel_unit(size);
+    let radius = (RING * unit).max(LEAST_RING);
+    let half = (0.75 * unit).max(0.6);
+    let reach = (radius + 2.2 * half + 1.0).ceil() as u32;
+    let around = |k: usize| (size[k] / 2).saturating_sub(reach)..(size[k] / 2 + reach).min(size[k]);
+    for y in around(1) {
+        for x in around(0) {
+            let dx = x as f32 + 0.5 - 0.5 * size[0] as f32;
+            let dy = y as f32 + 0.5 - 0.5 * size[1] as f32;
+            let off = (dx.hypot(dy) - radius).abs();
+            let white = (half - off + 0.5).clamp(0.0, 1.0);
+            let dark = 0.6 * (2.2 * half - off + 0.5).clamp(0.0, 1.0);
+            if dark > 0.0 {
+                let pixel = image.get_pixel_mut(x, y);
+                for channel in &mut pixel.0[..3] {
+                    let c = style::decode(*channel) * (1.0 - dark);
+                    *channel = style::encode(c + white * (1.0 - c));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,255 @@
+//! Samples of surfaces: places with their normals.
+//!
+//! A surface and its settings flow in, samples flow out, in the order that [`super`] tells. Places and σu, σv come from
+//! jets of first order, a block of points at a time, each block within one instance, whose uniforms are fixed. Where
+//! instances are many and small, blocks would run half empty: there symbolic derivatives are evaluated, each lane
+//! with its own uniforms.
+
+use expr::jets::{Fixed, JetRegisters, JetTape, Order};
+use expr::tape::{Block, LANES, Registers, Tape};
+use expr::{Input, NodeId};
+use rayon::prelude::*;
+use scene::scene::{Object, Sampling, Scene};
+use scene::values::Settings;
+
+use super::{
+    CHUNK, DEGENERATE, NORMAL_NUDGE, PositionSample, Resolution, Sampler, Samples, SurfaceSample,
+    placed, surface_roots,
+};
+use crate::bounds::Placement;
+
+/// From so many samples on, an instance is worth blocks of its own.
+const WORTHWHILE: usize = 4 * LANES;
+
+/// Evaluates all samples of a surface.
+pub(super) fn surface(
+    scene: &Scene,
+    settings: &Settings,
+    object: &Object,
+    placement: &Placement,
+    position: &[NodeId; 3],
+    domain: &[Sampling; 2],
+) -> Samples {
+    let count = [domain[0].count, domain[1].count];
+    let per_instance = count[0] as usize * count[1] as usize;
+    let samples = if per_instance >= WORTHWHILE {
+        by_jets(scene, settings, object, placement, position, domain)
+    } else {
+        symbolically(scene, settings, object, placement, position, domain)
+    };
+    // Without derivatives there are no normals; the shape can still be seen, lit from the eye alone.
+    let samples = samples.unwrap_or_else(|| {
+        let sampler = Sampler::full(scene, settings, object, position);
+        sampler.map(|_, out: &[f64; 3]| {
+            let PositionSample { position, defined } = placed(placement, out);
+            SurfaceSample {
+                position,
+                defined,
+                ..SurfaceSample::default()
+            }
+        })
+    });
+    Samples::Surfaces { count, samples }
+}
+
+/// `None` if the derivatives explode.
+fn by_jets(
+    scene: &Scene,
+    settings: &Settings,
+    object: &Object,
+    placement: &Placement,
+    position: &[NodeId; 3],
+    domain: &[Sampling; 2],
+) -> Option<Vec<SurfaceSample>> {
+    let variables = [Input::Variable(0), Input::Variable(1)];
+    let tape = JetTape::new(&scene.graph, position, variables, Order::First).ok()?;
+    let mut instances = Vec::new();
+    settings.for_each_instance(scene, object, |values| {
+        let uniforms: Vec<f64> = tape
+            .uniforms()
+            .iter()
+            .map(|input| match *input {
+                Input::Uniform(k) => values[k as usize],
+                Input::Variable(_) => f64::NAN,
+            })
+            .collect();
+        instances.push(tape.fix(&uniforms));
+    });
+    let axes = [0, 1].map(|k| {
+        (0..domain[k].count)
+            .map(|i| domain[k].value(i))
+            .collect::<Vec<f64>>()
+    });
+    let jets = Jets {
+        tape: &tape,
+        axes: &axes,
+        inside: Inside::of(domain),
+        placement,
+    };
+    let per_instance = axes[0].len() * axes[1].len();
+    let mut samples = vec![SurfaceSample::default(); instances.len() * per_instance];
+    samples
+        .par_chunks_mut(per_instance)
+        .zip(&instances)
+        .for_each(|(samples, fixed)| {
+            samples.par_chunks_mut(CHUNK).enumerate().for_each_init(
+                JetRegisters::default,
+                |registers, (chunk, samples)| {
+                    jets.fill(registers, fixed, chunk * CHUNK, samples);
+                },
+            );
+        });
+    Some(samples)
+}
+
+/// The samples of a surface's instances, from jets.
+struct Jets<'a> {
+    tape: &'a JetTape,
+    axes: &'a [Vec<f64>; 2],
+    inside: Inside,
+    placement: &'a Placement,
+}
+
+impl Jets<'_> {
+    /// Fills the samples of an instance from the `first` on.
+    fn fill(
+        &self,
+        registers: &mut JetRegisters,
+        fixed: &Fixed,
+        first: usize,
+        samples: &mut [SurfaceSample],
+    ) {
+        let [us, vs] = self.axes;
+        let [mut position, mut du, mut dv] = [[[0.0; LANES]; 3]; 3];
+        let (mut i, mut j) = (first % us.len(), first / us.len());
+        for samples in samples.chunks_mut(LANES) {
+            // A last, partial block repeats its last place.
+            let mut at: [Block; 2] = [[us[i]; LANES], [vs[j]; LANES]];
+            for lane in 0..samples.len() {
+                (at[0][lane], at[1][lane]) = (us[i], vs[j]);
+                i += 1;
+                if i == us.len() {
+                    // Past the last place of all, the first stands in for one that is not looked at.
+                    (i, j) = (0, (j + 1) % vs.len());
+                }
+            }
+            let out = [&mut position[..], &mut du[..], &mut dv[..]];
+            self.tape.eval(registers, fixed, &at, out);
+            for (lane, sample) in samples.iter_mut().enumerate() {
+                let of = |vectors: &[Block; 3]| [0, 1, 2].map(|k| vectors[k][lane]);
+                let PositionSample {
+                    position: place,
+                    defined,
+                } = placed(self.placement, &of(&position));
+                *sample = SurfaceSample {
+                    position: place,
+                    defined,
+                    normal: self.inside.normal(of(&du), of(&dv)).unwrap_or_default(),
+                    padding: 0.0,
+                };
+            }
+            for (lane, sample) in samples.iter_mut().enumerate() {
+                if sample.defined != 0.0 && sample.normal == [0.0; 3] {
+                    sample.normal = self.beside(fixed, [at[0][lane], at[1][lane]]);
+                }
+            }
+        }
+    }
+
+    /// The normal a little further inside; zero where there is none either.
+    fn beside(&self, fixed: &Fixed, at: [f64; 2]) -> [f32; 3] {
+        let at = self.inside.nudged(at).map(|x| [x]);
+        let [mut position, mut du, mut dv] = [[[0.0]; 3]; 3];
+        let out = [&mut position[..], &mut du[..], &mut dv[..]];
+        // Registers of its own: those of the blocks keep their constants.
+        self.tape
+            .eval(&mut JetRegisters::default(), fixed, &at, out);
+        let [du, dv] = [du, dv].map(|vector| vector.map(|[x]| x));
+        self.inside.normal(du, dv).unwrap_or_default()
+    }
+}
+
+/// As [`by_jets`], by symbolic derivatives.
+fn symbolically(
+    scene: &Scene,
+    settings: &Settings,
+    object: &Object,
+    placement: &Placement,
+    position: &[NodeId; 3],
+    domain: &[Sampling; 2],
+) -> Option<Vec<SurfaceSample>> {
+    let (graph, roots) = surface_roots(scene, position)?;
+    let tape = Tape::new(&graph, &roots);
+    let sampler = Sampler::new(scene, settings, object, tape, Resolution::Full);
+    let inside = Inside::of(domain);
+    let normal = |out: &[f64; 9]| {
+        let [_, _, _, ux, uy, uz, vx, vy, vz] = *out;
+        inside
+            .normal([ux, uy, uz], [vx, vy, vz])
+            .unwrap_or_default()
+    };
+    let mut samples = sampler.map(|_, out: &[f64; 9]| {
+        let PositionSample { position, defined } = placed(placement, &[out[0], out[1], out[2]]);
+        SurfaceSample {
+            position,
+            defined,
+            normal: normal(out),
+            padding: 0.0,
+        }
+    });
+    samples.par_iter_mut().enumerate().for_each_init(
+        Registers::default,
+        |registers, (index, sample)| {
+            if sample.defined == 0.0 || sample.normal != [0.0; 3] {
+                return;
+            }
+            let (_, at) = sampler.locate(index);
+            let mut out = [0.0; 9];
+            sampler.eval(registers, index, inside.nudged(at), &mut out);
+            sample.normal = normal(&out);
+        },
+    );
+    Some(samples)
+}
+
+/// The domain, as far as normals need it.
+struct Inside {
+    middles: [f64; 2],
+    widths: [f64; 2],
+}
+
+impl Inside {
+    fn of(domain: &[Sampling; 2]) -> Self {
+        let ranges = domain.each_ref().map(|axis| axis.range);
+        Self {
+            middles: ranges.map(|range| 0.5 * (range.min + range.max)),
+            widths: ranges.map(|range| range.max - range.min),
+        }
+    }
+
+    /// A place a little further inside.
+    fn nudged(&self, at: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| {
+            let step = NORMAL_NUDGE * self.widths[k];
+            if at[k] > self.middles[k] {
+                at[k] - step
+            } else {
+                at[k] + step
+            }
+        })
+    }
+
+    /// The unit normal, if σu and σv are defined and not parallel.
+    fn normal(&self, du: [f64; 3], dv: [f64; 3]) -> Option<[f32; 3]> {
+        let du = glam::DVec3::from(du) * self.widths[0];
+        let dv = glam::DVec3::from(dv) * self.widths[1];
+        let longest = du.abs().max_element().max(dv.abs().max_element());
+        if !(longest > 0.0 && longest.is_finite()) {
+            return None;
+        }
+        // Divided first, so that no square over- or underflows.
+        let cross = (du / longest).cross(dv / longest);
+        let length = cross.length();
+        (length > DEGENERATE).then(|| (cross / length).as_vec3().to_array())
+    }
+}
