@@ -20,7 +20,7 @@ mod start;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::chart::{Atlas, Motion};
-use crate::ends::{Coordinates, End, Ends, Estimate, Work};
+use crate::ends::{Coordinates, End, Ends, Estimate, Polar, Work};
 use crate::follow;
 use crate::frame::Frame;
 use crate::integrate::DOPRI5;
@@ -253,5 +253,16 @@ impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
 
     fn periods(&self) -> [f64; 2] {
         self.space.periods()
+    }
+
+    fn polar(&self, axis: u8, end: u8) -> Option<Polar> {
+        let tip = self.space.tip(Kind::Apex { axis, end })?;
+        tip.apex.smooth.then_some(Polar {
+            base: tip.base,
+            sign: tip.sign,
+            low: tip.low,
+            rate: tip.apex.rate,
+            power: tip.apex.power,
+        })
     }
 }
