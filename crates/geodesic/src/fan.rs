@@ -176,7 +176,7 @@ impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
         let Some(start) = &self.start else {
             return self.ended(Status::Undefined);
         };
-        let s = start.zoom * place[0].hypot(place[1]);
+        let s = start.zoom * (place[0] * place[0] + place[1] * place[1]).sqrt();
         if s == 0.0 {
             return start.centre(&self.space);
         }

@@ -379,7 +379,8 @@ pub(super) fn discrepancy(
     }
     let area = determinant(truth.along, truth.normal);
     let length = |v: [f64; 2]| {
-        (determinant(v, truth.normal) / area).hypot(determinant(truth.along, v) / area)
+        let (x, y) = (determinant(v, truth.normal), determinant(truth.along, v));
+        (x * x + y * y).sqrt() / area.abs()
     };
     let bend = match across {
         // An error odd about the middle does not show there but in its slope.

@@ -4,7 +4,7 @@
 //! point back. So neighbouring rays agree, through wraps and flips, with no guessing of periods. About an apex they
 //! are (a,b), as [`Coordinates::Apex`](crate::ends::Coordinates) has them.
 
-use crate::surface::{Scale, Side, Sides, Surface};
+use crate::surface::{LANES, Lanes, Scale, Side, Sides, Surface};
 use crate::topology::Apex;
 
 /// An apex's coordinates are entered within this share of their reach from it, …
@@ -286,6 +286,41 @@ impl Space {
     pub(super) fn contains(&self, u: f64, v: f64) -> bool {
         let [[a, b], [c, d]] = self.domain;
         (u >= a) & (u <= b) & (v >= c) & (v <= d)
+    }
+
+    /// Brings points back through the sides that wrap, with the signs that their coordinates' derivatives change by.
+    #[inline(always)]
+    pub(super) fn bring_all_back(&self, at: &mut [Lanes; 2], signs: &mut [Lanes; 2]) {
+        for axis in 0..2 {
+            let [low, high] = self.domain[axis];
+            let side = self.sides.of(axis)[0];
+            if !matches!(side, Side::Wrap | Side::WrapFlip) {
+                continue;
+            }
+            let width = high - low;
+            let share = 1.0 / width;
+            let mut turns = [0.0; LANES];
+            for lane in 0..LANES {
+                let x = at[axis][lane];
+                let turn = ((x - low) * share).floor();
+                let inside = (x >= low) & (x <= high);
+                turns[lane] = if inside { 0.0 } else { turn };
+                at[axis][lane] = if inside {
+                    x
+                } else {
+                    (x - turn * width).max(low).min(high)
+                };
+            }
+            if side == Side::WrapFlip {
+                let [low, high] = self.domain[1 - axis];
+                for lane in 0..LANES {
+                    if turns[lane].rem_euclid(2.0) == 1.0 {
+                        at[1 - axis][lane] = low + high - at[1 - axis][lane];
+                        signs[1 - axis][lane] = -signs[1 - axis][lane];
+                    }
+                }
+            }
+        }
     }
 
     /// Brings a point back through the sides that wrap, with the signs that its coordinates' derivatives change by.

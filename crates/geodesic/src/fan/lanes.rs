@@ -149,13 +149,7 @@ impl<S: Surface + ?Sized> Field<'_, S> {
         }
         let mut back = *at;
         let mut signs = [[1.0; LANES]; 2];
-        for lane in 0..LANES {
-            let (point, sign) = self.space.bring_back([at[0][lane], at[1][lane]]);
-            for k in 0..2 {
-                back[k][lane] = point[k];
-                signs[k][lane] = sign[k];
-            }
-        }
+        self.space.bring_all_back(&mut back, &mut signs);
         self.surface.jets(&back, jets);
         for lane in 0..LANES {
             let [s, t] = [signs[0][lane], signs[1][lane]];
@@ -271,7 +265,11 @@ fn accelerate(
         let duv = [j.duv[0][l], j.duv[1][l], j.duv[2][l]];
         let dvv = [j.dvv[0][l], j.dvv[1][l], j.dvv[2][l]];
         let (aa, ab, bb) = (a * a, 2.0 * a * b, b * b);
-        let w = [0, 1, 2].map(|k| aa * duu[k] + ab * duv[k] + bb * dvv[k]);
+        let w = [
+            aa * duu[0] + ab * duv[0] + bb * dvv[0],
+            aa * duu[1] + ab * duv[1] + bb * dvv[1],
+            aa * duu[2] + ab * duv[2] + bb * dvv[2],
+        ];
         let [x, y] = minus_components(du, dv, w);
         acceleration[0][l] = x;
         acceleration[1][l] = y;
@@ -301,10 +299,18 @@ pub(super) fn normals(j: &JetBlock, velocity: &[Lanes; 2], side: &Lanes) -> [[La
             du[0] * dv[1] - du[1] * dv[0],
         ];
         let area = side[l] / dot(normal, normal).sqrt();
-        let along = [0, 1, 2].map(|k| a * du[k] + b * dv[k]);
+        let along = [
+            a * du[0] + b * dv[0],
+            a * du[1] + b * dv[1],
+            a * du[2] + b * dv[2],
+        ];
         let n = [-dot(along, dv) * area, dot(along, du) * area];
         let (aa, ab, bb) = (a * n[0], a * n[1] + b * n[0], b * n[1]);
-        let w = [0, 1, 2].map(|k| aa * j.duu[k][l] + ab * j.duv[k][l] + bb * j.dvv[k][l]);
+        let w = [
+            aa * j.duu[0][l] + ab * j.duv[0][l] + bb * j.dvv[0][l],
+            aa * j.duu[1][l] + ab * j.duv[1][l] + bb * j.dvv[1][l],
+            aa * j.duu[2][l] + ab * j.duv[2][l] + bb * j.dvv[2][l],
+        ];
         let turned = minus_components(du, dv, w);
         for k in 0..2 {
             out[0][k][l] = n[k];
@@ -338,7 +344,11 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 fn minus_components(du: [f64; 3], dv: [f64; 3], w: [f64; 3]) -> [f64; 2] {
     let e = 1.0 / dot(du, du);
     let shear = dot(du, dv) * e;
-    let across = [0, 1, 2].map(|k| dv[k] - shear * du[k]);
+    let across = [
+        dv[0] - shear * du[0],
+        dv[1] - shear * du[1],
+        dv[2] - shear * du[2],
+    ];
     let second = -dot(across, w) / dot(across, across);
     [-dot(du, w) * e - shear * second, second]
 }

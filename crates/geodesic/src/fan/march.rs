@@ -7,6 +7,8 @@
 use super::coordinates::{Chart, Kind, Space};
 use super::lanes::{Field, Local, STAGES, State, Trial, normals};
 use super::ray::{Knot, Ray, Segment, Stop};
+use expr::processor::{Processor, Work};
+
 use crate::chart::{Atlas, Motion};
 use crate::follow;
 use crate::integrate::DOPRI5;
@@ -211,6 +213,23 @@ struct Group<'a, S: Surface + ?Sized> {
     local: Local,
     sides: Lanes,
     active: [bool; LANES],
+    processor: Processor,
+}
+
+/// A step of all lanes, compiled for the processor's vectors.
+struct Step<'a, 'f, S: Surface + ?Sized> {
+    field: &'a Field<'f, S>,
+    state: &'a State,
+    local: &'a Local,
+    h: f64,
+}
+
+impl<S: Surface + ?Sized> Work for Step<'_, '_, S> {
+    type Output = Trial;
+    #[inline(always)]
+    fn run(self) -> Trial {
+        self.field.step(self.state, self.local, self.h)
+    }
 }
 
 /// Takes a group as far as it goes together.
@@ -247,6 +266,7 @@ fn march<S: Surface + ?Sized>(surface: &S, space: &Space, plan: &Plan, runners: 
         local: Local::default(),
         sides: lane(&|r| r.side * handedness),
         active: std::array::from_fn(|lane| lane < count),
+        processor: Processor::here(),
     };
     let mut h = runners
         .iter()
@@ -328,7 +348,12 @@ impl<S: Surface + ?Sized> Group<'_, S> {
 
     /// Tries a step; gives the length of the next one.
     fn attempt(&mut self, runners: &mut [Runner], h: f64) -> f64 {
-        let trial = self.field.step(&self.state, &self.local, h);
+        let trial = self.processor.run(Step {
+            field: &self.field,
+            state: &self.state,
+            local: &self.local,
+            h,
+        });
         let mut factors = [f64::INFINITY; LANES];
         let mut failed = [false; LANES];
         let (mut good, mut bad) = (0, 0);
@@ -338,7 +363,8 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             }
             runner.evaluations += STAGES;
             let excess = self.excess(runner, &trial, lane, h);
-            let factor = 0.9 * excess.powf(-0.2);
+            // Single precision is enough for a factor.
+            let factor = 0.9 * f64::from((excess as f32).powf(-0.2));
             // NaN is a failure, too.
             failed[lane] = !(excess <= 1.0);
             factors[lane] = if failed[lane] {

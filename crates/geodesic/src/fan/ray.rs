@@ -66,6 +66,9 @@ pub(super) struct Ray {
     /// Where the intervals begin.
     starts: Vec<f64>,
     intervals: Vec<Interval>,
+    /// For each of equal parts of the way the last interval that begins before it.
+    parts: Vec<u32>,
+    by_part: f64,
     /// As far as the intervals reach.
     pub(super) end: f64,
     /// How much farther than that they may be relied on.
@@ -113,7 +116,21 @@ impl Ray {
         let end = last.map_or(0.0, |last| last.from + last.length);
         // A step that was cut short says little about how far it may be gone beyond.
         let slack = 0.05 * last.map_or(0.0, |last| last.length);
+        let count = 2 * intervals.len();
+        let by_part = count as f64 / end.max(f64::MIN_POSITIVE);
+        let mut parts = Vec::with_capacity(count + 1);
+        let mut n = 0;
+        for part in 0..count {
+            let from = part as f64 / by_part;
+            while starts.get(n + 1).is_some_and(|next| *next <= from) {
+                n += 1;
+            }
+            parts.push(n as u32);
+        }
+        parts.push(intervals.len().saturating_sub(1) as u32);
         let mut ray = Self {
+            parts,
+            by_part,
             angle,
             starts,
             intervals,
@@ -145,9 +162,23 @@ impl Ray {
         if s > self.end + self.slack {
             return None;
         }
-        let after = self.starts.partition_point(|from| *from <= s);
-        let interval = self.intervals.get(after.max(1) - 1)?;
-        Some(interval.at(s))
+        let part = ((s * self.by_part) as usize).min(self.parts.len().saturating_sub(2));
+        let (first, last) = (
+            *self.parts.get(part)? as usize,
+            *self.parts.get(part + 1)? as usize,
+        );
+        let mut n = first;
+        if last > first + 3 {
+            n += self
+                .starts
+                .get(first + 1..=last)?
+                .partition_point(|from| *from <= s);
+        } else {
+            while n < last && self.starts[n + 1] <= s {
+                n += 1;
+            }
+        }
+        Some(self.intervals.get(n)?.at(s))
     }
 }
 

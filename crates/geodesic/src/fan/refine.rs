@@ -20,7 +20,7 @@ const BASE: usize = 16;
 /// An error is known for each of so many ranges of radius.
 const BINS: usize = 16;
 /// The share of the tolerance that interpolation between rays may use, …
-const ACROSS: f64 = 0.5;
+const ACROSS: f64 = 0.7;
 /// … and the one that the rays' own errors may.
 const ALONG: f64 = 0.3;
 /// An edge is to be at its place to this part of a pixel.
@@ -28,12 +28,13 @@ const EDGE: f64 = 0.25;
 /// Sectors narrower than this, in pixels at the picture's border, are not bisected.
 const NARROWEST: f64 = 0.5;
 /// How much more exactly the rays are integrated that measure the errors of the others.
-const EXACT: f64 = 0.01;
-/// So many sectors are measured at least that should have the largest errors, and so many spread evenly, …
-const WORST: usize = 8;
-const SPREAD: usize = 8;
+const EXACT: f64 = 0.04;
+/// Beside the sectors that should have the largest errors so many are measured that are spread evenly, …
+const SPREAD: usize = 3;
 /// … so many times, while sectors have to be bisected after it.
 const ROUNDS: usize = 4;
+/// Predictions that were too low by more than this factor are raised, and looked at again.
+const RAISED: f64 = 1.4;
 /// The most evaluations for one ray.
 const ONE_RAY: u64 = 20_000;
 
@@ -49,6 +50,8 @@ pub(super) struct Sector {
     rays: [usize; 2],
     angle: f64,
     pub(super) width: f64,
+    /// The farthest that the picture reaches in it.
+    border: f64,
     /// From this arc length on its rays do not say where geodesics end.
     pub(super) unknown_from: f64,
     errors: Profile,
@@ -303,6 +306,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             rays,
             angle,
             width,
+            border: self.start.border(angle + 0.5 * width, 0.5 * width),
             unknown_from: f64::INFINITY,
             errors,
             edge: edge / self.start.pixel,
@@ -372,14 +376,8 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         sector.rays.map(|ray| &self.rays[ray])
     }
 
-    /// The farthest that the picture reaches in a sector.
-    fn border(&self, sector: &Sector) -> f64 {
-        self.start
-            .border(sector.angle + 0.5 * sector.width, 0.5 * sector.width)
-    }
-
     fn is_fine(&self, sector: &Sector) -> bool {
-        let border = self.border(sector);
+        let border = sector.border;
         let inside = self.inside(sector);
         let worst = most(&sector.errors[..=inside]);
         f64::from(worst) <= ACROSS * self.options.tolerance
@@ -395,7 +393,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
     /// The last range of radius that matters.
     fn inside(&self, sector: &Sector) -> usize {
         let [a, b] = self.pair(sector).map(Ray::limit);
-        bin(self.border(sector).min(a.max(b)), self.start.reach)
+        bin(sector.border.min(a.max(b)), self.start.reach)
     }
 
     /// The largest error as far as it is known and matters.
@@ -418,7 +416,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             sector.errors[bin..].fill(0.0);
         }
         let rays = self.pair(sector);
-        let alike = cell::end_alike(rays, self.border(sector), self.start.pixel);
+        let alike = cell::end_alike(rays, sector.border, self.start.pixel);
         if !alike || sector.edge > EDGE {
             let limit = rays[0].limit().min(rays[1].limit());
             sector.unknown_from = sector.unknown_from.min(limit);
@@ -519,7 +517,6 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             rate: EXACT * self.plan.rate,
             ..self.plan
         };
-        let mut samples: Vec<(f32, f64)> = Vec::new();
         // By how much predictions have been too low.
         let mut low = 1.0_f64;
         for round in 0..ROUNDS {
@@ -541,17 +538,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             for (&n, ray) in chosen.iter().zip(rays) {
                 let sector = sectors[n].clone();
                 let (found, _) = self.seen(self.pair(&sector), sector.width, &ray, 0.5);
-                let inside = self.inside(&sector);
-                let worst = f64::from(most(&found[..=inside]));
-                if round == 0 {
-                    // Between two rays the error is like t²(1−t)².
-                    for (k, &error) in found[..=inside].iter().enumerate() {
-                        let weight = sector.width * (k as f64 + 0.5);
-                        for (share, part) in [(1.0, 0.3), (0.7, 0.3), (0.25, 0.4)] {
-                            samples.push((error * share, weight * part));
-                        }
-                    }
-                }
+                let worst = f64::from(most(&found[..=self.inside(&sector)]));
                 let predicted = self.worst(&sector);
                 if predicted.is_finite() && predicted > 0.2 * ACROSS * self.options.tolerance {
                     let across = worst - f64::from(most(&self.along));
@@ -568,7 +555,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             }
             let before = sectors.len() + halves.len();
             sectors.extend(halves);
-            if low > 1.25 {
+            if low > RAISED {
                 for sector in sectors
                     .iter_mut()
                     .filter(|sector| !sector.measured && !sector.doubted)
@@ -578,7 +565,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 }
             }
             self.refine(sectors);
-            if sectors.len() == before && round > 0 {
+            if sectors.len() == before && low <= RAISED {
                 break;
             }
         }
@@ -591,17 +578,34 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             .iter()
             .map(|sector| self.worst(sector))
             .fold(0.0, f64::max);
-        samples.sort_by(|a, b| b.0.total_cmp(&a.0));
+        Estimate {
+            max,
+            p99: self.quantile(sectors).min(max),
+        }
+    }
+
+    /// The error that 99 % of the picture stay below.
+    fn quantile(&self, sectors: &[Sector]) -> f64 {
+        let mut samples: Vec<(f32, f64)> = Vec::with_capacity(3 * BINS * sectors.len());
+        for sector in sectors {
+            let known = bin(sector.border.min(sector.unknown_from), self.start.reach);
+            for (k, &error) in sector.errors[..=known].iter().enumerate() {
+                let along = self.along[k];
+                let weight = sector.width * (k as f64 + 0.5);
+                // Between two rays the error is like t²(1−t)².
+                for (share, part) in [(1.0, 0.3), (0.7, 0.3), (0.25, 0.4)] {
+                    samples.push((along.max(error * share), weight * part));
+                }
+            }
+        }
+        samples.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
         let total: f64 = samples.iter().map(|sample| sample.1).sum();
         let mut sum = 0.0;
-        let p99 = samples.iter().find(|sample| {
+        let found = samples.iter().find(|sample| {
             sum += sample.1;
             sum >= 0.01 * total
         });
-        Estimate {
-            max,
-            p99: p99.map_or(max, |sample| f64::from(sample.0)).min(max),
-        }
+        found.map_or(0.0, |sample| f64::from(sample.0))
     }
 
     /// The sectors whose errors are to be measured: those that should have the largest, and some spread evenly.
@@ -618,7 +622,9 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             let [a, b] = [a, b].map(|n| self.worst(&sectors[n]));
             b.total_cmp(&a)
         });
-        known.truncate((known.len() / 16).clamp(WORST, 64));
+        // In whole groups of eight.
+        let worst = (known.len() / 16).min(64).next_multiple_of(8);
+        known.truncate(worst.max(8) - if spread { SPREAD } else { 0 });
         chosen.extend(known);
         chosen.sort_unstable();
         chosen.dedup();

@@ -1,6 +1,6 @@
 //! Where a fan starts: a frame and a picture's size in, runners for any direction out.
 
-use std::f64::consts::TAU;
+use std::f64::consts::PI;
 
 use super::coordinates::{Chart, Kind, Space};
 use super::march::Runner;
@@ -103,23 +103,24 @@ impl Start {
 
     /// The farthest that the picture reaches within `around` of an angle.
     pub(super) fn border(&self, angle: f64, around: f64) -> f64 {
-        let corner = self.half[1].atan2(self.half[0]);
         let [right, up] = self.half;
-        let border = |angle: f64| {
-            let (sin, cos) = angle.sin_cos();
-            (right / cos.abs()).min(up / sin.abs())
+        // By symmetry between the axes: from the right to the top.
+        let fold = |angle: f64| {
+            let turned = (angle / PI).fract().abs() * PI;
+            turned.min(PI - turned)
         };
-        let holds_corner = [corner, TAU / 2.0 - corner, TAU / 2.0 + corner, TAU - corner]
-            .into_iter()
-            .any(|corner| {
-                let off = (angle - corner).rem_euclid(TAU);
-                off.min(TAU - off) <= around
-            });
-        if holds_corner {
-            self.reach
-        } else {
-            border(angle - around).max(border(angle + around))
+        let (corner, here) = (up.atan2(right), fold(angle));
+        if (here - corner).abs() <= around || here - around <= 0.0 && around >= corner {
+            return self.reach;
         }
+        // The nearer to a corner the farther.
+        let toward = if here < corner {
+            here + around
+        } else {
+            here - around
+        };
+        let (sin, cos) = toward.sin_cos();
+        (right / cos.abs()).min(up / sin.abs()).min(self.reach)
     }
 
     /// The end of the ray of no length.
