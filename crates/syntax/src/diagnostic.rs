@@ -64,6 +64,14 @@ impl Diagnostic {
         }
     }
 
+    /// Sorts by place; what starts at one place, the widest first.
+    pub fn sort(diagnostics: &mut [Self]) {
+        diagnostics.sort_by_key(|diagnostic| {
+            let Span { start, end } = diagnostic.span;
+            (start, std::cmp::Reverse(end), diagnostic.severity)
+        });
+    }
+
     /// The same, with a hint.
     #[must_use]
     pub fn with_hint(mut self, hint: impl Into<String>) -> Self {

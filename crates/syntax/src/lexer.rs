@@ -68,6 +68,14 @@ impl<'s> Lexer<'s> {
         }
     }
 
+    /// A lexer at the start of a piece of a text: a byte order mark there is none.
+    pub(crate) fn inside(source: &'s str) -> Self {
+        Self {
+            position: 0,
+            ..Self::new(source)
+        }
+    }
+
     /// The text that is read.
     pub fn source(&self) -> &'s str {
         self.source

@@ -34,6 +34,7 @@
 pub mod actions;
 pub mod codes;
 pub mod diagnostic;
+pub mod document;
 pub mod grammar;
 pub mod highlight;
 pub mod lexer;

@@ -24,6 +24,15 @@ impl Span {
         }
     }
 
+    /// The same range of a text that starts so many bytes earlier.
+    #[must_use]
+    pub fn moved(self, bytes: u32) -> Self {
+        Self {
+            start: self.start + bytes,
+            end: self.end + bytes,
+        }
+    }
+
     /// The text that lies in the range.
     pub fn text(self, source: &str) -> &str {
         &source[self.start as usize..self.end as usize]

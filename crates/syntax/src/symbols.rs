@@ -67,15 +67,15 @@ pub(crate) trait Scope {
     /// Adds a symbol whose name is free.
     fn define(&mut self, symbol: Symbol) -> SymbolId;
 
-    /// The rest of a word has been looked up, and a token of so many bytes was made of it: another name that
+    /// The rest of a word, from `start` on, has been looked up, and a token of so many bytes was made of it: another name that
     /// the rest begins with would have been taken if it were longer.
-    fn note(&mut self, rest: &str, length: usize, kind: TokenKind);
+    fn note(&mut self, rest: &str, start: u32, length: usize, kind: TokenKind);
 
     /// Looks for a name that is spelt alike among all names.
     fn search(&self, search: &mut Search<'_>);
 
     /// Exactly this name has been looked up.
-    fn note_whole(&mut self, name: &str, kind: TokenKind);
+    fn note_whole(&mut self, name: &str, start: u32, kind: TokenKind);
 }
 
 /// What a whole text defines.
@@ -156,10 +156,10 @@ impl Scope for Parsed {
     }
 
     #[inline]
-    fn note(&mut self, _: &str, _: usize, _: TokenKind) {}
+    fn note(&mut self, _: &str, _: u32, _: usize, _: TokenKind) {}
 
     #[inline]
-    fn note_whole(&mut self, _: &str, _: TokenKind) {}
+    fn note_whole(&mut self, _: &str, _: u32, _: TokenKind) {}
 }
 
 impl Parsed {

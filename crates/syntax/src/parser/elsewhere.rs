@@ -56,11 +56,17 @@ pub(crate) trait Surroundings {
     /// offset of the declaration, and its line.
     fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)>;
 
-    /// The name defined above that is spelt most like the word, or the parameter.
-    fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str) -> Option<String>;
+    /// The name defined above this offset of the declaration that is spelt most like the word, or the
+    /// parameter.
+    fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str, offset: u32) -> Option<String>;
 }
 
 impl Elsewhere {
+    /// Whether names that are spelt alike may be looked for.
+    pub(crate) fn is_search(&self) -> bool {
+        matches!(self, Self::Undefined(_))
+    }
+
     /// Finishes a diagnostic. `searches` words that mean nothing have been reported before it.
     pub(crate) fn complete(
         &self,
@@ -111,7 +117,7 @@ impl Undefined {
         }
         diagnostic.hint = self.hint.clone();
         if self.hint.is_none() && searches < MAX_SEARCHES {
-            let nearest = |word| around.nearest(self.parameters.as_ref(), word);
+            let nearest = |word| around.nearest(self.parameters.as_ref(), word, self.offset);
             let split = self.word.len() < self.whole.len();
             diagnostic.hint = nearest(&self.whole)
                 .or_else(|| split.then(|| nearest(&self.word)).flatten())

@@ -18,7 +18,7 @@ pub(crate) mod elsewhere;
 mod expression;
 mod messages;
 mod names;
-mod readings;
+pub(crate) mod readings;
 pub(crate) mod suggestions;
 
 use std::cell::OnceCell;
@@ -52,7 +52,7 @@ pub fn parse_program<A: Actions>(source: &str, vocabulary: &Vocabulary, actions:
     let Some(source) = accept_length(source, actions) else {
         return parsed;
     };
-    let mut parser = Parser::new(source, parsed, actions);
+    let mut parser = Parser::new(Lexer::new(source), parsed, actions);
     parser.program();
     parser.warn_hidden_splits();
     parser.parsed
@@ -64,9 +64,28 @@ pub fn parse_expression<A: Actions>(source: &str, parsed: &Parsed, actions: &mut
     let Some(source) = accept_length(source, actions) else {
         return false;
     };
-    let mut parser = Parser::new(source, parsed.clone(), actions);
+    let mut parser = Parser::new(Lexer::new(source), parsed.clone(), actions);
     parser.lone_expression();
     !parser.state.faulty
+}
+
+/// Reads a piece of a program that begins and ends where declarations do, with the names that stand above it.
+/// Gives back the names, and for diagnostics, by their number, what is yet to be told of other places.
+///
+/// Diagnostics that compare the piece with what stands below it are the caller's business.
+pub(crate) fn parse_piece<A: Actions, S: Scope>(
+    source: &str,
+    is_first: bool,
+    scope: S,
+    actions: &mut A,
+) -> (S, Vec<(usize, Elsewhere)>) {
+    let lexer = match is_first {
+        true => Lexer::new(source),
+        false => Lexer::inside(source),
+    };
+    let mut parser = Parser::new(lexer, scope, actions);
+    parser.program();
+    (parser.parsed, parser.untold)
 }
 
 fn accept_length<'s>(source: &'s str, actions: &mut impl Actions) -> Option<&'s str> {
@@ -137,14 +156,14 @@ struct State<'s> {
 }
 
 impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
-    fn new(source: &'s str, parsed: S, actions: &'a mut A) -> Self {
+    fn new(lexer: Lexer<'s>, parsed: S, actions: &'a mut A) -> Self {
         let start = Token {
             kind: TokenKind::Eoi,
             span: Span::default(),
         };
         let mut parser = Self {
-            source,
-            lexer: Lexer::new(source),
+            source: lexer.source(),
+            lexer,
             parsed,
             actions,
             current: start,
@@ -275,7 +294,7 @@ impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
     #[cold]
     fn report_elsewhere(&mut self, mut diagnostic: Diagnostic, elsewhere: Elsewhere) {
         let searches = self.searches;
-        self.searches += usize::from(matches!(elsewhere, Elsewhere::Undefined(_)));
+        self.searches += usize::from(elsewhere.is_search());
         if S::IS_PIECE {
             self.untold.push((self.diagnostics, elsewhere));
         } else if !self.is_muted() {
@@ -331,7 +350,7 @@ impl<A: Actions, S: Scope> Surroundings for Parser<'_, '_, A, S> {
         Some((span, self.line_of(start)))
     }
 
-    fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str) -> Option<String> {
+    fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str, _: u32) -> Option<String> {
         let mut search = Search::new(word)?;
         if let Some(parameters) = parameters {
             search.among(parameters, |_| true);

@@ -49,12 +49,12 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
                 if length < word.rest.len() && !S::IS_PIECE {
                     readings.record_split(word, length);
                 }
-                parsed.note(word.rest, length, kind);
+                parsed.note(word.rest, word.start, length, kind);
                 (length, kind)
             }
             Mode::Name => {
                 let (length, kind) = whole_word(parsed, word);
-                parsed.note_whole(word.rest, kind);
+                parsed.note_whole(word.rest, word.start, kind);
                 (length, kind)
             }
             Mode::Tag => match state.parameter_trie.get(word.rest) {

@@ -200,19 +200,9 @@ impl<A: Actions> Parser<'_, '_, A, Parsed> {
                     && name_span.start > split.start
                     && warned.insert(id)
                 {
-                    let name = &symbol.name;
-                    let reading = quote(&format!("{token} {}", &rest[token.len()..length]));
                     let place = Span::new(split.start, split.start + length as u32);
                     let line = self.line_of(split.start);
-                    let name = quote(name);
-                    let message = format!(
-                        "above, in line {line}, {name} is read as {reading}; below it is this name"
-                    );
-                    let hint = format!("write {reading} above, or choose another name");
-                    let warning =
-                        Diagnostic::warning(codes::SURPRISING_READING, name_span, message)
-                            .with_hint(hint)
-                            .with_related(place, format!("here {name} is read as {reading}"));
+                    let warning = hidden_split(&symbol.name, name_span, token.len(), place, line);
                     warnings.push(warning);
                 }
             });
@@ -221,4 +211,21 @@ impl<A: Actions> Parser<'_, '_, A, Parsed> {
             self.report(warning);
         }
     }
+}
+
+/// The warning at a name whose letters are split above, at `place`, where a token of `token` bytes is read.
+pub(crate) fn hidden_split(
+    name: &str,
+    name_span: Span,
+    token: usize,
+    place: Span,
+    line: u32,
+) -> Diagnostic {
+    let reading = quote(&format!("{} {}", &name[..token], &name[token..]));
+    let name = quote(name);
+    let message =
+        format!("above, in line {line}, {name} is read as {reading}; below it is this name");
+    Diagnostic::warning(codes::SURPRISING_READING, name_span, message)
+        .with_hint(format!("write {reading} above, or choose another name"))
+        .with_related(place, format!("here {name} is read as {reading}"))
 }

@@ -1,0 +1,183 @@
+//! One piece of a document: a text that ends with its `;`, and what reading it has given.
+//!
+//! All places in a chunk count from its own start, so that nothing of it changes when it moves.
+
+use crate::actions::{Actions, Declaration, Interval, Operator, Parameter};
+use crate::diagnostic::Diagnostic;
+use crate::parser::elsewhere::Elsewhere;
+use crate::parser::suggestions::each_declared;
+use crate::span::Span;
+use crate::token::{DeclareWord, SymbolId, Token};
+
+use super::names::Lookup;
+use super::sequence::Measure;
+
+/// What was read of a chunk, in the order in which the hooks are called.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Event {
+    /// A declaration opens.
+    Open(DeclareWord, Span),
+    /// A step of an expression.
+    Operator(Operator, Span),
+    /// An interval.
+    Interval(Interval),
+    /// A declaration has been read.
+    Declaration(Box<ReadDeclaration>),
+    /// A diagnostic: the next one of the chunk's.
+    Finding,
+}
+
+/// A [`Declaration`] that is kept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadDeclaration {
+    /// The word that opens it.
+    pub word: DeclareWord,
+    /// From the word to the `;`.
+    pub span: Span,
+    /// What it declares, unless its name was not read or not free.
+    pub symbol: Option<SymbolId>,
+    /// The name as it is written; empty where it was not read.
+    pub name: String,
+    /// Where the name stands; empty where it was not read.
+    pub name_span: Span,
+    /// The parameters, for what is applied.
+    pub parameters: Vec<Parameter>,
+    /// An error lies in it.
+    pub faulty: bool,
+}
+
+impl ReadDeclaration {
+    /// As the hooks take it.
+    pub fn as_declaration(&self) -> Declaration<'_> {
+        Declaration {
+            word: self.word,
+            span: self.span,
+            symbol: self.symbol,
+            name: &self.name,
+            name_span: self.name_span,
+            parameters: &self.parameters,
+            faulty: self.faulty,
+        }
+    }
+}
+
+/// A diagnostic of the parser, and what it has yet to tell of other places.
+#[derive(Clone, Debug)]
+pub(super) struct Finding {
+    pub(super) diagnostic: Diagnostic,
+    pub(super) elsewhere: Option<Elsewhere>,
+}
+
+/// A name that stands behind a declaring word.
+#[derive(Clone, Debug)]
+pub(super) struct Declared {
+    pub(super) name: Box<str>,
+    /// Where it does last.
+    pub(super) offset: u32,
+}
+
+/// A piece of the text and what it was read as.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chunk {
+    pub(super) text: Box<str>,
+    pub(super) tokens: Vec<Token>,
+    pub(super) events: Vec<Event>,
+    pub(super) findings: Vec<Finding>,
+    /// What was asked of the names above.
+    pub(super) lookups: Vec<Lookup>,
+    /// The symbols it declares, in order.
+    pub(super) defines: Vec<SymbolId>,
+    pub(super) declared: Vec<Declared>,
+    /// The version of the document since which it is read so.
+    pub(super) version: u64,
+}
+
+impl Chunk {
+    pub(super) fn measure(&self) -> Measure {
+        let elsewhere = self.findings.iter().filter_map(|it| it.elsewhere.as_ref());
+        let searches = elsewhere.filter(|elsewhere| elsewhere.is_search());
+        Measure {
+            chunks: 1,
+            bytes: self.text.len() as u32,
+            lines: count_lines(&self.text),
+            characters: self.text.chars().count() as u32,
+            findings: self.findings.len() as u32,
+            searches: searches.count() as u32,
+        }
+    }
+
+    /// Notes the names behind declaring words.
+    pub(super) fn scan(&mut self) {
+        let mut declared: Vec<Declared> = Vec::new();
+        each_declared(&self.text, |name, offset| {
+            let name = name.into();
+            declared.push(Declared { name, offset });
+        });
+        // The last of each name.
+        declared.sort_by(|a, b| (&a.name, b.offset).cmp(&(&b.name, a.offset)));
+        declared.dedup_by(|later, first| later.name == first.name);
+        self.declared = declared;
+    }
+}
+
+/// Keeps all that the hooks are told.
+#[derive(Debug, Default)]
+pub(super) struct Recorder {
+    pub(super) tokens: Vec<Token>,
+    pub(super) events: Vec<Event>,
+    pub(super) diagnostics: Vec<Diagnostic>,
+}
+
+impl Actions for Recorder {
+    fn act_advance(&mut self, token: Token) {
+        self.tokens.push(token);
+    }
+
+    fn act_open(&mut self, word: DeclareWord, span: Span) {
+        self.events.push(Event::Open(word, span));
+    }
+
+    fn act_operator(&mut self, operator: Operator, span: Span) {
+        self.events.push(Event::Operator(operator, span));
+    }
+
+    fn act_interval(&mut self, interval: Interval) {
+        self.events.push(Event::Interval(interval));
+    }
+
+    fn act_declaration(&mut self, declaration: &Declaration<'_>) {
+        let read = ReadDeclaration {
+            word: declaration.word,
+            span: declaration.span,
+            symbol: declaration.symbol,
+            name: declaration.name.to_owned(),
+            name_span: declaration.name_span,
+            parameters: declaration.parameters.to_vec(),
+            faulty: declaration.faulty,
+        };
+        self.events.push(Event::Declaration(Box::new(read)));
+    }
+
+    fn act_error(&mut self, diagnostic: Diagnostic) {
+        self.events.push(Event::Finding);
+        self.diagnostics.push(diagnostic);
+    }
+}
+
+/// Where declarations end: behind each `;` that stands in no comment. Goes on at `from`, in a comment or not,
+/// and says whether it ends in one.
+pub(super) fn cut(text: &str, from: usize, mut in_comment: bool, ends: &mut Vec<usize>) -> bool {
+    for (at, byte) in text.bytes().enumerate().skip(from) {
+        match byte {
+            b'\n' => in_comment = false,
+            b'#' => in_comment = true,
+            b';' if !in_comment => ends.push(at + 1),
+            _ => {}
+        }
+    }
+    in_comment
+}
+
+pub(super) fn count_lines(text: &str) -> u32 {
+    text.bytes().filter(|byte| *byte == b'\n').count() as u32
+}

@@ -1,0 +1,473 @@
+//! The chunks of a document in their order: a balanced tree that keeps sums.
+//!
+//! What flows in: a chunk's handle with its measure (bytes, lines, …), put behind another. What flows out:
+//! the chunk at an offset, the offset of a chunk, and which of two chunks comes first, each in logarithmic
+//! time. A B⁺-tree whose inner nodes hold the sums of their children; each chunk knows its leaf and each node
+//! its parent, so that a chunk's place is found from below.
+
+use std::ops::{Add, AddAssign};
+
+/// Names a chunk of a document for as long as it is there.
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub struct ChunkId(pub(super) u32);
+
+/// What is summed over chunks.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub(super) struct Measure {
+    /// How many chunks.
+    pub(super) chunks: u32,
+    /// Bytes of their texts.
+    pub(super) bytes: u32,
+    /// Line ends in their texts.
+    pub(super) lines: u32,
+    /// Unicode scalar values in their texts.
+    pub(super) characters: u32,
+    /// Diagnostics of the parser.
+    pub(super) findings: u32,
+    /// Words that mean nothing, among them.
+    pub(super) searches: u32,
+}
+
+/// Chunks in order.
+#[derive(Clone, Debug)]
+pub(super) struct Sequence {
+    nodes: Vec<Node>,
+    free: Vec<u32>,
+    root: u32,
+    /// The leaf of each chunk, by its handle.
+    leaves: Vec<u32>,
+}
+
+#[derive(Clone, Debug)]
+struct Node {
+    parent: u32,
+    is_leaf: bool,
+    /// Chunks in a leaf, nodes elsewhere, each with its sum.
+    items: Vec<(u32, Measure)>,
+}
+
+/// The most items of a node.
+const MAX_ITEMS: usize = 32;
+/// A node with fewer is joined with a neighbour where both fit into one.
+const MIN_ITEMS: usize = MAX_ITEMS / 4;
+/// The parent of the root.
+const NONE: u32 = u32::MAX;
+
+impl Default for Sequence {
+    fn default() -> Self {
+        Self {
+            nodes: vec![Node {
+                parent: NONE,
+                is_leaf: true,
+                items: Vec::new(),
+            }],
+            free: Vec::new(),
+            root: 0,
+            leaves: Vec::new(),
+        }
+    }
+}
+
+impl Sequence {
+    /// The sum over all chunks.
+    pub(super) fn total(&self) -> Measure {
+        sum(&self.nodes[self.root as usize].items)
+    }
+
+    pub(super) fn first(&self) -> Option<ChunkId> {
+        let mut node = &self.nodes[self.root as usize];
+        while !node.is_leaf {
+            node = &self.nodes[node.items.first()?.0 as usize];
+        }
+        node.items.first().map(|item| ChunkId(item.0))
+    }
+
+    /// The chunk that holds the byte at this offset, or the last one; with the sum of all before it.
+    pub(super) fn at_byte(&self, offset: u32) -> Option<(ChunkId, Measure)> {
+        self.find(|before| before.bytes <= offset)
+    }
+
+    /// The first chunk in which `lines` line ends are reached, or the last one; with the sum of all before it.
+    pub(super) fn at_line_end(&self, lines: u32) -> Option<(ChunkId, Measure)> {
+        self.find(|before| before.lines < lines)
+    }
+
+    /// The chunk that holds this character, counted from 0, or the last one; with the sum of all before it.
+    pub(super) fn at_character(&self, character: u32) -> Option<(ChunkId, Measure)> {
+        self.find(|before| before.characters <= character)
+    }
+
+    /// The chunk that holds this finding, counted from 0; with the sum of all before it.
+    pub(super) fn at_finding(&self, finding: u32) -> Option<(ChunkId, Measure)> {
+        self.find(|before| before.findings <= finding)
+    }
+
+    /// The last chunk before which the sum satisfies what holds of the empty sum and, once it fails, fails for
+    /// all larger ones.
+    fn find(&self, holds: impl Fn(&Measure) -> bool) -> Option<(ChunkId, Measure)> {
+        let mut before = Measure::default();
+        let mut node = &self.nodes[self.root as usize];
+        loop {
+            let mut chosen = node.items.first()?.0;
+            let mut at = before;
+            let mut sum = before;
+            for (item, measure) in &node.items {
+                if !holds(&sum) {
+                    break;
+                }
+                (chosen, at) = (*item, sum);
+                sum += *measure;
+            }
+            before = at;
+            if node.is_leaf {
+                return Some((ChunkId(chosen), before));
+            }
+            node = &self.nodes[chosen as usize];
+        }
+    }
+
+    /// The sum of all chunks before this one.
+    pub(super) fn before(&self, chunk: ChunkId) -> Measure {
+        let mut before = Measure::default();
+        let mut item = chunk.0;
+        let mut at = self.leaves[chunk.0 as usize];
+        while at != NONE {
+            let node = &self.nodes[at as usize];
+            for (other, measure) in &node.items {
+                if *other == item {
+                    break;
+                }
+                before += *measure;
+            }
+            (item, at) = (at, node.parent);
+        }
+        before
+    }
+
+    /// How many chunks stand before this one.
+    pub(super) fn rank(&self, chunk: ChunkId) -> u32 {
+        self.before(chunk).chunks
+    }
+
+    pub(super) fn next(&self, chunk: ChunkId) -> Option<ChunkId> {
+        let mut item = chunk.0;
+        let mut at = self.leaves[chunk.0 as usize];
+        while at != NONE {
+            let node = &self.nodes[at as usize];
+            if let Some(&(mut next, _)) = node.items.get(node.index(item) + 1) {
+                let mut is_leaf = node.is_leaf;
+                while !is_leaf {
+                    let child = &self.nodes[next as usize];
+                    is_leaf = child.is_leaf;
+                    next = child.items.first()?.0;
+                }
+                return Some(ChunkId(next));
+            }
+            (item, at) = (at, node.parent);
+        }
+        None
+    }
+
+    /// All chunks from this one on.
+    pub(super) fn from(&self, first: Option<ChunkId>) -> impl Iterator<Item = ChunkId> + '_ {
+        std::iter::successors(first, |chunk| self.next(*chunk))
+    }
+
+    /// Puts a new chunk behind another, or at the front.
+    pub(super) fn insert(&mut self, after: Option<ChunkId>, chunk: ChunkId, measure: Measure) {
+        let (leaf, index) = match after {
+            Some(after) => {
+                let leaf = self.leaves[after.0 as usize];
+                (leaf, self.nodes[leaf as usize].index(after.0) + 1)
+            }
+            None => {
+                let mut leaf = self.root;
+                while let node = &self.nodes[leaf as usize]
+                    && !node.is_leaf
+                    && let Some((first, _)) = node.items.first()
+                {
+                    leaf = *first;
+                }
+                (leaf, 0)
+            }
+        };
+        let handle = chunk.0 as usize;
+        if self.leaves.len() <= handle {
+            self.leaves.resize(handle + 1, NONE);
+        }
+        self.leaves[handle] = leaf;
+        let items = &mut self.nodes[leaf as usize].items;
+        let is_last = index == items.len();
+        items.insert(index, (chunk.0, measure));
+        self.split(leaf, is_last);
+        let leaf = self.leaves[handle];
+        self.resum(leaf);
+    }
+
+    pub(super) fn remove(&mut self, chunk: ChunkId) {
+        let leaf = self.leaves[chunk.0 as usize];
+        self.leaves[chunk.0 as usize] = NONE;
+        self.remove_item(leaf, chunk.0);
+    }
+
+    /// Gives a chunk another measure.
+    pub(super) fn measure(&mut self, chunk: ChunkId, measure: Measure) {
+        let leaf = self.leaves[chunk.0 as usize];
+        let node = &mut self.nodes[leaf as usize];
+        let index = node.index(chunk.0);
+        if let Some(item) = node.items.get_mut(index)
+            && item.1 != measure
+        {
+            item.1 = measure;
+            self.resum(leaf);
+        }
+    }
+
+    /// Brings the sums above a node up to date.
+    fn resum(&mut self, mut at: u32) {
+        loop {
+            let node = &self.nodes[at as usize];
+            let (sum, parent) = (sum(&node.items), node.parent);
+            if parent == NONE {
+                return;
+            }
+            let above = &mut self.nodes[parent as usize];
+            let index = above.index(at);
+            above.items[index].1 = sum;
+            at = parent;
+        }
+    }
+
+    /// Splits a node that is too large, and those above it. The sums above the last one split are left as they
+    /// are. `is_last`: the node's last item is the new one; what is put in from front to end fills its nodes.
+    fn split(&mut self, mut at: u32, mut is_last: bool) {
+        while self.nodes[at as usize].items.len() > MAX_ITEMS {
+            let node = &mut self.nodes[at as usize];
+            let middle = match is_last {
+                true => MAX_ITEMS,
+                false => node.items.len() / 2,
+            };
+            let items = node.items.split_off(middle);
+            let (is_leaf, mut parent) = (node.is_leaf, node.parent);
+            let left_sum = sum(&node.items);
+            let right_sum = sum(&items);
+            if parent == NONE {
+                parent = self.allocate(Node {
+                    parent: NONE,
+                    is_leaf: false,
+                    items: vec![(at, left_sum)],
+                });
+                self.nodes[at as usize].parent = parent;
+                self.root = parent;
+            }
+            let right = self.allocate(Node {
+                parent,
+                is_leaf,
+                items,
+            });
+            self.adopt(right);
+            let above = &mut self.nodes[parent as usize];
+            let index = above.index(at);
+            above.items[index].1 = left_sum;
+            is_last &= index + 1 == above.items.len();
+            above.items.insert(index + 1, (right, right_sum));
+            at = parent;
+        }
+    }
+
+    /// Tells a node's items where they are.
+    fn adopt(&mut self, at: u32) {
+        let node = &self.nodes[at as usize];
+        if node.is_leaf {
+            for (chunk, _) in &node.items {
+                self.leaves[*chunk as usize] = at;
+            }
+        } else {
+            let children: Vec<u32> = node.items.iter().map(|item| item.0).collect();
+            for child in children {
+                self.nodes[child as usize].parent = at;
+            }
+        }
+    }
+
+    fn remove_item(&mut self, at: u32, item: u32) {
+        let node = &mut self.nodes[at as usize];
+        let index = node.index(item);
+        node.items.remove(index);
+        let (count, parent) = (node.items.len(), node.parent);
+        if parent == NONE {
+            // A root with one child hands its place to it.
+            while let node = &self.nodes[self.root as usize]
+                && !node.is_leaf
+                && let [(only, _)] = node.items[..]
+            {
+                self.free.push(self.root);
+                self.root = only;
+                self.nodes[only as usize].parent = NONE;
+            }
+            return;
+        }
+        if count == 0 {
+            self.free.push(at);
+            self.remove_item(parent, at);
+            return;
+        }
+        self.resum(at);
+        if count < MIN_ITEMS {
+            self.join(at, parent);
+        }
+    }
+
+    /// Joins a small node with a neighbour, where one holds both.
+    fn join(&mut self, at: u32, parent: u32) {
+        let above = &self.nodes[parent as usize];
+        let index = above.index(at);
+        let neighbours = [
+            index.checked_sub(1).map(|left| (left, index)),
+            Some((index, index + 1)),
+        ];
+        for (left, right) in neighbours.into_iter().flatten() {
+            let (Some(&(left, _)), Some(&(right, _))) =
+                (above.items.get(left), above.items.get(right))
+            else {
+                continue;
+            };
+            let count = |node: u32| self.nodes[node as usize].items.len();
+            if count(left) + count(right) > MAX_ITEMS {
+                continue;
+            }
+            let moved = std::mem::take(&mut self.nodes[right as usize].items);
+            self.nodes[left as usize].items.extend(moved);
+            self.adopt(left);
+            self.resum(left);
+            self.free.push(right);
+            self.remove_item(parent, right);
+            return;
+        }
+    }
+
+    fn allocate(&mut self, node: Node) -> u32 {
+        match self.free.pop() {
+            Some(index) => {
+                self.nodes[index as usize] = node;
+                index
+            }
+            None => {
+                self.nodes.push(node);
+                self.nodes.len() as u32 - 1
+            }
+        }
+    }
+}
+
+impl Node {
+    /// Where an item stands.
+    fn index(&self, item: u32) -> usize {
+        let index = self.items.iter().position(|(other, _)| *other == item);
+        debug_assert!(index.is_some(), "a node holds what names it as its parent");
+        index.unwrap_or_default()
+    }
+}
+
+fn sum(items: &[(u32, Measure)]) -> Measure {
+    items
+        .iter()
+        .fold(Measure::default(), |sum, (_, measure)| sum + *measure)
+}
+
+impl Add for Measure {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            chunks: self.chunks + other.chunks,
+            bytes: self.bytes + other.bytes,
+            lines: self.lines + other.lines,
+            characters: self.characters + other.characters,
+            findings: self.findings + other.findings,
+            searches: self.searches + other.searches,
+        }
+    }
+}
+
+impl AddAssign for Measure {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ChunkId, MAX_ITEMS, Measure, Sequence};
+
+    fn measure(bytes: u32) -> Measure {
+        Measure {
+            chunks: 1,
+            bytes,
+            lines: bytes % 3,
+            ..Measure::default()
+        }
+    }
+
+    #[test]
+    fn it_agrees_with_a_list_on_random_insertions_removals_and_changes() {
+        let mut sequence = Sequence::default();
+        let mut list: Vec<(ChunkId, u32)> = Vec::new();
+        let mut seed = 1_u64;
+        let mut random = |below: usize| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 33) as usize % below
+        };
+        let mut fresh = 0;
+        for round in 0..6_000 {
+            // It grows, then shrinks to nothing, then grows again.
+            let growing = !(2_500..=5_200).contains(&round);
+            let bytes = 1 + random(9) as u32;
+            match random(4) {
+                0 | 1 if growing || list.is_empty() => {
+                    let index = random(list.len() + 1);
+                    let after = index.checked_sub(1).map(|index| list[index].0);
+                    let chunk = ChunkId(fresh);
+                    fresh += 1;
+                    sequence.insert(after, chunk, measure(bytes));
+                    list.insert(index, (chunk, bytes));
+                }
+                2 if !list.is_empty() => {
+                    let index = random(list.len());
+                    list[index].1 = bytes;
+                    sequence.measure(list[index].0, measure(bytes));
+                }
+                _ if !list.is_empty() && (!growing || random(4) == 0) => {
+                    let index = random(list.len());
+                    sequence.remove(list.remove(index).0);
+                }
+                _ => {}
+            }
+            let total: u32 = list.iter().map(|item| item.1).sum();
+            assert_eq!(sequence.total().bytes, total);
+            assert_eq!(sequence.first(), list.first().map(|item| item.0));
+            if let Some(index) = (!list.is_empty()).then(|| random(list.len())) {
+                let before: u32 = list[..index].iter().map(|item| item.1).sum();
+                let (chunk, bytes) = list[index];
+                assert_eq!(sequence.before(chunk).bytes, before);
+                assert_eq!(sequence.rank(chunk), index as u32);
+                assert_eq!(sequence.next(chunk), list.get(index + 1).map(|next| next.0));
+                let inside = before + random(bytes as usize) as u32;
+                let found = sequence
+                    .at_byte(inside)
+                    .map(|(chunk, at)| (chunk, at.bytes));
+                assert_eq!(found, Some((chunk, before)));
+                let lines: u32 = list[..index].iter().map(|item| item.1 % 3).sum();
+                if bytes % 3 > 0 {
+                    let found = sequence.at_line_end(lines + 1).map(|(chunk, _)| chunk);
+                    assert_eq!(found, Some(chunk));
+                }
+            }
+            if round % 500 == 0 {
+                let all: Vec<_> = sequence.from(sequence.first()).collect();
+                assert_eq!(all, list.iter().map(|item| item.0).collect::<Vec<_>>());
+            }
+        }
+        assert!(fresh as usize > 20 * MAX_ITEMS);
+    }
+}
