@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use geodesic::surface::ParametricSurface;
+use geodesic::intrinsic::MetricSurface;
+use geodesic::surface::{ParametricSurface, Surface};
 use scene::scene::{Object, ObjectId, Scene, Shape};
 use scene::values::{SetError, Settings};
 use scene::{Compilation, Outcome, Value};
@@ -79,21 +80,38 @@ impl Program {
         } = &object.shape
         else {
             return Err(Failure::usage(format!(
-                "`{}` is not a surface",
+                "`{}` is not a surface in space",
                 object.name
             )));
         };
         let uniforms = settings.first_instance(scene, object);
         let domain = domain.map(|axis| [axis.range.min, axis.range.max]);
-        ParametricSurface::new(&scene.graph, *position, domain, &uniforms).map_err(|_| {
-            Failure::Input {
-                message: format!(
-                    "the derivatives of `{}` are too large to be written out",
-                    object.name
-                ),
-                hint: None,
-            }
-        })
+        ParametricSurface::new(&scene.graph, *position, domain, &uniforms)
+            .map_err(|_| derivatives_too_large(object))
+    }
+
+    /// A surface or a metric ready for geodesics: its first instance.
+    ///
+    /// # Errors
+    /// [`Failure::Input`] if its derivatives are too large.
+    pub(crate) fn inside(
+        &self,
+        object: &Object,
+        settings: &Settings,
+    ) -> Result<Box<dyn Surface>, Failure> {
+        let Shape::Metric {
+            components, domain, ..
+        } = &object.shape
+        else {
+            return Ok(Box::new(self.parametric(object, settings)?));
+        };
+        let scene = self.scene()?;
+        let uniforms = settings.first_instance(scene, object);
+        let domain = domain.map(|axis| [axis.range.min, axis.range.max]);
+        match MetricSurface::new(&scene.graph, *components, domain, &uniforms) {
+            Ok(surface) => Ok(Box::new(surface)),
+            Err(_) => Err(derivatives_too_large(object)),
+        }
     }
 
     /// The name of an object.
@@ -176,7 +194,7 @@ impl Program {
         Ok(numbers)
     }
 
-    /// The surface of a name; without a name the first one.
+    /// The surface or metric of a name; without a name the first one.
     ///
     /// # Errors
     /// [`Failure::Usage`] where there is none.
@@ -184,7 +202,7 @@ impl Program {
         let scene = self.scene()?;
         let surfaces = || {
             let numbered = (0..).map(ObjectId).zip(&scene.objects);
-            numbered.filter(|(_, object)| matches!(object.shape, Shape::Surface { .. }))
+            numbered.filter(|(_, object)| object.shape.patch().is_some())
         };
         let found = match name {
             Some(name) => surfaces().find(|(_, object)| object.name == name),
@@ -200,9 +218,15 @@ impl Program {
                 Some(name) => format!("`{file}` declares no surface `{name}`"),
                 None => format!("`{file}` declares no surface"),
             };
+            let kind = |shape: &Shape| matches!(shape, Shape::Metric { .. });
+            let some_metric = scene.objects.iter().any(|object| kind(&object.shape));
             let hint = match &names[..] {
                 [] => "a surface is declared like this: surface s(u,v) = (u, v, u v), u : [-1,1], v : [-1,1];".into(),
+                [only] if some_metric => format!("its metric is {only}"),
                 [only] => format!("its surface is {only}"),
+                several if some_metric => {
+                    format!("its surfaces and metrics are {}", several.join(", "))
+                }
                 several => format!("its surfaces are {}", several.join(", ")),
             };
             Failure::Usage {
@@ -210,6 +234,16 @@ impl Program {
                 hint: Some(hint),
             }
         })
+    }
+}
+
+fn derivatives_too_large(object: &Object) -> Failure {
+    Failure::Input {
+        message: format!(
+            "the derivatives of `{}` are too large to be written out",
+            object.name
+        ),
+        hint: None,
     }
 }
 

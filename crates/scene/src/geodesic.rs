@@ -13,7 +13,8 @@ use crate::scene::{ObjectId, Range, Scene, Shape};
 /// How one instance of a geodesic starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Launch {
-    /// The parameters (u, v) where it starts, inside the domain of its surface or on the domain's sides.
+    /// The parameters (u, v) where it starts, inside the domain of its surface or, but for rounding, on the
+    /// domain's sides.
     pub start: [f64; 2],
     /// The direction a σu + b σv as (a, b), finite and not zero; its length does not matter.
     pub direction: [f64; 2],
@@ -36,6 +37,9 @@ pub enum LaunchFault {
         domain: [Range; 2],
     },
 }
+
+/// How far beyond a side a start may lie, as a share of the domain's width.
+const SLACK: f64 = 1e-12;
 
 impl fmt::Display for LaunchFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -124,7 +128,11 @@ impl Launcher {
             return Err(LaunchFault::UndefinedStart);
         }
         let domain = self.domain;
-        let inside = |(range, x): (&Range, &f64)| (range.min..=range.max).contains(x);
+        let inside = |(range, x): (&Range, &f64)| {
+            // What lies on a side may have been rounded beyond it.
+            let slack = SLACK * (range.max - range.min);
+            (range.min - slack..=range.max + slack).contains(x)
+        };
         if !domain.iter().zip(&start).all(inside) {
             return Err(LaunchFault::Outside { start, domain });
         }

@@ -15,7 +15,7 @@ use crate::number::{self, show};
 use crate::output;
 use crate::program::Program;
 
-/// Follow one geodesic of a surface: the straightest line from a point in a direction.
+/// Follow one geodesic of a surface or a metric: the straightest line from a point in a direction.
 ///
 /// Follows it adaptively in double precision, through poles and where the surface closes on itself, and says
 /// where it ends, why it ends there, and how far to trust that.
@@ -40,7 +40,7 @@ The status is one of
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// The surface's name; without it, the program's first surface
+    /// The surface's (or metric's) name; without it, the program's first
     #[arg(long, value_name = "S")]
     surface: Option<String>,
     /// Where it starts, in the surface's parameters
@@ -107,7 +107,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let program = Program::load(&arguments.file, arguments.format)?;
     let settings = program.settings(&arguments.set)?;
     let (_, object) = program.surface(arguments.surface.as_deref())?;
-    let surface = program.parametric(object, &settings)?;
+    let surface = &*program.inside(object, &settings)?;
     let from = program.numbers("--from", &arguments.from.0, &settings)?;
     let length = program.number("--length", &arguments.length, &settings)?;
     if length < 0.0 {
@@ -120,16 +120,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let traced = match &arguments.direction {
         Some(direction) => {
             let direction = program.numbers("--direction", &direction.0, &settings)?;
-            trace::trace(&surface, from, direction, length, &options)
+            trace::trace(surface, from, direction, length, &options)
         }
         None => {
             let angle = arguments.heading.unwrap_or(0.0).to_radians();
-            trace_heading(&surface, from, angle, length, &options)
+            trace_heading(surface, from, angle, length, &options)
         }
     };
     let trace = match traced {
         Ok(trace) => trace,
-        Err(error) => stopped_at_start(error, &surface)?,
+        Err(error) => stopped_at_start(error, surface)?,
     };
     match arguments.format {
         Format::Json => output::print_json(&document(&trace)),
@@ -248,7 +248,7 @@ fn status_word(status: Status) -> &'static str {
 }
 
 /// A start where no geodesic begins is an end too, with a status; any other error is one of the arguments.
-fn stopped_at_start(error: TraceError, surface: &impl Surface) -> Result<Trace, Failure> {
+fn stopped_at_start(error: TraceError, surface: &dyn Surface) -> Result<Trace, Failure> {
     let (uv, status) = match error {
         TraceError::UndefinedStart { at } => (at, Status::Undefined),
         TraceError::DegenerateStart { at } => (at, Status::Degenerate),
