@@ -243,7 +243,7 @@ struct Stretch {
 impl Stretch {
     fn of(rays: [&Ray; 2], width: f64, t: f64) -> Option<Self> {
         let (a, b) = (rays[0].stop.as_ref()?, rays[1].stop.as_ref()?);
-        if !aslant(rays, [a, b]) {
+        if !aslant(rays, [a, b]) || !(a.slope + b.slope).is_finite() {
             return None;
         }
         let rest = 1.0 - t;
@@ -266,10 +266,10 @@ fn aslant(rays: [&Ray; 2], stops: [&Stop; 2]) -> bool {
     let far = a.s.max(b.s);
     let known = rays.into_iter().all(|ray| far <= ray.end + ray.slack);
     let like = a.status == b.status && a.edge == b.edge && a.status != Status::WorkLimit;
-    like && !known && (a.slope + b.slope).is_finite() && a.s.min(b.s) > 0.5 * far
+    like && !known && a.s.min(b.s) > 0.5 * far
 }
 
-/// Whether places between two rays are told by their shares of the way to the edge.
+/// Whether places between two rays are told by their shares of the way to the edge, once its slope is known.
 pub(super) fn is_stretched(rays: [&Ray; 2]) -> bool {
     match (&rays[0].stop, &rays[1].stop) {
         (Some(a), Some(b)) => aslant(rays, [a, b]),
@@ -413,7 +413,7 @@ pub(super) fn end_alike(rays: [&Ray; 2], reach: f64, pixel: f64) -> bool {
             let far = a.s.max(b.s);
             let near = (a.s - b.s).abs() <= pixel
                 || (a.edge.is_some() && known(rays[0], far) && known(rays[1], far))
-                || aslant(rays, [&a, &b]);
+                || (aslant(rays, [&a, &b]) && (a.slope + b.slope).is_finite());
             // Beyond the picture nothing matters.
             (like && near) || a.s.min(b.s) >= reach
         }

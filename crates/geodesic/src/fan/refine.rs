@@ -288,7 +288,11 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                     errors.map(|x| x / order),
                     edge / f64::from(order),
                 );
-                sector.proven = stretched(n, n + 1) == stretched(a, b);
+                // (Where rays end at no edge, its slope is not known yet.)
+                let told = [a, b]
+                    .iter()
+                    .all(|&ray| self.rays[ray].stop.is_none_or(|stop| stop.told));
+                sector.proven = told && stretched(n, n + 1) == stretched(a, b);
                 sector
             })
             .collect()
