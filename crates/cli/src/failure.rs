@@ -45,6 +45,8 @@ pub(crate) enum Failure {
     },
     /// Whoever read our standard output has stopped reading, as `head` does. Not an error.
     ReaderGone,
+    /// The editor that a language server served has left without saying `shutdown`: the protocol wants status 1.
+    EditorGone,
 }
 
 /// What [`Failure::Unwritable`] calls the standard output.
@@ -63,7 +65,10 @@ impl Failure {
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             Self::ReaderGone => ExitCode::SUCCESS,
-            Self::Program | Self::Input { .. } | Self::Internal { .. } => ExitCode::from(1),
+            Self::Program
+            | Self::Input { .. }
+            | Self::Internal { .. }
+            | Self::EditorGone => ExitCode::from(1),
             Self::Usage { .. } | Self::Unreadable { .. } | Self::Unwritable { .. } => {
                 ExitCode::from(2)
             }
@@ -79,7 +84,7 @@ impl Failure {
 
     fn text(&self, style: &Style) -> Option<String> {
         let (message, hint) = match self {
-            Self::Program | Self::ReaderGone => return None,
+            Self::Program | Self::ReaderGone | Self::EditorGone => return None,
             Self::Input { message, hint } | Self::Usage { message, hint } => {
                 (message.clone(), hint.clone())
             }

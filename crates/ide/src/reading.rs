@@ -1,9 +1,8 @@
 //! A text as the features see it: one pass of the parser's hooks in, tokens with their meanings out.
 
-use std::cell::OnceCell;
 use std::collections::HashSet;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use scene::Compilation;
 use syntax::actions::{Actions, Declaration, Interval, Operator, Parameter};
@@ -21,8 +20,8 @@ pub struct Reading {
     items: Vec<Item>,
     symbols: Symbols,
     operands: Vec<Span>,
-    compilation: OnceCell<Compilation>,
-    dependent: OnceCell<HashSet<SymbolId>>,
+    compilation: OnceLock<Compilation>,
+    dependent: OnceLock<HashSet<SymbolId>>,
 }
 
 /// A declaration as it stands in the text.
@@ -75,8 +74,8 @@ impl Reading {
             items: reader.items,
             symbols: parsed.symbols,
             operands: reader.operands,
-            compilation: OnceCell::new(),
-            dependent: OnceCell::new(),
+            compilation: OnceLock::new(),
+            dependent: OnceLock::new(),
         }
     }
 

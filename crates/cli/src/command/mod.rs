@@ -4,6 +4,8 @@ mod accuracy;
 mod check;
 mod eval;
 mod explain;
+mod format;
+mod lsp;
 mod render;
 mod trace;
 
@@ -47,6 +49,8 @@ enum Command {
     Eval(eval::Arguments),
     Explain(explain::Arguments),
     Accuracy(accuracy::Arguments),
+    Format(format::Arguments),
+    Lsp(lsp::Arguments),
 }
 
 /// For whom the result is printed.
@@ -68,6 +72,8 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
         Command::Accuracy(arguments) => accuracy::run(&arguments),
+        Command::Format(arguments) => format::run(&arguments),
+        Command::Lsp(arguments) => lsp::run(&arguments),
     }
 }
 

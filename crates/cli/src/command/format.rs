@@ -1,0 +1,85 @@
+//! `geotrace format`: programs in the canonical layout.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use ide::Reading;
+
+use crate::failure::Failure;
+use crate::number;
+use crate::output::{self, Target};
+use crate::source::Source;
+
+/// Bring programs into the canonical layout; what they mean never changes.
+///
+/// Files are rewritten in place; `-` is read from standard input and written to standard output. Comments, line breaks
+/// within a declaration and the way words are joined stay. A program with errors is laid out as far as it can be read.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  geotrace format circle.gtr
+  geotrace format --check *.gtr
+  geotrace format - < circle.gtr")]
+pub(super) struct Arguments {
+    /// The programs; `-` is standard input
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Change nothing; list the programs that are laid out otherwise, and end with status 1 if there are any
+    #[arg(long)]
+    check: bool,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let standard = arguments.files.iter().filter(|file| *file == Path::new("-"));
+    if standard.count() > 1 {
+        return Err(Failure::usage("standard input (`-`) can be read only once"));
+    }
+    let mut others = 0;
+    let mut failed = None;
+    for file in &arguments.files {
+        match one(file, arguments.check) {
+            Ok(same) => others += usize::from(!same),
+            Err(failure) => {
+                // The other files are laid out all the same; the last such failure ends the run.
+                if let Some(earlier) = failed.replace(failure) {
+                    earlier.print();
+                }
+            }
+        }
+    }
+    if let Some(failure) = failed {
+        return Err(failure);
+    }
+    if arguments.check && others > 0 {
+        let files = number::count(others, "program");
+        return Err(Failure::Input {
+            message: format!("{files} not in the canonical layout"),
+            hint: Some("`geotrace format FILE…` lays them out".to_owned()),
+        });
+    }
+    Ok(())
+}
+
+/// Lays out one program, or looks at it. Whether it was laid out so already.
+fn one(file: &Path, check: bool) -> Result<bool, Failure> {
+    let source = Source::read(file)?;
+    if source.undecodable.is_some() {
+        return Err(Failure::Unreadable {
+            file: source.name,
+            reason: "it is not UTF-8".to_owned(),
+        });
+    }
+    let edits = ide::format::format(&Reading::new(source.text.as_str()), None);
+    let text = ide::edit::apply(&source.text, &edits);
+    let same = text == source.text;
+    if check {
+        if !same {
+            output::print(&format!("{}\n", source.name))?;
+        }
+    } else if file == Path::new("-") {
+        output::print(&text)?;
+    } else if !same {
+        Target::new(file)?.write(text.as_bytes())?;
+    }
+    Ok(same)
+}
