@@ -141,7 +141,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         let Ok(from) = start.frame.start(&atlas, place) else {
             return self.ended(Status::Undefined);
         };
-        let plan = follow::Plan {
+        let mut plan = follow::Plan {
             tableau: &DOPRI5,
             tolerance: Some(self.tolerance),
             step: trace::first_step(&atlas, s),
@@ -149,7 +149,14 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
             charts: true,
             keep_path: false,
         };
-        let end = follow::follow(&atlas, from, s, plan);
+        let mut end = follow::follow(&atlas, from, s, plan);
+        let allowed = 0.5 * self.options.tolerance * start.pixel;
+        if end.error > allowed && end.status == Status::Complete {
+            // Errors have grown on the way, as they do in chaos: once more, so much more exactly.
+            plan.tolerance = Some((self.tolerance * allowed / end.error).max(1e-14));
+            plan.limit = atlas.evaluations() + ONE_PIXEL;
+            end = follow::follow(&atlas, from, s, plan);
+        }
         let evaluations = atlas.evaluations() as u64;
         self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
         if end.status != Status::Complete {
