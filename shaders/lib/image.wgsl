@@ -22,9 +22,11 @@ fn filtered(image: texture_2d<f32>, image_sampler: sampler, uv: vec2f, across: v
         return textureSampleLevel(image, image_sampler, uv, f32(textureNumLevels(image))).rgb;
     }
     let minor = max(max(sqrt(max(mean - spread, 0.0)), major / MAX_ANISOTROPY), 1.0);
-    let level = log2(minor);
-    // A footprint that is a circle but for rounding has one probe.
-    let probes = clamp(ceil(major / minor - 0.1), 1.0, MAX_ANISOTROPY);
+    // A footprint that is not much longer than wide has one probe; probes overlap.
+    let probes = max(floor(major / minor + 0.5), 1.0);
+    // Levels blend into one another over the middle half of the way between them: outside of it one is enough.
+    let exact = log2(max(minor, 0.8 * major / probes));
+    let level = floor(exact) + clamp(2.0 * fract(exact) - 0.5, 0.0, 1.0);
     if probes == 1.0 {
         return textureSampleLevel(image, image_sampler, uv, level).rgb;
     }

@@ -3,31 +3,8 @@
 
 const STATUS_COMPLETE: u32 = 0u;
 
-struct Resolve {
-    // The surface's colour in linear light; multiplies the image.
-    colour: vec4f,
-    // Scaled chart units to widths of the image: uv = place + offset * per_width.
-    place: vec2f,
-    per_width: vec2f,
-    // The whole picture in pixels.
-    size: vec2u,
-    // The first row that the map holds, and how many it holds.
-    map_rows: vec2u,
-    // The first row to colour, and how many.
-    rows: vec2u,
-    // Half the hatching's period in pixels; pixels of the dark border.
-    hatch: f32,
-    reach: i32,
-    // The ring at the centre: radius (0: none) and half its width, in pixels.
-    ring: f32,
-    ring_half: f32,
-    padding: vec2f,
-    // Paper and stripe of the hatching for each status, linear light.
-    hatching: array<vec4f, 12>,
-}
-
 @group(0) @binding(0) var<uniform> resolve: Resolve;
-// For each pixel: offset from the camera in scaled coordinates, as bits; status; steps.
+// For each pixel: offset from the camera, as bits; status; steps.
 @group(0) @binding(1) var<storage, read> map: array<vec4u>;
 @group(0) @binding(2) var<storage, read_write> colours: array<u32>;
 // How many pixels have each status, over all dispatches.
@@ -60,12 +37,12 @@ fn footprint(x: i32, y: i32, dx: i32, dy: i32) -> vec2f {
     var found = false;
     if is_seen(x - dx, y - dy) {
         step = offset_at(x - dx, y - dy) - here;
-        step -= round(step);
+        step -= resolve.repeats * round(step);
         found = true;
     }
     if is_seen(x + dx, y + dy) {
         var other = offset_at(x + dx, y + dy) - here;
-        other -= round(other);
+        other -= resolve.repeats * round(other);
         if !found || dot(other, other) < dot(step, step) {
             step = other;
         }
@@ -84,33 +61,7 @@ fn hatched(x: i32, y: i32, status: u32) -> vec3f {
             }
         }
     }
-    let period = 2.0 * resolve.hatch;
-    let along = f32(x + y + 1) * 0.70710678;
-    let phase = fract(along / period);
-    let to_middle = abs(phase - 0.5) * period;
-    let share = clamp(0.5 * resolve.hatch - to_middle + 0.5, 0.0, 1.0);
-    return mix(paper, stripe, share);
-}
-
-// An open ring around the centre, white with a dark rim.
-fn marked_centre(colour: vec3f, x: i32, y: i32) -> vec3f {
-    if resolve.ring == 0.0 {
-        return colour;
-    }
-    let from_centre = vec2f(f32(x), f32(y)) + 0.5 - 0.5 * vec2f(resolve.size);
-    let off = abs(length(from_centre) - resolve.ring);
-    let white = clamp(resolve.ring_half - off + 0.5, 0.0, 1.0);
-    let dark = 0.6 * clamp(2.2 * resolve.ring_half - off + 0.5, 0.0, 1.0);
-    let darkened = colour * (1.0 - dark);
-    return darkened + white * (vec3f(1.0) - darkened);
-}
-
-// Linear light to sRGB (IEC 61966-2-1), rounded to bytes.
-fn encoded(light: vec3f) -> u32 {
-    let c = clamp(light, vec3f(0.0), vec3f(1.0));
-    let curved = 1.055 * pow(max(c, vec3f(1e-6)), vec3f(1.0 / 2.4)) - 0.055;
-    let srgb = select(curved, 12.92 * c, c <= vec3f(0.0031308));
-    return pack4x8unorm(vec4f(srgb, 1.0));
+    return stripes(x, y, resolve.hatch, paper, stripe);
 }
 
 @compute @workgroup_size(8, 8)
@@ -132,5 +83,6 @@ fn resolve_geodesics(@builtin(global_invocation_id) id: vec3u) {
     } else {
         colour = hatched(x, y, status);
     }
-    colours[id.y * resolve.size.x + id.x] = encoded(marked_centre(colour, x, y));
+    colours[id.y * resolve.size.x + id.x] = encoded(
+        marked_centre(colour, x, y, resolve.size, resolve.ring, resolve.ring_half));
 }

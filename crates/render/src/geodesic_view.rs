@@ -5,9 +5,11 @@
 mod inside;
 mod resolve;
 
-pub use inside::Inside;
-pub use resolve::{Paint, resolve};
+pub use inside::{Inside, Seen};
+pub(crate) use resolve::Cover;
+pub use resolve::{Paint, resolve, resolve_patchwork};
 
+use geodesic::ends::{Estimate, Work};
 use geodesic::trace::Status;
 
 /// Half the period of the hatching of what is not seen, in [`style::pixel_unit`]s.
@@ -28,9 +30,14 @@ pub fn hatching(status: Status) -> [[u8; 3]; 2] {
     }
 }
 
-/// What a reader of the picture should be told of pixels that show nothing of the surface: `count` gives how many of
-/// the `pixels` have a status.
-pub fn notes(pixels: usize, count: impl Fn(Status) -> usize) -> Vec<String> {
+/// What a reader of the picture should be told: pixels that show nothing of the surface, of `pixels` in all (`count`
+/// gives how many have a status), what the picture cost and how exact it is.
+pub fn notes(
+    pixels: usize,
+    count: impl Fn(Status) -> usize,
+    work: &Work,
+    estimate: Option<Estimate>,
+) -> Vec<String> {
     let kinds = [
         (Status::LeftDomain, "lie beyond the surface's edge"),
         (Status::ConePoint, "end at the tip of a cone"),
@@ -49,6 +56,30 @@ pub fn notes(pixels: usize, count: impl Fn(Status) -> usize) -> Vec<String> {
         let share = 100.0 * count as f64 / pixels as f64;
         (count > 0).then(|| format!("{share:.2} % of the pixels {what}; they are hatched"))
     };
-    kinds.into_iter().filter_map(note).collect()
+    let mut notes: Vec<String> = kinds.into_iter().filter_map(note).collect();
+    if *work != Work::default() {
+        notes.push(cost(work, pixels));
+    }
+    if let Some(Estimate { max, p99 }) = estimate {
+        notes.push(format!(
+            "the error is estimated to be at most {max:.2} pixels, and below {p99:.2} for 99 % of them"
+        ));
+    }
+    notes
 }
 
+fn cost(work: &Work, pixels: usize) -> String {
+    let mut parts = Vec::new();
+    if work.rays > 0 {
+        parts.push(format!("{} rays", work.rays));
+    }
+    if work.followed > 0 {
+        parts.push(format!("{} geodesics followed one by one", work.followed));
+    }
+    let evaluations = work.evaluations;
+    let share = evaluations as f64 / pixels as f64;
+    parts.push(format!(
+        "{evaluations} evaluations of the surface, {share:.3} a pixel"
+    ));
+    parts.join(", ")
+}

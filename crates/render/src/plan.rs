@@ -138,8 +138,8 @@ pub fn plan(scene: &Scene, settings: &Settings, request: &Request) -> Plan {
             textured.push(*surface);
             plan.geodesic = Some(GeodesicPlan {
                 surface: *surface,
-                // Adaptive steps are taken in f64, whatever colours their ends.
-                source: if gpu && *method != Method::Adaptive {
+                // All but the thesis' method are f64, whatever colours their ends.
+                source: if gpu && *method == Method::Rk4Pixel && is_embedded(scene, *surface) {
                     Source::Kernel
                 } else {
                     Source::Blocks
@@ -277,6 +277,13 @@ fn object_plan(
         operations,
         operations_with_normals: with_normals,
     })
+}
+
+fn is_embedded(scene: &Scene, object: ObjectId) -> bool {
+    matches!(
+        scene.objects.get(object.0 as usize).map(|o| &o.shape),
+        Some(Shape::Surface { .. })
+    )
 }
 
 fn derivative_operations(scene: &Scene, surface: ObjectId) -> Option<u64> {

@@ -57,12 +57,16 @@ pub enum View {
 /// How the geodesics of a geodesic view are followed.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Method {
-    /// The backend's own choice: adaptive in f64 on the software path, Runge–Kutta per pixel on the GPU.
+    /// The best: the fan, on both backends.
     #[default]
     Auto,
+    /// Rays in f64 that all pixels share, interpolated by their Jacobi fields.
+    Fan,
+    /// The same, interpolated linearly between rays, for comparison.
+    FanLinear,
     /// Fixed steps of the classical Runge–Kutta method for each pixel, as in the thesis (equations 4.2).
     Rk4Pixel,
-    /// Adaptive steps in f64, with poles, wraps and edges taken as what they are.
+    /// Adaptive steps in f64 for each pixel.
     Adaptive,
 }
 
@@ -222,7 +226,7 @@ impl Request {
                 ..
             } => {
                 let object = scene.objects.get(surface.0 as usize);
-                if !object.is_some_and(|object| matches!(object.shape, Shape::Surface { .. })) {
+                if !object.is_some_and(|object| object.shape.patch().is_some()) {
                     return Err(RenderError::NoSurface {
                         name: object.map(|object| object.name.clone()),
                     });

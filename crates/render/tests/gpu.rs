@@ -135,15 +135,29 @@ fn a_picture_builds_what_its_plan_says_and_nothing_else() {
         ..Built::default()
     };
     let inside = Built {
-        geodesic_kernels: 1,
         resolve_pipelines: 1,
         textures: 1,
         samplers: 1,
         ..Built::default()
     };
+    let thesis = Built {
+        geodesic_kernels: 1,
+        ..inside
+    };
+    let seen = |chosen: Method| {
+        let mut request = Request::geodesic(ObjectId(3), [48, 48]);
+        if let View::Geodesic { method, .. } = &mut request.view {
+            *method = chosen;
+        }
+        request
+    };
     for (request, expected) in [
         (Request::space([48, 48]), all),
-        (Request::geodesic(ObjectId(3), [48, 48]), inside),
+        (seen(Method::Auto), inside),
+        (seen(Method::Fan), inside),
+        (seen(Method::FanLinear), inside),
+        (seen(Method::Adaptive), inside),
+        (seen(Method::Rk4Pixel), thesis),
     ] {
         let request = with(request, Backend::Gpu);
         let (_, built) =

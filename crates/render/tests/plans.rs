@@ -1,7 +1,7 @@
 //! A picture pays only for what it needs.
 
 use render::plan::{Built, Painter, Source, plan};
-use render::{Backend, Request};
+use render::{Backend, Method, Request, View};
 use scene::scene::ObjectId;
 use scene::{Scene, Settings, compile};
 
@@ -52,7 +52,6 @@ fn surfaces_bring_a_sampler_and_their_distinct_images() {
 fn a_geodesic_view_builds_no_painter() {
     let request = Request::geodesic(ObjectId(0), [64, 64]);
     let expected = Built {
-        geodesic_kernels: 1,
         resolve_pipelines: 1,
         textures: 1,
         samplers: 1,
@@ -69,6 +68,12 @@ fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
     let scene = scene(&format!("{SURFACE} point p = (0,0,0);"));
     let settings = Settings::opening(&scene);
     let mut request = Request::geodesic(ObjectId(0), [64, 64]);
+    let choose = |request: &mut Request, chosen| {
+        if let View::Geodesic { method, .. } = &mut request.view {
+            *method = chosen;
+        }
+    };
+    choose(&mut request, Method::Rk4Pixel);
     let parts = [
         "no point pipeline",
         "no vector pipeline",
@@ -81,7 +86,7 @@ fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
     for (sentence, part) in left_out.iter().zip(parts) {
         assert!(sentence.starts_with(part), "{sentence}");
     }
-    request.backend = Backend::Software;
+    choose(&mut request, Method::Auto);
     let left_out = plan(&scene, &settings, &request).left_out;
     let last = left_out.last().map(String::as_str);
     assert_eq!(

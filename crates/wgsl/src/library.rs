@@ -41,6 +41,8 @@ pub const GLYPH: Piece<'static> = piece!("lib/glyph.wgsl");
 /// Images on surfaces, filtered over a footprint.
 pub const IMAGE: Piece<'static> = piece!("lib/image.wgsl");
 
+/// From what a pixel sees to its bytes.
+pub const PICTURE: Piece<'static> = piece!("lib/picture.wgsl");
 /// What generated functions call: a uniform's value.
 pub const CONTRACT_UNIFORMS: Piece<'static> = piece!("contract/uniforms.wgsl");
 /// What the generated `evaluate` calls: its inputs and outputs.
@@ -80,3 +82,5 @@ pub const PASS_DRAW_CURVES: Piece<'static> = piece!("pass/draw_curves.wgsl");
 pub const PASS_DRAW_SURFACES: Piece<'static> = piece!("pass/draw_surfaces.wgsl");
 /// From a map of geodesics' ends to colours.
 pub const PASS_RESOLVE_GEODESIC: Piece<'static> = piece!("pass/resolve_geodesic.wgsl");
+/// From a table of polynomials to colours.
+pub const PASS_RESOLVE_PATCHWORK: Piece<'static> = piece!("pass/resolve_patchwork.wgsl");

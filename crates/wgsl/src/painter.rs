@@ -33,7 +33,18 @@ pub fn resolve_geodesic() -> Result<Joined, InternalError> {
     join(&[
         library::NUMBER,
         library::IMAGE,
+        library::PICTURE,
         library::PASS_RESOLVE_GEODESIC,
+    ])
+}
+
+/// From a table of polynomials to colours.
+pub fn resolve_patchwork() -> Result<Joined, InternalError> {
+    join(&[
+        library::NUMBER,
+        library::IMAGE,
+        library::PICTURE,
+        library::PASS_RESOLVE_PATCHWORK,
     ])
 }
 

@@ -86,12 +86,16 @@ enum BackendName {
 
 #[derive(Clone, Copy, Debug, Eq, PartialEq, ValueEnum)]
 enum MethodName {
-    /// As the backend does best
+    /// The best: fan
     Auto,
-    /// Steps of equal length for each pixel, as in the thesis
-    Rk4Pixel,
-    /// Steps as long as the tolerance allows, in double precision, on the software path
+    /// A fan of rays that all pixels share, in double precision, interpolated by their Jacobi fields
+    Fan,
+    /// The same fan, interpolated linearly, for comparison
+    FanLinear,
+    /// A geodesic for each pixel, with steps as long as the tolerance allows, in double precision
     Adaptive,
+    /// A geodesic for each pixel, with steps of equal length, as in the thesis
+    Rk4Pixel,
 }
 
 /// Draws one picture and writes it.
@@ -100,7 +104,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = program.scene()?;
     let settings = program.settings(&arguments.set)?;
     let request = Request {
-        backend: backend(arguments)?,
+        backend: backend(arguments),
         view: view(arguments, &program, &settings)?,
         textures: textures(&arguments.texture, &program)?,
         ..Request::space(arguments.size.0)
@@ -119,18 +123,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn backend(arguments: &Arguments) -> Result<Backend, Failure> {
-    let geodesic = matches!(arguments.view, ViewName::Geodesic(_));
-    let adaptive = geodesic && arguments.method == Some(MethodName::Adaptive);
+fn backend(arguments: &Arguments) -> Backend {
     match arguments.backend {
-        BackendName::Gpu if adaptive => Err(Failure::Usage {
-            message: "--method adaptive runs in double precision, on the software path only".into(),
-            hint: Some("leave out `--backend gpu`".into()),
-        }),
-        BackendName::Auto if adaptive => Ok(Backend::Software),
-        BackendName::Auto => Ok(Backend::Auto),
-        BackendName::Gpu => Ok(Backend::Gpu),
-        BackendName::Software => Ok(Backend::Software),
+        BackendName::Auto => Backend::Auto,
+        BackendName::Gpu => Backend::Gpu,
+        BackendName::Software => Backend::Software,
     }
 }
 
@@ -157,8 +154,10 @@ fn view(arguments: &Arguments, program: &Program, settings: &Settings) -> Result
             },
             method: match arguments.method {
                 None | Some(MethodName::Auto) => Method::Auto,
-                Some(MethodName::Rk4Pixel) => Method::Rk4Pixel,
+                Some(MethodName::Fan) => Method::Fan,
+                Some(MethodName::FanLinear) => Method::FanLinear,
                 Some(MethodName::Adaptive) => Method::Adaptive,
+                Some(MethodName::Rk4Pixel) => Method::Rk4Pixel,
             },
         },
     })

@@ -1,15 +1,21 @@
 //! Where the being inside the surface stands, and what it sees in f64: the geodesic view's camera and map.
 
-use geodesic::ends::Coordinates;
+use std::borrow::Cow;
+
+use geodesic::ends::{Coordinates, Estimate, Work};
+use geodesic::fan::{Across, Fan, FanOptions};
 use geodesic::frame::Frame;
 use geodesic::map::{self, Arithmetic, Map, MapOptions, exponential_map};
+use geodesic::patchwork::Patchwork;
 use geodesic::surface::{Sides, Surface};
 use geodesic::topology::Apex;
-use geodesic::trace::TraceError;
+use geodesic::trace::{Status, TraceError};
 use glam::DVec3;
+use image::RgbaImage;
 use scene::scene::Scene;
 use scene::values::Settings;
 
+use super::{Paint, resolve, resolve_patchwork};
 use crate::ground::Ground;
 use crate::request::{Method, RenderError, Request, View};
 use crate::sample::DEGENERATE;
@@ -29,8 +35,12 @@ const FIRST_ZOOM: f64 = 0.55;
 /// Steps of [`Method::Rk4Pixel`] for each pixel.
 const RK4_STEPS: u32 = 128;
 
-/// The error that the integrator is asked for, in pixels: on its way to the end a ray's error grows by a few times.
-const TOLERANCE: f64 = 0.03;
+/// The error allowed at a pixel, in pixels.
+const TOLERANCE: f64 = 0.1;
+/// The share of it that polynomials between the rays may add.
+const PATCHWORK_SHARE: f64 = 0.25;
+/// The error that the integrator of a single ray is asked for, in pixels: on its way to the end it grows a few times.
+const RAY_TOLERANCE: f64 = 0.03;
 
 /// A surface with a camera on it.
 #[derive(Clone, Debug)]
@@ -112,27 +122,123 @@ impl Inside {
         self.ground.apexes()
     }
 
+    /// What the camera sees, in f64 on all cores. `progress` is told the share that is done.
+    pub fn look(&self, progress: &(dyn Fn(f32) + Sync)) -> Seen {
+        let across = match self.method {
+            Method::Auto | Method::Fan => Across::Hermite,
+            Method::FanLinear => Across::Linear,
+            Method::Adaptive | Method::Rk4Pixel => return Seen::Map(self.map(progress)),
+        };
+        let options = FanOptions {
+            tolerance: TOLERANCE,
+            across,
+            max_evaluations: FanOptions::default().max_evaluations.min(self.most_evaluations()),
+        };
+        let fan = Fan::build(self.ground.surface(), &self.frame, self.size, &options);
+        progress(0.5);
+        let patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * TOLERANCE);
+        progress(1.0);
+        let (rays, patches) = (fan.estimate(), patchwork.estimate);
+        Seen::Patchwork {
+            work: fan.work(),
+            estimate: Estimate {
+                max: rays.max + patches.max,
+                p99: rays.p99 + patches.p99,
+            },
+            patchwork: Box::new(patchwork),
+        }
+    }
+
     /// The ends of all pixels' geodesics, in f64 on all cores. `progress` is told the share that is done.
     pub fn map(&self, progress: &(dyn Fn(f32) + Sync)) -> Map {
-        let method = match self.method {
-            Method::Auto | Method::Adaptive => map::Method::Adaptive,
-            Method::Rk4Pixel => map::Method::Rk4 {
-                steps: RK4_STEPS,
-                arithmetic: Arithmetic::F64,
-            },
+        let (method, tolerance) = match self.method {
+            Method::Auto | Method::Fan => (map::Method::Fan, TOLERANCE),
+            Method::FanLinear => (map::Method::FanLinear, TOLERANCE),
+            Method::Adaptive => (map::Method::Adaptive, RAY_TOLERANCE),
+            Method::Rk4Pixel => {
+                let rk4 = map::Method::Rk4 {
+                    steps: RK4_STEPS,
+                    arithmetic: Arithmetic::F64,
+                };
+                (rk4, RAY_TOLERANCE)
+            }
         };
         let options = MapOptions {
             method,
-            tolerance: TOLERANCE,
+            tolerance,
+            max_evaluations: self.most_evaluations(),
             ..MapOptions::default()
         };
-        exponential_map(
-            self.ground.surface(),
-            &self.frame,
-            self.size,
-            &options,
-            progress,
-        )
+        let surface = self.ground.surface();
+        exponential_map(surface, &self.frame, self.size, &options, progress)
+    }
+
+    /// However the pixels are followed, they take no more than if each were by itself.
+    fn most_evaluations(&self) -> u64 {
+        let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
+        MapOptions::default()
+            .max_evaluations
+            .min(pixels.saturating_mul(map::MOST_FOR_PIXEL))
+    }
+
+    /// What it stands on.
+    pub fn ground(&self) -> &Ground {
+        &self.ground
+    }
+
+    /// The picture in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.size
+    }
+}
+
+/// What a camera sees: the ends of the geodesics of all pixels.
+#[derive(Clone, Debug)]
+pub enum Seen {
+    /// By polynomials between rays that the pixels share.
+    Patchwork {
+        /// The ends.
+        patchwork: Box<Patchwork>,
+        /// What it cost.
+        work: Work,
+        /// How exact it is.
+        estimate: Estimate,
+    },
+    /// Pixel by pixel.
+    Map(Map),
+}
+
+impl Seen {
+    /// What it cost.
+    pub fn work(&self) -> Work {
+        match self {
+            Self::Patchwork { work, .. } => *work,
+            Self::Map(map) => map.work,
+        }
+    }
+
+    /// How exact it is, as far as the method can tell.
+    pub fn estimate(&self) -> Option<Estimate> {
+        match self {
+            Self::Patchwork { estimate, .. } => Some(*estimate),
+            Self::Map(map) => map.estimate,
+        }
+    }
+
+    /// All pixels' ends.
+    pub fn map(&self) -> Cow<'_, Map> {
+        match self {
+            Self::Patchwork { patchwork, .. } => Cow::Owned(patchwork.map(true)),
+            Self::Map(map) => Cow::Borrowed(map),
+        }
+    }
+
+    /// The picture, and each pixel's status.
+    pub fn resolve(&self, paint: &Paint) -> (RgbaImage, Vec<Status>) {
+        match self {
+            Self::Patchwork { patchwork, .. } => resolve_patchwork(patchwork, paint),
+            Self::Map(map) => (resolve(map, paint), map.status.clone()),
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use expr::processor::{Processor, Work};
 use geodesic::map::Map;
+use geodesic::patchwork::{BLOCK, Patchwork, Rows};
 use geodesic::surface::{Side, Sides};
 use geodesic::trace::Status;
 use image::RgbaImage;
@@ -36,10 +37,9 @@ pub struct Paint<'a> {
 
 /// Colours a map, on all cores.
 pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
-    let [width, height] = map.size;
-    let mut image = RgbaImage::new(width, height);
-    let row_bytes = 4 * width as usize;
-    if row_bytes == 0 {
+    let [width, height] = map.size.map(|side| side as usize);
+    let mut image = RgbaImage::new(map.size[0], map.size[1]);
+    if width == 0 {
         return image;
     }
     let cover = Cover::new(paint.texture, paint.domain, paint.sides);
@@ -47,22 +47,96 @@ pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
     let (cover, sampler) = (&cover, &sampler);
     let processor = Processor::here();
     image
-        .par_chunks_mut(row_bytes)
+        .par_chunks_mut(4 * width)
         .enumerate()
         .for_each(|(y, pixels)| {
             processor.run(Row {
-                map,
-                paint,
+                width,
+                height,
+                offset: &map.offset,
+                by_pixel: &map.by_pixel,
+                status: &map.status,
+                tint: paint.colour,
                 cover,
                 sampler,
                 y,
                 pixels,
             });
         });
-    if paint.mark_centre {
-        mark_centre(&mut image);
-    }
+    finish(&mut image, &map.status, paint);
     image
+}
+
+/// Colours a patchwork, on all cores: some rows are computed and coloured while they are in the cache. Gives each
+/// pixel's status too.
+pub fn resolve_patchwork(patchwork: &Patchwork, paint: &Paint) -> (RgbaImage, Vec<Status>) {
+    let [width, height] = patchwork.size.map(|side| side as usize);
+    let mut image = RgbaImage::new(patchwork.size[0], patchwork.size[1]);
+    let mut status = vec![Status::Complete; width * height];
+    if status.is_empty() {
+        return (image, status);
+    }
+    let cover = Cover::new(paint.texture, paint.domain, paint.sides);
+    let sampler = cover.sampler(patchwork.origin);
+    let (cover, sampler) = (&cover, &sampler);
+    let processor = Processor::here();
+    let band = BLOCK as usize * width;
+    let buffers = || (vec![[0.0; 2]; band], vec![[0.0; 4]; band]);
+    image
+        .par_chunks_mut(4 * band)
+        .zip(status.par_chunks_mut(band))
+        .enumerate()
+        .for_each_init(buffers, |(offset, by_pixel), (number, (pixels, status))| {
+            let count = status.len();
+            let (offset, by_pixel) = (&mut offset[..count], &mut by_pixel[..count]);
+            let rows = Rows {
+                offset: &mut *offset,
+                by_pixel: &mut *by_pixel,
+                status: &mut *status,
+            };
+            patchwork.block_row(number as u32, rows);
+            for (y, pixels) in pixels.chunks_exact_mut(4 * width).enumerate() {
+                processor.run(Row {
+                    width,
+                    height: count / width,
+                    offset,
+                    by_pixel,
+                    status,
+                    tint: paint.colour,
+                    cover,
+                    sampler,
+                    y,
+                    pixels,
+                });
+            }
+        });
+    finish(&mut image, &status, paint);
+    (image, status)
+}
+
+/// Hatches what is not seen and marks the centre.
+fn finish(image: &mut RgbaImage, status: &[Status], paint: &Paint) {
+    let size = [image.width(), image.height()];
+    let width = size[0] as usize;
+    image
+        .par_chunks_mut(4 * width)
+        .enumerate()
+        .for_each(|(y, pixels)| {
+            let row = &status[y * width..(y + 1) * width];
+            if row.iter().all(|&status| status == Status::Complete) {
+                return;
+            }
+            for (x, pixel) in pixels.chunks_exact_mut(4).enumerate() {
+                if row[x] != Status::Complete {
+                    let [r, g, b] = hatched(size, status, x as u32, y as u32, row[x]);
+                    let colour = [r, g, b].map(style::encode);
+                    pixel.copy_from_slice(&[colour[0], colour[1], colour[2], 255]);
+                }
+            }
+        });
+    if paint.mark_centre {
+        mark_centre(image);
+    }
 }
 
 /// An image as it goes on beyond the domain's sides.
@@ -102,12 +176,19 @@ impl Cover {
     }
 }
 
-/// One row of the picture.
+/// One row of some rows of the picture. What is not seen is left as it is.
 struct Row<'a> {
-    map: &'a Map,
-    paint: &'a Paint<'a>,
+    /// Of the rows given.
+    width: usize,
+    height: usize,
+    /// As in [`Map`].
+    offset: &'a [[f32; 2]],
+    by_pixel: &'a [[f32; 4]],
+    status: &'a [Status],
+    tint: [f32; 3],
     cover: &'a Cover,
     sampler: &'a Sampler<'a>,
+    /// Which row.
     y: usize,
     pixels: &'a mut [u8],
 }
@@ -116,18 +197,18 @@ impl Work for Row<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run(self) {
-        let (map, y) = (self.map, self.y);
-        let width = map.size[0] as usize;
+    fn run(mut self) {
+        let pixels = std::mem::take(&mut self.pixels);
+        let (width, y, tint) = (self.width, self.y, self.tint);
         let here = y * width..(y + 1) * width;
-        let (offset, status) = (&map.offset[here.clone()], &map.status[here.clone()]);
-        let by_pixel = map.by_pixel.get(here);
+        let (offset, status) = (&self.offset[here.clone()], &self.status[here.clone()]);
+        let by_pixel = self.by_pixel.get(here);
+        let sampler = self.sampler;
         let mut derivatives = [[0.0; 4]; STRIP];
         let mut footprints = [Footprint::default(); STRIP];
         let mut colours = [[0.0; 3]; STRIP];
         let encoder = Encoder::get();
-        let tint = self.paint.colour;
-        for (strip, pixels) in self.pixels.chunks_mut(4 * STRIP).enumerate() {
+        for (strip, pixels) in pixels.chunks_mut(4 * STRIP).enumerate() {
             let first = strip * STRIP;
             let count = pixels.len() / 4;
             for k in 0..count {
@@ -135,22 +216,19 @@ impl Work for Row<'_> {
                 derivatives[k] = if (known[0] + known[1] + known[2] + known[3]).is_finite() {
                     known
                 } else if status[first + k] == Status::Complete {
-                    differences(map, self.cover, first + k, y)
+                    self.differences(first + k)
                 } else {
                     [0.0; 4]
                 };
             }
             for (footprint, derivative) in footprints.iter_mut().zip(&derivatives) {
-                *footprint = self.sampler.footprint(*derivative);
+                *footprint = sampler.footprint(*derivative);
             }
             for k in 0..count {
-                let x = first + k;
-                colours[k] = if status[x] == Status::Complete {
-                    let [r, g, b] = self.sampler.averaged(offset[x], footprints[k]);
-                    [r * tint[0], g * tint[1], b * tint[2]]
-                } else {
-                    hatched(map, x as u32, y as u32, status[x])
-                };
+                if status[first + k] == Status::Complete {
+                    let [r, g, b] = sampler.averaged(offset[first + k], footprints[k]);
+                    colours[k] = [r * tint[0], g * tint[1], b * tint[2]];
+                }
             }
             for (pixel, [r, g, b]) in pixels.chunks_exact_mut(4).zip(&colours) {
                 let bytes = [
@@ -165,58 +243,60 @@ impl Work for Row<'_> {
     }
 }
 
-/// The differences of a pixel's end to its neighbours' across and down, each the shorter of both sides' and to the
-/// image's nearest repetition: a seam, where the chart jumps, is no edge of the picture.
-#[inline(never)]
-fn differences(map: &Map, cover: &Cover, x: usize, y: usize) -> [f32; 4] {
-    let [width, height] = map.size.map(|side| side as usize);
-    let here = map.offset[y * width + x];
-    let toward = |x: Option<usize>, y: Option<usize>| {
-        let index = y? * width + x?;
-        (map.status[index] == Status::Complete).then(|| -> [f32; 2] {
-            std::array::from_fn(|k| {
-                let step = f64::from(map.offset[index][k]) - f64::from(here[k]);
-                let period = cover.period[k];
-                if cover.repeats[k] {
-                    (step - period * (step / period).round()) as f32
-                } else {
-                    step as f32
-                }
+impl Row<'_> {
+    /// The differences of a pixel's end to its neighbours' across and down, each the shorter of both sides' and to the
+    /// image's nearest repetition: a seam, where the chart jumps, is no edge of the picture.
+    #[inline(never)]
+    fn differences(&self, x: usize) -> [f32; 4] {
+        let (width, cover, y) = (self.width, self.cover, self.y);
+        let here = self.offset[y * width + x];
+        let toward = |x: Option<usize>, y: Option<usize>| {
+            let index = y? * width + x?;
+            (self.status[index] == Status::Complete).then(|| -> [f32; 2] {
+                std::array::from_fn(|k| {
+                    let step = f64::from(self.offset[index][k]) - f64::from(here[k]);
+                    let period = cover.period[k];
+                    if cover.repeats[k] {
+                        (step - period * (step / period).round()) as f32
+                    } else {
+                        step as f32
+                    }
+                })
             })
-        })
-    };
-    let shorter = |one: Option<[f32; 2]>, other: Option<[f32; 2]>| {
-        // In widths of the image, so that both coordinates count.
-        let square = |d: [f32; 2]| -> f64 {
-            let of = |k: usize| (f64::from(d[k]) / cover.period[k]).powi(2);
-            of(0) + of(1)
         };
-        match (one, other) {
-            (Some(one), Some(other)) if square(other) < square(one) => other,
-            (Some(one), _) => one,
-            (None, other) => other.unwrap_or_default(),
-        }
-    };
-    let after = |x: usize, size: usize| (x + 1 < size).then_some(x + 1);
-    let [a, b] = shorter(
-        toward(x.checked_sub(1), Some(y)),
-        toward(after(x, width), Some(y)),
-    );
-    let [c, d] = shorter(
-        toward(Some(x), y.checked_sub(1)),
-        toward(Some(x), after(y, height)),
-    );
-    [a, b, c, d]
+        let shorter = |one: Option<[f32; 2]>, other: Option<[f32; 2]>| {
+            // In widths of the image, so that both coordinates count.
+            let square = |d: [f32; 2]| -> f64 {
+                let of = |k: usize| (f64::from(d[k]) / cover.period[k]).powi(2);
+                of(0) + of(1)
+            };
+            match (one, other) {
+                (Some(one), Some(other)) if square(other) < square(one) => other,
+                (Some(one), _) => one,
+                (None, other) => other.unwrap_or_default(),
+            }
+        };
+        let after = |x: usize, size: usize| (x + 1 < size).then_some(x + 1);
+        let [a, b] = shorter(
+            toward(x.checked_sub(1), Some(y)),
+            toward(after(x, width), Some(y)),
+        );
+        let [c, d] = shorter(
+            toward(Some(x), y.checked_sub(1)),
+            toward(Some(x), after(y, self.height)),
+        );
+        [a, b, c, d]
+    }
 }
 
 /// The hatching of a pixel that shows nothing of the surface; darker along its border to what is seen.
-fn hatched(map: &Map, x: u32, y: u32, status: Status) -> [f32; 3] {
-    let [width, height] = map.size;
-    let unit = style::pixel_unit(map.size).max(0.4);
+fn hatched(size: [u32; 2], all: &[Status], x: u32, y: u32, status: Status) -> [f32; 3] {
+    let [width, height] = size;
+    let unit = style::pixel_unit(size).max(0.4);
     let seen = |dx: i64, dy: i64| {
         let (x, y) = (i64::from(x) + dx, i64::from(y) + dy);
         let inside = (0..i64::from(width)).contains(&x) && (0..i64::from(height)).contains(&y);
-        inside && map.status[y as usize * width as usize + x as usize] == Status::Complete
+        inside && all[y as usize * width as usize + x as usize] == Status::Complete
     };
     let reach = (unit.round() as i64).max(1);
     let border = (-reach..=reach)

@@ -1,10 +1,13 @@
-//! The geodesic view: a map from a generated kernel (or from f64), coloured by a fixed pass.
+//! The geodesic view: the ends of all pixels' geodesics, coloured by a fixed pass. The ends are a table of polynomials
+//! that the fan's rays gave in f64, or, for comparison, a map pixel by pixel from f64 or from a generated kernel.
 //!
 //! Pictures are made in slabs of rows, so that memory is bounded, and each slab in bands, so that no dispatch runs
 //! long. The resolve pass looks at neighbouring pixels: a slab's map has some rows more than are coloured.
 
+use geodesic::ends::{Estimate, Work};
 use geodesic::frame::Frame;
-use geodesic::map::{Map, bring_back};
+use geodesic::map::Map;
+use geodesic::patchwork::table::code_of;
 use geodesic::surface::{Side, Sides};
 use geodesic::trace::Status;
 use image::RgbaImage;
@@ -12,7 +15,7 @@ use scene::scene::{ObjectId, Scene, Shape};
 use scene::values::Settings;
 use wgsl::Kernel;
 
-use crate::geodesic_view::{self, HATCH, LEAST_RING, RING};
+use crate::geodesic_view::{self, Cover, HATCH, LEAST_RING, RING, Seen};
 use crate::gpu::internal;
 use crate::gpu::layout::{ChartCamera, Resolve};
 use crate::gpu::workshop::{Workshop, dispatch};
@@ -45,16 +48,28 @@ pub(crate) fn render(
     };
     let inside = geodesic_view::Inside::new(scene, settings, request)?;
     let object = &scene.objects[view.surface.0 as usize];
-    let chart = Chart::of(&inside);
-    let source = map_source(workshop, scene, view, &inside, progress)?;
+    let source = source(workshop, scene, view, &inside, progress)?;
+    let (work, estimate) = (source.work, source.estimate);
     let [width, height] = request.size;
     let mut picture = RgbaImage::new(width, height);
 
-    let joined = wgsl::painter::resolve_geodesic()?;
-    let pipeline = workshop.resolve_pipeline(&joined);
-    let sampler = workshop.sampler();
-    let image = workshop.texture(&request.texture(view.surface));
-    let mut resolve = chart.resolve(request, request.colour(view.surface, &object.shape));
+    let pipeline = match &source.ends {
+        Ends::Map(..) => workshop.resolve_pipeline(&wgsl::painter::resolve_geodesic()?),
+        Ends::Table(_) => workshop.resolve_pipeline(&wgsl::painter::resolve_patchwork()?),
+    };
+    let cover = Cover::new(
+        &request.texture(view.surface),
+        inside.domain(),
+        inside.sides(),
+    );
+    let sampler = workshop.sampler(cover.repeats);
+    let image = workshop.texture(&cover.texture);
+    let unit = match &source.ends {
+        Ends::Map(_, chart) => chart.scale,
+        Ends::Table(_) => [1.0; 2],
+    };
+    let colour = request.colour(view.surface, &object.shape);
+    let mut resolve = description(request, &cover, inside.frame.uv, unit, colour);
     let halo = resolve.reach as u32 + 1;
     let slab = (SLAB_PIXELS / width)
         .saturating_sub(2 * halo)
@@ -63,16 +78,23 @@ pub(crate) fn render(
     let counts = gpu.output("counts", 4 * STATUSES as u64)?;
     for first in (0..height).step_by(slab as usize) {
         let rows = slab.min(height - first);
-        let map_first = first.saturating_sub(halo);
-        let map_rows = (first + rows + halo).min(height) - map_first;
-        let map = source.rows(
-            workshop,
-            &chart,
-            request.size,
-            [map_first, map_rows],
-            progress,
-        )?;
-        resolve.map_rows = [map_first, map_rows];
+        let made;
+        let ends = match &source.ends {
+            Ends::Map(map, chart) => {
+                let map_first = first.saturating_sub(halo);
+                let map_rows = (first + rows + halo).min(height) - map_first;
+                resolve.map_rows = [map_first, map_rows];
+                made = map.rows(
+                    workshop,
+                    chart,
+                    request.size,
+                    [map_first, map_rows],
+                    progress,
+                )?;
+                &made
+            }
+            Ends::Table(table) => table,
+        };
         resolve.rows = [first, rows];
         let uniform = gpu.uniform("resolve", &resolve);
         let size = 4 * u64::from(width) * u64::from(rows);
@@ -81,7 +103,7 @@ pub(crate) fn render(
             &pipeline.get_bind_group_layout(0),
             &[
                 uniform.as_entire_binding(),
-                map.as_entire_binding(),
+                ends.as_entire_binding(),
                 colours.as_entire_binding(),
                 counts.as_entire_binding(),
                 wgpu::BindingResource::TextureView(&image),
@@ -111,8 +133,100 @@ pub(crate) fn render(
     };
     Ok((
         picture,
-        geodesic_view::notes(width as usize * height as usize, count),
+        geodesic_view::notes(width as usize * height as usize, count, &work, estimate),
     ))
+}
+
+/// Where the pixels' ends come from.
+struct Found {
+    ends: Ends,
+    /// What they cost on the CPU.
+    work: Work,
+    estimate: Option<Estimate>,
+}
+
+enum Ends {
+    /// Pixel by pixel.
+    Map(MapSource, Box<Chart>),
+    /// The table of a patchwork, as words.
+    Table(wgpu::Buffer),
+}
+
+fn source(
+    workshop: &mut Workshop<'_>,
+    scene: &Scene,
+    view: &GeodesicPlan,
+    inside: &geodesic_view::Inside,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Found, RenderError> {
+    if view.source == Source::Kernel
+        && let Some(kernel) = kernel_source(workshop, scene, view.surface, inside)?
+    {
+        return Ok(Found {
+            ends: Ends::Map(kernel, Box::new(Chart::of(inside))),
+            work: Work::default(),
+            estimate: None,
+        });
+    }
+    let seen = inside.look(&|share| progress(0.9 * share));
+    let (work, estimate) = (seen.work(), seen.estimate());
+    let ends = match seen {
+        Seen::Patchwork { patchwork, .. } => {
+            let words = patchwork.table();
+            Ends::Table(workshop.gpu.storage("table", bytemuck::cast_slice(&words)))
+        }
+        Seen::Map(map) => Ends::Map(MapSource::Blocks(map), Box::new(Chart::of(inside))),
+    };
+    Ok(Found {
+        ends,
+        work,
+        estimate,
+    })
+}
+
+/// What a fixed pass needs, but for the rows. The ends' offsets count `unit`s of (u,v) from `origin`.
+fn description(
+    request: &Request,
+    cover: &Cover,
+    origin: [f64; 2],
+    unit: [f64; 2],
+    [r, g, b]: [f32; 3],
+) -> Resolve {
+    let size = request.size;
+    let pixel_unit = style::pixel_unit(size);
+    let hatch_unit = pixel_unit.max(0.4);
+    let mark = request.mark_centre && size[0].min(size[1]) >= 32;
+    let mut hatching = [[1.0; 4]; 12];
+    for (code, pair) in hatching.chunks_exact_mut(2).enumerate() {
+        let colours = geodesic_view::hatching(status_of(code as u32));
+        for (to, colour) in pair.iter_mut().zip(colours) {
+            let [r, g, b] = style::linear(colour);
+            *to = [r, g, b, 1.0];
+        }
+    }
+    let place = cover.share(origin);
+    Resolve {
+        colour: [r, g, b, 1.0],
+        // Where the image repeats, whole turns would only cost digits.
+        place: [0, 1].map(|k| match cover.repeats[k] {
+            true => (place[k] - place[k].floor()) as f32,
+            false => place[k] as f32,
+        }),
+        per_width: [0, 1].map(|k| (unit[k] / cover.period[k]) as f32),
+        repeats: cover.repeats.map(|repeats| f32::from(u8::from(repeats))),
+        size,
+        map_rows: [0, size[1]],
+        rows: [0, size[1]],
+        hatch: HATCH * hatch_unit,
+        reach: (hatch_unit.round() as i32).max(1),
+        ring: if mark {
+            (RING * pixel_unit).max(LEAST_RING)
+        } else {
+            0.0
+        },
+        ring_half: (0.75 * pixel_unit).max(0.6),
+        hatching,
+    }
 }
 
 /// The map of a geodesic view as a generated kernel computes it, in one piece: for comparing it with f64. `None` if
@@ -140,28 +254,8 @@ enum MapSource {
         pipeline: wgpu::ComputePipeline,
         uniforms: Option<wgpu::Buffer>,
     },
-    /// A map whose ends have been brought back into the domain.
+    /// A map in f64.
     Blocks(Map),
-}
-
-fn map_source(
-    workshop: &mut Workshop<'_>,
-    scene: &Scene,
-    view: &GeodesicPlan,
-    inside: &geodesic_view::Inside,
-    progress: &(dyn Fn(f32) + Sync),
-) -> Result<MapSource, RenderError> {
-    if view.source == Source::Kernel
-        && let Some(source) = kernel_source(workshop, scene, view.surface, inside)?
-    {
-        return Ok(source);
-    }
-    let mut map = inside.map(&|share| progress(0.9 * share));
-    for index in 0..map.offset.len() {
-        let (at, _) = bring_back(inside.domain(), inside.sides(), map.uv(index));
-        map.offset[index] = [0, 1].map(|k| (at[k] - map.origin[k]) as f32);
-    }
-    Ok(MapSource::Blocks(map))
 }
 
 /// The generated kernel; `None` if it would be too large for a shader: f64 takes any expression.
@@ -338,41 +432,6 @@ impl Chart {
             map_row,
         }
     }
-
-    /// What the fixed pass needs, but for the rows.
-    fn resolve(&self, request: &Request, [r, g, b]: [f32; 3]) -> Resolve {
-        let size = request.size;
-        let unit = style::pixel_unit(size);
-        let hatch_unit = unit.max(0.4);
-        let mark = request.mark_centre && size[0].min(size[1]) >= 32;
-        let width = |k: usize| self.domain[k][1] - self.domain[k][0];
-        let mut hatching = [[1.0; 4]; 12];
-        for (code, pair) in hatching.chunks_exact_mut(2).enumerate() {
-            let colours = geodesic_view::hatching(status_of(code as u32));
-            for (to, colour) in pair.iter_mut().zip(colours) {
-                let [r, g, b] = style::linear(colour);
-                *to = [r, g, b, 1.0];
-            }
-        }
-        Resolve {
-            colour: [r, g, b, 1.0],
-            place: [0, 1].map(|k| ((self.at[k] - self.domain[k][0]) / width(k)) as f32),
-            per_width: [0, 1].map(|k| (self.scale[k] / width(k)) as f32),
-            size,
-            map_rows: [0, size[1]],
-            rows: [0, size[1]],
-            hatch: HATCH * hatch_unit,
-            reach: (hatch_unit.round() as i32).max(1),
-            ring: if mark {
-                (RING * unit).max(LEAST_RING)
-            } else {
-                0.0
-            },
-            ring_half: (0.75 * unit).max(0.6),
-            padding: [0.0; 2],
-            hatching,
-        }
-    }
 }
 
 /// The number of a side that is the tip of a cone in lib/chart.wgsl.
@@ -385,18 +444,6 @@ fn side_code(side: Side) -> u32 {
         Side::Wrap => 1,
         Side::WrapFlip => 2,
         Side::Pole => 3,
-    }
-}
-
-/// The number of a status in lib/chart.wgsl.
-fn code_of(status: Status) -> u32 {
-    match status {
-        Status::Complete => 0,
-        Status::LeftDomain => 1,
-        Status::ConePoint => 2,
-        Status::Degenerate => 3,
-        Status::Undefined => 4,
-        Status::WorkLimit => 5,
     }
 }
 

@@ -150,13 +150,14 @@ pub(crate) struct ChartCamera {
     pub(crate) map_row: u32,
 }
 
-/// `Resolve` of pass/resolve_geodesic.wgsl.
+/// `Resolve` of lib/picture.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Resolve {
     pub(crate) colour: [f32; 4],
     pub(crate) place: [f32; 2],
     pub(crate) per_width: [f32; 2],
+    pub(crate) repeats: [f32; 2],
     pub(crate) size: [u32; 2],
     pub(crate) map_rows: [u32; 2],
     pub(crate) rows: [u32; 2],
@@ -164,7 +165,6 @@ pub(crate) struct Resolve {
     pub(crate) reach: i32,
     pub(crate) ring: f32,
     pub(crate) ring_half: f32,
-    pub(crate) padding: [f32; 2],
     pub(crate) hatching: [[f32; 4]; 12],
 }
 
@@ -261,8 +261,8 @@ mod tests {
             "Resolve",
             super::Resolve,
             [
-                colour, place, per_width, size, map_rows, rows, hatch, reach, ring, ring_half,
-                padding, hatching,
+                colour, place, per_width, repeats, size, map_rows, rows, hatch, reach, ring,
+                ring_half, hatching,
             ]
         );
         let samples = stubbed(&[

@@ -24,7 +24,7 @@ impl Surfaces {
         let pipeline = workshop.draw_pipeline("surfaces", &joined);
         Ok(Self {
             pipeline,
-            sampler: workshop.sampler(),
+            sampler: workshop.sampler([true; 2]),
             images: Vec::new(),
             indices: Vec::new(),
         })

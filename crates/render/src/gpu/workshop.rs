@@ -51,10 +51,10 @@ impl<'a> Workshop<'a> {
         self.compute(kernel.entry_point(), kernel.joined())
     }
 
-    /// The fixed pass that colours a map.
+    /// The fixed pass that colours a map or a table of polynomials.
     pub(crate) fn resolve_pipeline(&mut self, joined: &Joined) -> wgpu::ComputePipeline {
         self.built.resolve_pipelines += 1;
-        self.compute("resolve_geodesics", joined)
+        self.compute("resolve", joined)
     }
 
     /// A kernel that no picture needs.
@@ -111,13 +111,18 @@ impl<'a> Workshop<'a> {
             })
     }
 
-    /// The sampler of all images: they repeat, filtered linearly within and between levels.
-    pub(crate) fn sampler(&mut self) -> wgpu::Sampler {
+    /// A sampler, linear within and between levels, for images that repeat along some axes; along the others their
+    /// border goes on.
+    pub(crate) fn sampler(&mut self, repeats: [bool; 2]) -> wgpu::Sampler {
         self.built.samplers += 1;
+        let [u, v] = repeats.map(|repeats| match repeats {
+            true => wgpu::AddressMode::Repeat,
+            false => wgpu::AddressMode::ClampToEdge,
+        });
         self.gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("image"),
-            address_mode_u: wgpu::AddressMode::Repeat,
-            address_mode_v: wgpu::AddressMode::Repeat,
+            address_mode_u: u,
+            address_mode_v: v,
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
             mipmap_filter: wgpu::MipmapFilterMode::Linear,

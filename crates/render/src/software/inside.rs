@@ -3,7 +3,7 @@
 use scene::scene::{Scene, Shape};
 use scene::values::Settings;
 
-use crate::geodesic_view::{Inside, Paint, notes, resolve};
+use crate::geodesic_view::{Inside, Paint, notes};
 use crate::request::{Picture, RenderError, Request, View};
 
 pub(super) fn render(
@@ -17,7 +17,7 @@ pub(super) fn render(
         return Err(RenderError::NoSurface { name: None });
     };
     let shape: &Shape = &scene.objects[surface.0 as usize].shape;
-    let map = inside.map(&|share| progress(0.95 * share));
+    let seen = inside.look(&|share| progress(0.9 * share));
     let texture = request.texture(surface);
     let paint = Paint {
         texture: &texture,
@@ -26,13 +26,12 @@ pub(super) fn render(
         sides: inside.sides(),
         mark_centre: request.mark_centre,
     };
-    let image = resolve(&map, &paint);
+    let (image, status) = seen.resolve(&paint);
     progress(1.0);
+    let count = |kind| status.iter().filter(|&&s| s == kind).count();
     Ok(Picture {
         image,
         backend: "software".to_owned(),
-        notes: notes(map.status.len(), |status| {
-            map.status.iter().filter(|&&s| s == status).count()
-        }),
+        notes: notes(status.len(), count, &seen.work(), seen.estimate()),
     })
 }

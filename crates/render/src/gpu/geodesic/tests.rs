@@ -36,7 +36,17 @@ fn map(
         let source = MapSource::kernel(&mut workshop, &kernel, &[]);
         let chart = Chart {
             sides,
-            ..Chart::new(&Frame { uv: at, coordinates: geodesic::ends::Coordinates::Plain, x, y }, domain, Sides::default(), zoom)
+            ..Chart::new(
+                &Frame {
+                    uv: at,
+                    coordinates: geodesic::ends::Coordinates::Plain,
+                    x,
+                    y,
+                },
+                domain,
+                Sides::default(),
+                zoom,
+            )
         };
         source.whole(&workshop, &chart, [size, size])
     })
