@@ -32,6 +32,10 @@ function M.restart()
     for buffer in pairs(each.attached_buffers) do
       buffers[buffer] = true
     end
+    -- A server that is shutting down answers nothing: the buffers must not ask it any more.
+    for buffer in pairs(buffers) do
+      vim.lsp.buf_detach_client(buffer, each.id)
+    end
     each:stop()
   end
   vim.wait(3000, function()

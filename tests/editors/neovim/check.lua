@@ -1,0 +1,240 @@
+-- What a user of Neovim sees. Each test says what it expects; the exit status is 0 only if all passed.
+local passed, failed = 0, 0
+local root, scratch = vim.env.GEOTRACE_ROOT, vim.env.GEOTRACE_SCRATCH
+
+local function say(text)
+  io.stdout:write(text .. "\n")
+end
+
+local function test(name, body)
+  local ok, problem = xpcall(body, debug.traceback)
+  if ok then
+    passed = passed + 1
+    say("ok      " .. name)
+  else
+    failed = failed + 1
+    say("FAILED  " .. name .. "\n" .. problem)
+  end
+end
+
+-- Waits until the condition gives a value.
+local function eventually(what, condition)
+  local value
+  local ok = vim.wait(8000, function()
+    value = condition()
+    return value
+  end, 10)
+  assert(ok, "never came: " .. what)
+  return value
+end
+
+local function equal(one, other, what)
+  if not vim.deep_equal(one, other) then
+    error(("%s: %s, wanted %s"):format(what or "is", vim.inspect(one), vim.inspect(other)))
+  end
+end
+
+-- A new file with this text in the current window, with the server attached.
+local files = 0
+local function open(text)
+  files = files + 1
+  local path = ("%s/%d.gtr"):format(scratch, files)
+  vim.fn.writefile(vim.split(text, "\n"), path)
+  vim.cmd.edit(path)
+  eventually("the server", function()
+    local client = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
+    return client and client.initialized and client
+  end)
+  return vim.api.nvim_get_current_buf()
+end
+
+local function diagnostics()
+  local found = vim.diagnostic.get(0)
+  table.sort(found, function(a, b)
+    return a.lnum < b.lnum or a.lnum == b.lnum and a.col < b.col
+  end)
+  return found
+end
+
+local function request(method, params)
+  local client = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
+  local answer = client:request_sync(method, params, 8000, 0)
+  assert(answer, method .. ": no answer")
+  assert(not answer.err, vim.inspect(answer.err))
+  return answer.result
+end
+
+local function at(line, column)
+  return { textDocument = vim.lsp.util.make_text_document_params(0), position = { line = line, character = column } }
+end
+
+local function text()
+  return table.concat(vim.api.nvim_buf_get_lines(0, 0, -1, false), "\n")
+end
+
+test("a .gtr file is a Geotrace program, and the server speaks UTF-8", function()
+  open("define a = 1;")
+  equal(vim.bo.filetype, "geotrace")
+  equal(vim.bo.commentstring, "# %s")
+  local client = vim.lsp.get_clients({ bufnr = 0 })[1]
+  equal(client.offset_encoding, "utf-8")
+end)
+
+test("a mistake stands at its place, once, with its code", function()
+  open("# 𝛼 beyond the first plane\ndefine b = 1 + sinn 2;")
+  eventually("a diagnostic", function()
+    return #diagnostics() > 0
+  end)
+  vim.wait(200)
+  local found = diagnostics()
+  equal(#found, 1)
+  equal({ found[1].lnum, found[1].col, found[1].code }, { 1, 18, "undefined-name" })
+  equal(found[1].source, "geotrace")
+  assert(found[1].message:find("did you mean `sin`", 1, true), found[1].message)
+end)
+
+test("edits change the diagnostics, whatever they hold", function()
+  open("define a = 1;\ndefine b = a;")
+  vim.wait(100)
+  equal(#diagnostics(), 0)
+  vim.api.nvim_buf_set_lines(0, 0, 1, false, { "# é 𝛼", "define c = 1;" })
+  eventually("the loss of a", function()
+    local found = diagnostics()
+    return #found == 1 and found[1].lnum == 2 and found[1].col == 11
+  end)
+  vim.api.nvim_buf_set_text(0, 1, 7, 1, 8, { "a" })
+  eventually("all well again", function()
+    return #diagnostics() == 0
+  end)
+end)
+
+test("tokens are highlight groups by meaning", function()
+  local buffer = open("param r : [1,2];\nsurface s(u,v) = (r cosu, sinu, v), u : [0,1], v : [0,1];")
+  local function groups(line, column)
+    local names = {}
+    for _, token in ipairs(vim.lsp.semantic_tokens.get_at_pos(buffer, line, column) or {}) do
+      table.insert(names, token.type)
+      for modifier in pairs(token.modifiers) do
+        table.insert(names, token.type .. "." .. modifier)
+      end
+    end
+    table.sort(names)
+    return names
+  end
+  eventually("tokens", function()
+    return #groups(0, 0) > 0
+  end)
+  equal(groups(0, 0), { "keyword" })
+  equal(groups(0, 6), { "variable", "variable.declaration", "variable.param" })
+  equal(groups(1, 8), { "function", "function.declaration", "function.surface" })
+  equal(groups(1, 20), { "function", "function.defaultLibrary" })
+  equal(groups(1, 23), { "parameter" })
+  local shown = vim.inspect_pos(buffer, 1, 23).semantic_tokens
+  assert(#shown > 0 and shown[1].opts.hl_group:find("@lsp.type.parameter", 1, true), vim.inspect(shown))
+end)
+
+test("hover tells the value", function()
+  open("define tau = 2pi;\ndefine b = tau/2;")
+  local hover = request("textDocument/hover", at(1, 12))
+  assert(hover.contents.value:find("= 6.2832", 1, true), hover.contents.value)
+  equal(hover.range.start, { line = 1, character = 11 })
+end)
+
+test("renaming writes words apart where they would be read otherwise", function()
+  open("define c = 2;\nfunction f(s) = cs;")
+  vim.api.nvim_win_set_cursor(0, { 1, 7 })
+  vim.lsp.buf.rename("ab")
+  eventually("the new name", function()
+    return text() == "define ab = 2;\nfunction f(s) = ab s;"
+  end)
+end)
+
+test("formatting lays the text out", function()
+  open("define   a=1 ;define b = a+1;")
+  vim.lsp.buf.format({ timeout_ms = 8000 })
+  equal(text(), "define a = 1;\ndefine b = a + 1;")
+end)
+
+test("definition, references and symbols are found", function()
+  open("define a = 1;\nfunction f(x) = xa;")
+  local definition = request("textDocument/definition", at(1, 17))
+  equal(definition.range.start, { line = 0, character = 7 })
+  local params = at(0, 7)
+  params.context = { includeDeclaration = false }
+  equal(#request("textDocument/references", params), 1)
+  local symbols = request("textDocument/documentSymbol", { textDocument = at(0, 0).textDocument })
+  equal({ symbols[1].name, symbols[2].name }, { "a", "f" })
+end)
+
+test("completion offers names and snippets", function()
+  open("define radius = 1;\ndefine b = ra")
+  local items = request("textDocument/completion", at(1, 13))
+  local found = vim.iter(items.items or items):find(function(item)
+    return item.label == "radius"
+  end)
+  assert(found, "radius is not offered")
+  equal(found.textEdit.range.start, { line = 1, character = 11 })
+end)
+
+test("code actions mend a mistake", function()
+  open("define b = sinn 2;")
+  eventually("a diagnostic", function()
+    return #diagnostics() > 0
+  end)
+  vim.api.nvim_win_set_cursor(0, { 1, 14 })
+  vim.lsp.buf.code_action({ apply = true, filter = function(action)
+    return action.title == "Change to `sin`"
+  end })
+  eventually("the change", function()
+    return text() == "define b = sin 2;"
+  end)
+end)
+
+test("inlay hints show how words are split", function()
+  local buffer = open("function f(v) = piv;")
+  vim.lsp.inlay_hint.enable(true, { bufnr = buffer })
+  local hint = eventually("a hint", function()
+    return vim.lsp.inlay_hint.get({ bufnr = buffer })[1]
+  end)
+  equal(hint.inlay_hint.label, "·")
+  equal(hint.inlay_hint.position, { line = 0, character = 18 })
+end)
+
+test("the preview's command answers", function()
+  open("define a = 1;")
+  local messages = {}
+  local before = vim.notify
+  local handler = vim.lsp.handlers["window/showMessage"]
+  vim.lsp.handlers["window/showMessage"] = function(_, params)
+    table.insert(messages, params.message)
+  end
+  vim.cmd.GeotracePreview()
+  eventually("a message", function()
+    return messages[1]
+  end)
+  assert(messages[1]:find("preview", 1, true), messages[1])
+  vim.lsp.handlers["window/showMessage"] = handler
+  vim.notify = before
+end)
+
+test("the health check finds the server", function()
+  vim.cmd("checkhealth geotrace")
+  local report = text()
+  assert(report:find("OK", 1, true) and not report:find("ERROR", 1, true), report)
+end)
+
+test("restarting gives a new server and the diagnostics again", function()
+  open("define b = sinn 2;")
+  local first = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1].id
+  vim.cmd.GeotraceRestart()
+  eventually("another server", function()
+    local client = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
+    return client and client.id ~= first and client.initialized
+  end)
+  eventually("a diagnostic", function()
+    return #diagnostics() == 1
+  end)
+end)
+
+say(("Neovim: %d passed, %d failed"):format(passed, failed))
+vim.cmd((failed > 0 or passed == 0) and "cquit! 1" or "qall!")
