@@ -133,7 +133,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
 
     /// One geodesic by itself, where the rays do not say.
     fn follow(&self, start: &Start, place: [f64; 2], s: f64) -> End {
-        if self.sectors.exhausted {
+        if s > self.sectors.follow_within {
             return self.ended(Status::WorkLimit);
         }
         self.followed.fetch_add(1, Ordering::Relaxed);

@@ -61,6 +61,8 @@ pub(super) struct Runner {
     pub(super) done: bool,
 }
 
+/// The most evaluations to find out why steps lead nowhere.
+const CAREFUL: u64 = 4000;
 /// A lane within this share of its radius of a cone's tip has hit it.
 const HIT: f64 = 1e-9;
 /// A cone is unrolled anew when a ray has turned about its tip by this angle.
@@ -385,7 +387,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
                     runner.rejected += 1;
                     runner.h = h * least;
                     if h * factors[lane] < self.plan.shortest
-                        || runner.evaluations > self.plan.limit
+                        || runner.evaluations + STAGES > self.plan.limit
                     {
                         self.active[lane] = false;
                         self.stall(runner);
@@ -405,7 +407,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             if failed[lane] {
                 runner.rejected += 1;
                 self.active[lane] = false;
-                if runner.h < self.plan.shortest || runner.evaluations > self.plan.limit {
+                if runner.h < self.plan.shortest || runner.evaluations + STAGES > self.plan.limit {
                     self.stall(runner);
                 }
                 continue;
@@ -542,7 +544,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             self.active[lane] = false;
             return;
         }
-        if runner.evaluations > self.plan.limit {
+        if runner.evaluations + STAGES > self.plan.limit {
             runner.stop(runner.s, Status::WorkLimit);
             self.active[lane] = false;
             return;
@@ -589,11 +591,16 @@ impl<S: Surface + ?Sized> Group<'_, S> {
         let velocity = [0, 1].map(|k| velocity[k] * signs[k]);
         let atlas = Atlas::new(self.field.surface);
         let way = (runner.length - runner.s).min(1e2 * self.plan.shortest);
+        let left = self
+            .plan
+            .limit
+            .saturating_sub(runner.evaluations)
+            .min(CAREFUL);
         let plan = follow::Plan {
             tableau: &DOPRI5,
             tolerance: Some(self.plan.rate.clamp(1e-9, 1e-3)),
             step: self.plan.shortest,
-            limit: 4000,
+            limit: left as usize,
             charts: true,
             keep_path: false,
         };

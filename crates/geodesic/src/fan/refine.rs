@@ -35,8 +35,9 @@ const SPREAD: usize = 3;
 const ROUNDS: usize = 4;
 /// Predictions that were too low by more than this factor are raised, and looked at again.
 const RAISED: f64 = 1.4;
-/// The most evaluations for one ray.
+/// The most evaluations for one ray, and the least that one is begun with.
 const ONE_RAY: u64 = 20_000;
+const LEAST: u64 = 50;
 
 /// An error in pixels that stands for no agreement at all.
 const WRONG: f64 = 1e9;
@@ -82,8 +83,8 @@ pub(super) struct Sectors {
     table: Vec<u32>,
     pub(super) work: Work,
     pub(super) estimate: Estimate,
-    /// Whether all evaluations have been used up.
-    pub(super) exhausted: bool,
+    /// Pixels nearer to the centre than this may be followed by themselves where the rays do not say where they end.
+    pub(super) follow_within: f64,
 }
 
 impl Sectors {
@@ -191,11 +192,41 @@ pub(super) fn build<S: Surface + ?Sized>(
         table: Vec::new(),
         work: builder.work,
         estimate,
-        exhausted: builder.exhausted,
+        follow_within: 0.0,
     };
+    if !builder.exhausted {
+        let left = options.max_evaluations.saturating_sub(all.work.evaluations);
+        all.follow_within = affordable(&all, start, left);
+    }
     all.work.rays = all.rays.len() as u64;
     all.index();
     all
+}
+
+/// The radius within which all pixels that the rays say nothing about can be followed by themselves.
+fn affordable(all: &Sectors, start: &Start, left: u64) -> f64 {
+    let each = 2 * all.work.evaluations / all.work.rays.max(1) + 100;
+    let cost = |radius: f64| {
+        let area = |sector: &Sector| {
+            let (from, to) = (sector.unknown_from, radius.min(sector.border));
+            0.5 * sector.width * (to * to - from * from).max(0.0)
+        };
+        // Each pixel may be looked at twice.
+        2.0 * all.sectors.iter().map(area).sum::<f64>() / (start.pixel * start.pixel) * each as f64
+    };
+    let (mut low, mut high) = (0.0, start.reach);
+    if cost(high) <= left as f64 {
+        return f64::INFINITY;
+    }
+    for _ in 0..30 {
+        let middle = 0.5 * (low + high);
+        if cost(middle) <= left as f64 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
 }
 
 impl<S: Surface + ?Sized> Builder<'_, S> {
@@ -210,12 +241,21 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
     /// Integrates rays at these angles, each as long as the picture is within a distance in angle of it. `None` where
     /// the evaluations do not suffice for all.
     fn integrate(&mut self, plan: &Plan, wanted: &[(f64, f64)]) -> Option<Vec<Ray>> {
-        let rays = self.work.rays.max(1);
-        let each = 2 * self.work.evaluations / rays + 100;
-        if self.work.evaluations + each * wanted.len() as u64 > self.options.max_evaluations {
+        let left = self
+            .options
+            .max_evaluations
+            .saturating_sub(self.work.evaluations);
+        // What each may take for sure; no more than a few do more than twice the average.
+        let each = left / wanted.len().max(1) as u64;
+        let average = self.work.evaluations / self.work.rays.max(1);
+        if each < (2 * average).max(LEAST) {
             self.exhausted = true;
             return None;
         }
+        let plan = &Plan {
+            limit: plan.limit.min(each),
+            ..*plan
+        };
         let runners = wanted
             .iter()
             .enumerate()
@@ -227,6 +267,8 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             .collect();
         let done = march::march_all(self.surface, self.space, plan, runners);
         for runner in &done {
+            // Less than what a ray may take had there been no other.
+            self.exhausted |= plan.limit < ONE_RAY && runner.evaluations + LEAST > plan.limit;
             self.work.rays += 1;
             self.work.steps += runner.steps;
             self.work.rejected += runner.rejected;
