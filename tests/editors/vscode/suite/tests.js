@@ -1,10 +1,189 @@
 // What a user of VS Code sees, through the editor's own API.
 const assert = require("node:assert");
+const { mkdtempSync, writeFileSync } = require("node:fs");
+const { tmpdir } = require("node:os");
+const { join } = require("node:path");
 const vscode = require("vscode");
 
-exports["without a program the status says so, and nothing hangs"] = async () => {
+const scratch = mkdtempSync(join(tmpdir(), "geotrace-suite-"));
+let files = 0;
+
+/** Opens a new document with this text. */
+async function open(text) {
+    files += 1;
+    const path = join(scratch, `${files}.gtr`);
+    writeFileSync(path, text);
+    const document = await vscode.workspace.openTextDocument(path);
+    await vscode.window.showTextDocument(document);
+    return document;
+}
+
+/** Waits until the condition gives a value. */
+async function eventually(what, condition) {
+    const start = Date.now();
+    while (Date.now() - start < 15_000) {
+        const value = await condition();
+        if (value) {
+            return value;
+        }
+        await new Promise((resolve) => setTimeout(resolve, 20));
+    }
+    throw new Error(`never came: ${what}`);
+}
+
+const found = (document) => vscode.languages.getDiagnostics(document.uri);
+const ask = (command, ...rest) => vscode.commands.executeCommand(command, ...rest);
+
+async function edit(document, range, text) {
+    const change = new vscode.WorkspaceEdit();
+    change.replace(document.uri, range, text);
+    assert.ok(await vscode.workspace.applyEdit(change));
+}
+
+exports["the extension starts the server, and its status says so"] = async () => {
+    const document = await open("define a = 1;");
+    assert.strictEqual(document.languageId, "geotrace");
     const extension = vscode.extensions.getExtension("geotrace.geotrace");
     assert.ok(extension, "the extension is there");
     const api = await extension.activate();
-    assert.match(api.status(), /not running/);
+    await eventually("the server", () => /running, version \d/.test(api.status()));
+};
+
+exports["a mistake stands at its place, once"] = async () => {
+    const document = await open("# 𝛼 beyond the first plane\ndefine b = 1 + sinn 2; # é");
+    await eventually("a diagnostic", () => found(document).length > 0);
+    await new Promise((resolve) => setTimeout(resolve, 500));
+    const list = found(document);
+    assert.strictEqual(list.length, 1, JSON.stringify(list));
+    const { range, code, source, message } = list[0];
+    assert.deepStrictEqual([range.start.line, range.start.character], [1, 18]);
+    assert.strictEqual(code?.value ?? code, "undefined-name");
+    assert.strictEqual(source, "geotrace");
+    assert.match(message, /did you mean `sin`/);
+};
+
+exports["a related place points at the definition"] = async () => {
+    const document = await open("define a = 1;\ndefine a = 2;");
+    const list = await eventually("a diagnostic", () => found(document).length > 0 && found(document));
+    const related = list[0].relatedInformation[0];
+    assert.deepStrictEqual([related.location.range.start.line, related.location.range.start.character], [0, 7]);
+};
+
+exports["edits change the diagnostics, columns beyond the first plane too"] = async () => {
+    const document = await open("define a = 1; # 𝛼\ndefine b = a;");
+    await edit(document, new vscode.Range(0, 0, 0, 0), "# 𝛼𝛼\n");
+    await edit(document, new vscode.Range(1, 7, 1, 8), "c");
+    await eventually("the loss of a", () => {
+        const list = found(document);
+        return list.length === 1 && list[0].range.start.line === 2 && list[0].range.start.character === 11;
+    });
+    await edit(document, new vscode.Range(1, 7, 1, 8), "a");
+    await eventually("all well again", () => found(document).length === 0);
+};
+
+exports["colours are by meaning"] = async () => {
+    const document = await open("param r : [1,2];\nsurface s(u,v) = (r cosu, v, 0), u : [0,1], v : [0,1];");
+    const legend = await ask("vscode.provideDocumentSemanticTokensLegend", document.uri);
+    const tokens = await ask("vscode.provideDocumentSemanticTokens", document.uri);
+    const shown = [];
+    let [line, column] = [0, 0];
+    for (let k = 0; k < tokens.data.length; k += 5) {
+        const [lines, columns, length, type, modifiers] = tokens.data.slice(k, k + 5);
+        [line, column] = lines > 0 ? [line + lines, columns] : [line, column + columns];
+        const names = legend.tokenModifiers.filter((_, bit) => modifiers & (1 << bit));
+        const word = document.getText(new vscode.Range(line, column, line, column + length));
+        shown.push([word, legend.tokenTypes[type], ...names].join(" "));
+    }
+    for (const wanted of [
+        "param keyword",
+        "r variable declaration param",
+        "s function declaration surface",
+        "cos function defaultLibrary",
+        "u parameter",
+    ]) {
+        assert.ok(shown.includes(wanted), `${wanted} in ${shown.join("; ")}`);
+    }
+};
+
+exports["hover, signature, completion and definition answer"] = async () => {
+    const document = await open("define tau = 2pi;\nfunction f(x,y) = x y;\ndefine b = f(tau, 1);");
+    const at = new vscode.Position(2, 14);
+    const [hover] = await ask("vscode.executeHoverProvider", document.uri, at);
+    assert.match(hover.contents.map((content) => content.value).join(), /= 6\.2832/);
+    const help = await ask("vscode.executeSignatureHelpProvider", document.uri, new vscode.Position(2, 18), ",");
+    assert.strictEqual(help.signatures[0].label, "f(x, y)");
+    assert.strictEqual(help.activeParameter, 1);
+    const list = await ask("vscode.executeCompletionItemProvider", document.uri, at);
+    const labels = list.items.map((item) => item.label);
+    assert.ok(labels.includes("tau"), labels.join());
+    const [definition] = await ask("vscode.executeDefinitionProvider", document.uri, at);
+    assert.strictEqual((definition.range ?? definition.targetRange).start.line, 0);
+};
+
+exports["renaming writes words apart where they would be read otherwise"] = async () => {
+    const document = await open("define c = 2;\nfunction f(s) = cs;");
+    const change = await ask("vscode.executeDocumentRenameProvider", document.uri, new vscode.Position(0, 7), "ab");
+    assert.ok(await vscode.workspace.applyEdit(change));
+    assert.strictEqual(document.getText(), "define ab = 2;\nfunction f(s) = ab s;");
+    await assert.rejects(
+        async () => ask("vscode.executeDocumentRenameProvider", document.uri, new vscode.Position(0, 7), "sin"),
+        /already builtin/,
+    );
+};
+
+exports["formatting lays the text out"] = async () => {
+    const document = await open("define   a=1 ;define b = a+1;");
+    const edits = await ask("vscode.executeFormatDocumentProvider", document.uri, { tabSize: 4, insertSpaces: true });
+    const change = new vscode.WorkspaceEdit();
+    change.set(document.uri, edits);
+    assert.ok(await vscode.workspace.applyEdit(change));
+    assert.strictEqual(document.getText(), "define a = 1;\ndefine b = a + 1;\n");
+};
+
+exports["a quick fix mends a mistake"] = async () => {
+    const document = await open("define b = sinn 2;");
+    await eventually("a diagnostic", () => found(document).length > 0);
+    const range = found(document)[0].range;
+    const actions = await ask("vscode.executeCodeActionProvider", document.uri, range, "quickfix");
+    const fix = actions.find((action) => action.title === "Change to `sin`");
+    assert.ok(fix, actions.map((action) => action.title).join());
+    assert.ok(await vscode.workspace.applyEdit(fix.edit));
+    assert.strictEqual(document.getText(), "define b = sin 2;");
+};
+
+exports["symbols, folds, hints and lenses are there"] = async () => {
+    const document = await open("surface s(u,v) = (u,\n  v, uv), u : [0,1], v : [0,1];");
+    const symbols = await ask("vscode.executeDocumentSymbolProvider", document.uri);
+    assert.strictEqual(symbols[0].name, "s");
+    const folds = await ask("vscode.executeFoldingRangeProvider", document.uri);
+    assert.deepStrictEqual([folds[0].start, folds[0].end], [0, 1]);
+    const hints = await ask("vscode.executeInlayHintProvider", document.uri, new vscode.Range(0, 0, 2, 0));
+    assert.strictEqual(hints[0].label, "·");
+    const lenses = await ask("vscode.executeCodeLensProvider", document.uri);
+    assert.deepStrictEqual(lenses.map((lens) => lens.command.title).sort(), ["3D", "inside view"]);
+};
+
+exports["the preview's command runs from the palette and from a lens"] = async () => {
+    const document = await open("surface s(u,v) = (u,v,0), u : [0,1], v : [0,1];");
+    await ask("geotrace.preview");
+    await ask("geotrace.preview", document.uri.toString(), { view: "geodesic", surface: "s" });
+};
+
+exports["the server can be restarted"] = async () => {
+    const document = await open("define b = sinn 2;");
+    await eventually("a diagnostic", () => found(document).length === 1);
+    await ask("geotrace.restart");
+    const api = vscode.extensions.getExtension("geotrace.geotrace").exports;
+    await eventually("the server", () => /running/.test(api.status()));
+    await eventually("a diagnostic again", () => found(document).length === 1);
+};
+
+exports["a program that is not there is told of, and nothing hangs"] = async () => {
+    const api = vscode.extensions.getExtension("geotrace.geotrace").exports;
+    const settings = vscode.workspace.getConfiguration("geotrace");
+    const before = settings.inspect("server.path").workspaceValue;
+    await settings.update("server.path", "/no/such/geotrace", vscode.ConfigurationTarget.Workspace);
+    await eventually("the sentence", () => /not running/.test(api.status()));
+    await settings.update("server.path", before, vscode.ConfigurationTarget.Workspace);
+    await eventually("the server", () => /running, version/.test(api.status()));
 };
