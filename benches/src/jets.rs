@@ -1,7 +1,9 @@
 //! A surface's position with all its derivatives up to order two: what a geodesic asks for at every point. Jets in
 //! blocks of several sizes, symbolic derivatives on two evaluators, and Rust written by hand, in one run.
 
+use std::f64::consts::{PI, TAU};
 use std::hint::black_box;
+use std::marker::PhantomData;
 use std::time::{Duration, Instant};
 
 use expr::elementary::{sin_cos, sinh_cosh};
@@ -24,80 +26,93 @@ const V: Input = Input::Variable(1);
 /// Six vectors, component by component: what is filled at each block of points.
 type Vectors<const N: usize> = [[[f64; N]; 3]; 6];
 
-/// The same by hand, at the points of a block: positions in, six vectors out.
-type ByHand = fn(&[[f64; LANES]; 2], &mut Vectors<LANES>);
-
-/// A surface of an example, and the hand that writes it; `None` without one.
-struct Case {
-    name: &'static str,
-    /// Written by hand with the library's sines, one point after the other.
-    plain: ByHand,
-    /// Written by hand over lanes, with this project's sines.
-    lanes: ByHand,
+/// An example's surface, written by hand.
+trait Hand {
+    const NAME: &'static str;
+    /// With the library's functions, at one point.
+    fn plain(u: f64, v: f64) -> [[f64; 3]; 6];
+    /// With this project's functions, over lanes.
+    fn lanes(at: &[[f64; LANES]; 2], out: &mut Vectors<LANES>);
 }
 
-const CASES: [Case; 4] = [
-    Case {
-        name: "torus",
-        plain: |at, out| each(at, out, |u, v| torus(u.sin_cos(), v.sin_cos())),
-        lanes: |at, out| {
-            let ([su, sv], [cu, cv]) = sines(at);
-            for lane in 0..LANES {
-                put(out, lane, torus((su[lane], cu[lane]), (sv[lane], cv[lane])));
-            }
-        },
-    },
-    Case {
-        name: "sphere",
-        plain: |at, out| {
-            each(at, out, |u, v| {
-                sphere((TAU * u).sin_cos(), (PI * v).sin_cos())
-            });
-        },
-        lanes: |at, out| {
-            let ([su, sv], [cu, cv]) = sines(&[at[0].map(|u| TAU * u), at[1].map(|v| PI * v)]);
-            for lane in 0..LANES {
-                put(
-                    out,
-                    lane,
-                    sphere((su[lane], cu[lane]), (sv[lane], cv[lane])),
-                );
-            }
-        },
-    },
-    Case {
-        name: "klein",
-        plain: |at, out| each(at, out, |u, v| klein(u.sin_cos(), v.sin_cos())),
-        lanes: |at, out| {
-            let ([su, sv], [cu, cv]) = sines(at);
-            for lane in 0..LANES {
-                put(out, lane, klein((su[lane], cu[lane]), (sv[lane], cv[lane])));
-            }
-        },
-    },
-    Case {
-        name: "pseudosphere",
-        plain: |at, out| {
-            each(at, out, |u, v| {
-                pseudosphere(u.sin_cos(), (v.sinh(), v.cosh()), v)
-            });
-        },
-        lanes: |at, out| {
-            let (su, cu) = sin_cos(&at[0]);
-            let (sv, cv) = sinh_cosh(&at[1]);
-            for lane in 0..LANES {
-                let hyperbolic = (sv[lane], cv[lane]);
-                put(
-                    out,
-                    lane,
-                    pseudosphere((su[lane], cu[lane]), hyperbolic, at[1][lane]),
-                );
-            }
-        },
-    },
-];
+struct Torus;
+struct Sphere;
+struct Klein;
+struct Pseudosphere;
 
-use std::f64::consts::{PI, TAU};
+impl Hand for Torus {
+    const NAME: &'static str = "torus";
+
+    fn plain(u: f64, v: f64) -> [[f64; 3]; 6] {
+        torus(u.sin_cos(), v.sin_cos())
+    }
+
+    #[inline(always)]
+    fn lanes(at: &[[f64; LANES]; 2], out: &mut Vectors<LANES>) {
+        let ((su, cu), (sv, cv)) = (sin_cos(&at[0]), sin_cos(&at[1]));
+        for lane in 0..LANES {
+            put(out, lane, torus((su[lane], cu[lane]), (sv[lane], cv[lane])));
+        }
+    }
+}
+
+impl Hand for Sphere {
+    const NAME: &'static str = "sphere";
+
+    fn plain(u: f64, v: f64) -> [[f64; 3]; 6] {
+        sphere((TAU * u).sin_cos(), (PI * v).sin_cos())
+    }
+
+    #[inline(always)]
+    fn lanes(at: &[[f64; LANES]; 2], out: &mut Vectors<LANES>) {
+        let mut angles = *at;
+        for lane in 0..LANES {
+            angles[0][lane] *= TAU;
+            angles[1][lane] *= PI;
+        }
+        let ((su, cu), (sv, cv)) = (sin_cos(&angles[0]), sin_cos(&angles[1]));
+        for lane in 0..LANES {
+            put(
+                out,
+                lane,
+                sphere((su[lane], cu[lane]), (sv[lane], cv[lane])),
+            );
+        }
+    }
+}
+
+impl Hand for Klein {
+    const NAME: &'static str = "klein";
+
+    fn plain(u: f64, v: f64) -> [[f64; 3]; 6] {
+        klein(u.sin_cos(), v.sin_cos())
+    }
+
+    #[inline(always)]
+    fn lanes(at: &[[f64; LANES]; 2], out: &mut Vectors<LANES>) {
+        let ((su, cu), (sv, cv)) = (sin_cos(&at[0]), sin_cos(&at[1]));
+        for lane in 0..LANES {
+            put(out, lane, klein((su[lane], cu[lane]), (sv[lane], cv[lane])));
+        }
+    }
+}
+
+impl Hand for Pseudosphere {
+    const NAME: &'static str = "pseudosphere";
+
+    fn plain(u: f64, v: f64) -> [[f64; 3]; 6] {
+        pseudosphere(u.sin_cos(), (v.sinh(), v.cosh()), v)
+    }
+
+    #[inline(always)]
+    fn lanes(at: &[[f64; LANES]; 2], out: &mut Vectors<LANES>) {
+        let ((su, cu), (sv, cv)) = (sin_cos(&at[0]), sinh_cosh(&at[1]));
+        for lane in 0..LANES {
+            let vectors = pseudosphere((su[lane], cu[lane]), (sv[lane], cv[lane]), at[1][lane]);
+            put(out, lane, vectors);
+        }
+    }
+}
 
 /// The torus' smaller radius: its param as the example opens.
 const TUBE: f64 = 0.4;
@@ -204,31 +219,12 @@ fn klein((su, cu): (f64, f64), (sv, cv): (f64, f64)) -> [[f64; 3]; 6] {
     ]
 }
 
-/// Sines and cosines of both variables.
-#[inline(always)]
-fn sines(at: &[[f64; LANES]; 2]) -> ([[f64; LANES]; 2], [[f64; LANES]; 2]) {
-    let (su, cu) = sin_cos(&at[0]);
-    let (sv, cv) = sin_cos(&at[1]);
-    ([su, sv], [cu, cv])
-}
-
 #[inline(always)]
 fn put(out: &mut Vectors<LANES>, lane: usize, vectors: [[f64; 3]; 6]) {
     for (out, vector) in out.iter_mut().zip(vectors) {
         for (out, component) in out.iter_mut().zip(vector) {
             out[lane] = component;
         }
-    }
-}
-
-#[inline(always)]
-fn each(
-    at: &[[f64; LANES]; 2],
-    out: &mut Vectors<LANES>,
-    f: impl Fn(f64, f64) -> [[f64; 3]; 6],
-) {
-    for lane in 0..LANES {
-        put(out, lane, f(at[0][lane], at[1][lane]));
     }
 }
 
@@ -320,16 +316,12 @@ fn jets<const N: usize>(chart: &Chart, tape: &JetTape) -> f64 {
     let mut out: Vec<Vectors<N>> = vec![[[[0.0; N]; 3]; 6]; blocks.len()];
     time(|| {
         for (at, out) in blocks.iter().zip(&mut out) {
-            let [position, du, dv, duu, duv, dvv] = out;
-            let out = [
-                &mut position[..],
-                &mut du[..],
-                &mut dv[..],
-                &mut duu[..],
-                &mut duv[..],
-                &mut dvv[..],
-            ];
-            tape.eval(&mut registers, &fixed, black_box(at), out);
+            tape.eval(
+                &mut registers,
+                &fixed,
+                black_box(at),
+                out.as_flattened_mut(),
+            );
         }
         black_box(&mut out);
     })
@@ -344,7 +336,7 @@ fn symbolic_in_lanes(chart: &Chart, graph: &Graph, roots: &[NodeId]) -> Option<(
     let mut out = vec![[[0.0; LANES]; 18]; blocks.len()];
     let time = time(|| {
         for (at, out) in blocks.iter().zip(&mut out) {
-            tape.eval(&mut registers, &fixed, black_box(at), [out]);
+            tape.eval(&mut registers, &fixed, black_box(at), out);
         }
         black_box(&mut out);
     });
@@ -375,21 +367,135 @@ fn symbolic_in_blocks(chart: &Chart, graph: &Graph, roots: &[NodeId]) -> f64 {
     })
 }
 
-/// One block by hand, for the processor at hand.
-struct Block<'a>(ByHand, &'a [[f64; LANES]; 2], &'a mut Vectors<LANES>);
+/// A block by hand: one call, as for jets.
+struct Block<'a, H> {
+    at: &'a [[f64; LANES]; 2],
+    out: &'a mut Vectors<LANES>,
+    hand: PhantomData<H>,
+}
 
-/// What a case's hand is called by. One type for each case would be inlined; a pointer is not.
-macro_rules! by_hand {
-    ($name:ident, $case:literal) => {
-        struct $name<'a>(&'a [[f64; LANES]; 2], &'a mut Vectors<LANES>);
+impl<H: Hand> Work for Block<'_, H> {
+    type Output = ();
 
-        impl Work for $name<'_> {
-            type Output = ();
+    #[inline(always)]
+    fn run(self) {
+        H::lanes(self.at, self.out);
+    }
+}
 
-            #[inline(always)]
-            fn run(self) {
-                (CASES[$case].lanes)(self.0, self.1);
+/// By hand: plain, over lanes.
+fn by_hand<H: Hand>(chart: &Chart) -> [f64; 2] {
+    let blocks = points::<LANES>(chart.domain);
+    let mut out: Vec<Vectors<LANES>> = vec![[[[0.0; LANES]; 3]; 6]; blocks.len()];
+    let plain = time(|| {
+        for (at, out) in blocks.iter().zip(&mut out) {
+            for lane in 0..LANES {
+                put(out, lane, H::plain(at[0][lane], at[1][lane]));
             }
         }
+        black_box(&mut out);
+    });
+    let processor = Processor::here();
+    let lanes = time(|| {
+        for (at, out) in blocks.iter().zip(&mut out) {
+            processor.run(Block::<H> {
+                at: black_box(at),
+                out,
+                hand: PhantomData,
+            });
+        }
+        black_box(&mut out);
+    });
+    [plain, lanes]
+}
+
+/// The largest difference between the jets and the hand, over all points and vectors, relative to the vector of that
+/// kind that is longest.
+fn difference<H: Hand>(chart: &Chart, tape: &JetTape) -> f64 {
+    let fixed = tape.fix(&chart.values(tape.uniforms()));
+    let mut registers = JetRegisters::default();
+    let (mut worst, mut longest) = ([0.0f64; 6], [0.0f64; 6]);
+    for at in points::<1>(chart.domain) {
+        let mut out = [[[0.0]; 3]; 6];
+        tape.eval(&mut registers, &fixed, &at, out.as_flattened_mut());
+        for (k, hand) in H::plain(at[0][0], at[1][0]).iter().enumerate() {
+            for (component, [jet]) in hand.iter().zip(&out[k]) {
+                worst[k] = worst[k].max((component - jet).abs());
+                longest[k] = longest[k].max(component.abs());
+            }
+        }
+    }
+    let ratios = worst.iter().zip(&longest).filter(|(_, size)| **size > 0.0);
+    ratios.map(|(error, size)| error / size).fold(0.0, f64::max)
+}
+
+fn row<H: Hand>() {
+    let Some(chart) = Chart::of(H::NAME) else {
+        println!("  {:13} has no surface", H::NAME);
+        return;
     };
+    let compile = || JetTape::new(&chart.graph, &chart.position, [U, V], Order::Second);
+    let (Ok(tape), Some((graph, roots))) = (compile(), chart.symbolic()) else {
+        println!("  {:13} is too large", H::NAME);
+        return;
+    };
+    let construction = time(|| {
+        for _ in 0..64 {
+            black_box(compile().is_ok());
+        }
+    }) * POINTS as f64
+        / 64.0;
+    let Some((symbolic_count, symbolic)) = symbolic_in_lanes(&chart, &graph, &roots) else {
+        return;
+    };
+    let [plain, lanes] = by_hand::<H>(&chart);
+    let eight = jets::<LANES>(&chart, &tape);
+    println!(
+        "  {:13}{:8.1}{:8.2}{:8.2}{:8.2}{:9.2}{:9.2}{:9.2}{:8.2}{:9.1}{:6}/{:<5}{:7.0e}",
+        H::NAME,
+        jets::<1>(&chart, &tape),
+        eight,
+        jets::<64>(&chart, &tape),
+        symbolic,
+        symbolic_in_blocks(&chart, &graph, &roots),
+        plain,
+        lanes,
+        eight / lanes,
+        construction / 1e3,
+        tape.instruction_count(),
+        symbolic_count,
+        difference::<H>(&chart, &tape),
+    );
+}
+
+/// Prints the table.
+pub(crate) fn run() {
+    println!(
+        "Position and all derivatives up to order two, ns per point (the best of {RUNS} runs over {POINTS} points)"
+    );
+    println!(
+        "  jets in blocks of 1, 8, 64; symbolic derivatives in blocks of 8 on the same evaluator, and of 64 on the \
+         plain tape;\n  Rust by hand with the library's functions point by point, and with our own over 8 lanes; µs to \
+         make the jets' code;\n  instructions of jets and of symbolic derivatives; largest difference of jets and hand, \
+         relative"
+    );
+    println!(
+        "  {:13}{:>8}{:>8}{:>8}{:>8}{:>9}{:>9}{:>9}{:>8}{:>9}{:>12}{:>7}",
+        "surface",
+        "jets 1",
+        "jets 8",
+        "jets 64",
+        "symb 8",
+        "symb 64",
+        "hand std",
+        "hand 8",
+        "8/hand",
+        "make µs",
+        "instructions",
+        "differ"
+    );
+    row::<Torus>();
+    row::<Sphere>();
+    row::<Klein>();
+    row::<Pseudosphere>();
 }

@@ -1,13 +1,14 @@
 //! Run times and peak memory, printed as tables: `cargo run --release -p geotrace-benches [PART…]`.
 //!
-//! Parts: `front` (checking and parsing), `klein` (derivatives and WGSL), `render` (both views of every example),
-//! `large` (many samples, many vectors), `accuracy` (the geodesic view against the thesis' method, frames while moving,
-//! the sphere from ten thousand places). Without a part all are run. Times are medians of several runs with their
+//! Parts: `front` (checking and parsing), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
+//! (both views of every example), `large` (many samples, many vectors), `accuracy` (the geodesic view against the
+//! thesis' method, frames while moving, the sphere from ten thousand places). Without a part all are run. Times are medians of several runs with their
 //! least and greatest; a picture is drawn in a process of its own, so that its peak memory is its own and nothing is
 //! warm but the driver's cache on disk.
 
 mod accuracy;
 mod front;
+mod jets;
 mod klein;
 mod measure;
 mod pictures;
@@ -27,6 +28,7 @@ fn main() -> ExitCode {
     }
     let parts: &[(&str, fn())] = &[
         ("front", front::run),
+        ("jets", jets::run),
         ("klein", klein::run),
         ("render", pictures::examples),
         ("large", pictures::large),

@@ -20,10 +20,9 @@
 //! let square = graph.mul(u, u);
 //! let root = graph.mul(square, v);
 //! let tape = JetTape::new(&graph, &[root], [Input::Variable(0), Input::Variable(1)], Order::Second).unwrap();
-//! let [mut value, mut du, mut dv, mut duu, mut duv, mut dvv] = [[[f64::NAN]]; 6];
-//! let out = [&mut value[..], &mut du, &mut dv, &mut duu, &mut duv, &mut dvv];
-//! tape.eval(&mut JetRegisters::default(), &tape.fix(&[]), &[[3.0], [5.0]], out);
-//! assert_eq!([value, du, dv, duu, duv, dvv], [45.0, 30.0, 9.0, 10.0, 6.0, 0.0].map(|x| [[x]]));
+//! let mut out = [[f64::NAN]; 6];
+//! tape.eval(&mut JetRegisters::default(), &tape.fix(&[]), &[[3.0], [5.0]], &mut out);
+//! assert_eq!(out, [45.0, 30.0, 9.0, 10.0, 6.0, 0.0].map(|x| [x]));
 //! ```
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -74,6 +73,7 @@ pub struct JetTape {
 /// The numbers of a [`JetTape`] that are the same at every point: constants, and what follows from uniforms.
 #[derive(Clone, Debug)]
 pub struct Fixed {
+    /// What stands in registers, then the factors of the results.
     numbers: Vec<f64>,
     tape: u64,
     identity: u64,
@@ -141,30 +141,40 @@ impl JetTape {
             self.uniforms().len(),
             "one number per uniform"
         );
+        let wanted = self.code.fixed.iter().copied();
+        let wanted: Vec<u32> = wanted
+            .chain(self.code.factors.iter().map(|(id, _)| *id))
+            .collect();
+        let mut numbers = self.expansion.fixed_numbers(uniforms, &wanted);
+        let factors = &mut numbers[self.code.fixed.len()..];
+        for (factor, (_, negative)) in factors.iter_mut().zip(&self.code.factors) {
+            if *negative {
+                *factor = -*factor;
+            }
+        }
         Fixed {
-            numbers: self.expansion.fixed_numbers(uniforms, &self.code.fixed),
+            numbers,
             tape: self.identity,
             identity: next_identity(),
         }
     }
 
-    /// Evaluates at `N` points: `at` holds the two variables, `out[k][root]` receives coefficient k of a root, in the
-    /// order value, ∂u, ∂v, ∂uu, ∂uv, ∂vv. The bits do not depend on `N`, nor on the processor.
+    /// Evaluates at `N` points: `at` holds the two variables. `out` receives the values of all roots, then their ∂u,
+    /// ∂v, ∂uu, ∂uv and ∂vv, as far as the order goes: coefficient k of a root stands at k·[`JetTape::root_count`] +
+    /// root. The bits do not depend on `N`, nor on the processor.
     ///
     /// # Panics
-    /// If `fixed` is another tape's, `K` is not the number of coefficients of [`JetTape::order`], or `out` has not one
-    /// place per root.
-    pub fn eval<const N: usize, const K: usize>(
+    /// If `fixed` is another tape's, or `out` has not one place per root and coefficient.
+    pub fn eval<const N: usize>(
         &self,
         registers: &mut JetRegisters,
         fixed: &Fixed,
         at: &[[f64; N]; 2],
-        mut out: [&mut [[f64; N]]; K],
+        out: &mut [[f64; N]],
     ) {
         assert_eq!(fixed.tape, self.identity, "fixed numbers of this tape");
-        assert_eq!(K, self.order.coefficients(), "all coefficients");
-        let roots = self.root_count();
-        assert!(out.iter().all(|out| out.len() == roots), "a place per root");
-        registers.run(&self.code, &fixed.numbers, fixed.identity, at, &mut out);
+        let places = self.code.program.place_count();
+        assert_eq!(out.len(), places, "a place per root and coefficient");
+        registers.run(&self.code, &fixed.numbers, fixed.identity, at, out);
     }
 }

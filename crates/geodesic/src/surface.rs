@@ -27,7 +27,8 @@ pub const LANES: usize = expr::jets::LANES;
 pub type Lanes = [f64; LANES];
 
 /// The jets at [`LANES`] points, component by component: `du[k][lane]` is the k-th component of σu at a lane's point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
 #[allow(missing_docs)]
 pub struct JetBlock {
     pub position: [Lanes; 3],
@@ -257,17 +258,9 @@ impl ParametricSurface {
 impl Surface for ParametricSurface {
     fn jet(&self, uv: [f64; 2]) -> Jet {
         let mut out = [[[f64::NAN]; 3]; 6];
-        let [position, du, dv, duu, duv, dvv] = &mut out;
         REGISTERS.with_borrow_mut(|[registers, _]| {
-            let out = [
-                &mut position[..],
-                &mut du[..],
-                &mut dv[..],
-                &mut duu[..],
-                &mut duv[..],
-                &mut dvv[..],
-            ];
             let at = uv.map(|x| [x]);
+            let out = out.as_flattened_mut();
             self.tape.eval(registers, &self.fixed, &at, out);
         });
         let [position, du, dv, duu, duv, dvv] = out.map(|vector| vector.map(|[x]| x));
@@ -283,14 +276,8 @@ impl Surface for ParametricSurface {
 
     fn jets(&self, at: &[Lanes; 2], out: &mut JetBlock) {
         REGISTERS.with_borrow_mut(|[_, registers]| {
-            let out = [
-                &mut out.position[..],
-                &mut out.du[..],
-                &mut out.dv[..],
-                &mut out.duu[..],
-                &mut out.duv[..],
-                &mut out.dvv[..],
-            ];
+            // The block's fields are in the order of coefficients, each a vector's components.
+            let out: &mut [Lanes; 18] = bytemuck::cast_mut(out);
             self.tape.eval(registers, &self.fixed, at, out);
         });
     }

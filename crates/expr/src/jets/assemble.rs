@@ -14,6 +14,8 @@ pub(super) struct Code {
     pub(super) program: Program,
     /// Which coefficients the registers from [`FIRST_FIXED`] on hold.
     pub(super) fixed: Vec<u32>,
+    /// For each place of the program the coefficient that is its factor, and whether that is negated.
+    pub(super) factors: Vec<(u32, bool)>,
     pub(super) register_count: usize,
 }
 
@@ -32,8 +34,8 @@ pub(super) const FEW: usize = 256;
 #[derive(Clone, Debug)]
 pub(super) struct Steps<R> {
     pub(super) instructions: Vec<Instruction<R>>,
-    /// For each coefficient and root its register, and the bit to flip for its sign; all values first.
-    pub(super) places: Vec<(R, u64)>,
+    /// For each coefficient and root its register, before its factor; all values first.
+    pub(super) places: Vec<R>,
 }
 
 /// The register of the first fixed number; before it stand the variables.
@@ -131,10 +133,12 @@ pub(super) fn assemble(expansion: &Expansion, coefficients: usize) -> Code {
             operands,
         });
     }
-    let places = (0..coefficients)
+    let roots: Vec<Term> = (0..coefficients)
         .flat_map(|k| expansion.roots.iter().skip(k).step_by(coefficients))
-        .map(|term| (registers.places[term.id as usize], sign_bit(*term)))
+        .copied()
         .collect();
+    let places = roots.iter().map(|term| registers.places[term.id as usize]);
+    let places = places.collect();
     let register_count = registers.count as usize;
     let steps = Steps {
         instructions,
@@ -148,6 +152,10 @@ pub(super) fn assemble(expansion: &Expansion, coefficients: usize) -> Code {
         },
         register_count,
         fixed: registers.fixed,
+        factors: roots
+            .iter()
+            .map(|term| (term.factor, term.negative))
+            .collect(),
     }
 }
 
@@ -179,13 +187,9 @@ impl<R: Copy> Steps<R> {
         let places = self.places.into_iter();
         Steps {
             instructions: instructions.collect(),
-            places: places.map(|(place, flip)| (name(place), flip)).collect(),
+            places: places.map(name).collect(),
         }
     }
-}
-
-fn sign_bit(term: Term) -> u64 {
-    u64::from(term.negative) << 63
 }
 
 /// How often each coefficient is used by what the roots need; what they do not need has no uses.

@@ -1,10 +1,13 @@
 //! From roots to coefficients: truncated Taylor arithmetic, unrolled.
 //!
 //! What flows in: nodes of a graph. What flows out: a list of operations on coefficients, in which equal ones are one
-//! and constants are folded. A coefficient is referred to with a sign ([`Term`]), so that negation is no operation.
+//! and constants are folded. A coefficient is referred to with a sign and a factor that is the same at every point
+//! ([`Term`]): neither negation nor scaling is an operation as long as only products and equally scaled sums follow.
+//! So all derivatives of a sine of 2πu are the same two numbers.
 //!
 //! The rules are those of symbolic derivatives ([`crate::ops`]), also at kinks and where something is undefined: what
-//! is zero everywhere annihilates, what is zero at a point does not.
+//! is zero everywhere annihilates, what is zero at a point does not. Factors that are gathered round in another order
+//! than they were written in.
 
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
@@ -12,10 +15,12 @@ use crate::graph::{Graph, Input, Node, NodeId, TooLarge};
 use crate::jets::Order;
 use crate::ops::{Arithmetic, Binary, Unary};
 
-/// A coefficient, or its negative.
+/// A coefficient times a factor, or the negative of that.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(super) struct Term {
     pub(super) id: u32,
+    /// A coefficient that does not vary; 1 where the other one does not either.
+    pub(super) factor: u32,
     pub(super) negative: bool,
 }
 
@@ -50,11 +55,16 @@ pub(super) struct Expansion {
 /// Value, ∂u, ∂v, ∂uu, ∂uv, ∂vv of a node.
 type Coefficients = [Term; 6];
 
-/// The constant 0 is always the first.
+/// The constant 0 is always the first, the constant 1 the second.
 const ZERO: Term = Term {
     id: 0,
+    factor: ONE,
     negative: false,
 };
+const ONE: u32 = 1;
+
+/// Constant factors are gathered between this and its reciprocal, so that none over- or underflows.
+const LARGEST_FACTOR: f64 = 1e150;
 
 /// For each second derivative its position, and those of the two first derivatives that it comes from.
 const SECOND: [(usize, usize, usize); 3] = [(3, 1, 1), (4, 1, 2), (5, 2, 2)];
@@ -176,17 +186,13 @@ impl Arithmetic for Builder {
     type Number = Term;
 
     fn constant(&mut self, value: f64) -> Term {
-        let id = self.intern(Micro::Constant(value.abs().to_bits()));
-        let negative = value < 0.0;
-        Term { id, negative }
+        let constant = self.positive(Micro::Constant(value.abs().to_bits()));
+        constant.signed(value < 0.0)
     }
 
     fn neg(&mut self, a: Term) -> Term {
-        Term {
-            // Zero is its own negative.
-            negative: !a.negative && a != ZERO,
-            ..a
-        }
+        // Zero is its own negative.
+        a.signed(!a.negative && a != ZERO)
     }
 
     fn add(&mut self, a: Term, b: Term) -> Term {
@@ -201,20 +207,30 @@ impl Arithmetic for Builder {
             (None, Some(0.0)) => return a,
             _ => {}
         }
-        match (a.negative, b.negative) {
+        if a.id == b.id && a.factor == b.factor && a.negative != b.negative {
+            let two = self.constant(2.0);
+            return self.mul(two, a);
+        }
+        let factor = a.factor;
+        let (a, b) = if self.varying(a) && self.varying(b) && factor == b.factor {
+            (a, b)
+        } else {
+            (self.whole(a), self.whole(b))
+        };
+        let difference = match (a.negative, b.negative) {
             (false, false) => self.positive(Micro::Binary(Binary::Sub, a.id, b.id)),
             (true, true) => self.positive(Micro::Binary(Binary::Sub, b.id, a.id)),
-            (negative, _) if a.id == b.id => {
-                let two = self.constant(2.0);
-                let double = self.mul(two, Term { negative, ..a });
-                debug_assert_eq!(double.negative, negative);
-                double
-            }
             (negative, _) => {
                 let (a, b) = (a.id.min(b.id), a.id.max(b.id));
-                let sum = self.positive(Micro::Binary(Binary::Add, a, b));
-                Term { negative, ..sum }
+                self.positive(Micro::Binary(Binary::Add, a, b))
+                    .signed(negative)
             }
+        };
+        // That of both, or 1 where they have been carried out.
+        let factor = a.factor;
+        Term {
+            factor,
+            ..difference
         }
     }
 
@@ -223,15 +239,19 @@ impl Arithmetic for Builder {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(x * y),
             (Some(0.0), None) | (None, Some(0.0)) => return ZERO,
-            (Some(1.0 | -1.0), None) => return Term { negative, ..b },
-            (None, Some(1.0 | -1.0)) => return Term { negative, ..a },
+            (Some(1.0 | -1.0), None) => return b.signed(negative),
+            (None, Some(1.0 | -1.0)) => return a.signed(negative),
             _ => {}
         }
-        let (a, b) = (a.id.min(b.id), a.id.max(b.id));
-        let product = self.positive(Micro::Binary(Binary::Mul, a, b));
-        Term {
-            negative,
-            ..product
+        match (self.varying(a), self.varying(b)) {
+            (false, false) => self.product_of(a.id, b.id).signed(negative),
+            (false, true) => self.scaled(b, a.id).signed(negative),
+            (true, false) => self.scaled(a, b.id).signed(negative),
+            (true, true) => {
+                let product = self.product_of(a.id, b.id);
+                let product = self.scaled(product, a.factor);
+                self.scaled(product, b.factor).signed(negative)
+            }
         }
     }
 
@@ -239,14 +259,32 @@ impl Arithmetic for Builder {
         let negative = a.negative != b.negative;
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(x / y),
-            (None, Some(1.0 | -1.0)) => return Term { negative, ..a },
+            (None, Some(1.0 | -1.0)) => return a.signed(negative),
             _ => {}
         }
-        let quotient = self.positive(Micro::Binary(Binary::Div, a.id, b.id));
-        Term {
-            negative,
-            ..quotient
+        if !self.varying(b) {
+            if !self.varying(a) {
+                let quotient = self.positive(Micro::Binary(Binary::Div, a.id, b.id));
+                return quotient.signed(negative);
+            }
+            if a.factor == ONE {
+                // As written, to the last bit: arguments of functions may be sensitive to it.
+                let quotient = self.positive(Micro::Binary(Binary::Div, a.id, b.id));
+                return quotient.signed(negative);
+            }
+            let reciprocal = self.reciprocal(b.id);
+            return self.mul(a, reciprocal).signed(negative);
         }
+        let reciprocal = self.reciprocal(b.factor);
+        let quotient = if self.varying(a) || a == ZERO {
+            let quotient = self.positive(Micro::Binary(Binary::Div, a.id, b.id));
+            self.scaled(quotient, a.factor)
+        } else {
+            // Numbers over the same denominator share their division.
+            let quotient = self.positive(Micro::Binary(Binary::Div, ONE, b.id));
+            self.scaled(quotient, a.id)
+        };
+        self.mul(quotient, reciprocal).signed(negative)
     }
 
     fn unary(&mut self, op: Unary, a: Term) -> Term {
@@ -263,19 +301,25 @@ impl Arithmetic for Builder {
             | Unary::Sinh
             | Unary::Tanh
             | Unary::Sign => {
-                let value = self.positive(Micro::Unary(op, a.id));
-                Term {
-                    negative: a.negative,
-                    ..value
-                }
+                let a = self.whole(a);
+                self.positive(Micro::Unary(op, a.id)).signed(a.negative)
             }
             // Even ones drop it.
-            Unary::Cos | Unary::Cosh | Unary::Abs => self.positive(Micro::Unary(op, a.id)),
+            Unary::Cos | Unary::Cosh | Unary::Abs => {
+                let a = self.whole(a);
+                self.positive(Micro::Unary(op, a.id))
+            }
             Unary::Exp | Unary::Log | Unary::Sqrt | Unary::Acos => {
                 let a = self.unsigned(a);
                 self.positive(Micro::Unary(op, a))
             }
         }
+    }
+}
+
+impl Term {
+    fn signed(self, negative: bool) -> Self {
+        Self { negative, ..self }
     }
 }
 
@@ -289,8 +333,9 @@ impl Builder {
             limit,
             overflowed: false,
         };
-        let zero = builder.constant(0.0);
-        debug_assert_eq!(zero, ZERO);
+        for first in [0.0, 1.0] {
+            builder.constant(first);
+        }
         builder
     }
 
@@ -298,7 +343,7 @@ impl Builder {
         if let Some(&id) = self.ids.get(&micro) {
             return id;
         }
-        if self.micros.len() >= self.limit.max(1) {
+        if self.micros.len() >= self.limit.max(2) {
             self.overflowed = true;
             return ZERO.id;
         }
@@ -316,8 +361,52 @@ impl Builder {
     fn positive(&mut self, micro: Micro) -> Term {
         Term {
             id: self.intern(micro),
-            negative: false,
+            ..ZERO
         }
+    }
+
+    fn varying(&self, term: Term) -> bool {
+        self.varying[term.id as usize]
+    }
+
+    fn product_of(&mut self, a: u32, b: u32) -> Term {
+        self.positive(Micro::Binary(Binary::Mul, a.min(b), a.max(b)))
+    }
+
+    /// 1/a for what does not vary.
+    fn reciprocal(&mut self, a: u32) -> Term {
+        let one = Term { id: ONE, ..ZERO };
+        let a = Term { id: a, ..ZERO };
+        if a == one { one } else { self.div(one, a) }
+    }
+
+    /// A term that varies, by a factor that does not.
+    fn scaled(&mut self, term: Term, factor: u32) -> Term {
+        if factor == ONE {
+            return term;
+        }
+        let [old, new] = [term.factor, factor].map(|id| Term { id, ..ZERO });
+        let product = self.mul(old, new);
+        let fits = self.value(product).is_none_or(|x| {
+            let size = x.abs();
+            (1.0 / LARGEST_FACTOR..LARGEST_FACTOR).contains(&size)
+        });
+        if fits {
+            // Positive, as both are.
+            let factor = product.id;
+            Term { factor, ..term }
+        } else {
+            let whole = self.whole(term);
+            self.product_of(whole.id, factor).signed(whole.negative)
+        }
+    }
+
+    /// The term with its factor carried out.
+    fn whole(&mut self, term: Term) -> Term {
+        if term.factor == ONE {
+            return term;
+        }
+        self.product_of(term.id, term.factor).signed(term.negative)
     }
 
     fn leaf(&mut self, micro: Micro) -> Term {
@@ -332,8 +421,9 @@ impl Builder {
         }
     }
 
-    /// The coefficient with its sign carried out.
+    /// The coefficient with its sign and factor carried out.
     fn unsigned(&mut self, term: Term) -> u32 {
+        let term = self.whole(term);
         if term.negative {
             self.intern(Micro::Neg(term.id))
         } else {
@@ -521,11 +611,9 @@ impl Builder {
         if self.value(a).is_some() || self.value(b).is_some() || a.id == b.id {
             return self.mul(a, b);
         }
-        let product = self.positive(Micro::Binary(Binary::Zmul, a.id, b.id));
-        Term {
-            negative: a.negative != b.negative,
-            ..product
-        }
+        let (a, b) = (self.whole(a), self.whole(b));
+        self.positive(Micro::Binary(Binary::Zmul, a.id, b.id))
+            .signed(a.negative != b.negative)
     }
 
     fn general_power(&mut self, a: Term, b: Term) -> Term {

@@ -31,13 +31,13 @@ impl JetRegisters {
         }
     }
 
-    pub(super) fn run<const N: usize, const K: usize>(
+    pub(super) fn run<const N: usize>(
         &mut self,
         code: &Code,
         fixed: &[f64],
         identity: u64,
         at: &[[f64; N]; 2],
-        out: &mut [&mut [[f64; N]]; K],
+        out: &mut [[f64; N]],
     ) {
         let length = N * match code.program {
             Program::Few(_) => FEW,
@@ -51,6 +51,7 @@ impl JetRegisters {
         let start = self.numbers.as_ptr().align_offset(size_of::<[f64; LINE]>());
         let start = if start < LINE { start } else { 0 };
         let registers = &mut self.numbers[start..start + length];
+        let (fixed, factors) = fixed.split_at(code.fixed.len());
         if self.filled != (identity, N) {
             self.filled = (identity, N);
             let places = registers[FIRST_FIXED * N..].chunks_exact_mut(N);
@@ -60,6 +61,7 @@ impl JetRegisters {
         }
         let run = Run {
             code,
+            factors,
             registers,
             at,
             out,
@@ -75,20 +77,22 @@ impl JetRegisters {
 }
 
 /// An evaluation.
-struct Run<'a, 'out, const N: usize, const K: usize> {
+struct Run<'a, const N: usize> {
     code: &'a Code,
+    /// Of the results.
+    factors: &'a [f64],
     registers: &'a mut [f64],
     at: &'a [[f64; N]; 2],
-    out: &'a mut [&'out mut [[f64; N]]; K],
+    out: &'a mut [[f64; N]],
 }
 
 /// One line to a register.
-struct Eight<'a, 'out, const N: usize, const K: usize>(Run<'a, 'out, N, K>);
+struct Eight<'a, const N: usize>(Run<'a, N>);
 
 /// Eight lines to a register.
-struct SixtyFour<'a, 'out, const N: usize, const K: usize>(Run<'a, 'out, N, K>);
+struct SixtyFour<'a, const N: usize>(Run<'a, N>);
 
-impl<const N: usize, const K: usize> Work for Eight<'_, '_, N, K> {
+impl<const N: usize> Work for Eight<'_, N> {
     type Output = ();
 
     #[inline(always)]
@@ -97,7 +101,7 @@ impl<const N: usize, const K: usize> Work for Eight<'_, '_, N, K> {
     }
 }
 
-impl<const N: usize, const K: usize> Work for SixtyFour<'_, '_, N, K> {
+impl<const N: usize> Work for SixtyFour<'_, N> {
     type Output = ();
 
     #[inline(always)]
@@ -156,7 +160,7 @@ impl<const W: usize, const ALL: usize> Lines<W> for [[f64; W]; ALL] {
     }
 }
 
-impl<const N: usize, const K: usize> Run<'_, '_, N, K> {
+impl<const N: usize> Run<'_, N> {
     /// Evaluates with `COUNT` lines of `W` lanes to a register, N = W·COUNT; `ALL` are the lines of [`FEW`]
     /// registers.
     #[inline(always)]
@@ -166,22 +170,25 @@ impl<const N: usize, const K: usize> Run<'_, '_, N, K> {
         registers[..2 * COUNT].copy_from_slice(at);
         match &self.code.program {
             Program::Few(steps) => match registers.first_chunk_mut::<ALL>() {
-                Some(all) if ALL > 0 => evaluate::<W, COUNT, N, K, u8, _>(steps, all, self.out),
-                _ => evaluate::<W, COUNT, N, K, u8, _>(steps, registers, self.out),
+                Some(all) if ALL > 0 => {
+                    evaluate::<W, COUNT, N, u8, _>(steps, self.factors, all, self.out)
+                }
+                _ => evaluate::<W, COUNT, N, u8, _>(steps, self.factors, registers, self.out),
             },
             Program::Many(steps) => {
-                evaluate::<W, COUNT, N, K, u32, _>(steps, registers, self.out);
+                evaluate::<W, COUNT, N, u32, _>(steps, self.factors, registers, self.out);
             }
         }
     }
 }
 
-/// Runs the instructions, and copies coefficients to where the caller wants them, with their signs.
+/// Runs the instructions, and copies coefficients to where the caller wants them, with their factors.
 #[inline(always)]
-fn evaluate<const W: usize, const COUNT: usize, const N: usize, const K: usize, R, L>(
+fn evaluate<const W: usize, const COUNT: usize, const N: usize, R, L>(
     steps: &Steps<R>,
+    factors: &[f64],
     registers: &mut L,
-    out: &mut [&mut [[f64; N]]; K],
+    out: &mut [[f64; N]],
 ) where
     R: Name,
     L: Lines<W> + ?Sized,
@@ -189,15 +196,12 @@ fn evaluate<const W: usize, const COUNT: usize, const N: usize, const K: usize, 
     for instruction in &steps.instructions {
         step::<W, COUNT, R, L>(instruction, registers);
     }
-    let mut places = steps.places.iter();
-    for out in out {
-        for (out, &(register, flip)) in out.iter_mut().zip(&mut places) {
-            let (out, _) = out.as_chunks_mut::<W>();
-            for (line, out) in out.iter_mut().enumerate() {
-                let value = registers.get(register.index() * COUNT + line);
-                for lane in 0..W {
-                    out[lane] = f64::from_bits(value[lane].to_bits() ^ flip);
-                }
+    for ((out, register), &factor) in out.iter_mut().zip(&steps.places).zip(factors) {
+        let (out, _) = out.as_chunks_mut::<W>();
+        for (line, out) in out.iter_mut().enumerate() {
+            let value = registers.get(register.index() * COUNT + line);
+            for lane in 0..W {
+                out[lane] = factor * value[lane];
             }
         }
     }

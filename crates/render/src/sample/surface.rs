@@ -120,7 +120,7 @@ impl Jets<'_> {
         samples: &mut [SurfaceSample],
     ) {
         let [us, vs] = self.axes;
-        let [mut position, mut du, mut dv] = [[[0.0; LANES]; 3]; 3];
+        let mut out = [[[0.0; LANES]; 3]; 3];
         let (mut i, mut j) = (first % us.len(), first / us.len());
         for samples in samples.chunks_mut(LANES) {
             // A last, partial block repeats its last place.
@@ -133,18 +133,19 @@ impl Jets<'_> {
                     (i, j) = (0, (j + 1) % vs.len());
                 }
             }
-            let out = [&mut position[..], &mut du[..], &mut dv[..]];
-            self.tape.eval(registers, fixed, &at, out);
+            self.tape
+                .eval(registers, fixed, &at, out.as_flattened_mut());
+            let [position, du, dv] = &out;
             for (lane, sample) in samples.iter_mut().enumerate() {
                 let of = |vectors: &[Block; 3]| [0, 1, 2].map(|k| vectors[k][lane]);
                 let PositionSample {
                     position: place,
                     defined,
-                } = placed(self.placement, &of(&position));
+                } = placed(self.placement, &of(position));
                 *sample = SurfaceSample {
                     position: place,
                     defined,
-                    normal: self.inside.normal(of(&du), of(&dv)).unwrap_or_default(),
+                    normal: self.inside.normal(of(du), of(dv)).unwrap_or_default(),
                     padding: 0.0,
                 };
             }
@@ -159,12 +160,12 @@ impl Jets<'_> {
     /// The normal a little further inside; zero where there is none either.
     fn beside(&self, fixed: &Fixed, at: [f64; 2]) -> [f32; 3] {
         let at = self.inside.nudged(at).map(|x| [x]);
-        let [mut position, mut du, mut dv] = [[[0.0]; 3]; 3];
-        let out = [&mut position[..], &mut du[..], &mut dv[..]];
+        let mut out = [[[0.0]; 3]; 3];
         // Registers of its own: those of the blocks keep their constants.
+        let mut registers = JetRegisters::default();
         self.tape
-            .eval(&mut JetRegisters::default(), fixed, &at, out);
-        let [du, dv] = [du, dv].map(|vector| vector.map(|[x]| x));
+            .eval(&mut registers, fixed, &at, out.as_flattened_mut());
+        let [_, du, dv] = out.map(|vector| vector.map(|[x]| x));
         self.inside.normal(du, dv).unwrap_or_default()
     }
 }
