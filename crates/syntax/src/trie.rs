@@ -2,7 +2,8 @@
 //!
 //! It is *persistent*: a clone costs one reference count, and inserting into one clone copies only the path
 //! to the new name (nothing at all where no other clone holds it), so a snapshot can be kept at the boundary
-//! of every declaration. Chains of single children are folded into one labelled node, which keeps it small.
+//! of every declaration. Chains of single children are folded into one labelled node, which keeps it small; a
+//! label lies in its node, so that a name costs one allocation or two. An empty trie costs none.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -10,7 +11,8 @@ use std::sync::Arc;
 /// A map from names to values that answers which defined name is the longest prefix of a word.
 #[derive(Clone, Debug)]
 pub struct Trie<V> {
-    root: Arc<Node<V>>,
+    /// None where no name is defined.
+    root: Option<Arc<Node<V>>>,
 }
 
 /// A name that holds a character outside `a-z A-Z 0-9`, or none at all.
@@ -19,9 +21,7 @@ pub struct NotAName;
 
 impl<V> Default for Trie<V> {
     fn default() -> Self {
-        Self {
-            root: Arc::new(Node::leaf(&[], None)),
-        }
+        Self { root: None }
     }
 }
 
@@ -35,7 +35,8 @@ impl<V: Copy> Trie<V> {
             return Err(NotAName);
         }
         let mut rest = name.as_bytes();
-        let mut node = Arc::make_mut(&mut self.root);
+        let root = self.root.get_or_insert_with(|| Arc::new(Node::root()));
+        let mut node = Arc::make_mut(root);
         loop {
             let Some(slot) = rest.first().copied().and_then(slot) else {
                 return Ok(node.value.replace(value));
@@ -43,12 +44,11 @@ impl<V: Copy> Trie<V> {
             let index = node.index(slot);
             if !node.has(slot) {
                 node.present |= 1 << slot;
-                let leaf = Arc::new(Node::leaf(rest, Some(value)));
-                node.children.insert(index, leaf);
+                node.children.insert(index, Node::chain(rest, value));
                 return Ok(None);
             }
             let child = Arc::make_mut(&mut node.children[index]);
-            let shared = shared_length(&child.label, rest);
+            let shared = shared_length(child.label.bytes(), rest);
             child.split(shared);
             rest = &rest[shared..];
             node = child;
@@ -72,17 +72,19 @@ impl<V: Copy> Trie<V> {
     /// Calls `found` with the length and value of each name that `word` begins with, shortest first.
     pub fn each_prefix(&self, word: &str, mut found: impl FnMut(usize, V)) {
         let word = word.as_bytes();
-        let mut node = &*self.root;
+        let Some(root) = &self.root else { return };
+        let mut node = &**root;
         let mut length = 0;
         while let Some(slot) = word.get(length).copied().and_then(slot) {
             if !node.has(slot) {
                 break;
             }
             node = &node.children[node.index(slot)];
-            if !word[length..].starts_with(&node.label) {
+            let label = node.label.bytes();
+            if shared_length(label, &word[length..]) < label.len() {
                 break;
             }
-            length += node.label.len();
+            length += label.len();
             if let Some(value) = node.value {
                 found(length, value);
             }
@@ -92,11 +94,12 @@ impl<V: Copy> Trie<V> {
     /// Visits every name with its value, in the order of the alphabet `a-z A-Z 0-9`, until told to break.
     pub fn each(&self, mut visit: impl FnMut(&str, V) -> ControlFlow<()>) {
         let mut name = String::new();
+        let Some(root) = &self.root else { return };
         // What is still to be visited, with the length of the name above it. Labels are ASCII.
-        let mut stack = vec![(&*self.root, 0)];
+        let mut stack = vec![(&**root, 0)];
         while let Some((node, above)) = stack.pop() {
             name.truncate(above);
-            name.extend(node.label.iter().map(|byte| char::from(*byte)));
+            name.extend(node.label.bytes().iter().map(|byte| char::from(*byte)));
             if let Some(value) = node.value
                 && visit(&name, value).is_break()
             {
@@ -114,10 +117,11 @@ impl<V: Copy> Trie<V> {
     /// begins so is visited.
     pub(crate) fn each_below(&self, mut enter: impl FnMut(&str, usize, Option<V>) -> bool) {
         let mut name = String::new();
-        let mut stack = vec![(&*self.root, 0)];
+        let Some(root) = &self.root else { return };
+        let mut stack = vec![(&**root, 0)];
         while let Some((node, above)) = stack.pop() {
             name.truncate(above);
-            name.extend(node.label.iter().map(|byte| char::from(*byte)));
+            name.extend(node.label.bytes().iter().map(|byte| char::from(*byte)));
             if enter(&name, above, node.value) {
                 let children = node.children.iter().rev();
                 stack.extend(children.map(|child| (&**child, name.len())));
@@ -129,7 +133,7 @@ impl<V: Copy> Trie<V> {
 #[derive(Clone, Debug)]
 struct Node<V> {
     /// What leads here from the parent; empty at the root alone.
-    label: Box<[u8]>,
+    label: Label,
     value: Option<V>,
     /// Bit `k` is set where a child's label begins with the k-th letter of the alphabet.
     present: u64,
@@ -137,13 +141,68 @@ struct Node<V> {
     children: Vec<Arc<Node<V>>>,
 }
 
-impl<V> Node<V> {
-    fn leaf(label: &[u8], value: Option<V>) -> Self {
+/// A few letters, held where they are used; longer runs are chains of nodes.
+#[derive(Clone, Copy, Debug)]
+struct Label {
+    length: u8,
+    letters: [u8; Label::LONGEST],
+}
+
+impl Label {
+    const LONGEST: usize = 15;
+
+    /// The first letters of a run, up to as many as a label holds.
+    fn front(run: &[u8]) -> Self {
+        let length = run.len().min(Self::LONGEST);
+        let mut letters = [0; Self::LONGEST];
+        letters[..length].copy_from_slice(&run[..length]);
         Self {
-            label: label.into(),
-            value,
+            length: length as u8,
+            letters,
+        }
+    }
+
+    #[inline]
+    fn bytes(&self) -> &[u8] {
+        &self.letters[..usize::from(self.length)]
+    }
+}
+
+impl<V> Node<V> {
+    fn root() -> Self {
+        Self {
+            label: Label::front(&[]),
+            value: None,
             present: 0,
             children: Vec::new(),
+        }
+    }
+
+    /// The nodes that lead over a run of letters to a value, each the only child of the one before.
+    fn chain(run: &[u8], value: V) -> Arc<Self> {
+        let mut value = Some(value);
+        let mut below = None;
+        for letters in run.chunks(Label::LONGEST).rev() {
+            let (present, children) = match below.take() {
+                Some((slot, node)) => (1_u64 << slot, vec![node]),
+                None => (0, Vec::new()),
+            };
+            let node = Arc::new(Self {
+                label: Label::front(letters),
+                value: value.take(),
+                present,
+                children,
+            });
+            below = letters
+                .first()
+                .copied()
+                .and_then(slot)
+                .map(|slot| (slot, node));
+        }
+        match below {
+            Some((_, node)) => node,
+            // A run has a letter, and each letter is one of the alphabet.
+            None => Arc::new(Self::root()),
         }
     }
 
@@ -158,16 +217,17 @@ impl<V> Node<V> {
 
     /// Cuts the label after `length` bytes; what the node held moves to a child below the cut.
     fn split(&mut self, length: usize) {
-        let Some(slot) = self.label.get(length).copied().and_then(slot) else {
+        let label = self.label;
+        let Some(slot) = label.bytes().get(length).copied().and_then(slot) else {
             return;
         };
         let lower = Self {
-            label: self.label[length..].into(),
+            label: Label::front(&label.bytes()[length..]),
             value: self.value.take(),
             present: self.present,
             children: std::mem::take(&mut self.children),
         };
-        self.label = self.label[..length].into();
+        self.label = Label::front(&label.bytes()[..length]);
         self.present = 1 << slot;
         self.children.push(Arc::new(lower));
     }
@@ -177,6 +237,9 @@ impl<V> Node<V> {
 /// stack otherwise.
 impl<V> Drop for Node<V> {
     fn drop(&mut self) {
+        if self.children.is_empty() {
+            return;
+        }
         let mut doomed = std::mem::take(&mut self.children);
         while let Some(node) = doomed.pop() {
             if let Some(mut node) = Arc::into_inner(node) {
@@ -187,16 +250,31 @@ impl<V> Drop for Node<V> {
 }
 
 /// The position of a letter in the alphabet `a-z A-Z 0-9`, 0 to 61.
+#[inline]
 fn slot(byte: u8) -> Option<u32> {
-    let slot = match byte {
-        b'a'..=b'z' => byte - b'a',
-        b'A'..=b'Z' => byte - b'A' + 26,
-        b'0'..=b'9' => byte - b'0' + 52,
-        _ => return None,
-    };
-    Some(u32::from(slot))
+    let slot = SLOTS[usize::from(byte)];
+    (slot < 62).then_some(u32::from(slot))
 }
 
+/// [`slot`] of each byte; 62 for those outside of the alphabet.
+const SLOTS: [u8; 256] = {
+    let mut slots = [62; 256];
+    let mut letter = 0;
+    while letter < 26 {
+        slots[b'a' as usize + letter] = letter as u8;
+        slots[b'A' as usize + letter] = 26 + letter as u8;
+        letter += 1;
+    }
+    let mut digit = 0;
+    while digit < 10 {
+        slots[b'0' as usize + digit] = 52 + digit as u8;
+        digit += 1;
+    }
+    slots
+};
+
+/// How many letters two runs have in common at their start: a few, which are compared one by one.
+#[inline]
 fn shared_length(a: &[u8], b: &[u8]) -> usize {
     a.iter().zip(b).take_while(|(a, b)| a == b).count()
 }
@@ -254,6 +332,23 @@ mod tests {
             assert_eq!(names(snapshot).len(), k);
             assert_eq!(snapshot.get(&format!("n{k}")), None);
         }
+    }
+
+    #[test]
+    fn names_longer_than_a_label_are_split_and_found() {
+        let long = "abcdefghij".repeat(25);
+        let mut trie = Trie::default();
+        for (value, length) in [250, 15, 16, 14, 30, 31, 100, 1].into_iter().enumerate() {
+            assert_eq!(trie.insert(&long[..length], value), Ok(None));
+            assert_eq!(trie.get(&long[..length]), Some(value));
+        }
+        let other = format!("{}X{}", &long[..40], &long[..40]);
+        assert_eq!(trie.insert(&other, 9), Ok(None));
+        assert_eq!(names(&trie).len(), 9);
+        assert_eq!(trie.longest_prefix(&long[..249]), Some((100, 6)));
+        assert_eq!(trie.longest_prefix(&long), Some((250, 0)));
+        assert_eq!(trie.longest_prefix(&other), Some((81, 9)));
+        assert_eq!(trie.longest_prefix(&other[..80]), Some((31, 5)));
     }
 
     #[test]
