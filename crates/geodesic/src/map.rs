@@ -181,7 +181,7 @@ pub fn exponential_map<S: Surface + ?Sized>(
 }
 
 /// The share of the tolerance that the patchwork may add to the rays' error.
-const PATCHWORK_SHARE: f64 = 0.25;
+const PATCHWORK_SHARE: f64 = 0.5;
 
 fn pixel_by_pixel<S: Surface + ?Sized>(
     surface: &S,

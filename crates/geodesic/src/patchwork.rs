@@ -32,10 +32,10 @@ use fit::Fit;
 /// The side in pixels of the smallest square.
 pub const BLOCK: u32 = 8;
 /// The polynomials' degree in x and in y.
-pub const DEGREE: usize = 5;
+pub const DEGREE: usize = 6;
 /// The side of the largest square; pictures with fewer than so many times four pixels along the shorter side begin
 /// with smaller ones.
-const LARGEST: u32 = 128;
+const LARGEST: u32 = 256;
 
 /// A square of pixels on which the ends are one polynomial.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,35 +1,22 @@
 //! The cutting of a picture: ends at places in, pieces out, by division into four wherever one polynomial will not do.
 
-use super::fit::{COUNT, Fit, Grid, highest, truncate, value};
+use super::fit::{CHECKS, COUNT, Fit, Grid, highest, truncate, value};
 use super::{BLOCK, Patch, Single};
 use crate::ends::{Coordinates, End, Ends};
 use crate::trace::Status;
 
 /// The error at the places of the check is a sample: the largest one may be this much larger.
 const WIDENING: f64 = 2.0;
-/// The terms beyond a series' highest are taken to be at least this share of those: what is finer than the nodes may
-/// look smooth at all places of the check by chance.
-const BEYOND: f64 = 0.1;
+/// Each degree's terms of a series are taken to be at least this share of those of the degree below: what is finer
+/// than the nodes may look smooth at all places of the check by chance.
+const BEYOND: f64 = 0.12;
 /// The share of the tolerance up to which a polynomial's highest terms are left out.
 const NEGLIGIBLE: f64 = 0.05;
 /// How an error shrinks when the sides are halved.
 const HALVED: f64 = (1_u64 << COUNT) as f64;
 /// An apex farther off than so many times the patch's extent lets (u,v) be as smooth as its own coordinates.
 const FAR_APEX: f64 = 4.0;
-/// Where a polynomial is compared with the ends: where the errors of interpolation at Chebyshev's nodes have their
-/// extremes, the corners first. 1 stands for the middle of an outermost pixel.
-const CHECKS: [[f64; 2]; 9] = [
-    [-1.0, -1.0],
-    [1.0, -1.0],
-    [-1.0, 1.0],
-    [1.0, 1.0],
-    [0.0, 0.0],
-    [-1.0, 0.0],
-    [1.0, 0.0],
-    [0.0, -1.0],
-    [0.0, 1.0],
-];
-/// The first of them, which are looked at before all else.
+/// The corners are looked at before all else, as the first places of the check.
 const CORNERS: usize = 4;
 
 /// What covers a square.
@@ -132,8 +119,9 @@ impl Cutter<'_> {
     fn attempt(&self, square: &Square, pieces: &mut Pieces) -> Attempt {
         // Corners that differ cost four looks, not all.
         let outermost = square.extent.map(|n| 1.0 - 1.0 / f64::from(n));
-        let check_at = |n: usize| [0, 1].map(|k| CHECKS[n][k] * outermost[k]);
-        let mut checks = [None; CHECKS.len()];
+        let places = self.fit.checks;
+        let check_at = |n: usize| [0, 1].map(|k| places[n][k] * outermost[k]);
+        let mut checks = [None; CHECKS];
         let mut status = None;
         for (n, check) in checks.iter_mut().enumerate().take(CORNERS) {
             let end = self.end(self.place(square, check_at(n)), pieces);
@@ -178,7 +166,9 @@ impl Cutter<'_> {
                 std::array::from_fn(|i| samples[COUNT * j + i].1.at[k] - reference.at[k])
             });
             let mut series = self.fit.series(&values);
-            worst = worst.max(BEYOND * lengths[k] * highest(&series));
+            let [last, before] = highest(&series);
+            let beyond = (BEYOND * last).max(BEYOND * BEYOND * before);
+            worst = worst.max(lengths[k] * beyond);
             truncate(&mut series, NEGLIGIBLE * self.tolerance / lengths[k]);
             *powers = self.fit.powers(&series);
         }

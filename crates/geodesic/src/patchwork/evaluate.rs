@@ -8,11 +8,6 @@ use super::{BLOCK, Cover, Patch, Patchwork};
 use crate::ends::{Coordinates, Polar};
 use crate::trace::Status;
 
-/// How many pixels are computed side by side.
-const LANES: usize = 8;
-
-type Lanes = [f32; LANES];
-
 /// Some rows of pixels, of the picture's whole width; each part may be empty where it is not wanted.
 pub struct Rows<'a> {
     /// As in [`Map`](crate::map::Map).
@@ -56,27 +51,32 @@ impl Work for Band<'_, '_> {
                 }
                 _ => (left + BLOCK).min(width),
             };
-            for row in 0..BLOCK.min(height - top) {
-                let from = (row * width + left) as usize;
+            let count = BLOCK.min(height - top);
+            let strip = match cover {
+                Cover::Patch(index) => {
+                    let patch = &patchwork.patches[index as usize];
+                    Some(Strip::of(patchwork, patch, top, left))
+                }
+                _ => None,
+            };
+            for row in 0..count as usize {
+                let from = row * width as usize + left as usize;
                 let pixels = from..from + (right - left) as usize;
-                match cover {
-                    Cover::Patch(index) => {
-                        let patch = &patchwork.patches[index as usize];
-                        let line = Line::of(patchwork, patch, top + row, left);
-                        line.evaluate(&mut rows, pixels);
-                    }
-                    Cover::Single(index) => {
+                match (cover, &strip) {
+                    (Cover::Single(index), _) => {
                         let single = &patchwork.singles[index as usize];
-                        let first = (row * BLOCK) as usize;
+                        let first = row * BLOCK as usize;
                         copy(&single.offset[first..], part(rows.offset, &pixels));
                         copy(&single.by_pixel[first..], part(rows.by_pixel, &pixels));
                         copy(&single.status[first..], part(rows.status, &pixels));
                     }
-                    Cover::Nothing(status) => {
+                    (Cover::Nothing(status), _) => {
                         part(rows.offset, &pixels).fill([0.0; 2]);
                         part(rows.by_pixel, &pixels).fill([0.0; 4]);
                         part(rows.status, &pixels).fill(status);
                     }
+                    (Cover::Patch(_), Some(strip)) => strip.evaluate(row, &mut rows, pixels),
+                    (Cover::Patch(_), None) => {}
                 }
             }
             block = right.div_ceil(BLOCK);
@@ -96,14 +96,17 @@ fn copy<T: Copy>(from: &[T], to: &mut [T]) {
     to[..count].copy_from_slice(&from[..count]);
 }
 
-/// A row of a patch: polynomials in X alone.
-struct Line {
+/// A coefficient for each row of a strip.
+type Column = [f32; BLOCK as usize];
+
+/// Some rows of a patch: polynomials in X alone, a row's coefficients at its index in each column.
+struct Strip {
     /// The values, without the centre.
-    value: [[f32; COUNT]; 2],
+    value: [[Column; COUNT]; 2],
     /// By one pixel to the right.
-    right: [[f32; COUNT]; 2],
+    right: [[Column; COUNT]; 2],
     /// By one pixel down.
-    down: [[f32; COUNT]; 2],
+    down: [[Column; COUNT]; 2],
     /// What is added to the values.
     centre: [f32; 2],
     /// X of the first pixel, and from a pixel to the next.
@@ -133,40 +136,50 @@ impl About {
         }
     }
 
-    /// From (a, b) with its derivatives by two directions to (w, t) with its own: w along the axis, t across.
+    /// From (a, b) to (w, t): w along the axis, t across.
     #[inline(always)]
-    fn undo(&self, [a, b]: [f32; 2], by: [[f32; 2]; 2]) -> ([f32; 2], [[f32; 2]; 2]) {
+    fn point(&self, [a, b]: [f32; 2]) -> [f32; 2] {
         let (larger, ratio) = larger_and_ratio(a, b);
-        let turn = angle(a, b, ratio);
         let r = larger * (1.0 + ratio * ratio).sqrt();
+        let (powered, _) = self.power_and_slope(r);
+        [
+            self.base + self.sign * powered,
+            self.low + self.per_angle * angle(a, b, ratio),
+        ]
+    }
+
+    /// From a vector at (a, b) to one at (w, t).
+    #[inline(always)]
+    fn vector(&self, [a, b]: [f32; 2], [x, y]: [f32; 2]) -> [f32; 2] {
+        let (larger, ratio) = larger_and_ratio(a, b);
+        let r = larger * (1.0 + ratio * ratio).sqrt();
+        let (_, slope) = self.power_and_slope(r);
         // At the apex itself any direction is as good as another.
-        let least = if r > 1e-36 { r } else { 1e-36 };
-        let (cos, sin) = (a / least, b / least);
-        let (powered, slope) = if self.power == 1.0 {
+        let over = 1.0 / if r > LEAST { r } else { LEAST };
+        let (cos, sin) = (a * over, b * over);
+        let around = (cos * y - sin * x) * over;
+        [
+            self.sign * slope * (cos * x + sin * y),
+            bounded(self.per_angle * around),
+        ]
+    }
+
+    /// r^power and its derivative.
+    #[inline(always)]
+    fn power_and_slope(&self, r: f32) -> (f32, f32) {
+        if self.power == 1.0 {
             (r, 1.0)
         } else if self.power == 2.0 {
             (r * r, 2.0 * r)
         } else {
-            let root = least.sqrt();
+            let root = if r > LEAST { r } else { LEAST }.sqrt();
             (root, 0.5 / root)
-        };
-        let derivatives = by.map(|[da, db]| {
-            let outward = cos * da + sin * db;
-            let around = (cos * db - sin * da) / least;
-            [
-                self.sign * slope * outward,
-                bounded(self.per_angle * around),
-            ]
-        });
-        (
-            [
-                self.base + self.sign * powered,
-                self.low + self.per_angle * turn,
-            ],
-            derivatives,
-        )
+        }
     }
 }
+
+/// Nothing is nearer to an apex.
+const LEAST: f32 = 1e-36;
 
 /// Near an apex the angle turns without bound; a number stays a number.
 #[inline(always)]
@@ -175,39 +188,55 @@ fn bounded(x: f32) -> f32 {
     if x < -1e30 { -1e30 } else { x }
 }
 
-impl Line {
+impl Strip {
+    /// The rows from `row` on, the pixels from `column` on.
     #[inline(always)]
     fn of(patchwork: &Patchwork, patch: &Patch, row: u32, column: u32) -> Self {
-        let half = patch.extent.map(|n| 0.5 * n as f32);
-        let step = half.map(|half| 1.0 / half);
-        let y = ((row - patch.corner[1]) as f32 + 0.5) * step[1] - 1.0;
-        let mut value = [[0.0; COUNT]; 2];
-        let mut down = [[0.0; COUNT]; 2];
-        let mut right = [[0.0; COUNT]; 2];
+        let step = [2.0 / patch.extent[0] as f32, 2.0 / patch.extent[1] as f32];
+        let mut y: Column = [0.0; BLOCK as usize];
+        for (n, y) in y.iter_mut().enumerate() {
+            *y = ((row - patch.corner[1]) as f32 + n as f32 + 0.5) * step[1] - 1.0;
+        }
+        let nothing = [[[0.0; BLOCK as usize]; COUNT]; 2];
+        let (mut value, mut right, mut down) = (nothing, nothing, nothing);
         for k in 0..2 {
-            let rows = &patch.coefficients[k];
-            value[k] = rows[COUNT - 1];
-            for row in rows[..COUNT - 1].iter().rev() {
-                for i in 0..COUNT {
-                    down[k][i] = down[k][i] * y + value[k][i];
-                    value[k][i] = value[k][i] * y + row[i];
+            for i in 0..COUNT {
+                let mut sum = [patch.coefficients[k][COUNT - 1][i]; BLOCK as usize];
+                let mut slope = [0.0; BLOCK as usize];
+                let mut j = COUNT - 1;
+                while j > 0 {
+                    j -= 1;
+                    let coefficient = patch.coefficients[k][j][i];
+                    for n in 0..BLOCK as usize {
+                        slope[n] = slope[n] * y[n] + sum[n];
+                        sum[n] = sum[n] * y[n] + coefficient;
+                    }
                 }
-            }
-            for i in 1..COUNT {
-                right[k][i - 1] = i as f32 * value[k][i] * step[0];
-            }
-            for slope in &mut down[k] {
-                *slope *= step[1];
+                value[k][i] = sum;
+                for n in 0..BLOCK as usize {
+                    down[k][i][n] = slope[n] * step[1];
+                }
+                if i > 0 {
+                    for n in 0..BLOCK as usize {
+                        right[k][i - 1][n] = sum[n] * (i as f32 * step[0]);
+                    }
+                }
             }
         }
         let origin = patchwork.origin;
         let (apex, centre) = match patch.coordinates {
-            Coordinates::Plain => (None, [0, 1].map(|k| (patch.centre[k] - origin[k]) as f32)),
+            Coordinates::Plain => {
+                let [a, b] = patch.centre;
+                (None, [(a - origin[0]) as f32, (b - origin[1]) as f32])
+            }
             Coordinates::Apex { axis, end } => {
                 let axis = usize::from(axis.min(1));
                 let polar = patchwork.polars[axis][usize::from(end.min(1))].unwrap_or_default();
                 let about = About::of(axis, &polar, origin);
-                (Some((axis, about)), patch.centre.map(|x| x as f32))
+                (
+                    Some((axis, about)),
+                    [patch.centre[0] as f32, patch.centre[1] as f32],
+                )
             }
         };
         Self {
@@ -221,117 +250,94 @@ impl Line {
         }
     }
 
+    /// One row. The loops' bodies know nothing of their neighbours, so that the compiler makes vectors of them.
     #[inline(always)]
-    fn evaluate(&self, rows: &mut Rows<'_>, pixels: std::ops::Range<usize>) {
+    fn evaluate(&self, row: usize, rows: &mut Rows<'_>, pixels: std::ops::Range<usize>) {
         part(rows.status, &pixels).fill(Status::Complete);
         let offset = part(rows.offset, &pixels);
         let by_pixel = part(rows.by_pixel, &pixels);
         match &self.apex {
-            None if by_pixel.is_empty() => {
-                for (chunk, offset) in offset.chunks_mut(LANES).enumerate() {
-                    let value = self.values(&self.places(chunk));
-                    store(offset, |lane| [value[0][lane], value[1][lane]]);
-                }
-            }
-            None => {
-                for (chunk, (offset, by_pixel)) in chunks(offset, by_pixel) {
-                    let x = self.places(chunk);
-                    let value = self.values(&x);
-                    let [right, down] = self.slopes(&x);
-                    store(offset, |lane| [value[0][lane], value[1][lane]]);
-                    store(by_pixel, |lane| {
-                        [right[0][lane], right[1][lane], down[0][lane], down[1][lane]]
-                    });
-                }
-            }
-            Some((axis, about)) => {
-                for (chunk, (offset, by_pixel)) in chunks(offset, by_pixel) {
-                    let x = self.places(chunk);
-                    let mut value = self.values(&x);
-                    let mut slopes = self.slopes(&x);
-                    for lane in 0..LANES {
-                        let [right, down] = &slopes;
-                        let by = [
-                            [right[0][lane], right[1][lane]],
-                            [down[0][lane], down[1][lane]],
-                        ];
-                        let at = [value[0][lane], value[1][lane]];
-                        let (at, by) = about.undo(at, by);
-                        for k in 0..2 {
-                            value[k][lane] = at[k];
-                            slopes[0][k][lane] = by[0][k];
-                            slopes[1][k][lane] = by[1][k];
-                        }
-                    }
-                    let (u, v) = (*axis, 1 - *axis);
-                    let [right, down] = slopes;
-                    store(offset, |lane| [value[u][lane], value[v][lane]]);
-                    store(by_pixel, |lane| {
-                        [right[u][lane], right[v][lane], down[u][lane], down[v][lane]]
-                    });
-                }
-            }
+            None => self.plain(row, offset, by_pixel),
+            Some((0, about)) => self.about::<0>(about, row, offset, by_pixel),
+            Some((_, about)) => self.about::<1>(about, row, offset, by_pixel),
         }
     }
 
-    /// X of the pixels of a chunk.
     #[inline(always)]
-    fn places(&self, chunk: usize) -> Lanes {
-        let first = (chunk * LANES) as f32;
-        std::array::from_fn(|lane| (first + lane as f32) * self.step + self.start)
+    fn plain(&self, row: usize, offset: &mut [[f32; 2]], by_pixel: &mut [[f32; 4]]) {
+        let [a, b] = [at_row(&self.value[0], row), at_row(&self.value[1], row)];
+        let [centre_a, centre_b] = self.centre;
+        let (start, step) = (self.start, self.step);
+        for (n, offset) in (0_i32..).zip(offset.iter_mut()) {
+            let x = n as f32 * step + start;
+            *offset = [horner(&a, x) + centre_a, horner(&b, x) + centre_b];
+        }
+        let right = [at_row(&self.right[0], row), at_row(&self.right[1], row)];
+        let down = [at_row(&self.down[0], row), at_row(&self.down[1], row)];
+        for (n, by_pixel) in (0_i32..).zip(by_pixel.iter_mut()) {
+            let x = n as f32 * step + start;
+            *by_pixel = [
+                horner(&right[0], x),
+                horner(&right[1], x),
+                horner(&down[0], x),
+                horner(&down[1], x),
+            ];
+        }
     }
 
+    /// About an apex at an end of the axis `AXIS`.
     #[inline(always)]
-    fn values(&self, x: &Lanes) -> [Lanes; 2] {
-        [0, 1].map(|k| horner(&self.value[k], x).map(|value| value + self.centre[k]))
-    }
-
-    /// By one pixel to the right, and down.
-    #[inline(always)]
-    fn slopes(&self, x: &Lanes) -> [[Lanes; 2]; 2] {
-        [&self.right, &self.down].map(|by| [0, 1].map(|k| horner(&by[k], x)))
+    fn about<const AXIS: usize>(
+        &self,
+        about: &About,
+        row: usize,
+        offset: &mut [[f32; 2]],
+        by_pixel: &mut [[f32; 4]],
+    ) {
+        let value = [at_row(&self.value[0], row), at_row(&self.value[1], row)];
+        let right = [at_row(&self.right[0], row), at_row(&self.right[1], row)];
+        let down = [at_row(&self.down[0], row), at_row(&self.down[1], row)];
+        let [centre_a, centre_b] = self.centre;
+        let (start, step) = (self.start, self.step);
+        for (n, offset) in (0_i32..).zip(offset.iter_mut()) {
+            let x = n as f32 * step + start;
+            let at = [
+                horner(&value[0], x) + centre_a,
+                horner(&value[1], x) + centre_b,
+            ];
+            let at = about.point(at);
+            *offset = [at[AXIS], at[1 - AXIS]];
+        }
+        for (n, by_pixel) in (0_i32..).zip(by_pixel.iter_mut()) {
+            let x = n as f32 * step + start;
+            let at = [
+                horner(&value[0], x) + centre_a,
+                horner(&value[1], x) + centre_b,
+            ];
+            let right = about.vector(at, [horner(&right[0], x), horner(&right[1], x)]);
+            let down = about.vector(at, [horner(&down[0], x), horner(&down[1], x)]);
+            *by_pixel = [right[AXIS], right[1 - AXIS], down[AXIS], down[1 - AXIS]];
+        }
     }
 }
 
+/// A row's coefficients.
 #[inline(always)]
-fn horner(coefficients: &[f32; COUNT], x: &Lanes) -> Lanes {
-    let mut sum = [coefficients[COUNT - 1]; LANES];
-    for &coefficient in coefficients[..COUNT - 1].iter().rev() {
-        for lane in 0..LANES {
-            sum[lane] = sum[lane] * x[lane] + coefficient;
-        }
+fn at_row(columns: &[Column; COUNT], row: usize) -> [f32; COUNT] {
+    let mut coefficients = [0.0; COUNT];
+    for (coefficient, column) in coefficients.iter_mut().zip(columns) {
+        *coefficient = column[row];
+    }
+    coefficients
+}
+
+#[inline(always)]
+fn horner(coefficients: &[f32; COUNT], x: f32) -> f32 {
+    let mut sum = coefficients[COUNT - 1];
+    let mut n = COUNT - 1;
+    while n > 0 {
+        n -= 1;
+        sum = sum * x + coefficients[n];
     }
     sum
-}
-
-/// Both parts, a chunk at a time; one of them may be empty.
-#[inline(always)]
-fn chunks<'a>(
-    offset: &'a mut [[f32; 2]],
-    by_pixel: &'a mut [[f32; 4]],
-) -> impl Iterator<Item = (usize, (&'a mut [[f32; 2]], &'a mut [[f32; 4]]))> {
-    let count = offset.len().max(by_pixel.len()).div_ceil(LANES);
-    let mut offset = offset.chunks_mut(LANES);
-    let mut by_pixel = by_pixel.chunks_mut(LANES);
-    (0..count).map(move |n| {
-        let parts = (
-            offset.next().unwrap_or_default(),
-            by_pixel.next().unwrap_or_default(),
-        );
-        (n, parts)
-    })
-}
-
-/// Puts lanes side by side. A whole chunk has a length that the compiler knows.
-#[inline(always)]
-fn store<const K: usize>(to: &mut [[f32; K]], pixel: impl Fn(usize) -> [f32; K]) {
-    if let Ok(whole) = <&mut [[f32; K]; LANES]>::try_from(&mut *to) {
-        for (lane, to) in whole.iter_mut().enumerate() {
-            *to = pixel(lane);
-        }
-    } else {
-        for (lane, to) in to.iter_mut().enumerate() {
-            *to = pixel(lane.min(LANES - 1));
-        }
-    }
 }

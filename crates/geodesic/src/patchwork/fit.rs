@@ -10,8 +10,14 @@ pub(super) const COUNT: usize = DEGREE + 1;
 /// A value at each node, `[j][i]`: the j-th in Y, the i-th in X.
 pub(super) type Grid = [[f64; COUNT]; COUNT];
 
+/// How many places a polynomial is checked at.
+pub(super) const CHECKS: usize = 12;
+
 /// The tables of a fit.
 pub(super) struct Fit {
+    /// Where a polynomial is compared with the ends, the corners first: where the errors of interpolation at these
+    /// nodes have their extremes.
+    pub(super) checks: [[f64; 2]; CHECKS],
     /// Where the values are to be taken, in [−1, 1].
     pub(super) nodes: [f64; COUNT],
     /// From values at the nodes to the coefficients of Chebyshev's series.
@@ -43,7 +49,25 @@ impl Fit {
                 powers[n][i] = shifted - powers[n - 2][i];
             }
         }
+        // The extremes of the polynomial whose zeros the nodes are, but for the ends.
+        let extreme = |k: usize| (PI * k as f64 / COUNT as f64).cos();
+        let (near, far) = (extreme(COUNT / 2), extreme(COUNT / 2 - 1));
+        let checks = [
+            [-1.0, -1.0],
+            [1.0, -1.0],
+            [-1.0, 1.0],
+            [1.0, 1.0],
+            [near, -1.0],
+            [1.0, near],
+            [-near, 1.0],
+            [-1.0, -near],
+            [far, near],
+            [-near, far],
+            [-far, -near],
+            [near, -far],
+        ];
         Self {
+            checks,
             nodes,
             series,
             powers,
@@ -92,11 +116,13 @@ impl Fit {
     }
 }
 
-/// The sum of a series' highest terms.
-pub(super) fn highest(series: &Grid) -> f64 {
-    (0..COUNT)
-        .map(|k| series[COUNT - 1][k].abs() + series[k][COUNT - 1].abs())
-        .sum()
+/// The sums of a series' terms of the highest degree in a variable, and of the one below.
+pub(super) fn highest(series: &Grid) -> [f64; 2] {
+    [COUNT - 1, COUNT - 2].map(|degree| {
+        (0..=degree)
+            .map(|k| series[degree][k].abs() + series[k][degree].abs())
+            .sum()
+    })
 }
 
 /// Takes away the highest terms of a series that together are at most `allowed`: what is left of rounding in the
