@@ -5,7 +5,7 @@
 // CACHE holds code-server and playwright-core (see `install`), EXTENSION is the unpacked .vsix, WORKSPACE a folder of
 // the test's own, PROGRAM the geotrace binary. Exit status: that of the suite; 3 where it did not report in time.
 import { spawn } from "node:child_process";
-import { mkdtempSync } from "node:fs";
+import { mkdirSync, mkdtempSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
@@ -24,6 +24,9 @@ const port = await new Promise((resolve) => {
     });
 });
 const home = mkdtempSync(join(tmpdir(), "geotrace-vscode-"));
+// The machine's own settings: a workspace's are not heeded until it is trusted.
+mkdirSync(join(home, "data/Machine"), { recursive: true });
+writeFileSync(join(home, "data/Machine/settings.json"), JSON.stringify({ "geotrace.server.path": program }));
 const code = join(cache, "node_modules/code-server/lib/vscode");
 const server = spawn(
     process.execPath,
@@ -39,7 +42,7 @@ const server = spawn(
         `--server-data-dir=${home}`,
     ],
     {
-        env: { ...process.env, XDG_CONFIG_HOME: home, GEOTRACE_PROGRAM: program, GEOTRACE_WORKSPACE: workspace },
+        env: { ...process.env, XDG_CONFIG_HOME: home },
         stdio: ["ignore", "pipe", "pipe"],
     },
 );

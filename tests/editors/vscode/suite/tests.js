@@ -169,6 +169,17 @@ exports["the preview's command runs from the palette and from a lens"] = async (
     await ask("geotrace.preview", document.uri.toString(), { view: "geodesic", surface: "s" });
 };
 
+exports["settings reach the server"] = async () => {
+    const document = await open("surface s(u,v) = (u,v,uv), u : [0,1], v : [0,1];");
+    const settings = vscode.workspace.getConfiguration("geotrace");
+    const lenses = async () => (await ask("vscode.executeCodeLensProvider", document.uri)).length;
+    assert.strictEqual(await lenses(), 2);
+    await settings.update("codeLens", false, vscode.ConfigurationTarget.Global);
+    await eventually("no lens", async () => (await lenses()) === 0);
+    await settings.update("codeLens", undefined, vscode.ConfigurationTarget.Global);
+    await eventually("the lenses again", async () => (await lenses()) === 2);
+};
+
 exports["the server can be restarted"] = async () => {
     const document = await open("define b = sinn 2;");
     await eventually("a diagnostic", () => found(document).length === 1);
@@ -181,9 +192,9 @@ exports["the server can be restarted"] = async () => {
 exports["a program that is not there is told of, and nothing hangs"] = async () => {
     const api = vscode.extensions.getExtension("geotrace.geotrace").exports;
     const settings = vscode.workspace.getConfiguration("geotrace");
-    const before = settings.inspect("server.path").workspaceValue;
-    await settings.update("server.path", "/no/such/geotrace", vscode.ConfigurationTarget.Workspace);
+    const before = settings.get("server.path");
+    await settings.update("server.path", "/no/such/geotrace", vscode.ConfigurationTarget.Global);
     await eventually("the sentence", () => /not running/.test(api.status()));
-    await settings.update("server.path", before, vscode.ConfigurationTarget.Workspace);
+    await settings.update("server.path", before, vscode.ConfigurationTarget.Global);
     await eventually("the server", () => /running, version/.test(api.status()));
 };
