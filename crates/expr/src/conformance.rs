@@ -1,6 +1,6 @@
 //! The cases that every evaluator of expressions is held to.
 //!
-//! What flows out: operations with operands and values. The f64 tape, its blocks and generated WGSL are each
+//! What flows out: operations with operands and values. The f64 tape, its blocks, jets and generated WGSL are each
 //! run over [`cases`], whose values come from the table's definition; this crate's tests compare that
 //! definition with [`anchors`], whose values were found independently.
 

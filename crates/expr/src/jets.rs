@@ -34,6 +34,7 @@ use crate::jets::expand::{Expansion, expand};
 mod assemble;
 mod expand;
 mod run;
+mod terms;
 pub use run::JetRegisters;
 
 /// How many points are evaluated at once where many are: a vector of eight, or two of four.

@@ -5,7 +5,8 @@
 //! numbers, then what is computed. A register is used again as soon as its value has been used for the last time;
 //! those of fixed numbers never are, so that they stay filled from one evaluation to the next.
 
-use crate::jets::expand::{Expansion, Micro, Term};
+use crate::jets::expand::Expansion;
+use crate::jets::terms::{Micro, Term};
 use crate::ops::{Binary, Unary};
 
 /// Straight-line code.
