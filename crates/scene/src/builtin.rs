@@ -56,6 +56,11 @@ pub fn vocabulary() -> Vocabulary {
         })
 }
 
+/// How many builtin names there are; their symbols come first.
+pub(crate) fn count() -> u32 {
+    (CONSTANTS.len() + Builtin::all().count()) as u32
+}
+
 /// Gives the builtin names their meanings, in the order of [`vocabulary`].
 pub(crate) fn define(symbols: &mut Symbols, graph: &mut Graph) {
     let constants = CONSTANTS.into_iter().map(|(name, value, _)| {

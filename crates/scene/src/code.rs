@@ -101,6 +101,19 @@ impl Code {
         self.steps.truncate(self.open);
     }
 
+    /// Whether two expressions are the same steps, and the second, as a whole, stands so many bytes further
+    /// down.
+    pub(crate) fn shift(&self, a: Expression, b: Expression) -> Option<i64> {
+        let (a, b) = (&self.steps[a.steps()], &self.steps[b.steps()]);
+        let apart = |a: Span, b: Span| i64::from(b.start) - i64::from(a.start);
+        let shift = apart(a.first()?.span, b.first()?.span);
+        let same = |(a, b): (&Step, &Step)| {
+            let ends = i64::from(b.span.end) - i64::from(a.span.end);
+            a.operator == b.operator && apart(a.span, b.span) == shift && ends == shift
+        };
+        (a.len() == b.len() && a.iter().zip(b).all(same)).then_some(shift)
+    }
+
     /// The functions in an expression, each with its place.
     pub(crate) fn functions(
         &self,

@@ -40,20 +40,24 @@ pub fn compile(source: &str) -> Compilation {
     let parsed = parse_program(source, &builtin::vocabulary(), &mut compiler);
     let mut declarations = compiler.declarations;
     let mut diagnostics = std::mem::take(&mut declarations.diagnostics);
-    sort(&mut diagnostics);
-    let mut compilation = Compilation {
-        diagnostics,
-        scene: None,
-        scope: None,
-    };
-    if !compilation.has_errors() {
-        compilation.scene = Some(declarations.scene());
-        compilation.scope = Some(Scope::new(source, parsed, declarations));
-    }
-    compilation
+    Diagnostic::sort(&mut diagnostics);
+    let program = (!has_errors(&diagnostics)).then(|| {
+        let scene = declarations.scene();
+        (scene, Scope::new(source, parsed, declarations))
+    });
+    Compilation::new(diagnostics, program)
 }
 
 impl Compilation {
+    pub(crate) fn new(diagnostics: Vec<Diagnostic>, program: Option<(Scene, Scope)>) -> Self {
+        let (scene, scope) = program.unzip();
+        Self {
+            diagnostics,
+            scene,
+            scope,
+        }
+    }
+
     /// Whether the program has an error; it then has no scene. Warnings are no errors.
     pub fn has_errors(&self) -> bool {
         has_errors(&self.diagnostics)
@@ -111,14 +115,6 @@ impl Actions for Compiler {
     fn act_error(&mut self, diagnostic: Diagnostic) {
         self.declarations.diagnostics.push(diagnostic);
     }
-}
-
-/// By place; what starts at one place, the widest first.
-pub(crate) fn sort(diagnostics: &mut [Diagnostic]) {
-    diagnostics.sort_by_key(|diagnostic| {
-        let Span { start, end } = diagnostic.span;
-        (start, std::cmp::Reverse(end), diagnostic.severity)
-    });
 }
 
 pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {

@@ -16,7 +16,7 @@ use crate::fault::{self, Fault};
 use crate::interval::{Bounds, Interval, Purpose};
 use crate::limits::{DEFAULT_SAMPLES, MAX_INSTANCES, MAX_SAMPLES, MAX_UNIFORMS};
 use crate::lower::{Lowered, Lowerer};
-use crate::reads::Reads;
+use crate::reads::{Reads, Source};
 use crate::scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape};
 use crate::symbol::{Constant, Declared, Meaning};
 
@@ -32,9 +32,23 @@ pub(crate) struct Declarations {
     /// What each source of the lowerer's reads is.
     sources: Vec<Owner>,
     /// How many samples the objects have together.
-    samples: u64,
+    pub(crate) samples: u64,
     /// The surfaces and metrics, for the geodesics that lie on them.
     patches: FxHashMap<SymbolId, Patch>,
+    /// The uniforms that the next param or grid takes if it has as many components, instead of fresh ones.
+    pub(crate) kept: Option<Uniforms>,
+    /// The limits that hold for all declarations together are someone else's business.
+    pub(crate) is_workshop: bool,
+}
+
+/// The uniforms of a param or a grid.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) struct Uniforms {
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+    /// The set that holds just this param or grid.
+    pub(crate) reads: Reads,
+    pub(crate) source: Source,
 }
 
 /// What a geodesic has to know of the surface or metric that it lies on.
@@ -124,8 +138,7 @@ impl Declarations {
         let bounds = self.bounds(intervals, Purpose::Axis);
         let ranges: Vec<_> = bounds?.iter().map(|bounds| bounds.range).collect();
         let id = ParamId(self.scene.params.len() as u32);
-        let first_uniform = self.scene.uniform_count;
-        let value = self.uniforms(declaration, ranges.len(), Owner::Param(id))?;
+        let (value, first_uniform) = self.uniforms(declaration, ranges.len(), Owner::Param(id))?;
         self.scene.params.push(Param {
             name: declaration.name.to_owned(),
             name_span: declaration.name_span,
@@ -142,8 +155,7 @@ impl Declarations {
             .map(|bounds| bounds.sampling(DEFAULT_SAMPLES))
             .collect();
         let id = GridId(self.scene.grids.len() as u32);
-        let first_uniform = self.scene.uniform_count;
-        let value = self.uniforms(declaration, axes.len(), Owner::Grid(id))?;
+        let (value, first_uniform) = self.uniforms(declaration, axes.len(), Owner::Grid(id))?;
         self.scene.grids.push(Grid {
             name: declaration.name.to_owned(),
             name_span: declaration.name_span,
@@ -291,16 +303,18 @@ impl Declarations {
         })
     }
 
-    /// Fresh uniforms: a number, or a vector of them; none where there are too many.
+    /// Fresh uniforms: a number, or a vector of them, and the first; none where there are too many.
     fn uniforms(
         &mut self,
         declaration: &Declaration<'_>,
         count: usize,
         owner: Owner,
-    ) -> Option<Constant> {
-        let first = self.scene.uniform_count;
-        let end = first.checked_add(u32::try_from(count).ok()?)?;
-        if end > MAX_UNIFORMS {
+    ) -> Option<(Constant, u32)> {
+        let count = u32::try_from(count).ok()?;
+        let kept = self.kept.take().filter(|kept| kept.count == count);
+        let first = kept.map_or(self.scene.uniform_count, |kept| kept.first);
+        let end = first.checked_add(count)?;
+        if end > MAX_UNIFORMS && !self.is_workshop {
             let fault = Fault::new(
                 fault::TOO_MANY_UNIFORMS,
                 format!(
@@ -315,15 +329,24 @@ impl Declarations {
         let nodes: Vec<NodeId> = (first..end)
             .map(|index| graph.input(Input::Uniform(index)))
             .collect();
-        self.scene.uniform_count = end;
-        self.sources.push(owner);
-        Some(Constant {
-            value: match nodes[..] {
-                [node] => Value::Number(node),
-                _ => Value::Vector(nodes),
-            },
-            reads: self.lowerer.reads.declare(declaration.symbol, count),
-        })
+        let value = match nodes[..] {
+            [node] => Value::Number(node),
+            _ => Value::Vector(nodes),
+        };
+        let reads = match kept {
+            Some(kept) => {
+                self.sources[kept.source.0 as usize] = owner;
+                kept.reads
+            }
+            None => {
+                self.scene.uniform_count = end;
+                self.sources.push(owner);
+                self.lowerer
+                    .reads
+                    .declare(declaration.symbol, count as usize)
+            }
+        };
+        Some((Constant { value, reads }, first))
     }
 
     /// All intervals; none where something is wrong with any.

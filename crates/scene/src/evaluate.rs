@@ -12,7 +12,7 @@ use syntax::parse_expression;
 use syntax::span::Span;
 use syntax::symbols::Parsed;
 
-use crate::compile::{Compiler, has_errors, sort};
+use crate::compile::{Compiler, has_errors};
 use crate::declare::Declarations;
 use crate::fault::{self, Fault};
 use crate::limits::MAX_INSTANCES;
@@ -99,14 +99,14 @@ impl Scope {
         let body = match code.last_before(code.end()) {
             Some([body]) if !has_errors(&found) => body,
             _ => {
-                sort(&mut found);
+                Diagnostic::sort(&mut found);
                 return Err(found);
             }
         };
         let mut faults = Vec::new();
         let lowered = declarations.lowerer.lower(body, Vec::new(), &mut faults);
         found.extend(faults.into_iter().map(|fault| program.place_in_hint(fault)));
-        sort(&mut found);
+        Diagnostic::sort(&mut found);
         let Some(result) = lowered.value.filter(|_| !has_errors(&found)) else {
             return Err(found);
         };
@@ -118,7 +118,7 @@ impl Scope {
             Err(fault) => {
                 let end = u32::try_from(text.len()).unwrap_or(u32::MAX);
                 found.push(fault.at(Span::new(0, end)));
-                sort(&mut found);
+                Diagnostic::sort(&mut found);
                 Err(found)
             }
         }

@@ -15,6 +15,7 @@ mod builtin;
 mod code;
 pub mod compile;
 mod declare;
+pub mod document;
 pub mod evaluate;
 mod fault;
 pub mod geodesic;
@@ -30,6 +31,7 @@ pub mod values;
 
 pub use builtin::vocabulary;
 pub use compile::{Compilation, compile};
+pub use document::Document;
 pub use evaluate::{Evaluation, Instance, Outcome, Value};
 pub use fault::CODES;
 pub use scene::Scene;

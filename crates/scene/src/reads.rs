@@ -26,6 +26,8 @@ pub(crate) struct Source(pub(crate) u32);
 pub(crate) struct ReadSets {
     /// The symbol of each source, where its name was free.
     sources: Vec<Option<SymbolId>>,
+    /// Their places in the order of the text, where that is another than the order in which they came.
+    places: Option<Vec<u32>>,
     /// The set that holds just the source of each uniform.
     uniforms: Vec<Reads>,
     /// Bit k of a set stands for source k; the last word is not 0.
@@ -39,6 +41,7 @@ impl Default for ReadSets {
         let empty: Arc<[u64]> = Arc::new([]);
         Self {
             sources: Vec::new(),
+            places: None,
             uniforms: Vec::new(),
             sets: vec![Arc::clone(&empty)],
             ids: FxHashMap::from_iter([(empty, Reads::default())]),
@@ -100,6 +103,38 @@ impl ReadSets {
 
     /// The params and grids of a set, in the order of the text.
     pub(crate) fn sources(&self, reads: Reads) -> impl Iterator<Item = Source> + '_ {
+        let in_order = self.places.is_none().then(|| self.members(reads));
+        let mut moved: Vec<Source> = Vec::new();
+        if let Some(places) = &self.places {
+            moved.extend(self.members(reads));
+            moved.sort_by_key(|source| places.get(source.0 as usize));
+        }
+        in_order.into_iter().flatten().chain(moved)
+    }
+
+    /// How many sources there are.
+    pub(crate) fn source_count(&self) -> usize {
+        self.sources.len()
+    }
+
+    /// The source that came last.
+    pub(crate) fn last_source(&self) -> Option<Source> {
+        let last = self.sources.len().checked_sub(1)?;
+        Some(Source(last as u32))
+    }
+
+    /// Says where the source that came last stands in the text.
+    pub(crate) fn place_next(&mut self, place: u32) {
+        self.places.get_or_insert_default().push(place);
+    }
+
+    /// Says where each source stands in the text.
+    pub(crate) fn place(&mut self, places: Vec<u32>) {
+        self.places = Some(places);
+    }
+
+    /// The params and grids of a set, in the order in which they came.
+    fn members(&self, reads: Reads) -> impl Iterator<Item = Source> + '_ {
         let words = self.sets[reads.0 as usize].iter().zip(0..);
         words.flat_map(|(&word, index): (&u64, u32)| {
             let bits = (0..64).filter(move |bit| word >> bit & 1 == 1);

@@ -76,6 +76,11 @@ impl Symbols {
         };
     }
 
+    /// One more than the largest symbol.
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
     pub(crate) fn meaning(&self, symbol: SymbolId) -> &Meaning {
         match self.0.get(symbol.0 as usize) {
             Some(symbol) => &symbol.meaning,

@@ -26,7 +26,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, VecDeque};
 use crate::line_index::Position;
 use crate::parser::parse_piece;
 use crate::span::Span;
-use crate::symbols::{Symbol, Vocabulary};
+use crate::symbols::{Parsed, Symbol, Vocabulary};
 use crate::token::{SymbolId, Token};
 
 use chunk::{Chunk, Finding, Recorder, count_lines, cut};
@@ -393,6 +393,31 @@ impl Document {
     pub fn readers(&self, id: SymbolId) -> impl Iterator<Item = ChunkId> + '_ {
         let name = self.names.name_of(id);
         name.into_iter().flat_map(|name| self.names.users(name))
+    }
+
+    /// The names as they stand at the end of the text, as [`parse_program`](crate::parse_program) gives them:
+    /// with other identifiers, which count up in the order of the text.
+    pub fn parsed(&self) -> Parsed {
+        let builtins = self.names.iter().map(|(_, defined)| defined);
+        let builtins = builtins.filter(|defined| defined.home.is_none());
+        let mut parsed = Parsed::default();
+        for builtin in builtins {
+            parsed.define(builtin.symbol.clone());
+        }
+        let mut start = 0;
+        for chunk in self.chunks() {
+            let chunk = self.chunk(chunk);
+            for defined in chunk.defines.iter().filter_map(|id| self.names.get(*id)) {
+                let mut symbol = defined.symbol.clone();
+                symbol.name_span = symbol.name_span.map(|span| span.moved(start));
+                for parameter in &mut symbol.parameters {
+                    parameter.span = parameter.span.moved(start);
+                }
+                parsed.define(symbol);
+            }
+            start += chunk.text.len() as u32;
+        }
+        parsed
     }
 
     fn chunk(&self, chunk: ChunkId) -> &Chunk {

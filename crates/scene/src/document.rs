@@ -1,0 +1,352 @@
+//! A program that is edited: checked declaration by declaration, and again only where an edit can be noticed.
+//!
+//! ```text
+//! edit ──▶ syntax::document   what was read again
+//!          workshop.rs        diagnostics of each declaration; which symbols mean something else now
+//!          this file          who reads those is checked in turn, going down the text
+//!          compilation()      the scene, put together when it is asked for
+//! ```
+//!
+//! Diagnostics and scene are those of [`compile`] for the text, after every edit. The diagnostics are kept up
+//! to date edit by edit. The scene is built from what was read, without lexing or parsing, in time
+//! proportional to the program.
+//!
+//! A few limits hold for a program as a whole: how many samples, params and operations it may have. A
+//! declaration is checked as though it were alone with them; where one is exceeded, the whole program is
+//! compiled for its diagnostics.
+
+mod workshop;
+
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::sync::OnceLock;
+
+use syntax::actions::{self, Actions, Operator, Parameter};
+use syntax::diagnostic::Diagnostic;
+use syntax::document::{Change, ChunkId, EditError, Event};
+use syntax::span::Span;
+use syntax::token::SymbolId;
+
+use crate::builtin;
+use crate::compile::{Compilation, Compiler, compile};
+use crate::declare::Declarations;
+use crate::evaluate::Scope;
+use crate::limits::{MAX_SAMPLES, MAX_UNIFORMS};
+use crate::scene::Scene;
+use workshop::{Checked, Workshop};
+
+/// A program's text, what it was read as, and what is wrong with it.
+#[derive(Clone, Debug)]
+pub struct Document {
+    text: syntax::document::Document,
+    workshop: Workshop,
+    checked: HashMap<ChunkId, Checked>,
+    /// The chunks with diagnostics beyond those of the parser.
+    found: HashSet<ChunkId>,
+    /// The chunks to be checked again where the intervals of a param or a grid change.
+    watchers: HashMap<SymbolId, BTreeSet<ChunkId>>,
+    watchers_of_all: BTreeSet<ChunkId>,
+    totals: Totals,
+    work: Work,
+    compilation: OnceLock<Compilation>,
+}
+
+/// What is limited for a program as a whole.
+#[derive(Clone, Copy, Debug, Default)]
+struct Totals {
+    samples: u64,
+    components: u64,
+    /// Chunks that have met a limit.
+    limited: usize,
+}
+
+/// How much has been done since the document was made.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub struct Work {
+    /// What the parser has done.
+    pub reading: syntax::document::Work,
+    /// Chunks that were checked.
+    pub checked: u64,
+    /// Declarations that were lowered.
+    pub lowered: u64,
+    /// How often everything was checked, to be rid of what is not in use.
+    pub renewed: u64,
+}
+
+impl Document {
+    /// Reads and checks a text.
+    ///
+    /// # Errors
+    /// Where the text is too large.
+    pub fn new(text: &str) -> Result<Self, EditError> {
+        let mut document = Self {
+            text: syntax::document::Document::new(text, &builtin::vocabulary())?,
+            workshop: Workshop::new(),
+            checked: HashMap::new(),
+            found: HashSet::new(),
+            watchers: HashMap::new(),
+            watchers_of_all: BTreeSet::new(),
+            totals: Totals::default(),
+            work: Work::default(),
+            compilation: OnceLock::new(),
+        };
+        document.renew();
+        Ok(document)
+    }
+
+    /// Replaces the bytes of a range.
+    ///
+    /// # Errors
+    /// Where there is no such range, or the text would be too large; then nothing is done.
+    pub fn edit(&mut self, range: Span, text: &str) -> Result<Change, EditError> {
+        let change = self.text.edit(range, text)?;
+        self.compilation = OnceLock::new();
+        if self.workshop.is_full() {
+            self.renew();
+            return Ok(change);
+        }
+        for chunk in &change.removed {
+            self.drop_checked(*chunk);
+        }
+        for symbol in &change.forgotten {
+            self.workshop.forget(*symbol);
+        }
+        let is_new = |chunk: &ChunkId| !self.checked.contains_key(chunk);
+        if !change.removed.is_empty() || change.read.iter().any(is_new) {
+            self.workshop.reorder(&self.text);
+        }
+        let read = change.read.iter();
+        let queue = read.map(|chunk| (self.text.rank(*chunk), *chunk)).collect();
+        self.check(queue);
+        if self.workshop.is_worn() || self.workshop.is_full() {
+            self.renew();
+        }
+        Ok(change)
+    }
+
+    /// The text and what it was read as.
+    pub fn text(&self) -> &syntax::document::Document {
+        &self.text
+    }
+
+    /// How much has been done so far.
+    pub fn work(&self) -> Work {
+        Work {
+            reading: self.text.work(),
+            ..self.work
+        }
+    }
+
+    /// Everything that is wrong or surprising, sorted by place: the diagnostics of [`compile`].
+    pub fn diagnostics(&self) -> Vec<Diagnostic> {
+        if self.is_beyond_limits() {
+            return self.compilation().diagnostics.clone();
+        }
+        self.own_diagnostics()
+    }
+
+    /// What compiling the text gives. It is put together at the first call after an edit.
+    pub fn compilation(&self) -> &Compilation {
+        self.compilation.get_or_init(|| {
+            if self.is_beyond_limits() {
+                return compile(&self.text.text());
+            }
+            let diagnostics = self.own_diagnostics();
+            let has_errors = crate::compile::has_errors(&diagnostics);
+            let program = (!has_errors).then(|| self.assemble());
+            Compilation::new(diagnostics, program)
+        })
+    }
+
+    fn is_beyond_limits(&self) -> bool {
+        let totals = &self.totals;
+        totals.limited > 0
+            || totals.samples > MAX_SAMPLES
+            || totals.components > u64::from(MAX_UNIFORMS)
+            || self.text.is_overfull()
+            || self.workshop.is_full()
+    }
+
+    fn own_diagnostics(&self) -> Vec<Diagnostic> {
+        let mut chunks = self.text.diagnosed();
+        if !self.found.is_empty() {
+            let ranked = |chunk: ChunkId| (self.text.rank(chunk), chunk);
+            let mut all: Vec<_> = chunks.iter().copied().map(ranked).collect();
+            all.extend(self.found.iter().copied().map(ranked));
+            all.sort_unstable();
+            all.dedup();
+            chunks = all.into_iter().map(|(_, chunk)| chunk).collect();
+        }
+        let all = chunks.into_iter();
+        all.flat_map(|chunk| self.diagnostics_of(chunk)).collect()
+    }
+
+    /// The diagnostics that lie in one chunk, sorted by place, as though no limit for the whole program were
+    /// exceeded.
+    pub fn diagnostics_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
+        let mut findings = self.text.findings_of(chunk).into_iter();
+        let checked = self.checked.get(&chunk);
+        let mut of_declarations = checked.into_iter().flat_map(|it| &it.diagnostics);
+        let mut all = Vec::new();
+        for event in self.text.events(chunk) {
+            match event {
+                Event::Finding => all.extend(findings.next()),
+                Event::Declaration(_) => {
+                    let found = of_declarations.next().into_iter().flatten();
+                    let start = |chunk| self.text.start(chunk);
+                    all.extend(found.map(|it| self.workshop.translate(it, start)));
+                }
+                _ => {}
+            }
+        }
+        all.extend(self.text.hidden_of(chunk));
+        Diagnostic::sort(&mut all);
+        all
+    }
+
+    /// Checks everything in a workshop that holds nothing else.
+    fn renew(&mut self) {
+        self.workshop = Workshop::new();
+        self.checked.clear();
+        self.found.clear();
+        self.watchers.clear();
+        self.watchers_of_all.clear();
+        self.totals = Totals::default();
+        self.work.renewed += 1;
+        let chunks: Vec<ChunkId> = self.text.chunks().collect();
+        for chunk in chunks {
+            let checked = self.workshop.check(&self.text, chunk);
+            self.keep(chunk, checked);
+        }
+        self.workshop.settle();
+    }
+
+    /// Checks chunks, and those below that notice, from top to bottom.
+    fn check(&mut self, mut queue: BTreeMap<u32, ChunkId>) {
+        while let Some((rank, chunk)) = queue.pop_first() {
+            let checked = self.workshop.check(&self.text, chunk);
+            let mut affected: Vec<ChunkId> = Vec::new();
+            for symbol in &checked.changed {
+                affected.extend(self.text.readers(*symbol));
+            }
+            for symbol in &checked.moved {
+                affected.extend(self.watchers.get(symbol).into_iter().flatten());
+            }
+            if !checked.moved.is_empty() {
+                affected.extend(&self.watchers_of_all);
+            }
+            for chunk in affected {
+                let place = self.text.rank(chunk);
+                if place > rank {
+                    queue.insert(place, chunk);
+                }
+            }
+            self.drop_checked_but(chunk, &checked.bases);
+            self.keep(chunk, checked);
+        }
+    }
+
+    fn keep(&mut self, chunk: ChunkId, checked: Checked) {
+        self.work.checked += 1;
+        self.work.lowered += u64::from(checked.lowered);
+        self.totals.samples += checked.samples;
+        self.totals.components += u64::from(checked.components);
+        self.totals.limited += usize::from(checked.is_limited);
+        for symbol in &checked.watches {
+            self.watchers.entry(*symbol).or_default().insert(chunk);
+        }
+        if checked.watches_all {
+            self.watchers_of_all.insert(chunk);
+        }
+        if checked.diagnostics.iter().any(|found| !found.is_empty()) {
+            self.found.insert(chunk);
+        }
+        self.checked.insert(chunk, checked);
+    }
+
+    fn drop_checked(&mut self, chunk: ChunkId) {
+        self.drop_checked_but(chunk, &[]);
+    }
+
+    /// Drops what checking a chunk has given; the places in `kept` are still told.
+    fn drop_checked_but(&mut self, chunk: ChunkId, kept: &[u32]) {
+        let Some(checked) = self.checked.remove(&chunk) else {
+            return;
+        };
+        self.totals.samples -= checked.samples;
+        self.totals.components -= u64::from(checked.components);
+        self.totals.limited -= usize::from(checked.is_limited);
+        for symbol in &checked.watches {
+            if let Some(watchers) = self.watchers.get_mut(symbol) {
+                watchers.remove(&chunk);
+                if watchers.is_empty() {
+                    self.watchers.remove(symbol);
+                }
+            }
+        }
+        self.watchers_of_all.remove(&chunk);
+        self.found.remove(&chunk);
+        let mut bases = checked.bases;
+        bases.retain(|base| !kept.contains(base));
+        self.workshop.release(&bases);
+    }
+
+    /// Compiles what was read, as the parser would have handed it to the compiler.
+    fn assemble(&self) -> (Scene, Scope) {
+        let mut compiler = Compiler {
+            declarations: Declarations::new(),
+        };
+        let mut symbols: HashMap<SymbolId, SymbolId> = HashMap::new();
+        let builtins = builtin::count();
+        let mut next = builtins;
+        let mut start = 0;
+        for chunk in self.text.chunks() {
+            for event in self.text.events(chunk) {
+                let own = |symbol: SymbolId| match symbol.0 < builtins {
+                    true => symbol,
+                    false => symbols.get(&symbol).copied().unwrap_or(symbol),
+                };
+                match event {
+                    Event::Operator(operator, span) => {
+                        let operator = match *operator {
+                            Operator::Constant(symbol) => Operator::Constant(own(symbol)),
+                            Operator::Function(symbol) => Operator::Function(own(symbol)),
+                            other => other,
+                        };
+                        compiler.act_operator(operator, span.moved(start));
+                    }
+                    Event::Interval(interval) => compiler.act_interval(actions::Interval {
+                        kind: interval.kind,
+                        span: interval.span.moved(start),
+                        tag: interval.tag.map(|(at, span)| (at, span.moved(start))),
+                    }),
+                    Event::Declaration(read) => {
+                        let symbol = read.symbol.map(|symbol| {
+                            let own = SymbolId(next);
+                            symbols.insert(symbol, own);
+                            next += 1;
+                            own
+                        });
+                        let moved = |parameter: &Parameter| Parameter {
+                            name: parameter.name.clone(),
+                            span: parameter.span.moved(start),
+                        };
+                        let parameters: Vec<_> = read.parameters.iter().map(moved).collect();
+                        compiler.act_declaration(&actions::Declaration {
+                            symbol,
+                            span: read.span.moved(start),
+                            name_span: read.name_span.moved(start),
+                            parameters: &parameters,
+                            ..read.as_declaration()
+                        });
+                    }
+                    Event::Open(..) | Event::Finding => {}
+                }
+            }
+            start += self.text.chunk_text(chunk).len() as u32;
+        }
+        let declarations = compiler.declarations;
+        let scene = declarations.scene();
+        let scope = Scope::new(&self.text.text(), self.text.parsed(), declarations);
+        (scene, scope)
+    }
+}

@@ -1,0 +1,426 @@
+//! Where declarations are checked one at a time, in whatever order they are edited.
+//!
+//! What flows in: what a chunk was read as. What flows out: its diagnostics, and which of its symbols mean
+//! something else than before.
+//!
+//! A meaning never changes here: a declaration that is checked again gets a new symbol, so that bodies that
+//! have been lowered stay true, and whoever reads the old symbol is checked again in turn. Where the new
+//! meaning is the old one (the same nodes, for equal expressions are one node; or the same steps) the old
+//! symbol stays, and nobody notices. What nobody reads any more stays too, until it is more than what is in
+//! use: then everything is checked anew.
+//!
+//! Places count from where a chunk's text was put in a space that is never used twice. They are translated
+//! when a diagnostic is told.
+
+use std::collections::{BTreeMap, HashMap};
+
+use syntax::actions::{self, Declaration, Operator, Parameter};
+use syntax::diagnostic::{Code, Diagnostic};
+use syntax::document::{ChunkId, Event, ReadDeclaration};
+use syntax::span::Span;
+use syntax::token::{DeclareWord, SymbolId};
+
+use crate::declare::{Declarations, Uniforms};
+use crate::fault;
+use crate::scene::{Object, Range, Sampling, Shape};
+use crate::symbol::{Constant, Meaning};
+
+/// Checks declarations and remembers what they mean.
+#[derive(Clone, Debug)]
+pub(super) struct Workshop {
+    declarations: Declarations,
+    /// The next symbol of the workshop's own.
+    next_symbol: u32,
+    /// By the document's symbols.
+    known: HashMap<SymbolId, Known>,
+    /// The params and the grids of the workshop's scene, as the document names them.
+    params: Vec<SymbolId>,
+    grids: Vec<SymbolId>,
+    /// The same for the sources of what is read.
+    sources: Vec<SymbolId>,
+    /// Where the next chunk is put.
+    next_base: u32,
+    bases: BTreeMap<u32, Home>,
+    /// How large it was when it held nothing but what is in use.
+    fresh: Size,
+}
+
+/// A symbol of the document.
+#[derive(Clone, Debug)]
+struct Known {
+    word: DeclareWord,
+    /// The symbol that it is in the workshop.
+    own: SymbolId,
+    chunk: ChunkId,
+    /// Where the chunk was put when its body was kept.
+    base: u32,
+    uniforms: Option<Uniforms>,
+    /// The intervals of a param or a grid.
+    data: Option<Data>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Data {
+    Param(Vec<Range>),
+    Grid(Vec<Sampling>),
+}
+
+/// What lies in a stretch of the space of places.
+#[derive(Clone, Copy, Debug)]
+struct Home {
+    chunk: ChunkId,
+    /// From a place there to one in the chunk.
+    shift: i64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Size {
+    nodes: usize,
+    symbols: usize,
+    places: usize,
+}
+
+/// What checking a chunk has given.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Checked {
+    /// The diagnostics of each declaration.
+    pub(super) diagnostics: Vec<Vec<Diagnostic>>,
+    /// The document's symbols that mean something else now.
+    pub(super) changed: Vec<SymbolId>,
+    /// Params and grids that are what they were, but for their intervals.
+    pub(super) moved: Vec<SymbolId>,
+    /// The params and grids whose intervals the diagnostics hang on.
+    pub(super) watches: Vec<SymbolId>,
+    /// They may hang on all grids.
+    pub(super) watches_all: bool,
+    /// Where the chunk's places lie.
+    pub(super) bases: Vec<u32>,
+    /// How many samples are drawn.
+    pub(super) samples: u64,
+    /// How many components its params and grids have.
+    pub(super) components: u32,
+    /// How many declarations were lowered.
+    pub(super) lowered: u32,
+    /// A limit has been reached that hangs on all declarations above.
+    pub(super) is_limited: bool,
+}
+
+/// How much more than what is in use may be kept.
+const SLACK: usize = 200_000;
+
+/// The symbol of what has no meaning.
+const MEANINGLESS: SymbolId = SymbolId(u32::MAX);
+
+impl Workshop {
+    pub(super) fn new() -> Self {
+        let mut declarations = Declarations::new();
+        declarations.is_workshop = true;
+        declarations.lowerer.reads.place(Vec::new());
+        Self {
+            next_symbol: declarations.lowerer.symbols.len() as u32,
+            declarations,
+            known: HashMap::new(),
+            params: Vec::new(),
+            grids: Vec::new(),
+            sources: Vec::new(),
+            next_base: 0,
+            bases: BTreeMap::new(),
+            fresh: Size::default(),
+        }
+    }
+
+    /// What it holds now is all in use.
+    pub(super) fn settle(&mut self) {
+        self.fresh = self.size();
+    }
+
+    /// Most of what it holds is not in use.
+    pub(super) fn is_worn(&self) -> bool {
+        let (now, fresh) = (self.size(), self.fresh);
+        let worn = |now: usize, fresh: usize| now > 2 * fresh + SLACK;
+        worn(now.nodes, fresh.nodes)
+            || worn(now.symbols, fresh.symbols)
+            || worn(now.places / 64, fresh.places / 64)
+    }
+
+    /// There is no room for more expressions, and what has been found since is not to be trusted.
+    pub(super) fn is_full(&self) -> bool {
+        self.declarations.lowerer.graph.overflowed() || self.next_base > u32::MAX / 2
+    }
+
+    fn size(&self) -> Size {
+        Size {
+            nodes: self.declarations.lowerer.graph.len(),
+            symbols: self.next_symbol as usize,
+            places: self.next_base as usize,
+        }
+    }
+
+    /// A symbol is declared no longer.
+    pub(super) fn forget(&mut self, symbol: SymbolId) {
+        self.known.remove(&symbol);
+    }
+
+    /// A chunk's places are not told any more.
+    pub(super) fn release(&mut self, bases: &[u32]) {
+        for base in bases {
+            self.bases.remove(base);
+        }
+    }
+
+    /// Params and grids may have come in another order.
+    pub(super) fn reorder(&mut self, document: &syntax::document::Document) {
+        let place = |symbol: &SymbolId| {
+            let home = document.home(*symbol);
+            home.map_or(0, |home| document.rank(home))
+        };
+        let places = self.sources.iter().map(place).collect();
+        self.declarations.lowerer.reads.place(places);
+    }
+
+    /// The same diagnostic, with the places of the text.
+    pub(super) fn translate(
+        &self,
+        diagnostic: &Diagnostic,
+        start: impl Fn(ChunkId) -> u32,
+    ) -> Diagnostic {
+        let mut diagnostic = diagnostic.clone();
+        let translate = |span: Span| {
+            let Some((_, home)) = self.bases.range(..=span.start).next_back() else {
+                return span;
+            };
+            let start = i64::from(start(home.chunk)) + home.shift;
+            let place = |at: u32| u32::try_from(i64::from(at) + start).unwrap_or_default();
+            Span::new(place(span.start), place(span.end))
+        };
+        diagnostic.span = translate(diagnostic.span);
+        for related in &mut diagnostic.related {
+            related.span = translate(related.span);
+        }
+        diagnostic
+    }
+
+    /// Checks what a chunk declares, with the meanings that the names above have at the moment.
+    pub(super) fn check(
+        &mut self,
+        document: &syntax::document::Document,
+        chunk: ChunkId,
+    ) -> Checked {
+        let base = self.next_base;
+        self.next_base += document.chunk_text(chunk).len() as u32 + 1;
+        let shift = -i64::from(base);
+        self.bases.insert(base, Home { chunk, shift });
+        let mut checked = Checked {
+            bases: vec![base],
+            ..Checked::default()
+        };
+        for event in document.events(chunk) {
+            match event {
+                Event::Operator(operator, span) => {
+                    let operator = self.own_operator(*operator);
+                    let code = &mut self.declarations.lowerer.code;
+                    code.push(operator, span.moved(base));
+                }
+                Event::Interval(interval) => self.declarations.interval(actions::Interval {
+                    kind: interval.kind,
+                    span: interval.span.moved(base),
+                    tag: interval.tag.map(|(at, span)| (at, span.moved(base))),
+                }),
+                Event::Declaration(declaration) => {
+                    let rank = document.rank(chunk);
+                    self.declare(declaration, chunk, rank, base, &mut checked);
+                }
+                Event::Open(..) | Event::Finding => {}
+            }
+        }
+        checked
+    }
+
+    fn own(&self, symbol: SymbolId, builtins: u32) -> SymbolId {
+        if symbol.0 < builtins {
+            return symbol;
+        }
+        self.known
+            .get(&symbol)
+            .map_or(MEANINGLESS, |known| known.own)
+    }
+
+    fn own_operator(&self, operator: Operator) -> Operator {
+        let builtins = crate::builtin::count();
+        match operator {
+            Operator::Constant(symbol) => Operator::Constant(self.own(symbol, builtins)),
+            Operator::Function(symbol) => Operator::Function(self.own(symbol, builtins)),
+            other => other,
+        }
+    }
+
+    fn declare(
+        &mut self,
+        read: &ReadDeclaration,
+        chunk: ChunkId,
+        rank: u32,
+        base: u32,
+        checked: &mut Checked,
+    ) {
+        let own = SymbolId(self.next_symbol);
+        self.next_symbol += u32::from(read.symbol.is_some());
+        let before = read.symbol.and_then(|symbol| self.known.get(&symbol));
+        let before = before.cloned();
+        let declarations = &mut self.declarations;
+        declarations.samples = 0;
+        declarations.kept = before
+            .as_ref()
+            .filter(|before| before.word == read.word && before.chunk == chunk)
+            .and_then(|before| before.uniforms);
+        let objects = declarations.scene.objects.len();
+        let (params, grids) = (
+            declarations.scene.params.len(),
+            declarations.scene.grids.len(),
+        );
+        let parameters: Vec<Parameter> = read
+            .parameters
+            .iter()
+            .map(|parameter| Parameter {
+                name: parameter.name.clone(),
+                span: parameter.span.moved(base),
+            })
+            .collect();
+        // A source that is new gets its place before anyone reads it.
+        let sources = declarations.lowerer.reads.source_count();
+        declarations.declare(&Declaration {
+            word: read.word,
+            span: read.span.moved(base),
+            symbol: read.symbol.map(|_| own),
+            name: &read.name,
+            name_span: read.name_span.moved(base),
+            parameters: &parameters,
+            faulty: read.faulty,
+        });
+        declarations.kept = None;
+        let diagnostics = std::mem::take(&mut declarations.diagnostics);
+        let has = |code: Code| diagnostics.iter().any(|found| found.code == code);
+        checked.is_limited |= has(fault::TOO_MANY_SAMPLES) || has(fault::EXPRESSION_TOO_LARGE);
+        checked.watches_all |= has(fault::TOO_MANY_SAMPLES) || has(fault::TOO_MANY_INSTANCES);
+        checked.diagnostics.push(diagnostics);
+        checked.samples += declarations.samples;
+        checked.lowered += u32::from(!read.faulty);
+        let Some(symbol) = read.symbol else { return };
+
+        let scene = &declarations.scene;
+        let data = if scene.params.len() > params {
+            self.params.push(symbol);
+            scene.params.last().map(|it| Data::Param(it.ranges.clone()))
+        } else if scene.grids.len() > grids {
+            self.grids.push(symbol);
+            scene.grids.last().map(|it| Data::Grid(it.axes.clone()))
+        } else {
+            None
+        };
+        if let Some(object) = scene.objects.get(objects) {
+            watch(object, &self.params, &self.grids, checked);
+        }
+        if self.declarations.lowerer.reads.source_count() > sources {
+            self.sources.push(symbol);
+            self.declarations.lowerer.reads.place_next(rank);
+        }
+        let uniforms = data
+            .as_ref()
+            .and_then(|_| self.uniforms(own, before.as_ref()));
+        checked.components += uniforms.map_or(0, |uniforms| uniforms.count);
+
+        let mut known = Known {
+            word: read.word,
+            own,
+            chunk,
+            base,
+            uniforms,
+            data,
+        };
+        let same = before
+            .as_ref()
+            .and_then(|before| self.same(before, &known, checked));
+        match (before, same) {
+            (Some(before), Some(shift)) => {
+                known.own = before.own;
+                known.base = before.base;
+                if let Some(shift) = shift {
+                    self.bases.insert(before.base, Home { chunk, shift });
+                    if !checked.bases.contains(&before.base) {
+                        checked.bases.push(before.base);
+                    }
+                }
+                if before.data != known.data {
+                    checked.moved.push(symbol);
+                }
+            }
+            _ => checked.changed.push(symbol),
+        }
+        self.known.insert(symbol, known);
+    }
+
+    /// The uniforms of a param or grid that has just been declared.
+    fn uniforms(&self, own: SymbolId, before: Option<&Known>) -> Option<Uniforms> {
+        let lowerer = &self.declarations.lowerer;
+        let Meaning::Constant(Constant { value, reads }) = lowerer.symbols.meaning(own) else {
+            return None;
+        };
+        if let Some(kept) = before.and_then(|before| before.uniforms)
+            && kept.reads == *reads
+        {
+            return Some(kept);
+        }
+        let count = value.dimension() as u32;
+        Some(Uniforms {
+            first: self.declarations.scene.uniform_count - count,
+            count,
+            reads: *reads,
+            source: lowerer.reads.last_source()?,
+        })
+    }
+
+    /// Whether a symbol means what it meant. For one with a body that has been kept, also the way from the
+    /// places of that body to the chunk's.
+    fn same(&self, before: &Known, now: &Known, checked: &Checked) -> Option<Option<i64>> {
+        if before.word != now.word {
+            return None;
+        }
+        let symbols = &self.declarations.lowerer.symbols;
+        match (symbols.meaning(before.own), symbols.meaning(now.own)) {
+            (Meaning::Poisoned, Meaning::Poisoned) | (Meaning::Geodesic, Meaning::Geodesic) => {
+                Some(None)
+            }
+            (Meaning::Constant(a), Meaning::Constant(b)) => {
+                (a.value == b.value && a.reads == b.reads).then_some(None)
+            }
+            (Meaning::Declared(a), Meaning::Declared(b)) => {
+                let patch = |own| {
+                    let patch = self.declarations.patch_of(own);
+                    patch.map(|patch| (patch.domain, patch.reads))
+                };
+                if before.chunk != now.chunk
+                    || a.parameters != b.parameters
+                    || patch(before.own) != patch(now.own)
+                {
+                    return None;
+                }
+                let code = &self.declarations.lowerer.code;
+                let shift = code.shift(a.body, b.body)? - i64::from(now.base);
+                // Two bodies that lay in one chunk have to lie as they did beside each other.
+                let settled = checked.bases.contains(&before.base);
+                let there = self.bases.get(&before.base).map(|home| home.shift);
+                (!settled || there == Some(shift)).then_some(Some(shift))
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Notes the params and grids whose intervals decide what is said of an object.
+fn watch(object: &Object, params: &[SymbolId], grids: &[SymbolId], checked: &mut Checked) {
+    let read = object.grids.iter().map(|id| grids[id.0 as usize]);
+    checked.watches.extend(read);
+    if let Shape::Metric { .. } = object.shape {
+        let read = object.params.iter().map(|id| params[id.0 as usize]);
+        checked.watches.extend(read);
+    }
+}
