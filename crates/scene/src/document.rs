@@ -344,7 +344,9 @@ impl Document {
             }
             start += self.text.chunk_text(chunk).len() as u32;
         }
-        let declarations = compiler.declarations;
+        let mut declarations = compiler.declarations;
+        // They are known: an expression that is evaluated in the program has its own.
+        declarations.diagnostics.clear();
         let scene = declarations.scene();
         let scope = Scope::new(&self.text.text(), self.text.parsed(), declarations);
         (scene, scope)

@@ -4,6 +4,7 @@
 use std::fmt::Write as _;
 
 use scene::{Document, Settings, compile};
+use syntax::diagnostic::Severity;
 use syntax::span::Span;
 
 /// What can be told of a scene, in full.
@@ -58,97 +59,211 @@ impl Random {
     }
 }
 
-const NUMBERS: &[&str] = &[
-    "a", "b", "c", "d", "2", "3a", "bc", "f(2)", "g(a, 1)", "k", "q", "v_1",
-];
-const NAMES: &[&str] = &[
-    "a", "b", "c", "d", "f", "g", "k", "v", "s", "m", "q", "w", "ab",
+/// What a name stands for, as far as the generator minds.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Kind {
+    Number,
+    Space,
+    One,
+    Two,
+    Curve,
+    Patch,
+    Geodesic,
+}
+
+/// The names of each kind: few, so that what is removed comes back, and some split others.
+const NAMES: &[(Kind, &[&str])] = &[
+    (Kind::Number, &["a", "b", "ab", "k", "p", "r2", "r"]),
+    (Kind::Space, &["q", "w", "qa", "z"]),
+    (Kind::One, &["f", "h", "fa"]),
+    (Kind::Two, &["g", "l"]),
+    (Kind::Curve, &["c", "ca"]),
+    (Kind::Patch, &["s", "m", "sa"]),
+    (Kind::Geodesic, &["y"]),
 ];
 
-fn declaration(random: &mut Random) -> String {
-    let name = random.pick(NAMES);
-    let x = random.pick(NUMBERS);
-    let y = random.pick(NUMBERS);
-    let other = random.pick(NAMES);
-    match random.below(18) {
-        0 => format!("param {name} : [0, {}];\n", 1 + random.below(3)),
-        1 => format!("param {name} : [0, {x}], [1, 2];\n"),
-        2 => format!("grid {name} : [0, 1, {}];\n", 2 + random.below(4)),
-        3 => format!("grid {name} : [0, {x}, 3], [0, 1, 900];\n"),
-        4 | 5 => format!("define {name} = {x} + {y};\n"),
-        6 => format!("define {name} = ({x}, {y}, 1);\n"),
-        7 => format!("function {name}(x) = {x} x^2 - {y};\n"),
-        8 => format!("function {name}(x, y) = {other}' x {x} + {y};\n"),
-        9 => format!("function {name}(x) = {other} x; # {y}\n"),
-        10 => format!("point {name} = ({x}, {y}, 0);\n"),
-        11 => format!("vector {name} = ({x}, 1, {y}) @ {other};\n"),
-        12 => format!("curve {name}(t) = (t, {x}, {other} t), t : [0, {y}, 9];\n"),
-        13 => format!(
-            "surface {name}(u, w) = (u, w, {x} u w), u : [0, {y}, 4], w : [0, 1, 300{}];\n",
-            random.below(10)
-        ),
-        14 => format!("metric {name}(u, w) = (1 + {x}^2, 0, {y}), u : [0, 1], w : [0, 2];\n"),
-        15 => format!("geodesic {name}(t) : {other} = (1, {x}) @ (0, {y}), t : [0, 1];\n"),
-        16 => format!("define {name} = {other}_u(1, {x}) {other}'2;\n"),
-        _ => format!("define {name} = {other};"),
+/// A declaration of a program that is edited.
+#[derive(Clone, Debug)]
+struct Line {
+    kind: Kind,
+    name: &'static str,
+    text: String,
+}
+
+/// Writes declarations that mean something, most of the time.
+struct Writer<'r, 'l> {
+    random: &'r mut Random,
+    above: &'l [Line],
+}
+
+impl Writer<'_, '_> {
+    /// A name of this kind that is declared above, or else `otherwise`; now and then another name.
+    fn name(&mut self, kind: Kind, otherwise: &str) -> String {
+        let anything = self.random.below(60) == 0;
+        let fits = |line: &&Line| anything || line.kind == kind;
+        let names: Vec<&str> = self
+            .above
+            .iter()
+            .filter(fits)
+            .map(|line| line.name)
+            .collect();
+        match names.is_empty() {
+            true => otherwise.to_owned(),
+            false => self.random.pick(&names).to_owned(),
+        }
+    }
+
+    fn number(&mut self) -> String {
+        let digits = self.random.pick(&["1", "2", "3", "0.5", "7"]).to_owned();
+        match self.random.below(8) {
+            0 | 1 => digits,
+            2..=4 => self.name(Kind::Number, &digits),
+            5 => format!("{} {digits}", self.name(Kind::One, "sin")),
+            6 => format!("{}(1, {digits})", self.name(Kind::Two, "id")).replace("id(1, ", "id("),
+            _ => format!("({})_2", self.name(Kind::Space, "(1, 2, 3)")),
+        }
+    }
+
+    fn line(&mut self, kind: Kind, name: &'static str) -> Line {
+        let (x, y) = (self.number(), self.number());
+        let digit = 2 + self.random.below(6);
+        let text = match (kind, self.random.below(6)) {
+            (Kind::Number, 0) => format!("param {name} : [0, {digit}];"),
+            (Kind::Number, 1) => format!("grid {name} : [0, 1, {digit}];"),
+            (Kind::Number, 2) => format!("grid {name} : [{digit}, 90, 3{digit}0];"),
+            (Kind::Number, _) => format!("define {name} = {x} + {y};"),
+            (Kind::Space, 0) => format!("param {name} : [0, 1], [0, {digit}], [1, 2];"),
+            (Kind::Space, 1) => format!("define {name} = ({x}, 0, {y});"),
+            (Kind::Space, 2) => {
+                format!(
+                    "vector {name} = ({x}, 1, {y}) @ {};",
+                    self.name(Kind::Space, "(0, 0, 0)")
+                )
+            }
+            (Kind::Space, 3) => format!(
+                "define {name} = {}_u({x}, 1);",
+                self.name(Kind::Patch, "id")
+            )
+            .replace("id_u(", "(1, 2, "),
+            (Kind::Space, 4) => {
+                format!(
+                    "define {name} = {}' {digit};",
+                    self.name(Kind::Curve, "(0, 1, 2) sin")
+                )
+            }
+            (Kind::Space, _) => format!("point {name} = ({x}, {y}, {digit});"),
+            (Kind::One, 0) => format!(
+                "function {name}(x) = {}' x + {y};",
+                self.name(Kind::One, "cos")
+            ),
+            (Kind::One, 1) => format!("function {name}(x) = x {x};"),
+            (Kind::One, _) => format!("function {name}(x) = {x} x^2 - {y};"),
+            (Kind::Two, _) => format!("function {name}(x, t) = {x} t - x {y};"),
+            (Kind::Curve, 0) => format!("curve {name}(t) = (t, {x} t, {y}), t : [0, {x}];"),
+            (Kind::Curve, _) => format!("curve {name}(t) = (t, {x}, {y}), t : [0, {digit}, 9];"),
+            (Kind::Patch, 0 | 1) => {
+                format!("metric {name}(u, v) = (1 + {x}^2, 0, {y}), u : [0, 1], v : [0, {digit}];")
+            }
+            (Kind::Patch, _) => format!(
+                "surface {name}(u, v) = (u, v {x}, {y}), u : [0, {digit}, 40], v : [0, 1, 50];"
+            ),
+            (Kind::Geodesic, _) => format!(
+                "geodesic {name}(t) : {} = (1, {x}) @ (0.5, {y}), t : [0, 1];",
+                self.name(Kind::Patch, "s")
+            ),
+        };
+        Line { kind, name, text }
+    }
+
+    /// A declaration of a name that is not declared yet, as a rule.
+    fn fresh(&mut self, all: &[Line]) -> Line {
+        let (mut kind, mut name) = (Kind::Number, "a");
+        for _ in 0..12 {
+            let (some, names) = NAMES[self.random.below(NAMES.len())];
+            (kind, name) = (some, names[self.random.below(names.len())]);
+            if all.iter().all(|line| line.name != name) {
+                break;
+            }
+        }
+        self.line(kind, name)
     }
 }
 
-const PIECES: &[&str] = &[
-    ";", "#", "\n", " ", "(", ")", ",", "1", "2", "9", "0", "a", "b", "f", "g", "x", "'", "_u",
-    "+ a", "- 1", "define ", "param ", "# 𝔘\n", "e", "k",
-];
-
-fn edit(random: &mut Random, text: &str) -> (Span, String) {
-    let boundary = |at: usize| {
-        let mut at = at.min(text.len());
-        while !text.is_char_boundary(at) {
-            at -= 1;
-        }
-        at
-    };
-    let at = boundary(random.below(text.len() + 1));
-    // Numbers are changed, names are renamed, whole declarations come and go.
-    let (start, end, inserted) = match random.below(10) {
-        0..=2 => {
-            let is_word = |byte: u8| byte.is_ascii_alphanumeric();
-            let bytes = text.as_bytes();
-            let mut start = at;
-            while start > 0 && is_word(bytes[start - 1]) {
-                start -= 1;
-            }
-            let mut end = at;
-            while end < bytes.len() && is_word(bytes[end]) {
-                end += 1;
-            }
-            let old = &text[start..end];
-            let new = match old.bytes().next() {
-                Some(b'0'..=b'9') => random.pick(&["1", "2", "3", "0", "40", "1000"]),
-                _ => random.pick(NAMES),
-            };
-            (start, end, new.to_owned())
-        }
-        3 | 4 => {
-            let start = text[..at].rfind('\n').map_or(0, |end| end + 1);
-            let inserted = match text.len() > 1_200 {
-                true => String::new(),
-                false => declaration(random),
-            };
-            (start, start, inserted)
-        }
-        5 => {
-            let start = text[..at].rfind('\n').map_or(0, |end| end + 1);
-            let end = text[at..].find('\n').map_or(text.len(), |end| at + end + 1);
-            (start, end, String::new())
-        }
-        6 => {
-            let end = boundary(at + random.below(5)).max(at);
-            (at, end, String::new())
-        }
-        _ => (at, at, random.pick(PIECES).to_owned()),
-    };
-    (Span::new(start as u32, end as u32), inserted)
+fn join(lines: &[Line]) -> String {
+    lines
+        .iter()
+        .map(|line| format!("{}\n", line.text))
+        .collect()
 }
+
+/// The next program, a declaration away from the last.
+fn change(random: &mut Random, lines: &mut Vec<Line>) {
+    let at = random.below(lines.len() + 1);
+    let choice = random.below(12);
+    let all = lines.clone();
+    let mut writer = Writer {
+        random,
+        above: &all[..at.min(all.len())],
+    };
+    let known = all.get(at).map(|line| (line.kind, line.name));
+    match known {
+        Some((kind, name)) if choice < 5 => lines[at] = writer.line(kind, name),
+        Some(_) if choice == 5 => {
+            lines.remove(at);
+        }
+        // Renamed, and those who use it keep the old name.
+        Some(_) if choice == 6 => {
+            let other = writer.fresh(&all);
+            lines[at] = writer.line(other.kind, other.name);
+        }
+        Some(_) if choice == 7 => lines[at].text.insert_str(0, "# π𝔘\n"),
+        Some(_) if choice == 8 && at > 0 => lines.swap(at - 1, at),
+        _ if lines.len() < 16 => lines.insert(at, writer.fresh(&all)),
+        _ => {
+            lines.remove(at.min(all.len() - 1));
+        }
+    }
+}
+
+/// Writes anew what stands in a line of the text, counted from 1.
+fn repair(random: &mut Random, lines: &mut [Line], place: usize) {
+    let all = lines.to_vec();
+    let mut end = 0;
+    let is_there = |line: &Line| {
+        end += line.text.matches('\n').count() + 1;
+        place <= end
+    };
+    let Some(at) = all.iter().position(is_there) else {
+        return;
+    };
+    let above = &all[..at];
+    let is_taken = above.iter().any(|line| line.name == all[at].name);
+    let mut writer = Writer { random, above };
+    lines[at] = match is_taken {
+        true => writer.fresh(&all),
+        false => writer.line(all[at].kind, all[at].name),
+    };
+}
+
+/// The edit that makes one text of another: what is the same in front and behind stays.
+fn difference(old: &str, new: &str) -> (Span, String) {
+    let pairs = old.char_indices().zip(new.chars());
+    let front = pairs.take_while(|((_, a), b)| a == b);
+    let front = front.last().map_or(0, |((at, a), _)| at + a.len_utf8());
+    let (old, new) = (&old[front..], &new[front..]);
+    let pairs = old.chars().rev().zip(new.chars().rev());
+    let back: usize = pairs
+        .take_while(|(a, b)| a == b)
+        .map(|(a, _)| a.len_utf8())
+        .sum();
+    let range = Span::new(front as u32, (front + old.len() - back) as u32);
+    (range, new[..new.len() - back].to_owned())
+}
+
+const PIECES: &[&str] = &[
+    ";", "#", "\n", " ", "(", ")", ",", "1", "9", "a", "b", "f", "g", "x", "'", "_u", "+ a", "- 1",
+    "define ", "param ", "# 𝔘\n", "e", "k", "",
+];
 
 /// How many random edits are made: `GEOTRACE_EDITS`, or twenty thousand.
 fn edit_count() -> usize {
@@ -158,41 +273,91 @@ fn edit_count() -> usize {
         .unwrap_or(20_000)
 }
 
-fn storm(seed: u64, edits: usize) {
-    const EDITS_OF_ONE: usize = 100;
+/// Makes one edit and holds the document to the text.
+fn make(document: &mut Document, text: &mut String, range: Span, inserted: &str) {
+    let before = text.clone();
+    document.edit(range, inserted).expect("an edit");
+    text.replace_range(range.start as usize..range.end as usize, inserted);
+    let held = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| check(document, text)));
+    if held.is_err() {
+        panic!("after the edit {range:?} {inserted:?} of\n{before}");
+    }
+}
+
+/// Makes random edits and says after how many of them the program had no error.
+fn storm(seed: u64, edits: usize) -> usize {
+    const EDITS_OF_ONE: usize = 120;
     let mut random = Random(seed);
-    let mut done = 0;
+    let (mut done, mut sound) = (0, 0);
     while done < edits {
-        let count = random.below(14);
-        let mut text: String = (0..count).map(|_| declaration(&mut random)).collect();
+        let mut lines: Vec<Line> = Vec::new();
+        for _ in 0..random.below(14) {
+            let above = lines.clone();
+            let mut writer = Writer {
+                random: &mut random,
+                above: &above,
+            };
+            lines.push(writer.fresh(&above));
+        }
+        let mut text = join(&lines);
         let mut document = Document::new(&text).expect("a small text");
         check(&document, &text);
         for _ in 0..EDITS_OF_ONE {
-            let (range, inserted) = edit(&mut random, &text);
-            let before = text.clone();
-            document.edit(range, &inserted).expect("an edit");
-            text.replace_range(range.start as usize..range.end as usize, &inserted);
-            let held = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-                check(&document, &text);
-            }));
-            if held.is_err() {
-                panic!("seed {seed}: after the edit {range:?} {inserted:?} of\n{before}");
+            // A slip of the fingers, which is taken back by the next edit.
+            if random.below(4) == 0 {
+                let mut at = random.below(text.len() + 1);
+                while !text.is_char_boundary(at) {
+                    at -= 1;
+                }
+                let mut end = (at + random.below(4)).min(text.len());
+                while !text.is_char_boundary(end) {
+                    end += 1;
+                }
+                let range = Span::new(at as u32, end as u32);
+                make(&mut document, &mut text, range, random.pick(PIECES));
+                done += 1;
             }
+            if random.below(12) > 0 {
+                let diagnostics = document.diagnostics();
+                let error = diagnostics.iter().find(|it| it.severity == Severity::Error);
+                match error {
+                    // What is wrong is put right, as a rule.
+                    Some(error) if random.below(4) > 0 => {
+                        let place = document.text().line(error.span.start);
+                        repair(&mut random, &mut lines, place as usize);
+                    }
+                    _ => change(&mut random, &mut lines),
+                }
+            }
+            let (range, inserted) = difference(&text, &join(&lines));
+            make(&mut document, &mut text, range, &inserted);
+            sound += usize::from(document.compilation().scene.is_some());
             done += 1;
         }
         assert_eq!(document.work().renewed, 1);
     }
+    sound
 }
 
 #[test]
 fn random_edits_give_what_compiling_the_whole_text_gives() {
     let threads = 4;
     let each = edit_count().div_ceil(threads);
-    std::thread::scope(|scope| {
-        for thread in 0..threads {
-            scope.spawn(move || storm(thread as u64 + 11, each));
-        }
+    let sound: usize = std::thread::scope(|scope| {
+        let storms = (0..threads).map(|k| scope.spawn(move || storm(k as u64 + 11, each)));
+        let storms: Vec<_> = storms.collect();
+        let sound = |storm: std::thread::ScopedJoinHandle<'_, usize>| match storm.join() {
+            Ok(sound) => sound,
+            Err(panic) => std::panic::resume_unwind(panic),
+        };
+        storms.into_iter().map(sound).sum()
     });
+    // Most programs are of use, or scenes would hardly be compared.
+    assert!(
+        4 * sound > edit_count(),
+        "{sound} of {} are sound",
+        edit_count()
+    );
 }
 
 /// Makes one edit in the place of a text and says how many chunks were read, and how many checked.
