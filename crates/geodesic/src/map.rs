@@ -5,6 +5,7 @@
 //! compared with.
 
 mod pixel;
+mod rk4;
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -49,7 +50,8 @@ pub enum Arithmetic {
     /// Pixel by pixel in f64.
     #[default]
     F64,
-    /// Pixel by pixel, state and sums rounded to f32; the surface itself is evaluated in f64 at the rounded point.
+    /// Pixel by pixel, state and sums rounded to f32; the surface itself is evaluated in f64 at the rounded point. It
+    /// shows the error of single precision, not its speed.
     F32,
     /// Eight pixels at a time in f64.
     F64Lanes,

@@ -200,3 +200,53 @@ fn pixels_share_a_picture_s_work() {
     let share = |side| MapOptions::default().evaluations_per_pixel([side; 2]);
     assert_eq!([100, 512, 16_384].map(share), [20_000, 1525, 1000]);
 }
+
+#[test]
+fn eight_geodesics_at_once_end_where_each_by_itself_does() {
+    let cases: [(&dyn Surface, [f64; 2], f64); 3] = [
+        (&torus(0.4), [6.2, 0.1], 1.2),
+        (&moebius(0.0), [6.1, 0.1], 1.5),
+        (&catenoid(), [0.1, 0.2], 4.0),
+    ];
+    for (s, at, zoom) in cases {
+        let frame = Frame::new(s, at, 0.5, zoom).expect("a frame");
+        let [one, eight, single] =
+            [Arithmetic::F64, Arithmetic::F64Lanes, Arithmetic::F32].map(|arithmetic| {
+                let options = MapOptions {
+                    method: Method::Rk4 {
+                        steps: 32,
+                        arithmetic,
+                    },
+                    ..MapOptions::default()
+                };
+                exponential_map(s, &frame, [27, 11], &options, &|_| {})
+            });
+        assert_eq!(one.status, eight.status);
+        assert_eq!(one.work, eight.work);
+        assert!(one.work.evaluations <= 4 * 32 * 27 * 11);
+        assert!(one.by_pixel.is_empty());
+        for k in 0..one.offset.len() {
+            let [a, b] = [one.uv(k), eight.uv(k)];
+            assert!((0..2).all(|n| (a[n] - b[n]).abs() < 1e-4), "{a:?} {b:?}");
+        }
+        assert_ne!(one.offset, single.offset);
+        let off = (0..one.offset.len()).filter(|&k| {
+            let [a, b] = [one.uv(k), single.uv(k)];
+            one.status[k] == single.status[k] && (0..2).any(|n| (a[n] - b[n]).abs() > 1e-2)
+        });
+        assert!(off.count() < 10);
+        // Where nothing ends before its time, both are what the adaptive method finds.
+        if one.status.iter().all(|&status| status == Status::Complete) {
+            let options = MapOptions {
+                tolerance: 1e-4,
+                ..MapOptions::default()
+            };
+            let exact = exponential_map(s, &frame, [27, 11], &options, &|_| {});
+            for k in 0..one.offset.len() {
+                let [a, b] = [one.uv(k), exact.uv(k)];
+                let turns = (a[0] - b[0]) / TAU;
+                assert!((turns - turns.round()).abs() < 1e-2, "{a:?} {b:?}");
+            }
+        }
+    }
+}
