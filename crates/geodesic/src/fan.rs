@@ -23,7 +23,7 @@ use crate::chart::{Atlas, Motion};
 use crate::ends::{Coordinates, End, Ends, Estimate, Polar, Work};
 use crate::follow;
 use crate::frame::Frame;
-use crate::integrate::DOPRI5;
+use crate::integrate::{DOP853, DOPRI5};
 use crate::metric::Metric;
 use crate::surface::Surface;
 use crate::trace::{self, Status};
@@ -153,6 +153,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         let allowed = 0.5 * self.options.tolerance * start.pixel;
         if end.error > allowed && end.status == Status::Complete {
             // Errors have grown on the way, as they do in chaos: once more, so much more exactly.
+            plan.tableau = &DOP853;
             plan.tolerance = Some((self.tolerance * allowed / end.error).max(1e-14));
             plan.limit = atlas.evaluations() + ONE_PIXEL;
             end = follow::follow(&atlas, from, s, plan);

@@ -59,6 +59,10 @@ pub(super) struct Runner {
     segments: Vec<Segment>,
     stop: Option<Stop>,
     pub(super) done: bool,
+    /// The covariance of the steps' errors, carried on by the Jacobi fields: of position, mixed, of direction.
+    errors: [f64; 3],
+    /// The largest variance of the position on the way.
+    worst: f64,
 }
 
 /// The most evaluations to find out why steps lead nowhere.
@@ -97,12 +101,22 @@ impl Runner {
             segments: Vec::new(),
             stop: None,
             done: false,
+            errors: [0.0; 3],
+            worst: 0.0,
         }
+    }
+
+    /// The estimated error of its position where it is the largest, but for a factor that is much the same for all
+    /// rays of a fan.
+    fn error(&self) -> f64 {
+        self.worst.max(0.0).sqrt()
     }
 
     /// The ray, once it is done.
     pub(super) fn finish(self) -> Ray {
-        Ray::new(self.angle, &self.segments, self.stop)
+        let mut ray = Ray::new(self.angle, &self.segments, self.stop);
+        ray.error = self.error();
+        ray
     }
 
     fn stop(&mut self, s: f64, status: Status) {
@@ -505,6 +519,15 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             n * runner.m[0] + m * runner.m[1],
             n1 * runner.m[0] + m1 * runner.m[1],
         ];
+        let [p, x, d] = runner.errors;
+        let direction = trial.direction[lane];
+        let position = trial.position[lane].max(h * direction);
+        runner.errors = [
+            n * n * p + 2.0 * n * m * x + m * m * d + position * position,
+            n * n1 * p + (n * m1 + m * n1) * x + m * m1 * d,
+            n1 * n1 * p + 2.0 * n1 * m1 * x + m1 * m1 * d + direction * direction,
+        ];
+        runner.worst = runner.worst.max(runner.errors[0]);
         // Steps that have been shrinking, towards something singular, will go on to shrink.
         if h < runner.last && h < 3.0 * self.plan.least {
             runner.h *= (h / runner.last).max(0.5);

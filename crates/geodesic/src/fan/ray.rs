@@ -74,6 +74,8 @@ pub(super) struct Ray {
     /// How much farther than that they may be relied on.
     pub(super) slack: f64,
     pub(super) stop: Option<Stop>,
+    /// The estimated error of its position, but for a factor that is much the same for all rays of a fan.
+    pub(super) error: f64,
     /// Radii at which to compare it with others.
     pub(super) probes: Vec<f64>,
 }
@@ -137,6 +139,7 @@ impl Ray {
             end,
             slack,
             stop,
+            error: 0.0,
             probes: Vec::new(),
         };
         let reach = ray.stop.map_or(end, |stop| stop.s.min(end));

@@ -25,8 +25,9 @@ const ACROSS: f64 = 0.7;
 const ALONG: f64 = 0.3;
 /// An edge is to be at its place to this part of a pixel.
 const EDGE: f64 = 0.25;
-/// Sectors narrower than this, in pixels at the picture's border, are not bisected.
+/// Sectors narrower than this, in pixels at the picture's border, are bisected only while there are a few of them.
 const NARROWEST: f64 = 0.5;
+const FEW: usize = 32;
 /// How much more exactly the rays are integrated that measure the errors of the others.
 const EXACT: f64 = 0.04;
 /// Beside the sectors that should have the largest errors so many are measured that are spread evenly, …
@@ -148,6 +149,8 @@ struct Builder<'a, S: Surface + ?Sized> {
     exhausted: bool,
     /// The rays' own errors.
     along: Profile,
+    /// Pixels by which a ray is off for each unit of its estimated error.
+    factor: f64,
 }
 
 /// Makes a fan.
@@ -182,6 +185,7 @@ pub(super) fn build<S: Surface + ?Sized>(
         work: Work::default(),
         exhausted: false,
         along: [0.0; BINS],
+        factor: 0.0,
     };
     let mut sectors = builder.base();
     builder.refine(&mut sectors);
@@ -277,6 +281,42 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         Some(done.into_iter().map(march::Runner::finish).collect())
     }
 
+    /// Rays that take part. Where one's own error grows on the way more than that of the others, it is integrated once
+    /// more, so much more exactly.
+    fn follow(&mut self, wanted: &[(f64, f64)]) -> Option<Vec<Ray>> {
+        let plan = self.plan;
+        let mut rays = self.integrate(&plan, wanted)?;
+        self.improve(&mut rays, wanted);
+        Some(rays)
+    }
+
+    fn improve(&mut self, rays: &mut [Ray], wanted: &[(f64, f64)]) {
+        let allowed = ALONG * self.options.tolerance;
+        for _ in 0..2 {
+            let poor: Vec<usize> = (0..rays.len())
+                .filter(|&n| self.factor * rays[n].error > 1.5 * allowed)
+                .collect();
+            let worst = poor
+                .iter()
+                .fold(0.0_f64, |worst, &n| worst.max(self.factor * rays[n].error));
+            if poor.is_empty() || !worst.is_finite() {
+                return;
+            }
+            let plan = Plan {
+                rate: self.plan.rate * (0.5 * allowed / worst).max(1e-4),
+                least: self.plan.least * 0.1,
+                ..self.plan
+            };
+            let again: Vec<(f64, f64)> = poor.iter().map(|&n| wanted[n]).collect();
+            let Some(again) = self.integrate(&plan, &again) else {
+                return;
+            };
+            for (n, ray) in poor.into_iter().zip(again) {
+                rays[n] = ray;
+            }
+        }
+    }
+
     /// The first rays, exact enough, and the sectors between them.
     fn base(&mut self) -> Vec<Sector> {
         let step = TAU / BASE as f64;
@@ -306,12 +346,26 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 }
             }
             let worst = f64::from(self.along.iter().fold(0.0_f32, |worst, x| worst.max(*x)));
+            let told = self
+                .rays
+                .iter()
+                .skip(1)
+                .step_by(2)
+                .fold(0.0_f64, |told, ray| told.max(ray.error));
+            self.factor = if told > 0.0 {
+                (worst / told).min(10.0 / self.start.pixel)
+            } else {
+                0.0
+            };
             let share = worst / (ALONG * self.options.tolerance);
             if share <= 1.0 {
                 break;
             }
             self.plan.rate *= (0.5 / share).max(1e-3);
         }
+        let mut rays = std::mem::take(&mut self.rays);
+        self.improve(&mut rays, &wanted);
+        self.rays = rays;
         let order = self.order();
         let stretched =
             |a: usize, b: usize| cell::is_stretched([&self.rays[a], &self.rays[b % BASE]]);
@@ -469,14 +523,43 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         }
     }
 
+    /// How many pixels of a sector would have to be followed by themselves.
+    fn left_out(&self, sector: &Sector) -> f64 {
+        let mut sector = sector.clone();
+        self.give_up(&mut sector);
+        let (from, to) = (sector.unknown_from, sector.border);
+        0.5 * sector.width * (to * to - from * from).max(0.0)
+            / (self.start.pixel * self.start.pixel)
+    }
+
     /// Bisects until all sectors are fine.
     fn refine(&mut self, sectors: &mut Vec<Sector>) {
         loop {
             self.slopes(sectors);
-            let narrowest = NARROWEST * self.start.pixel / self.start.reach;
-            let (open, mut done): (Vec<Sector>, Vec<Sector>) = std::mem::take(sectors)
+            let (mut open, mut done): (Vec<Sector>, Vec<Sector>) = std::mem::take(sectors)
                 .into_iter()
-                .partition(|sector| sector.width > narrowest && !self.is_fine(sector));
+                .partition(|sector| sector.unknown_from.is_infinite() && !self.is_fine(sector));
+            let narrowest = NARROWEST * self.start.pixel / self.start.reach;
+            if open
+                .iter()
+                .filter(|sector| sector.width <= narrowest)
+                .count()
+                > FEW
+            {
+                // Chaos: narrower sectors would be no better, and as many as there are pixels.
+                let (wide, narrow) = open
+                    .into_iter()
+                    .partition(|sector| sector.width > narrowest);
+                open = wide;
+                done.extend::<Vec<Sector>>(narrow);
+            } else {
+                // A few directions in which nearby rays part: down to where hardly a pixel is left between two.
+                let worth =
+                    |sector: &Sector| sector.width > narrowest || self.left_out(sector) > 1.0;
+                let (wide, narrow) = open.into_iter().partition(worth);
+                open = wide;
+                done.extend::<Vec<Sector>>(narrow);
+            }
             if open.is_empty() {
                 *sectors = done;
                 break;
@@ -485,8 +568,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 .iter()
                 .map(|sector| (sector.angle + 0.5 * sector.width, 0.5 * sector.width))
                 .collect();
-            let plan = self.plan;
-            let Some(middles) = self.integrate(&plan, &wanted) else {
+            let Some(middles) = self.follow(&wanted) else {
                 done.extend(open);
                 *sectors = done;
                 break;
@@ -498,7 +580,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             *sectors = done;
         }
         for n in 0..sectors.len() {
-            if !self.is_fine(&sectors[n]) {
+            if sectors[n].unknown_from.is_infinite() && !self.is_fine(&sectors[n]) {
                 let mut sector = sectors[n].clone();
                 self.give_up(&mut sector);
                 sectors[n] = sector;
@@ -597,6 +679,12 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 } else {
                     sectors[n].errors = found;
                     sectors[n].measured = true;
+                    let wrong = |error: &f32| f64::from(*error) > self.options.tolerance;
+                    if let Some(bin) = found.iter().position(wrong) {
+                        // Less is known of it than was thought.
+                        let from = self.start.reach * bin as f64 / BINS as f64;
+                        sectors[n].unknown_from = sectors[n].unknown_from.min(from);
+                    }
                 }
             }
             let before = sectors.len() + halves.len();
