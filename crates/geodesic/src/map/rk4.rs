@@ -175,12 +175,15 @@ impl<S: Surface + ?Sized> Work for Eight<'_, '_, S> {
                     Some(status) => Some(status),
                     None => ended(self.atlas, was, is),
                 };
-                if ending.is_some() {
-                    // It rests where it was.
-                    for k in 0..2 {
-                        at[k][lane] = was[k];
-                        velocity[k][lane] = 0.0;
-                    }
+                // It rests where it was, or goes on in the domain: there no stage needs to be brought back.
+                let (mut next, mut signs) = (was, [0.0; 2]);
+                if ending.is_none() {
+                    next = is;
+                    signs = self.atlas.bring_back(&mut next).signs;
+                }
+                for k in 0..2 {
+                    at[k][lane] = next[k];
+                    velocity[k][lane] *= signs[k];
                 }
                 status[lane] = ending;
                 running |= ending.is_none();
