@@ -5,6 +5,8 @@
 //! instances are many and small, blocks would run half empty: there symbolic derivatives are evaluated, each lane
 //! with its own uniforms.
 
+use std::cell::RefCell;
+
 use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::tape::{Block, LANES, Registers, Tape};
 use expr::{Input, NodeId};
@@ -20,6 +22,11 @@ use crate::bounds::Placement;
 
 /// From so many samples on, an instance is worth blocks of its own.
 const WORTHWHILE: usize = 4 * LANES;
+
+thread_local! {
+    /// One set per thread, so that small instances need not allocate their own.
+    static REGISTERS: RefCell<JetRegisters> = RefCell::default();
+}
 
 /// Evaluates all samples of a surface.
 pub(super) fn surface(
@@ -92,12 +99,12 @@ fn by_jets(
         .par_chunks_mut(per_instance)
         .zip(&instances)
         .for_each(|(samples, fixed)| {
-            samples.par_chunks_mut(CHUNK).enumerate().for_each_init(
-                JetRegisters::default,
-                |registers, (chunk, samples)| {
+            let chunks = samples.par_chunks_mut(CHUNK).enumerate();
+            chunks.for_each(|(chunk, samples)| {
+                REGISTERS.with_borrow_mut(|registers| {
                     jets.fill(registers, fixed, chunk * CHUNK, samples);
-                },
-            );
+                });
+            });
         });
     Some(samples)
 }
