@@ -2,7 +2,8 @@
 //!
 //! Parts: `front` (checking and parsing), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
 //! (both views of every example), `large` (many samples, many vectors), `accuracy` (the geodesic view against the
-//! thesis' method, frames while moving, the sphere from ten thousand places). Without a part all are run. Times are medians of several runs with their
+//! thesis' method, frames while moving, the sphere from ten thousand places), `stiff` (the stiff list: ours, its bounds, the
+//! thesis' method). Without a part all are run. Times are medians of several runs with their
 //! least and greatest; a picture is drawn in a process of its own, so that its peak memory is its own and nothing is
 //! warm but the driver's cache on disk.
 
@@ -12,6 +13,7 @@ mod jets;
 mod klein;
 mod measure;
 mod pictures;
+mod stiff;
 
 use std::process::ExitCode;
 
@@ -33,6 +35,7 @@ fn main() -> ExitCode {
         ("render", pictures::examples),
         ("large", pictures::large),
         ("accuracy", accuracy::run),
+        ("stiff", stiff::run),
     ];
     for wanted in &arguments {
         if !parts.iter().any(|(name, _)| name == wanted) {

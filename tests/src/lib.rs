@@ -14,6 +14,7 @@ pub mod examples;
 pub mod great_circles;
 pub mod inside;
 pub mod pictures;
+pub mod stiff;
 
 use syntax::diagnostic::Code;
 

@@ -18,6 +18,9 @@ use crate::trace::Status;
 const ENTER: f64 = 0.25;
 /// … left beyond this one, so that a ray does not go back and forth, …
 const LEAVE: f64 = 0.3;
+/// … but farther out about a pole where the surface does not bend within that reach, …
+const ENTER_ROUND: f64 = 0.35;
+const LEAVE_ROUND: f64 = 0.42;
 /// … and never used beyond this one.
 pub(crate) const REACH: f64 = 0.5;
 /// The plain chart is not used nearer than this to an apex that has its own chart.
@@ -201,9 +204,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
                     acceleration,
                     curvature: gaussian_curvature(&jet),
                     tangents: [jet.du, jet.dv],
-                    noise: f64::EPSILON
-                        * (motion.at[0].abs() * norm(jet.duu) / norm(jet.du))
-                            .max(motion.at[1].abs() * norm(jet.dvv) / norm(jet.dv)),
+                    noise: f64::EPSILON * self.turning(&jet, motion.at),
                 })
             }
             Chart::Apex(chart) => {
@@ -215,6 +216,19 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
                 self.about_apex(chart, motion)
             }
         }
+    }
+
+    /// By how much a change of u or v by itself would turn or stretch the tangents, relative to their lengths. Without
+    /// an embedding only their stretching is known: second derivatives turn with the frame that they are given in.
+    fn turning(&self, jet: &Jet, at: [f64; 2]) -> f64 {
+        let change = |tangent: [f64; 3], second: [f64; 3]| {
+            if self.embedded {
+                norm(second) / norm(tangent)
+            } else {
+                (dot(second, tangent) / dot(tangent, tangent)).abs()
+            }
+        };
+        (at[0].abs() * change(jet.du, jet.duu)).max(at[1].abs() * change(jet.dv, jet.dvv))
     }
 
     /// Near a smooth pole: the acceleration from six points along a line, to sixth order in their distance.
@@ -317,7 +331,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
                     apex,
                 };
                 let distance = chart.sign * (at[axis] - chart.base);
-                if (0.0..=ENTER * chart.reach()).contains(&distance) {
+                if (0.0..=chart.enters_within()).contains(&distance) {
                     return Chart::Apex(chart);
                 }
             }

@@ -4,10 +4,11 @@
 
 mod collapse;
 mod conjugate;
+mod crease;
 mod event;
 
 use crate::chart::{ApexChart, Atlas, Chart, Local, Motion, REACH, rotated};
-use crate::integrate::{self, Step, Tableau};
+use crate::integrate::{self, Pace, Step, Tableau};
 use crate::metric::{combine, norm};
 use crate::surface::{Side, Surface};
 use crate::trace::Status;
@@ -20,6 +21,15 @@ const SHORT: f64 = 0.01;
 const MEANINGLESS: f64 = 1e-9;
 /// What an evaluation's rounding may do to a step; the tolerance asked for has this as its floor.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// The tolerance is for steps no shorter than this share of the ray's scale.
+const SMALL_STEP: f64 = 0.005;
+/// The share of its evaluations that a ray may use before they are compared with its progress, …
+const UNHURRIED: f64 = 0.25;
+/// … the share that it keeps back then, …
+const KEPT: f64 = 0.15;
+/// … and by how much its steps may err more at most.
+const MOST_LENIENT: f64 = 1e3;
 
 /// What the end of a ray takes at most: a last change of chart, a look at why it ended, its position.
 const AT_END: usize = 16;
@@ -69,6 +79,8 @@ pub(crate) struct End {
     pub(crate) rejected: usize,
     pub(crate) status: Status,
     pub(crate) flipped: bool,
+    /// The creases that it has crossed.
+    pub(crate) creases: usize,
     pub(crate) path: Vec<[f64; 2]>,
     /// The length of the last step that the tolerance chose: where a neighbouring ray may begin.
     pub(crate) step: f64,
@@ -119,10 +131,19 @@ struct Ray<'a, 's, S: Surface + ?Sized> {
     /// m and m'.
     field: [f64; 2],
     flipped: bool,
+    creases: usize,
     /// The arc lengths of the conjugate points, where they are asked for.
     conjugates: Option<Vec<f64>>,
-    /// The length of the step before; 0 before the first.
+    /// Whether the Jacobi fields are to be as exact as the ray.
+    fields: bool,
+    /// The count of evaluations at the start.
+    first_evaluation: usize,
+    /// The size of the step before; 0 before the first.
     last_step: f64,
+    /// Its error over the one allowed.
+    last_excess: f64,
+    /// The same of the step that is being tried.
+    this_excess: f64,
 }
 
 /// Follows the geodesic from `start`.
@@ -132,17 +153,27 @@ pub(crate) fn follow<S: Surface + ?Sized>(
     length: f64,
     plan: Plan,
 ) -> End {
-    follow_noting(atlas, start.into(), length, plan, false)
+    follow_noting(atlas, start.into(), length, plan, Noting::default())
 }
 
-/// The same, noting conjugate points on the way if asked to.
+/// What is to be noted on the way beside the ray itself.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Noting {
+    /// Whether the Jacobi fields are to be as exact as the ray.
+    pub(crate) fields: bool,
+    /// Whether conjugate points are looked for.
+    pub(crate) conjugates: bool,
+}
+
+/// The same, noting more on the way.
 pub(crate) fn follow_noting<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
     start: Start,
     length: f64,
     plan: Plan,
-    conjugates: bool,
+    noting: Noting,
 ) -> End {
+    let first_evaluation = atlas.evaluations();
     let Some((chart, motion, local)) = begin(atlas, &plan, start) else {
         let start = match start {
             Start::Plain(motion) => motion,
@@ -158,6 +189,7 @@ pub(crate) fn follow_noting<S: Surface + ?Sized>(
             rejected: 0,
             status: stalled_at(atlas, start.at),
             flipped: false,
+            creases: 0,
             path: Vec::new(),
             step: plan.step,
             field: 0.0,
@@ -176,9 +208,14 @@ pub(crate) fn follow_noting<S: Surface + ?Sized>(
         s: 0.0,
         errors: ErrorSum::default(),
         field: [0.0, 1.0],
-        conjugates: conjugates.then(Vec::new),
+        conjugates: noting.conjugates.then(Vec::new),
         flipped: false,
+        creases: 0,
+        fields: noting.fields,
+        first_evaluation,
         last_step: 0.0,
+        last_excess: 1.0,
+        this_excess: 1.0,
     };
     let before = ray.speed();
     let mut path = Vec::new();
@@ -206,7 +243,13 @@ pub(crate) fn follow_noting<S: Surface + ?Sized>(
         } else {
             h
         };
-        match ray.attempt(tried, length) {
+        // The last step, and steps of equal length, are to be of that length.
+        let pace = if tried == remaining || plan.tolerance.is_none() {
+            Pace::Length
+        } else {
+            Pace::Coordinates
+        };
+        match ray.attempt(tried, pace, length) {
             Attempt::Accepted(next) => {
                 if let Some(next) = next {
                     // A step cut short by the end says little about the next.
@@ -254,6 +297,7 @@ pub(crate) fn follow_noting<S: Surface + ?Sized>(
         rejected: ray.rejected,
         status,
         flipped: ray.flipped,
+        creases: ray.creases,
         path,
         step: chosen,
         field: ray.field[0],
@@ -303,7 +347,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         }
     }
 
-    fn step(&mut self, h: f64) -> Option<Step> {
+    fn step(&mut self, h: f64, pace: Pace) -> Option<Step> {
         integrate::step(
             self.atlas,
             &self.chart,
@@ -311,7 +355,24 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             self.motion,
             &self.local,
             h,
+            pace,
         )
+    }
+
+    /// By how much more than asked for the steps may err, so that the ray gets where it should within its limit:
+    /// the work left is compared with the work done.
+    fn leniency(&self, length: f64) -> f64 {
+        let used = (self.atlas.evaluations() - self.first_evaluation) as f64;
+        let limit = self.plan.limit.saturating_sub(self.first_evaluation) as f64;
+        if used < UNHURRIED * limit || self.s <= 0.0 || used >= limit {
+            return 1.0;
+        }
+        let needed = used * (length - self.s) / self.s;
+        // Some are kept for a dear stretch at the end.
+        let left = ((1.0 - KEPT) * limit - used).max(0.3 * (limit - used));
+        (needed / left)
+            .powf(self.plan.tableau.error_order)
+            .clamp(1.0, MOST_LENIENT)
     }
 
     /// Whether one more step, and what its end takes, are within the limit.
@@ -322,10 +383,13 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         self.atlas.evaluations() + step + AT_END <= self.plan.limit
     }
 
-    fn attempt(&mut self, h: f64, length: f64) -> Attempt {
-        let Some(step) = self.step(h) else {
+    fn attempt(&mut self, h: f64, pace: Pace, length: f64) -> Attempt {
+        let Some(step) = self.step(h, pace) else {
             return Attempt::Again(0.25 * h);
         };
+        if self.s + step.length > length && pace == Pace::Coordinates {
+            return Attempt::Again(0.5 * h);
+        }
         let scale = self.atlas.scale.size.min(length);
         let rounding = self.rounding();
         // Only what a chart about an apex loses may pass for rounding; in (u,v) it ends the ray, see below.
@@ -334,18 +398,32 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             Chart::Apex(chart) => chart.noise(self.motion.at, step.end.at),
         };
         let mut next = None;
+        let mut may_err = f64::INFINITY;
         if let Some(tolerance) = self.plan.tolerance {
-            // A ray of many short steps is allowed a hundredth of its scale's error in each: errors grow no more
+            // A ray of many short steps is allowed that much of its scale's error in each: errors grow no more
             // than that by being made over and over.
-            let floor = (rounding + scale * noise).max(0.01 * tolerance * scale);
-            let allowed = (tolerance * h).max(floor);
+            let floor = (rounding + scale * noise).max(SMALL_STEP * tolerance * scale);
+            let allowed = self.leniency(length) * (tolerance * h).max(floor);
+            may_err = allowed;
             let position = step.position_error / allowed;
             let direction = scale * step.direction_error / allowed;
-            let excess = position + direction;
-            let factor = 0.9 * excess.powf(-1.0 / self.plan.tableau.error_order);
+            let mut excess = position + direction;
+            if self.fields {
+                excess = excess.max(scale * step.field_error / allowed);
+            }
+            let order = self.plan.tableau.error_order;
+            let factor = 0.9 * excess.powf(-1.0 / order);
             if excess > 1.0 || excess.is_nan() {
                 return Attempt::Again(h * factor.clamp(0.1, 0.9));
             }
+            // As the error has been growing from step to step, it will go on to grow (Gustafsson's predictor).
+            let predicted = if self.last_step > 0.0 {
+                factor * (h / self.last_step) * (self.last_excess / excess).powf(1.0 / order)
+            } else {
+                factor
+            };
+            let factor = factor.min(predicted.max(0.5 * factor));
+            self.this_excess = excess;
             // Steps that have been shrinking, towards a singular point, will go on to shrink.
             let shrinking = h < self.last_step && h < SHORT * scale;
             let trend = if shrinking {
@@ -359,13 +437,18 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             return Attempt::Again(0.5 * h);
         }
         if let Some((event, h)) = self.event(&step, h) {
-            return self.end_at(event, h, length);
+            return self.end_at(event, h, pace, length);
         }
         let Some(local) = self.local_after(&step) else {
             return Attempt::Again(0.25 * h);
         };
+        if next.is_some()
+            && let Some(met) = self.crease(&step, &local, h, pace, may_err)
+        {
+            return met;
+        }
         let rank = self.rank();
-        self.accept(&step, local, h, rounding, scale);
+        self.accept(&step, local, h, pace, rounding, scale);
         if let Some(status) = self.collapses(rank, h) {
             return Attempt::Ended(status);
         }
@@ -386,18 +469,19 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         ROUNDING * (a.abs() * norm(t) + b.abs() * norm(w))
     }
 
-    fn accept(&mut self, step: &Step, local: Local, h: f64, rounding: f64, scale: f64) {
+    fn accept(&mut self, step: &Step, local: Local, h: f64, pace: Pace, rounding: f64, scale: f64) {
         let noise = match &self.chart {
             Chart::Plain => self.local.noise,
             Chart::Apex(chart) => chart.noise(self.motion.at, step.end.at),
         };
         if self.conjugates.is_some() {
-            self.note_conjugates(step, h);
+            self.note_conjugates(step, h, pace);
         }
         let before = self.speed();
         self.steps += 1;
         self.last_step = h;
-        self.s += h;
+        self.last_excess = self.this_excess;
+        self.s += step.length;
         self.motion = step.end;
         self.local = local;
         let [m, m1] = self.field;
@@ -405,8 +489,8 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         // A pair's estimate for the point is now and then small by chance, when the one for the velocity, which acts
         // on the point within the step, or the change of speed, is not.
         let velocity = step.direction_error.max((self.speed() - before).abs());
-        let position = step.position_error.max(h * velocity);
-        let direction = velocity + noise + ROUNDING * (1.0 + h / scale);
+        let position = step.position_error.max(step.length * velocity);
+        let direction = velocity + noise + ROUNDING * (1.0 + step.length / scale);
         self.errors.add(step, position + rounding, direction);
     }
 

@@ -11,8 +11,19 @@ use crate::chart::{Atlas, Chart, Local, Motion};
 use crate::metric::{combine, norm};
 use crate::surface::Surface;
 
-/// Point, velocity, and the fields (m, m'), (n, n') with m(0) = 0, m'(0) = 1, n(0) = 1, n'(0) = 0.
-type State = [f64; 8];
+/// Point, velocity, the fields (m, m'), (n, n') with m(0) = 0, m'(0) = 1, n(0) = 1, n'(0) = 0, and the arc length.
+type State = [f64; 9];
+
+/// What a step's size measures.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Pace {
+    /// Arc length.
+    Length,
+    /// In (u,v), the way in the coordinates, measured by the metric that the step starts with: where a metric all but
+    /// degenerates, as on the rim of a flat ellipsoid, coordinates are smooth functions of this when they are none of
+    /// arc length.
+    Coordinates,
+}
 
 const MOST_STAGES: usize = 13;
 
@@ -27,11 +38,15 @@ pub(crate) struct Step {
     pub(crate) direction_error: f64,
     /// [[n, m], [n', m']] over the step.
     pub(crate) propagator: [[f64; 2]; 2],
+    /// Its arc length.
+    pub(crate) length: f64,
+    /// The estimated relative error of the Jacobi fields.
+    pub(crate) field_error: f64,
     /// The local data at the end, where the pair evaluated them.
     pub(crate) end_local: Option<Local>,
 }
 
-/// Takes one step of length `h` from a point with its local data. `None` where a stage is undefined.
+/// Takes one step of size `h`, as `pace` measures it, from a point with its local data. `None` where a stage is undefined.
 pub(crate) fn step<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
     chart: &Chart,
@@ -39,7 +54,10 @@ pub(crate) fn step<S: Surface + ?Sized>(
     start: Motion,
     local: &Local,
     h: f64,
+    pace: Pace,
 ) -> Option<Step> {
+    let [along_u, along_v] = local.tangents;
+    let way = |state: &State| norm(combine(state[2], along_u, state[3], along_v));
     let state: State = [
         start.at[0],
         start.at[1],
@@ -49,8 +67,15 @@ pub(crate) fn step<S: Surface + ?Sized>(
         1.0,
         1.0,
         0.0,
+        0.0,
     ];
-    let mut stages = [[0.0; 8]; MOST_STAGES];
+    let start_way = way(&state);
+    let even = pace == Pace::Length || !matches!(chart, Chart::Plain);
+    let derivative = |state: &State, local: &Local| {
+        let rate = if even { 1.0 } else { start_way / way(state) };
+        derivative(state, local).map(|x| rate * x)
+    };
+    let mut stages = [[0.0; 9]; MOST_STAGES];
     stages[0] = derivative(&state, local);
     let mut count = 1;
     for row in tableau.stages {
@@ -69,8 +94,8 @@ pub(crate) fn step<S: Surface + ?Sized>(
         stages[count] = derivative(&end, &local);
         end_local = Some(local);
     }
-    let error = advance(&[0.0; 8], h, tableau.error, &stages);
-    let low = advance(&[0.0; 8], h, tableau.low_error, &stages);
+    let error = advance(&[0.0; 9], h, tableau.error, &stages);
+    let low = advance(&[0.0; 9], h, tableau.low_error, &stages);
     let length = |x: f64, y: f64| norm(combine(x, local.tangents[0], y, local.tangents[1]));
     // The two estimates of DOP853 as its authors combine them, in the metric.
     let tempered = |high: f64, low: f64| {
@@ -81,9 +106,21 @@ pub(crate) fn step<S: Surface + ?Sized>(
             high
         }
     };
+    // Lengths in units of the step, so that all four count alike.
+    let fields = |e: &State| {
+        (e[4] / h)
+            .abs()
+            .max(e[5].abs())
+            .max(e[6].abs())
+            .max((e[7] * h).abs())
+    };
+    let field_error = tempered(fields(&error), fields(&low)) / fields(&end).max(1.0);
     Some(Step {
+        length: end[8],
+        field_error,
         end: motion(&end),
-        position_error: tempered(length(error[0], error[1]), length(low[0], low[1])),
+        position_error: tempered(length(error[0], error[1]), length(low[0], low[1]))
+            .max(tempered(error[8].abs(), low[8].abs())),
         direction_error: tempered(length(error[2], error[3]), length(low[2], low[3])),
         propagator: [[end[6], end[4]], [end[7], end[5]]],
         end_local,
@@ -98,14 +135,14 @@ fn motion(state: &State) -> Motion {
 }
 
 fn derivative(state: &State, local: &Local) -> State {
-    let [_, _, x, y, m, m1, n, n1] = *state;
+    let [_, _, x, y, m, m1, n, n1, _] = *state;
     let [a, b] = local.acceleration;
     let k = local.curvature;
-    [x, y, a, b, m1, -k * m, n1, -k * n]
+    [x, y, a, b, m1, -k * m, n1, -k * n, 1.0]
 }
 
 fn advance(state: &State, h: f64, weights: &[f64], stages: &[State; MOST_STAGES]) -> State {
-    let mut sum = [0.0; 8];
+    let mut sum = [0.0; 9];
     for (&weight, stage) in weights.iter().zip(stages) {
         if weight != 0.0 {
             for (sum, &slope) in sum.iter_mut().zip(stage) {

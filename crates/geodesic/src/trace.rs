@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::chart::{Atlas, Chart, Motion};
-use crate::follow::{self, End, Plan, Start};
+use crate::follow::{self, End, Noting, Plan, Start};
 use crate::integrate::{DOP853, DOPRI5, RK4};
 use crate::metric::{norm, speed};
 use crate::surface::{Side, Surface};
@@ -60,7 +60,7 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Self {
-            tolerance: 3e-10,
+            tolerance: 1.5e-10,
             method: Method::Adaptive,
             max_evaluations: 20_000,
             keep_path: false,
@@ -94,6 +94,10 @@ pub struct Trace {
     pub status: Status,
     /// Whether it has passed an odd number of flips: left is then right.
     pub flipped: bool,
+    /// How many creases it has crossed, where σ is continuous and its derivatives are not. There the component of the
+    /// velocity along the crease and the one across keep their lengths. (m, m') and the estimate know nothing of how
+    /// the crease itself is bent.
+    pub creases: usize,
     /// (m, m') at the end: the Jacobi field across the geodesic with m = 0, m' = 1 at its start. A small change dθ of
     /// the direction moves the end by m dθ.
     pub jacobi: [f64; 2],
@@ -221,6 +225,10 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
     options: &Options,
 ) -> (Trace, (Chart, Motion)) {
     let tolerance = options.tolerance;
+    let noting = Noting {
+        fields: options.conjugates,
+        conjugates: options.conjugates,
+    };
     let common = Plan {
         tableau: &DOP853,
         tolerance: None,
@@ -239,7 +247,7 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
                 charts: true,
                 ..common
             };
-            follow::follow_noting(atlas, start, length, plan, options.conjugates)
+            follow::follow_noting(atlas, start, length, plan, noting)
         }
         Method::Rk4 { steps } => {
             let step = length / f64::from(steps.max(1));
@@ -256,7 +264,7 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
                 keep_path: false,
                 ..fine
             };
-            let mut fine = follow::follow_noting(atlas, start, length, fine, options.conjugates);
+            let mut fine = follow::follow_noting(atlas, start, length, fine, noting);
             // Where the first run ended early, there the second one is compared with it.
             let coarse = follow::follow(atlas, start, fine.length, coarse);
             let gap = atlas.gap(fine.motion.at, coarse.motion.at);
@@ -271,7 +279,7 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
 
 /// A first step that is surely not too long for the tolerance to be judged.
 pub(crate) fn first_step<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, length: f64) -> f64 {
-    length.min(0.03 * atlas.scale.size)
+    length.min(0.04 * atlas.scale.size)
 }
 
 /// The start brought back into the domain, at unit speed, and how far it has been moved off a pole.
@@ -362,6 +370,7 @@ fn finish<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, end: End) -> Trace {
         evaluations: atlas.evaluations(),
         status: end.status,
         flipped: end.flipped,
+        creases: end.creases,
         jacobi: [end.field, end.field_rate],
         conjugates: end.conjugates,
         path: end.path,

@@ -405,10 +405,10 @@ fn the_work_is_what_it_was() {
         ("cone", count(&cone(1.0), [1.0, 5.0], [1.0, -2.0], 8.0)),
     ];
     let expected = [
-        ("sphere", (14, 2, 193)),
-        ("through the pole", (4, 0, 52)),
+        ("sphere", (13, 0, 160)),
+        ("through the pole", (3, 0, 40)),
         ("cylinder", (2, 0, 27)),
-        ("torus", (55, 5, 718)),
+        ("torus", (59, 0, 711)),
         ("cone", (2, 0, 38)),
     ];
     assert_eq!(work, expected);

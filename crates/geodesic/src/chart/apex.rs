@@ -1,6 +1,6 @@
 //! The coordinates about an apex: polar coordinates undone, or a cone unrolled.
 
-use super::{LEAVE, Motion, rotated};
+use super::{ENTER, ENTER_ROUND, LEAVE, LEAVE_ROUND, Motion, rotated};
 use crate::topology::Apex;
 
 /// At a smooth pole, nearer than this share of the chart's radius the chain rule has lost digits and the
@@ -8,6 +8,8 @@ use crate::topology::Apex;
 const INNER: f64 = 1e-3;
 /// The same as a share of the radius of curvature: the function's series must converge well there.
 const INNER_BEND: f64 = 5e-3;
+/// About what a stage of a step weighs.
+const STAGE: f64 = 0.3;
 /// A point this near a pole, as a share of the domain's width, is at it.
 const AT_POLE: f64 = 1e-15;
 
@@ -76,12 +78,30 @@ impl ApexChart {
         let nearest = [0, 1].map(|k| from[k] + along * way[k]);
         let floor = if self.apex.smooth { self.inner() } else { 0.0 };
         let r = nearest[0].hypot(nearest[1]).max(floor);
-        f64::EPSILON * self.base.abs() / r.powf(self.apex.power)
+        // Beside the direction itself, the acceleration at a stage that falls near the apex, with its weight.
+        let stage = if self.apex.smooth {
+            (STAGE * square.sqrt() / r).max(1.0)
+        } else {
+            1.0
+        };
+        stage * f64::EPSILON * self.base.abs() / r.powf(self.apex.power)
     }
 
     /// Whether a point is far enough off to leave the chart.
     pub(crate) fn is_left_at(&self, at: [f64; 2]) -> bool {
-        self.share(at) > LEAVE
+        let most = if self.is_round() { LEAVE_ROUND } else { LEAVE };
+        self.share(at) > most
+    }
+
+    /// How far from the apex, in the domain's parameter, the chart is entered.
+    pub(super) fn enters_within(&self) -> f64 {
+        let share = if self.is_round() { ENTER_ROUND } else { ENTER };
+        share * self.reach()
+    }
+
+    /// Whether the pole is one as a sphere's, or a flatter one.
+    fn is_round(&self) -> bool {
+        self.apex.smooth && self.apex.bend > 0.25 * self.radius()
     }
 
     /// The point in (u,v), perhaps beyond sides that wrap.

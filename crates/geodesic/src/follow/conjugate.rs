@@ -1,7 +1,7 @@
 //! Conjugate points: where the Jacobi field of a ray's start is zero again, found within the steps on the way.
 
 use super::Ray;
-use crate::integrate::Step;
+use crate::integrate::{Pace, Step};
 use crate::surface::Surface;
 
 /// A conjugate point is located to this share of its step.
@@ -10,7 +10,7 @@ const SHARP: f64 = 1e-14;
 impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     /// Adds the arc lengths of the conjugate points within a step of length `h` that is about to be taken, by
     /// Newton's method on the step's length, kept within a bracket: as exact as the steps are.
-    pub(super) fn note_conjugates(&mut self, step: &Step, h: f64) {
+    pub(super) fn note_conjugates(&mut self, step: &Step, h: f64, pace: Pace) {
         let before = self.field;
         let carried = |step: &Step| step.propagator.map(|[n, k]| n * before[0] + k * before[1]);
         let after = carried(step);
@@ -31,14 +31,16 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             }
             let (mut low, mut high) = (pair[0] * h, pair[1] * h);
             let mut at = low + (high - low) * from / (from - to);
+            let mut length = self.s;
             for _ in 0..40 {
                 if !self.affords_step() {
                     return;
                 }
-                let Some(part) = self.step(at) else {
+                let Some(part) = self.step(at, pace) else {
                     return;
                 };
                 let [value, rate] = carried(&part);
+                length = self.s + part.length;
                 if (value > 0.0) == (from > 0.0) {
                     low = at;
                 } else {
@@ -56,9 +58,8 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                     break;
                 }
             }
-            let place = self.s + at;
             if let Some(found) = &mut self.conjugates {
-                found.push(place);
+                found.push(length);
             }
         }
     }

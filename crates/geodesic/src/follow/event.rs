@@ -2,7 +2,7 @@
 
 use super::{Attempt, Ray, stalled_at};
 use crate::chart::{Chart, Motion};
-use crate::integrate::Step;
+use crate::integrate::{Pace, Step};
 use crate::surface::{Side, Surface};
 use crate::trace::Status;
 
@@ -75,7 +75,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     }
 
     /// Locates an event by Newton's method on the step's length, kept within a bracket: as exact as the steps are.
-    pub(super) fn end_at(&mut self, event: Event, h: f64, length: f64) -> Attempt {
+    pub(super) fn end_at(&mut self, event: Event, h: f64, pace: Pace, length: f64) -> Attempt {
         let scale = self.atlas.scale.size.min(length);
         let rounding = self.rounding();
         let (mut low, mut high) = (0.0, h);
@@ -87,7 +87,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         };
         let mut best = None;
         for _ in 0..60 {
-            let Some(step) = self.step(at) else {
+            let Some(step) = self.step(at, pace) else {
                 high = at;
                 at = 0.5 * (low + high);
                 continue;
@@ -124,7 +124,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             let hit = miss <= HIT * chart.radius();
             if !hit {
                 // A near miss: the step ends at the nearest point, from where the next one leads away.
-                self.accept(&step, local, at, rounding, scale);
+                self.accept(&step, local, at, pace, rounding, scale);
                 // Past the nearest point by a hair, so that it is not met again.
                 let ([a, b], [x, y]) = (self.motion.at, self.motion.velocity);
                 if a * x + b * y < 0.0 {
@@ -138,7 +138,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                 };
             }
         }
-        self.accept(&step, local, at, rounding, scale);
+        self.accept(&step, local, at, pace, rounding, scale);
         Attempt::Ended(match event {
             Event::NearestToApex => Status::ConePoint,
             Event::Edge { axis, end } => {

@@ -344,3 +344,71 @@ pub(crate) fn spheroid_metric(a: f64, b: f64, shear: f64) -> MetricSurface {
         [e, f, g]
     })
 }
+
+/// The unit sphere by stereographic projection, far out: infinity is its pole.
+#[allow(dead_code)]
+pub(crate) fn stereographic() -> ParametricSurface {
+    let mut m = Maker::new();
+    let (uu, vv) = (m.mul(m.u, m.u), m.mul(m.v, m.v));
+    let sum = m.add(uu, vv);
+    let below = m.plus(1.0, sum);
+    let above = m.plus(-1.0, sum);
+    let (x, y) = (m.scale(2.0, m.u), m.scale(2.0, m.v));
+    let p = [x, y, above].map(|w| m.g.div(w, below));
+    m.done(p, [[-1e6, 1e6], [-1e6, 1e6]])
+}
+
+/// (|x| + x)/2.
+fn positive_part(m: &mut Maker, x: NodeId) -> NodeId {
+    let abs = m.f(Unary::Abs, x);
+    let twice = m.add(abs, x);
+    m.scale(0.5, twice)
+}
+
+/// The plane, rising with a slope for u > 0: a crease at u = 0.
+#[allow(dead_code)]
+pub(crate) fn bent_plane(slope: f64) -> ParametricSurface {
+    folded_plane(0.0, slope)
+}
+
+/// The plane, rising with u − tilt·v where that is positive.
+#[allow(dead_code)]
+pub(crate) fn folded_plane(tilt: f64, slope: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let across = m.scale(-tilt, v);
+    let across = m.add(u, across);
+    let part = positive_part(&mut m, across);
+    let z = m.scale(slope, part);
+    m.done([u, v, z], [[-5.0, 5.0], [-5.0, 5.0]])
+}
+
+/// The roof z = slope·|u|.
+#[allow(dead_code)]
+pub(crate) fn roof(slope: f64) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let abs = m.f(Unary::Abs, u);
+    let z = m.scale(slope, abs);
+    m.done([u, v, z], [[-5.0, 5.0], [-5.0, 5.0]])
+}
+
+/// The graph of Σ a sin(bu + cv) for waves [a, b, c], torn where its square root of a wave is undefined if asked for.
+#[allow(dead_code)]
+pub(crate) fn waves_over_plane(waves: &[[f64; 3]], torn: bool) -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v) = (m.u, m.v);
+    let mut z = m.c(0.0);
+    for &[a, b, c] in waves {
+        let (x, y) = (m.scale(b, u), m.scale(c, v));
+        let phase = m.add(x, y);
+        let sin = m.f(Unary::Sin, phase);
+        let wave = m.scale(a, sin);
+        z = m.add(z, wave);
+    }
+    if torn {
+        let shifted = m.plus(2.0, z);
+        z = m.f(Unary::Sqrt, shifted);
+    }
+    m.done([u, v, z], [[-50.0, 50.0], [-50.0, 50.0]])
+}

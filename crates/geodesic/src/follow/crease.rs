@@ -1,0 +1,275 @@
+//! Creases, where σ is continuous and its derivatives are not (|u|, max, min): noticed by a jump of the speed, located
+//! by bisection, crossed as light does that keeps its angle to the crease.
+
+use super::{Attempt, Ray, stalled_at};
+use crate::chart::{Chart, Local, Motion};
+use crate::integrate::{Pace, Step};
+use crate::metric::{combine, dot, norm};
+use crate::surface::Surface;
+use crate::trace::Status;
+
+/// The least change of the speed within a step that is looked into.
+const NOTICED: f64 = 1e-9;
+/// The same over what the tolerance allows.
+const NOTICED_BEYOND: f64 = 30.0;
+/// Where the speed changes by less than this share of the whole in one half of a bracket, it is a jump.
+const STAYS: f64 = 0.3;
+/// A crease is located to this share of the ray's scale.
+const SHARP: f64 = 1e-14;
+/// By how much, relative to their lengths, what both sides must have in common may differ.
+const COMMON: f64 = 1e-6;
+
+/// What is behind a change of the speed.
+enum Found {
+    /// Nothing that stays in one place: the surface is steep there.
+    Steep,
+    /// A crease between two sizes of the step, with the rays' ends there.
+    Jump {
+        before: (Step, Local),
+        after: (Step, Local),
+    },
+    /// Out of evaluations.
+    Nothing,
+}
+
+impl<S: Surface + ?Sized> Ray<'_, '_, S> {
+    /// What a step whose speed has changed has run over; `None` where it may be taken. `allowed` is the error that
+    /// the tolerance allows on the way.
+    pub(super) fn crease(
+        &mut self,
+        step: &Step,
+        local: &Local,
+        h: f64,
+        pace: Pace,
+        allowed: f64,
+    ) -> Option<Attempt> {
+        if !matches!(self.chart, Chart::Plain) {
+            return None;
+        }
+        let scale = self.atlas.scale.size.min(self.s + step.length);
+        let speed = self.speed();
+        let change =
+            |motion: &Motion, local: &Local| length(local.tangents, motion.velocity) / speed - 1.0;
+        let jump = change(&step.end, local);
+        if jump.abs() <= NOTICED + NOTICED_BEYOND * allowed / scale {
+            return None;
+        }
+        match self.locate(step, *local, h, pace, &|motion, local| {
+            change(motion, local)
+        }) {
+            Found::Steep => Some(Attempt::Again(0.3 * h)),
+            Found::Nothing => Some(Attempt::Ended(Status::WorkLimit)),
+            Found::Jump { before, after } => {
+                if before.0.position_error > allowed {
+                    return Some(Attempt::Again(0.5 * h));
+                }
+                Some(self.cross(before, after, pace, h))
+            }
+        }
+    }
+
+    fn locate(
+        &mut self,
+        step: &Step,
+        local: Local,
+        h: f64,
+        pace: Pace,
+        change: &dyn Fn(&Motion, &Local) -> f64,
+    ) -> Found {
+        let jump = change(&step.end, &local);
+        let (mut low, mut high) = (0.0, h);
+        let start = Step {
+            end: self.motion,
+            length: 0.0,
+            position_error: 0.0,
+            direction_error: 0.0,
+            field_error: 0.0,
+            propagator: [[1.0, 0.0], [0.0, 1.0]],
+            end_local: Some(self.local),
+        };
+        let mut before = (start, self.local, 0.0);
+        let mut after = (*step, local, jump);
+        while high - low > SHARP * self.atlas.scale.size.min(h.max(1e-3 * self.s)) {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if !self.affords_step() {
+                return Found::Nothing;
+            }
+            let Some(part) = self.step(middle, pace) else {
+                return Found::Steep;
+            };
+            let Some(local) = self.local_after(&part) else {
+                return Found::Steep;
+            };
+            let there = change(&part.end, &local);
+            if (there - before.2).abs() > (there - after.2).abs() {
+                high = middle;
+                after = (part, local, there);
+            } else {
+                low = middle;
+                before = (part, local, there);
+            }
+            if (after.2 - before.2).abs() < STAYS * jump.abs() {
+                return Found::Steep;
+            }
+        }
+        Found::Jump {
+            before: (before.0, before.1),
+            after: (after.0, after.1),
+        }
+    }
+
+    /// Takes the step as far as a crease and goes on behind it.
+    fn cross(
+        &mut self,
+        before: (Step, Local),
+        after: (Step, Local),
+        pace: Pace,
+        h: f64,
+    ) -> Attempt {
+        let rounding = self.rounding();
+        let scale = self.atlas.scale.size.min(self.s + h);
+        let (near, here) = before;
+        let (far, there) = after;
+        let torn = self.atlas.embedded && {
+            let gap = self.atlas.gap(near.end.at, far.end.at);
+            gap > COMMON * scale
+        };
+        let behind = if torn {
+            None
+        } else {
+            self.refracted(&near.end, here.tangents, &far.end, there.tangents)
+        };
+        self.accept(&near, here, near.length.min(h), pace, rounding, scale);
+        let Some(velocity) = behind else {
+            // No crease but a tear: nothing says where a ray goes on.
+            return Attempt::Ended(Status::Undefined);
+        };
+        self.creases += 1;
+        self.s += far.length - near.length;
+        self.motion = Motion {
+            at: far.end.at,
+            velocity,
+        };
+        let Some(local) = self.atlas.local(&self.chart, self.motion) else {
+            return Attempt::Ended(stalled_at(self.atlas, self.plain().at));
+        };
+        self.local = local;
+        // What came before says nothing about the steps behind.
+        self.last_step = 0.0;
+        if self.enter_next_chart() {
+            Attempt::Accepted(Some(h))
+        } else {
+            Attempt::Ended(stalled_at(self.atlas, self.plain().at))
+        }
+    }
+
+    /// The velocity behind a crease: the component along it and the one across keep their lengths. `None` where both
+    /// sides do not have a direction in common.
+    fn refracted(
+        &self,
+        near: &Motion,
+        here: [[f64; 3]; 2],
+        far: &Motion,
+        there: [[f64; 3]; 2],
+    ) -> Option<[f64; 2]> {
+        let candidates = if self.atlas.embedded {
+            [Some(common_direction(here, there)?), None]
+        } else {
+            common_lengths(here, there)?
+        };
+        let along = candidates
+            .into_iter()
+            .flatten()
+            .find(|&along| self.atlas.embedded || self.is_along(near, here, far, there, along))?;
+        let size = length(here, along);
+        if (length(there, along) / size - 1.0).abs() > COMMON {
+            return None;
+        }
+        let along = along.map(|x| x / size);
+        let v = near.velocity;
+        let share = inner(here, v, along);
+        let across = [0, 1].map(|k| v[k] - share * along[k]);
+        let height = length(here, across);
+        let tilt = inner(there, across, along);
+        let upright = [0, 1].map(|k| across[k] - tilt * along[k]);
+        let size = length(there, upright);
+        if !(size > 0.0 && size.is_finite()) {
+            return None;
+        }
+        Some([0, 1].map(|k| share * along[k] + height / size * upright[k]))
+    }
+
+    /// Whether both sides go on along a direction, a little off the crease: of the two directions in which metrics
+    /// agree, one is the crease's.
+    fn is_along(
+        &self,
+        near: &Motion,
+        here: [[f64; 3]; 2],
+        far: &Motion,
+        there: [[f64; 3]; 2],
+        along: [f64; 2],
+    ) -> bool {
+        let scale = self.atlas.scale.size;
+        let (way, off) = (1e-4 * scale / length(here, along), 1e-6 * scale);
+        let form = |t: [[f64; 3]; 2]| [dot(t[0], t[0]), dot(t[0], t[1]), dot(t[1], t[1])];
+        let (before, after) = (form(here), form(there));
+        let gap = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).abs()).sum::<f64>();
+        [-way, way].into_iter().all(|way| {
+            [(near, -off), (far, off)].into_iter().all(|(motion, off)| {
+                let at = [0, 1].map(|k| motion.at[k] + way * along[k] + off * near.velocity[k]);
+                let jet = self.atlas.jet(at);
+                let found = form([jet.du, jet.dv]);
+                (gap(found, before) < gap(found, after)) == (off < 0.0)
+            })
+        })
+    }
+}
+
+fn inner(tangents: [[f64; 3]; 2], a: [f64; 2], b: [f64; 2]) -> f64 {
+    let vector = |x: [f64; 2]| combine(x[0], tangents[0], x[1], tangents[1]);
+    dot(vector(a), vector(b))
+}
+
+fn length(tangents: [[f64; 3]; 2], a: [f64; 2]) -> f64 {
+    norm(combine(a[0], tangents[0], a[1], tangents[1]))
+}
+
+/// The direction in (u,v) in which both sides have the same derivative of σ.
+fn common_direction(here: [[f64; 3]; 2], there: [[f64; 3]; 2]) -> Option<[f64; 2]> {
+    let [u, v] = [0, 1].map(|k| combine(1.0, there[k], -1.0, here[k]));
+    let (largest, size) = if norm(u) >= norm(v) {
+        (u, norm(u))
+    } else {
+        (v, norm(v))
+    };
+    let unit = largest.map(|x| x / size);
+    let (a, b) = (dot(u, unit), dot(v, unit));
+    // Of rank one.
+    let rest = norm(combine(1.0, u, -a, unit)).max(norm(combine(1.0, v, -b, unit)));
+    let typical = norm(here[0]).max(norm(here[1])).max(size);
+    (size > 0.0 && rest <= COMMON * typical).then_some([b, -a])
+}
+
+/// The directions in (u,v) to which both sides give the same length.
+fn common_lengths(here: [[f64; 3]; 2], there: [[f64; 3]; 2]) -> Option<[Option<[f64; 2]>; 2]> {
+    let form = |t: [[f64; 3]; 2]| [dot(t[0], t[0]), dot(t[0], t[1]), dot(t[1], t[1])];
+    let (before, after) = (form(here), form(there));
+    let [e, f, g] = [0, 1, 2].map(|k| after[k] - before[k]);
+    let square = f * f - e * g;
+    let size = (f * f).max((e * g).abs());
+    if square < -COMMON * size {
+        return None;
+    }
+    let root = square.max(0.0).sqrt();
+    let pair = |sign: f64| {
+        if e.abs() >= g.abs() {
+            [-f + sign * root, e]
+        } else {
+            [g, -f + sign * root]
+        }
+    };
+    Some([Some(pair(1.0)), (root > 0.0).then(|| pair(-1.0))])
+}
