@@ -19,6 +19,21 @@ const FAR_APEX: f64 = 4.0;
 /// The corners are looked at before all else, as the first places of the check.
 const CORNERS: usize = 4;
 
+/// From a node to the next one that is looked at: without a common divisor with how many there are.
+const STRIDE: usize = 3 * COUNT - 1;
+/// The pixels of the smallest square that are looked at first; where all of them show nothing, the others do neither.
+const FIRST: [[u32; 2]; 9] = [
+    [0, 0],
+    [7, 0],
+    [0, 7],
+    [7, 7],
+    [4, 0],
+    [7, 4],
+    [3, 7],
+    [0, 3],
+    [4, 4],
+];
+
 /// What covers a square.
 pub(super) enum Piece {
     Patch(Box<Patch>),
@@ -131,17 +146,18 @@ impl Cutter<'_> {
             *check = Some(end);
         }
         let nodes = self.fit.nodes;
-        let mut samples = Vec::with_capacity(COUNT * COUNT);
-        for y in nodes {
-            for x in nodes {
-                let place = self.place(square, [x, y]);
-                let end = self.end(place, pieces);
-                if status != Some(end.status) {
-                    return Attempt::Divide(1);
-                }
-                samples.push((place, end));
+        let mut samples = [(); COUNT * COUNT].map(|()| None);
+        for n in 0..COUNT * COUNT {
+            // Far from each other one after the other: a line between two statuses is soon met.
+            let n = STRIDE * n % (COUNT * COUNT);
+            let place = self.place(square, [nodes[n % COUNT], nodes[n / COUNT]]);
+            let end = self.end(place, pieces);
+            if status != Some(end.status) {
+                return Attempt::Divide(1);
             }
+            samples[n] = Some((place, end));
         }
+        let mut samples: Vec<(Place, End)> = samples.into_iter().flatten().collect();
         let status = status.unwrap_or_default();
         if status != Status::Complete {
             return Attempt::Covered(Piece::Nothing {
@@ -304,38 +320,54 @@ impl Cutter<'_> {
 
     /// The pixels of the smallest square, one by one.
     fn single(&self, square: &Square, pieces: &mut Pieces) -> Piece {
+        let look = |[column, row]: [u32; 2], pieces: &mut Pieces| {
+            let at = [(column, 0), (row, 1)]
+                .map(|(n, k)| (2.0 * f64::from(n) + 1.0) / f64::from(square.extent[k]) - 1.0);
+            let place = self.place(square, at);
+            (place, self.end(place, pieces))
+        };
         let pixels = (BLOCK * BLOCK) as usize;
+        let mut known = vec![None; pixels];
+        let mut seen = None;
+        let mut nothing = true;
+        for pixel in FIRST {
+            let pixel = [0, 1].map(|k| pixel[k].min(square.extent[k] - 1));
+            let index = (pixel[1] * BLOCK + pixel[0]) as usize;
+            let (_, end) = *known[index].get_or_insert_with(|| look(pixel, pieces));
+            nothing &= end.status != Status::Complete;
+            nothing &= *seen.get_or_insert(end.status) == end.status;
+            if !nothing {
+                break;
+            }
+        }
+        if let (true, Some(status)) = (nothing, seen) {
+            return Piece::Nothing {
+                corner: square.corner,
+                side: square.side,
+                status,
+            };
+        }
         let mut single = Single {
             offset: vec![[0.0; 2]; pixels],
             by_pixel: vec![[0.0; 4]; pixels],
             status: vec![Status::default(); pixels],
         };
-        let mut same = true;
-        let mut first = None;
         for row in 0..square.extent[1] {
             for column in 0..square.extent[0] {
                 let index = (row * BLOCK + column) as usize;
-                let at = [(column, 0), (row, 1)]
-                    .map(|(n, k)| (2.0 * f64::from(n) + 1.0) / f64::from(square.extent[k]) - 1.0);
-                let place = self.place(square, at);
-                let end = self.end(place, pieces);
-                same &= *first.get_or_insert(end.status) == end.status;
+                let (place, end) = match known[index] {
+                    Some(known) => known,
+                    None => look([column, row], pieces),
+                };
                 single.status[index] = end.status;
                 if end.status == Status::Complete {
                     (single.offset[index], single.by_pixel[index]) = self.pixel(end, place);
                 }
             }
         }
-        match first {
-            Some(status) if same && status != Status::Complete => Piece::Nothing {
-                corner: square.corner,
-                side: square.side,
-                status,
-            },
-            _ => Piece::Single {
-                corner: square.corner,
-                single,
-            },
+        Piece::Single {
+            corner: square.corner,
+            single,
         }
     }
 
