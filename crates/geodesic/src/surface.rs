@@ -79,8 +79,9 @@ pub trait Surface: Sync {
     /// The jets at [`LANES`] points (`at[0]` their u, `at[1]` their v), each the same as [`Surface::jet`]'s but for
     /// rounding.
     fn jets(&self, at: &[Lanes; 2], out: &mut JetBlock) {
-        for lane in 0..LANES {
-            out.set(lane, &self.jet([at[0][lane], at[1][lane]]));
+        let [us, vs] = at;
+        for (lane, (&u, &v)) in us.iter().zip(vs).enumerate() {
+            out.set(lane, &self.jet([u, v]));
         }
     }
     /// Whether positions are places in space. A metric without an embedding gives jets in a frame of its own at each

@@ -132,8 +132,9 @@ impl Jets<'_> {
         for samples in samples.chunks_mut(LANES) {
             // A last, partial block repeats its last place.
             let mut at: [Block; 2] = [[us[i]; LANES], [vs[j]; LANES]];
-            for lane in 0..samples.len() {
-                (at[0][lane], at[1][lane]) = (us[i], vs[j]);
+            let [at_u, at_v] = &mut at;
+            for (u, v) in at_u.iter_mut().zip(at_v).take(samples.len()) {
+                (*u, *v) = (us[i], vs[j]);
                 i += 1;
                 if i == us.len() {
                     // Past the last place of all, the first stands in for one that is not looked at.
