@@ -1,12 +1,15 @@
 //! Geodesics of a parametrised surface: the first fundamental form, the exponential map, transport.
 //!
 //! ```text
-//! expr::Tape ──surface.rs──▶ jets ──topology.rs──▶ what lies beyond the sides
-//!                             │
-//!                        metric.rs, chart.rs ──▶ acceleration ──integrate──▶ one step
-//!                                                                   │
-//!                    frame.rs (camera) ◀── trace.rs: an end and a status ◀── follow.rs: many steps
-//!                         └──────────▶ map.rs: a picture's pixels ◀── reference.rs: how far they are off
+//! expr ──surface.rs (or intrinsic.rs)──▶ jets ──topology.rs──▶ what lies beyond the sides
+//!                                         │
+//!                               metric.rs, chart.rs ──▶ acceleration ──integrate──▶ one step
+//!                                         │                                           │
+//!  frame.rs (camera) ◀─ trace.rs: an end and a status ◀─────────── follow.rs: many steps
+//!         │                                                                           │
+//!         └──▶ fan.rs: shared rays ──ends.rs──▶ patchwork.rs: polynomials ──▶ map.rs: a picture's pixels
+//!                                                     └──▶ a table for the GPU        │
+//!                                                     reference.rs: how far they are off
 //! ```
 //!
 //! No GPU, no syntax. Lengths are in the surface's own units, angles in radians, `u`, `v` in the chart's units.

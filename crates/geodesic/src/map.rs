@@ -61,11 +61,11 @@ pub enum Arithmetic {
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Method {
     /// Rays shared by all pixels, interpolated by their Jacobi fields.
+    #[default]
     Fan,
     /// Rays shared by all pixels, interpolated linearly, for comparison.
     FanLinear,
     /// Each pixel's geodesic by itself, with steps as long as the tolerance allows; poles in charts of their own.
-    #[default]
     Adaptive,
     /// Each pixel's geodesic by itself, with steps of equal length of the classical Runge–Kutta method in (u,v), as in
     /// the thesis (equations 4.2), for comparison.
@@ -156,6 +156,10 @@ pub fn exponential_map<S: Surface + ?Sized>(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Map {
     let across = match options.method {
+        // Without a length no geodesic needs to be followed, and there is nothing to share.
+        _ if frame.zoom(surface) == 0.0 => {
+            return pixel_by_pixel(surface, frame, size, options, progress);
+        }
         Method::Fan => Across::Hermite,
         Method::FanLinear => Across::Linear,
         Method::Adaptive | Method::Rk4 { .. } => {

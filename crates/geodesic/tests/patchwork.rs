@@ -245,13 +245,6 @@ fn a_sphere_is_met_through_poles_and_seams_by_few_evaluations() {
                 patchwork.singles.len()
             );
         }
-        println!(
-            "{case}: {} samples, {} patches, {} singles, {off:.4} px, estimate {:.4}",
-            patchwork.samples,
-            patchwork.patches.len(),
-            patchwork.singles.len(),
-            patchwork.estimate.max
-        );
     }
 }
 
@@ -368,6 +361,38 @@ fn edges_are_exact_to_the_pixel_wherever_they_run() {
 }
 
 #[test]
+fn round_edges_and_holes_are_seen_where_they_bend_into_squares() {
+    let mut random = Random(7);
+    let mut all = 0;
+    for n in 0..40 {
+        let centre = [random.next() - 0.5, random.next() - 0.5];
+        let radius = 0.08 + 0.6 * random.next();
+        let hole = n % 2 == 0;
+        let flat = Flat {
+            map: |[x, y]: [f64; 2]| {
+                let inside = (x - centre[0]).hypot(y - centre[1]) < radius;
+                let status = if inside == hole {
+                    Status::LeftDomain
+                } else {
+                    Status::Complete
+                };
+                ([x + 0.1 * y * y, y - 0.1 * x * y], status)
+            },
+        };
+        let size = [400, 300];
+        let map = Patchwork::cut(&flat, size, TOLERANCE).map(false);
+        let wrong = (0..map.status.len())
+            .filter(|&k| {
+                let place = pixel_place(size, k as u32 % 400, k as u32 / 400);
+                (flat.map)(place).1 != map.status[k]
+            })
+            .count();
+        all += wrong;
+    }
+    assert!(all <= 4, "{all} pixels");
+}
+
+#[test]
 fn what_lies_behind_a_cone_s_tip_is_torn_along_a_line_to_the_pixel() {
     // Unrolled, the tip is 0.31 from the camera: (u, v) are distance and angle there, 1.7 times as fast on both sides.
     for n in 0..12 {
@@ -389,7 +414,6 @@ fn what_lies_behind_a_cone_s_tip_is_torn_along_a_line_to_the_pixel() {
             let off = (uv[0] - at[0]).hypot(uv[1] - at[1]) * 150.0;
             wrong += u32::from(off > TOLERANCE);
         }
-        println!("direction {n}: {wrong} pixels");
         assert!(wrong <= 16, "{wrong} pixels, direction {n}");
     }
 }
@@ -410,7 +434,6 @@ impl Random {
 #[test]
 fn the_estimate_is_at_least_half_the_truth_on_random_fields() {
     let mut random = Random(1);
-    let mut largest = 0.0_f64;
     for n in 0..60 {
         let waves: Vec<[f64; 5]> = (0..6)
             .map(|_| {
@@ -442,7 +465,6 @@ fn the_estimate_is_at_least_half_the_truth_on_random_fields() {
             let patchwork = Patchwork::cut(&flat, size, tolerance);
             let truth = off_flat(&flat, &patchwork);
             let estimate = patchwork.estimate.max;
-            largest = largest.max(truth / estimate.max(1e-4));
             assert!(
                 truth <= 2.0 * estimate + 1e-4,
                 "field {n}: {truth} px, estimated {estimate}"
@@ -450,7 +472,6 @@ fn the_estimate_is_at_least_half_the_truth_on_random_fields() {
             assert!(estimate <= tolerance);
         }
     }
-    println!("truth at most {largest} of the estimate");
 }
 
 #[test]

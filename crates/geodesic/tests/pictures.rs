@@ -5,6 +5,7 @@ mod shapes;
 use geodesic::frame::Frame;
 use geodesic::map::{Arithmetic, MapOptions, Method, exponential_map, pixel_place};
 use geodesic::metric::Metric;
+use geodesic::reference::Reference;
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status};
 use shapes::*;
@@ -90,10 +91,20 @@ fn a_frame_passes_a_moebius_strips_seam_mirrored_and_returns_as_it_was() {
 
 #[test]
 fn every_pixel_of_a_sphere_is_right_with_the_pole_in_the_picture() {
+    for method in [Method::Fan, Method::Adaptive] {
+        every_pixel_of_a_sphere_is_right(method);
+    }
+}
+
+fn every_pixel_of_a_sphere_is_right(method: Method) {
     let s = spheroid(1.0, 1.0);
     let frame = Frame::new(&s, [0.3, 1.2], 0.5, 2.0).expect("a frame");
     let size = [40, 24];
-    let map = exponential_map(&s, &frame, size, &MapOptions::default(), &|_| {});
+    let options = MapOptions {
+        method,
+        ..MapOptions::default()
+    };
+    let map = exponential_map(&s, &frame, size, &options, &|_| {});
     assert_eq!(map.offset.len(), 40 * 24);
     let pixel = 2.0 * 2.0 / 24.0;
     let at = s.jet(frame.uv);
@@ -114,15 +125,21 @@ fn every_pixel_of_a_sphere_is_right_with_the_pole_in_the_picture() {
             worst = worst.max(gap.sqrt() / pixel);
         }
     }
-    assert!(worst <= 0.1, "{worst} px");
+    assert!(worst <= 0.1, "{worst} px, {method:?}");
 }
 
 #[test]
 fn the_middle_of_an_odd_picture_is_the_camera_itself() {
     let s = torus(0.4);
     let frame = Frame::new(&s, [0.3, 1.2], 0.0, 2.0).expect("a frame");
-    let map = exponential_map(&s, &frame, [9, 7], &MapOptions::default(), &|_| {});
-    assert_eq!(map.uv(31), frame.uv);
+    for method in [Method::Fan, Method::FanLinear, Method::Adaptive, RK4] {
+        let options = MapOptions {
+            method,
+            ..MapOptions::default()
+        };
+        let map = exponential_map(&s, &frame, [9, 7], &options, &|_| {});
+        assert_eq!(map.uv(31), frame.uv, "{method:?}");
+    }
 }
 
 const RK4: Method = Method::Rk4 {
@@ -135,7 +152,7 @@ fn pictures_of_no_and_of_one_pixel_and_without_zoom_are_finite() {
     let s = torus(0.4);
     let frame = Frame::new(&s, [0.3, 1.2], 0.0, 0.0).expect("a frame");
     for size in [[0, 0], [1, 1], [3, 2]] {
-        for method in [Method::Adaptive, RK4] {
+        for method in [Method::Fan, Method::FanLinear, Method::Adaptive, RK4] {
             let options = MapOptions {
                 method,
                 ..MapOptions::default()
@@ -158,11 +175,15 @@ fn a_pixel_s_derivatives_are_the_differences_to_its_neighbours() {
         (&torus(0.4), [6.2, 0.1], 1.2),
         (&moebius(0.0), [6.1, 0.1], 0.5),
     ];
-    for (s, at, zoom) in cases {
+    for ((s, at, zoom), method) in cases
+        .into_iter()
+        .flat_map(|case| [Method::Fan, Method::Adaptive].map(|method| (case, method)))
+    {
         let frame = Frame::new(s, at, 0.5, zoom).expect("a frame");
         let size = [65, 65];
         let options = MapOptions {
-            tolerance: 1e-5,
+            method,
+            tolerance: if method == Method::Fan { 1e-2 } else { 1e-5 },
             ..MapOptions::default()
         };
         let map = exponential_map(s, &frame, size, &options, &|_| {});
@@ -188,7 +209,7 @@ fn a_pixel_s_derivatives_are_the_differences_to_its_neighbours() {
                 }
                 compared += 1;
                 let error = metric.inner(off, off).sqrt() / pixel;
-                assert!(error < 0.05, "{error} at {index} of {at:?}");
+                assert!(error < 0.05, "{error} at {index} of {at:?}, {method:?}");
             }
         }
         assert!(compared > 2000, "{compared}");
@@ -238,6 +259,7 @@ fn eight_geodesics_at_once_end_where_each_by_itself_does() {
         // Where nothing ends before its time, both are what the adaptive method finds.
         if one.status.iter().all(|&status| status == Status::Complete) {
             let options = MapOptions {
+                method: Method::Adaptive,
                 tolerance: 1e-4,
                 ..MapOptions::default()
             };
@@ -248,5 +270,28 @@ fn eight_geodesics_at_once_end_where_each_by_itself_does() {
                 assert!((turns - turns.round()).abs() < 1e-2, "{a:?} {b:?}");
             }
         }
+    }
+}
+
+#[test]
+fn the_fan_s_picture_is_true_to_the_tolerance_and_says_how_true() {
+    let cases: [(&dyn Surface, [f64; 2], f64); 4] = [
+        (&torus(0.4), [1.0, 0.5], 2.0),
+        (&spheroid(1.0, 0.7), [1.0, 1.3], 2.0),
+        (&moebius(0.0), [6.1, 0.1], 1.5),
+        (&klein(TAU), [1.0, 0.9], 1.0),
+    ];
+    for (s, at, zoom) in cases {
+        let frame = Frame::new(s, at, 0.3, zoom).expect("a frame");
+        let size = [160, 120];
+        let map = exponential_map(s, &frame, size, &MapOptions::default(), &|_| {});
+        let mut reference = Reference::new(s, &frame, size, 200);
+        let errors = reference.errors(&|k| (map.uv(k), map.status[k]));
+        let estimate = map.estimate.expect("a fan estimates its error");
+        assert_eq!(errors.unlike, 0, "{errors} at {at:?}");
+        assert!(errors.max <= 0.15, "{errors} at {at:?}");
+        assert!(errors.max <= 2.0 * estimate.max, "{errors}, {estimate:?}");
+        let pixels = 160 * 120;
+        assert!(map.work.evaluations < pixels, "{:?}", map.work);
     }
 }
