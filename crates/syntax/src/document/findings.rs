@@ -244,15 +244,15 @@ impl Surroundings for Around<'_> {
     }
 
     fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str, offset: u32) -> Option<String> {
-        let mut search = Search::new(word)?;
-        if let Some(parameters) = parameters {
-            search.among(parameters, |_| true);
-        }
         let Document {
             names, sequence, ..
         } = self.document;
-        names.search(&mut search, sequence, self.chunk, offset);
-        search.nearest()
+        Search::nearest(word, |search| {
+            if let Some(parameters) = parameters {
+                search.among(parameters, |_| true);
+            }
+            names.search(search, sequence, self.chunk, offset);
+        })
     }
 }
 

@@ -351,11 +351,11 @@ impl<A: Actions, S: Scope> Surroundings for Parser<'_, '_, A, S> {
     }
 
     fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str, _: u32) -> Option<String> {
-        let mut search = Search::new(word)?;
-        if let Some(parameters) = parameters {
-            search.among(parameters, |_| true);
-        }
-        self.parsed.search(&mut search);
-        search.nearest()
+        Search::nearest(word, |search| {
+            if let Some(parameters) = parameters {
+                search.among(parameters, |_| true);
+            }
+            self.parsed.search(search);
+        })
     }
 }

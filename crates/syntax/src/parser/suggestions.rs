@@ -63,24 +63,36 @@ pub(crate) struct Search<'w> {
     word: &'w str,
     /// The word in small letters: case is no difference.
     folded: Vec<u8>,
-    limit: usize,
-    best: Option<((usize, usize), String)>,
+    limit: u8,
+    best: Option<((u8, bool), String)>,
 }
 
+/// The longest word that names are compared with.
+const MAX_WORD: usize = 32;
+
+/// Distances between one front of a name and every front of a word.
+type Row = [u8; MAX_WORD + 1];
+
 impl<'w> Search<'w> {
-    /// None for a word that is too short or too long to be told from others.
-    pub(crate) fn new(word: &'w str) -> Option<Self> {
-        let limit = match word.len() {
+    /// Lets `consider` look for names that are spelt like a word, first nearly like it, then less so, until
+    /// one is found. None for a word that is too short or too long to be told from others.
+    pub(crate) fn nearest(word: &'w str, mut consider: impl FnMut(&mut Self)) -> Option<String> {
+        let furthest = match word.len() {
             1 => 0,
             2..=5 => 1,
-            6..=32 => 2,
+            6..=MAX_WORD => 2,
             _ => return None,
         };
-        Some(Self {
-            word,
-            folded: word.to_ascii_lowercase().into_bytes(),
-            limit,
-            best: None,
+        // What is near is found in a small part of the names.
+        (furthest.min(1)..=furthest).find_map(|limit| {
+            let mut search = Self {
+                word,
+                folded: word.to_ascii_lowercase().into_bytes(),
+                limit,
+                best: None,
+            };
+            consider(&mut search);
+            search.best.map(|(_, name)| name)
         })
     }
 
@@ -88,14 +100,16 @@ impl<'w> Search<'w> {
     pub(crate) fn among<V: Copy>(&mut self, names: &Trie<V>, visible: impl Fn(V) -> bool) {
         // Row k belongs to the first k letters of a name: names with a common front share rows, and where a
         // front is too far off, no name that begins so is near.
-        let mut rows = vec![first_row(&self.folded)];
+        let mut rows = vec![first_row()];
+        let mut front = Vec::new();
         names.each_below(|name, above, value| {
             rows.truncate(above + 1);
-            let front = name.to_ascii_lowercase();
-            for length in above + 1..=name.len() {
-                let row = next_row(&rows, &front.as_bytes()[..length], &self.folded);
-                rows.push(row);
-                let least = |row: &[usize]| row.iter().min().copied().unwrap_or_default();
+            front.truncate(above);
+            for letter in name[above..].bytes() {
+                front.push(letter.to_ascii_lowercase());
+                rows.push(next_row(&rows, &front, &self.folded));
+                let length = self.folded.len();
+                let least = |row: &Row| row[..=length].iter().min().copied().unwrap_or_default();
                 // A swap reaches back two rows, for one more.
                 if let [.., before, last] = &rows[..]
                     && least(last) > self.limit
@@ -104,18 +118,16 @@ impl<'w> Search<'w> {
                     return false;
                 }
             }
-            let distance = rows.last().and_then(|row| row.last());
-            if let (Some(value), Some(&distance)) = (value, distance) {
-                self.consider(name, distance, || visible(value));
+            if let (Some(value), Some(row)) = (value, rows.last()) {
+                self.consider(name, row[self.folded.len()], || visible(value));
             }
             true
         });
     }
 
-    fn consider(&mut self, name: &str, distance: usize, visible: impl FnOnce() -> bool) {
+    fn consider(&mut self, name: &str, distance: u8, visible: impl FnOnce() -> bool) {
         // Between names equally near, the one that keeps the first letter, then the first.
-        let first = usize::from(!name.starts_with(&self.word[..1]));
-        let rank = (distance, first);
+        let rank = (distance, !name.starts_with(&self.word[..1]));
         if distance <= self.limit
             && name != self.word
             && self.best.as_ref().is_none_or(|(best, _)| rank < *best)
@@ -124,51 +136,49 @@ impl<'w> Search<'w> {
             self.best = Some((rank, name.to_owned()));
         }
     }
-
-    /// What has been found.
-    pub(crate) fn nearest(self) -> Option<String> {
-        self.best.map(|(_, name)| name)
-    }
 }
 
-/// The distances between nothing and the first letters of a word.
-fn first_row(word: &[u8]) -> Vec<usize> {
-    (0..=word.len()).collect()
+/// The distances between nothing and the fronts of a word.
+fn first_row() -> Row {
+    std::array::from_fn(|length| length as u8)
 }
 
-/// The distances between `front` and the first letters of `word`, where `rows` holds those of each shorter
-/// front: the least number of insertions, deletions, substitutions and swaps of neighbours that turn one
-/// into the other (optimal string alignment).
-fn next_row(rows: &[Vec<usize>], front: &[u8], word: &[u8]) -> Vec<usize> {
+/// The distances between `front` and the fronts of `word`, where `rows` holds those of each shorter front:
+/// the least number of insertions, deletions, substitutions and swaps of neighbours that turn one into the
+/// other (optimal string alignment).
+fn next_row(rows: &[Row], front: &[u8], word: &[u8]) -> Row {
     let i = front.len();
     let above = &rows[i - 1];
-    let mut row = vec![i];
+    let mut row = [u8::MAX; MAX_WORD + 1];
+    row[0] = i.min(usize::from(u8::MAX)) as u8;
     for j in 1..=word.len() {
-        let changed = usize::from(front[i - 1] != word[j - 1]);
-        let mut cost = (above[j] + 1)
-            .min(row[j - 1] + 1)
-            .min(above[j - 1] + changed);
+        let changed = u8::from(front[i - 1] != word[j - 1]);
+        let mut cost = above[j]
+            .saturating_add(1)
+            .min(row[j - 1].saturating_add(1))
+            .min(above[j - 1].saturating_add(changed));
         if i > 1 && j > 1 && front[i - 1] == word[j - 2] && front[i - 2] == word[j - 1] {
-            cost = cost.min(rows[i - 2][j - 2] + 1);
+            cost = cost.min(rows[i - 2][j - 2].saturating_add(1));
         }
-        row.push(cost);
+        row[j] = cost;
     }
     row
 }
 
 /// The declaring word that a word is most likely meant to be.
 pub(super) fn nearest_declaring(word: &str) -> Option<DeclareWord> {
-    let mut search = Search::new(word)?;
-    for declaring in DeclareWord::ALL.map(DeclareWord::text) {
-        let distance = distance(&word.to_ascii_lowercase(), declaring);
-        search.consider(declaring, distance, || true);
-    }
-    DeclareWord::from_text(&search.nearest()?)
+    let nearest = Search::nearest(word, |search| {
+        for declaring in DeclareWord::ALL.map(DeclareWord::text) {
+            let distance = distance(declaring, &word.to_ascii_lowercase());
+            search.consider(declaring, distance, || true);
+        }
+    });
+    DeclareWord::from_text(&nearest?)
 }
 
-/// The distance between two ASCII words.
-fn distance(a: &str, b: &str) -> usize {
-    let mut rows = vec![first_row(b.as_bytes())];
+/// The distance between two ASCII words, the second of which is no longer than [`MAX_WORD`].
+fn distance(a: &str, b: &str) -> u8 {
+    let mut rows = vec![first_row()];
     for length in 1..=a.len() {
         rows.push(next_row(&rows, &a.as_bytes()[..length], b.as_bytes()));
     }
@@ -219,21 +229,21 @@ mod tests {
             sorted.push(name.to_owned());
             std::ops::ControlFlow::Continue(())
         });
-        for word in [
-            "radiu", "radius", "xx", "x3", "hieght", "sin", "bab", "q", "RADIUS",
-        ] {
+        let words = [
+            "radiu", "radius", "xx", "x3", "hieght", "sin", "bab", "q", "RADIUS", "hgt", "raxxus",
+        ];
+        for word in words {
             for hidden in [0, 2, 6] {
-                let mut found = Search::new(word);
-                let mut expected = Search::new(word);
-                if let (Some(found), Some(expected)) = (&mut found, &mut expected) {
-                    found.among(&trie, |length| length != hidden);
+                let found = Search::nearest(word, |search| {
+                    search.among(&trie, |length| length != hidden);
+                });
+                let expected = Search::nearest(word, |search| {
                     for name in &sorted {
                         let (a, b) = (name.to_ascii_lowercase(), word.to_ascii_lowercase());
-                        expected.consider(name, distance(&a, &b), || name.len() != hidden);
+                        search.consider(name, distance(&a, &b), || name.len() != hidden);
                     }
-                }
-                let nearest = |search: Option<Search<'_>>| search.and_then(Search::nearest);
-                assert_eq!(nearest(found), nearest(expected), "{word} {hidden}");
+                });
+                assert_eq!(found, expected, "{word} {hidden}");
             }
         }
     }
