@@ -84,7 +84,7 @@ fn every_declaration_of_the_readmes_table_compiles() {
             program.push('\n');
         }
     }
-    assert_eq!(program.lines().count(), 8, "{program}");
+    assert_eq!(program.lines().count(), 10, "{program}");
     scene(&program);
 }
 

@@ -72,11 +72,17 @@ fn explain_tells_of_metrics_and_geodesics() {
     );
     let run = geotrace(["explain", "-"]).input(program.as_str()).run();
     run.expect_status(0);
+    run.expect_text("View geodesic:h");
+    run.expect_text("metric h: ends of geodesics");
     run.expect_text("metric h: 1 instance");
     run.expect_text("geodesic g on h: 3 instances, 150 samples");
     run.expect_text("depends on o, k");
     let run = geotrace(["explain", "-", "--format", "json"]).input(program.as_str());
     let document = run.run().json();
+    assert_eq!(document["surfaces"][0]["kind"], "metric");
+    assert_eq!(document["views"][1]["geodesic"]["kind"], "metric");
+    let derivatives = &document["views"][1]["geodesic"]["derivative_operations"];
+    assert!(derivatives.as_u64().is_some_and(|count| count > 3));
     assert_eq!(document["intrinsic"][1]["on"], "h");
     assert_eq!(document["intrinsic"][1]["samples"], 150);
     assert_eq!(document["intrinsic"][0]["kind"], "metric");

@@ -12,6 +12,8 @@ use expr::{Input, NodeId};
 use scene::scene::{Object, ObjectId, Scene, Shape};
 use scene::values::Settings;
 
+use crate::geodesics;
+use crate::overlay;
 use crate::request::{Backend, Method, Request, View};
 use crate::sample::surface_roots;
 
@@ -28,6 +30,8 @@ pub struct Plan {
     pub objects: Vec<ObjectPlan>,
     /// The geodesic view, if that is the picture.
     pub geodesic: Option<GeodesicPlan>,
+    /// What draws overlays in space, beside the objects' painters.
+    pub overlays: &'static [Painter],
     /// Distinct images.
     pub textures: u32,
     /// Why the rest is not there: a sentence for each thing left out.
@@ -114,12 +118,14 @@ pub fn plan(scene: &Scene, settings: &Settings, request: &Request) -> Plan {
         gpu,
         objects: Vec::new(),
         geodesic: None,
+        overlays: &[],
         textures: 0,
         left_out: Vec::new(),
     };
     let mut textured = Vec::new();
     match &request.view {
         View::Space { .. } => {
+            plan.overlays = overlay::painters(scene, request);
             for (index, object) in scene.objects.iter().enumerate() {
                 let id = ObjectId(index as u32);
                 if matches!(object.shape, Shape::Surface { .. }) {
@@ -198,7 +204,8 @@ pub fn plan(scene: &Scene, settings: &Settings, request: &Request) -> Plan {
 impl Plan {
     /// The painters in use.
     pub fn painters(&self) -> BTreeSet<Painter> {
-        self.objects.iter().map(|object| object.painter).collect()
+        let objects = self.objects.iter().map(|object| object.painter);
+        objects.chain(self.overlays.iter().copied()).collect()
     }
 
     /// What the GPU path builds.
@@ -246,6 +253,16 @@ fn object_plan(
             position.to_vec(),
             u64::from(domain[0].count) * u64::from(domain[1].count),
         ),
+        Shape::Geodesic {
+            direction,
+            start,
+            domain,
+            ..
+        } if geodesics::in_space(scene, id) => (
+            Painter::Curves,
+            [*direction, *start].concat(),
+            u64::from(domain.count),
+        ),
         // Neither has samples in space.
         Shape::Metric { .. } | Shape::Geodesic { .. } => return None,
     };
@@ -256,6 +273,8 @@ fn object_plan(
         }
         _ => None,
     };
+    // A geodesic has no expression: it is followed in f64.
+    let followed = matches!(object.shape, Shape::Geodesic { .. });
     let samples = instances.saturating_mul(per_instance);
     let work = samples.saturating_mul(with_normals.unwrap_or(operations).max(1));
     let inputs = scene.graph.inputs(&roots);
@@ -268,7 +287,7 @@ fn object_plan(
         painter,
         instances,
         samples,
-        source: if gpu && work >= KERNEL_PAYS {
+        source: if gpu && work >= KERNEL_PAYS && !followed {
             Source::Kernel
         } else {
             Source::Blocks
@@ -287,14 +306,29 @@ fn is_embedded(scene: &Scene, object: ObjectId) -> bool {
 }
 
 fn derivative_operations(scene: &Scene, surface: ObjectId) -> Option<u64> {
-    let Shape::Surface { position, .. } = &scene.objects[surface.0 as usize].shape else {
-        return None;
+    let position = match &scene.objects.get(surface.0 as usize)?.shape {
+        Shape::Surface { position, .. } => position,
+        Shape::Metric { components, .. } => return form_operations(scene, components),
+        _ => return None,
     };
     let (mut graph, roots) = surface_roots(scene, position)?;
     let (du, dv) = (&roots[3..6], &roots[6..9]);
     let mut all = roots[3..9].to_vec();
     for (first, by) in [(du, 0), (du, 1), (dv, 1)] {
         all.extend(graph.derivatives(first, Input::Variable(by)).ok()?);
+    }
+    Some(count(&graph, &all))
+}
+
+/// Operations of E, F, G, their first derivatives, and the second ones that the curvature takes.
+fn form_operations(scene: &Scene, components: &[NodeId; 3]) -> Option<u64> {
+    let (mut graph, form) = scene.graph.extract(components);
+    let (u, v) = (Input::Variable(0), Input::Variable(1));
+    let by_u = graph.derivatives(&form, u).ok()?;
+    let by_v = graph.derivatives(&form, v).ok()?;
+    let mut all = [&form[..], &by_u, &by_v].concat();
+    for (first, by) in [(by_v[0], v), (by_u[1], v), (by_u[2], u)] {
+        all.extend(graph.derivatives(&[first], by).ok()?);
     }
     Some(count(&graph, &all))
 }

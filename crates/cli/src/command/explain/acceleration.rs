@@ -41,6 +41,22 @@ pub(super) fn count(graph: &Graph, position: &[NodeId; 3]) -> Option<Acceleratio
     })
 }
 
+/// Counts for the metric with this form \[E, F, G\] over `Variable(0)`, `Variable(1)`: system 2.2 in both columns,
+/// with and without sharing. `None` if its derivatives are too large to be written out.
+pub(super) fn count_metric(graph: &Graph, form: &[NodeId; 3]) -> Option<Acceleration> {
+    let (mut graph, form) = graph.extract(form);
+    let thesis = expanded_form(&graph, &form).ok()?;
+    let by_u = graph.derivatives(&form, U).ok()?;
+    let by_v = graph.derivatives(&form, V).ok()?;
+    let triple = |nodes: &[NodeId]| <[NodeId; 3]>::try_from(nodes).ok();
+    let solution = system(&mut graph, triple(&form)?, triple(&by_u)?, triple(&by_v)?);
+    let ours = graph.operation_count(&solution) as u64;
+    (!graph.overflowed()).then_some(Acceleration {
+        acceleration_operations: ours,
+        thesis_tree_operations: thesis,
+    })
+}
+
 const U: Input = Input::Variable(0);
 const V: Input = Input::Variable(1);
 
@@ -85,18 +101,41 @@ fn expanded(graph: &Graph, position: &[NodeId]) -> Result<u64, TooLarge> {
     let entries = trees.size(&[entry; 3]);
     let derivatives = trees.size(&[derivative[0]; 6]);
     let functions = entries.saturating_add(derivatives);
+    Ok(functions.saturating_add(system_operations()))
+}
 
-    // The system over the nine values, once they are there.
-    let mut system = Graph::default();
-    let mut value = |k: u32| system.input(Input::Variable(k));
-    let [e, f, g, eu, fu, gu, ev, fv, gv] = std::array::from_fn(|k| value(k as u32 + 4));
-    let (p, q) = velocity(&mut system);
-    let first = right_side(&mut system, [p, q], [eu, ev, gu, fv]);
-    let second = right_side(&mut system, [q, p], [gv, gu, ev, fu]);
-    let two = system.constant(2.0);
-    let metric = [e, f, g].map(|entry| system.mul(two, entry));
-    let solution = solve(&mut system, metric, [first, second]);
-    Ok(functions.saturating_add(system.operation_count(&solution) as u64))
+/// E, F and G as trees, and the derivatives of each by both parameters.
+fn expanded_form(graph: &Graph, form: &[NodeId]) -> Result<u64, TooLarge> {
+    let mut trees = Trees::default();
+    let form = trees.write(graph, form)?;
+    let derivatives = trees.derivatives(&form)?;
+    let derivatives = trees.size(&derivatives).saturating_mul(2);
+    let functions = trees.size(&form).saturating_add(derivatives);
+    Ok(functions.saturating_add(system_operations()))
+}
+
+/// System 2.2 over the nine values, once they are there.
+fn system_operations() -> u64 {
+    let mut graph = Graph::default();
+    let mut triple = |first: u32| [0, 1, 2].map(|k| graph.input(Input::Variable(4 + first + k)));
+    let [form, by_u, by_v] = [triple(0), triple(3), triple(6)];
+    let solution = system(&mut graph, form, by_u, by_v);
+    graph.operation_count(&solution) as u64
+}
+
+/// The solution of system 2.2.
+fn system(
+    graph: &mut Graph,
+    form: [NodeId; 3],
+    [eu, fu, gu]: [NodeId; 3],
+    [ev, fv, gv]: [NodeId; 3],
+) -> [NodeId; 2] {
+    let (p, q) = velocity(graph);
+    let first = right_side(graph, [p, q], [eu, ev, gu, fv]);
+    let second = right_side(graph, [q, p], [gv, gu, ev, fu]);
+    let two = graph.constant(2.0);
+    let doubled = form.map(|entry| graph.mul(two, entry));
+    solve(graph, doubled, [first, second])
 }
 
 /// q²(c − 2d) − p²a − 2pq·b: a line of system 2.2, and the other one with the parameters exchanged.
@@ -169,6 +208,25 @@ mod tests {
         // entry has 7, so the six derivatives have 31 each; the right sides (18), the doubled matrix (3), the
         // solution (11).
         assert_eq!(count.thesis_tree_operations, 3 * 11 + 6 * 31 + 18 + 3 + 11);
+    }
+
+    #[test]
+    fn a_metric_is_counted_by_its_own_form() {
+        // du² + (1 + u²) dv².
+        let mut graph = Graph::default();
+        let u = graph.input(U);
+        let (zero, one) = (graph.constant(0.0), graph.constant(1.0));
+        let square = graph.mul(u, u);
+        let last = graph.add(one, square);
+        let count = count_metric(&graph, &[one, zero, last]).expect("a small metric");
+        // G has 2 operations, its derivative as a tree 4 by either parameter, and the system 32.
+        let system = 18 + 3 + 11;
+        let trees = count.thesis_tree_operations;
+        assert!(
+            (2 + system..=2 + 2 * 5 + system).contains(&trees),
+            "{trees}"
+        );
+        assert!(count.acceleration_operations < trees);
     }
 
     #[test]

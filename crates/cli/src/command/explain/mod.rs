@@ -89,6 +89,7 @@ struct ObjectEntry {
 #[derive(Serialize)]
 struct GeodesicEntry {
     surface: String,
+    kind: &'static str,
     source: &'static str,
     derivative_operations: Option<u64>,
 }
@@ -107,6 +108,7 @@ struct BuiltEntry {
 #[derive(Serialize)]
 struct SurfaceEntry {
     name: String,
+    kind: &'static str,
     #[serde(flatten)]
     acceleration: Option<Acceleration>,
 }
@@ -146,13 +148,19 @@ fn document(scene: &Scene) -> Document {
     let mut views = vec![view(scene, &settings, &Request::space(size))];
     let mut surfaces = Vec::new();
     for (id, object) in (0..).map(ObjectId).zip(&scene.objects) {
-        if let Shape::Surface { position, .. } = &object.shape {
-            views.push(view(scene, &settings, &Request::geodesic(id, size)));
-            surfaces.push(SurfaceEntry {
-                name: object.name.clone(),
-                acceleration: acceleration::count(&scene.graph, position),
-            });
-        }
+        let acceleration = match &object.shape {
+            Shape::Surface { position, .. } => acceleration::count(&scene.graph, position),
+            Shape::Metric { components, .. } => {
+                acceleration::count_metric(&scene.graph, components)
+            }
+            _ => continue,
+        };
+        views.push(view(scene, &settings, &Request::geodesic(id, size)));
+        surfaces.push(SurfaceEntry {
+            name: object.name.clone(),
+            kind: kind(&object.shape),
+            acceleration,
+        });
     }
     let dial = |(name, uniforms): (&String, usize)| Dial {
         name: name.clone(),
@@ -237,6 +245,10 @@ fn view(scene: &Scene, settings: &Settings, request: &Request) -> ViewEntry {
         painters: plan.painters().into_iter().map(painter).collect(),
         geodesic: plan.geodesic.as_ref().map(|geodesic| GeodesicEntry {
             surface: name(geodesic.surface),
+            kind: match scene.objects.get(geodesic.surface.0 as usize) {
+                Some(object) => kind(&object.shape),
+                None => "surface",
+            },
             source: source(geodesic.source),
             derivative_operations: geodesic.derivative_operations,
         }),
@@ -374,7 +386,8 @@ fn view_text(text: &mut String, view: &ViewEntry) {
     if let Some(geodesic) = &view.geodesic {
         let _ = write!(
             text,
-            "  surface {}: ends of geodesics from {}",
+            "  {} {}: ends of geodesics from {}",
+            geodesic.kind,
             geodesic.surface,
             source_text(geodesic.source)
         );
@@ -434,7 +447,8 @@ fn acceleration_text(text: &mut String, surface: &SurfaceEntry) {
     let _ = match &surface.acceleration {
         Some(acceleration) => writeln!(
             text,
-            "  surface {}: {} here, {} in the thesis' scheme ({} times as many)",
+            "  {} {}: {} here, {} in the thesis' scheme ({} times as many)",
+            surface.kind,
             surface.name,
             grouped(acceleration.acceleration_operations),
             grouped(acceleration.thesis_tree_operations),
@@ -442,8 +456,8 @@ fn acceleration_text(text: &mut String, surface: &SurfaceEntry) {
         ),
         None => writeln!(
             text,
-            "  surface {}: its derivatives are too large to be written out",
-            surface.name
+            "  {} {}: its derivatives are too large to be written out",
+            surface.kind, surface.name
         ),
     };
 }
