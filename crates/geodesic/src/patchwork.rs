@@ -4,11 +4,11 @@
 //! that took no part in it. Pixels that no square covers are evaluated one by one. The same table is read by the CPU
 //! ([`Patchwork::map`]) and by a fixed pass on the GPU ([`table`]).
 //!
-//! A square is one polynomial only if all the ends that were looked at in it are complete: at the nodes, at the
-//! corners, at the middles of the sides. So a straight line of what is otherwise (an edge, what lies behind a tip)
-//! cannot pass through it unseen; what can is an area that lies wholly between the places looked at, which are at most
-//! a quarter of the square's side apart (32 pixels in the largest, less in those that its neighbourhood has made
-//! small), or a curve that bends into the square and out again between two of them.
+//! A square is one polynomial only if all the ends that were looked at in it are complete: at the corners, at the
+//! nodes, on the sides. So a straight line of what is otherwise (an edge, what lies behind a tip) cannot pass through
+//! it unseen; what can is an area that lies wholly between the places looked at, which are at most a quarter of the
+//! square's side apart (60 pixels in the largest, less in those that their neighbourhood has made small), and the
+//! outermost pixels of a curve that bends into the square and out again between two of them.
 
 mod angle;
 mod cut;
@@ -33,8 +33,8 @@ use fit::Fit;
 pub const BLOCK: u32 = 8;
 /// The polynomials' degree in x and in y.
 pub const DEGREE: usize = 6;
-/// The side of the largest square; pictures with fewer than so many times four pixels along the shorter side begin
-/// with smaller ones.
+/// The side of the largest square. A picture begins with squares of at most a quarter of its shorter side: there is
+/// work for several cores.
 const LARGEST: u32 = 256;
 
 /// A square of pixels on which the ends are one polynomial.
@@ -267,36 +267,36 @@ impl Patchwork {
     ///
     /// # Panics
     /// If there is no such row.
-    pub fn block_row(&self, row: u32, mut rows: Rows<'_>) {
+    pub fn block_row(&self, row: u32, rows: Rows<'_>) {
         let [width, height] = self.size;
-        let whole = Rows {
-            offset: &mut *rows.offset,
-            by_pixel: &mut *rows.by_pixel,
-            status: &mut *rows.status,
-        };
-        let band = Band {
+        let Rows {
+            offset,
+            by_pixel,
+            status,
+        } = rows;
+        Processor::here().run(Band {
             patchwork: self,
             block_row: row,
-            rows: whole,
-        };
-        Processor::here().run(band);
+            rows: Rows {
+                offset: &mut *offset,
+                by_pixel: &mut *by_pixel,
+                status,
+            },
+        });
         // The middle pixel of an odd picture is the camera's own place, to the last bit.
-        if width % 2 == 1 && height % 2 == 1 && height / 2 / BLOCK == row {
+        let odd = width % 2 == 1 && height % 2 == 1;
+        if odd && height / 2 / BLOCK == row && self.is_in_patch(width / 2, height / 2) {
             let index = ((height / 2 - row * BLOCK) * width + width / 2) as usize;
-            if self.cover_at(width / 2, height / 2) {
-                if let Some(offset) = rows.offset.get_mut(index) {
-                    *offset = [0.0; 2];
-                }
-                if let Some(by_pixel) = rows.by_pixel.get_mut(index) {
-                    *by_pixel = self.centre_by_pixel;
-                }
+            if let Some(offset) = offset.get_mut(index) {
+                *offset = [0.0; 2];
             }
-            let _ = &mut rows;
+            if let Some(by_pixel) = by_pixel.get_mut(index) {
+                *by_pixel = self.centre_by_pixel;
+            }
         }
     }
 
-    /// Whether a pixel is part of a polynomial.
-    fn cover_at(&self, column: u32, row: u32) -> bool {
+    fn is_in_patch(&self, column: u32, row: u32) -> bool {
         let across = self.size[0].div_ceil(BLOCK);
         let index = (row / BLOCK * across + column / BLOCK) as usize;
         matches!(self.covers.get(index), Some(Cover::Patch(_)))

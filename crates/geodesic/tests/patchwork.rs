@@ -501,11 +501,9 @@ fn every_block_is_covered_once() {
                 Cover::Patch(index) => {
                     let patch = &patchwork.patches[index as usize];
                     by_patch[index as usize] += 1;
-                    for k in 0..2 {
-                        assert!(
-                            (patch.corner[k]..patch.corner[k] + patch.extent[k])
-                                .contains(&corner[k])
-                        );
+                    for (k, at) in corner.into_iter().enumerate() {
+                        let end = patch.corner[k] + patch.extent[k];
+                        assert!((patch.corner[k]..end).contains(&at));
                     }
                 }
                 Cover::Single(index) => by_single[index as usize] += 1,

@@ -34,7 +34,6 @@ struct Line<'a, 's, S: Surface + ?Sized> {
 
 /// A pixel whose geodesic has a length.
 struct Pixel {
-    place: [f64; 2],
     length: f64,
     start: Start,
 }
@@ -84,16 +83,17 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
     fn pixel(&self, place: [f64; 2], by_pixel: bool, out: &mut Row) -> Option<Pixel> {
         let length = self.zoom * place[0].hypot(place[1]);
         if length == 0.0 || length.is_nan() {
-            let by_place = by_pixel.then_some([self.frame.x, self.frame.y]);
+            // At a pole (u,v) has no directions.
+            let by_place = match self.frame.coordinates {
+                Coordinates::Plain => [self.frame.x, self.frame.y],
+                Coordinates::Apex { .. } => [[0.0; 2]; 2],
+            };
+            let by_place = by_pixel.then_some(by_place);
             out.push([0.0; 2], by_place, self.per_place, Status::Complete);
             return None;
         }
         match self.frame.start(self.atlas, place) {
-            Ok(start) => Some(Pixel {
-                place,
-                length,
-                start,
-            }),
+            Ok(start) => Some(Pixel { length, start }),
             Err(_) => {
                 let by_place = by_pixel.then_some([[0.0; 2]; 2]);
                 out.push([0.0; 2], by_place, self.per_place, Status::Undefined);

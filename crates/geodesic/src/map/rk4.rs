@@ -209,9 +209,8 @@ impl<S: Surface + ?Sized> Eight<'_, '_, S> {
     fn all_inside(&self, at: &Pair) -> bool {
         let [[a, b], [c, d]] = self.atlas.domain;
         let mut inside = true;
-        for lane in 0..LANES {
-            let (u, v) = (at[0][lane], at[1][lane]);
-            inside &= (u >= a) & (u <= b) & (v >= c) & (v <= d);
+        for (u, v) in at[0].iter().zip(&at[1]) {
+            inside &= (*u >= a) & (*u <= b) & (*v >= c) & (*v <= d);
         }
         inside
     }
@@ -225,7 +224,7 @@ impl<S: Surface + ?Sized> Eight<'_, '_, S> {
         } else {
             let mut back = *at;
             for lane in 0..LANES {
-                let mut point = [at[0][lane], at[1][lane]];
+                let mut point = [back[0][lane], back[1][lane]];
                 let turned = self.atlas.bring_back(&mut point).signs;
                 for k in 0..2 {
                     back[k][lane] = point[k];

@@ -146,9 +146,9 @@ pub(super) fn truncate(series: &mut Grid, allowed: f64) {
         if sum.is_nan() || sum > allowed {
             return;
         }
-        for k in 0..=degree {
-            series[degree][k] = 0.0;
-            series[k][degree] = 0.0;
+        series[degree][..=degree].fill(0.0);
+        for row in &mut series[..=degree] {
+            row[degree] = 0.0;
         }
     }
 }
