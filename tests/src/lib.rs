@@ -3,6 +3,7 @@
 //! ```text
 //! cases/language/*.cases ──cases.rs──▶ cases ──conformance.rs──▶ what differs from scene::compile
 //! the binary `geotrace`  ──binary.rs──▶ status, output, peak memory
+//! a language server      ──editor.rs──▶ answers, notifications, a transcript
 //! two numbers or pictures ─close.rs, pictures.rs──▶ equal to a stated tolerance, or a message with both
 //! ```
 
@@ -10,6 +11,7 @@ pub mod binary;
 pub mod cases;
 pub mod close;
 pub mod draw;
+pub mod editor;
 pub mod examples;
 pub mod great_circles;
 pub mod inside;

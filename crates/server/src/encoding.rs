@@ -46,7 +46,7 @@ impl Encoding {
     }
 
     /// The byte of a line at a column; a column past the line's end is its end, one within a character its start.
-    fn byte(self, line: &str, column: u32) -> usize {
+    pub(crate) fn byte(self, line: &str, column: u32) -> usize {
         if self == Self::Utf8 || line.is_ascii() {
             let mut byte = (column as usize).min(line.len());
             while !line.is_char_boundary(byte) {
@@ -74,7 +74,7 @@ impl Lines {
     pub(crate) fn new(text: &str) -> Self {
         let bytes = text.as_bytes();
         let mut starts = vec![0];
-        starts.extend(ends(bytes, 0));
+        starts.extend(ends(bytes));
         Self { starts }
     }
 
@@ -109,6 +109,19 @@ impl Lines {
         [span.start, span.end].map(|offset| self.place(text, encoding, offset))
     }
 
+    /// Where a line starts, and where the next does; `None` for a line past the last.
+    pub(crate) fn bounds(&self, line: u32) -> Option<(u32, Option<u32>)> {
+        let line = line as usize;
+        let start = *self.starts.get(line)?;
+        Some((start, self.starts.get(line + 1).copied()))
+    }
+
+    /// The line, from 0, that holds an offset, and where it starts.
+    pub(crate) fn line_of(&self, offset: u32) -> (u32, u32) {
+        let line = self.starts.partition_point(|start| *start <= offset) - 1;
+        (line as u32, self.starts[line])
+    }
+
     /// The end of a line without what ends it.
     fn line_end(&self, text: &str, line: usize) -> usize {
         let start = self.starts[line] as usize;
@@ -119,36 +132,13 @@ impl Lines {
         let content = &text[start..next];
         start + content.trim_end_matches(['\n', '\r']).len()
     }
-
-    /// The lines after `span` of the old text has been replaced by `new`, in `text`, the new text.
-    pub(crate) fn replace(&mut self, text: &str, span: Span, new: &str) {
-        // A `\r` or `\n` beside the edit may have been joined or parted: one byte more on either side is read again.
-        let first = self.starts.partition_point(|start| *start < span.start);
-        let last = self.starts.partition_point(|start| *start <= span.end + 1);
-        let growth = i64::from(new.len() as u32) - i64::from(span.end - span.start);
-        let from = (span.start as usize).saturating_sub(1);
-        let to = (span.start as usize + new.len() + 1).min(text.len());
-        let first = first.max(1);
-        let last = last.max(first);
-        for start in &mut self.starts[last..] {
-            *start = (i64::from(*start) + growth) as u32;
-        }
-        let kept = if first > 1 { self.starts[first - 1] } else { 0 };
-        let limit = self.starts.get(last).copied().unwrap_or(u32::MAX);
-        let found = ends(&text.as_bytes()[..(to + 1).min(text.len())], from);
-        let found: Vec<u32> = found
-            .filter(|start| *start > kept && *start < limit)
-            .filter(|start| *start as usize <= to)
-            .collect();
-        self.starts.splice(first..last, found);
-    }
 }
 
-/// Where lines start behind the ends of lines in `bytes[from..]`.
-fn ends(bytes: &[u8], from: usize) -> impl Iterator<Item = u32> + '_ {
-    let rest = bytes[from..].iter().enumerate();
-    rest.filter_map(move |(k, byte)| {
-        let next = from + k + 1;
+/// Where lines start behind the ends of lines.
+fn ends(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
+    let all = bytes.iter().enumerate();
+    all.filter_map(move |(k, byte)| {
+        let next = k + 1;
         let ends = match byte {
             b'\n' => true,
             b'\r' => bytes.get(next) != Some(&b'\n'),
@@ -161,7 +151,6 @@ fn ends(bytes: &[u8], from: usize) -> impl Iterator<Item = u32> + '_ {
 #[cfg(test)]
 mod tests {
     use super::{Encoding, Lines, Place};
-    use syntax::span::Span;
 
     const TEXT: &str = "a𝛼é\r\n\rx\n";
 
@@ -193,40 +182,5 @@ mod tests {
             lines.place(TEXT, Encoding::Utf16, 999),
             Place { line: 3, column: 0 }
         );
-    }
-
-    #[test]
-    fn edited_lines_are_those_of_the_edited_text() {
-        let pieces = ["", "\n", "\r", "\r\n", "a", "\n\r", "b\r\nc", "𝛼\n"];
-        let mut seed = 1_u64;
-        let mut random = |limit: usize| {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (seed >> 33) as usize % limit
-        };
-        let mut text = String::new();
-        let mut lines = Lines::new(&text);
-        for _ in 0..20_000 {
-            let places: Vec<usize> = (0..=text.len())
-                .filter(|&k| text.is_char_boundary(k))
-                .collect();
-            let (a, b) = (places[random(places.len())], places[random(places.len())]);
-            let (start, end) = (a.min(b), a.max(b).min(a.min(b) + 4));
-            let end = (start..=end)
-                .rev()
-                .find(|&k| text.is_char_boundary(k))
-                .unwrap_or(start);
-            let new = pieces[random(pieces.len())];
-            text.replace_range(start..end, new);
-            lines.replace(&text, Span::new(start as u32, end as u32), new);
-            assert_eq!(
-                lines.starts,
-                Lines::new(&text).starts,
-                "{text:?} at {start}..{end} {new:?}"
-            );
-            if text.len() > 60 {
-                text.clear();
-                lines = Lines::new(&text);
-            }
-        }
     }
 }

@@ -4,6 +4,7 @@
 //! [`Frame::Bad`] with a reason, and reading goes on at the next header that can be found.
 
 use tokio::io::{AsyncRead, AsyncReadExt};
+use tower_lsp::jsonrpc::{Request, Response};
 
 /// The longest message that is read; an editor sends whole files, but not of this size.
 const LONGEST: usize = 256 << 20;
@@ -18,6 +19,8 @@ pub(crate) enum Frame {
     Message(Vec<u8>),
     /// Something else, and why: completes "this is no message: …".
     Bad(String),
+    /// Valid JSON that is neither a request, a notification nor an answer.
+    Invalid,
 }
 
 /// Reads frames from a stream.
@@ -54,12 +57,17 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
         while self.buffer.len() < body + length && self.fill().await {}
         let end = (body + length).min(self.buffer.len());
         let content = &self.buffer[body..end];
-        if end == body + length
-            && serde_json::from_slice::<serde::de::IgnoredAny>(content).is_ok()
+        if end == body + length && serde_json::from_slice::<serde::de::IgnoredAny>(content).is_ok()
         {
-            let message = content.to_vec();
+            let is_message = serde_json::from_slice::<Request>(content).is_ok()
+                || serde_json::from_slice::<Response>(content).is_ok();
+            let frame = if is_message {
+                Frame::Message(content.to_vec())
+            } else {
+                Frame::Invalid
+            };
             self.used = end;
-            return Some(Frame::Message(message));
+            return Some(frame);
         }
         // The length may be wrong: the next header is looked for from the body's start on.
         self.skip_to_header(body);
@@ -158,14 +166,14 @@ mod tests {
     fn good(frames: &[Frame]) -> Vec<&str> {
         let texts = frames.iter().filter_map(|frame| match frame {
             Frame::Message(body) => std::str::from_utf8(body).ok(),
-            Frame::Bad(_) => None,
+            _ => None,
         });
         texts.collect()
     }
 
     #[tokio::test]
     async fn messages_behind_any_fault_are_read() {
-        let next = framed(br#"{"b":2}"#);
+        let next = framed(br#"{"jsonrpc":"2.0","method":"b"}"#);
         for fault in [
             &b"Content-Length: 5\r\n\r\n{\"a\":1}"[..],
             b"Content-Length: 99\r\n\r\n{\"a\":1}",
@@ -180,7 +188,7 @@ mod tests {
             let frames = read(&[fault, &next].concat()).await;
             assert_eq!(
                 good(&frames).last(),
-                Some(&r#"{"b":2}"#),
+                Some(&r#"{"jsonrpc":"2.0","method":"b"}"#),
                 "{fault:?}: {frames:?}"
             );
             assert!(
@@ -192,18 +200,22 @@ mod tests {
 
     #[tokio::test]
     async fn messages_come_whole_however_the_stream_is_cut() {
-        let bytes = [framed(b"{}"), framed(br#"{"text":"a\r\n\r\nb"}"#)].concat();
-        assert_eq!(
-            good(&read(&bytes).await),
-            ["{}", r#"{"text":"a\r\n\r\nb"}"#]
-        );
+        let messages = [
+            r#"{"jsonrpc":"2.0","method":"a"}"#,
+            r#"{"jsonrpc":"2.0","method":"b","params":{"text":"a\r\n\r\nb"}}"#,
+        ];
+        let bytes = messages.map(|message| framed(message.as_bytes())).concat();
+        assert_eq!(good(&read(&bytes).await), messages);
         let (mut writer, reader) = tokio::io::duplex(3);
         let task = tokio::spawn(async move {
             use tokio::io::AsyncWriteExt;
             writer.write_all(&bytes).await
         });
         let mut reader = FrameReader::new(reader);
-        assert_eq!(reader.next().await, Some(Frame::Message(b"{}".to_vec())));
+        assert_eq!(
+            reader.next().await,
+            Some(Frame::Message(messages[0].into()))
+        );
         assert!(matches!(reader.next().await, Some(Frame::Message(_))));
         assert_eq!(reader.next().await, None);
         assert!(task.await.is_ok());

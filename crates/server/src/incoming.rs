@@ -11,7 +11,7 @@ use tower_lsp::jsonrpc::{Error, ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
 use tower_lsp::{Client, LanguageServer};
 
-use crate::documents::{Change, Snapshot, unopened};
+use crate::documents::{Change, Open, Snapshot};
 use crate::encoding::{Encoding, Place};
 use crate::outgoing;
 use crate::preview;
@@ -19,8 +19,6 @@ use crate::session::{Editor, Session};
 use crate::tokens;
 use crate::workspace;
 
-/// Documents longer than this show progress while they are read, in bytes.
-const LONG: usize = 1 << 20;
 /// The most symbols that a search in the workspace gives.
 const MOST_SYMBOLS: usize = 1000;
 
@@ -58,6 +56,28 @@ fn failed(code: ErrorCode, message: impl Into<String>) -> Error {
     }
 }
 
+/// What is wrong with a document, at a revision of it.
+struct Findings {
+    revision: u64,
+    version: i32,
+    found: Vec<lsp::Diagnostic>,
+}
+
+impl Findings {
+    fn of(open: &Open, uri: &lsp::Uri) -> Self {
+        Self {
+            revision: open.revision,
+            version: open.version,
+            found: outgoing::diagnostics(open, uri),
+        }
+    }
+}
+
+fn not_open(uri: &lsp::Uri) -> Error {
+    let message = format!("the document {} is not open", uri.as_str());
+    failed(ErrorCode::InvalidParams, message)
+}
+
 /// The protocol's code for a request that failed for a reason that the user should read.
 const REQUEST_FAILED: i64 = -32803;
 
@@ -77,10 +97,9 @@ impl Backend {
 
     /// The document as it is now.
     fn snapshot(&self, uri: &lsp::Uri) -> Result<Arc<Snapshot>> {
-        self.session().documents.get(uri.as_str()).ok_or_else(|| {
-            let message = format!("the document {} is not open", uri.as_str());
-            failed(ErrorCode::InvalidParams, message)
-        })
+        let session = self.session();
+        let open = session.documents.get(uri.as_str());
+        open.map(Open::snapshot).ok_or_else(|| not_open(uri))
     }
 
     /// Runs a feature on a worker, over a document as it is now. A panic in it is an error of this request alone.
@@ -94,44 +113,31 @@ impl Backend {
         worker.result().await
     }
 
-    /// Reads a document on a worker and sends what is wrong with it, unless it has changed meanwhile.
-    fn publish(&self, uri: lsp::Uri, snapshot: Arc<Snapshot>) {
-        let (client, session) = (self.client.clone(), self.session.clone());
-        let publishing = self.publishing.clone();
-        let shows_progress = self.session().editor.progress && snapshot.text.len() > LONG;
-        tokio::spawn(async move {
-            let progress = match shows_progress {
-                true => Progress::begin(&client, &session).await,
-                false => None,
-            };
-            let is_current = {
-                let session = session.clone();
-                move |snapshot: &Snapshot| {
-                    let session = session.lock().unwrap_or_else(PoisonError::into_inner);
-                    session.documents.is_current(snapshot)
-                        && !session.pulled.contains(&snapshot.uri)
-                }
-            };
-            let found = tokio::task::spawn_blocking({
-                let (uri, snapshot, is_current) =
-                    (uri.clone(), snapshot.clone(), is_current.clone());
-                move || {
-                    // A newer version is waiting already: this one is of no interest.
-                    is_current(&snapshot).then(|| outgoing::diagnostics(&snapshot, &uri))
-                }
-            });
-            let found = found.await;
-            if let Some(progress) = progress {
-                progress.end(&client).await;
-            }
-            let Ok(Some(found)) = found else { return };
-            let _turn = publishing.lock().await;
-            if is_current(&snapshot) {
-                client
-                    .publish_diagnostics(uri, found, Some(snapshot.version))
-                    .await;
-            }
-        });
+    /// Sends what was wrong with a document at a revision, unless it has changed meanwhile.
+    async fn publish(&self, uri: lsp::Uri, findings: Findings) {
+        let Findings {
+            revision,
+            version,
+            found,
+        } = findings;
+        let _turn = self.publishing.lock().await;
+        let is_current = {
+            let session = self.session();
+            session.documents.is_current(uri.as_str(), revision)
+        };
+        if is_current {
+            self.client
+                .publish_diagnostics(uri, found, Some(version))
+                .await;
+        }
+    }
+
+    /// Tells the user that a document is too large to be read.
+    async fn refuse(&self, uri: &lsp::Uri, error: syntax::document::EditError) {
+        let message = format!("{}: {error}", uri.as_str());
+        self.client
+            .show_message(lsp::MessageType::ERROR, message)
+            .await;
     }
 
     /// Takes new settings, and has the editor ask again for what they change.
@@ -181,35 +187,35 @@ impl<T> Drop for Worker<T> {
     }
 }
 
-/// A progress bar in the editor.
-struct Progress(lsp::ProgressToken);
+/// A progress bar that the editor has offered with a request.
+struct Progress<'c> {
+    client: &'c Client,
+    token: lsp::ProgressToken,
+}
 
-impl Progress {
-    async fn begin(client: &Client, session: &Mutex<Session>) -> Option<Self> {
-        let name = {
-            let mut session = session.lock().unwrap_or_else(PoisonError::into_inner);
-            format!("geotrace/{}", session.fresh_name())
-        };
-        let token = lsp::ProgressToken::String(name);
-        client.create_work_done_progress(token.clone()).await.ok()?;
+impl<'c> Progress<'c> {
+    async fn begin(client: &'c Client, token: lsp::ProgressToken, title: &str) -> Self {
+        let progress = Self { client, token };
         let begin = lsp::WorkDoneProgressBegin {
-            title: "Reading".to_owned(),
-            cancellable: Some(false),
+            title: title.to_owned(),
+            cancellable: Some(true),
             ..lsp::WorkDoneProgressBegin::default()
         };
-        Self::send(client, token.clone(), lsp::WorkDoneProgress::Begin(begin)).await;
-        Some(Self(token))
+        progress.send(lsp::WorkDoneProgress::Begin(begin)).await;
+        progress
     }
 
-    async fn end(self, client: &Client) {
+    async fn end(self) {
         let end = lsp::WorkDoneProgress::End(lsp::WorkDoneProgressEnd::default());
-        Self::send(client, self.0, end).await;
+        self.send(end).await;
     }
 
-    async fn send(client: &Client, token: lsp::ProgressToken, value: lsp::WorkDoneProgress) {
-        let value = lsp::ProgressParamsValue::WorkDone(value);
-        let params = lsp::ProgressParams { token, value };
-        client
+    async fn send(&self, value: lsp::WorkDoneProgress) {
+        let params = lsp::ProgressParams {
+            token: self.token.clone(),
+            value: lsp::ProgressParamsValue::WorkDone(value),
+        };
+        self.client
             .send_notification::<lsp::notification::Progress>(params)
             .await;
     }
@@ -219,7 +225,6 @@ impl Progress {
 fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
     let text = capabilities.text_document.as_ref();
     let workspace = capabilities.workspace.as_ref();
-    let window = capabilities.window.as_ref();
     let markdown = |formats: Option<&Vec<lsp::MarkupKind>>| {
         formats.is_some_and(|formats| formats.contains(&lsp::MarkupKind::Markdown))
     };
@@ -237,7 +242,6 @@ fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
         snippets: completion.and_then(|c| c.snippet_support).unwrap_or(false),
         versioned_edits: edit.and_then(|edit| edit.document_changes).unwrap_or(false),
         configuration: workspace.and_then(|w| w.configuration).unwrap_or(false),
-        progress: window.and_then(|w| w.work_done_progress).unwrap_or(false),
         hierarchical_symbols: symbols
             .and_then(|symbols| symbols.hierarchical_document_symbol_support)
             .unwrap_or(false),
@@ -269,7 +273,6 @@ impl LanguageServer for Backend {
             let mut session = self.session();
             session.editor = editor(&params.capabilities);
             session.documents.encoding = encoding;
-            session.parent = params.process_id;
             if let Some(options) = &params.initialization_options {
                 session.settings = session.settings.with(options);
             }
@@ -318,16 +321,19 @@ impl LanguageServer for Backend {
     async fn did_open(&self, params: lsp::DidOpenTextDocumentParams) {
         let document = params.text_document;
         let uri = document.uri;
-        let snapshot = {
-            let name = uri.as_str().to_owned();
+        let opened = {
             let mut session = self.session();
-            session.pulled.remove(&name);
-            session.tokens.remove(&name);
-            session
-                .documents
-                .open(name, document.version, document.text)
+            session.pulled.remove(uri.as_str());
+            session.tokens.remove(uri.as_str());
+            let documents = &mut session.documents;
+            documents
+                .open(uri.as_str(), document.version, &document.text)
+                .map(|open| Findings::of(open, &uri))
         };
-        self.publish(uri, snapshot);
+        match opened {
+            Ok(findings) => self.publish(uri, findings).await,
+            Err(error) => self.refuse(&uri, error).await,
+        }
     }
 
     async fn did_change(&self, params: lsp::DidChangeTextDocumentParams) {
@@ -338,12 +344,22 @@ impl LanguageServer for Backend {
             text: change.text,
         });
         let version = params.text_document.version;
-        let snapshot = self
-            .session()
-            .documents
-            .change(uri.as_str(), version, changes.collect());
-        if let Some(snapshot) = snapshot {
-            self.publish(uri, snapshot);
+        let (changed, pulled) = {
+            let mut session = self.session();
+            let pulled = session.pulled.contains(uri.as_str());
+            let changed = session
+                .documents
+                .change(uri.as_str(), version, changes.collect());
+            let changed = changed.map(|open| {
+                // Who asks for what is wrong is not told unasked.
+                open.map(|open| (!pulled).then(|| Findings::of(open, &uri)))
+            });
+            (changed, pulled)
+        };
+        match changed {
+            Some(Ok(Some(findings))) if !pulled => self.publish(uri, findings).await,
+            Some(Err(error)) => self.refuse(&uri, error).await,
+            _ => {}
         }
     }
 
@@ -389,28 +405,29 @@ impl LanguageServer for Backend {
                 client.publish_diagnostics(uri, Vec::new(), None).await;
             });
         }
-        let known = params.previous_result_id;
-        let report = self
-            .ask(&uri.clone(), move |snapshot| {
-                let name = snapshot.revision.to_string();
-                if known.as_ref() == Some(&name) {
-                    let same = lsp::UnchangedDocumentDiagnosticReport { result_id: name };
-                    return lsp::DocumentDiagnosticReport::Unchanged(
-                        lsp::RelatedUnchangedDocumentDiagnosticReport {
-                            related_documents: None,
-                            unchanged_document_diagnostic_report: same,
-                        },
-                    );
-                }
-                lsp::DocumentDiagnosticReport::Full(lsp::RelatedFullDocumentDiagnosticReport {
+        let session = self.session();
+        let Some(open) = session.documents.get(uri.as_str()) else {
+            return Err(not_open(&uri));
+        };
+        let name = open.revision.to_string();
+        let report = if params.previous_result_id.as_ref() == Some(&name) {
+            lsp::DocumentDiagnosticReport::Unchanged(
+                lsp::RelatedUnchangedDocumentDiagnosticReport {
                     related_documents: None,
-                    full_document_diagnostic_report: lsp::FullDocumentDiagnosticReport {
-                        result_id: Some(name),
-                        items: outgoing::diagnostics(snapshot, &uri),
+                    unchanged_document_diagnostic_report: lsp::UnchangedDocumentDiagnosticReport {
+                        result_id: name,
                     },
-                })
+                },
+            )
+        } else {
+            lsp::DocumentDiagnosticReport::Full(lsp::RelatedFullDocumentDiagnosticReport {
+                related_documents: None,
+                full_document_diagnostic_report: lsp::FullDocumentDiagnosticReport {
+                    result_id: Some(name),
+                    items: outgoing::diagnostics(open, &uri),
+                },
             })
-            .await?;
+        };
         Ok(lsp::DocumentDiagnosticReportResult::Report(report))
     }
 
@@ -452,7 +469,7 @@ impl LanguageServer for Backend {
         };
         let markdown = self.session().editor.completion_markdown;
         // A document that has been closed meanwhile has nothing more to tell.
-        let Some(snapshot) = self.session().documents.get(uri) else {
+        let Some(snapshot) = self.session().documents.get(uri).map(Open::snapshot) else {
             return Ok(item);
         };
         let label = item.label.clone();
@@ -596,9 +613,19 @@ impl LanguageServer for Backend {
         let (open, folders, encoding) = {
             let session = self.session();
             let documents = &session.documents;
-            (documents.all(), session.folders.clone(), documents.encoding)
+            (
+                documents.snapshots(),
+                session.folders.clone(),
+                documents.encoding,
+            )
         };
         let query = params.query;
+        let progress = match params.work_done_progress_params.work_done_token {
+            Some(token) => {
+                Some(Progress::begin(&self.client, token, "Reading the workspace").await)
+            }
+            None => None,
+        };
         let worker = Worker(tokio::task::spawn_blocking(move || {
             let mut found = Vec::new();
             let mut names: Vec<String> = Vec::new();
@@ -614,15 +641,18 @@ impl LanguageServer for Backend {
                     continue;
                 }
                 if let Ok(text) = std::fs::read_to_string(&path) {
-                    let snapshot = unopened(uri.as_str().to_owned(), text, encoding);
+                    let snapshot = Snapshot::new(uri.as_str(), 0, text, encoding);
                     matching(&snapshot, &query, &mut found);
                 }
             }
             found.truncate(MOST_SYMBOLS);
             found
         }));
-        let found = worker.result().await?;
-        Ok(Some(lsp::WorkspaceSymbolResponse::Flat(found)))
+        let found = worker.result().await;
+        if let Some(progress) = progress {
+            progress.end().await;
+        }
+        Ok(Some(lsp::WorkspaceSymbolResponse::Flat(found?)))
     }
 
     async fn folding_range(

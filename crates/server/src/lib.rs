@@ -81,7 +81,7 @@ where
     let (service, socket) = LspService::new(|client| Backend::new(client, end.clone()));
     let (mut to_protocol, from_editor) = tokio::io::duplex(BUFFER);
     let (to_editor, from_protocol) = tokio::io::duplex(BUFFER);
-    let (fault, mut faults) = tokio::sync::mpsc::unbounded_channel::<String>();
+    let (fault, mut faults) = tokio::sync::mpsc::unbounded_channel::<Vec<u8>>();
 
     let reading = tokio::spawn(async move {
         let mut frames = FrameReader::new(input);
@@ -94,7 +94,12 @@ where
                 }
                 // Answered below; the editor is not left without a word.
                 Frame::Bad(reason) => {
-                    let _ = fault.send(reason);
+                    let _ =
+                        fault.send(error(PARSE_ERROR, &format!("this is no message: {reason}")));
+                }
+                Frame::Invalid => {
+                    let message = "this is JSON, but neither a request nor an answer";
+                    let _ = fault.send(error(INVALID_REQUEST, message));
                 }
             }
         }
@@ -106,10 +111,10 @@ where
             let body = tokio::select! {
                 frame = frames.next() => match frame {
                     Some(Frame::Message(body)) => body,
-                    Some(Frame::Bad(_)) => continue,
+                    Some(Frame::Bad(_) | Frame::Invalid) => continue,
                     None => return,
                 },
-                Some(reason) = faults.recv() => parse_error(&reason),
+                Some(error) = faults.recv() => error,
             };
             let written = output.write_all(&frames::framed(&body)).await;
             if written.is_err() || output.flush().await.is_err() {
@@ -132,14 +137,17 @@ where
     end.asked_for.load(Ordering::SeqCst)
 }
 
-/// The answer to what is no message (JSON-RPC 2.0, section 5.1).
-fn parse_error(reason: &str) -> Vec<u8> {
-    let message = format!("this is no message: {reason}");
-    serde_json::json!({
+/// JSON-RPC 2.0, section 5.1: what was read is no JSON, …
+const PARSE_ERROR: i64 = -32700;
+/// … or no request.
+const INVALID_REQUEST: i64 = -32600;
+
+/// The answer to what cannot be told apart by its identifier.
+fn error(code: i64, message: &str) -> Vec<u8> {
+    let error = serde_json::json!({
         "jsonrpc": "2.0",
         "id": null,
-        "error": { "code": -32700, "message": message },
-    })
-    .to_string()
-    .into_bytes()
+        "error": { "code": code, "message": message },
+    });
+    error.to_string().into_bytes()
 }

@@ -14,7 +14,7 @@ use syntax::span::Span;
 use syntax::token::DeclareWord;
 use tower_lsp::ls_types as lsp;
 
-use crate::documents::Snapshot;
+use crate::documents::{Open, Places, Snapshot};
 use crate::encoding::{Encoding, Place};
 use crate::preview;
 use crate::tokens::Encoded;
@@ -23,8 +23,8 @@ pub(crate) fn position(place: Place) -> lsp::Position {
     lsp::Position::new(place.line, place.column)
 }
 
-pub(crate) fn range(snapshot: &Snapshot, span: Span) -> lsp::Range {
-    let [start, end] = snapshot.range(span).map(position);
+pub(crate) fn range(places: &impl Places, span: Span) -> lsp::Range {
+    let [start, end] = places.range(span).map(position);
     lsp::Range::new(start, end)
 }
 
@@ -61,7 +61,12 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
         references_provider: Some(lsp::OneOf::Left(true)),
         document_highlight_provider: Some(lsp::OneOf::Left(true)),
         document_symbol_provider: Some(lsp::OneOf::Left(true)),
-        workspace_symbol_provider: Some(lsp::OneOf::Left(true)),
+        workspace_symbol_provider: Some(lsp::OneOf::Right(lsp::WorkspaceSymbolOptions {
+            work_done_progress_options: lsp::WorkDoneProgressOptions {
+                work_done_progress: Some(true),
+            },
+            resolve_provider: None,
+        })),
         code_action_provider: Some(lsp::CodeActionProviderCapability::Options(
             lsp::CodeActionOptions {
                 code_action_kinds: Some(vec![lsp::CodeActionKind::QUICKFIX]),
@@ -117,16 +122,12 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
     }
 }
 
-pub(crate) fn diagnostics(snapshot: &Snapshot, uri: &lsp::Uri) -> Vec<lsp::Diagnostic> {
-    let found = snapshot.reading().diagnostics().iter();
-    found.map(|d| diagnostic(snapshot, uri, d)).collect()
+pub(crate) fn diagnostics(open: &Open, uri: &lsp::Uri) -> Vec<lsp::Diagnostic> {
+    let found = open.diagnostics().into_iter();
+    found.map(|d| diagnostic(open, uri, &d)).collect()
 }
 
-pub(crate) fn diagnostic(
-    snapshot: &Snapshot,
-    uri: &lsp::Uri,
-    diagnostic: &Diagnostic,
-) -> lsp::Diagnostic {
+fn diagnostic(places: &impl Places, uri: &lsp::Uri, diagnostic: &Diagnostic) -> lsp::Diagnostic {
     let severity = match diagnostic.severity {
         Severity::Error => lsp::DiagnosticSeverity::ERROR,
         Severity::Warning => lsp::DiagnosticSeverity::WARNING,
@@ -140,12 +141,12 @@ pub(crate) fn diagnostic(
         .related
         .iter()
         .map(|related| lsp::DiagnosticRelatedInformation {
-            location: lsp::Location::new(uri.clone(), range(snapshot, related.span)),
+            location: lsp::Location::new(uri.clone(), range(places, related.span)),
             message: related.message.clone(),
         })
         .collect();
     lsp::Diagnostic {
-        range: range(snapshot, diagnostic.span),
+        range: range(places, diagnostic.span),
         severity: Some(severity),
         code: Some(lsp::NumberOrString::String(diagnostic.code.0.to_owned())),
         source: Some("geotrace".to_owned()),

@@ -19,8 +19,6 @@ pub(crate) struct Editor {
     pub(crate) versioned_edits: bool,
     /// Can be asked for settings.
     pub(crate) configuration: bool,
-    /// Shows progress.
-    pub(crate) progress: bool,
     /// Takes a declaration's outline as a tree.
     pub(crate) hierarchical_symbols: bool,
     /// Can be told that hints have changed.
@@ -37,8 +35,6 @@ pub(crate) struct Session {
     pub(crate) documents: Documents,
     /// The folders of the workspace.
     pub(crate) folders: Vec<std::path::PathBuf>,
-    /// The editor's process.
-    pub(crate) parent: Option<u32>,
     /// The tokens sent last for each document, and under which name.
     pub(crate) tokens: HashMap<String, (String, Vec<Encoded>)>,
     /// The documents whose diagnostics the editor asks for: they are not sent unasked.
