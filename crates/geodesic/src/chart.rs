@@ -248,6 +248,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         let near = sample(step)?;
         let mut acceleration = [0.0; 2];
         let mut tangents = [[0.0; 3]; 2];
+        let mut curvature = 0.0;
         for (n, weight) in (1..).zip(weights) {
             let offset = step * f64::from(n);
             let forward = if n == 1 { near } else { sample(offset)? };
@@ -255,6 +256,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
             for (k, sum) in acceleration.iter_mut().enumerate() {
                 *sum += weight * (pair[0].acceleration[k] + pair[1].acceleration[k]);
             }
+            curvature += weight * (pair[0].curvature + pair[1].curvature);
             for (k, sum) in tangents.iter_mut().enumerate() {
                 *sum = combine(1.0, *sum, weight, pair[0].tangents[k]);
                 *sum = combine(1.0, *sum, weight, pair[1].tangents[k]);
@@ -262,6 +264,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         }
         checked(Local {
             acceleration,
+            curvature,
             tangents,
             ..near
         })

@@ -1,5 +1,6 @@
 //! The stiff list: every row keeps its bound. `cargo run --release -p geotrace-benches stiff` prints the table.
 
+#[allow(dead_code, unreachable_pub)]
 #[path = "../../../tests/src/stiff/mod.rs"]
 mod stiff;
 

@@ -10,7 +10,7 @@ mod revolution;
 mod rough;
 #[path = "../../../crates/geodesic/tests/shapes/mod.rs"]
 pub(crate) mod shapes;
-mod spheroids;
+pub mod spheroids;
 mod whole;
 
 use geodesic::surface::Surface;

@@ -1,5 +1,7 @@
 //! The Earth's spheroid against an independent program, `geographiclib-rs`: E3.
 
+use std::f64::consts::PI;
+
 use geographiclib_rs::{DirectGeodesic, Geodesic};
 
 use super::shapes::spheroid;
@@ -17,7 +19,7 @@ const LINES: usize = 60;
 /// Which lines.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Starts {
-    /// From latitudes up to 80°.
+    /// Lines that stay off the poles by a degree and more.
     OffPoles,
     /// Past a pole, on to it, and from it.
     Poles,
@@ -77,15 +79,22 @@ pub fn lines(starts: Starts, count: usize, seed: u64, options: &Options) -> Vec<
     let mut random = Random(seed);
     let options = Options {
         tolerance: 1e-14,
+        // Along a meridian steps are long: m is to be as exact.
+        conjugates: true,
         ..*options
     };
     (0..count)
         .map(|n| {
             let (latitude, azimuth): (f64, f64) = match starts {
-                Starts::OffPoles => {
+                Starts::OffPoles => loop {
                     let latitude = random.between(-1.0, 1.0).asin().to_degrees();
-                    (latitude.clamp(-80.0, 80.0), random.between(-180.0, 180.0))
-                }
+                    let azimuth = random.between(-180.0, 180.0);
+                    // Clairaut's constant is the sine of the least distance from a pole.
+                    let nearest = parametric(latitude).cos() * azimuth.to_radians().sin();
+                    if nearest.abs() > f64::sin(PI / 180.0) {
+                        break (latitude, azimuth);
+                    }
+                },
                 Starts::Poles => match n % 3 {
                     0 => (random.between(-80.0, 80.0), random.size(1e-10, 1.0)),
                     1 => (90.0 - random.size(1e-9, 1.0), random.between(-180.0, 180.0)),

@@ -145,7 +145,10 @@ fn options(arguments: &Arguments) -> Result<Options, Failure> {
             hint: Some("`--method adaptive` follows one geodesic".into()),
         });
     }
-    let mut options = Options::default();
+    let mut options = Options {
+        compare: true,
+        ..Options::default()
+    };
     if let Some(tolerance) = arguments.tolerance {
         options.tolerance = tolerance;
     }

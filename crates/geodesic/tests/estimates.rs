@@ -1,0 +1,180 @@
+//! The error estimate is one: over random scenes it is compared with the truth, followed far more exactly.
+
+mod shapes;
+
+use geodesic::surface::Surface;
+use geodesic::trace::{Options, Status, trace};
+use shapes::*;
+
+/// SplitMix64: the same numbers on every machine.
+struct Random(u64);
+
+impl Random {
+    fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn size(&mut self, low: f64, high: f64) -> f64 {
+        self.between(low.ln(), high.ln()).exp()
+    }
+}
+
+/// A surface, a start on it, and how far rays go.
+fn scene(random: &mut Random, n: usize) -> (Box<dyn Surface>, [f64; 2], f64) {
+    let anywhere = [random.between(0.3, 5.0), random.between(-1.2, 1.2)];
+    let length = random.size(0.5, 20.0);
+    match n % 8 {
+        0 => (
+            Box::new(torus(random.between(0.05, 0.95))),
+            anywhere,
+            length,
+        ),
+        1 => {
+            let axes = [0, 1, 2].map(|_| random.between(0.5, 2.0));
+            (
+                Box::new(triaxial(axes[0], axes[1], axes[2])),
+                anywhere,
+                length,
+            )
+        }
+        2 => {
+            let waves: Vec<[f64; 3]> = (0..3)
+                .map(|_| {
+                    [
+                        random.size(0.03, 0.5),
+                        random.between(-5.0, 5.0),
+                        random.between(-5.0, 5.0),
+                    ]
+                })
+                .collect();
+            (
+                Box::new(waves_over_plane(&waves, false)),
+                anywhere,
+                0.5 * length,
+            )
+        }
+        3 => (
+            Box::new(bumps()),
+            [0.1 * anywhere[0], 0.1 * anywhere[1]],
+            0.05 * length,
+        ),
+        4 => (Box::new(klein(TAU)), anywhere, length),
+        5 => (Box::new(catenoid()), anywhere, 0.4 * length),
+        6 => (
+            Box::new(spheroid(1.0, random.size(0.1, 5.0))),
+            anywhere,
+            length,
+        ),
+        _ => (
+            Box::new(half_plane()),
+            [anywhere[0], anywhere[1].exp()],
+            0.4 * length,
+        ),
+    }
+}
+
+fn gap(s: &dyn Surface, a: [f64; 2], b: [f64; 2]) -> f64 {
+    let jet = s.jet(a);
+    if s.is_embedded() {
+        let other = s.jet(b).position;
+        return (0..3)
+            .map(|k| (jet.position[k] - other[k]).powi(2))
+            .sum::<f64>()
+            .sqrt();
+    }
+    (0..3)
+        .map(|k| ((b[0] - a[0]) * jet.du[k] + (b[1] - a[1]) * jet.dv[k]).powi(2))
+        .sum::<f64>()
+        .sqrt()
+}
+
+#[test]
+fn the_truth_is_within_twice_the_estimate_and_half_of_it() {
+    let mut random = Random(5);
+    let (mut close, mut known) = (0, 0);
+    let mut worst = 0.0_f64;
+    let mut far = Vec::new();
+    for n in 0..320 {
+        let (surface, from, length) = scene(&mut random, n);
+        let angle = random.between(0.0, TAU);
+        let jet = surface.jet(from);
+        let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let direction = [angle.cos() / size(jet.du), angle.sin() / size(jet.dv)];
+        let options = Options {
+            tolerance: random.size(1e-10, 1e-5),
+            compare: true,
+            ..Options::default()
+        };
+        let run = |options: &Options| {
+            trace(surface.as_ref(), from, direction, length, options).expect("a start")
+        };
+        let end = run(&options);
+        let truth = run(&Options {
+            tolerance: 1e-13,
+            max_evaluations: 400_000,
+            compare: false,
+            ..options
+        });
+        if end.status != Status::Complete || truth.status != Status::Complete {
+            continue;
+        }
+        assert!(end.evaluations <= options.max_evaluations);
+        let error = gap(surface.as_ref(), truth.uv, end.uv);
+        // Where the truth is not known better than the error, nothing can be said.
+        if error < 1e-12 * length || truth.error_estimate > 0.3 * error {
+            continue;
+        }
+        known += 1;
+        let ratio = error / end.error_estimate;
+        worst = worst.max(ratio);
+        if (0.5..=2.0).contains(&ratio) {
+            close += 1;
+        } else {
+            far.push((n, n % 8, ratio, error, options.tolerance));
+        }
+    }
+    println!("{close} of {known}, worst {worst}: {far:?}");
+    assert!(known >= 200, "{known}");
+    assert!(close * 100 >= known * 95, "{close} of {known}: {far:?}");
+    assert!(worst <= 3.0, "{worst}: {far:?}");
+}
+
+#[test]
+fn without_comparison_the_estimate_is_a_bound() {
+    let mut random = Random(6);
+    for n in 0..160 {
+        let (surface, from, length) = scene(&mut random, n);
+        let angle = random.between(0.0, TAU);
+        let jet = surface.jet(from);
+        let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let direction = [angle.cos() / size(jet.du), angle.sin() / size(jet.dv)];
+        let run = |options: &Options| {
+            trace(surface.as_ref(), from, direction, length, options).expect("a start")
+        };
+        let end = run(&Options::default());
+        let truth = run(&Options {
+            tolerance: 1e-13,
+            max_evaluations: 400_000,
+            ..Options::default()
+        });
+        if end.status != Status::Complete || truth.status != Status::Complete {
+            continue;
+        }
+        let error = gap(surface.as_ref(), truth.uv, end.uv);
+        if truth.error_estimate > 0.3 * error {
+            continue;
+        }
+        assert!(
+            error <= 3.0 * end.error_estimate + 1e-14 * length,
+            "{n}: {error:e} {end:?}"
+        );
+    }
+}
