@@ -11,11 +11,15 @@
 
 mod cell;
 mod coordinates;
+mod event;
 mod lanes;
 mod march;
 mod ray;
 mod refine;
+mod runner;
+mod sectors;
 mod start;
+mod verify;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -29,7 +33,7 @@ use crate::surface::Surface;
 use crate::trace::{self, Status};
 use cell::Found;
 use coordinates::{Kind, Space};
-use refine::Sectors;
+use sectors::Sectors;
 use start::Start;
 
 /// How ends between two rays are interpolated.

@@ -180,12 +180,14 @@ pub(super) fn between(
     if a.chart.kind == Kind::Plain {
         // Behind a pole the lifts may be periods apart: the field says where the neighbour is to be expected.
         let periods = space.periods();
-        for k in 0..2 {
-            if periods[k] > 0.0 {
-                let expected = 0.5 * width * (a.jacobi[0][k] + b.jacobi[0][k]);
-                let off = b.at[k] - a.at[k] - expected;
-                b.at[k] -= periods[k] * (off / periods[k]).round();
-            }
+        for (k, period) in periods
+            .into_iter()
+            .enumerate()
+            .filter(|(_, period)| *period > 0.0)
+        {
+            let expected = 0.5 * width * (a.jacobi[0][k] + b.jacobi[0][k]);
+            let off = b.at[k] - a.at[k] - expected;
+            b.at[k] -= period * (off / period).round();
         }
     }
     let rest = 1.0 - t;

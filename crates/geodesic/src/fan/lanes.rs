@@ -4,6 +4,8 @@
 //! each lane carries the fundamental solution of y'' = −K y over the step: the Jacobi field comes from it, and what
 //! an error at the step's start becomes at its end.
 
+#![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
+
 use super::coordinates::{Kind, NEAREST, Space};
 use crate::surface::{JetBlock, LANES, Lanes, Surface};
 

@@ -4,9 +4,11 @@
 //! asks for much shorter steps than the others, or that comes to other coordinates, leaves the group, so that it does
 //! not hold it up.
 
-use super::coordinates::{Chart, Kind, Space};
+use super::coordinates::{Chart, Space};
+use super::event::{HIT, hits, leaves};
 use super::lanes::{Field, Local, STAGES, State, Trial, normals};
-use super::ray::{Knot, Ray, Segment, Stop};
+use super::ray::{Knot, Segment};
+use super::runner::Runner;
 use expr::processor::{Processor, Work};
 
 use crate::chart::{Atlas, Motion};
@@ -34,146 +36,10 @@ pub(super) struct Plan {
     pub(super) limit: u64,
 }
 
-/// A ray on its way.
-#[derive(Clone, Debug)]
-pub(super) struct Runner {
-    /// Its place among those that were asked for.
-    pub(super) id: usize,
-    pub(super) angle: f64,
-    pub(super) length: f64,
-    pub(super) chart: Chart,
-    pub(super) at: [f64; 2],
-    pub(super) velocity: [f64; 2],
-    /// +1 where the frame's Y lies to the left of X in the plain coordinates, −1 where to the right.
-    pub(super) side: f64,
-    m: [f64; 2],
-    s: f64,
-    pub(super) h: f64,
-    /// The step before; 0 before the first.
-    last: f64,
-    /// The angle about an apex, going on over more than a turn.
-    turned: f64,
-    pub(super) steps: u64,
-    pub(super) rejected: u64,
-    pub(super) evaluations: u64,
-    segments: Vec<Segment>,
-    stop: Option<Stop>,
-    pub(super) done: bool,
-    /// The covariance of the steps' errors, carried on by the Jacobi fields: of position, mixed, of direction.
-    errors: [f64; 3],
-    /// The largest variance of the position on the way.
-    worst: f64,
-}
-
 /// The most evaluations to find out why steps lead nowhere.
 const CAREFUL: u64 = 4000;
-/// A lane within this share of its radius of a cone's tip has hit it.
-const HIT: f64 = 1e-9;
 /// A cone is unrolled anew when a ray has turned about its tip by this angle.
 const TURN: f64 = 2.0;
-
-impl Runner {
-    pub(super) fn new(
-        angle: f64,
-        length: f64,
-        chart: Chart,
-        at: [f64; 2],
-        velocity: [f64; 2],
-        side: f64,
-        h: f64,
-    ) -> Self {
-        Self {
-            id: 0,
-            angle,
-            length,
-            chart,
-            at,
-            velocity,
-            side,
-            m: [0.0, 1.0],
-            s: 0.0,
-            h,
-            last: 0.0,
-            turned: at[1].atan2(at[0]),
-            steps: 0,
-            rejected: 0,
-            evaluations: 0,
-            segments: Vec::new(),
-            stop: None,
-            done: false,
-            errors: [0.0; 3],
-            worst: 0.0,
-        }
-    }
-
-    /// The estimated error of its position where it is the largest, but for a factor that is much the same for all
-    /// rays of a fan.
-    fn error(&self) -> f64 {
-        self.worst.max(0.0).sqrt()
-    }
-
-    /// The ray, once it is done.
-    pub(super) fn finish(self) -> Ray {
-        let mut ray = Ray::new(self.angle, &self.segments, self.stop);
-        ray.error = self.error();
-        ray
-    }
-
-    fn stop(&mut self, s: f64, status: Status) {
-        self.done = true;
-        self.stop = Some(Stop {
-            s,
-            status,
-            edge: None,
-            slope: f64::NAN,
-            told: false,
-        });
-    }
-
-    /// Says which edge it has left through, and how its place changes with the angle.
-    fn aim(&mut self, axis: usize, end: usize) {
-        let knots = self
-            .segments
-            .last()
-            .map(|segment| (segment.chart.kind, segment.knots.as_slice()));
-        let (Some(stop), Some((Kind::Plain, [.., a, b]))) = (&mut self.stop, knots) else {
-            return;
-        };
-        stop.edge = Some((axis, end));
-        // Between the knots the field and the velocity change little enough for a slope.
-        let share = ((stop.s - a.s) / (b.s - a.s)).clamp(0.0, 1.0);
-        let jacobi = |knot: &Knot| knot.m[0] * knot.normal[0][axis];
-        let mix = |x: f64, y: f64| x + share * (y - x);
-        stop.slope = -mix(jacobi(a), jacobi(b)) / mix(a.velocity[axis], b.velocity[axis]);
-        stop.told = stop.slope.is_finite();
-    }
-
-    /// Its point and velocity in the plain coordinates.
-    fn plain(&self, space: &Space) -> ([f64; 2], [f64; 2]) {
-        match space.tip(self.chart.kind) {
-            None => (self.at, self.velocity),
-            Some(tip) => {
-                let mut at = tip.plain_point(self.at, self.chart.reference);
-                at[1 - tip.axis] = self.chart.reference + self.turned / tip.apex.rate;
-                (at, tip.plain_vector(self.at, self.velocity))
-            }
-        }
-    }
-
-    /// Goes over to other coordinates.
-    fn enter(&mut self, space: &Space, chart: Chart) {
-        let (at, velocity) = self.plain(space);
-        match space.tip(chart.kind) {
-            None => (self.at, self.velocity) = (at, velocity),
-            Some(tip) => {
-                self.at = tip.point(at, chart.reference);
-                self.velocity = tip.vector(at, chart.reference, velocity);
-                self.turned = tip.apex.rate * (at[1 - tip.axis] - chart.reference);
-            }
-        }
-        self.chart = chart;
-    }
-}
 
 /// Follows all runners to their ends, on the threads of the current pool; they come back in the order of their ids.
 pub(super) fn march_all<S: Surface + ?Sized>(
@@ -382,7 +248,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             // Single precision is enough for a factor.
             let factor = 0.9 * f64::from((excess as f32).powf(-0.2));
             // NaN is a failure, too.
-            failed[lane] = !(excess <= 1.0);
+            failed[lane] = excess.is_nan() || excess > 1.0;
             factors[lane] = if failed[lane] {
                 factor.clamp(0.1, 0.9)
             } else {
@@ -466,7 +332,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
         let error = trial.position[lane]
             + self.plan.lever * trial.direction[lane]
             + self.plan.field * field;
-        let mut excess = error / (self.plan.rate * h.max(self.plan.least));
+        let mut excess = error / (runner.care * self.plan.rate * h.max(self.plan.least));
         let [x, y] = trial.local.acceleration;
         if !(x[lane].is_finite() && y[lane].is_finite() && trial.local.curvature[lane].is_finite())
         {
@@ -652,63 +518,4 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             }
         }
     }
-}
-
-/// Whether a step in the plain coordinates leaves through an edge: the share of it, and which.
-fn leaves(
-    space: &Space,
-    from: &Motion,
-    before: [f64; 2],
-    to: &Knot,
-    h: f64,
-) -> Option<(f64, (usize, usize))> {
-    if !space.has_edges() {
-        return None;
-    }
-    let point = |x: f64| {
-        [0, 1].map(|k| {
-            let (c1, c2) = (h * from.velocity[k], 0.5 * h * h * before[k]);
-            let a = to.at[k] - from.at[k] - c1 - c2;
-            let b = h * to.velocity[k] - c1 - 2.0 * c2;
-            let c = h * h * to.acceleration[k] - 2.0 * c2;
-            let high = [
-                10.0 * a - 4.0 * b + 0.5 * c,
-                -15.0 * a + 7.0 * b - c,
-                6.0 * a - 3.0 * b + 0.5 * c,
-            ];
-            from.at[k] + x * (c1 + x * (c2 + x * (high[0] + x * (high[1] + x * high[2]))))
-        })
-    };
-    let shares = [0.25, 0.5, 0.75, 1.0];
-    let first = shares.into_iter().find(|&x| {
-        let at = if x == 1.0 { to.at } else { point(x) };
-        space.beyond_edge(at).is_some()
-    })?;
-    let edge = space.beyond_edge(if first == 1.0 { to.at } else { point(first) })?;
-    let (axis, end) = edge;
-    let sign = if end == 0 { -1.0 } else { 1.0 };
-    let beyond = |x: f64| sign * (point(x)[axis] - space.domain[axis][end]);
-    let (mut low, mut high) = (first - 0.25, first);
-    for _ in 0..48 {
-        let middle = 0.5 * (low + high);
-        if beyond(middle) > 0.0 {
-            high = middle;
-        } else {
-            low = middle;
-        }
-    }
-    Some((high, edge))
-}
-
-/// Whether a step goes through the tip of a cone.
-fn hits(from: &Motion, to: &Knot, radius: f64) -> bool {
-    let way = [0, 1].map(|k| to.at[k] - from.at[k]);
-    let square = way[0] * way[0] + way[1] * way[1];
-    let share = if square > 0.0 {
-        (-(from.at[0] * way[0] + from.at[1] * way[1]) / square).clamp(0.0, 1.0)
-    } else {
-        0.0
-    };
-    let nearest = [0, 1].map(|k| from.at[k] + share * way[k]);
-    nearest[0].hypot(nearest[1]) <= HIT * radius
 }

@@ -233,8 +233,8 @@ impl Interval {
         }
         let mut normal = self.normal[3];
         for power in (0..3).rev() {
-            for k in 0..2 {
-                normal[k] = normal[k] * x + self.normal[power][k];
+            for (sum, c) in normal.iter_mut().zip(self.normal[power]) {
+                *sum = *sum * x + c;
             }
         }
         let by_s = 1.0 / self.length;

@@ -1,8 +1,7 @@
 //! How many rays a fan needs: bisection in angle, by what a new ray says about the two beside it.
 //!
 //! A new ray in the middle of a sector shows the error that interpolation makes there. In the halves it is a sixteenth
-//! of that, so that they need not be looked at, each, to be accepted. In the end rays that are integrated more
-//! exactly measure the error where it should be the largest, and in places spread evenly.
+//! of that, so that they need not be looked at, each, to be accepted.
 
 use std::f64::consts::TAU;
 
@@ -10,32 +9,30 @@ use super::cell;
 use super::coordinates::Space;
 use super::march::{self, Plan};
 use super::ray::Ray;
+use super::runner::Runner;
+use super::sectors::{self, BINS, Profile, Sector, Sectors, bin, most};
 use super::start::Start;
 use super::{Across, FanOptions};
-use crate::ends::{Estimate, Work};
+use crate::ends::Work;
 use crate::surface::Surface;
 
 /// Rays to begin with.
 const BASE: usize = 16;
-/// An error is known for each of so many ranges of radius.
-const BINS: usize = 16;
 /// The share of the tolerance that interpolation between rays may use, …
-const ACROSS: f64 = 0.7;
+pub(super) const ACROSS: f64 = 0.7;
 /// … and the one that the rays' own errors may.
 const ALONG: f64 = 0.3;
 /// An edge is to be at its place to this part of a pixel.
 const EDGE: f64 = 0.25;
-/// Sectors narrower than this, in pixels at the picture's border, are bisected only while there are a few of them.
+/// Sectors narrower than this, in pixels at the picture's border, are bisected only while there are a few of them, …
 const NARROWEST: f64 = 0.5;
 const FEW: usize = 32;
+/// … and while more pixels than this are left out between two rays.
+const LEFT_OUT: f64 = 4.0;
 /// How much more exactly the rays are integrated that measure the errors of the others.
-const EXACT: f64 = 0.04;
-/// Beside the sectors that should have the largest errors so many are measured that are spread evenly, …
-const SPREAD: usize = 3;
-/// … so many times, while sectors have to be bisected after it.
-const ROUNDS: usize = 4;
-/// Predictions that were too low by more than this factor are raised, and looked at again.
-const RAISED: f64 = 1.4;
+pub(super) const EXACT: f64 = 0.04;
+/// The least share of the usual error that a ray is allowed: where even that grows too large, rays are of no use.
+const MOST_CARE: f64 = 2e-2;
 /// The most evaluations for one ray, and the least that one is begun with.
 const ONE_RAY: u64 = 20_000;
 const LEAST: u64 = 50;
@@ -43,114 +40,44 @@ const LEAST: u64 = 50;
 /// An error in pixels that stands for no agreement at all.
 const WRONG: f64 = 1e9;
 
-/// Errors in pixels by ranges of radius.
-type Profile = [f32; BINS];
-
-/// What lies between two neighbouring rays.
-#[derive(Clone, Debug)]
-pub(super) struct Sector {
-    rays: [usize; 2],
+/// A ray to be integrated: as long as the picture is within a distance in angle of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
     angle: f64,
-    pub(super) width: f64,
-    /// The farthest that the picture reaches in it.
-    border: f64,
-    /// From this arc length on its rays do not say where geodesics end.
-    pub(super) unknown_from: f64,
-    errors: Profile,
-    /// The error of the edge's place.
-    edge: f64,
-    /// Whether the errors have been told from a wider sector that interpolates in the same way.
-    proven: bool,
-    /// Whether a more exact ray has measured the errors.
-    measured: bool,
-    /// Whether the errors have been raised since measured ones were larger than told.
-    doubted: bool,
+    around: f64,
+    /// The share of the usual error that it is allowed.
+    care: f64,
 }
 
-impl Sector {
-    /// The estimated error in pixels.
-    pub(super) fn error_at(&self, s: f64, reach: f64) -> f64 {
-        f64::from(self.errors[bin(s, reach)])
-    }
-}
-
-/// A whole fan.
-#[derive(Debug, Default)]
-pub(super) struct Sectors {
-    rays: Vec<Ray>,
-    /// By angle.
-    sectors: Vec<Sector>,
-    /// The sector that holds the beginning of each of equal parts of the turn.
-    table: Vec<u32>,
-    pub(super) work: Work,
-    pub(super) estimate: Estimate,
-    /// Pixels nearer to the centre than this may be followed by themselves where the rays do not say where they end.
-    pub(super) follow_within: f64,
-}
-
-impl Sectors {
-    /// The sector that holds an angle, and how far from its first ray to its second.
-    #[inline]
-    pub(super) fn find(&self, angle: f64) -> Option<(&Sector, f64)> {
-        let angle = if angle < 0.0 { angle + TAU } else { angle };
-        let part = angle * (self.table.len() as f64 / TAU);
-        let last = self.table.len().checked_sub(1)?;
-        let mut n = self.table[(part as usize).min(last)] as usize;
-        while self
-            .sectors
-            .get(n + 1)
-            .is_some_and(|next| next.angle <= angle)
-        {
-            n += 1;
+impl Wanted {
+    fn new(angle: f64, around: f64) -> Self {
+        Self {
+            angle,
+            around,
+            care: 1.0,
         }
-        let sector = self.sectors.get(n)?;
-        Some((
-            sector,
-            ((angle - sector.angle) / sector.width).clamp(0.0, 1.0),
-        ))
     }
 
-    pub(super) fn rays(&self, sector: &Sector) -> [&Ray; 2] {
-        sector.rays.map(|ray| &self.rays[ray])
-    }
-
-    fn index(&mut self) {
-        self.sectors.sort_by(|a, b| a.angle.total_cmp(&b.angle));
-        let parts = (4 * self.sectors.len()).next_power_of_two();
-        let mut n = 0;
-        self.table = (0..parts)
-            .map(|part| {
-                let angle = TAU * part as f64 / parts as f64;
-                while self
-                    .sectors
-                    .get(n + 1)
-                    .is_some_and(|next| next.angle <= angle)
-                {
-                    n += 1;
-                }
-                n as u32
-            })
-            .collect();
+    /// The ray in the middle of a sector.
+    pub(super) fn middle(sector: &Sector) -> Self {
+        let half = 0.5 * sector.width;
+        Self::new(sector.angle + half, half)
     }
 }
 
-fn bin(s: f64, reach: f64) -> usize {
-    ((s / reach * BINS as f64) as usize).min(BINS - 1)
-}
-
-struct Builder<'a, S: Surface + ?Sized> {
-    surface: &'a S,
-    space: &'a Space,
-    start: &'a Start,
-    options: &'a FanOptions,
-    plan: Plan,
-    rays: Vec<Ray>,
-    work: Work,
-    exhausted: bool,
+pub(super) struct Builder<'a, S: Surface + ?Sized> {
+    pub(super) surface: &'a S,
+    pub(super) space: &'a Space,
+    pub(super) start: &'a Start,
+    pub(super) options: &'a FanOptions,
+    pub(super) plan: Plan,
+    pub(super) rays: Vec<Ray>,
+    pub(super) work: Work,
+    pub(super) exhausted: bool,
     /// The rays' own errors.
-    along: Profile,
+    pub(super) along: Profile,
     /// Pixels by which a ray is off for each unit of its estimated error.
-    factor: f64,
+    pub(super) factor: f64,
 }
 
 /// Makes a fan.
@@ -200,37 +127,11 @@ pub(super) fn build<S: Surface + ?Sized>(
     };
     if !builder.exhausted {
         let left = options.max_evaluations.saturating_sub(all.work.evaluations);
-        all.follow_within = affordable(&all, start, left);
+        all.follow_within = sectors::affordable(&all, start, left);
     }
     all.work.rays = all.rays.len() as u64;
     all.index();
     all
-}
-
-/// The radius within which all pixels that the rays say nothing about can be followed by themselves.
-fn affordable(all: &Sectors, start: &Start, left: u64) -> f64 {
-    let each = 2 * all.work.evaluations / all.work.rays.max(1) + 100;
-    let cost = |radius: f64| {
-        let area = |sector: &Sector| {
-            let (from, to) = (sector.unknown_from, radius.min(sector.border));
-            0.5 * sector.width * (to * to - from * from).max(0.0)
-        };
-        // Each pixel may be looked at twice.
-        2.0 * all.sectors.iter().map(area).sum::<f64>() / (start.pixel * start.pixel) * each as f64
-    };
-    let (mut low, mut high) = (0.0, start.reach);
-    if cost(high) <= left as f64 {
-        return f64::INFINITY;
-    }
-    for _ in 0..30 {
-        let middle = 0.5 * (low + high);
-        if cost(middle) <= left as f64 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    low
 }
 
 impl<S: Surface + ?Sized> Builder<'_, S> {
@@ -242,9 +143,9 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         }
     }
 
-    /// Integrates rays at these angles, each as long as the picture is within a distance in angle of it. `None` where
+    /// Integrates rays. `None` where
     /// the evaluations do not suffice for all.
-    fn integrate(&mut self, plan: &Plan, wanted: &[(f64, f64)]) -> Option<Vec<Ray>> {
+    pub(super) fn integrate(&mut self, plan: &Plan, wanted: &[Wanted]) -> Option<Vec<Ray>> {
         let left = self
             .options
             .max_evaluations
@@ -263,9 +164,10 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let runners = wanted
             .iter()
             .enumerate()
-            .map(|(id, &(angle, around))| {
-                let mut runner = self.start.runner(angle, around, plan.first);
+            .map(|(id, wanted)| {
+                let mut runner = self.start.runner(wanted.angle, wanted.around, plan.first);
                 runner.id = id;
+                runner.care = wanted.care;
                 runner
             })
             .collect();
@@ -278,49 +180,48 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             self.work.rejected += runner.rejected;
             self.work.evaluations += runner.evaluations;
         }
-        Some(done.into_iter().map(march::Runner::finish).collect())
+        Some(done.into_iter().map(Runner::finish).collect())
     }
 
     /// Rays that take part. Where one's own error grows on the way more than that of the others, it is integrated once
     /// more, so much more exactly.
-    fn follow(&mut self, wanted: &[(f64, f64)]) -> Option<Vec<Ray>> {
+    fn follow(&mut self, wanted: &[Wanted]) -> Option<Vec<Ray>> {
         let plan = self.plan;
         let mut rays = self.integrate(&plan, wanted)?;
         self.improve(&mut rays, wanted);
         Some(rays)
     }
 
-    fn improve(&mut self, rays: &mut [Ray], wanted: &[(f64, f64)]) {
+    fn improve(&mut self, rays: &mut [Ray], wanted: &[Wanted]) {
         let allowed = ALONG * self.options.tolerance;
-        for _ in 0..2 {
-            let poor: Vec<usize> = (0..rays.len())
-                .filter(|&n| self.factor * rays[n].error > 1.5 * allowed)
-                .collect();
-            let worst = poor
-                .iter()
-                .fold(0.0_f64, |worst, &n| worst.max(self.factor * rays[n].error));
-            if poor.is_empty() || !worst.is_finite() {
-                return;
-            }
-            let plan = Plan {
-                rate: self.plan.rate * (0.5 * allowed / worst).max(1e-4),
-                least: self.plan.least * 0.1,
-                ..self.plan
-            };
-            let again: Vec<(f64, f64)> = poor.iter().map(|&n| wanted[n]).collect();
-            let Some(again) = self.integrate(&plan, &again) else {
-                return;
-            };
-            for (n, ray) in poor.into_iter().zip(again) {
-                rays[n] = ray;
-            }
+        let poor: Vec<usize> = (0..rays.len())
+            .filter(|&n| self.factor * rays[n].error > 1.5 * allowed)
+            .collect();
+        if poor.is_empty() {
+            return;
+        }
+        let again: Vec<Wanted> = poor
+            .iter()
+            .map(|&n| Wanted {
+                care: (0.5 * allowed / (self.factor * rays[n].error)).max(MOST_CARE),
+                ..wanted[n]
+            })
+            .collect();
+        let plan = self.plan;
+        let Some(again) = self.integrate(&plan, &again) else {
+            return;
+        };
+        for (n, ray) in poor.into_iter().zip(again) {
+            rays[n] = ray;
         }
     }
 
     /// The first rays, exact enough, and the sectors between them.
     fn base(&mut self) -> Vec<Sector> {
         let step = TAU / BASE as f64;
-        let wanted: Vec<(f64, f64)> = (0..BASE).map(|n| (n as f64 * step, 2.0 * step)).collect();
+        let wanted: Vec<Wanted> = (0..BASE)
+            .map(|n| Wanted::new(n as f64 * step, 2.0 * step))
+            .collect();
         for _ in 0..4 {
             let plan = self.plan;
             let Some(rays) = self.integrate(&plan, &wanted) else {
@@ -332,7 +233,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 rate: EXACT * plan.rate,
                 ..plan
             };
-            let again: Vec<(f64, f64)> = wanted.iter().copied().skip(1).step_by(2).collect();
+            let again: Vec<Wanted> = wanted.iter().copied().skip(1).step_by(2).collect();
             let Some(again) = self.integrate(&exact, &again) else {
                 break;
             };
@@ -437,7 +338,13 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
     }
 
     /// The errors that a ray shows, and for how many ranges it does.
-    fn seen(&self, rays: [&Ray; 2], width: f64, middle: &Ray, t: f64) -> (Profile, usize) {
+    pub(super) fn seen(
+        &self,
+        rays: [&Ray; 2],
+        width: f64,
+        middle: &Ray,
+        t: f64,
+    ) -> (Profile, usize) {
         let mut out = [0.0_f32; BINS];
         let mut seen = 0;
         let border = self.border_of(middle, width);
@@ -472,7 +379,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         (out, seen)
     }
 
-    fn pair(&self, sector: &Sector) -> [&Ray; 2] {
+    pub(super) fn pair(&self, sector: &Sector) -> [&Ray; 2] {
         sector.rays.map(|ray| &self.rays[ray])
     }
 
@@ -491,13 +398,13 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
     }
 
     /// The last range of radius that matters.
-    fn inside(&self, sector: &Sector) -> usize {
+    pub(super) fn inside(&self, sector: &Sector) -> usize {
         let [a, b] = self.pair(sector).map(Ray::limit);
         bin(sector.border.min(a.max(b)), self.start.reach)
     }
 
     /// The largest error as far as it is known and matters.
-    fn worst(&self, sector: &Sector) -> f64 {
+    pub(super) fn worst(&self, sector: &Sector) -> f64 {
         let mut last = self.inside(sector);
         if sector.unknown_from.is_finite() {
             last = last.min(bin(sector.unknown_from, self.start.reach).saturating_sub(1));
@@ -533,7 +440,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
     }
 
     /// Bisects until all sectors are fine.
-    fn refine(&mut self, sectors: &mut Vec<Sector>) {
+    pub(super) fn refine(&mut self, sectors: &mut Vec<Sector>) {
         loop {
             self.slopes(sectors);
             let (mut open, mut done): (Vec<Sector>, Vec<Sector>) = std::mem::take(sectors)
@@ -555,7 +462,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             } else {
                 // A few directions in which nearby rays part: down to where hardly a pixel is left between two.
                 let worth =
-                    |sector: &Sector| sector.width > narrowest || self.left_out(sector) > 1.0;
+                    |sector: &Sector| sector.width > narrowest || self.left_out(sector) > LEFT_OUT;
                 let (wide, narrow) = open.into_iter().partition(worth);
                 open = wide;
                 done.extend::<Vec<Sector>>(narrow);
@@ -564,10 +471,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 *sectors = done;
                 break;
             }
-            let wanted: Vec<(f64, f64)> = open
-                .iter()
-                .map(|sector| (sector.angle + 0.5 * sector.width, 0.5 * sector.width))
-                .collect();
+            let wanted: Vec<Wanted> = open.iter().map(Wanted::middle).collect();
             let Some(middles) = self.follow(&wanted) else {
                 done.extend(open);
                 *sectors = done;
@@ -579,11 +483,9 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             }
             *sectors = done;
         }
-        for n in 0..sectors.len() {
-            if sectors[n].unknown_from.is_infinite() && !self.is_fine(&sectors[n]) {
-                let mut sector = sectors[n].clone();
-                self.give_up(&mut sector);
-                sectors[n] = sector;
+        for sector in sectors.iter_mut() {
+            if sector.unknown_from.is_infinite() && !self.is_fine(sector) {
+                self.give_up(sector);
             }
         }
     }
@@ -617,7 +519,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
     }
 
     /// Both halves of a sector, with a new ray between them.
-    fn halve(&mut self, sector: Sector, middle: Ray) -> [Sector; 2] {
+    pub(super) fn halve(&mut self, sector: Sector, middle: Ray) -> [Sector; 2] {
         let order = self.order();
         let rays = self.pair(&sector);
         let errors = self
@@ -638,134 +540,4 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         }
         halves
     }
-
-    /// Measures errors with rays that are integrated more exactly; where they are too large, these take part.
-    fn verify(&mut self, sectors: &mut Vec<Sector>) -> Estimate {
-        let exact = Plan {
-            rate: EXACT * self.plan.rate,
-            ..self.plan
-        };
-        // By how much predictions have been too low.
-        let mut low = 1.0_f64;
-        for round in 0..ROUNDS {
-            let chosen = self.doubtful(sectors, round == 0);
-            let wanted: Vec<(f64, f64)> = chosen
-                .iter()
-                .map(|&n| {
-                    let half = 0.5 * sectors[n].width;
-                    (sectors[n].angle + half, half)
-                })
-                .collect();
-            if chosen.is_empty() {
-                break;
-            }
-            let Some(rays) = self.integrate(&exact, &wanted) else {
-                break;
-            };
-            let mut halves = Vec::new();
-            for (&n, ray) in chosen.iter().zip(rays) {
-                let sector = sectors[n].clone();
-                let (found, _) = self.seen(self.pair(&sector), sector.width, &ray, 0.5);
-                let worst = f64::from(most(&found[..=self.inside(&sector)]));
-                let predicted = self.worst(&sector);
-                if predicted.is_finite() && predicted > 0.2 * ACROSS * self.options.tolerance {
-                    let across = worst - f64::from(most(&self.along));
-                    low = low.max((across / predicted).min(4.0));
-                }
-                if worst > self.options.tolerance && sector.unknown_from.is_infinite() {
-                    let [a, b] = self.halve(sector, ray);
-                    sectors[n] = a;
-                    halves.push(b);
-                } else {
-                    sectors[n].errors = found;
-                    sectors[n].measured = true;
-                    let wrong = |error: &f32| f64::from(*error) > self.options.tolerance;
-                    if let Some(bin) = found.iter().position(wrong) {
-                        // Less is known of it than was thought.
-                        let from = self.start.reach * bin as f64 / BINS as f64;
-                        sectors[n].unknown_from = sectors[n].unknown_from.min(from);
-                    }
-                }
-            }
-            let before = sectors.len() + halves.len();
-            sectors.extend(halves);
-            if low > RAISED {
-                for sector in sectors
-                    .iter_mut()
-                    .filter(|sector| !sector.measured && !sector.doubted)
-                {
-                    sector.errors = sector.errors.map(|error| error * low as f32);
-                    sector.doubted = true;
-                }
-            }
-            self.refine(sectors);
-            if sectors.len() == before && low <= RAISED {
-                break;
-            }
-        }
-        for sector in sectors.iter_mut().filter(|sector| !sector.measured) {
-            for (error, along) in sector.errors.iter_mut().zip(self.along) {
-                *error += along;
-            }
-        }
-        let max = sectors
-            .iter()
-            .map(|sector| self.worst(sector))
-            .fold(0.0, f64::max);
-        Estimate {
-            max,
-            p99: self.quantile(sectors).min(max),
-        }
-    }
-
-    /// The error that 99 % of the picture stay below.
-    fn quantile(&self, sectors: &[Sector]) -> f64 {
-        let mut samples: Vec<(f32, f64)> = Vec::with_capacity(3 * BINS * sectors.len());
-        for sector in sectors {
-            let known = bin(sector.border.min(sector.unknown_from), self.start.reach);
-            for (k, &error) in sector.errors[..=known].iter().enumerate() {
-                let along = self.along[k];
-                let weight = sector.width * (k as f64 + 0.5);
-                // Between two rays the error is like t²(1−t)².
-                for (share, part) in [(1.0, 0.3), (0.7, 0.3), (0.25, 0.4)] {
-                    samples.push((along.max(error * share), weight * part));
-                }
-            }
-        }
-        samples.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
-        let total: f64 = samples.iter().map(|sample| sample.1).sum();
-        let mut sum = 0.0;
-        let found = samples.iter().find(|sample| {
-            sum += sample.1;
-            sum >= 0.01 * total
-        });
-        found.map_or(0.0, |sample| f64::from(sample.0))
-    }
-
-    /// The sectors whose errors are to be measured: those that should have the largest, and some spread evenly.
-    fn doubtful(&self, sectors: &[Sector], spread: bool) -> Vec<usize> {
-        let mut known: Vec<usize> = (0..sectors.len())
-            .filter(|&n| !sectors[n].measured && sectors[n].unknown_from > 0.1 * self.start.reach)
-            .collect();
-        known.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
-        let count = if spread { SPREAD.min(known.len()) } else { 0 };
-        let mut chosen: Vec<usize> = (0..count)
-            .map(|n| known[n * known.len() / SPREAD])
-            .collect();
-        known.sort_by(|&a, &b| {
-            let [a, b] = [a, b].map(|n| self.worst(&sectors[n]));
-            b.total_cmp(&a)
-        });
-        // In whole groups of eight.
-        let worst = (known.len() / 16).min(64).next_multiple_of(8);
-        known.truncate(worst.max(8) - if spread { SPREAD } else { 0 });
-        chosen.extend(known);
-        chosen.sort_unstable();
-        chosen.dedup();
-        chosen
-    }
-}
-
-fn most(errors: &[f32]) -> f32 {
-    errors.iter().fold(0.0_f32, |most, x| most.max(*x))
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::coordinates::{Chart, Kind, Space};
-use super::march::Runner;
+use super::runner::Runner;
 use crate::chart::Atlas;
 use crate::ends::{Coordinates, End};
 use crate::follow;

@@ -1,0 +1,142 @@
+//! A ray on its way from step to step, and what remains of it in the end.
+
+use super::coordinates::{Chart, Kind, Space};
+use super::ray::{Knot, Ray, Segment, Stop};
+use crate::trace::Status;
+
+/// A ray on its way.
+#[derive(Clone, Debug)]
+pub(super) struct Runner {
+    /// Its place among those that were asked for.
+    pub(super) id: usize,
+    pub(super) angle: f64,
+    pub(super) length: f64,
+    /// The share of the group's allowed error that it is allowed itself.
+    pub(super) care: f64,
+    pub(super) chart: Chart,
+    pub(super) at: [f64; 2],
+    pub(super) velocity: [f64; 2],
+    /// +1 where the frame's Y lies to the left of X in the plain coordinates, −1 where to the right.
+    pub(super) side: f64,
+    pub(super) m: [f64; 2],
+    pub(super) s: f64,
+    pub(super) h: f64,
+    /// The step before; 0 before the first.
+    pub(super) last: f64,
+    /// The angle about an apex, going on over more than a turn.
+    pub(super) turned: f64,
+    pub(super) steps: u64,
+    pub(super) rejected: u64,
+    pub(super) evaluations: u64,
+    pub(super) segments: Vec<Segment>,
+    pub(super) stop: Option<Stop>,
+    pub(super) done: bool,
+    /// The covariance of the steps' errors, carried on by the Jacobi fields: of position, mixed, of direction.
+    pub(super) errors: [f64; 3],
+    /// The largest variance of the position on the way.
+    pub(super) worst: f64,
+}
+
+impl Runner {
+    pub(super) fn new(
+        angle: f64,
+        length: f64,
+        chart: Chart,
+        at: [f64; 2],
+        velocity: [f64; 2],
+        side: f64,
+        h: f64,
+    ) -> Self {
+        Self {
+            id: 0,
+            angle,
+            length,
+            care: 1.0,
+            chart,
+            at,
+            velocity,
+            side,
+            m: [0.0, 1.0],
+            s: 0.0,
+            h,
+            last: 0.0,
+            turned: at[1].atan2(at[0]),
+            steps: 0,
+            rejected: 0,
+            evaluations: 0,
+            segments: Vec::new(),
+            stop: None,
+            done: false,
+            errors: [0.0; 3],
+            worst: 0.0,
+        }
+    }
+
+    /// The estimated error of its position where it is the largest, but for a factor that is much the same for all
+    /// rays of a fan.
+    pub(super) fn error(&self) -> f64 {
+        self.worst.max(0.0).sqrt()
+    }
+
+    /// The ray, once it is done.
+    pub(super) fn finish(self) -> Ray {
+        let mut ray = Ray::new(self.angle, &self.segments, self.stop);
+        ray.error = self.error();
+        ray
+    }
+
+    pub(super) fn stop(&mut self, s: f64, status: Status) {
+        self.done = true;
+        self.stop = Some(Stop {
+            s,
+            status,
+            edge: None,
+            slope: f64::NAN,
+            told: false,
+        });
+    }
+
+    /// Says which edge it has left through, and how its place changes with the angle.
+    pub(super) fn aim(&mut self, axis: usize, end: usize) {
+        let knots = self
+            .segments
+            .last()
+            .map(|segment| (segment.chart.kind, segment.knots.as_slice()));
+        let (Some(stop), Some((Kind::Plain, [.., a, b]))) = (&mut self.stop, knots) else {
+            return;
+        };
+        stop.edge = Some((axis, end));
+        // Between the knots the field and the velocity change little enough for a slope.
+        let share = ((stop.s - a.s) / (b.s - a.s)).clamp(0.0, 1.0);
+        let jacobi = |knot: &Knot| knot.m[0] * knot.normal[0][axis];
+        let mix = |x: f64, y: f64| x + share * (y - x);
+        stop.slope = -mix(jacobi(a), jacobi(b)) / mix(a.velocity[axis], b.velocity[axis]);
+        stop.told = stop.slope.is_finite();
+    }
+
+    /// Its point and velocity in the plain coordinates.
+    pub(super) fn plain(&self, space: &Space) -> ([f64; 2], [f64; 2]) {
+        match space.tip(self.chart.kind) {
+            None => (self.at, self.velocity),
+            Some(tip) => {
+                let mut at = tip.plain_point(self.at, self.chart.reference);
+                at[1 - tip.axis] = self.chart.reference + self.turned / tip.apex.rate;
+                (at, tip.plain_vector(self.at, self.velocity))
+            }
+        }
+    }
+
+    /// Goes over to other coordinates.
+    pub(super) fn enter(&mut self, space: &Space, chart: Chart) {
+        let (at, velocity) = self.plain(space);
+        match space.tip(chart.kind) {
+            None => (self.at, self.velocity) = (at, velocity),
+            Some(tip) => {
+                self.at = tip.point(at, chart.reference);
+                self.velocity = tip.vector(at, chart.reference, velocity);
+                self.turned = tip.apex.rate * (at[1 - tip.axis] - chart.reference);
+            }
+        }
+        self.chart = chart;
+    }
+}

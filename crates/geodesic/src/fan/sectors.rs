@@ -1,0 +1,136 @@
+//! Sectors: what lies between neighbouring rays of a fan, with the errors that are known of it, found by the angle.
+
+use std::f64::consts::TAU;
+
+use super::ray::Ray;
+use super::start::Start;
+use crate::ends::{Estimate, Work};
+
+/// An error is known for each of so many ranges of radius.
+pub(super) const BINS: usize = 16;
+
+/// Errors in pixels by ranges of radius.
+pub(super) type Profile = [f32; BINS];
+
+/// What lies between two neighbouring rays.
+#[derive(Clone, Debug)]
+pub(super) struct Sector {
+    pub(super) rays: [usize; 2],
+    pub(super) angle: f64,
+    pub(super) width: f64,
+    /// The farthest that the picture reaches in it.
+    pub(super) border: f64,
+    /// From this arc length on its rays do not say where geodesics end.
+    pub(super) unknown_from: f64,
+    pub(super) errors: Profile,
+    /// The error of the edge's place.
+    pub(super) edge: f64,
+    /// Whether the errors have been told from a wider sector that interpolates in the same way.
+    pub(super) proven: bool,
+    /// Whether a more exact ray has measured the errors.
+    pub(super) measured: bool,
+    /// Whether the errors have been raised since measured ones were larger than told.
+    pub(super) doubted: bool,
+}
+
+impl Sector {
+    /// The estimated error in pixels.
+    pub(super) fn error_at(&self, s: f64, reach: f64) -> f64 {
+        f64::from(self.errors[bin(s, reach)])
+    }
+}
+
+/// A whole fan.
+#[derive(Debug, Default)]
+pub(super) struct Sectors {
+    pub(super) rays: Vec<Ray>,
+    /// By angle.
+    pub(super) sectors: Vec<Sector>,
+    /// The sector that holds the beginning of each of equal parts of the turn.
+    pub(super) table: Vec<u32>,
+    pub(super) work: Work,
+    pub(super) estimate: Estimate,
+    /// Pixels nearer to the centre than this may be followed by themselves where the rays do not say where they end.
+    pub(super) follow_within: f64,
+}
+
+impl Sectors {
+    /// The sector that holds an angle, and how far from its first ray to its second.
+    #[inline]
+    pub(super) fn find(&self, angle: f64) -> Option<(&Sector, f64)> {
+        let angle = if angle < 0.0 { angle + TAU } else { angle };
+        let part = angle * (self.table.len() as f64 / TAU);
+        let last = self.table.len().checked_sub(1)?;
+        let mut n = self.table[(part as usize).min(last)] as usize;
+        while self
+            .sectors
+            .get(n + 1)
+            .is_some_and(|next| next.angle <= angle)
+        {
+            n += 1;
+        }
+        let sector = self.sectors.get(n)?;
+        Some((
+            sector,
+            ((angle - sector.angle) / sector.width).clamp(0.0, 1.0),
+        ))
+    }
+
+    pub(super) fn rays(&self, sector: &Sector) -> [&Ray; 2] {
+        sector.rays.map(|ray| &self.rays[ray])
+    }
+
+    pub(super) fn index(&mut self) {
+        self.sectors.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+        let parts = (4 * self.sectors.len()).next_power_of_two();
+        let mut n = 0;
+        self.table = (0..parts)
+            .map(|part| {
+                let angle = TAU * part as f64 / parts as f64;
+                while self
+                    .sectors
+                    .get(n + 1)
+                    .is_some_and(|next| next.angle <= angle)
+                {
+                    n += 1;
+                }
+                n as u32
+            })
+            .collect();
+    }
+}
+
+pub(super) fn bin(s: f64, reach: f64) -> usize {
+    ((s / reach * BINS as f64) as usize).min(BINS - 1)
+}
+
+/// The radius within which all pixels that the rays say nothing about can be followed by themselves.
+pub(super) fn affordable(all: &Sectors, start: &Start, left: u64) -> f64 {
+    let each = 2 * all.work.evaluations / all.work.rays.max(1) + 100;
+    let cost = |radius: f64| {
+        let area = |sector: &Sector| {
+            let (from, to) = (sector.unknown_from, radius.min(sector.border));
+            0.5 * sector.width * (to * to - from * from).max(0.0)
+        };
+        // Each pixel may be looked at twice.
+        2.0 * all.sectors.iter().map(area).sum::<f64>() / (start.pixel * start.pixel) * each as f64
+    };
+    let (mut low, mut high) = (0.0, start.reach);
+    if cost(high) <= left as f64 {
+        return f64::INFINITY;
+    }
+    for _ in 0..30 {
+        let middle = 0.5 * (low + high);
+        if cost(middle) <= left as f64 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
+
+/// The largest of some errors.
+pub(super) fn most(errors: &[f32]) -> f32 {
+    errors.iter().fold(0.0_f32, |most, x| most.max(*x))
+}
