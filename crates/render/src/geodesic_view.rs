@@ -6,7 +6,7 @@ mod inside;
 mod resolve;
 
 pub use inside::{Inside, Seen};
-pub(crate) use resolve::Cover;
+pub(crate) use resolve::{Cover, stripes};
 pub use resolve::{Paint, resolve, resolve_patchwork};
 
 use geodesic::ends::{Estimate, Work};

@@ -12,8 +12,10 @@
 pub mod bounds;
 pub mod camera;
 pub mod geodesic_view;
+pub mod geodesics;
 pub mod gpu;
 pub mod ground;
+pub mod overlay;
 pub mod plan;
 pub mod request;
 pub mod sample;

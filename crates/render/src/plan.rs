@@ -12,6 +12,8 @@ use expr::{Input, NodeId};
 use scene::scene::{Object, ObjectId, Scene, Shape};
 use scene::values::Settings;
 
+use crate::geodesics;
+use crate::overlay;
 use crate::request::{Backend, Method, Request, View};
 use crate::sample::surface_roots;
 
@@ -28,6 +30,8 @@ pub struct Plan {
     pub objects: Vec<ObjectPlan>,
     /// The geodesic view, if that is the picture.
     pub geodesic: Option<GeodesicPlan>,
+    /// What draws overlays in space, beside the objects' painters.
+    pub overlays: &'static [Painter],
     /// Distinct images.
     pub textures: u32,
     /// Why the rest is not there: a sentence for each thing left out.
@@ -114,12 +118,14 @@ pub fn plan(scene: &Scene, settings: &Settings, request: &Request) -> Plan {
         gpu,
         objects: Vec::new(),
         geodesic: None,
+        overlays: &[],
         textures: 0,
         left_out: Vec::new(),
     };
     let mut textured = Vec::new();
     match &request.view {
         View::Space { .. } => {
+            plan.overlays = overlay::painters(scene, request);
             for (index, object) in scene.objects.iter().enumerate() {
                 let id = ObjectId(index as u32);
                 if matches!(object.shape, Shape::Surface { .. }) {
@@ -198,7 +204,8 @@ pub fn plan(scene: &Scene, settings: &Settings, request: &Request) -> Plan {
 impl Plan {
     /// The painters in use.
     pub fn painters(&self) -> BTreeSet<Painter> {
-        self.objects.iter().map(|object| object.painter).collect()
+        let objects = self.objects.iter().map(|object| object.painter);
+        objects.chain(self.overlays.iter().copied()).collect()
     }
 
     /// What the GPU path builds.
@@ -246,6 +253,16 @@ fn object_plan(
             position.to_vec(),
             u64::from(domain[0].count) * u64::from(domain[1].count),
         ),
+        Shape::Geodesic {
+            direction,
+            start,
+            domain,
+            ..
+        } if geodesics::in_space(scene, id) => (
+            Painter::Curves,
+            [*direction, *start].concat(),
+            u64::from(domain.count),
+        ),
         // Neither has samples in space.
         Shape::Metric { .. } | Shape::Geodesic { .. } => return None,
     };
@@ -256,6 +273,8 @@ fn object_plan(
         }
         _ => None,
     };
+    // A geodesic has no expression: it is followed in f64.
+    let followed = matches!(object.shape, Shape::Geodesic { .. });
     let samples = instances.saturating_mul(per_instance);
     let work = samples.saturating_mul(with_normals.unwrap_or(operations).max(1));
     let inputs = scene.graph.inputs(&roots);
@@ -268,7 +287,7 @@ fn object_plan(
         painter,
         instances,
         samples,
-        source: if gpu && work >= KERNEL_PAYS {
+        source: if gpu && work >= KERNEL_PAYS && !followed {
             Source::Kernel
         } else {
             Source::Blocks

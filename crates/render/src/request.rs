@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use scene::scene::{ObjectId, Scene, Shape};
 
+use crate::overlay::{Overlays, Standpoint};
 use crate::texture::Texture;
 
 /// The longest side of a picture in pixels.
@@ -25,6 +26,10 @@ pub struct Request {
     pub colours: Vec<(ObjectId, [u8; 3])>,
     /// Whether a geodesic picture marks its centre with an open ring.
     pub mark_centre: bool,
+    /// What is drawn over the picture.
+    pub overlays: Overlays,
+    /// A geodesic camera that the 3D view shows.
+    pub show_camera: Option<Standpoint>,
 }
 
 /// A view of the scene.
@@ -92,6 +97,9 @@ pub struct Picture {
     /// What a reader of the picture should know: sentences such as "`p` is undefined at the current params and
     /// is not drawn".
     pub notes: Vec<String>,
+    /// What has been drawn over it, by name: nothing unless it was asked for, or the scene declares geodesics on the
+    /// surface that is seen from inside.
+    pub overlays: Vec<&'static str>,
 }
 
 /// Why there is no picture.
@@ -179,6 +187,8 @@ impl Request {
             textures: Vec::new(),
             colours: Vec::new(),
             mark_centre: true,
+            overlays: Overlays::default(),
+            show_camera: None,
         }
     }
 

@@ -14,6 +14,7 @@ use scene::scene::{Object, ObjectId, Sampling, Scene, Shape};
 use scene::values::Settings;
 
 use crate::bounds::Placement;
+use crate::geodesics::{self, Followed, Knot};
 
 mod surface;
 
@@ -124,14 +125,51 @@ pub(crate) fn note(name: &str, all: usize, undefined: usize) -> Option<String> {
     }
 }
 
+/// As [`sample`], with what a reader of the picture should be told.
+pub fn sample_with_notes(
+    scene: &Scene,
+    settings: &Settings,
+    id: ObjectId,
+    placement: &Placement,
+) -> (Samples, Vec<String>) {
+    let object = &scene.objects[id.0 as usize];
+    let name = &object.name;
+    match &object.shape {
+        Shape::Metric { .. } => (
+            Samples::Points(Vec::new()),
+            left_out(object).into_iter().collect(),
+        ),
+        Shape::Geodesic { .. } if geodesics::in_space(scene, id) => {
+            let followed = geodesics::declared(scene, settings, id);
+            let samples = line_samples(placement, followed.count, &followed.lines);
+            (samples, followed.notes)
+        }
+        _ => {
+            let samples = sample(scene, settings, id, placement);
+            let note = samples.note(name);
+            (samples, note.into_iter().collect())
+        }
+    }
+}
+
+/// What a reader of a 3D picture should be told of an object that has no place in it.
+pub(crate) fn left_out(object: &Object) -> Option<String> {
+    let name = &object.name;
+    matches!(object.shape, Shape::Metric { .. }).then(|| {
+        format!(
+            "`{name}` is a metric without a shape in space: only its geodesic view can be drawn"
+        )
+    })
+}
+
 /// Evaluates all samples of an object, on all cores.
 pub fn sample(
     scene: &Scene,
     settings: &Settings,
-    object: ObjectId,
+    object_id: ObjectId,
     placement: &Placement,
 ) -> Samples {
-    let object = &scene.objects[object.0 as usize];
+    let object = &scene.objects[object_id.0 as usize];
     match &object.shape {
         Shape::Point { position } => {
             let sampler = Sampler::full(scene, settings, object, position);
@@ -159,7 +197,31 @@ pub fn sample(
         Shape::Surface {
             position, domain, ..
         } => surface::surface(scene, settings, object, placement, position, domain),
-        Shape::Metric { .. } | Shape::Geodesic { .. } => Samples::Points(Vec::new()),
+        Shape::Metric { .. } => Samples::Points(Vec::new()),
+        Shape::Geodesic { .. } if !geodesics::in_space(scene, object_id) => {
+            Samples::Points(Vec::new())
+        }
+        Shape::Geodesic { .. } => {
+            let Followed { count, lines, .. } = geodesics::declared(scene, settings, object_id);
+            line_samples(placement, count, &lines)
+        }
+    }
+}
+
+/// Lines of `count` points each, as curves.
+pub(crate) fn line_samples(
+    placement: &Placement,
+    count: u32,
+    lines: &[Vec<Option<Knot>>],
+) -> Samples {
+    let knots = lines.iter().flatten();
+    let sample = |knot: &Option<Knot>| {
+        let position = knot.and_then(|knot| knot.position);
+        position.map_or_else(PositionSample::default, |at| placed(placement, &at))
+    };
+    Samples::Curves {
+        count,
+        samples: knots.map(sample).collect(),
     }
 }
 
@@ -172,7 +234,7 @@ pub fn surface_roots(scene: &Scene, position: &[NodeId; 3]) -> Option<(Graph, [N
     Some((graph, <[NodeId; 9]>::try_from(all).ok()?))
 }
 
-fn placed(placement: &Placement, out: &[f64; 3]) -> PositionSample {
+pub(crate) fn placed(placement: &Placement, out: &[f64; 3]) -> PositionSample {
     let local = placement.local(*out);
     if local.iter().all(|x| x.abs() <= HORIZON) {
         PositionSample {
@@ -184,7 +246,7 @@ fn placed(placement: &Placement, out: &[f64; 3]) -> PositionSample {
     }
 }
 
-fn vector(placement: &Placement, origin: [f64; 3], direction: [f64; 3]) -> VectorSample {
+pub(crate) fn vector(placement: &Placement, origin: [f64; 3], direction: [f64; 3]) -> VectorSample {
     let origin = placement.local(origin);
     let direction = direction.map(|x| x / placement.radius);
     if origin.iter().chain(&direction).all(|x| x.abs() <= HORIZON) {

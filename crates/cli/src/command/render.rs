@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 use image::{ImageFormat, RgbaImage};
+use render::overlay::{Overlays, Spacing, Standpoint};
 use render::texture::{Texture, TextureError};
 use render::{Backend, Method, Picture, RenderError, Request, View};
 use scene::scene::ObjectId;
@@ -29,6 +30,8 @@ Examples:
   geotrace render circle.gtr -o circle.png --set r=0.7 --set o=1.5 --eye 0,-3,2 --target 0,0,0
   geotrace render torus.gtr -o inside.png --view geodesic:s --at 0,pi --angle 45 --zoom 2
   geotrace render sphere.gtr -o earth.png --view geodesic --texture s=earth.jpg
+  geotrace render torus.gtr -o rings.png --view geodesic --wavefronts --conjugate --cut-locus --legend
+  geotrace render torus.gtr -o camera.png --show-camera s --wavefronts
 
 A number may be an expression in the program's names, such as pi/2. Params are at their minima unless set. The 3D view draws what depends on a grid once for each of its
 values; the geodesic view takes the first value. The file is written whole or not at all.")]
@@ -65,6 +68,25 @@ pub(super) struct Arguments {
     /// How the geodesics are followed
     #[arg(long, value_enum, value_name = "M", help_heading = "Geodesic view")]
     method: Option<MethodName>,
+    /// A key to the hatchings and lines of the picture
+    #[arg(long, help_heading = "Drawn over the picture")]
+    legend: bool,
+    /// Geodesic circles around the camera, at equal distances; in the 3D view with --show-camera
+    #[arg(long, value_name = "SPACING", num_args = 0..=1, value_parser = argument::positive, help_heading = "Drawn over the picture")]
+    wavefronts: Option<Option<f64>>,
+    /// Where geodesics from the camera meet their neighbours; in the 3D view with --show-camera
+    #[arg(long, help_heading = "Drawn over the picture")]
+    conjugate: bool,
+    /// The border beyond which what is seen is nearer by another way
+    #[arg(long, help_heading = "Drawn over the picture")]
+    cut_locus: bool,
+    /// The estimated error, painted over the picture
+    #[arg(long, help_heading = "Drawn over the picture")]
+    error: bool,
+    /// In the 3D view, the geodesic camera of a surface (placed by --at, --angle, --zoom): its frame as arrows, the
+    /// axes and the border of its picture as geodesics
+    #[arg(long, value_name = "SURFACE", help_heading = "3D view")]
+    show_camera: Option<String>,
     /// Where the camera stands; without it, where all can be seen
     #[arg(long, value_name = "X,Y,Z", value_parser = argument::triple, allow_hyphen_values = true, help_heading = "3D view")]
     eye: Option<Triple>,
@@ -107,6 +129,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         backend: backend(arguments),
         view: view(arguments, &program, &settings)?,
         textures: textures(&arguments.texture, &program)?,
+        overlays: Overlays {
+            legend: arguments.legend,
+            wavefronts: arguments
+                .wavefronts
+                .map(|given| given.map_or(Spacing::Auto, Spacing::Every)),
+            conjugate_points: arguments.conjugate,
+            cut_locus: arguments.cut_locus,
+            error: arguments.error,
+        },
+        show_camera: match (&arguments.view, &arguments.show_camera) {
+            (ViewName::Space, Some(name)) => {
+                Some(standpoint(name, arguments, &program, &settings)?)
+            }
+            _ => None,
+        },
         ..Request::space(arguments.size.0)
     };
     let target = output_file(&arguments.output)?;
@@ -163,6 +200,27 @@ fn view(arguments: &Arguments, program: &Program, settings: &Settings) -> Result
     })
 }
 
+/// The geodesic camera that the 3D view shows.
+fn standpoint(
+    name: &str,
+    arguments: &Arguments,
+    program: &Program,
+    settings: &Settings,
+) -> Result<Standpoint, Failure> {
+    Ok(Standpoint {
+        surface: program.surface(Some(name))?.0,
+        at: match &arguments.at {
+            Some(at) => Some(program.numbers("--at", &at.0, settings)?),
+            None => None,
+        },
+        angle: arguments.angle.unwrap_or(0.0).to_radians(),
+        zoom: match &arguments.zoom {
+            Some(zoom) => Some(program.number("--zoom", zoom, settings)?),
+            None => None,
+        },
+    })
+}
+
 fn textures(
     files: &[TextureFile],
     program: &Program,
@@ -200,19 +258,31 @@ fn output_file(path: &std::path::Path) -> Result<Target, Failure> {
 
 /// Options that the chosen view does not use.
 fn idle_options(arguments: &Arguments) -> Vec<String> {
-    let of_geodesic = [
+    let placed = [
         ("--at", arguments.at.is_some()),
         ("--angle", arguments.angle.is_some()),
         ("--zoom", arguments.zoom.is_some()),
-        ("--method", arguments.method.is_some()),
     ];
-    let of_space = [
+    let around = [
+        ("--wavefronts", arguments.wavefronts.is_some()),
+        ("--conjugate", arguments.conjugate),
+    ];
+    let inside = [
+        ("--method", arguments.method.is_some()),
+        ("--legend", arguments.legend),
+        ("--cut-locus", arguments.cut_locus),
+        ("--error", arguments.error),
+    ];
+    let space = [
         ("--eye", arguments.eye.is_some()),
         ("--target", arguments.target.is_some()),
+        ("--show-camera", arguments.show_camera.is_some()),
     ];
-    let (idle, other) = match arguments.view {
-        ViewName::Space => (&of_geodesic[..], "the geodesic view: add `--view geodesic`"),
-        ViewName::Geodesic(_) => (&of_space[..], "the 3D view"),
+    let geodesic = "the geodesic view: add `--view geodesic`";
+    let (idle, other) = match (&arguments.view, &arguments.show_camera) {
+        (ViewName::Space, None) => ([&placed[..], &around, &inside].concat(), geodesic),
+        (ViewName::Space, Some(_)) => (inside.to_vec(), geodesic),
+        (ViewName::Geodesic(_), _) => (space.to_vec(), "the 3D view"),
     };
     let given = idle.iter().filter(|(_, given)| *given);
     given

@@ -2,7 +2,8 @@
 
 use std::borrow::Cow;
 
-use geodesic::ends::{Coordinates, Estimate, Work};
+use expr::Input;
+use geodesic::ends::{Coordinates, Ends, Estimate, Work};
 use geodesic::fan::{Across, Fan, FanOptions};
 use geodesic::frame::Frame;
 use geodesic::map::{self, Arithmetic, Map, MapOptions, exponential_map};
@@ -12,7 +13,8 @@ use geodesic::topology::Apex;
 use geodesic::trace::{Status, TraceError};
 use glam::DVec3;
 use image::RgbaImage;
-use scene::scene::Scene;
+use rayon::prelude::*;
+use scene::scene::{ObjectId, Scene};
 use scene::values::Settings;
 
 use super::{Paint, resolve, resolve_patchwork};
@@ -129,12 +131,7 @@ impl Inside {
             Method::FanLinear => Across::Linear,
             Method::Adaptive | Method::Rk4Pixel => return Seen::Map(self.map(progress)),
         };
-        let options = FanOptions {
-            tolerance: TOLERANCE,
-            across,
-            max_evaluations: FanOptions::default().max_evaluations.min(self.most_evaluations()),
-        };
-        let fan = Fan::build(self.ground.surface(), &self.frame, self.size, &options);
+        let fan = self.fan(across);
         progress(0.5);
         let patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * TOLERANCE);
         progress(1.0);
@@ -173,12 +170,66 @@ impl Inside {
         exponential_map(surface, &self.frame, self.size, &options, progress)
     }
 
+    /// The estimated errors, in pixels, at every `step`-th pixel of every `step`-th row; `None` where the method does
+    /// not know them pixel by pixel. NaN where nothing is seen.
+    pub(crate) fn errors(&self, step: u32) -> Option<Vec<f32>> {
+        let across = match self.method {
+            Method::Auto | Method::Fan => Across::Hermite,
+            Method::FanLinear => Across::Linear,
+            Method::Adaptive | Method::Rk4Pixel => return None,
+        };
+        let fan = self.fan(across);
+        let [columns, rows] = self.size.map(|side| side.div_ceil(step));
+        let error = |index: u32| {
+            let [x, y] = [index % columns, index / columns].map(|n| n * step + step / 2);
+            let place = map::pixel_place(self.size, x, y);
+            let end = fan.end(place);
+            if end.status == Status::Complete {
+                end.error as f32
+            } else {
+                f32::NAN
+            }
+        };
+        Some((0..columns * rows).into_par_iter().map(error).collect())
+    }
+
+    fn fan(&self, across: Across) -> Fan<'_, dyn Surface + '_> {
+        let options = FanOptions {
+            tolerance: TOLERANCE,
+            across,
+            max_evaluations: FanOptions::default()
+                .max_evaluations
+                .min(self.most_evaluations()),
+        };
+        Fan::build(self.ground.surface(), &self.frame, self.size, &options)
+    }
+
+    /// The uniforms that an object's shape reads, by their numbers.
+    pub(crate) fn uniforms_used(&self, scene: &Scene, object: ObjectId) -> Vec<usize> {
+        let roots = scene
+            .objects
+            .get(object.0 as usize)
+            .map_or_else(Vec::new, |object| object.shape.roots());
+        let inputs = scene.graph.inputs(&roots).into_iter();
+        inputs
+            .filter_map(|input| match input {
+                Input::Uniform(k) => Some(k as usize),
+                Input::Variable(_) => None,
+            })
+            .collect()
+    }
+
     /// However the pixels are followed, they take no more than if each were by itself.
     fn most_evaluations(&self) -> u64 {
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
         MapOptions::default()
             .max_evaluations
             .min(pixels.saturating_mul(map::MOST_FOR_PIXEL))
+    }
+
+    /// The same camera, by another method.
+    pub(crate) fn by(self, method: Method) -> Self {
+        Self { method, ..self }
     }
 
     /// What it stands on.

@@ -309,7 +309,7 @@ fn hatched(size: [u32; 2], all: &[Status], x: u32, y: u32, status: Status) -> [f
 
 /// The hatching itself: stripes at 45°, their edges softened over a pixel. `place` is the sum of a pixel's column and
 /// row, `unit` its [`style::pixel_unit`].
-pub(super) fn stripes(status: Status, place: f32, unit: f32) -> [f32; 3] {
+pub(crate) fn stripes(status: Status, place: f32, unit: f32) -> [f32; 3] {
     let [paper, stripe] = hatching(status).map(style::linear);
     let period = 2.0 * HATCH * unit;
     let phase = (place / std::f32::consts::SQRT_2 / period).rem_euclid(1.0);

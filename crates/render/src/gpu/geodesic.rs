@@ -4,6 +4,8 @@
 //! Pictures are made in slabs of rows, so that memory is bounded, and each slab in bands, so that no dispatch runs
 //! long. The resolve pass looks at neighbouring pixels: a slab's map has some rows more than are coloured.
 
+use std::borrow::Cow;
+
 use geodesic::ends::{Estimate, Work};
 use geodesic::frame::Frame;
 use geodesic::map::Map;
@@ -16,11 +18,12 @@ use scene::values::Settings;
 use wgsl::Kernel;
 
 use crate::geodesic_view::{self, Cover, HATCH, LEAST_RING, RING, Seen};
-use crate::gpu::internal;
 use crate::gpu::layout::{ChartCamera, Resolve};
 use crate::gpu::workshop::{Workshop, dispatch};
+use crate::gpu::{Drawn, internal};
+use crate::overlay;
 use crate::plan::{GeodesicPlan, Plan, Source};
-use crate::request::{RenderError, Request, View};
+use crate::request::{Method, RenderError, Request, View};
 use crate::style;
 
 /// Pixels of one slab: 64 MB of map.
@@ -42,14 +45,13 @@ pub(crate) fn render(
     request: &Request,
     plan: &Plan,
     progress: &(dyn Fn(f32) + Sync),
-) -> Result<(RgbaImage, Vec<String>), RenderError> {
+) -> Result<Drawn, RenderError> {
     let Some(view) = &plan.geodesic else {
         return Err(RenderError::NoSurface { name: None });
     };
     let inside = geodesic_view::Inside::new(scene, settings, request)?;
     let object = &scene.objects[view.surface.0 as usize];
     let source = source(workshop, scene, view, &inside, progress)?;
-    let (work, estimate) = (source.work, source.estimate);
     let [width, height] = request.size;
     let mut picture = RgbaImage::new(width, height);
 
@@ -131,10 +133,27 @@ pub(crate) fn render(
             .get(code_of(status) as usize)
             .map_or(0, |&count| count as usize)
     };
-    Ok((
-        picture,
-        geodesic_view::notes(width as usize * height as usize, count, &work, estimate),
-    ))
+    let pixels = width as usize * height as usize;
+    let mut notes = geodesic_view::notes(pixels, count, &source.work, source.estimate);
+    let (over, overlays) = overlay::over_inside(
+        &mut picture,
+        scene,
+        settings,
+        request,
+        &inside,
+        view.surface,
+        || match &source.seen {
+            Some(seen) => seen.map(),
+            // The kernel keeps no derivatives: what lies over its picture comes from the fan.
+            None => Cow::Owned(inside.clone().by(Method::Fan).map(&|_| {})),
+        },
+    );
+    notes.extend(over);
+    Ok(Drawn {
+        image: picture,
+        notes,
+        overlays,
+    })
 }
 
 /// Where the pixels' ends come from.
@@ -143,6 +162,8 @@ struct Found {
     /// What they cost on the CPU.
     work: Work,
     estimate: Option<Estimate>,
+    /// The ends on the CPU, unless they were computed on the GPU.
+    seen: Option<Seen>,
 }
 
 enum Ends {
@@ -166,21 +187,26 @@ fn source(
             ends: Ends::Map(kernel, Box::new(Chart::of(inside))),
             work: Work::default(),
             estimate: None,
+            seen: None,
         });
     }
     let seen = inside.look(&|share| progress(0.9 * share));
     let (work, estimate) = (seen.work(), seen.estimate());
-    let ends = match seen {
+    let ends = match &seen {
         Seen::Patchwork { patchwork, .. } => {
             let words = patchwork.table();
             Ends::Table(workshop.gpu.storage("table", bytemuck::cast_slice(&words)))
         }
-        Seen::Map(map) => Ends::Map(MapSource::Blocks(map), Box::new(Chart::of(inside))),
+        Seen::Map(map) => Ends::Map(
+            MapSource::Blocks(Box::new(map.clone())),
+            Box::new(Chart::of(inside)),
+        ),
     };
     Ok(Found {
         ends,
         work,
         estimate,
+        seen: Some(seen),
     })
 }
 
@@ -255,7 +281,7 @@ enum MapSource {
         uniforms: Option<wgpu::Buffer>,
     },
     /// A map in f64.
-    Blocks(Map),
+    Blocks(Box<Map>),
 }
 
 /// The generated kernel; `None` if it would be too large for a shader: f64 takes any expression.

@@ -60,7 +60,7 @@ pub fn render_counted(
     let plan = plan(scene, settings, request);
     gpu.guarded(|| {
         let mut workshop = Workshop::new(gpu);
-        let (image, notes) = match &request.view {
+        let drawn = match &request.view {
             View::Space { eye, target } => space::render(
                 &mut workshop,
                 scene,
@@ -77,13 +77,21 @@ pub fn render_counted(
         let backend = format!("GPU: {}", gpu.name);
         Ok((
             Picture {
-                image,
+                image: drawn.image,
                 backend,
-                notes,
+                notes: drawn.notes,
+                overlays: drawn.overlays,
             },
             workshop.built,
         ))
     })
+}
+
+/// A picture with what belongs to it.
+struct Drawn {
+    image: image::RgbaImage,
+    notes: Vec<String>,
+    overlays: Vec<&'static str>,
 }
 
 /// The map of a geodesic view as the generated kernel computes it: for comparing it with f64. `None` if the surface's

@@ -21,8 +21,8 @@ pub(crate) struct SampleBuffer {
     pub(crate) count: [u32; 2],
     /// Samples of all instances.
     pub(crate) total: u32,
-    /// What to say of undefined samples.
-    pub(crate) note: Option<String>,
+    /// What a reader of the picture should be told.
+    pub(crate) notes: Vec<String>,
 }
 
 /// Fills a buffer with an object's samples, from the source that the plan names.
@@ -106,9 +106,20 @@ fn upload(
     id: ObjectId,
     placement: &Placement,
 ) -> Result<SampleBuffer, RenderError> {
-    let samples = sample::sample(scene, settings, id, placement);
-    let note = samples.note(&scene.objects[id.0 as usize].name);
-    let (bytes, count, total): (&[u8], _, _) = match &samples {
+    let (samples, notes) = sample::sample_with_notes(scene, settings, id, placement);
+    upload_samples(workshop, &samples, notes)
+}
+
+/// A buffer with samples that are there already.
+///
+/// # Errors
+/// [`RenderError::Gpu`] if they do not fit the device.
+pub(crate) fn upload_samples(
+    workshop: &Workshop<'_>,
+    samples: &Samples,
+    notes: Vec<String>,
+) -> Result<SampleBuffer, RenderError> {
+    let (bytes, count, total): (&[u8], _, _) = match samples {
         Samples::Points(samples) => (bytemuck::cast_slice(samples), [1, 1], samples.len()),
         Samples::Vectors(samples) => (bytemuck::cast_slice(samples), [1, 1], samples.len()),
         Samples::Curves { count, samples } => {
@@ -124,7 +135,7 @@ fn upload(
         buffer,
         count,
         total: total as u32,
-        note,
+        notes,
     })
 }
 
@@ -228,6 +239,6 @@ fn run(
         buffer,
         count,
         total: total as u32,
-        note,
+        notes: note.into_iter().collect(),
     })
 }

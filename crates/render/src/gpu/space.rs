@@ -8,13 +8,14 @@ use crate::camera::Camera;
 use crate::gpu::device::Gpu;
 use crate::gpu::glyphs::Glyphs;
 use crate::gpu::layout::View;
-use crate::gpu::samples;
 use crate::gpu::surfaces::Surfaces;
 use crate::gpu::workshop::{COLOUR_FORMAT, DEPTH_FORMAT, SAMPLES, Workshop};
+use crate::gpu::{Drawn, samples};
 use crate::gpu::{curves, points, vectors};
 use crate::plan::{Painter, Plan};
 use crate::request::{RenderError, Request};
 use crate::style;
+use crate::{overlay, sample};
 
 /// The longest side of a tile. A tile takes 36 bytes a pixel on the device, 150 MB at this side.
 const TILE: u32 = 2048;
@@ -50,19 +51,20 @@ pub(crate) fn render(
     plan: &Plan,
     [eye, target]: [Option<[f64; 3]>; 2],
     progress: &(dyn Fn(f32) + Sync),
-) -> Result<(RgbaImage, Vec<String>), RenderError> {
+) -> Result<Drawn, RenderError> {
     let gpu = workshop.gpu;
     let bounds = Bounds::of(scene, settings);
     let camera = Camera::new(&bounds, eye, target, request.size)?;
     let view = gpu.uniform("view", &View::new(&camera, [0, 0], request.size));
 
+    let extras = overlay::extras(scene, settings, request, &camera.placement)?;
     let mut notes = Vec::new();
     let mut draws: Vec<Draw> = Vec::new();
     let mut painters = Painters::default();
     let steps = plan.objects.len().max(1) as f32;
     for (index, object) in plan.objects.iter().enumerate() {
         let samples = samples::fill(workshop, scene, settings, object, &camera.placement)?;
-        notes.extend(samples.note.clone());
+        notes.extend(samples.notes.clone());
         let colour = request.colour(
             object.object,
             &scene.objects[object.object.0 as usize].shape,
@@ -84,6 +86,22 @@ pub(crate) fn render(
         };
         draws.push(draw);
         progress(0.5 * (index + 1) as f32 / steps);
+    }
+
+    notes.extend(scene.objects.iter().filter_map(sample::left_out));
+    for extra in &extras {
+        let samples = samples::upload_samples(workshop, &extra.samples, Vec::new())?;
+        let (place, kind) = match extra.painter {
+            Painter::Vectors => (&mut painters.vectors, &vectors::KIND),
+            _ => (&mut painters.curves, &curves::KIND),
+        };
+        let draw = built(place, || Glyphs::new(workshop, kind))?.draw(
+            workshop,
+            &view,
+            &samples,
+            extra.colour,
+        );
+        draws.push(draw);
     }
 
     let [width, height] = request.size;
@@ -108,7 +126,11 @@ pub(crate) fn render(
         })?;
         progress(0.5 + 0.5 * (number + 1) as f32 / tiles.len() as f32);
     }
-    Ok((picture, notes))
+    Ok(Drawn {
+        image: picture,
+        notes,
+        overlays: overlay::names(&extras),
+    })
 }
 
 /// The painters in use, each built when the first of its objects comes.

@@ -4,6 +4,7 @@ use scene::scene::{Scene, Shape};
 use scene::values::Settings;
 
 use crate::geodesic_view::{Inside, Paint, notes};
+use crate::overlay;
 use crate::request::{Picture, RenderError, Request, View};
 
 pub(super) fn render(
@@ -26,12 +27,24 @@ pub(super) fn render(
         sides: inside.sides(),
         mark_centre: request.mark_centre,
     };
-    let (image, status) = seen.resolve(&paint);
+    let (mut image, status) = seen.resolve(&paint);
+    let (over, overlays) = overlay::over_inside(
+        &mut image,
+        scene,
+        settings,
+        request,
+        &inside,
+        surface,
+        || seen.map(),
+    );
     progress(1.0);
     let count = |kind| status.iter().filter(|&&s| s == kind).count();
+    let mut notes = notes(status.len(), count, &seen.work(), seen.estimate());
+    notes.extend(over);
     Ok(Picture {
         image,
         backend: "software".to_owned(),
-        notes: notes(status.len(), count, &seen.work(), seen.estimate()),
+        notes,
+        overlays,
     })
 }

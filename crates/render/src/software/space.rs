@@ -14,8 +14,9 @@ use super::shade::Material;
 use super::{curves, points, surfaces, vectors};
 use crate::bounds::Bounds;
 use crate::camera::Camera;
+use crate::overlay;
 use crate::request::{Picture, RenderError, Request};
-use crate::sample::{Samples, sample};
+use crate::sample::{Samples, sample_with_notes};
 use crate::style;
 use crate::texture::Texture;
 
@@ -58,8 +59,8 @@ pub(super) fn render(
     let mut notes = Vec::new();
     for (index, object) in scene.objects.iter().enumerate() {
         let id = ObjectId(index as u32);
-        let samples = sample(scene, settings, id, &camera.placement);
-        notes.extend(samples.note(&object.name));
+        let (samples, told) = sample_with_notes(scene, settings, id, &camera.placement);
+        notes.extend(told);
         let colour = request.colour(id, &object.shape);
         let is_surface = matches!(object.shape, Shape::Surface { .. });
         painted.push(Painted {
@@ -69,11 +70,19 @@ pub(super) fn render(
         });
         progress(0.4 * (index + 1) as f32 / scene.objects.len() as f32);
     }
+    let extras = overlay::extras(scene, settings, request, &camera.placement)?;
+    let overlays = overlay::names(&extras);
+    painted.extend(extras.into_iter().map(|extra| Painted {
+        samples: extra.samples,
+        colour: extra.colour,
+        texture: None,
+    }));
     let image = draw(&camera, &painted, &|share| progress(0.4 + 0.6 * share));
     Ok(Picture {
         image,
         backend: "software".to_owned(),
         notes,
+        overlays,
     })
 }
 

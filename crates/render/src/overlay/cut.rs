@@ -1,0 +1,198 @@
+//! The cut locus: beyond it, a place of the surface that a pixel shows is nearer by another pixel's way.
+//!
+//! Every pixel is entered into a table over the chart, of which a cell keeps the nearest to the centre. By its
+//! derivative, that pixel's part of the picture tells where in it, and so how far away, a place close by is seen. A
+//! pixel that is farther away than its cell's or a neighbouring cell's entry tells lies beyond. The line is their border.
+
+use geodesic::map::{Map, bring_back};
+use geodesic::surface::Side;
+use geodesic::trace::Status;
+use image::RgbaImage;
+use rayon::prelude::*;
+
+use super::lines::{place_of, reach};
+use super::{ink, stroke};
+use crate::geodesic_view::Inside;
+
+/// The most cells along an axis.
+const MOST_CELLS: usize = 1024;
+/// A pixel lies beyond if another way is shorter by so many pixels.
+const THRESHOLD: f64 = 1.0;
+/// An entry tells the distances of places up to so many pixels away.
+const FARTHEST: f64 = 10.0;
+/// So near the centre, in pixels, there is no other way.
+const NEAR: f64 = 6.0;
+
+/// A pixel's end.
+#[derive(Clone, Copy)]
+struct Entry {
+    uv: [f64; 2],
+    /// From the picture's centre, in pixels: right, down.
+    place: [f64; 2],
+    /// Its length.
+    distance: f64,
+    /// ∂(place)/∂u and ∂(place)/∂v.
+    by_uv: [[f64; 2]; 2],
+}
+
+/// Draws the line; gives the share of the pixels that lie beyond.
+pub(super) fn draw(image: &mut RgbaImage, map: &Map, inside: &Inside) -> f64 {
+    let size = map.size;
+    // A lone pixel is a doubt, not a border: the majority of its neighbourhood counts. What lies behind a pixel that
+    // lies beyond does so too.
+    let flags: Vec<f32> = beyond(map, inside)
+        .into_iter()
+        .map(|flag| f32::from(u8::from(flag)))
+        .collect();
+    let mut found: Vec<f32> = mean_around(size, &flags)
+        .into_iter()
+        .map(|share| f32::from(u8::from(share > 0.5)))
+        .collect();
+    let mut order: Vec<u32> = (0..found.len() as u32).collect();
+    order.par_sort_by(|&a, &b| {
+        let [a, b] = [a, b].map(|index| reach(size, index as usize));
+        a.total_cmp(&b)
+    });
+    let width = size[0] as usize;
+    for index in order {
+        let index = index as usize;
+        let place = place_of(size, index);
+        let from_centre = [0, 1].map(|k| f64::from(place[k]) + 0.5 - 0.5 * f64::from(size[k]));
+        let distance = from_centre[0].hypot(from_centre[1]);
+        if found[index] > 0.0 || distance < NEAR {
+            continue;
+        }
+        let nearer = [0, 1].map(|k| {
+            let back = from_centre[k] * (1.0 - 1.5 / distance);
+            ((back + 0.5 * f64::from(size[k])).max(0.0) as usize).min(size[k] as usize - 1)
+        });
+        found[index] = found[nearer[1] * width + nearer[0]];
+    }
+    let smooth = mean_around(size, &found);
+    stroke(image, ink::CUT, |index| {
+        // The mean over five pixels grows by a fifth a pixel across a straight border.
+        let distance = 5.0 * (smooth[index] - 0.5).abs();
+        let seen = map.status[index] == Status::Complete;
+        (seen && distance < 2.4).then_some(distance)
+    });
+    let count = found.iter().filter(|&&share| share > 0.0).count();
+    count as f64 / found.len().max(1) as f64
+}
+
+/// The means over squares of 5×5 pixels.
+fn mean_around(size: [u32; 2], values: &[f32]) -> Vec<f32> {
+    let [width, height] = size.map(|side| side as usize);
+    let value = |x: isize, y: isize| -> f32 {
+        let x = x.clamp(0, width as isize - 1) as usize;
+        let y = y.clamp(0, height as isize - 1) as usize;
+        values[y * width + x]
+    };
+    (0..width * height)
+        .into_par_iter()
+        .map(|index| {
+            let (x, y) = ((index % width) as isize, (index / width) as isize);
+            let around = (-2..=2).flat_map(|dy| (-2..=2).map(move |dx| (dx, dy)));
+            let sum: f32 = around.map(|(dx, dy)| value(x + dx, y + dy)).sum();
+            sum / 25.0
+        })
+        .collect()
+}
+
+/// Whether each pixel lies beyond the cut locus.
+fn beyond(map: &Map, inside: &Inside) -> Vec<bool> {
+    let (domain, sides) = (inside.domain(), inside.sides());
+    let size = map.size;
+    let entry = |index: usize| -> Option<Entry> {
+        if map.status[index] != Status::Complete || map.by_pixel.is_empty() {
+            return None;
+        }
+        let [column, row] = place_of(size, index);
+        let (uv, signs) = bring_back(domain, sides, map.uv(index));
+        let [a, b, c, d] = map.by_pixel[index].map(f64::from);
+        let determinant = a * d - b * c;
+        let place = [
+            f64::from(column) + 0.5 - 0.5 * f64::from(size[0]),
+            f64::from(row) + 0.5 - 0.5 * f64::from(size[1]),
+        ];
+        // (u,v) = x (a,b) + y (c,d), turned round.
+        let by_uv = [
+            [d, -b].map(|x| signs[0] * x / determinant),
+            [-c, a].map(|x| signs[1] * x / determinant),
+        ];
+        let known = by_uv
+            .as_flattened()
+            .iter()
+            .chain(&uv)
+            .all(|x| x.is_finite());
+        known.then_some(Entry {
+            uv,
+            place,
+            distance: place[0].hypot(place[1]),
+            by_uv,
+        })
+    };
+    let entries: Vec<Option<Entry>> = (0..map.status.len()).into_par_iter().map(entry).collect();
+    let cells = MOST_CELLS.min((size[0].max(size[1]) / 2).max(8) as usize);
+    let cell = |uv: [f64; 2]| -> [usize; 2] {
+        [0, 1].map(|k| {
+            let [low, high] = domain[k];
+            let share = (uv[k] - low) / (high - low);
+            ((share * cells as f64) as usize).min(cells - 1)
+        })
+    };
+    let mut table: Vec<Option<u32>> = vec![None; cells * cells];
+    let at = |index: u32| entries[index as usize].as_ref();
+    for (index, entry) in entries.iter().enumerate() {
+        let Some(entry) = entry else { continue };
+        let [i, j] = cell(entry.uv);
+        let kept = &mut table[j * cells + i];
+        let nearer = kept
+            .and_then(at)
+            .is_none_or(|k| entry.distance < k.distance);
+        if nearer {
+            *kept = Some(index as u32);
+        }
+    }
+    let wraps = [0, 1].map(|k| sides.of(k)[0] == Side::Wrap);
+    let period = domain.map(|[low, high]| high - low);
+    let neighbour = |k: usize, i: usize, step: isize| -> Option<usize> {
+        let moved = i as isize + step;
+        if (0..cells as isize).contains(&moved) {
+            Some(moved as usize)
+        } else {
+            wraps[k].then(|| moved.rem_euclid(cells as isize) as usize)
+        }
+    };
+    entries
+        .par_iter()
+        .map(|entry| {
+            let Some(entry) = entry else { return false };
+            if entry.distance < NEAR {
+                return false;
+            }
+            let [i, j] = cell(entry.uv);
+            let around = (-1..=1).flat_map(|dj| (-1..=1).map(move |di| (di, dj)));
+            around.into_iter().any(|(di, dj)| {
+                let (Some(i), Some(j)) = (neighbour(0, i, di), neighbour(1, j, dj)) else {
+                    return false;
+                };
+                let Some(kept) = table[j * cells + i].and_then(at) else {
+                    return false;
+                };
+                let step: [f64; 2] = std::array::from_fn(|k| {
+                    let d = entry.uv[k] - kept.uv[k];
+                    if wraps[k] {
+                        d - period[k] * (d / period[k]).round()
+                    } else {
+                        d
+                    }
+                });
+                // Where the other way's picture of this place would be.
+                let off = [0, 1].map(|k| step[0] * kept.by_uv[0][k] + step[1] * kept.by_uv[1][k]);
+                let predicted = (kept.place[0] + off[0]).hypot(kept.place[1] + off[1]);
+                // Predictions over many pixels say nothing.
+                off[0].hypot(off[1]) < FARTHEST && entry.distance > predicted + THRESHOLD
+            })
+        })
+        .collect()
+}

@@ -1,0 +1,133 @@
+//! Lines that follow from a pixel's place and its derivative: wavefronts, conjugate points; and the painted error.
+
+use geodesic::map::{Map, pixel_place};
+use geodesic::trace::Status;
+use image::RgbaImage;
+use rayon::prelude::*;
+
+use super::{blend, ink, stroke};
+use crate::geodesic_view::Inside;
+use crate::style;
+
+/// The column and the row of a pixel.
+pub(super) fn place_of(size: [u32; 2], index: usize) -> [u32; 2] {
+    let width = size[0].max(1) as usize;
+    [(index % width) as u32, (index / width) as u32]
+}
+
+/// How far a pixel is from the centre on the surface, as a multiple of the zoom.
+pub(super) fn reach(size: [u32; 2], index: usize) -> f64 {
+    let [column, row] = place_of(size, index);
+    let [x, y] = pixel_place(size, column, row);
+    x.hypot(y)
+}
+
+/// Circles of equal distance, where something is seen.
+pub(super) fn wavefronts(image: &mut RgbaImage, map: &Map, zoom: f64, spacing: f64) {
+    let size = map.size;
+    let pixel = zoom * 2.0 / f64::from(size[0].min(size[1]).max(1));
+    // Closer than a few pixels, circles would fill the picture.
+    if !(spacing > 3.0 * pixel && spacing.is_finite()) {
+        return;
+    }
+    stroke(image, ink::WAVE, |index| {
+        if map.status[index] != Status::Complete {
+            return None;
+        }
+        let s = zoom * reach(size, index);
+        let nearest = (s / spacing).round().max(1.0) * spacing;
+        Some(((s - nearest).abs() / pixel) as f32)
+    });
+}
+
+/// Where the derivative of the exponential map loses its rank.
+pub(super) fn conjugate_points(image: &mut RgbaImage, map: &Map, inside: &Inside) {
+    let [width, height] = map.size.map(|side| side as usize);
+    let widths = inside.domain().map(|[low, high]| (high - low) as f32);
+    // The determinant over the sum of squares: between −½ and ½, smooth, with the sign of the Jacobi field.
+    let signed: Vec<f32> = map
+        .by_pixel
+        .par_iter()
+        .zip(&map.status)
+        .map(|(d, status)| {
+            let [a, b, c, d] = [
+                d[0] / widths[0],
+                d[1] / widths[1],
+                d[2] / widths[0],
+                d[3] / widths[1],
+            ];
+            if *status == Status::Complete {
+                (a * d - b * c) / (a * a + b * b + c * c + d * d)
+            } else {
+                f32::NAN
+            }
+        })
+        .collect();
+    if signed.is_empty() {
+        return;
+    }
+    stroke(image, ink::CONJUGATE, |index| {
+        let [x, y] = [index % width, index / width];
+        let here = signed[index];
+        let beside = |step: isize, wanted: bool| -> Option<f32> {
+            let value = wanted.then(|| signed[index.wrapping_add_signed(step)])?;
+            value.is_finite().then_some(value)
+        };
+        let w = width as isize;
+        let left = beside(-1, x > 0);
+        let right = beside(1, x + 1 < width);
+        let up = beside(-w, y > 0);
+        let down = beside(w, y + 1 < height);
+        let slope = |low: Option<f32>, high: Option<f32>| match (low, high) {
+            (Some(low), Some(high)) => 0.5 * (high - low),
+            (Some(low), None) => here - low,
+            (None, Some(high)) => high - here,
+            (None, None) => 0.0,
+        };
+        let gradient = slope(left, right).hypot(slope(up, down));
+        let distance = here.abs() / gradient;
+        (distance < 8.0).then_some(distance)
+    });
+}
+
+/// Tints the picture by its estimated error. Gives false where the method has none for a pixel.
+pub(super) fn error(image: &mut RgbaImage, inside: &Inside) -> bool {
+    let size = [image.width(), image.height()];
+    let Some(errors) = inside.errors(STEP) else {
+        return false;
+    };
+    let columns = size[0].div_ceil(STEP) as usize;
+    image
+        .par_chunks_mut(4)
+        .enumerate()
+        .for_each(|(index, pixel)| {
+            let [x, y] = place_of(size, index).map(|n| (n / STEP) as usize);
+            let (colour, share) = tint(errors[y * columns + x]);
+            blend(pixel, colour, share);
+        });
+    true
+}
+
+/// Pixels that share one look at the error, along each side.
+const STEP: u32 = 4;
+
+/// Errors of the scale's marks, in pixels, and their colours.
+pub(super) const SCALE: [(f32, [u8; 3]); 4] = [
+    (0.001, [40, 90, 220]),
+    (0.01, [40, 190, 120]),
+    (0.1, [245, 210, 40]),
+    (1.0, [230, 40, 30]),
+];
+
+/// The colour of an error, in linear light, and how much of it is laid over.
+fn tint(error: f32) -> ([f32; 3], f32) {
+    if error.is_nan() {
+        return ([0.5; 3], 0.0);
+    }
+    let place = (error.max(1e-9).log10() + 3.0).clamp(0.0, 3.0);
+    let first = (place as usize).min(2);
+    let share = place - first as f32;
+    let [low, high] = [SCALE[first].1, SCALE[first + 1].1].map(style::linear);
+    let colour = std::array::from_fn(|k| low[k] + share * (high[k] - low[k]));
+    (colour, 0.7)
+}

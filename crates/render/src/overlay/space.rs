@@ -1,0 +1,206 @@
+//! A geodesic camera in the 3D view: its frame as arrows, and geodesics of its picture as curves on the surface.
+
+use geodesic::trace::{Options, Status};
+use rayon::prelude::*;
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
+
+use super::{Standpoint, ink};
+use crate::bounds::Placement;
+use crate::geodesic_view::Inside;
+use crate::geodesics::{Knot, Start, along};
+use crate::plan::Painter;
+use crate::request::{RenderError, Request, View};
+use crate::sample::{Samples, line_samples, vector};
+use crate::style;
+
+/// Something to be drawn in space that is no object of the scene.
+pub(crate) struct Extra {
+    /// What draws it.
+    pub(crate) painter: Painter,
+    /// Its samples.
+    pub(crate) samples: Samples,
+    /// Its colour in linear light.
+    pub(crate) colour: [f32; 3],
+}
+
+/// Points of a line of the picture.
+const POINTS: u32 = 64;
+/// Directions in which wavefronts and conjugate points are looked for.
+const DIRECTIONS: u32 = 180;
+/// The most wavefronts.
+const MOST_WAVES: f64 = 64.0;
+/// Arrows are no longer than this share of the scene's radius.
+const LONGEST_ARROW: f64 = 0.5;
+/// Directions are told from points so far apart, as a share of the zoom.
+const NUDGE: f64 = 1e-4;
+
+const X: [u8; 3] = [255, 80, 60];
+const Y: [u8; 3] = [70, 220, 90];
+const AXES: [u8; 3] = [235, 235, 240];
+const BORDER: [u8; 3] = [255, 210, 60];
+
+/// What shows the camera that the request asks for; nothing if it asks for none.
+///
+/// # Errors
+/// Those of the camera.
+pub(crate) fn extras(
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+    placement: &Placement,
+) -> Result<Vec<Extra>, RenderError> {
+    let Some(camera) = request.show_camera else {
+        return Ok(Vec::new());
+    };
+    let inside = stand(scene, settings, request, camera)?;
+    let (surface, frame) = (inside.ground().surface(), &inside.frame);
+    if !surface.is_embedded() {
+        return Ok(Vec::new());
+    }
+    let zoom = inside.zoom;
+    let at = |place: [f64; 2]| -> Option<[f64; 3]> {
+        let length = zoom * place[0].hypot(place[1]);
+        let trace = frame.trace(surface, place, length, &Options::default());
+        let trace = trace.ok().filter(|t| t.status == Status::Complete)?;
+        trace.position
+    };
+    let origin = surface.jet(frame.uv).position;
+    let mut all = Vec::new();
+    let length = zoom.min(LONGEST_ARROW * placement.radius);
+    for (place, colour) in [([NUDGE, 0.0], X), ([0.0, NUDGE], Y)] {
+        let Some(end) = at(place) else { continue };
+        let direction = [0, 1, 2].map(|k| (end[k] - origin[k]) / (NUDGE * zoom) * length);
+        all.push(Extra {
+            painter: Painter::Vectors,
+            samples: Samples::Vectors(vec![vector(placement, origin, direction)]),
+            colour: style::linear(colour),
+        });
+    }
+    let curve = |lines: &[Vec<Option<Knot>>], colour: [u8; 3]| Extra {
+        painter: Painter::Curves,
+        samples: line_samples(placement, lines[0].len() as u32, lines),
+        colour: style::linear(colour),
+    };
+    let [right, up] = half_extent(request.size);
+    let axes: Vec<_> = [[right, 0.0], [-right, 0.0], [0.0, up], [0.0, -up]]
+        .into_par_iter()
+        .map(|place| {
+            let length = zoom * place[0].hypot(place[1]);
+            let lengths: Vec<f64> = (0..=POINTS)
+                .map(|k| length * f64::from(k) / f64::from(POINTS))
+                .collect();
+            along(surface, &Start::Frame(frame, place), &lengths)
+        })
+        .collect();
+    all.push(curve(&axes, AXES));
+    let corners = [[right, up], [-right, up], [-right, -up], [right, -up]];
+    let border: Vec<Vec<Option<Knot>>> = (0..4)
+        .into_par_iter()
+        .map(|side| {
+            let (from, to) = (corners[side], corners[(side + 1) % 4]);
+            (0..=POINTS)
+                .map(|k| {
+                    let t = f64::from(k) / f64::from(POINTS);
+                    let place = [0, 1].map(|k| from[k] + t * (to[k] - from[k]));
+                    at(place).map(knot)
+                })
+                .collect()
+        })
+        .collect();
+    all.push(curve(&border, BORDER));
+    if let Some(spacing) = request.overlays.wavefronts {
+        let spacing = spacing.distance(zoom);
+        let waves = (right.min(up) * zoom / spacing).floor().min(MOST_WAVES);
+        if waves >= 1.0 {
+            let lengths: Vec<f64> = (1..=waves as u32).map(|k| spacing * f64::from(k)).collect();
+            let rays: Vec<_> = (0..=DIRECTIONS)
+                .into_par_iter()
+                .map(|k| along(surface, &Start::Frame(frame, direction(k)), &lengths))
+                .collect();
+            let rings: Vec<Vec<Option<Knot>>> = (0..lengths.len())
+                .map(|ring| rays.iter().map(|ray| ray[ring]).collect())
+                .collect();
+            all.push(curve(&rings, ink::WAVE));
+        }
+    }
+    if request.overlays.conjugate_points {
+        let options = Options {
+            conjugates: true,
+            ..Options::default()
+        };
+        let first: Vec<Option<Knot>> = (0..=DIRECTIONS)
+            .into_par_iter()
+            .map(|k| {
+                let towards = direction(k);
+                let farthest = zoom * reach_in(towards, [right, up]);
+                let trace = frame.trace(surface, towards, farthest, &options).ok()?;
+                let first = *trace.conjugates.first()?;
+                at(towards.map(|x| x * first / zoom)).map(knot)
+            })
+            .collect();
+        all.push(curve(&[first], ink::CONJUGATE));
+    }
+    Ok(all)
+}
+
+/// Stands the camera on its surface, as the geodesic view would.
+fn stand(
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+    camera: Standpoint,
+) -> Result<Inside, RenderError> {
+    let Standpoint {
+        surface,
+        at,
+        angle,
+        zoom,
+    } = camera;
+    let seen = Request {
+        view: View::Geodesic {
+            surface,
+            at,
+            angle,
+            zoom,
+            method: crate::request::Method::Auto,
+        },
+        ..request.clone()
+    };
+    seen.check(scene)?;
+    Inside::new(scene, settings, &seen)
+}
+
+/// The painters that the camera needs beside the scene's.
+pub(super) const PAINTERS: [Painter; 2] = [Painter::Vectors, Painter::Curves];
+
+/// Whether an object is a surface in space, whose camera can be shown there.
+pub(super) fn is_shown(scene: &Scene, object: ObjectId) -> bool {
+    let object = scene.objects.get(object.0 as usize);
+    object.is_some_and(|o| matches!(o.shape, scene::scene::Shape::Surface { .. }))
+}
+
+fn knot(position: [f64; 3]) -> Knot {
+    Knot {
+        uv: [f64::NAN; 2],
+        position: Some(position),
+    }
+}
+
+/// The k-th direction, a unit vector; the last is the first again.
+fn direction(k: u32) -> [f64; 2] {
+    let angle = std::f64::consts::TAU * f64::from(k % DIRECTIONS) / f64::from(DIRECTIONS);
+    [angle.cos(), angle.sin()]
+}
+
+/// Half the picture's width and height; the shorter one is 1.
+fn half_extent(size: [u32; 2]) -> [f64; 2] {
+    let shorter = f64::from(size[0].min(size[1]).max(1));
+    size.map(|side| f64::from(side) / shorter)
+}
+
+/// How far the picture reaches in a direction.
+fn reach_in(direction: [f64; 2], half: [f64; 2]) -> f64 {
+    let [x, y] = [0, 1].map(|k| half[k] / direction[k].abs());
+    x.min(y)
+}

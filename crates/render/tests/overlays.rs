@@ -1,0 +1,211 @@
+//! What is drawn over a picture: nothing unless asked for, and then where closed forms say.
+
+use image::{Rgba, RgbaImage};
+use render::overlay::{Overlays, Spacing, Standpoint};
+use render::plan::plan;
+use render::sample::{Samples, sample};
+use render::texture::Texture;
+use render::{Backend, Picture, Request, View, render};
+use scene::scene::ObjectId;
+use scene::{Scene, Settings, compile};
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+const PLANE: &str = "surface s(u,v) = (u, v, 0), u : [-9,9], v : [-9,9];";
+const SPHERE: &str =
+    "surface s(u,v) = (cosv cosu, cosv sinu, sinv), u : [-pi,pi], v : [-pi/2,pi/2];";
+const CYLINDER: &str = "surface s(u,v) = (cosu, sinu, v), u : [-pi,pi], v : [-20,20];";
+
+fn scene(source: &str) -> Scene {
+    let compilation = compile(source);
+    compilation
+        .scene
+        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
+}
+
+/// A grey picture of the first object from inside, on the software path.
+fn draw(source: &str, at: [f64; 2], distance: f64, overlays: Overlays) -> Picture {
+    let scene = scene(source);
+    let grey = Texture::from_image(RgbaImage::from_pixel(1, 1, Rgba([128, 128, 128, 255])));
+    let mut request = Request {
+        backend: Backend::Software,
+        mark_centre: false,
+        textures: vec![(ObjectId(0), Arc::new(grey))],
+        overlays,
+        ..Request::geodesic(ObjectId(0), [128, 128])
+    };
+    if let View::Geodesic {
+        at: place, zoom, ..
+    } = &mut request.view
+    {
+        (*place, *zoom) = (Some(at), Some(distance));
+    }
+    render(&scene, &Settings::opening(&scene), &request, &|_| {}).expect("a picture")
+}
+
+/// The distances from the centre, in units of half the picture, of pixels that are not grey.
+fn marked(picture: &Picture) -> Vec<f64> {
+    let pixels = picture.image.enumerate_pixels();
+    pixels
+        .filter(|(.., pixel)| (0..3).any(|k| pixel.0[k].abs_diff(128) > 60))
+        .map(|(x, y, _)| {
+            let at = |n: u32| (f64::from(n) + 0.5) / 64.0 - 1.0;
+            at(x).hypot(at(y))
+        })
+        .collect()
+}
+
+#[test]
+fn nothing_is_drawn_that_was_not_asked_for() {
+    let picture = draw(PLANE, [0.0; 2], 1.0, Overlays::default());
+    assert_eq!(picture.overlays, Vec::<&str>::new());
+    assert!(
+        picture
+            .image
+            .pixels()
+            .all(|pixel| pixel.0 == [128, 128, 128, 255])
+    );
+}
+
+#[test]
+fn wavefronts_are_circles_at_multiples_of_their_spacing() {
+    let overlays = Overlays {
+        wavefronts: Some(Spacing::Every(0.5)),
+        ..Overlays::default()
+    };
+    let picture = draw(PLANE, [0.0; 2], 2.0, overlays);
+    assert_eq!(picture.overlays, ["wavefronts"]);
+    let found = marked(&picture);
+    assert!(found.len() > 500, "{}", found.len());
+    for distance in found {
+        let s = 2.0 * distance / 0.5;
+        assert!((s - s.round()).abs() * 0.5 < 3.0 * 2.0 / 64.0, "{s}");
+    }
+}
+
+#[test]
+fn a_sphere_s_conjugate_points_are_half_a_turn_away() {
+    let overlays = Overlays {
+        conjugate_points: true,
+        ..Overlays::default()
+    };
+    let found = marked(&draw(SPHERE, [0.3, 0.4], 4.0, overlays));
+    assert!(found.len() > 100, "{}", found.len());
+    for distance in found {
+        assert!((4.0 * distance - PI).abs() < 3.5 * 4.0 / 64.0, "{distance}");
+    }
+    let plane = draw(PLANE, [0.0; 2], 4.0, overlays);
+    assert_eq!(marked(&plane), Vec::<f64>::new());
+}
+
+#[test]
+fn a_cylinder_s_cut_locus_is_the_line_on_its_other_side() {
+    let overlays = Overlays {
+        cut_locus: true,
+        ..Overlays::default()
+    };
+    let picture = draw(CYLINDER, [0.5, 0.0], 5.0, overlays);
+    let share = 100.0 * (1.0 - PI / 5.0);
+    let told = picture.notes.iter().find_map(|note| {
+        let share = note.split_once(" % of the pixels lie beyond the cut locus")?;
+        share.0.parse::<f64>().ok()
+    });
+    let told = told.unwrap_or_else(|| panic!("{:?}", picture.notes));
+    assert!((told - share).abs() < 2.0, "{told} %, not {share} %");
+    for (x, _, pixel) in picture.image.enumerate_pixels() {
+        if pixel.0[2] < 60 {
+            let off = 5.0 * ((f64::from(x) + 0.5) / 64.0 - 1.0).abs() - PI;
+            assert!(off.abs() < 4.0 * 5.0 / 64.0, "a line {off} off");
+        }
+    }
+}
+
+#[test]
+fn a_surface_wears_its_geodesics() {
+    let source = format!("{PLANE} geodesic g(t) : s = (1, 0) @ (0, 0.25), t : [-0.5, 0.5];");
+    let picture = draw(&source, [0.0; 2], 1.0, Overlays::default());
+    assert_eq!(picture.overlays, ["geodesics"]);
+    let red = |x: u32, y: u32| picture.image.get_pixel(x, y).0[1] < 90;
+    // v = 0.25 is row 47.5 from the top, and the line reaches half of the way to both sides.
+    for x in 0..128 {
+        let inside = (34..94).contains(&x);
+        assert_eq!(
+            red(x, 47) || red(x, 48),
+            inside || (29..99).contains(&x) && (red(x, 47) || red(x, 48))
+        );
+        assert!(!red(x, 40) && !red(x, 55), "column {x}");
+    }
+}
+
+#[test]
+fn declared_geodesics_are_curves_in_space_at_equal_arc_lengths() {
+    let source = format!(
+        "{SPHERE} grid k : [0, 1, 3]; geodesic g(t) : s = (1, k) @ (0, 0), t : [-1, 2, 31];"
+    );
+    let scene = scene(&source);
+    let settings = Settings::opening(&scene);
+    let bounds = render::bounds::Bounds::of(&scene, &settings);
+    let Samples::Curves { count, samples } =
+        sample(&scene, &settings, ObjectId(1), &bounds.placement)
+    else {
+        panic!("no curves")
+    };
+    assert_eq!((count, samples.len()), (31, 93));
+    let radius = bounds.placement.radius;
+    for line in samples.chunks(31) {
+        for pair in line.windows(2) {
+            let [a, b] = [pair[0].position, pair[1].position];
+            let chord = (0..3)
+                .map(|k| f64::from(a[k] - b[k]).powi(2))
+                .sum::<f64>()
+                .sqrt();
+            let expected = 2.0 * 0.05_f64.sin() / radius;
+            assert!((chord - expected).abs() < 1e-5, "{chord}, not {expected}");
+        }
+    }
+    let planned = plan(&scene, &settings, &Request::space([8, 8]));
+    assert_eq!(planned.objects.len(), 2);
+}
+
+#[test]
+fn a_metric_has_a_note_in_space_and_its_geodesics_no_place() {
+    let source = "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-2,2], v : [0.1,4];
+        geodesic g(t) : h = (1, 0) @ (0, 1), t : [0, 1];";
+    let scene = scene(source);
+    let request = Request {
+        backend: Backend::Software,
+        ..Request::space([32, 32])
+    };
+    let picture = render(&scene, &Settings::opening(&scene), &request, &|_| {}).expect("a picture");
+    assert_eq!(picture.notes.len(), 1, "{:?}", picture.notes);
+    assert!(picture.notes[0].starts_with("`h` is a metric"));
+    let seen = draw(source, [0.0, 1.0], 1.0, Overlays::default());
+    assert_eq!(seen.overlays, ["geodesics"]);
+}
+
+#[test]
+fn a_geodesic_camera_is_shown_in_space_when_asked_for() {
+    let scene = scene(SPHERE);
+    let settings = Settings::opening(&scene);
+    let picture = |show_camera| {
+        let request = Request {
+            backend: Backend::Software,
+            show_camera,
+            ..Request::space([64, 64])
+        };
+        let drawn = render(&scene, &settings, &request, &|_| {}).expect("a picture");
+        (plan(&scene, &settings, &request).painters().len(), drawn)
+    };
+    let (plain_painters, plain) = picture(None);
+    let (painters, shown) = picture(Some(Standpoint {
+        surface: ObjectId(0),
+        at: Some([-1.0, 0.3]),
+        angle: 0.0,
+        zoom: Some(0.5),
+    }));
+    assert_eq!((plain_painters, painters), (1, 3));
+    assert_eq!(plain.overlays, Vec::<&str>::new());
+    assert_eq!(shown.overlays, ["camera"]);
+    assert_ne!(plain.image, shown.image);
+}
