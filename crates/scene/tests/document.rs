@@ -127,10 +127,13 @@ impl Writer<'_, '_> {
     fn line(&mut self, kind: Kind, name: &'static str) -> Line {
         let (x, y) = (self.number(), self.number());
         let digit = 2 + self.random.below(6);
-        let text = match (kind, self.random.below(6)) {
-            (Kind::Number, 0) => format!("param {name} : [0, {digit}];"),
-            (Kind::Number, 1) => format!("grid {name} : [0, 1, {digit}];"),
-            (Kind::Number, 2) => format!("grid {name} : [{digit}, 90, 3{digit}0];"),
+        let least = self.random.pick(&["-1", "0", "1"]);
+        let text = match (kind, self.random.below(7)) {
+            (Kind::Number, 0) => format!("param {name} : [{least}, {digit}];"),
+            (Kind::Number, 1) => format!("grid {name} : [{least}, 2, {digit}];"),
+            (Kind::Number, 2) => format!("grid {name} : [{least}, 90, 1{digit}00];"),
+            // It reads what its value does not hang on.
+            (Kind::Number, 3) => format!("define {name} = 0 {x} + {digit};"),
             (Kind::Number, _) => format!("define {name} = {x} + {y};"),
             (Kind::Space, 0) => format!("param {name} : [0, 1], [0, {digit}], [1, 2];"),
             (Kind::Space, 1) => format!("define {name} = ({x}, 0, {y});"),
@@ -159,7 +162,9 @@ impl Writer<'_, '_> {
             (Kind::One, 1) => format!("function {name}(x) = x {x};"),
             (Kind::One, _) => format!("function {name}(x) = {x} x^2 - {y};"),
             (Kind::Two, _) => format!("function {name}(x, t) = {x} t - x {y};"),
-            (Kind::Curve, 0) => format!("curve {name}(t) = (t, {x} t, {y}), t : [0, {x}];"),
+            (Kind::Curve, 0 | 1) => {
+                format!("curve {name}(t) = (t, {x} t, {y}), t : [0, 1 + {x} {y}];")
+            }
             (Kind::Curve, _) => format!("curve {name}(t) = (t, {x}, {y}), t : [0, {digit}, 9];"),
             (Kind::Patch, 0 | 1) => {
                 format!("metric {name}(u, v) = (1 + {x}^2, 0, {y}), u : [0, 1], v : [0, {digit}];")

@@ -698,10 +698,10 @@ impl Document {
             }
         }
         let chunk = self.chunk_mut(id);
-        chunk.tokens = recorder.tokens;
-        chunk.events = recorder.events;
+        chunk.tokens = recorder.tokens.into_boxed_slice();
+        chunk.events = recorder.events.into_boxed_slice();
         chunk.findings = findings;
-        chunk.lookups = lookups;
+        chunk.lookups = lookups.into_boxed_slice();
         chunk.defines = symbols.iter().map(|(symbol, _)| *symbol).collect();
         chunk.version = version;
         for (symbol, meaning) in symbols {

@@ -37,7 +37,7 @@ impl Actions for Transcript {
         self.events.push(Event::Operator(operator, span));
     }
     fn act_interval(&mut self, interval: Interval) {
-        self.events.push(Event::Interval(interval));
+        self.events.push(Event::Interval(Box::new(interval)));
     }
     fn act_declaration(&mut self, d: &Declaration<'_>) {
         let mut line = format!("{:?} {:?} {} {:?}", d.word, d.span, d.name, d.name_span);

@@ -29,6 +29,8 @@ use crate::symbol::{Constant, Meaning};
 #[derive(Clone, Debug)]
 pub(super) struct Workshop {
     declarations: Declarations,
+    /// How many builtin names there are; theirs are the first symbols, here and there.
+    builtins: u32,
     /// The next symbol of the workshop's own.
     next_symbol: u32,
     /// By the document's symbols.
@@ -116,8 +118,10 @@ impl Workshop {
         let mut declarations = Declarations::new();
         declarations.is_workshop = true;
         declarations.lowerer.reads.place(Vec::new());
+        let builtins = declarations.lowerer.symbols.len() as u32;
         Self {
-            next_symbol: declarations.lowerer.symbols.len() as u32,
+            builtins,
+            next_symbol: builtins,
             declarations,
             known: HashMap::new(),
             params: Vec::new(),
@@ -236,8 +240,8 @@ impl Workshop {
         checked
     }
 
-    fn own(&self, symbol: SymbolId, builtins: u32) -> SymbolId {
-        if symbol.0 < builtins {
+    fn own(&self, symbol: SymbolId) -> SymbolId {
+        if symbol.0 < self.builtins {
             return symbol;
         }
         self.known
@@ -246,10 +250,9 @@ impl Workshop {
     }
 
     fn own_operator(&self, operator: Operator) -> Operator {
-        let builtins = crate::builtin::count();
         match operator {
-            Operator::Constant(symbol) => Operator::Constant(self.own(symbol, builtins)),
-            Operator::Function(symbol) => Operator::Function(self.own(symbol, builtins)),
+            Operator::Constant(symbol) => Operator::Constant(self.own(symbol)),
+            Operator::Function(symbol) => Operator::Function(self.own(symbol)),
             other => other,
         }
     }

@@ -20,7 +20,7 @@ pub enum Event {
     /// A step of an expression.
     Operator(Operator, Span),
     /// An interval.
-    Interval(Interval),
+    Interval(Box<Interval>),
     /// A declaration has been read.
     Declaration(Box<ReadDeclaration>),
     /// A diagnostic: the next one of the chunk's.
@@ -80,11 +80,11 @@ pub(super) struct Declared {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chunk {
     pub(super) text: Box<str>,
-    pub(super) tokens: Vec<Token>,
-    pub(super) events: Vec<Event>,
+    pub(super) tokens: Box<[Token]>,
+    pub(super) events: Box<[Event]>,
     pub(super) findings: Vec<Finding>,
     /// What was asked of the names above.
-    pub(super) lookups: Vec<Lookup>,
+    pub(super) lookups: Box<[Lookup]>,
     /// The symbols it declares, in order.
     pub(super) defines: Vec<SymbolId>,
     pub(super) declared: Vec<Declared>,
@@ -142,7 +142,7 @@ impl Actions for Recorder {
     }
 
     fn act_interval(&mut self, interval: Interval) {
-        self.events.push(Event::Interval(interval));
+        self.events.push(Event::Interval(Box::new(interval)));
     }
 
     fn act_declaration(&mut self, declaration: &Declaration<'_>) {
