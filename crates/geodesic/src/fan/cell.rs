@@ -312,7 +312,6 @@ pub(super) fn look(
     t: f64,
     s: f64,
 ) -> Found {
-    let limits = rays.map(Ray::limit);
     let unknown = |ray: &Ray| {
         ray.stop
             .is_some_and(|stop| stop.status == Status::WorkLimit && s > stop.s)
@@ -320,22 +319,32 @@ pub(super) fn look(
     if rays.into_iter().any(unknown) {
         return Found::Unknown;
     }
-    if s > limits[0].min(limits[1])
+    let first = rays[0].limit().min(rays[1].limit());
+    let stretched = is_stretched(rays);
+    // A ray that has left through an edge goes on a little way beyond it: there the end itself says where it lies.
+    let leaves = |ray: &Ray| {
+        ray.stop
+            .is_none_or(|stop| stop.status == Status::LeftDomain)
+    };
+    let told = !stretched && rays.into_iter().all(leaves);
+    if s > first
+        && !told
         && let Some((edge, status)) = edge(rays, width, t)
         && s > edge
     {
         return Found::Ended(status);
     }
     let Some(point) = between(space, across, rays, width, t, s) else {
-        return Found::Unknown;
+        return match edge(rays, width, t) {
+            Some((edge, status)) if s > edge => Found::Ended(status),
+            _ => Found::Unknown,
+        };
     };
-    if point.chart.kind == Kind::Plain
+    if !stretched
+        && point.chart.kind == Kind::Plain
         && let Some((axis, end)) = space.beyond_edge(point.at)
     {
-        return if limits[0].is_finite() && limits[1].is_finite() {
-            // The exits say that it is still inside: on the edge, but for the interpolation.
-            Found::Point(point)
-        } else if space.is_collapsed(axis, end) {
+        return if space.is_collapsed(axis, end) {
             Found::Ended(Status::ConePoint)
         } else {
             Found::Ended(Status::LeftDomain)
