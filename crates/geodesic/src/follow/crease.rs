@@ -24,10 +24,7 @@ enum Found {
     /// Nothing that stays in one place: the surface is steep there.
     Steep,
     /// A crease between two sizes of the step, with the rays' ends there.
-    Jump {
-        before: (Step, Local),
-        after: (Step, Local),
-    },
+    Jump(Box<[(Step, Local); 2]>),
     /// Out of evaluations.
     Nothing,
 }
@@ -59,7 +56,8 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         }) {
             Found::Steep => Some(Attempt::Again(0.3 * h)),
             Found::Nothing => Some(Attempt::Ended(Status::WorkLimit)),
-            Found::Jump { before, after } => {
+            Found::Jump(ends) => {
+                let [before, after] = *ends;
                 if before.0.position_error > allowed {
                     return Some(Attempt::Again(0.5 * h));
                 }
@@ -115,10 +113,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                 return Found::Steep;
             }
         }
-        Found::Jump {
-            before: (before.0, before.1),
-            after: (after.0, after.1),
-        }
+        Found::Jump(Box::new([(before.0, before.1), (after.0, after.1)]))
     }
 
     /// Takes the step as far as a crease and goes on behind it.
