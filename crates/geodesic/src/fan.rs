@@ -4,9 +4,9 @@
 //! between a few rays.
 //!
 //! ```text
-//! frame ──start.rs──▶ runners ──march.rs (lanes.rs)──▶ rays (ray.rs) ──refine.rs──▶ sectors
-//!                                                                                     │
-//!                                            a place in the picture ──cell.rs──▶ its end
+//! frame ──start.rs──▶ runners ──march.rs (lanes.rs, event.rs)──▶ rays (ray.rs) ──refine.rs, verify.rs──▶ sectors
+//!                                                                                                        │
+//!                                                   a place in the picture ──sectors.rs, cell.rs──▶ its end
 //! ```
 
 mod cell;
@@ -53,7 +53,8 @@ pub struct FanOptions {
     pub tolerance: f64,
     /// Between rays.
     pub across: Across,
-    /// The most evaluations of all rays together.
+    /// The most evaluations of all rays together, with room kept for the pixels that have to be followed by themselves.
+    /// Where they do not suffice, what is unknown says so: [`Status::WorkLimit`].
     pub max_evaluations: u64,
 }
 
