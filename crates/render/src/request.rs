@@ -236,7 +236,7 @@ impl Request {
                 ..
             } => {
                 let object = scene.objects.get(surface.0 as usize);
-                if !object.is_some_and(|object| object.shape.patch().is_some()) {
+                if object.is_none_or(|object| object.shape.patch().is_none()) {
                     return Err(RenderError::NoSurface {
                         name: object.map(|object| object.name.clone()),
                     });
