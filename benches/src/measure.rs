@@ -45,6 +45,34 @@ impl fmt::Display for Times {
     }
 }
 
+/// The mean processor time of a run on this thread, of as many runs as take a third of a second after a first one: what
+/// one thread takes, whatever else the machine does.
+pub(crate) fn processor_time<T>(mut work: impl FnMut() -> T) -> Duration {
+    const ENOUGH: Duration = Duration::from_millis(333);
+    let begun = thread_clock();
+    std::hint::black_box(work());
+    let start = thread_clock();
+    let first = start.saturating_sub(begun);
+    if first >= ENOUGH {
+        return first;
+    }
+    let mut runs = 0;
+    loop {
+        std::hint::black_box(work());
+        runs += 1;
+        let spent = thread_clock().saturating_sub(start);
+        if spent >= ENOUGH {
+            return spent / runs;
+        }
+    }
+}
+
+/// What this thread has spent on a processor.
+fn thread_clock() -> Duration {
+    let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(now.tv_sec.unsigned_abs(), now.tv_nsec as u32)
+}
+
 /// The largest resident memory of this process so far, in bytes; 0 where the system does not tell.
 pub(crate) fn peak_memory() -> u64 {
     std::fs::read_to_string("/proc/self/status")

@@ -10,14 +10,14 @@ use geodesic::trace::Status;
 
 use crate::draw::scene;
 use crate::examples;
-use crate::inside::{Random, opening};
+use crate::inside::{Opening, Random, opening};
 
 /// The sphere's radius.
 const RADIUS: f64 = 0.99;
 
 /// The sphere.
 pub struct Sphere {
-    surface: Box<dyn Surface>,
+    opening: Opening,
 }
 
 /// How far a picture is off.
@@ -43,13 +43,13 @@ impl Sphere {
     pub fn new() -> Self {
         let opening = opening(&scene(&examples::one("sphere").source));
         Self {
-            surface: opening.expect("the example has a surface").surface,
+            opening: opening.expect("the example has a surface"),
         }
     }
 
     /// The surface: (u, v) ∈ [0,1]², v from the north pole.
     pub fn surface(&self) -> &dyn Surface {
-        self.surface.as_ref()
+        self.opening.surface()
     }
 
     /// A camera by its number: 0 and 1 stand on the poles, the others anywhere, every tenth within 10⁻⁶ to 10⁻¹ of a

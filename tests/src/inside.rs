@@ -1,48 +1,45 @@
 //! Geodesic views as they open, and seeded random surfaces to look at from inside.
 
 use geodesic::frame::Frame;
-use geodesic::surface::{ParametricSurface, Surface};
+use geodesic::surface::Surface;
 use render::Request;
 use render::geodesic_view::Inside;
-use scene::scene::Shape;
+use scene::scene::{ObjectId, Shape};
 use scene::{Scene, Settings};
 
-use crate::draw::surfaces;
-
-/// A surface with the camera that its geodesic view opens with.
+/// A surface or a metric with the camera that its geodesic view opens with.
+#[derive(Clone, Debug)]
 pub struct Opening {
-    /// The surface, its params at their opening values.
-    pub surface: Box<dyn Surface>,
-    /// The camera.
-    pub frame: Frame,
+    /// The view.
+    pub inside: Inside,
 }
 
-/// The geodesic view of a scene's first surface; `None` where there is no surface.
+impl Opening {
+    /// What the camera stands on, its params at their opening values.
+    pub fn surface(&self) -> &dyn Surface {
+        self.inside.ground().surface()
+    }
+
+    /// The camera.
+    pub fn frame(&self) -> Frame {
+        self.inside.frame
+    }
+}
+
+/// The geodesic view of a scene's first surface or metric; `None` where there is neither.
 ///
 /// # Panics
 /// When the view does not open.
 pub fn opening(scene: &Scene) -> Option<Opening> {
-    let id = *surfaces(scene).first()?;
-    let settings = Settings::opening(scene);
-    let inside = Inside::new(scene, &settings, &Request::geodesic(id, [512, 512]))
+    let is_ground = |shape: &Shape| matches!(shape, Shape::Surface { .. } | Shape::Metric { .. });
+    let index = scene
+        .objects
+        .iter()
+        .position(|object| is_ground(&object.shape))?;
+    let request = Request::geodesic(ObjectId(index as u32), [512, 512]);
+    let inside = Inside::new(scene, &Settings::opening(scene), &request)
         .unwrap_or_else(|error| panic!("the view does not open: {error}"));
-    let object = &scene.objects[id.0 as usize];
-    let Shape::Surface {
-        position, domain, ..
-    } = &object.shape
-    else {
-        return None;
-    };
-    let uniforms = settings.first_instance(scene, object);
-    let domain = domain
-        .each_ref()
-        .map(|axis| [axis.range.min, axis.range.max]);
-    let surface = ParametricSurface::new(&scene.graph, *position, domain, &uniforms)
-        .unwrap_or_else(|error| panic!("the surface is too large: {error:?}"));
-    Some(Opening {
-        surface: Box::new(surface),
-        frame: inside.frame,
-    })
+    Some(Opening { inside })
 }
 
 /// SplitMix64: the same numbers on every machine.

@@ -14,6 +14,7 @@ pub(super) fn run() {
     let sphere = Sphere::new();
     let options = MapOptions {
         method: Method::Fan,
+        by_pixel: false,
         ..MapOptions::default()
     };
     let looks = |camera: u64| {

@@ -86,6 +86,7 @@ impl Kind {
         MapOptions {
             method,
             tolerance: tolerance.unwrap_or(0.1),
+            by_pixel: false,
             ..MapOptions::default()
         }
     }

@@ -22,23 +22,23 @@ use serde::Serialize;
 use self::measure::{Measured, STATUSES, Threads, View};
 use self::method::{Kind, SERIES, STEPS, Setting};
 use super::Format;
-use crate::argument::{self, Assignment};
+use crate::argument::{self, Assignment, Size};
 use crate::failure::Failure;
 use crate::output::{self, Target};
 use crate::program::Program;
 use crate::progress::Progress;
 
-/// The picture's size, in pixels along each side.
-const SIZE: u32 = 512;
-/// Picture sizes and view lengths over which the growth of the cost is shown.
-const SIZES: [u32; 4] = [128, 256, 512, 1024];
+/// Multiples of the picture's size and of the view's length over which the growth of the cost is shown.
+const SIZES: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 const LENGTHS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
+/// The longest side of a picture: a map twice as long each way must fit into memory.
+const LONGEST: u32 = 2048;
 /// The error at which methods are compared, in pixels.
 const EQUAL: f64 = 0.25;
 
 /// Measure every method of following geodesics on this program: error against run time.
 ///
-/// Each method makes the geodesic view as it opens, 512 × 512 pixels, with several settings. Their ends are compared
+/// Each method makes the geodesic view as it opens, with several settings. Their ends are compared
 /// with a reference, which is traced again and far more exactly at some thousands of pixels and uphill from the worst of
 /// them. Run times are of this machine; they are for the ends of all pixels, without their colours.
 #[derive(Args, Debug)]
@@ -49,7 +49,7 @@ Examples:
 
 Errors are distances on the surface, in pixels. The methods:
   rk4-pixel    steps of equal length for each pixel, as in the thesis: in double or single precision, one pixel
-               after the other or several at once (SIMD)
+               after the other or eight at once (SIMD); f32 shows the errors of single precision, not its speed
   adaptive     steps as long as the tolerance allows, for each pixel
   fan-linear   rays that all pixels share, with linear interpolation between them
   fan          rays with their Jacobi fields: what `render` uses")]
@@ -62,6 +62,9 @@ pub(super) struct Arguments {
     /// A value for a param or a grid; without one a param is at its minimum and a grid at its first value
     #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
+    /// The picture's size in pixels
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = argument::size, allow_hyphen_values = true)]
+    size: Size,
     /// For people, or one JSON document
     #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
     format: Format,
@@ -107,7 +110,7 @@ struct Row {
 /// One view of another size, or length.
 #[derive(Debug, Serialize)]
 struct Growth {
-    size: u32,
+    size: [u32; 2],
     zoom: f64,
     rows: Vec<Row>,
 }
@@ -121,10 +124,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(path) => Some(Target::new(path)?),
         None => None,
     };
-    let request = Request::geodesic(id, [SIZE; 2]);
+    if arguments.size.0.iter().any(|side| *side > LONGEST) {
+        return Err(Failure::usage(format!(
+            "--size: methods are measured on pictures of up to {LONGEST} × {LONGEST} pixels"
+        )));
+    }
+    let request = Request::geodesic(id, arguments.size.0);
     let inside =
         Inside::new(program.scene()?, &settings, &request).map_err(super::render::failure)?;
-    let surface = program.parametric(object, &settings)?;
+    let surface = inside.ground().surface();
 
     let threads = Threads::new()?;
     let progress = Progress::start("measuring");
@@ -132,8 +140,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Subject {
             file: program.source.name.clone(),
             name: object.name.clone(),
-            surface: &surface,
+            surface,
             frame: inside.frame,
+            size: arguments.size.0,
         },
         &threads,
         &|share| progress.reach(share),
@@ -155,6 +164,7 @@ struct Subject<'s, S: Surface + ?Sized> {
     name: String,
     surface: &'s S,
     frame: Frame,
+    size: [u32; 2],
 }
 
 fn measure<S: Surface + ?Sized>(
@@ -167,6 +177,7 @@ fn measure<S: Surface + ?Sized>(
         name,
         surface,
         frame,
+        size,
     } = subject;
     let settings = Setting::all();
     let parts = (settings.len() + SIZES.len() + LENGTHS.len()) as f32;
@@ -175,16 +186,17 @@ fn measure<S: Surface + ?Sized>(
         done += 1.0;
         progress(done / parts);
     };
-    let mut view = View::new(surface, frame, [SIZE; 2]);
+    let mut view = View::new(surface, frame, size);
     let (pixels, unknown) = view.sampled();
     let mut rows = Vec::new();
     for setting in settings {
         rows.push(Row::new(setting, view.measure(&setting, threads)));
         reach();
     }
-    let mut grown = |size: u32, factor: f64| {
-        let frame = frame.zoomed(factor);
-        let mut view = View::new(surface, frame, [size; 2]);
+    let mut grown = |larger: f64, longer: f64| {
+        let size = size.map(|side| ((larger * f64::from(side)) as u32).max(1));
+        let frame = frame.zoomed(longer);
+        let mut view = View::new(surface, frame, size);
         let rows = growth(&mut view, threads);
         reach();
         Growth {
@@ -193,12 +205,12 @@ fn measure<S: Surface + ?Sized>(
             rows,
         }
     };
-    let by_size = SIZES.map(|size| grown(size, 1.0)).into();
-    let by_length = LENGTHS.map(|factor| grown(SIZE, factor)).into();
+    let by_size = SIZES.map(|larger| grown(larger, 1.0)).into();
+    let by_length = LENGTHS.map(|longer| grown(1.0, longer)).into();
     Document {
         file,
         surface: name,
-        size: [SIZE; 2],
+        size,
         zoom: frame.zoom(surface),
         threads: threads.count(),
         reference: Sampled { pixels, unknown },
@@ -279,7 +291,7 @@ fn diagram(document: &Document) -> String {
         title: format!("{}: error against run time", document.file),
         subtitle: format!(
             "geodesic view of {}, {} × {} pixels, zoom {:.4}, one thread",
-            document.surface, SIZE, SIZE, document.zoom
+            document.surface, document.size[0], document.size[1], document.zoom
         ),
         across: "run time (ms)",
         up: "largest error (px)",

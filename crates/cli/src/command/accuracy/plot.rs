@@ -32,10 +32,10 @@ const HEIGHT: f64 = 540.0;
 const FRAME: [f64; 4] = [74.0, 66.0, 640.0, 480.0];
 /// Colours that the colour-blind can tell apart (Okabe and Ito).
 const COLOURS: [&str; 8] = [
-    "#0072b2", "#56b4e9", "#999999", "#e69f00", "#cc79a7", "#f0c800", "#009e73", "#d55e00",
+    "#0072b2", "#56b4e9", "#999999", "#009e73", "#e69f00", "#d55e00", "#cc79a7", "#000000",
 ];
 /// What lies farther off is cut away.
-const RANGE: [f64; 2] = [1e-7, 1e5];
+const RANGE: [f64; 2] = [1e-7, 1e7];
 
 /// A logarithmic axis over whole decades.
 struct Axis {

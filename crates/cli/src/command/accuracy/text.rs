@@ -58,7 +58,7 @@ pub(super) fn table(document: &Document) -> String {
     out.push('\n');
     out.push_str(&equal(document));
     out.push_str(&growth("picture size", &document.by_size, |grown| {
-        format!("{}²", grown.size)
+        format!("{}×{}", grown.size[0], grown.size[1])
     }));
     out.push_str(&growth("view length", &document.by_length, |grown| {
         format!("z = {:.3}", grown.zoom)

@@ -1,0 +1,71 @@
+//! What the geodesic view of every example costs, counted: a change of cost is a change of a line.
+
+use std::fmt::Write;
+
+use geodesic::fan::{Fan, FanOptions};
+use geodesic::patchwork::{Cover, Patchwork};
+use rayon::ThreadPoolBuilder;
+use testing::draw::scene;
+use testing::examples;
+use testing::inside::opening;
+
+const SIZE: [u32; 2] = [512, 512];
+
+/// One line for each example with a surface.
+fn table(names: &[&str]) -> String {
+    let mut table = String::new();
+    for example in examples::all() {
+        if !names.is_empty() && !names.contains(&example.name.as_str()) {
+            continue;
+        }
+        let Some(view) = opening(&scene(&example.source)) else {
+            continue;
+        };
+        let options = FanOptions::default();
+        let fan = Fan::build(view.surface(), &view.frame(), SIZE, &options);
+        let patchwork = Patchwork::cut(&fan, SIZE, 0.25 * options.tolerance);
+        let work = fan.work();
+        let empty = patchwork
+            .covers
+            .iter()
+            .filter(|cover| matches!(cover, Cover::Nothing(_)))
+            .count();
+        let _ = writeln!(
+            table,
+            "{:14} rays {:5}  steps {:6}  rejected {:5}  evaluations {:7}  followed {:6}  patches {:5}  \
+             single blocks {:5}  empty blocks {:5}  samples {:7}",
+            example.name,
+            work.rays,
+            work.steps,
+            work.rejected,
+            work.evaluations,
+            work.followed,
+            patchwork.patches.len(),
+            patchwork.singles.len(),
+            empty,
+            patchwork.samples
+        );
+    }
+    table
+}
+
+#[test]
+fn the_work_of_every_example_is_what_it_was() {
+    insta::assert_snapshot!("examples", table(&[]));
+}
+
+#[test]
+fn work_does_not_depend_on_the_number_of_threads() {
+    let on = |threads: usize| {
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
+        pool.install(|| table(&["torus", "monkey", "sphere"]))
+    };
+    let one = on(1);
+    assert_eq!(one.lines().count(), 3);
+    for threads in [2, 5] {
+        assert_eq!(on(threads), one);
+    }
+}
