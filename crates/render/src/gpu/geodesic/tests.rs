@@ -258,3 +258,25 @@ fn what_is_undefined_degenerate_or_endless_ends_with_its_status() {
         assert!(offset.iter().all(|c| c.is_finite()), "pixel {index}");
     }
 }
+
+#[test]
+fn the_pass_reads_a_table_of_the_layout_that_is_written() {
+    use geodesic::patchwork::table::{APEX_WORDS, PATCH_WORDS, SINGLE_WORDS};
+    use geodesic::patchwork::{ARC_TANGENT, BLOCK, DEGREE};
+    let joined = wgsl::painter::resolve_patchwork().expect("valid");
+    let text = joined.source();
+    for (name, value) in [
+        ("APEX_WORDS", APEX_WORDS),
+        ("PATCH_WORDS", PATCH_WORDS),
+        ("SINGLE_WORDS", SINGLE_WORDS),
+        ("DEGREE", DEGREE),
+    ] {
+        let line = format!("const {name}: u32 = {value}u;");
+        assert!(text.contains(&line), "{line}");
+    }
+    assert_eq!(BLOCK, 8, "a workgroup is a block");
+    for coefficient in ARC_TANGENT {
+        let number = coefficient.abs().to_string();
+        assert!(text.contains(&number), "{number}");
+    }
+}
