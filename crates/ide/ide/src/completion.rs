@@ -1,0 +1,348 @@
+//! What can be written at a place.
+
+use syntax::span::Span;
+use syntax::symbols::SymbolKind;
+use syntax::token::{DeclareWord, TokenKind};
+
+use crate::describe::{self, Description};
+use crate::outline::parameters;
+use crate::reading::Reading;
+
+/// One thing that can be written.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Completion {
+    /// The name, as it is written and listed.
+    pub label: String,
+    /// What kind of thing it is.
+    pub kind: CompletionKind,
+    /// A short note beside the label.
+    pub detail: String,
+    /// What takes the place of the range.
+    pub insert: String,
+    /// Whether `insert` holds places to fill in: `${1:name}`.
+    pub snippet: bool,
+}
+
+/// What kind of thing a completion is.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+#[allow(missing_docs)]
+pub enum CompletionKind {
+    Keyword,
+    Function,
+    Surface,
+    Curve,
+    Constant,
+    Parameter,
+}
+
+/// What can be written at a place, and the range that it takes the place of: what is left of the word before it.
+pub fn completions(reading: &Reading, offset: u32, snippets: bool) -> (Span, Vec<Completion>) {
+    let place = Place::of(reading, offset);
+    let list = match place.wanted {
+        Wanted::Nothing => Vec::new(),
+        Wanted::Declaration => DeclareWord::ALL
+            .map(|word| declaring(word, snippets))
+            .to_vec(),
+        Wanted::Parameter(item) => own_parameters(reading, item),
+        Wanted::ParameterOf(item) => own_parameters(reading, item),
+        Wanted::Surface => symbols(reading, offset, |word| {
+            matches!(word, Some(DeclareWord::Surface | DeclareWord::Metric))
+        }),
+        Wanted::Operand(item) => {
+            let mut list = item
+                .map(|item| own_parameters(reading, item))
+                .unwrap_or_default();
+            list.extend(symbols(reading, offset, |_| true));
+            list
+        }
+    };
+    (place.range, list)
+}
+
+/// More about a completion, told when it is chosen from the list.
+pub fn describe(reading: &Reading, offset: u32, label: &str) -> Option<Description> {
+    if let Some(word) = DeclareWord::from_text(label) {
+        return Some(Description {
+            code: form(word).to_owned(),
+            text: vec![purpose(word).to_owned()],
+        });
+    }
+    let mut visible = reading.visible(offset);
+    let (id, _) = visible.find(|(_, symbol)| symbol.name == label)?;
+    describe::of_symbol(reading, id)
+}
+
+/// What fits at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Wanted {
+    Nothing,
+    Declaration,
+    /// One of the declaration's own parameters: an interval's tag.
+    Parameter(usize),
+    /// A parameter of the function that this item declares: behind `f_`.
+    ParameterOf(usize),
+    /// A surface or a metric: behind the colon of a geodesic.
+    Surface,
+    /// Any operand, in the body of this item.
+    Operand(Option<usize>),
+}
+
+struct Place {
+    wanted: Wanted,
+    range: Span,
+}
+
+impl Place {
+    fn of(reading: &Reading, offset: u32) -> Self {
+        let text = reading.text();
+        let start = word_start(reading, offset);
+        let range = Span::new(start, offset);
+        let tokens = reading.tokens();
+        let next = tokens.partition_point(|t| t.span.start < start);
+        if tokens[..next]
+            .last()
+            .is_some_and(|t| t.kind == TokenKind::Comment && offset <= t.span.end)
+        {
+            return Self {
+                wanted: Wanted::Nothing,
+                range,
+            };
+        }
+        let mut before = tokens[..next]
+            .iter()
+            .enumerate()
+            .rev()
+            .filter(|(_, t)| t.kind != TokenKind::Comment);
+        // A declaration that starts here is not yet the one that is being written.
+        let begun = |k: &usize| reading.items()[*k].span.start < start;
+        let item = reading.item_at(start).filter(begun);
+        let item = item.or_else(|| open_item(reading, start));
+        let wanted = match before.next() {
+            None => Wanted::Declaration,
+            Some((at, token)) => match token.kind {
+                TokenKind::Semicolon => Wanted::Declaration,
+                TokenKind::Declare(_) => Wanted::Nothing,
+                TokenKind::Underscore => match function_before(reading, at) {
+                    Some(item) => Wanted::ParameterOf(item),
+                    None => Wanted::Nothing,
+                },
+                TokenKind::Number(_) if range.start == range.end && token.span.end == start => {
+                    Wanted::Operand(item)
+                }
+                TokenKind::Colon => {
+                    let geodesic =
+                        item.is_some_and(|k| reading.items()[k].word == DeclareWord::Geodesic);
+                    if geodesic
+                        && !text[..token.span.start as usize]
+                            .trim_end()
+                            .ends_with(|c: char| c.is_ascii_alphanumeric())
+                    {
+                        Wanted::Surface
+                    } else {
+                        Wanted::Nothing
+                    }
+                }
+                TokenKind::Comma if item.is_some_and(|k| expects_tag(reading, k, at)) => {
+                    item.map_or(Wanted::Nothing, Wanted::Parameter)
+                }
+                _ => Wanted::Operand(item),
+            },
+        };
+        Self { wanted, range }
+    }
+}
+
+/// Where the part of a word before a place begins that is being written: at the first seam of the word from which a
+/// name goes on as it is written, else at the last one. Of `2pive` that is `ve` where `vel` is defined.
+fn word_start(reading: &Reading, offset: u32) -> u32 {
+    let text = reading.text();
+    let bytes = text.as_bytes();
+    let mut start = offset;
+    while start > 0 && bytes[start as usize - 1].is_ascii_alphanumeric() {
+        start -= 1;
+    }
+    // Digits before the first letter are a number.
+    while start < offset && bytes[start as usize].is_ascii_digit() {
+        start += 1;
+    }
+    let tokens = &reading.tokens()[reading.tokens_in(Span::new(start, offset))];
+    let seams = tokens
+        .iter()
+        .map(|t| t.span.start)
+        .filter(|&at| at >= start);
+    let item = reading.item_at(offset).map(|k| &reading.items()[k]);
+    let goes_on = |at: &u32| {
+        let written = &text[*at as usize..offset as usize];
+        let parameters = item.into_iter().flat_map(|item| &item.parameters);
+        reading
+            .visible(offset)
+            .any(|(_, symbol)| symbol.name.starts_with(written))
+            || parameters.into_iter().any(|p| p.name.starts_with(written))
+    };
+    let mut last = start;
+    for at in seams {
+        if goes_on(&at) {
+            return at;
+        }
+        last = at;
+    }
+    last
+}
+
+/// The last declaration before a place, where it has not ended with a `;`.
+fn open_item(reading: &Reading, offset: u32) -> Option<usize> {
+    let after = reading
+        .items()
+        .partition_point(|item| item.span.start < offset);
+    let k = after.checked_sub(1)?;
+    let between = &reading.text()[reading.items()[k].span.end as usize..offset as usize];
+    let closed = reading.items()[k].span.text(reading.text()).ends_with(';');
+    (!closed && !between.contains(';')).then_some(k)
+}
+
+/// The item of the function before an underscore.
+fn function_before(reading: &Reading, underscore: usize) -> Option<usize> {
+    for token in reading.tokens()[..underscore].iter().rev() {
+        match token.kind {
+            TokenKind::Function(id) => return reading.item_of(id),
+            TokenKind::Variable(_) | TokenKind::Underscore | TokenKind::Prime => {}
+            _ => return None,
+        }
+    }
+    None
+}
+
+/// Whether behind this comma an interval's tag comes: the comma stands outside all brackets, behind the body.
+fn expects_tag(reading: &Reading, item: usize, comma: usize) -> bool {
+    let item = &reading.items()[item];
+    let has_intervals = matches!(
+        item.word,
+        DeclareWord::Curve | DeclareWord::Surface | DeclareWord::Metric | DeclareWord::Geodesic
+    );
+    let first = reading
+        .tokens()
+        .partition_point(|t| t.span.start < item.span.start);
+    let depth: i32 = reading.tokens()[first..comma]
+        .iter()
+        .map(|token| match token.kind {
+            TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => 1,
+            TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => -1,
+            _ => 0,
+        })
+        .sum();
+    has_intervals && depth == 0
+}
+
+fn own_parameters(reading: &Reading, item: usize) -> Vec<Completion> {
+    let item = &reading.items()[item];
+    let parameters = item.parameters.iter();
+    parameters
+        .map(|parameter| Completion {
+            label: parameter.name.clone(),
+            kind: CompletionKind::Parameter,
+            detail: format!("parameter of {}", item.name),
+            insert: parameter.name.clone(),
+            snippet: false,
+        })
+        .collect()
+}
+
+fn symbols(
+    reading: &Reading,
+    offset: u32,
+    wanted: impl Fn(Option<DeclareWord>) -> bool,
+) -> Vec<Completion> {
+    let visible = reading
+        .visible(offset)
+        .filter(|(_, symbol)| wanted(symbol.word));
+    visible
+        .map(|(_, symbol)| {
+            let kind = match (symbol.word, symbol.kind) {
+                (Some(DeclareWord::Surface | DeclareWord::Metric), _) => CompletionKind::Surface,
+                (Some(DeclareWord::Curve | DeclareWord::Geodesic), _) => CompletionKind::Curve,
+                (_, SymbolKind::Function) => CompletionKind::Function,
+                (_, SymbolKind::Constant) => CompletionKind::Constant,
+            };
+            let word = symbol.word.map_or("builtin", DeclareWord::text);
+            let names = symbol.parameters.iter().map(|p| p.name.as_str());
+            Completion {
+                label: symbol.name.clone(),
+                kind,
+                detail: format!("{word} {}{}", symbol.name, parameters(names)),
+                insert: symbol.name.clone(),
+                snippet: false,
+            }
+        })
+        .collect()
+}
+
+fn declaring(word: DeclareWord, snippets: bool) -> Completion {
+    Completion {
+        label: word.text().to_owned(),
+        kind: CompletionKind::Keyword,
+        detail: purpose(word).to_owned(),
+        insert: if snippets {
+            snippet(word).to_owned()
+        } else {
+            format!("{} ", word.text())
+        },
+        snippet: snippets,
+    }
+}
+
+/// The form of a declaration.
+pub(crate) fn form(word: DeclareWord) -> &'static str {
+    match word {
+        DeclareWord::Param => "param r : [0, 1];",
+        DeclareWord::Grid => "grid k : [0, 1, 5];",
+        DeclareWord::Define => "define a = 2pi;",
+        DeclareWord::Function => "function f(x, y) = x^2 + y;",
+        DeclareWord::Curve => "curve c(t) = (cos t, sin t, 0), t : [0, 2pi];",
+        DeclareWord::Surface => "surface s(u,v) = (u, v, u v), u : [0, 1], v : [0, 1];",
+        DeclareWord::Point => "point p = (1, 2, 3);",
+        DeclareWord::Vector => "vector v = (1, 0, 0) @ p;",
+        DeclareWord::Metric => "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-2, 2], v : [1, 4];",
+        DeclareWord::Geodesic => "geodesic g(t) : s = (1, 0) @ (0, 0), t : [0, 1];",
+    }
+}
+
+/// What a declaration is for.
+pub(crate) fn purpose(word: DeclareWord) -> &'static str {
+    match word {
+        DeclareWord::Param => "a slider, one for each interval",
+        DeclareWord::Grid => "equally spaced values; what depends on them is drawn once for each",
+        DeclareWord::Define => "a constant",
+        DeclareWord::Function => "a function of numbers or vectors",
+        DeclareWord::Curve => "a curve in space",
+        DeclareWord::Surface => "a surface in space, seen in 3D and from inside",
+        DeclareWord::Point => "a point in space",
+        DeclareWord::Vector => "an arrow: direction @ origin",
+        DeclareWord::Metric => {
+            "a surface given by its first fundamental form (E, F, G), seen from inside"
+        }
+        DeclareWord::Geodesic => "a straightest line in a surface: direction @ start",
+    }
+}
+
+fn snippet(word: DeclareWord) -> &'static str {
+    match word {
+        DeclareWord::Param => "param ${1:r} : [${2:0}, ${3:1}];",
+        DeclareWord::Grid => "grid ${1:k} : [${2:0}, ${3:1}, ${4:5}];",
+        DeclareWord::Define => "define ${1:a} = ${2:2pi};",
+        DeclareWord::Function => "function ${1:f}(${2:x}) = ${3:x^2};",
+        DeclareWord::Curve => {
+            "curve ${1:c}(${2:t}) = (${3:cos t}, ${4:sin t}, ${5:0}), ${2:t} : [${6:0}, ${7:2pi}];"
+        }
+        DeclareWord::Surface => {
+            "surface ${1:s}(${2:u},${3:v}) = (${4:u}, ${5:v}, ${6:u v}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];"
+        }
+        DeclareWord::Point => "point ${1:p} = (${2:0}, ${3:0}, ${4:0});",
+        DeclareWord::Vector => "vector ${1:v} = (${2:1}, ${3:0}, ${4:0}) @ ${5:(0, 0, 0)};",
+        DeclareWord::Metric => {
+            "metric ${1:h}(${2:u},${3:v}) = (${4:1}, ${5:0}, ${6:1}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];"
+        }
+        DeclareWord::Geodesic => {
+            "geodesic ${1:g}(${2:t}) : ${3:s} = (${4:1}, ${5:0}) @ (${6:0}, ${7:0}), ${2:t} : [0, ${8:1}];"
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Changes of a text, as data.
+
+use syntax::span::Span;
+
+/// A piece of the text and what takes its place.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Edit {
+    /// What is replaced; empty to insert.
+    pub span: Span,
+    /// What takes its place.
+    pub text: String,
+}
+
+impl Edit {
+    /// Something new at a place.
+    pub fn insert(offset: u32, text: impl Into<String>) -> Self {
+        Self {
+            span: Span::new(offset, offset),
+            text: text.into(),
+        }
+    }
+
+    /// Something else in a place.
+    pub fn replace(span: Span, text: impl Into<String>) -> Self {
+        Self {
+            span,
+            text: text.into(),
+        }
+    }
+}
+
+/// The text after edits that do not overlap, in any order; those at one place come in theirs.
+pub fn apply(text: &str, edits: &[Edit]) -> String {
+    let mut order: Vec<&Edit> = edits.iter().collect();
+    order.sort_by_key(|edit| edit.span);
+    let mut result = String::with_capacity(text.len());
+    let mut at = 0;
+    for edit in order {
+        let (start, end) = (edit.span.start as usize, edit.span.end as usize);
+        debug_assert!(at <= start, "edits overlap");
+        result.push_str(&text[at..start]);
+        result.push_str(&edit.text);
+        at = end;
+    }
+    result.push_str(&text[at..]);
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Edit, apply};
+    use syntax::span::Span;
+
+    #[test]
+    fn edits_are_applied_whatever_their_order() {
+        let edits = [
+            Edit::replace(Span::new(4, 5), "y"),
+            Edit::insert(0, "# "),
+            Edit::insert(5, "!"),
+        ];
+        assert_eq!(apply("a = x;", &edits), "# a = y!;");
+    }
+}

@@ -1,0 +1,169 @@
+//! What an editor writes between the letters: how words are split, and the values of constants.
+
+use scene::{Evaluation, Outcome, Settings, Value};
+use syntax::span::Span;
+use syntax::token::{DeclareWord, TokenKind};
+
+use crate::reading::Reading;
+
+/// A text that is shown but not written.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Hint {
+    /// Before which byte.
+    pub offset: u32,
+    /// What is shown.
+    pub label: String,
+    /// What it tells, in one sentence.
+    pub tooltip: String,
+    /// Whether the label keeps a distance from the text before it.
+    pub apart: bool,
+}
+
+/// The hints in a range, in the order of the text.
+pub fn hints(reading: &Reading, range: Span) -> Vec<Hint> {
+    let mut hints = splits(reading, range);
+    hints.extend(values(reading, range));
+    hints.sort_by_key(|hint| hint.offset);
+    hints
+}
+
+/// `pi·v`: between the tokens that one word was split into.
+fn splits(reading: &Reading, range: Span) -> Vec<Hint> {
+    let tokens = &reading.tokens()[reading.tokens_in(range)];
+    let text = reading.text();
+    let is_word = |kind| {
+        matches!(
+            kind,
+            TokenKind::Constant(_)
+                | TokenKind::Function(_)
+                | TokenKind::Variable(_)
+                | TokenKind::Undefined
+        )
+    };
+    let pairs = tokens.windows(2).filter(|pair| {
+        is_word(pair[0].kind) && is_word(pair[1].kind) && pair[0].span.end == pair[1].span.start
+    });
+    pairs
+        .map(|pair| {
+            let (one, other) = (pair[0].span.text(text), pair[1].span.text(text));
+            let applied = matches!(pair[0].kind, TokenKind::Function(_));
+            let (label, told) = if applied {
+                (" ", "applied to")
+            } else {
+                ("·", "times")
+            };
+            Hint {
+                offset: pair[1].span.start,
+                label: label.to_owned(),
+                tooltip: format!("read as `{one}` {told} `{other}`"),
+                apart: false,
+            }
+        })
+        .collect()
+}
+
+/// `= 6.2832` behind a define that no param or grid changes.
+fn values(reading: &Reading, range: Span) -> Vec<Hint> {
+    let items = reading.items().iter();
+    let wanted = items.filter(|item| {
+        item.word == DeclareWord::Define
+            && !item.faulty
+            && item.span.start < range.end
+            && range.start < item.span.end
+    });
+    wanted
+        .filter_map(|item| {
+            if is_literal(reading, item.span) {
+                return None;
+            }
+            let value = constant(reading, &item.name)?;
+            Some(Hint {
+                offset: item.span.end.saturating_sub(1),
+                label: format!("= {value}"),
+                tooltip: format!("the value of `{}`", item.name),
+                apart: true,
+            })
+        })
+        .collect()
+}
+
+/// Whether a define is a number already: `define a = 2;`.
+fn is_literal(reading: &Reading, span: Span) -> bool {
+    let tokens = &reading.tokens()[reading.tokens_in(span)];
+    let body = tokens
+        .iter()
+        .skip_while(|t| t.kind != TokenKind::Equals)
+        .skip(1);
+    let words = body.filter(|t| !matches!(t.kind, TokenKind::Semicolon | TokenKind::Comment));
+    words
+        .into_iter()
+        .all(|t| matches!(t.kind, TokenKind::Number(_) | TokenKind::Minus))
+}
+
+/// The value of a name that does not depend on params or grids, for people.
+pub(crate) fn constant(reading: &Reading, name: &str) -> Option<String> {
+    let item = reading.items().iter().find(|item| item.name == name)?;
+    if reading.depends_on_settings(item.symbol?) {
+        return None;
+    }
+    let compilation = reading.sound();
+    let scene = compilation.scene.as_ref()?;
+    let settings = Settings::opening(scene);
+    let Evaluation { outcome, .. } = compilation.evaluate(name, &settings).ok()?;
+    match outcome {
+        Outcome::Single(value) => Some(shown(&value)),
+        Outcome::Instances(_) => None,
+    }
+}
+
+/// A value for people, to five digits.
+pub(crate) fn shown(value: &Value) -> String {
+    let number = |x: &Option<f64>| match x {
+        Some(x) => short(*x),
+        None => "undefined".to_owned(),
+    };
+    match value {
+        Value::Number(x) => number(x),
+        Value::Vector(components) => {
+            let components: Vec<String> = components.iter().map(number).collect();
+            format!("({})", components.join(", "))
+        }
+    }
+}
+
+/// A number to five significant digits.
+pub(crate) fn short(x: f64) -> String {
+    if x == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = x.abs().log10().floor();
+    if !(-4.0..7.0).contains(&magnitude) {
+        return format!("{x:.4e}");
+    }
+    let decimals = (4.0 - magnitude).max(0.0) as usize;
+    let text = format!("{x:.decimals$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn numbers_are_shown_to_five_digits() {
+        for (x, text) in [
+            (std::f64::consts::TAU, "6.2832"),
+            (-0.5, "-0.5"),
+            (123_456.0, "123456"),
+            (1e-7, "1.0000e-7"),
+            (100.0, "100"),
+            (0.001_234_56, "0.0012346"),
+        ] {
+            assert_eq!(short(x), text);
+        }
+    }
+}

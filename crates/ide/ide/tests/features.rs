@@ -1,0 +1,307 @@
+//! What an editor shows, at a cursor that the texts mark with `|`.
+
+use ide::completion::completions;
+use ide::semantic::{Modifiers, TokenType, semantic_tokens};
+use ide::{Reading, fix, hints, hover, lens, navigate, outline, signature};
+use syntax::span::Span;
+
+/// The text without its mark, and where the mark stood.
+fn marked(text: &str) -> (Reading, u32) {
+    let at = text.find('|').expect("a mark");
+    let text = format!("{}{}", &text[..at], &text[at + 1..]);
+    (Reading::new(text), at as u32)
+}
+
+fn whole(reading: &Reading) -> Span {
+    Span::new(0, reading.text().len() as u32)
+}
+
+fn labels(text: &str) -> (String, Vec<String>) {
+    let (reading, offset) = marked(text);
+    let (range, list) = completions(&reading, offset, true);
+    let labels = list.into_iter().map(|c| c.label).collect();
+    (range.text(reading.text()).to_owned(), labels)
+}
+
+#[test]
+fn colours_tell_what_a_name_is_and_where_it_is_introduced() {
+    let reading = Reading::new(
+        "param r : [1,2]; grid k : [0,1,3];\nsurface s(u,v) = (rcosu, k, v^2), u : [0,1], v : [0,1]; # ∂",
+    );
+    let shown: Vec<String> = semantic_tokens(&reading, whole(&reading))
+        .into_iter()
+        .filter(|t| !matches!(t.token_type, TokenType::Operator | TokenType::Number))
+        .map(|t| {
+            let names = Modifiers::NAMES.iter().enumerate();
+            let modifiers: Vec<&str> = names
+                .filter(|(bit, _)| t.modifiers.0 & 1 << bit != 0)
+                .map(|(_, name)| *name)
+                .collect();
+            format!(
+                "{}:{}:{}",
+                t.span.text(reading.text()),
+                t.token_type.name(),
+                modifiers.join("+")
+            )
+        })
+        .collect();
+    assert_eq!(
+        shown,
+        [
+            "param:keyword:",
+            "r:variable:declaration+param",
+            "grid:keyword:",
+            "k:variable:declaration+grid",
+            "surface:keyword:",
+            "s:function:declaration+surface",
+            "u:parameter:declaration",
+            "v:parameter:declaration",
+            "r:variable:param",
+            "cos:function:defaultLibrary",
+            "u:parameter:",
+            "k:variable:grid",
+            "v:parameter:",
+            "u:parameter:",
+            "v:parameter:",
+            "# ∂:comment:",
+        ]
+    );
+}
+
+#[test]
+fn a_range_gives_the_tokens_that_touch_it_and_no_more() {
+    let reading = Reading::new("define a = 1;\ndefine b = 2;\ndefine c = a + b;");
+    let second = Span::new(14, 27);
+    let spans: Vec<&str> = semantic_tokens(&reading, second)
+        .iter()
+        .map(|t| t.span.text(reading.text()))
+        .collect();
+    assert_eq!(spans, ["define", "b", "2"]);
+}
+
+#[test]
+fn hover_tells_values_signatures_and_geometry() {
+    let tell = |text: &str| {
+        let (reading, offset) = marked(text);
+        hover::hover(&reading, offset).map(|(_, d)| d.markdown())
+    };
+    let told = tell("define tau = 2pi;\ndefine x = ta|u/2;").expect("a hover");
+    assert!(
+        told.contains("define tau") && told.contains("= 6.2832"),
+        "{told}"
+    );
+    let told = tell("define x = s|in 2;").expect("a hover");
+    assert!(
+        told.contains("sin x") && told.contains("derivative: `cos x"),
+        "{told}"
+    );
+    let torus = "surface s|(u,v) = ((2+cosv)cosu, (2+cosv)sinu, sinv), u : [0,2pi], v : [0,2pi];";
+    let told = tell(torus).expect("a hover");
+    // At v = pi: E = (2−1)², F = 0, G = 1, K = cos v/(2+cos v) = −1.
+    for part in [
+        "E = 1, F = 0, G = 1",
+        "K = -1",
+        "u wraps around; v wraps around",
+        "regular",
+    ] {
+        assert!(told.contains(part), "{part} in {told}");
+    }
+    let sphere = "surface s|(u,v) = (sinv cosu, sinv sinu, cosv), u : [0,2pi], v : [0,pi];";
+    let told = tell(sphere).expect("a hover");
+    assert!(
+        told.contains("EG − F² vanishes at v = 0, v = 3.1416"),
+        "{told}"
+    );
+    assert!(told.contains("smooth pole"), "{told}");
+    let told = tell("function f(x) = |x;").expect("a hover");
+    assert!(
+        told.contains("a parameter of the function `f(x)`"),
+        "{told}"
+    );
+    let told = tell("# The radius.\nparam r : [1,2];\ndefine d = 2|r;").expect("a hover");
+    assert!(
+        told.contains("The radius.") && told.contains("`[1,2]`"),
+        "{told}"
+    );
+    assert_eq!(tell("define x = 1 |+ 2;"), None);
+    assert_eq!(tell("define x = no|thing;"), None);
+}
+
+#[test]
+fn completion_offers_what_fits_at_the_place() {
+    let (range, list) = labels("define a = 1;\nsu|");
+    assert_eq!(range, "su");
+    assert!(list.contains(&"surface".to_owned()) && !list.contains(&"sin".to_owned()));
+
+    let (range, list) = labels("define radius = 1;\nfunction f(x) = 2ra|");
+    assert_eq!(range, "ra");
+    for name in ["radius", "x", "sin", "pi"] {
+        assert!(list.contains(&name.to_owned()), "{name} in {list:?}");
+    }
+    assert!(
+        !list.contains(&"f".to_owned()),
+        "a function does not see itself"
+    );
+
+    let (_, list) = labels("define a = |;\ndefine later = 1;");
+    assert!(
+        !list.contains(&"later".to_owned()),
+        "what stands below is not defined yet"
+    );
+
+    let (_, list) = labels("function f(a,b) = a b;\ndefine x = f_|(1,2);");
+    assert_eq!(list, ["a", "b"]);
+
+    let (_, list) = labels("surface s(u,v) = (u,v,0), u : [0,1], |");
+    assert_eq!(list, ["u", "v"]);
+
+    let (_, list) = labels("# a comm|ent");
+    assert!(list.is_empty());
+    let (_, list) = labels("define |");
+    assert!(list.is_empty(), "a new name is the writer's");
+
+    let text = "define a = 1; surface s(u,v) = (u,v,0), u : [0,1], v : [0,1]; geodesic g(t) : |";
+    assert_eq!(labels(text).1, ["s"]);
+}
+
+#[test]
+fn completed_words_are_split_where_the_word_already_is() {
+    // `2piv` with `v` and `vel` at hand: `pi` is done with, `ve` is being written.
+    let (range, list) = labels("define vel = 1;\nfunction f(v) = 2pive|");
+    assert!(list.contains(&"vel".to_owned()));
+    assert_eq!(range, "ve");
+}
+
+#[test]
+fn signature_help_counts_the_arguments() {
+    let help = |text: &str| {
+        let (reading, offset) = marked(text);
+        signature::signature(&reading, offset)
+    };
+    let text = "function f(a,b) = a b; define x = f(1, sin(2), |3);";
+    let signature = help(text).expect("a signature");
+    assert_eq!((signature.label.as_str(), signature.active), ("f(a, b)", 2));
+    assert_eq!(signature.parameters, [(2, 3), (5, 6)]);
+    let signature = help("function f(a,b) = a b; define x = f_a(1, |2);").expect("a signature");
+    assert_eq!((signature.label.as_str(), signature.active), ("f(a, b)", 1));
+    let signature = help("define x = sin(|2);").expect("a signature");
+    assert_eq!(
+        (signature.label.as_str(), signature.what.as_str()),
+        ("sin(x)", "builtin function")
+    );
+    assert_eq!(help("define x = (1, |2);"), None);
+}
+
+#[test]
+fn definitions_and_occurrences_follow_names_and_parameters() {
+    let (reading, offset) =
+        marked("define ab = 1;\nfunction f(x) = x ab + a|bx;\ndefine c = f_x 1;");
+    let (used, place) = navigate::definition(&reading, offset).expect("a definition");
+    assert_eq!((used.text(reading.text()), place), ("ab", Span::new(7, 9)));
+    let spans: Vec<u32> = navigate::occurrences(&reading, offset)
+        .iter()
+        .map(|o| o.span.start)
+        .collect();
+    assert_eq!(spans, [7, 33, 38]);
+    let (reading, offset) =
+        marked("define ab = 1;\nfunction f(|x) = x ab + abx;\ndefine c = f_x 1;");
+    let occurrences = navigate::occurrences(&reading, offset);
+    let shown: Vec<(u32, bool)> = occurrences
+        .iter()
+        .map(|o| (o.span.start, o.introduces))
+        .collect();
+    assert_eq!(shown, [(26, true), (31, false), (40, false), (56, false)]);
+}
+
+#[test]
+fn the_outline_the_folds_and_the_selection_follow_the_declarations() {
+    let text = "# One\n# two\nsurface s(u,v) = (u,\n  v, 0), u : [0,1], v : [0,1];\ndefine a = 2(1 + 3);\n";
+    let reading = Reading::new(text);
+    let names: Vec<String> = outline::outline(&reading)
+        .into_iter()
+        .map(|e| format!("{} {}{}", e.word.text(), e.name, e.detail))
+        .collect();
+    assert_eq!(names, ["surface s(u, v)", "define a"]);
+    let folds: Vec<(&str, bool)> = outline::folds(&reading)
+        .iter()
+        .map(|f| {
+            (
+                f.span.text(text).split_whitespace().next().unwrap_or(""),
+                f.comment,
+            )
+        })
+        .collect();
+    assert_eq!(folds, [("#", true), ("surface", false)]);
+    let at = text.find("3)").expect("the three") as u32;
+    let chain: Vec<&str> = outline::selection(&reading, at)
+        .iter()
+        .map(|s| s.text(text))
+        .collect();
+    assert_eq!(
+        chain[..5],
+        ["3", "1 + 3", "(1 + 3)", "2(1 + 3)", "define a = 2(1 + 3);"]
+    );
+    assert_eq!(chain.len(), 6);
+}
+
+#[test]
+fn hints_show_how_words_are_split_and_what_defines_are() {
+    let reading = Reading::new(
+        "define a = 2pi;\nfunction f(v) = piv + cosv;\nparam r : [0,1];\ndefine b = 2r;\ndefine c = 3;",
+    );
+    let shown: Vec<(u32, String)> = hints::hints(&reading, whole(&reading))
+        .into_iter()
+        .map(|h| (h.offset, h.label))
+        .collect();
+    assert_eq!(
+        shown,
+        [
+            (14, "= 6.2832".to_owned()),
+            (34, "·".to_owned()),
+            (41, " ".to_owned())
+        ]
+    );
+}
+
+#[test]
+fn mistakes_come_with_the_edits_that_mend_them() {
+    let mended = |text: &str, title: &str| {
+        let reading = Reading::new(text);
+        let fixes = fix::fixes(&reading, whole(&reading));
+        let titles: Vec<&str> = fixes.iter().map(|f| f.title.as_str()).collect();
+        let fix = fixes.iter().find(|f| f.title == title);
+        let fix = fix.unwrap_or_else(|| panic!("{title} in {titles:?}"));
+        ide::edit::apply(text, &fix.edits)
+    };
+    assert_eq!(
+        mended("define a = coss 1;", "Change to `cos`"),
+        "define a = cos 1;"
+    );
+    assert_eq!(
+        mended("define a = 1\ndefine b = 2;", "Insert `;`"),
+        "define a = 1;\ndefine b = 2;"
+    );
+    assert_eq!(
+        mended("function f(x) = sin 2x;", "Write `sin(2x)`"),
+        "function f(x) = sin(2x);"
+    );
+    assert_eq!(
+        mended(
+            "function f(x) = sinx;\ndefine sinx = 1;",
+            "Insert a space above"
+        ),
+        "function f(x) = sin x;\ndefine sinx = 1;"
+    );
+}
+
+#[test]
+fn lenses_offer_the_views_of_surfaces() {
+    let reading = Reading::new(
+        "surface s(u,v) = (u,v,0), u : [0,1], v : [0,1];\nmetric h(u,v) = (1,0,1), u : [0,1], v : [0,1];",
+    );
+    let shown: Vec<String> = lens::lenses(&reading)
+        .iter()
+        .map(|l| format!("{} {}", l.object, l.title))
+        .collect();
+    assert_eq!(shown, ["s 3D", "s inside view", "h inside view"]);
+}

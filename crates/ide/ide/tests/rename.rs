@@ -1,0 +1,75 @@
+//! Renaming never changes what any other word means.
+
+use ide::rename::{RenameError, rename};
+use ide::{Reading, edit};
+
+fn renamed(text: &str, name: &str) -> Result<String, RenameError> {
+    let at = text.find('|').expect("a mark");
+    let text = format!("{}{}", &text[..at], &text[at + 1..]);
+    let reading = Reading::new(text.as_str());
+    let edits = rename(&reading, at as u32, name)?;
+    Ok(edit::apply(&text, &edits))
+}
+
+#[test]
+fn every_use_gets_the_new_name() {
+    assert_eq!(
+        renamed("define |a = 1;\nfunction f(x) = a x + 2a;", "radius"),
+        Ok("define radius = 1;\nfunction f(x) = radius x + 2radius;".to_owned())
+    );
+    assert_eq!(
+        renamed("function f(|x,y) = x y;\ndefine d = f_x(1,2);", "t"),
+        Ok("function f(t,y) = t y;\ndefine d = f_t(1,2);".to_owned())
+    );
+}
+
+#[test]
+fn words_that_would_be_read_otherwise_are_written_apart() {
+    // `pix` would be π·x; as `pir` it still is, but `r2` would be one name.
+    assert_eq!(
+        renamed(
+            "define r2 = 1; define |a = 2; function f(x) = a 2 + xa;",
+            "r"
+        ),
+        Ok("define r2 = 1; define r = 2; function f(x) = r 2 + xr;".to_owned())
+    );
+    // `2xa` renamed to `2xe`; `e` is builtin, so another: `ab` with `abs` at hand.
+    assert_eq!(
+        renamed("define |c = 2; function f(s) = cs;", "ab"),
+        Ok("define ab = 2; function f(s) = ab s;".to_owned())
+    );
+    // The name of another word changes under it: `six` was `s i x`.
+    assert_eq!(
+        renamed(
+            "define |a = 1; define s = 2; define i = 3; function f(x) = six + a;",
+            "si"
+        ),
+        Ok("define si = 1; define s = 2; define i = 3; function f(x) = s i x + si;".to_owned())
+    );
+}
+
+#[test]
+fn names_that_cannot_be_are_refused_with_the_reason() {
+    let refused = |text: &str, name: &str| renamed(text, name).expect_err("refused").to_string();
+    assert_eq!(refused("define |a = 1;", "sin"), "`sin` is already builtin");
+    assert_eq!(
+        refused("define b = 1;\ndefine |a = 1;", "b"),
+        "`b` is already declared in line 1"
+    );
+    assert_eq!(
+        refused("define |a = 1;", "param"),
+        "`param` opens a declaration: it cannot be a name"
+    );
+    assert!(refused("define |a = 1;", "2a").contains("is not a name"));
+    assert!(refused("define |a = 1;", "").contains("is not a name"));
+    assert!(refused("define |a = 1;", "α").contains("is not a name"));
+    assert_eq!(
+        refused("define |a = 1;\nfunction f(x) = x;", "x"),
+        "`x` is already declared in line 2"
+    );
+    assert_eq!(
+        refused("define x = si|n 1;", "f"),
+        "`sin` is builtin and cannot be renamed"
+    );
+    assert_eq!(refused("define x = 1 |+ 1;", "f"), "there is no name here");
+}
