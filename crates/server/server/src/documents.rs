@@ -1,0 +1,313 @@
+//! The open documents: one owner, changed in the order of the messages; readers take snapshots.
+//!
+//! A document is read and checked as it changes, declaration by declaration, so that what is wrong with it is known at
+//! once. What needs the whole text (hover, rename, …) works on a snapshot, which is made when it is first asked for.
+
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
+
+use ide::Reading;
+use scene::document::Document;
+use syntax::diagnostic::Diagnostic;
+use syntax::document::EditError;
+use syntax::span::Span;
+
+use crate::encoding::{Encoding, Lines, Place};
+
+/// Where spans of a text stand, as its editor counts.
+pub(crate) trait Places {
+    /// Both ends of a span.
+    fn range(&self, span: Span) -> [Place; 2];
+}
+
+/// A document as it was at a version: for workers, whatever happens to the document meanwhile.
+#[derive(Debug)]
+pub(crate) struct Snapshot {
+    /// The document's name: its URI as the editor writes it.
+    pub(crate) uri: String,
+    /// The editor's version.
+    pub(crate) version: i32,
+    /// The text.
+    pub(crate) text: Arc<str>,
+    /// Its lines.
+    pub(crate) lines: Lines,
+    /// How the editor counts columns.
+    pub(crate) encoding: Encoding,
+    reading: OnceLock<Reading>,
+}
+
+impl Snapshot {
+    /// A text that may not be open anywhere.
+    pub(crate) fn new(uri: &str, version: i32, text: String, encoding: Encoding) -> Self {
+        Self {
+            uri: uri.to_owned(),
+            version,
+            lines: Lines::new(&text),
+            text: text.into(),
+            encoding,
+            reading: OnceLock::new(),
+        }
+    }
+
+    /// The text, read; by the first who asks.
+    pub(crate) fn reading(&self) -> &Reading {
+        self.reading.get_or_init(|| Reading::new(self.text.clone()))
+    }
+
+    /// The offset of a place.
+    pub(crate) fn offset(&self, place: Place) -> u32 {
+        self.lines.offset(&self.text, self.encoding, place)
+    }
+}
+
+impl Places for Snapshot {
+    fn range(&self, span: Span) -> [Place; 2] {
+        self.lines.range(&self.text, self.encoding, span)
+    }
+}
+
+/// A change of a document.
+#[derive(Clone, Debug)]
+pub(crate) struct Change {
+    /// What is replaced; the whole text if `None`.
+    pub(crate) range: Option<[Place; 2]>,
+    /// What takes its place.
+    pub(crate) text: String,
+}
+
+/// All open documents.
+#[derive(Debug, Default)]
+pub(crate) struct Documents {
+    /// How the editor counts columns.
+    pub(crate) encoding: Encoding,
+    open: HashMap<String, Open>,
+    revision: u64,
+}
+
+/// A document as it is now.
+#[derive(Debug)]
+pub(crate) struct Open {
+    uri: String,
+    /// The editor's version.
+    pub(crate) version: i32,
+    /// Counts the changes of all documents: tells two states apart.
+    pub(crate) revision: u64,
+    encoding: Encoding,
+    document: Document,
+    /// Lines as the protocol has them, where they may not be those of the document, which end at `\n` alone.
+    lines: Option<Lines>,
+    snapshot: OnceLock<Arc<Snapshot>>,
+}
+
+impl Documents {
+    /// Opens a document, or replaces it.
+    ///
+    /// # Errors
+    /// Where the text is too large; the document is not open then.
+    pub(crate) fn open(&mut self, uri: &str, version: i32, text: &str) -> Result<&Open, EditError> {
+        self.open.remove(uri);
+        let document = Document::new(text)?;
+        self.revision += 1;
+        let opened = Open {
+            uri: uri.to_owned(),
+            version,
+            revision: self.revision,
+            encoding: self.encoding,
+            document,
+            lines: text.contains('\r').then(|| Lines::new(text)),
+            snapshot: OnceLock::new(),
+        };
+        Ok(self.open.entry(uri.to_owned()).or_insert(opened))
+    }
+
+    /// Applies changes in their order; `None` for a document that is not open.
+    ///
+    /// # Errors
+    /// Where a text would be too large; the changes before it have been made.
+    pub(crate) fn change(
+        &mut self,
+        uri: &str,
+        version: i32,
+        changes: Vec<Change>,
+    ) -> Option<Result<&Open, EditError>> {
+        let open = self.open.get_mut(uri)?;
+        self.revision += 1;
+        open.version = version;
+        open.revision = self.revision;
+        open.snapshot = OnceLock::new();
+        let made = changes
+            .into_iter()
+            .try_for_each(|change| open.apply(&change));
+        Some(made.map(|()| &*open))
+    }
+
+    /// Closes a document.
+    pub(crate) fn close(&mut self, uri: &str) {
+        self.open.remove(uri);
+    }
+
+    /// The document as it is now.
+    pub(crate) fn get(&self, uri: &str) -> Option<&Open> {
+        self.open.get(uri)
+    }
+
+    /// All documents as they are now, by name.
+    pub(crate) fn snapshots(&self) -> Vec<Arc<Snapshot>> {
+        let mut all: Vec<_> = self.open.values().map(Open::snapshot).collect();
+        all.sort_by(|a, b| a.uri.cmp(&b.uri));
+        all
+    }
+
+    /// Whether a document is open and has not changed since a revision.
+    pub(crate) fn is_current(&self, uri: &str, revision: u64) -> bool {
+        self.open
+            .get(uri)
+            .is_some_and(|open| open.revision == revision)
+    }
+}
+
+impl Open {
+    /// The state for workers.
+    pub(crate) fn snapshot(&self) -> Arc<Snapshot> {
+        let made = self.snapshot.get_or_init(|| {
+            let text = self.document.text().text();
+            Arc::new(Snapshot::new(&self.uri, self.version, text, self.encoding))
+        });
+        made.clone()
+    }
+
+    /// What is wrong with it.
+    pub(crate) fn diagnostics(&self) -> Vec<Diagnostic> {
+        self.document.diagnostics()
+    }
+
+    fn apply(&mut self, change: &Change) -> Result<(), EditError> {
+        let text = self.document.text();
+        let span = match change.range {
+            None => Span::new(0, text.len()),
+            Some(range) => {
+                let [start, end] = range.map(|place| self.offset(place));
+                Span::new(start.min(end), start.max(end))
+            }
+        };
+        self.document.edit(span, &change.text)?;
+        if self.lines.is_some() || change.text.contains('\r') {
+            // Rare: a text with carriage returns. It is gone through once for each change.
+            self.lines = Some(Lines::new(&self.document.text().text()));
+        }
+        Ok(())
+    }
+
+    fn offset(&self, place: Place) -> u32 {
+        let text = self.document.text();
+        let bounds = match &self.lines {
+            Some(lines) => lines.bounds(place.line),
+            None => text
+                .line_start(place.line.saturating_add(1))
+                .map(|start| (start, text.line_start(place.line.saturating_add(2)))),
+        };
+        let Some((start, next)) = bounds else {
+            return text.len();
+        };
+        let line = text.slice(Span::new(start, next.unwrap_or(text.len())));
+        let line = line.unwrap_or_default();
+        start
+            + self
+                .encoding
+                .byte(line.trim_end_matches(['\n', '\r']), place.column) as u32
+    }
+
+    fn place(&self, offset: u32) -> Place {
+        let text = self.document.text();
+        let offset = offset.min(text.len());
+        let (line, start) = match &self.lines {
+            Some(lines) => lines.line_of(offset),
+            None => {
+                let line = text.line(offset);
+                (line - 1, text.line_start(line).unwrap_or(0))
+            }
+        };
+        let before = text.slice(Span::new(start, offset)).unwrap_or_default();
+        Place {
+            line,
+            column: self.encoding.length(&before),
+        }
+    }
+}
+
+impl Places for Open {
+    fn range(&self, span: Span) -> [Place; 2] {
+        [span.start, span.end].map(|offset| self.place(offset))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Change, Documents, Places, Snapshot};
+    use crate::encoding::{Encoding, Place};
+    use syntax::span::Span;
+
+    #[test]
+    fn a_document_that_is_edited_is_the_text_an_editor_has() {
+        let pieces = [
+            "",
+            "\n",
+            "# 𝛼é\n",
+            "\r\n",
+            "define a = 1;",
+            ";",
+            "\r",
+            "sin x",
+            "é",
+        ];
+        let mut seed = 3_u64;
+        let mut random = |limit: usize| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 33) as usize % limit
+        };
+        for encoding in [Encoding::Utf8, Encoding::Utf16, Encoding::Utf32] {
+            let mut documents = Documents {
+                encoding,
+                ..Documents::default()
+            };
+            for carriage in [false, true] {
+                let mut text = String::new();
+                documents.open("a", 0, "").expect("small");
+                for version in 1..400 {
+                    let before = Snapshot::new("a", 0, text.clone(), encoding);
+                    let mut ends = [(); 2].map(|()| Place {
+                        line: random(8) as u32,
+                        column: random(12) as u32,
+                    });
+                    ends.sort_unstable();
+                    let [start, end] = ends.map(|place| before.offset(place) as usize);
+                    let new = pieces[random(pieces.len())];
+                    if new.contains('\r') && !carriage {
+                        continue;
+                    }
+                    text.replace_range(start..end, new);
+                    let change = Change {
+                        range: Some(ends),
+                        text: new.to_owned(),
+                    };
+                    let open = documents.change("a", version, vec![change]);
+                    let open = open.expect("open").expect("small");
+                    let snapshot = open.snapshot();
+                    assert_eq!(*snapshot.text, *text);
+                    for offset in (0..=text.len()).filter(|&k| text.is_char_boundary(k)) {
+                        let span = Span::new(offset as u32, text.len() as u32);
+                        assert_eq!(
+                            open.range(span),
+                            snapshot.range(span),
+                            "{text:?} at {offset}"
+                        );
+                    }
+                    if text.len() > 80 {
+                        text.clear();
+                        documents.open("a", version, "").expect("small");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! Places in a text as editors count them: lines from 0, columns in code units of an agreed encoding.
+
+use syntax::span::Span;
+
+/// What an editor's columns count.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub(crate) enum Encoding {
+    /// Bytes.
+    Utf8,
+    /// Code units of UTF-16, where a character beyond the basic plane is two: what every editor knows.
+    #[default]
+    Utf16,
+    /// Unicode scalar values.
+    Utf32,
+}
+
+/// A place as an editor names it.
+#[derive(Clone, Copy, Debug, Default, Eq, Ord, PartialEq, PartialOrd)]
+pub(crate) struct Place {
+    /// From 0.
+    pub(crate) line: u32,
+    /// From 0, in code units of the encoding.
+    pub(crate) column: u32,
+}
+
+/// A text with its lines.
+#[derive(Clone, Debug)]
+pub(crate) struct Lines {
+    /// The offset of each line's first byte; never empty.
+    starts: Vec<u32>,
+}
+
+impl Encoding {
+    /// The length of a text in code units.
+    pub(crate) fn length(self, text: &str) -> u32 {
+        let length = match self {
+            Self::Utf8 => text.len(),
+            // Bytes that begin a character; those of four bytes are two code units.
+            Self::Utf16 => text
+                .bytes()
+                .map(|byte| usize::from(byte & 0xC0 != 0x80) + usize::from(byte >= 0xF0))
+                .sum(),
+            Self::Utf32 => text.bytes().filter(|byte| byte & 0xC0 != 0x80).count(),
+        };
+        length as u32
+    }
+
+    /// The byte of a line at a column; a column past the line's end is its end, one within a character its start.
+    pub(crate) fn byte(self, line: &str, column: u32) -> usize {
+        if self == Self::Utf8 || line.is_ascii() {
+            let mut byte = (column as usize).min(line.len());
+            while !line.is_char_boundary(byte) {
+                byte -= 1;
+            }
+            return byte;
+        }
+        let mut left = column;
+        for (byte, character) in line.char_indices() {
+            let units = match self {
+                Self::Utf16 => character.len_utf16() as u32,
+                _ => 1,
+            };
+            if left < units {
+                return byte;
+            }
+            left -= units;
+        }
+        line.len()
+    }
+}
+
+impl Lines {
+    /// The lines of a text of less than 4 GiB; a line ends at `\n`, `\r\n` or `\r`, as the protocol has it.
+    pub(crate) fn new(text: &str) -> Self {
+        let bytes = text.as_bytes();
+        let mut starts = vec![0];
+        starts.extend(ends(bytes));
+        Self { starts }
+    }
+
+    /// The offset of a place. A line past the last is the text's end.
+    pub(crate) fn offset(&self, text: &str, encoding: Encoding, place: Place) -> u32 {
+        let Some(&start) = self.starts.get(place.line as usize) else {
+            return text.len() as u32;
+        };
+        let line = &text[start as usize..self.line_end(text, place.line as usize)];
+        start + encoding.byte(line, place.column) as u32
+    }
+
+    /// The place of an offset; one past the end is the end.
+    pub(crate) fn place(&self, text: &str, encoding: Encoding, offset: u32) -> Place {
+        let mut offset = (offset as usize).min(text.len());
+        while !text.is_char_boundary(offset) {
+            offset -= 1;
+        }
+        let line = self
+            .starts
+            .partition_point(|start| *start as usize <= offset)
+            - 1;
+        let start = self.starts[line] as usize;
+        Place {
+            line: line as u32,
+            column: encoding.length(&text[start..offset]),
+        }
+    }
+
+    /// Both ends of a span.
+    pub(crate) fn range(&self, text: &str, encoding: Encoding, span: Span) -> [Place; 2] {
+        [span.start, span.end].map(|offset| self.place(text, encoding, offset))
+    }
+
+    /// Where a line starts, and where the next does; `None` for a line past the last.
+    pub(crate) fn bounds(&self, line: u32) -> Option<(u32, Option<u32>)> {
+        let line = line as usize;
+        let start = *self.starts.get(line)?;
+        Some((start, self.starts.get(line + 1).copied()))
+    }
+
+    /// The line, from 0, that holds an offset, and where it starts.
+    pub(crate) fn line_of(&self, offset: u32) -> (u32, u32) {
+        let line = self.starts.partition_point(|start| *start <= offset) - 1;
+        (line as u32, self.starts[line])
+    }
+
+    /// The end of a line without what ends it.
+    fn line_end(&self, text: &str, line: usize) -> usize {
+        let start = self.starts[line] as usize;
+        let next = self
+            .starts
+            .get(line + 1)
+            .map_or(text.len(), |next| *next as usize);
+        let content = &text[start..next];
+        start + content.trim_end_matches(['\n', '\r']).len()
+    }
+}
+
+/// Where lines start behind the ends of lines.
+fn ends(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
+    let all = bytes.iter().enumerate();
+    all.filter_map(move |(k, byte)| {
+        let next = k + 1;
+        let ends = match byte {
+            b'\n' => true,
+            b'\r' => bytes.get(next) != Some(&b'\n'),
+            _ => false,
+        };
+        ends.then_some(next as u32)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Encoding, Lines, Place};
+
+    const TEXT: &str = "a𝛼é\r\n\rx\n";
+
+    #[test]
+    fn columns_count_code_units_of_each_encoding() {
+        let lines = Lines::new(TEXT);
+        let end = "a𝛼é".len() as u32;
+        for (encoding, column) in [
+            (Encoding::Utf8, 7),
+            (Encoding::Utf16, 4),
+            (Encoding::Utf32, 3),
+        ] {
+            let place = Place { line: 0, column };
+            assert_eq!(lines.place(TEXT, encoding, end), place);
+            assert_eq!(lines.offset(TEXT, encoding, place), end);
+        }
+    }
+
+    #[test]
+    fn places_out_of_range_are_brought_to_the_nearest_there_is() {
+        let lines = Lines::new(TEXT);
+        let at = |line, column| lines.offset(TEXT, Encoding::Utf16, Place { line, column });
+        assert_eq!(at(0, 99), 7);
+        // Within the pair of code units of one character.
+        assert_eq!(at(0, 2), 1);
+        assert_eq!(at(1, 5), 9);
+        assert_eq!(at(99, 0), TEXT.len() as u32);
+        assert_eq!(
+            lines.place(TEXT, Encoding::Utf16, 999),
+            Place { line: 3, column: 0 }
+        );
+    }
+}

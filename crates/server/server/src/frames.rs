@@ -1,0 +1,223 @@
+//! Messages on a stream of bytes: `Content-Length: N`, a blank line, N bytes of JSON.
+//!
+//! The reader never gives up. A header without a length, a length that is wrong, a body that is no JSON become a
+//! [`Frame::Bad`] with a reason, and reading goes on at the next header that can be found.
+
+use tokio::io::{AsyncRead, AsyncReadExt};
+use tower_lsp::jsonrpc::{Request, Response};
+
+/// The longest message that is read; an editor sends whole files, but not of this size.
+const LONGEST: usize = 256 << 20;
+/// The longest header.
+const LONGEST_HEADER: usize = 64 << 10;
+const LENGTH: &[u8] = b"Content-Length:";
+
+/// What was read.
+#[derive(Debug, Eq, PartialEq)]
+pub(crate) enum Frame {
+    /// The body of a message: valid JSON.
+    Message(Vec<u8>),
+    /// Something else, and why: completes "this is no message: …".
+    Bad(String),
+    /// Valid JSON that is neither a request, a notification nor an answer.
+    Invalid,
+}
+
+/// Reads frames from a stream.
+pub(crate) struct FrameReader<R> {
+    stream: R,
+    buffer: Vec<u8>,
+    /// Bytes at the start of the buffer that have been used.
+    used: usize,
+    ended: bool,
+}
+
+impl<R: AsyncRead + Unpin> FrameReader<R> {
+    pub(crate) fn new(stream: R) -> Self {
+        Self {
+            stream,
+            buffer: Vec::new(),
+            used: 0,
+            ended: false,
+        }
+    }
+
+    /// The next frame; `None` at the end of the stream.
+    pub(crate) async fn next(&mut self) -> Option<Frame> {
+        let (body, length) = match self.header().await? {
+            Ok(header) => header,
+            Err(reason) => return Some(Frame::Bad(reason)),
+        };
+        if length > LONGEST {
+            self.skip_to_header(body);
+            return Some(Frame::Bad(format!(
+                "its length of {length} bytes is too large"
+            )));
+        }
+        while self.buffer.len() < body + length && self.fill().await {}
+        let end = (body + length).min(self.buffer.len());
+        let content = &self.buffer[body..end];
+        if end == body + length && serde_json::from_slice::<serde::de::IgnoredAny>(content).is_ok()
+        {
+            let is_message = serde_json::from_slice::<Request>(content).is_ok()
+                || serde_json::from_slice::<Response>(content).is_ok();
+            let frame = if is_message {
+                Frame::Message(content.to_vec())
+            } else {
+                Frame::Invalid
+            };
+            self.used = end;
+            return Some(frame);
+        }
+        // The length may be wrong: the next header is looked for from the body's start on.
+        self.skip_to_header(body);
+        Some(Frame::Bad(
+            "its body is not valid JSON of the length that its header tells".to_owned(),
+        ))
+    }
+
+    /// Where the next body starts, and its length.
+    async fn header(&mut self) -> Option<Result<(usize, usize), String>> {
+        self.buffer.drain(..self.used);
+        self.used = 0;
+        loop {
+            let blank = find(&self.buffer, b"\r\n\r\n");
+            if let Some(end) = blank {
+                let header = &self.buffer[..end];
+                let length = length_of(header);
+                match length {
+                    Some(length) => return Some(Ok((end + 4, length))),
+                    None => {
+                        self.skip_to_header(end + 4);
+                        return Some(Err("its header has no valid Content-Length".to_owned()));
+                    }
+                }
+            }
+            if self.buffer.len() > LONGEST_HEADER {
+                self.skip_to_header(1);
+                return Some(Err("its header does not end".to_owned()));
+            }
+            if !self.fill().await {
+                if self.buffer.is_empty() {
+                    return None;
+                }
+                self.buffer.clear();
+                return Some(Err("the input ends within a header".to_owned()));
+            }
+        }
+    }
+
+    /// Passes everything up to the next header at or behind `from`, as far as the buffer goes.
+    fn skip_to_header(&mut self, from: usize) {
+        let rest = &self.buffer[from.min(self.buffer.len())..];
+        self.used = match find(rest, LENGTH) {
+            Some(at) => from + at,
+            None => self.buffer.len(),
+        };
+    }
+
+    /// Reads more; false at the end of the stream.
+    async fn fill(&mut self) -> bool {
+        if self.ended {
+            return false;
+        }
+        let count = self.stream.read_buf(&mut self.buffer).await;
+        self.ended = !matches!(count, Ok(1..));
+        !self.ended
+    }
+}
+
+/// The bytes of a message with its header.
+pub(crate) fn framed(body: &[u8]) -> Vec<u8> {
+    let mut bytes = format!("Content-Length: {}\r\n\r\n", body.len()).into_bytes();
+    bytes.extend_from_slice(body);
+    bytes
+}
+
+fn length_of(header: &[u8]) -> Option<usize> {
+    let header = std::str::from_utf8(header).ok()?;
+    header.split("\r\n").find_map(|line| {
+        let (name, value) = line.split_once(':')?;
+        let is_length = name.trim().eq_ignore_ascii_case("Content-Length");
+        is_length.then(|| value.trim().parse().ok()).flatten()
+    })
+}
+
+fn find(bytes: &[u8], wanted: &[u8]) -> Option<usize> {
+    bytes
+        .windows(wanted.len())
+        .position(|window| window == wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Frame, FrameReader, framed};
+
+    async fn read(bytes: &[u8]) -> Vec<Frame> {
+        let mut reader = FrameReader::new(bytes);
+        let mut frames = Vec::new();
+        while let Some(frame) = reader.next().await {
+            frames.push(frame);
+            assert!(frames.len() < 100);
+        }
+        frames
+    }
+
+    fn good(frames: &[Frame]) -> Vec<&str> {
+        let texts = frames.iter().filter_map(|frame| match frame {
+            Frame::Message(body) => std::str::from_utf8(body).ok(),
+            _ => None,
+        });
+        texts.collect()
+    }
+
+    #[tokio::test]
+    async fn messages_behind_any_fault_are_read() {
+        let next = framed(br#"{"jsonrpc":"2.0","method":"b"}"#);
+        for fault in [
+            &b"Content-Length: 5\r\n\r\n{\"a\":1}"[..],
+            b"Content-Length: 99\r\n\r\n{\"a\":1}",
+            b"Content-Length: x\r\n\r\n{\"a\":1}",
+            b"Content-Length: -1\r\n\r\n",
+            b"Content-Length: 4\r\n\r\n{\"a\"",
+            b"Content-Length: 2\r\n\r\n\xFF\xFE",
+            b"Content-Type: x\r\n\r\n{}",
+            b"garbage\r\n\r\n",
+            b"Content-Length: 99999999999\r\n\r\n",
+        ] {
+            let frames = read(&[fault, &next].concat()).await;
+            assert_eq!(
+                good(&frames).last(),
+                Some(&r#"{"jsonrpc":"2.0","method":"b"}"#),
+                "{fault:?}: {frames:?}"
+            );
+            assert!(
+                frames.iter().any(|f| matches!(f, Frame::Bad(_))),
+                "{fault:?}"
+            );
+        }
+    }
+
+    #[tokio::test]
+    async fn messages_come_whole_however_the_stream_is_cut() {
+        let messages = [
+            r#"{"jsonrpc":"2.0","method":"a"}"#,
+            r#"{"jsonrpc":"2.0","method":"b","params":{"text":"a\r\n\r\nb"}}"#,
+        ];
+        let bytes = messages.map(|message| framed(message.as_bytes())).concat();
+        assert_eq!(good(&read(&bytes).await), messages);
+        let (mut writer, reader) = tokio::io::duplex(3);
+        let task = tokio::spawn(async move {
+            use tokio::io::AsyncWriteExt;
+            writer.write_all(&bytes).await
+        });
+        let mut reader = FrameReader::new(reader);
+        assert_eq!(
+            reader.next().await,
+            Some(Frame::Message(messages[0].into()))
+        );
+        assert!(matches!(reader.next().await, Some(Frame::Message(_))));
+        assert_eq!(reader.next().await, None);
+        assert!(task.await.is_ok());
+    }
+}

@@ -1,0 +1,153 @@
+//! The language server: messages of an editor in, answers and diagnostics out.
+//!
+//! ```text
+//! bytes ──frames──▶ tower-lsp ──incoming──▶ session, documents (changed at once, in the order of the messages)
+//!                                   │            │ snapshots
+//!                                   ▼            ▼
+//!                              workers: ide, scene ──outgoing──▶ tower-lsp ──frames──▶ bytes
+//! ```
+//!
+//! The protocol's types live in `incoming` and `outgoing`. Nothing a client sends ends the server but `exit`, the end of
+//! its input, and the death of the process that started it.
+
+mod documents;
+mod encoding;
+mod frames;
+mod incoming;
+mod outgoing;
+mod parent;
+mod preview;
+mod session;
+mod settings;
+mod tokens;
+mod workspace;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt};
+use tower_lsp::{LspService, Server};
+
+use frames::{Frame, FrameReader};
+use incoming::Backend;
+
+/// How many messages are worked on at once; a cancellation waits for a free place.
+const CONCURRENCY: usize = 64;
+/// Bytes on the way between the framing and the protocol.
+const BUFFER: usize = 1 << 16;
+
+/// How a session came to its end.
+#[derive(Debug, Default)]
+pub(crate) struct End {
+    asked_for: AtomicBool,
+    now: tokio::sync::Notify,
+}
+
+impl End {
+    /// The editor has said `shutdown`.
+    pub(crate) fn was_asked_for(&self) {
+        self.asked_for.store(true, Ordering::SeqCst);
+    }
+
+    /// The session ends, whatever is under way.
+    pub(crate) fn now(&self) {
+        self.now.notify_one();
+    }
+}
+
+/// Serves one editor on standard input and output until it leaves. True if it left as it should: by `shutdown`, then
+/// `exit` or the end of its input.
+///
+/// # Errors
+/// Where no threads or timers can be had from the system.
+pub fn run() -> std::io::Result<bool> {
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .enable_io()
+        .build()?;
+    let clean = runtime.block_on(serve(tokio::io::stdin(), tokio::io::stdout()));
+    // A read of standard input may be waiting for an editor that says nothing more.
+    runtime.shutdown_background();
+    Ok(clean)
+}
+
+/// Serves one editor on any pair of streams; see [`run`].
+pub async fn serve<R, W>(input: R, output: W) -> bool
+where
+    R: AsyncRead + Unpin + Send + 'static,
+    W: AsyncWrite + Unpin + Send + 'static,
+{
+    let end = Arc::new(End::default());
+    let (service, socket) = LspService::new(|client| Backend::new(client, end.clone()));
+    let (mut to_protocol, from_editor) = tokio::io::duplex(BUFFER);
+    let (to_editor, from_protocol) = tokio::io::duplex(BUFFER);
+    let (fault, mut faults) = tokio::sync::mpsc::unbounded_channel::<Vec<u8>>();
+
+    let reading = tokio::spawn(async move {
+        let mut frames = FrameReader::new(input);
+        while let Some(frame) = frames.next().await {
+            match frame {
+                Frame::Message(body) => {
+                    if to_protocol.write_all(&frames::framed(&body)).await.is_err() {
+                        return;
+                    }
+                }
+                // Answered below; the editor is not left without a word.
+                Frame::Bad(reason) => {
+                    let _ =
+                        fault.send(error(PARSE_ERROR, &format!("this is no message: {reason}")));
+                }
+                Frame::Invalid => {
+                    let message = "this is JSON, but neither a request nor an answer";
+                    let _ = fault.send(error(INVALID_REQUEST, message));
+                }
+            }
+        }
+    });
+    let mut writing = tokio::spawn(async move {
+        let mut output = output;
+        let mut frames = FrameReader::new(from_protocol);
+        loop {
+            let body = tokio::select! {
+                frame = frames.next() => match frame {
+                    Some(Frame::Message(body)) => body,
+                    Some(Frame::Bad(_) | Frame::Invalid) => continue,
+                    None => return,
+                },
+                Some(error) = faults.recv() => error,
+            };
+            let written = output.write_all(&frames::framed(&body)).await;
+            if written.is_err() || output.flush().await.is_err() {
+                return;
+            }
+        }
+    });
+    let serving = Server::new(from_editor, to_editor, socket)
+        .concurrency_level(CONCURRENCY)
+        .serve(service);
+    tokio::select! {
+        () = serving => {
+            // What has been said is still written.
+            let _ = (&mut writing).await;
+        }
+        () = end.now.notified() => {}
+    }
+    reading.abort();
+    writing.abort();
+    end.asked_for.load(Ordering::SeqCst)
+}
+
+/// JSON-RPC 2.0, section 5.1: what was read is no JSON, …
+const PARSE_ERROR: i64 = -32700;
+/// … or no request.
+const INVALID_REQUEST: i64 = -32600;
+
+/// The answer to what cannot be told apart by its identifier.
+fn error(code: i64, message: &str) -> Vec<u8> {
+    let error = serde_json::json!({
+        "jsonrpc": "2.0",
+        "id": null,
+        "error": { "code": code, "message": message },
+    });
+    error.to_string().into_bytes()
+}

@@ -1,0 +1,411 @@
+//! From plain data to the protocol's types.
+
+use ide::completion::{Completion, CompletionKind};
+use ide::edit::Edit;
+use ide::fix::Fix;
+use ide::hints::Hint;
+use ide::hover;
+use ide::lens::{Lens, LensView};
+use ide::outline::{Fold, OutlineEntry};
+use ide::semantic::{Modifiers, TokenType};
+use ide::signature::Signature;
+use syntax::diagnostic::{Diagnostic, Severity};
+use syntax::span::Span;
+use syntax::token::DeclareWord;
+use tower_lsp::ls_types as lsp;
+
+use crate::documents::{Open, Places, Snapshot};
+use crate::encoding::{Encoding, Place};
+use crate::preview;
+use crate::tokens::Encoded;
+
+pub(crate) fn position(place: Place) -> lsp::Position {
+    lsp::Position::new(place.line, place.column)
+}
+
+pub(crate) fn range(places: &impl Places, span: Span) -> lsp::Range {
+    let [start, end] = places.range(span).map(position);
+    lsp::Range::new(start, end)
+}
+
+/// What the server can do.
+pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
+    let encoding = match encoding {
+        Encoding::Utf8 => lsp::PositionEncodingKind::UTF8,
+        Encoding::Utf16 => lsp::PositionEncodingKind::UTF16,
+        Encoding::Utf32 => lsp::PositionEncodingKind::UTF32,
+    };
+    let words = |words: &[&str]| Some(words.iter().map(|word| (*word).to_owned()).collect());
+    let no_progress = lsp::WorkDoneProgressOptions::default;
+    lsp::ServerCapabilities {
+        position_encoding: Some(encoding),
+        text_document_sync: Some(lsp::TextDocumentSyncCapability::Options(
+            lsp::TextDocumentSyncOptions {
+                open_close: Some(true),
+                change: Some(lsp::TextDocumentSyncKind::INCREMENTAL),
+                ..lsp::TextDocumentSyncOptions::default()
+            },
+        )),
+        hover_provider: Some(lsp::HoverProviderCapability::Simple(true)),
+        completion_provider: Some(lsp::CompletionOptions {
+            resolve_provider: Some(true),
+            trigger_characters: words(&["_"]),
+            ..lsp::CompletionOptions::default()
+        }),
+        signature_help_provider: Some(lsp::SignatureHelpOptions {
+            trigger_characters: words(&["(", "[", "{", ","]),
+            retrigger_characters: words(&[")", "]", "}"]),
+            work_done_progress_options: no_progress(),
+        }),
+        definition_provider: Some(lsp::OneOf::Left(true)),
+        references_provider: Some(lsp::OneOf::Left(true)),
+        document_highlight_provider: Some(lsp::OneOf::Left(true)),
+        document_symbol_provider: Some(lsp::OneOf::Left(true)),
+        workspace_symbol_provider: Some(lsp::OneOf::Right(lsp::WorkspaceSymbolOptions {
+            work_done_progress_options: lsp::WorkDoneProgressOptions {
+                work_done_progress: Some(true),
+            },
+            resolve_provider: None,
+        })),
+        code_action_provider: Some(lsp::CodeActionProviderCapability::Options(
+            lsp::CodeActionOptions {
+                code_action_kinds: Some(vec![lsp::CodeActionKind::QUICKFIX]),
+                ..lsp::CodeActionOptions::default()
+            },
+        )),
+        code_lens_provider: Some(lsp::CodeLensOptions {
+            resolve_provider: Some(false),
+        }),
+        document_formatting_provider: Some(lsp::OneOf::Left(true)),
+        document_range_formatting_provider: Some(lsp::OneOf::Left(true)),
+        document_on_type_formatting_provider: Some(lsp::DocumentOnTypeFormattingOptions {
+            first_trigger_character: ";".to_owned(),
+            more_trigger_character: None,
+        }),
+        rename_provider: Some(lsp::OneOf::Right(lsp::RenameOptions {
+            prepare_provider: Some(true),
+            work_done_progress_options: no_progress(),
+        })),
+        folding_range_provider: Some(lsp::FoldingRangeProviderCapability::Simple(true)),
+        selection_range_provider: Some(lsp::SelectionRangeProviderCapability::Simple(true)),
+        execute_command_provider: Some(lsp::ExecuteCommandOptions {
+            commands: vec![preview::COMMAND.to_owned()],
+            work_done_progress_options: no_progress(),
+        }),
+        semantic_tokens_provider: Some(
+            lsp::SemanticTokensServerCapabilities::SemanticTokensOptions(
+                lsp::SemanticTokensOptions {
+                    work_done_progress_options: no_progress(),
+                    legend: lsp::SemanticTokensLegend {
+                        token_types: TokenType::ALL
+                            .map(|kind| lsp::SemanticTokenType::new(kind.name()))
+                            .to_vec(),
+                        token_modifiers: Modifiers::NAMES
+                            .map(lsp::SemanticTokenModifier::new)
+                            .to_vec(),
+                    },
+                    range: Some(true),
+                    full: Some(lsp::SemanticTokensFullOptions::Delta { delta: Some(true) }),
+                },
+            ),
+        ),
+        inlay_hint_provider: Some(lsp::OneOf::Left(true)),
+        diagnostic_provider: Some(lsp::DiagnosticServerCapabilities::Options(
+            lsp::DiagnosticOptions {
+                identifier: Some("geotrace".to_owned()),
+                inter_file_dependencies: false,
+                workspace_diagnostics: false,
+                work_done_progress_options: no_progress(),
+            },
+        )),
+        ..lsp::ServerCapabilities::default()
+    }
+}
+
+pub(crate) fn diagnostics(open: &Open, uri: &lsp::Uri) -> Vec<lsp::Diagnostic> {
+    let found = open.diagnostics().into_iter();
+    found.map(|d| diagnostic(open, uri, &d)).collect()
+}
+
+fn diagnostic(places: &impl Places, uri: &lsp::Uri, diagnostic: &Diagnostic) -> lsp::Diagnostic {
+    let severity = match diagnostic.severity {
+        Severity::Error => lsp::DiagnosticSeverity::ERROR,
+        Severity::Warning => lsp::DiagnosticSeverity::WARNING,
+        Severity::Hint => lsp::DiagnosticSeverity::HINT,
+    };
+    let message = match &diagnostic.hint {
+        Some(hint) => format!("{}\n{hint}", diagnostic.message),
+        None => diagnostic.message.clone(),
+    };
+    let related: Vec<_> = diagnostic
+        .related
+        .iter()
+        .map(|related| lsp::DiagnosticRelatedInformation {
+            location: lsp::Location::new(uri.clone(), range(places, related.span)),
+            message: related.message.clone(),
+        })
+        .collect();
+    lsp::Diagnostic {
+        range: range(places, diagnostic.span),
+        severity: Some(severity),
+        code: Some(lsp::NumberOrString::String(diagnostic.code.0.to_owned())),
+        source: Some("geotrace".to_owned()),
+        message,
+        related_information: (!related.is_empty()).then_some(related),
+        ..lsp::Diagnostic::default()
+    }
+}
+
+fn markup(markdown: bool, description: &ide::describe::Description) -> lsp::MarkupContent {
+    if markdown {
+        lsp::MarkupContent {
+            kind: lsp::MarkupKind::Markdown,
+            value: description.markdown(),
+        }
+    } else {
+        lsp::MarkupContent {
+            kind: lsp::MarkupKind::PlainText,
+            value: description.plain(),
+        }
+    }
+}
+
+pub(crate) fn hover(snapshot: &Snapshot, offset: u32, markdown: bool) -> Option<lsp::Hover> {
+    let (span, description) = hover::hover(snapshot.reading(), offset)?;
+    Some(lsp::Hover {
+        contents: lsp::HoverContents::Markup(markup(markdown, &description)),
+        range: Some(range(snapshot, span)),
+    })
+}
+
+/// What [`completion`] leaves for later, in the item's data.
+pub(crate) fn later(uri: &str, offset: u32) -> serde_json::Value {
+    serde_json::json!({ "uri": uri, "offset": offset })
+}
+
+pub(crate) fn completion(
+    snapshot: &Snapshot,
+    replaced: Span,
+    completion: Completion,
+) -> lsp::CompletionItem {
+    let kind = match completion.kind {
+        CompletionKind::Keyword => lsp::CompletionItemKind::KEYWORD,
+        CompletionKind::Function => lsp::CompletionItemKind::FUNCTION,
+        CompletionKind::Surface | CompletionKind::Curve => lsp::CompletionItemKind::CLASS,
+        CompletionKind::Constant => lsp::CompletionItemKind::CONSTANT,
+        CompletionKind::Parameter => lsp::CompletionItemKind::VARIABLE,
+    };
+    let format = if completion.snippet {
+        lsp::InsertTextFormat::SNIPPET
+    } else {
+        lsp::InsertTextFormat::PLAIN_TEXT
+    };
+    lsp::CompletionItem {
+        label: completion.label,
+        kind: Some(kind),
+        detail: Some(completion.detail),
+        insert_text_format: Some(format),
+        text_edit: Some(lsp::CompletionTextEdit::Edit(lsp::TextEdit {
+            range: range(snapshot, replaced),
+            new_text: completion.insert,
+        })),
+        data: Some(later(&snapshot.uri, replaced.end)),
+        ..lsp::CompletionItem::default()
+    }
+}
+
+/// `markdown` is none where the editor takes strings alone.
+pub(crate) fn documentation(
+    description: &ide::describe::Description,
+    markdown: Option<bool>,
+) -> lsp::Documentation {
+    match markdown {
+        Some(markdown) => lsp::Documentation::MarkupContent(markup(markdown, description)),
+        None => lsp::Documentation::String(description.plain()),
+    }
+}
+
+pub(crate) fn signature(signature: &Signature) -> lsp::SignatureHelp {
+    // The label is ASCII, so bytes are code units.
+    let parameters = signature.parameters.iter();
+    let parameters = parameters.map(|&(start, end)| lsp::ParameterInformation {
+        label: lsp::ParameterLabel::LabelOffsets([start, end]),
+        documentation: None,
+    });
+    lsp::SignatureHelp {
+        signatures: vec![lsp::SignatureInformation {
+            label: signature.label.clone(),
+            documentation: Some(lsp::Documentation::String(signature.what.clone())),
+            parameters: Some(parameters.collect()),
+            active_parameter: Some(signature.active),
+        }],
+        active_signature: Some(0),
+        active_parameter: Some(signature.active),
+    }
+}
+
+pub(crate) fn text_edits(snapshot: &Snapshot, edits: &[Edit]) -> Vec<lsp::TextEdit> {
+    let edits = edits.iter().map(|edit| lsp::TextEdit {
+        range: range(snapshot, edit.span),
+        new_text: edit.text.clone(),
+    });
+    edits.collect()
+}
+
+/// Edits of a document that must be of the snapshot's version.
+pub(crate) fn workspace_edit(
+    snapshot: &Snapshot,
+    uri: &lsp::Uri,
+    edits: &[Edit],
+    versioned: bool,
+) -> lsp::WorkspaceEdit {
+    let edits = text_edits(snapshot, edits);
+    if versioned {
+        return lsp::WorkspaceEdit {
+            document_changes: Some(lsp::DocumentChanges::Edits(vec![lsp::TextDocumentEdit {
+                text_document: lsp::OptionalVersionedTextDocumentIdentifier {
+                    uri: uri.clone(),
+                    version: Some(snapshot.version),
+                },
+                edits: edits.into_iter().map(lsp::OneOf::Left).collect(),
+            }])),
+            ..lsp::WorkspaceEdit::default()
+        };
+    }
+    lsp::WorkspaceEdit {
+        changes: Some([(uri.clone(), edits)].into()),
+        ..lsp::WorkspaceEdit::default()
+    }
+}
+
+pub(crate) fn action(
+    snapshot: &Snapshot,
+    uri: &lsp::Uri,
+    fix: &Fix,
+    versioned: bool,
+) -> lsp::CodeActionOrCommand {
+    lsp::CodeActionOrCommand::CodeAction(lsp::CodeAction {
+        title: fix.title.clone(),
+        kind: Some(lsp::CodeActionKind::QUICKFIX),
+        diagnostics: Some(vec![diagnostic(snapshot, uri, &fix.diagnostic)]),
+        edit: Some(workspace_edit(snapshot, uri, &fix.edits, versioned)),
+        is_preferred: fix.preferred.then_some(true),
+        ..lsp::CodeAction::default()
+    })
+}
+
+fn symbol_kind(word: DeclareWord) -> lsp::SymbolKind {
+    match word {
+        DeclareWord::Param | DeclareWord::Grid => lsp::SymbolKind::VARIABLE,
+        DeclareWord::Define | DeclareWord::Point | DeclareWord::Vector => lsp::SymbolKind::CONSTANT,
+        DeclareWord::Function => lsp::SymbolKind::FUNCTION,
+        DeclareWord::Curve | DeclareWord::Surface | DeclareWord::Metric | DeclareWord::Geodesic => {
+            lsp::SymbolKind::CLASS
+        }
+    }
+}
+
+pub(crate) fn document_symbol(snapshot: &Snapshot, entry: &OutlineEntry) -> lsp::DocumentSymbol {
+    #[allow(deprecated)] // The field has to be named to be left out.
+    lsp::DocumentSymbol {
+        name: entry.name.clone(),
+        detail: Some(
+            format!("{} {}", entry.word.text(), entry.detail)
+                .trim_end()
+                .to_owned(),
+        ),
+        kind: symbol_kind(entry.word),
+        tags: None,
+        deprecated: None,
+        range: range(snapshot, entry.span),
+        selection_range: range(snapshot, entry.name_span),
+        children: None,
+    }
+}
+
+pub(crate) fn symbol_information(
+    snapshot: &Snapshot,
+    uri: &lsp::Uri,
+    entry: &OutlineEntry,
+) -> lsp::SymbolInformation {
+    #[allow(deprecated)] // As above.
+    lsp::SymbolInformation {
+        name: entry.name.clone(),
+        kind: symbol_kind(entry.word),
+        tags: None,
+        deprecated: None,
+        location: lsp::Location::new(uri.clone(), range(snapshot, entry.name_span)),
+        container_name: Some(entry.word.text().to_owned()),
+    }
+}
+
+pub(crate) fn fold(snapshot: &Snapshot, fold: &Fold) -> lsp::FoldingRange {
+    let [start, end] = snapshot.range(fold.span);
+    lsp::FoldingRange {
+        start_line: start.line,
+        end_line: end.line,
+        kind: fold.comment.then_some(lsp::FoldingRangeKind::Comment),
+        ..lsp::FoldingRange::default()
+    }
+}
+
+/// The chain of ranges, from the smallest to the largest.
+pub(crate) fn selection(snapshot: &Snapshot, chain: &[Span]) -> lsp::SelectionRange {
+    let mut parent = None;
+    for span in chain.iter().rev() {
+        parent = Some(Box::new(lsp::SelectionRange {
+            range: range(snapshot, *span),
+            parent,
+        }));
+    }
+    match parent {
+        Some(selection) => *selection,
+        None => lsp::SelectionRange {
+            range: lsp::Range::default(),
+            parent: None,
+        },
+    }
+}
+
+pub(crate) fn hint(snapshot: &Snapshot, hint: &Hint) -> lsp::InlayHint {
+    let place = snapshot.range(Span::new(hint.offset, hint.offset))[0];
+    lsp::InlayHint {
+        position: position(place),
+        label: lsp::InlayHintLabel::String(hint.label.clone()),
+        kind: None,
+        text_edits: None,
+        tooltip: Some(lsp::InlayHintTooltip::String(hint.tooltip.clone())),
+        padding_left: hint.apart.then_some(true),
+        padding_right: None,
+        data: None,
+    }
+}
+
+pub(crate) fn lens(snapshot: &Snapshot, lens: &Lens) -> lsp::CodeLens {
+    let view = match lens.view {
+        LensView::Space => serde_json::json!({ "view": "3d" }),
+        LensView::Inside => serde_json::json!({ "view": "geodesic", "surface": lens.object }),
+    };
+    lsp::CodeLens {
+        range: range(snapshot, lens.span),
+        command: Some(lsp::Command {
+            title: lens.title.to_owned(),
+            command: preview::COMMAND.to_owned(),
+            arguments: Some(vec![snapshot.uri.clone().into(), view]),
+        }),
+        data: None,
+    }
+}
+
+pub(crate) fn tokens(encoded: &[Encoded]) -> Vec<lsp::SemanticToken> {
+    let tokens = encoded.iter().map(
+        |&[line, start, length, kind, modifiers]| lsp::SemanticToken {
+            delta_line: line,
+            delta_start: start,
+            length,
+            token_type: kind,
+            token_modifiers_bitset: modifiers,
+        },
+    );
+    tokens.collect()
+}

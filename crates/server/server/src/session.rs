@@ -1,0 +1,51 @@
+//! What the server remembers of a session: settings, documents, what was sent last.
+
+use std::collections::{HashMap, HashSet};
+
+use crate::documents::Documents;
+use crate::settings::Settings;
+use crate::tokens::Encoded;
+
+/// What the editor says that it understands.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Editor {
+    /// Markdown in hovers.
+    pub(crate) markdown: bool,
+    /// Whether the documentation of completions may be Markdown; none where it has to be a plain string.
+    pub(crate) documentation: Option<bool>,
+    /// Places to fill in in completions.
+    pub(crate) snippets: bool,
+    /// Edits of documents of a version.
+    pub(crate) versioned_edits: bool,
+    /// Can be asked for settings.
+    pub(crate) configuration: bool,
+    /// Takes a declaration's outline as a tree.
+    pub(crate) hierarchical_symbols: bool,
+    /// Can be told that hints have changed.
+    pub(crate) refreshes_hints: bool,
+    /// Can be told that lenses have changed.
+    pub(crate) refreshes_lenses: bool,
+}
+
+/// The state of a session: changed only by handlers, before they wait for anything, so in the order of the messages.
+#[derive(Debug, Default)]
+pub(crate) struct Session {
+    pub(crate) editor: Editor,
+    pub(crate) settings: Settings,
+    pub(crate) documents: Documents,
+    /// The folders of the workspace.
+    pub(crate) folders: Vec<std::path::PathBuf>,
+    /// The tokens sent last for each document, and under which name.
+    pub(crate) tokens: HashMap<String, (String, Vec<Encoded>)>,
+    /// The documents whose diagnostics the editor asks for: they are not sent unasked.
+    pub(crate) pulled: HashSet<String>,
+    pub(crate) counter: u64,
+}
+
+impl Session {
+    /// A name that has not been used yet.
+    pub(crate) fn fresh_name(&mut self) -> String {
+        self.counter += 1;
+        self.counter.to_string()
+    }
+}

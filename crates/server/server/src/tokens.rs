@@ -1,0 +1,112 @@
+//! Semantic tokens as the protocol writes them, and the differences between two lists of them.
+
+use ide::semantic::{SemanticToken, TokenType, semantic_tokens};
+use syntax::span::Span;
+
+use crate::documents::Snapshot;
+use crate::encoding::Place;
+
+/// One token relative to the one before: lines further, columns further (from the line's start on a new line), length,
+/// type, modifiers.
+pub(crate) type Encoded = [u32; 5];
+
+/// The tokens that touch a range, encoded.
+pub(crate) fn encode(snapshot: &Snapshot, range: Option<[Place; 2]>) -> Vec<Encoded> {
+    let span = match range {
+        None => Span::new(0, snapshot.text.len() as u32),
+        Some(range) => {
+            let [start, end] = range.map(|place| snapshot.offset(place));
+            Span::new(start.min(end), start.max(end))
+        }
+    };
+    let mut before = Place::default();
+    // Tokens come in order: the line's text up to the token is counted once.
+    let mut counted = (0u32, Place::default());
+    semantic_tokens(snapshot.reading(), span)
+        .into_iter()
+        .map(|token| {
+            let place = next_place(snapshot, &mut counted, token.span.start);
+            let line = place.line - before.line;
+            let column = if line == 0 {
+                place.column - before.column
+            } else {
+                place.column
+            };
+            before = place;
+            [
+                line,
+                column,
+                length(snapshot, &token),
+                index(token.token_type),
+                token.modifiers.0,
+            ]
+        })
+        .collect()
+}
+
+fn next_place(snapshot: &Snapshot, counted: &mut (u32, Place), offset: u32) -> Place {
+    let between = &snapshot.text[counted.0 as usize..offset as usize];
+    let place = if between.contains(['\n', '\r']) || counted.0 == 0 {
+        snapshot
+            .lines
+            .place(&snapshot.text, snapshot.encoding, offset)
+    } else {
+        Place {
+            line: counted.1.line,
+            column: counted.1.column + snapshot.encoding.length(between),
+        }
+    };
+    *counted = (offset, place);
+    place
+}
+
+fn length(snapshot: &Snapshot, token: &SemanticToken) -> u32 {
+    snapshot.encoding.length(token.span.text(&snapshot.text))
+}
+
+fn index(token_type: TokenType) -> u32 {
+    let position = TokenType::ALL.iter().position(|other| *other == token_type);
+    position.unwrap_or_default() as u32
+}
+
+/// One replacement that turns a list into another: where it starts, how many tokens go, which come. `None` where they
+/// are the same.
+pub(crate) fn difference(old: &[Encoded], new: &[Encoded]) -> Option<(usize, usize, Vec<Encoded>)> {
+    let prefix = old.iter().zip(new).take_while(|(a, b)| a == b).count();
+    if prefix == old.len() && prefix == new.len() {
+        return None;
+    }
+    let (old_rest, new_rest) = (&old[prefix..], &new[prefix..]);
+    let pairs = old_rest.iter().rev().zip(new_rest.iter().rev());
+    let suffix = pairs.take_while(|(a, b)| a == b).count();
+    Some((
+        prefix,
+        old_rest.len() - suffix,
+        new_rest[..new_rest.len() - suffix].to_vec(),
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Encoded, difference};
+
+    #[test]
+    fn a_difference_applied_to_the_old_list_gives_the_new() {
+        let mut seed = 7_u64;
+        let mut random = |limit: u64| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 33) % limit
+        };
+        for _ in 0..2000 {
+            let mut list = |count: u64| -> Vec<Encoded> {
+                (0..count).map(|_| [random(2) as u32, 1, 2, 3, 4]).collect()
+            };
+            let (old, new) = (list(6), list(5));
+            let mut result = old.clone();
+            if let Some((start, gone, come)) = difference(&old, &new) {
+                result.splice(start..start + gone, come);
+            }
+            assert_eq!(result, new);
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! The programs in the folders of a workspace.
+
+use std::path::{Path, PathBuf};
+
+/// The most programs that are looked for, …
+const MOST: usize = 2000;
+/// … the most folders, …
+const MOST_FOLDERS: usize = 5000;
+/// … and how deep.
+const DEEPEST: usize = 12;
+
+/// The files that end in `.gtr`, in the folders and those within; hidden ones and those of tools are passed by.
+pub(crate) fn programs(folders: &[PathBuf]) -> Vec<PathBuf> {
+    let mut programs = Vec::new();
+    let mut open: Vec<(PathBuf, usize)> = folders.iter().map(|f| (f.clone(), 0)).collect();
+    let mut visited = 0;
+    while let Some((folder, depth)) = open.pop() {
+        visited += 1;
+        if visited > MOST_FOLDERS {
+            break;
+        }
+        let Ok(entries) = std::fs::read_dir(&folder) else {
+            continue;
+        };
+        for entry in entries.flatten() {
+            let path = entry.path();
+            // A link may lead back: only what lies here counts.
+            let Ok(kind) = entry.file_type() else {
+                continue;
+            };
+            if kind.is_dir() && depth < DEEPEST && !is_skipped(&path) {
+                open.push((path, depth + 1));
+            } else if kind.is_file() && path.extension().is_some_and(|e| e == "gtr") {
+                programs.push(path);
+                if programs.len() >= MOST {
+                    return programs;
+                }
+            }
+        }
+    }
+    programs.sort();
+    programs
+}
+
+fn is_skipped(folder: &Path) -> bool {
+    let name = folder.file_name().and_then(|name| name.to_str());
+    name.is_none_or(|name| name.starts_with('.') || matches!(name, "target" | "node_modules"))
+}
