@@ -10,7 +10,7 @@ use testing::binary::{binary, geotrace};
 use crate::measure::{Times, megabytes};
 
 /// A program of so many declarations, of all kinds, each using a few above it.
-fn program(declarations: usize) -> String {
+pub(crate) fn program(declarations: usize) -> String {
     let mut text = String::new();
     for k in 0..declarations {
         let below = k.saturating_sub(7);

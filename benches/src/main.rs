@@ -1,6 +1,6 @@
 //! Run times and peak memory, printed as tables: `cargo run --release -p geotrace-benches [PART…]`.
 //!
-//! Parts: `front` (checking and parsing), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
+//! Parts: `front` (checking and parsing), `editing` (keystrokes in long programs, beside tree-sitter), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
 //! (both views of every example), `large` (many samples, many vectors), `accuracy` (the geodesic view against the
 //! thesis' method, frames while moving, the sphere from ten thousand places), `stiff` (the stiff list: ours, its bounds, the
 //! thesis' method). Without a part all are run. Times are medians of several runs with their
@@ -8,6 +8,7 @@
 //! warm but the driver's cache on disk.
 
 mod accuracy;
+mod editing;
 mod front;
 mod jets;
 mod klein;
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
     }
     let parts: &[(&str, fn())] = &[
         ("front", front::run),
+        ("editing", editing::run),
         ("jets", jets::run),
         ("klein", klein::run),
         ("render", pictures::examples),
