@@ -113,7 +113,10 @@ impl Place {
             .enumerate()
             .rev()
             .filter(|(_, t)| t.kind != TokenKind::Comment);
-        let item = reading.item_at(start).or_else(|| open_item(reading, start));
+        // A declaration that starts here is not yet the one that is being written.
+        let begun = |k: &usize| reading.items()[*k].span.start < start;
+        let item = reading.item_at(start).filter(begun);
+        let item = item.or_else(|| open_item(reading, start));
         let wanted = match before.next() {
             None => Wanted::Declaration,
             Some((at, token)) => match token.kind {
@@ -190,7 +193,7 @@ fn word_start(reading: &Reading, offset: u32) -> u32 {
 fn open_item(reading: &Reading, offset: u32) -> Option<usize> {
     let after = reading
         .items()
-        .partition_point(|item| item.span.start <= offset);
+        .partition_point(|item| item.span.start < offset);
     let k = after.checked_sub(1)?;
     let between = &reading.text()[reading.items()[k].span.end as usize..offset as usize];
     let closed = reading.items()[k].span.text(reading.text()).ends_with(';');

@@ -129,7 +129,7 @@ fn value(reading: &Reading, item: &Item) -> Option<String> {
     if let Some(value) = constant(reading, &item.name) {
         return Some(format!("= {value}"));
     }
-    let compilation = reading.compilation();
+    let compilation = reading.sound();
     let scene = compilation.scene.as_ref()?;
     let settings = Settings::opening(scene);
     match compilation.evaluate(&item.name, &settings).ok()?.outcome {

@@ -32,11 +32,13 @@ fn gaps(reading: &Reading, range: Option<Span>) -> Vec<Edit> {
     let wanted = range.map(|range| whole_items(reading, range));
     let mut edits = Vec::new();
     let mut layout = Layout::default();
+    let new_line = new_line(text);
     let mark = if text.starts_with('\u{FEFF}') { 3 } else { 0 };
     let mut end = mark;
     for (k, token) in tokens.iter().enumerate() {
         let gap = Span::new(end, token.span.start);
         let next = layout.gap(text, k.checked_sub(1).map(|k| tokens[k]), *token, gap);
+        let next = next.replace('\n', new_line);
         let inside = wanted.is_none_or(|wanted| wanted.start <= gap.start && gap.end <= wanted.end);
         if inside && next != gap.text(text) {
             edits.push(Edit::replace(gap, next));
@@ -45,11 +47,19 @@ fn gaps(reading: &Reading, range: Option<Span>) -> Vec<Edit> {
         end = token.span.end;
     }
     let rest = Span::new(end, text.len() as u32);
-    let last = if tokens.is_empty() { "" } else { "\n" };
+    let last = if tokens.is_empty() { "" } else { new_line };
     if wanted.is_none() && rest.text(text) != last {
         edits.push(Edit::replace(rest, last));
     }
     edits
+}
+
+/// What ends lines: what ends the first, so that a text of another system stays one.
+fn new_line(text: &str) -> &'static str {
+    match text.find('\n') {
+        Some(end) if text[..end].ends_with('\r') => "\r\n",
+        _ => "\n",
+    }
 }
 
 /// From the first token of the first declaration that touches the range to the end of the last.

@@ -16,7 +16,7 @@ const VANISHED: f64 = 1e-9;
 /// Sentences about the surface that an item declares; none for what is no surface.
 pub(crate) fn of(reading: &Reading, item: &Item) -> Vec<String> {
     let sentences = || {
-        let scene = reading.compilation().scene.as_ref()?;
+        let scene = reading.sound().scene.as_ref()?;
         let object = scene
             .objects
             .iter()

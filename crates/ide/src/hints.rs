@@ -106,7 +106,7 @@ pub(crate) fn constant(reading: &Reading, name: &str) -> Option<String> {
     if reading.depends_on_settings(item.symbol?) {
         return None;
     }
-    let compilation = reading.compilation();
+    let compilation = reading.sound();
     let scene = compilation.scene.as_ref()?;
     let settings = Settings::opening(scene);
     let Evaluation { outcome, .. } = compilation.evaluate(name, &settings).ok()?;

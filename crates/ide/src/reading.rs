@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use scene::Compilation;
 use syntax::actions::{Actions, Declaration, Interval, Operator, Parameter};
-use syntax::diagnostic::Diagnostic;
+use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::parse_program;
 use syntax::span::Span;
 use syntax::symbols::{Symbol, Symbols};
@@ -21,6 +21,7 @@ pub struct Reading {
     symbols: Symbols,
     operands: Vec<Span>,
     compilation: OnceLock<Compilation>,
+    sound: OnceLock<Compilation>,
     dependent: OnceLock<HashSet<SymbolId>>,
 }
 
@@ -75,6 +76,7 @@ impl Reading {
             symbols: parsed.symbols,
             operands: reader.operands,
             compilation: OnceLock::new(),
+            sound: OnceLock::new(),
             dependent: OnceLock::new(),
         }
     }
@@ -107,6 +109,46 @@ impl Reading {
     /// What the text compiles to; compiled when first asked for.
     pub fn compilation(&self) -> &Compilation {
         self.compilation.get_or_init(|| scene::compile(&self.text))
+    }
+
+    /// What the declarations compile to that hold no error and use nothing that does: values are told while a
+    /// text is being written. The same as [`Reading::compilation`] for a text without errors.
+    pub fn sound(&self) -> &Compilation {
+        if self.compilation().scene.is_some() {
+            return self.compilation();
+        }
+        self.sound
+            .get_or_init(|| scene::compile(&self.sound_text()))
+    }
+
+    /// The text with everything but its sound declarations blanked. A name that no word of theirs uses can go
+    /// without any of them being read otherwise.
+    fn sound_text(&self) -> String {
+        let errors: Vec<Span> = self
+            .diagnostics()
+            .iter()
+            .filter(|d| d.severity == Severity::Error)
+            .map(|d| d.span)
+            .collect();
+        let mut lost: HashSet<SymbolId> = HashSet::new();
+        let mut text = " ".repeat(self.text.len());
+        for item in &self.items {
+            let span = item.span;
+            // Diagnostics are sorted by their starts; one that starts in a declaration is about it.
+            let first = errors.partition_point(|error| error.start < span.start);
+            let is_wrong = errors.get(first).is_some_and(|e| e.start < span.end);
+            let uses_lost = |k: usize| match self.tokens[k].kind {
+                TokenKind::Constant(id) | TokenKind::Function(id) => lost.contains(&id),
+                _ => false,
+            };
+            if item.faulty || is_wrong || self.tokens_in(span).any(uses_lost) {
+                lost.extend(item.symbol);
+            } else {
+                let range = span.start as usize..span.end as usize;
+                text.replace_range(range.clone(), &self.text[range]);
+            }
+        }
+        text
     }
 
     /// What is wrong with the text.

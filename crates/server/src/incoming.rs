@@ -238,7 +238,9 @@ fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
     let lenses = workspace.and_then(|workspace| workspace.code_lens.as_ref());
     Editor {
         markdown: markdown(hover.and_then(|hover| hover.content_format.as_ref())),
-        completion_markdown: markdown(completion.and_then(|c| c.documentation_format.as_ref())),
+        documentation: completion
+            .and_then(|c| c.documentation_format.as_ref())
+            .map(|formats| formats.contains(&lsp::MarkupKind::Markdown)),
         snippets: completion.and_then(|c| c.snippet_support).unwrap_or(false),
         versioned_edits: edit.and_then(|edit| edit.document_changes).unwrap_or(false),
         configuration: workspace.and_then(|w| w.configuration).unwrap_or(false),
@@ -250,20 +252,21 @@ fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
     }
 }
 
-/// The encoding of positions: the cheapest that the editor offers.
+/// The encoding of positions: of those that the editor offers, the one that it prefers. It names that first.
 fn encoding(capabilities: &lsp::ClientCapabilities) -> Encoding {
     let offered = capabilities
         .general
         .as_ref()
         .and_then(|general| general.position_encodings.as_ref());
-    let offers = |kind| offered.is_some_and(|offered| offered.contains(&kind));
-    if offers(lsp::PositionEncodingKind::UTF8) {
-        Encoding::Utf8
-    } else if offers(lsp::PositionEncodingKind::UTF32) {
-        Encoding::Utf32
-    } else {
-        Encoding::Utf16
-    }
+    let known = |kind: &lsp::PositionEncodingKind| match kind.as_str() {
+        "utf-8" => Some(Encoding::Utf8),
+        "utf-16" => Some(Encoding::Utf16),
+        "utf-32" => Some(Encoding::Utf32),
+        _ => None,
+    };
+    offered
+        .and_then(|offered| offered.iter().find_map(known))
+        .unwrap_or_default()
 }
 
 impl LanguageServer for Backend {
@@ -467,7 +470,7 @@ impl LanguageServer for Backend {
         let (Some(uri), Some(offset)) = (uri, offset) else {
             return Ok(item);
         };
-        let markdown = self.session().editor.completion_markdown;
+        let format = self.session().editor.documentation;
         // A document that has been closed meanwhile has nothing more to tell.
         let Some(snapshot) = self.session().documents.get(uri).map(Open::snapshot) else {
             return Ok(item);
@@ -480,7 +483,7 @@ impl LanguageServer for Backend {
             completion::describe(snapshot.reading(), offset, &label)
         }));
         if let Some(description) = worker.result().await? {
-            item.documentation = Some(outgoing::documentation(&description, markdown));
+            item.documentation = Some(outgoing::documentation(&description, format));
         }
         Ok(item)
     }

@@ -214,11 +214,15 @@ pub(crate) fn completion(
     }
 }
 
+/// `markdown` is none where the editor takes strings alone.
 pub(crate) fn documentation(
     description: &ide::describe::Description,
-    markdown: bool,
+    markdown: Option<bool>,
 ) -> lsp::Documentation {
-    lsp::Documentation::MarkupContent(markup(markdown, description))
+    match markdown {
+        Some(markdown) => lsp::Documentation::MarkupContent(markup(markdown, description)),
+        None => lsp::Documentation::String(description.plain()),
+    }
 }
 
 pub(crate) fn signature(signature: &Signature) -> lsp::SignatureHelp {

@@ -11,8 +11,8 @@ use crate::tokens::Encoded;
 pub(crate) struct Editor {
     /// Markdown in hovers.
     pub(crate) markdown: bool,
-    /// Markdown in the documentation of completions.
-    pub(crate) completion_markdown: bool,
+    /// Whether the documentation of completions may be Markdown; none where it has to be a plain string.
+    pub(crate) documentation: Option<bool>,
     /// Places to fill in in completions.
     pub(crate) snippets: bool,
     /// Edits of documents of a version.
