@@ -155,18 +155,11 @@ impl Editor {
     }
 
     /// Sends a request and waits for its result.
-    #[track_caller]
-    pub fn ask<'a>(
-        &'a mut self,
-        method: &'a str,
-        params: Value,
-    ) -> impl Future<Output = Value> + 'a {
-        async move {
-            let id = self.post(method, params).await;
-            match self.answer(id).await {
-                Ok(result) => result,
-                Err(error) => panic!("{method}: {error}"),
-            }
+    pub async fn ask(&mut self, method: &str, params: Value) -> Value {
+        let id = self.post(method, params).await;
+        match self.answer(id).await {
+            Ok(result) => result,
+            Err(error) => panic!("{method}: {error}"),
         }
     }
 
