@@ -43,7 +43,7 @@ pub struct End {
 impl End {
     /// ∂at/∂x and ∂at/∂y at a place of the picture, whose unit is `zoom` long on the surface.
     pub fn by_place(&self, place: [f64; 2], zoom: f64) -> [[f64; 2]; 2] {
-        let radius = place[0].hypot(place[1]);
+        let radius = (place[0] * place[0] + place[1] * place[1]).sqrt();
         let [cos, sin] = if radius > 0.0 {
             place.map(|x| x / radius)
         } else {
@@ -86,6 +86,10 @@ pub struct Polar {
 pub trait Ends: Sync {
     /// Where the geodesic of a place (x, y) of the picture ends; the coordinates are the method's choice.
     fn end(&self, place: [f64; 2]) -> End;
+    /// Appends the ends of several places: the same as [`Ends::end`] of each, for less.
+    fn ends(&self, places: &[[f64; 2]], out: &mut Vec<End>) {
+        out.extend(places.iter().map(|place| self.end(*place)));
+    }
     /// The camera's zoom: the length on the surface of the picture's unit.
     fn zoom(&self) -> f64;
     /// The camera's (u, v).

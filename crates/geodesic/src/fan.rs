@@ -6,7 +6,7 @@
 //! ```text
 //! frame ──start.rs──▶ runners ──march.rs (lanes.rs, event.rs)──▶ rays (ray.rs) ──refine.rs, verify.rs──▶ sectors
 //!                                                                                                        │
-//!                                                   a place in the picture ──sectors.rs, cell.rs──▶ its end
+//!                                        places in the picture ──polar.rs, sectors.rs, cell.rs──▶ their ends
 //! ```
 
 mod cell;
@@ -14,6 +14,7 @@ mod coordinates;
 mod event;
 mod lanes;
 mod march;
+mod polar;
 mod ray;
 mod refine;
 mod runner;
@@ -22,6 +23,8 @@ mod start;
 mod verify;
 
 use std::sync::atomic::{AtomicU64, Ordering};
+
+use expr::processor::{self, Processor};
 
 use crate::chart::{Atlas, Motion};
 use crate::ends::{Coordinates, End, Ends, Estimate, Polar, Work};
@@ -33,7 +36,8 @@ use crate::surface::Surface;
 use crate::trace::{self, Status};
 use cell::Found;
 use coordinates::{Kind, Space};
-use sectors::Sectors;
+use polar::{PLACES, polar};
+use sectors::{Sector, Sectors};
 use start::Start;
 
 /// How ends between two rays are interpolated.
@@ -75,6 +79,8 @@ const ONE_PIXEL: usize = 20_000;
 pub struct Fan<'s, S: Surface + ?Sized> {
     surface: &'s S,
     space: Space,
+    /// [`Space::periods`].
+    periods: [f64; 2],
     options: FanOptions,
     /// `None` where no ray can start.
     start: Option<Start>,
@@ -101,6 +107,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         });
         Self {
             surface,
+            periods: space.periods(),
             space,
             options: *options,
             start,
@@ -124,6 +131,48 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         self.sectors.estimate
     }
 
+    /// The end at a place, which lies at this angle and distance in the picture.
+    #[inline(always)]
+    fn look(&self, start: &Start, place: [f64; 2], angle: f64, distance: f64) -> End {
+        let s = start.zoom * distance;
+        if s == 0.0 {
+            return start.centre(&self.space);
+        }
+        if !s.is_finite() {
+            return self.ended(Status::Undefined);
+        }
+        let Some((sector, t)) = self.sectors.find(angle) else {
+            return self.follow(start, place, s);
+        };
+        let rays = self.sectors.rays(sector);
+        if s < sector.free_until
+            && self.options.across == Across::Hermite
+            && let Some(point) =
+                cell::look_free(&self.space, self.periods, rays, sector.width, t, s)
+        {
+            return point.end(&self.space, s, sector.error_at(s, start.reach));
+        }
+        self.look_closer(start, place, s, sector, t)
+    }
+
+    /// The end at a place between two rays, at the arc length `s`.
+    #[inline(never)]
+    fn look_closer(&self, start: &Start, place: [f64; 2], s: f64, sector: &Sector, t: f64) -> End {
+        let rays = self.sectors.rays(sector);
+        if s >= sector.unknown_from {
+            // Where both end before, that much is known.
+            if let Some(status) = cell::both_ended(rays, t, s) {
+                return self.ended(status);
+            }
+            return self.follow(start, place, s);
+        }
+        match cell::look(&self.space, self.options.across, rays, sector.width, t, s) {
+            Found::Point(point) => point.end(&self.space, s, sector.error_at(s, start.reach)),
+            Found::Ended(status) => self.ended(status),
+            Found::Unknown => self.follow(start, place, s),
+        }
+    }
+
     fn ended(&self, status: Status) -> End {
         End {
             coordinates: Coordinates::Plain,
@@ -137,6 +186,8 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
     }
 
     /// One geodesic by itself, where the rays do not say.
+    #[cold]
+    #[inline(never)]
     fn follow(&self, start: &Start, place: [f64; 2], s: f64) -> End {
         if s > self.sectors.follow_within {
             return self.ended(Status::WorkLimit);
@@ -184,34 +235,54 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
     }
 }
 
+/// The ends of several places, compiled for the processor's vectors.
+struct Several<'a, 's, S: Surface + ?Sized> {
+    fan: &'a Fan<'s, S>,
+    start: &'a Start,
+    places: &'a [[f64; 2]],
+    out: &'a mut Vec<End>,
+}
+
+impl<S: Surface + ?Sized> processor::Work for Several<'_, '_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for places in self.places.chunks(PLACES) {
+            let (mut x, mut y) = ([0.0; PLACES], [0.0; PLACES]);
+            for ((x, y), place) in x.iter_mut().zip(&mut y).zip(places) {
+                [*x, *y] = *place;
+            }
+            let (angles, distances) = polar(&x, &y);
+            for ((place, angle), distance) in places.iter().zip(angles).zip(distances) {
+                let end = self.fan.look(self.start, *place, angle, distance);
+                self.out.push(end);
+            }
+        }
+    }
+}
+
 impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
     fn end(&self, place: [f64; 2]) -> End {
         let Some(start) = &self.start else {
             return self.ended(Status::Undefined);
         };
-        let s = start.zoom * (place[0] * place[0] + place[1] * place[1]).sqrt();
-        if s == 0.0 {
-            return start.centre(&self.space);
-        }
-        if !s.is_finite() {
-            return self.ended(Status::Undefined);
-        }
-        let Some((sector, t)) = self.sectors.find(place[1].atan2(place[0])) else {
-            return self.follow(start, place, s);
+        let ([angle], [distance]) = polar(&[place[0]], &[place[1]]);
+        self.look(start, place, angle, distance)
+    }
+
+    fn ends(&self, places: &[[f64; 2]], out: &mut Vec<End>) {
+        let Some(start) = &self.start else {
+            out.resize(out.len() + places.len(), self.ended(Status::Undefined));
+            return;
         };
-        let rays = self.sectors.rays(sector);
-        if s >= sector.unknown_from {
-            // Where both end before, that much is known.
-            if let Some(status) = cell::both_ended(rays, t, s) {
-                return self.ended(status);
-            }
-            return self.follow(start, place, s);
-        }
-        match cell::look(&self.space, self.options.across, rays, sector.width, t, s) {
-            Found::Point(point) => point.end(&self.space, s, sector.error_at(s, start.reach)),
-            Found::Ended(status) => self.ended(status),
-            Found::Unknown => self.follow(start, place, s),
-        }
+        out.reserve(places.len());
+        Processor::here().run(Several {
+            fan: self,
+            start,
+            places,
+            out,
+        });
     }
 
     fn zoom(&self) -> f64 {

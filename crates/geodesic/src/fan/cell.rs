@@ -34,16 +34,18 @@ pub(super) struct Point {
 
 impl Point {
     /// m: the component of the derivative by the angle along the normal.
+    #[inline(always)]
     pub(super) fn m(&self) -> f64 {
         determinant(self.along, self.turning) / determinant(self.along, self.normal)
     }
 
     /// As an [`End`] at the arc length `s` > 0.
+    #[inline(always)]
     pub(super) fn end(&self, space: &Space, s: f64, error: f64) -> End {
         let m = self.m();
         let stretch = m / s;
         let across = if stretch.abs() > 0.1 {
-            self.turning.map(|x| x / m)
+            [self.turning[0] / m, self.turning[1] / m]
         } else {
             self.normal
         };
@@ -56,6 +58,9 @@ impl Point {
             status: Status::Complete,
             error,
         };
+        if self.chart.kind == Kind::Plain {
+            return end;
+        }
         match (self.chart.kind, space.tip(self.chart.kind)) {
             (Kind::Apex { axis, end: side }, Some(tip)) if tip.apex.smooth => End {
                 coordinates: Coordinates::Apex { axis, end: side },
@@ -72,6 +77,7 @@ impl Point {
     }
 }
 
+#[inline(always)]
 pub(super) fn determinant(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
@@ -123,6 +129,7 @@ fn convert(space: &Space, sample: &Sample, chart: Chart) -> Sample {
 }
 
 /// Both samples in common coordinates, those of an apex where both are near it.
+#[inline(never)]
 fn together(space: &Space, a: Sample, mut b: Sample) -> (Sample, Sample) {
     if let (true, Some(tip)) = (a.chart.kind == b.chart.kind, space.tip(a.chart.kind))
         && !tip.apex.smooth
@@ -178,58 +185,94 @@ pub(super) fn between(
         }
     }
     if a.chart.kind == Kind::Plain {
-        // Behind a pole the lifts may be periods apart: the field says where the neighbour is to be expected.
-        let periods = space.periods();
-        for (k, period) in periods
-            .into_iter()
-            .enumerate()
-            .filter(|(_, period)| *period > 0.0)
-        {
-            let expected = 0.5 * width * (a.jacobi[0][k] + b.jacobi[0][k]);
-            let off = b.at[k] - a.at[k] - expected;
-            b.at[k] -= period * (off / period).round();
+        lift(&a, &mut b, space.periods(), width);
+    }
+    let mut point = match across {
+        Across::Hermite => hermite(&a, &b, width, t),
+        Across::Linear => Point {
+            chart: a.chart,
+            at: mix(a.at, b.at, t),
+            along: mix(a.along, b.along, t),
+            turning: [0, 1].map(|k| (b.at[k] - a.at[k]) / width),
+            normal: mix(a.normal, b.normal, t),
+        },
+    };
+    if let Some(stretch) = &stretched {
+        // From constant shares of the way to the edge back to constant arc length.
+        let slope = stretch.slope * s / stretch.s;
+        for (turning, along) in point.turning.iter_mut().zip(point.along) {
+            *turning -= slope * along;
         }
     }
+    Some(point)
+}
+
+#[inline(always)]
+fn mix(x: [f64; 2], y: [f64; 2], t: f64) -> [f64; 2] {
     let rest = 1.0 - t;
-    let mix = |x: [f64; 2], y: [f64; 2]| [0, 1].map(|k| rest * x[k] + t * y[k]);
-    let (at, along, turning) = match across {
-        Across::Hermite => {
-            let (h00, h10) = ((1.0 + 2.0 * t) * rest * rest, width * t * rest * rest);
-            let (h01, h11) = (t * t * (3.0 - 2.0 * t), -width * t * t * rest);
-            let blend = |p: [f64; 2], q: [f64; 2], v: [f64; 2], w: [f64; 2]| {
-                [0, 1].map(|k| h00 * p[k] + h01 * q[k] + h10 * v[k] + h11 * w[k])
-            };
-            let (d0, d1) = (6.0 * t * rest / width, 1.0 - t * (4.0 - 3.0 * t));
-            let d2 = t * (3.0 * t - 2.0);
-            let [j, k] = [a.jacobi[0], b.jacobi[0]];
-            let mut along = blend(a.along, b.along, a.jacobi[1], b.jacobi[1]);
-            if !(along[0] + along[1]).is_finite() {
-                along = mix(a.along, b.along);
-            }
-            (
-                blend(a.at, b.at, j, k),
-                along,
-                [0, 1].map(|i| d0 * (b.at[i] - a.at[i]) + d1 * j[i] + d2 * k[i]),
-            )
-        }
-        Across::Linear => (
-            mix(a.at, b.at),
-            mix(a.along, b.along),
-            [0, 1].map(|k| (b.at[k] - a.at[k]) / width),
-        ),
-    };
-    let turning = match &stretched {
-        None => turning,
-        // From constant shares of the way to the edge back to constant arc length.
-        Some(stretch) => [0, 1].map(|k| turning[k] - stretch.slope * s / stretch.s * along[k]),
-    };
-    Some(Point {
+    [rest * x[0] + t * y[0], rest * x[1] + t * y[1]]
+}
+
+/// Between two samples in common coordinates, by their positions and Jacobi fields.
+#[inline(always)]
+fn hermite(a: &Sample, b: &Sample, width: f64, t: f64) -> Point {
+    let rest = 1.0 - t;
+    let (h00, h10) = ((1.0 + 2.0 * t) * rest * rest, width * t * rest * rest);
+    let (h01, h11) = (t * t * (3.0 - 2.0 * t), -width * t * t * rest);
+    let (d0, d1) = (6.0 * t * rest / width, 1.0 - t * (4.0 - 3.0 * t));
+    let d2 = t * (3.0 * t - 2.0);
+    let (j, k) = (&a.jacobi, &b.jacobi);
+    let (mut at, mut along, mut turning) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+    for n in 0..2 {
+        at[n] = h00 * a.at[n] + h01 * b.at[n] + h10 * j[0][n] + h11 * k[0][n];
+        along[n] = h00 * a.along[n] + h01 * b.along[n] + h10 * j[1][n] + h11 * k[1][n];
+        turning[n] = d0 * (b.at[n] - a.at[n]) + d1 * j[0][n] + d2 * k[0][n];
+    }
+    if !(along[0] + along[1]).is_finite() {
+        along = mix(a.along, b.along, t);
+    }
+    Point {
         chart: a.chart,
         at,
         along,
         turning,
-        normal: mix(a.normal, b.normal),
-    })
+        normal: mix(a.normal, b.normal, t),
+    }
+}
+
+/// The point between two rays that are both known to go on at the arc length `s`, and to end at no edge aslant; `None`
+/// where they are not in the plain coordinates, or where anything else needs a closer look: the same as [`look`]
+/// finds, for less.
+#[inline(always)]
+pub(super) fn look_free(
+    space: &Space,
+    periods: [f64; 2],
+    rays: [&Ray; 2],
+    width: f64,
+    t: f64,
+    s: f64,
+) -> Option<Point> {
+    let (a, mut b) = (rays[0].at(s)?, rays[1].at(s)?);
+    if a.chart.kind != Kind::Plain || b.chart.kind != Kind::Plain {
+        return None;
+    }
+    lift(&a, &mut b, periods, width);
+    let point = hermite(&a, &b, width, t);
+    let finite = (point.at[0] + point.at[1] + point.along[0] + point.turning[0]).is_finite();
+    (finite && space.beyond_edge(point.at).is_none()).then_some(point)
+}
+
+/// Brings the second sample near the first one: behind a pole the lifts may be periods apart, and the field says where
+/// the neighbour is to be expected.
+#[inline(always)]
+fn lift(a: &Sample, b: &mut Sample, periods: [f64; 2], width: f64) {
+    for k in 0..2 {
+        if periods[k] > 0.0 {
+            let expected = 0.5 * width * (a.jacobi[0][k] + b.jacobi[0][k]);
+            let off = b.at[k] - a.at[k] - expected;
+            b.at[k] -= periods[k] * (off / periods[k]).round();
+        }
+    }
 }
 
 /// Where both rays end at an edge that lies aslant, one of them says nothing about where only the other still is. There
@@ -243,6 +286,7 @@ struct Stretch {
 }
 
 impl Stretch {
+    #[inline(always)]
     fn of(rays: [&Ray; 2], width: f64, t: f64) -> Option<Self> {
         let (a, b) = (rays[0].stop.as_ref()?, rays[1].stop.as_ref()?);
         if !aslant(rays, [a, b]) || !(a.slope + b.slope).is_finite() {
@@ -269,6 +313,14 @@ fn aslant(rays: [&Ray; 2], stops: [&Stop; 2]) -> bool {
     let known = rays.into_iter().all(|ray| far <= ray.end + ray.slack);
     let like = a.status == b.status && a.edge == b.edge && a.status != Status::WorkLimit;
     like && !known && a.s.min(b.s) > 0.5 * far
+}
+
+/// How far both rays go on, whatever else is known of them: 0 where they end at an edge that may lie aslant.
+pub(super) fn free_until(rays: [&Ray; 2]) -> f64 {
+    if is_stretched(rays) {
+        return 0.0;
+    }
+    rays[0].limit().min(rays[1].limit())
 }
 
 /// Whether places between two rays are told by their shares of the way to the edge, once its slope is known.
@@ -303,7 +355,6 @@ pub(super) fn both_ended(rays: [&Ray; 2], t: f64, s: f64) -> Option<Status> {
 }
 
 /// What lies at the share `t` between two rays, at the arc length `s`.
-#[inline]
 pub(super) fn look(
     space: &Space,
     across: Across,

@@ -255,8 +255,9 @@ impl Space {
     }
 
     /// The edge that a plain point lies beyond, if any.
+    #[inline(always)]
     pub(super) fn beyond_edge(&self, at: [f64; 2]) -> Option<(usize, usize)> {
-        if !self.any_edge {
+        if !self.any_edge || self.contains(at[0], at[1]) {
             return None;
         }
         (0..2).find_map(|axis| {

@@ -155,12 +155,13 @@ impl Ray {
     }
 
     /// How far it goes on the surface.
+    #[inline(always)]
     pub(super) fn limit(&self) -> f64 {
         self.stop.map_or(f64::INFINITY, |stop| stop.s)
     }
 
     /// The ray at an arc length; `None` where it is not known.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, s: f64) -> Option<Sample> {
         if s > self.end + self.slack {
             return None;
@@ -220,7 +221,7 @@ impl Interval {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn at(&self, s: f64) -> Sample {
         let x = (s - self.from) / self.length;
         let mut value = self.main[5];

@@ -309,6 +309,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             width,
             border: self.start.border(angle + 0.5 * width, 0.5 * width),
             unknown_from: f64::INFINITY,
+            free_until: 0.0,
             errors,
             edge: edge / self.start.pixel,
             proven: true,

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use super::cell;
 use super::ray::Ray;
 use super::start::Start;
 use crate::ends::{Estimate, Work};
@@ -22,6 +23,9 @@ pub(super) struct Sector {
     pub(super) border: f64,
     /// From this arc length on its rays do not say where geodesics end.
     pub(super) unknown_from: f64,
+    /// Up to this arc length both rays go on, and nothing else has to be looked at (see
+    /// [`look_free`](super::cell::look_free)). Told when the fan is complete.
+    pub(super) free_until: f64,
     pub(super) errors: Profile,
     /// The error of the edge's place.
     pub(super) edge: f64,
@@ -35,6 +39,7 @@ pub(super) struct Sector {
 
 impl Sector {
     /// The estimated error in pixels.
+    #[inline(always)]
     pub(super) fn error_at(&self, s: f64, reach: f64) -> f64 {
         f64::from(self.errors[bin(s, reach)])
     }
@@ -55,10 +60,9 @@ pub(super) struct Sectors {
 }
 
 impl Sectors {
-    /// The sector that holds an angle, and how far from its first ray to its second.
-    #[inline]
+    /// The sector that holds an angle in [0, 2π], and how far from its first ray to its second.
+    #[inline(always)]
     pub(super) fn find(&self, angle: f64) -> Option<(&Sector, f64)> {
-        let angle = if angle < 0.0 { angle + TAU } else { angle };
         let part = angle * (self.table.len() as f64 / TAU);
         let last = self.table.len().checked_sub(1)?;
         let mut n = self.table[(part as usize).min(last)] as usize;
@@ -76,12 +80,18 @@ impl Sectors {
         ))
     }
 
+    #[inline(always)]
     pub(super) fn rays(&self, sector: &Sector) -> [&Ray; 2] {
-        sector.rays.map(|ray| &self.rays[ray])
+        let [a, b] = sector.rays;
+        [&self.rays[a], &self.rays[b]]
     }
 
     pub(super) fn index(&mut self) {
         self.sectors.sort_by(|a, b| a.angle.total_cmp(&b.angle));
+        for sector in &mut self.sectors {
+            let rays = sector.rays.map(|ray| &self.rays[ray]);
+            sector.free_until = cell::free_until(rays).min(sector.unknown_from);
+        }
         let parts = (4 * self.sectors.len()).next_power_of_two();
         let mut n = 0;
         self.table = (0..parts)

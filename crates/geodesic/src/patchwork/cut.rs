@@ -1,5 +1,7 @@
 //! The cutting of a picture: ends at places in, pieces out, by division into four wherever one polynomial will not do.
 
+use std::array::from_fn;
+
 use super::fit::{CHECKS, COUNT, Fit, Grid, highest, truncate, value};
 use super::{BLOCK, Patch, Single};
 use crate::ends::{Coordinates, End, Ends};
@@ -53,6 +55,8 @@ pub(super) enum Piece {
 pub(super) struct Pieces {
     pub(super) all: Vec<Piece>,
     pub(super) samples: u64,
+    /// The ends that have been looked at last.
+    seen: Vec<End>,
 }
 
 /// What all squares share.
@@ -126,9 +130,11 @@ impl Cutter<'_> {
         [pixel(0) * self.per_place, -pixel(1) * self.per_place]
     }
 
-    fn end(&self, place: [f64; 2], pieces: &mut Pieces) -> End {
-        pieces.samples += 1;
-        self.ends.end(place)
+    /// Looks at the ends of several places: `pieces.seen`.
+    fn look(&self, places: &[Place], pieces: &mut Pieces) {
+        pieces.samples += places.len() as u64;
+        pieces.seen.clear();
+        self.ends.ends(places, &mut pieces.seen);
     }
 
     fn attempt(&self, square: &Square, pieces: &mut Pieces) -> Attempt {
@@ -136,29 +142,33 @@ impl Cutter<'_> {
         let outermost = square.extent.map(|n| 1.0 - 1.0 / f64::from(n));
         let places = self.fit.checks;
         let check_at = |n: usize| [0, 1].map(|k| places[n][k] * outermost[k]);
-        let mut checks = [None; CHECKS];
-        let mut status = None;
-        for (n, check) in checks.iter_mut().enumerate().take(CORNERS) {
-            let end = self.end(self.place(square, check_at(n)), pieces);
-            if *status.get_or_insert(end.status) != end.status {
-                return Attempt::Divide(1);
-            }
-            *check = Some(end);
+        let check_places: [Place; CHECKS] = from_fn(|n| self.place(square, check_at(n)));
+        self.look(&check_places[..CORNERS], pieces);
+        let Ok(corners) = <[End; CORNERS]>::try_from(pieces.seen.as_slice()) else {
+            return Attempt::Divide(1);
+        };
+        let first = corners[0];
+        let status = first.status;
+        let unlike = |ends: &[End]| ends.iter().any(|end| end.status != status);
+        if unlike(&corners) {
+            return Attempt::Divide(1);
         }
         let nodes = self.fit.nodes;
-        let mut samples = [(); COUNT * COUNT].map(|()| None);
-        for n in 0..COUNT * COUNT {
-            // Far from each other one after the other: a line between two statuses is soon met.
-            let n = STRIDE * n % (COUNT * COUNT);
-            let place = self.place(square, [nodes[n % COUNT], nodes[n / COUNT]]);
-            let end = self.end(place, pieces);
-            if status != Some(end.status) {
+        let node = |n: usize| self.place(square, [nodes[n % COUNT], nodes[n / COUNT]]);
+        // Far from each other one after the other: a line between two statuses is soon met.
+        let order = |n: usize| STRIDE * n % (COUNT * COUNT);
+        let mut samples = vec![([0.0; 2], first); COUNT * COUNT];
+        for group in 0..COUNT {
+            let indices: [usize; COUNT] = from_fn(|n| order(COUNT * group + n));
+            let places = indices.map(node);
+            self.look(&places, pieces);
+            if unlike(&pieces.seen) {
                 return Attempt::Divide(1);
             }
-            samples[n] = Some((place, end));
+            for ((index, place), end) in indices.into_iter().zip(places).zip(&pieces.seen) {
+                samples[index] = (place, *end);
+            }
         }
-        let mut samples: Vec<(Place, End)> = samples.into_iter().flatten().collect();
-        let status = status.unwrap_or_default();
         if status != Status::Complete {
             return Attempt::Covered(Piece::Nothing {
                 corner: square.corner,
@@ -178,9 +188,8 @@ impl Cutter<'_> {
         let mut powers = [[[0.0; COUNT]; COUNT]; 2];
         let mut worst = 0.0_f64;
         for (k, powers) in powers.iter_mut().enumerate() {
-            let values: Grid = std::array::from_fn(|j| {
-                std::array::from_fn(|i| samples[COUNT * j + i].1.at[k] - reference.at[k])
-            });
+            let values: Grid =
+                from_fn(|j| from_fn(|i| samples[COUNT * j + i].1.at[k] - reference.at[k]));
             let mut series = self.fit.series(&values);
             let [last, before] = highest(&series);
             let beyond = (BEYOND * last).max(BEYOND * BEYOND * before);
@@ -191,22 +200,26 @@ impl Cutter<'_> {
         if let Some(times) = self.divisions(worst) {
             return Attempt::Divide(times);
         }
-        for (n, check) in checks.iter_mut().enumerate() {
-            let at = check_at(n);
-            let end = match check.take() {
-                Some(end) => end,
-                None => self.end(self.place(square, at), pieces),
-            };
-            let error = self.discrepancy(&end, coordinates, periods, |k| {
-                reference.at[k] + value(&powers[k], at)
-            });
-            // A NaN is no proof either.
-            if end.status != Status::Complete || error.is_nan() {
-                return Attempt::Divide(1);
+        for part in [0..CORNERS, CORNERS..CHECKS] {
+            if part.start == 0 {
+                pieces.seen.clear();
+                pieces.seen.extend(corners);
+            } else {
+                self.look(&check_places[part.clone()], pieces);
             }
-            worst = worst.max(WIDENING * error);
-            if let Some(times) = self.divisions(worst) {
-                return Attempt::Divide(times);
+            for (n, end) in part.zip(&pieces.seen) {
+                let at = check_at(n);
+                let error = self.discrepancy(end, coordinates, periods, |k| {
+                    reference.at[k] + value(&powers[k], at)
+                });
+                // A NaN is no proof either.
+                if end.status != Status::Complete || error.is_nan() {
+                    return Attempt::Divide(1);
+                }
+                worst = worst.max(WIDENING * error);
+                if let Some(times) = self.divisions(worst) {
+                    return Attempt::Divide(times);
+                }
             }
         }
         let centre = [0, 1].map(|k| reference.at[k] + powers[k][0][0]);
@@ -320,51 +333,52 @@ impl Cutter<'_> {
 
     /// The pixels of the smallest square, one by one.
     fn single(&self, square: &Square, pieces: &mut Pieces) -> Piece {
-        let look = |[column, row]: [u32; 2], pieces: &mut Pieces| {
+        let place = |[column, row]: [u32; 2]| {
             let at = [(column, 0), (row, 1)]
                 .map(|(n, k)| (2.0 * f64::from(n) + 1.0) / f64::from(square.extent[k]) - 1.0);
-            let place = self.place(square, at);
-            (place, self.end(place, pieces))
+            self.place(square, at)
         };
         let pixels = (BLOCK * BLOCK) as usize;
-        let mut known = vec![None; pixels];
-        let mut seen = None;
-        let mut nothing = true;
-        for pixel in FIRST {
-            let pixel = [0, 1].map(|k| pixel[k].min(square.extent[k] - 1));
-            let index = (pixel[1] * BLOCK + pixel[0]) as usize;
-            let (_, end) = *known[index].get_or_insert_with(|| look(pixel, pieces));
-            nothing &= end.status != Status::Complete;
-            nothing &= *seen.get_or_insert(end.status) == end.status;
-            if !nothing {
-                break;
+        let index = |[column, row]: [u32; 2]| (row * BLOCK + column) as usize;
+        let first = FIRST.map(|pixel| [0, 1].map(|k| pixel[k].min(square.extent[k] - 1)));
+        self.look(&first.map(place), pieces);
+        if let Some(end) = pieces.seen.first() {
+            let status = end.status;
+            if status != Status::Complete && pieces.seen.iter().all(|end| end.status == status) {
+                return Piece::Nothing {
+                    corner: square.corner,
+                    side: square.side,
+                    status,
+                };
             }
         }
-        if let (true, Some(status)) = (nothing, seen) {
-            return Piece::Nothing {
-                corner: square.corner,
-                side: square.side,
-                status,
-            };
-        }
+        let mut known = [false; (BLOCK * BLOCK) as usize];
         let mut single = Single {
             offset: vec![[0.0; 2]; pixels],
             by_pixel: vec![[0.0; 4]; pixels],
             status: vec![Status::default(); pixels],
         };
-        for row in 0..square.extent[1] {
-            for column in 0..square.extent[0] {
-                let index = (row * BLOCK + column) as usize;
-                let (place, end) = match known[index] {
-                    Some(known) => known,
-                    None => look([column, row], pieces),
-                };
+        let mut put = |pixels: &[[u32; 2]], places: &[Place], ends: &[End]| {
+            for ((pixel, place), end) in pixels.iter().zip(places).zip(ends) {
+                let index = index(*pixel);
                 single.status[index] = end.status;
                 if end.status == Status::Complete {
-                    (single.offset[index], single.by_pixel[index]) = self.pixel(end, place);
+                    (single.offset[index], single.by_pixel[index]) = self.pixel(*end, *place);
                 }
             }
+        };
+        put(&first, &first.map(place), &pieces.seen);
+        for pixel in first {
+            known[index(pixel)] = true;
         }
+        let [columns, rows] = square.extent;
+        let rest: Vec<[u32; 2]> = (0..rows)
+            .flat_map(|row| (0..columns).map(move |column| [column, row]))
+            .filter(|pixel| !known[index(*pixel)])
+            .collect();
+        let places: Vec<Place> = rest.iter().copied().map(place).collect();
+        self.look(&places, pieces);
+        put(&rest, &places, &pieces.seen);
         Piece::Single {
             corner: square.corner,
             single,
