@@ -8,10 +8,11 @@
 use std::cell::RefCell;
 
 use expr::graph::TooLarge;
+use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 
-use crate::surface::{Jet, Scale, Sides, Surface};
+use crate::surface::{Jet, JetBlock, LANES, Lanes, Scale, Sides, Surface};
 use crate::topology::{Apex, Topology, at};
 
 /// E, F, G and their first derivatives at a point: `by_u[0]` is ∂E/∂u.
@@ -36,6 +37,9 @@ pub(crate) struct Form {
 pub struct MetricSurface {
     tape: Tape,
     inputs: Vec<Source>,
+    /// E, F, G with their derivatives, for several points at once.
+    jets: JetTape,
+    fixed: Fixed,
     domain: [[f64; 2]; 2],
     topology: Topology,
     scale: Scale,
@@ -52,6 +56,8 @@ enum Source {
 thread_local! {
     /// Registers and inputs of the evaluation, one per thread, so that none allocates.
     static SCRATCH: RefCell<(Registers, Vec<f64>)> = RefCell::default();
+    /// The same for several points at once.
+    static BLOCK: RefCell<JetRegisters> = RefCell::default();
 }
 
 impl MetricSurface {
@@ -67,6 +73,13 @@ impl MetricSurface {
         uniforms: &[f64],
     ) -> Result<Self, TooLarge> {
         let (mut graph, form) = graph.extract(&form);
+        let variables = [Input::Variable(0), Input::Variable(1)];
+        let jets = JetTape::new(&graph, &form, variables, Order::Second)?;
+        let value = |input: &Input| match *input {
+            Input::Variable(_) => f64::NAN,
+            Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
+        };
+        let fixed = jets.fix(&jets.uniforms().iter().map(value).collect::<Vec<f64>>());
         let by_u = graph.derivatives(&form, Input::Variable(0))?;
         let by_v = graph.derivatives(&form, Input::Variable(1))?;
         let seconds = [
@@ -85,15 +98,14 @@ impl MetricSurface {
             .map(|input| match *input {
                 Input::Variable(0) => Source::U,
                 Input::Variable(1) => Source::V,
-                Input::Variable(_) => Source::Fixed(f64::NAN),
-                Input::Uniform(k) => {
-                    Source::Fixed(uniforms.get(k as usize).copied().unwrap_or(f64::NAN))
-                }
+                _ => Source::Fixed(value(input)),
             })
             .collect();
         let mut surface = Self {
             tape,
             inputs,
+            jets,
+            fixed,
             domain,
             topology: Topology::default(),
             scale: Scale {
@@ -140,6 +152,24 @@ impl MetricSurface {
 impl Surface for MetricSurface {
     fn jet(&self, uv: [f64; 2]) -> Jet {
         jet_of(&self.form(uv), uv)
+    }
+
+    fn jets(&self, at: &[Lanes; 2], out: &mut JetBlock) {
+        let mut forms = JetBlock::default();
+        BLOCK.with_borrow_mut(|registers| {
+            let forms: &mut [Lanes; 18] = bytemuck::cast_mut(&mut forms);
+            self.jets.eval(registers, &self.fixed, at, forms);
+        });
+        for lane in 0..LANES {
+            let efg = forms.get(lane);
+            let form = Form {
+                efg: efg.position,
+                by_u: efg.du,
+                by_v: efg.dv,
+                bent: -0.5 * efg.dvv[0] + efg.duv[1] - 0.5 * efg.duu[2],
+            };
+            out.set(lane, &jet_of(&form, [at[0][lane], at[1][lane]]));
+        }
     }
 
     fn is_embedded(&self) -> bool {
