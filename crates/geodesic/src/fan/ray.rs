@@ -76,6 +76,8 @@ pub(super) struct Ray {
     pub(super) stop: Option<Stop>,
     /// The estimated error of its position, but for a factor that is much the same for all rays of a fan.
     pub(super) error: f64,
+    /// The share of the usual error that it was allowed.
+    pub(super) care: f64,
     /// Radii at which to compare it with others.
     pub(super) probes: Vec<f64>,
 }
@@ -140,6 +142,7 @@ impl Ray {
             slack,
             stop,
             error: 0.0,
+            care: 1.0,
             probes: Vec::new(),
         };
         let reach = ray.stop.map_or(end, |stop| stop.s.min(end));

@@ -28,9 +28,12 @@ const EDGE: f64 = 0.25;
 const NARROWEST: f64 = 0.5;
 const FEW: usize = 32;
 /// … and while more pixels than this are left out between two rays.
-const LEFT_OUT: f64 = 4.0;
-/// How much more exactly the rays are integrated that measure the errors of the others.
-pub(super) const EXACT: f64 = 0.04;
+const LEFT_OUT: f64 = 2.0;
+/// How much more exactly the first rays are integrated once more, to see how exact they are.
+const EXACT: f64 = 0.04;
+/// By how much more the others may err where the first ones are found too exact. More would leave knots so far apart
+/// that what lies between them has kinks that cost more squares of a picture than it saves steps.
+const LOOSEST: f64 = 4.0;
 /// The least share of the usual error that a ray is allowed: where even that grows too large, rays are of no use.
 const MOST_CARE: f64 = 2e-2;
 /// The most evaluations for one ray, and the least that one is begun with.
@@ -192,6 +195,22 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         Some(rays)
     }
 
+    /// The share of the usual error for the ray in the middle of a sector: what those beside it would have needed.
+    fn care(&self, sector: &Sector) -> f64 {
+        let [a, b] = self.pair(sector).map(|ray| ray.error / ray.care);
+        self.care_for(self.factor * (a * b).sqrt())
+    }
+
+    /// The share of the usual error for a ray that would be off by so many pixels.
+    fn care_for(&self, off: f64) -> f64 {
+        let allowed = ALONG * self.options.tolerance;
+        if off > 1.5 * allowed {
+            (0.5 * allowed / off).max(MOST_CARE)
+        } else {
+            1.0
+        }
+    }
+
     fn improve(&mut self, rays: &mut [Ray], wanted: &[Wanted]) {
         let allowed = ALONG * self.options.tolerance;
         let poor: Vec<usize> = (0..rays.len())
@@ -203,7 +222,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let again: Vec<Wanted> = poor
             .iter()
             .map(|&n| Wanted {
-                care: (0.5 * allowed / (self.factor * rays[n].error)).max(MOST_CARE),
+                care: self.care_for(self.factor * rays[n].error / wanted[n].care),
                 ..wanted[n]
             })
             .collect();
@@ -222,6 +241,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let wanted: Vec<Wanted> = (0..BASE)
             .map(|n| Wanted::new(n as f64 * step, 2.0 * step))
             .collect();
+        let mut loose = 1.0;
         for _ in 0..4 {
             let plan = self.plan;
             let Some(rays) = self.integrate(&plan, &wanted) else {
@@ -260,6 +280,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             };
             let share = worst / (ALONG * self.options.tolerance);
             if share <= 1.0 {
+                loose = (0.5 / share).clamp(1.0, LOOSEST);
                 break;
             }
             self.plan.rate *= (0.5 / share).max(1e-3);
@@ -267,6 +288,12 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let mut rays = std::mem::take(&mut self.rays);
         self.improve(&mut rays, &wanted);
         self.rays = rays;
+        // What the first rays were too exact, the others need not be.
+        self.plan.rate *= loose;
+        self.along = self.along.map(|error| error * loose as f32);
+        for ray in &mut self.rays {
+            ray.care /= loose;
+        }
         let order = self.order();
         let stretched =
             |a: usize, b: usize| cell::is_stretched([&self.rays[a], &self.rays[b % BASE]]);
@@ -472,7 +499,13 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 *sectors = done;
                 break;
             }
-            let wanted: Vec<Wanted> = open.iter().map(Wanted::middle).collect();
+            let wanted: Vec<Wanted> = open
+                .iter()
+                .map(|sector| Wanted {
+                    care: self.care(sector),
+                    ..Wanted::middle(sector)
+                })
+                .collect();
             let Some(middles) = self.follow(&wanted) else {
                 done.extend(open);
                 *sectors = done;

@@ -82,6 +82,7 @@ impl Runner {
     pub(super) fn finish(self) -> Ray {
         let mut ray = Ray::new(self.angle, &self.segments, self.stop);
         ray.error = self.error();
+        ray.care = self.care;
         ray
     }
 

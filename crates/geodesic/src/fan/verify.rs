@@ -2,11 +2,13 @@
 //! in places spread evenly. What they find wrong they mend.
 
 use super::march::Plan;
-use super::refine::{ACROSS, Builder, EXACT, Wanted};
+use super::refine::{ACROSS, Builder, Wanted};
 use super::sectors::{BINS, Sector, bin, most};
 use crate::ends::Estimate;
 use crate::surface::Surface;
 
+/// How much more exactly the rays are integrated that measure the errors of the others.
+const EXACT: f64 = 0.15;
 /// Beside the sectors that should have the largest errors so many are measured that are spread evenly, …
 const SPREAD: usize = 3;
 /// … so many times, while sectors have to be bisected after it.
