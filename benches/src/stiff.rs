@@ -4,8 +4,12 @@ use testing::stiff::cases;
 
 /// Prints the list.
 pub(crate) fn run() {
-    println!("Stiff cases: what is measured, ours, its bound, evaluations of the dearest ray, and the thesis' method");
-    println!("(classical Runge–Kutta, 512 steps in (u,v)); NaN where a ray does not get where it should.\n");
+    println!(
+        "Stiff cases: what is measured, ours, its bound, evaluations of the dearest ray, and the thesis' method"
+    );
+    println!(
+        "(classical Runge–Kutta, 512 steps in (u,v)); NaN where a ray does not get where it should.\n"
+    );
     println!("| id | case | quantity | ours | bound | evaluations | thesis |");
     println!("| --- | --- | --- | --: | --: | --: | --: |");
     let mut missed = 0;

@@ -47,7 +47,7 @@ impl Sphere {
         }
     }
 
-    /// The surface: (u, v) ∈ [0,1]², v from the north pole.
+    /// The surface: (u, v) ∈ `[0,1]²`, v from the north pole.
     pub fn surface(&self) -> &dyn Surface {
         self.opening.surface()
     }

@@ -63,9 +63,10 @@ fn see_all(backend: Backend) {
     for example in examples::all() {
         let scene = scene(&example.source);
         // A metric, and a geodesic on one, have no place in space.
-        let in_space = scene.objects.iter().any(|object| {
-            !matches!(object.shape, Shape::Metric { .. } | Shape::Geodesic { .. })
-        });
+        let in_space = scene
+            .objects
+            .iter()
+            .any(|object| !matches!(object.shape, Shape::Metric { .. } | Shape::Geodesic { .. }));
         for (what, settings) in [
             ("opening", Settings::opening(&scene)),
             ("middle", middle(&scene)),

@@ -7,7 +7,9 @@ use testing::close::assert_close;
 /// The document of a trace.
 fn traced(program: &str, arguments: &[&str]) -> Value {
     let common = ["trace", "-", "--format", "json"];
-    let run = geotrace(common.iter().chain(arguments)).input(program).run();
+    let run = geotrace(common.iter().chain(arguments))
+        .input(program)
+        .run();
     run.expect_status(0).json()
 }
 
@@ -55,7 +57,9 @@ fn a_metric_is_found_by_its_name_and_a_geodesic_is_none() {
     let way = ["--from", "0,1", "--heading", "90", "--length", "1"];
     let named = |name: &'static str| {
         let front = ["trace", "-", "--surface", name];
-        geotrace(front.iter().chain(&way)).input(program.as_str()).run()
+        geotrace(front.iter().chain(&way))
+            .input(program.as_str())
+            .run()
     };
     named("h").expect_status(0);
     let run = named("g");
@@ -91,10 +95,14 @@ fn explain_tells_of_metrics_and_geodesics() {
 #[test]
 fn eval_gives_the_value_of_a_metric_and_refuses_that_of_a_geodesic() {
     let program = format!("{HALF_PLANE} geodesic g(t) : h = (1,0) @ (0,1), t : [0,1];");
-    let run = geotrace(["eval", "-", "h(1,2)"]).input(program.as_str()).run();
+    let run = geotrace(["eval", "-", "h(1,2)"])
+        .input(program.as_str())
+        .run();
     run.expect_status(0);
     run.expect_text("(0.25, 0, 0.25)");
-    let run = geotrace(["eval", "-", "g(1)"]).input(program.as_str()).run();
+    let run = geotrace(["eval", "-", "g(1)"])
+        .input(program.as_str())
+        .run();
     run.expect_status(1);
     run.expect_text("no-formula");
 }

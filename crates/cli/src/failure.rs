@@ -65,10 +65,9 @@ impl Failure {
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             Self::ReaderGone => ExitCode::SUCCESS,
-            Self::Program
-            | Self::Input { .. }
-            | Self::Internal { .. }
-            | Self::EditorGone => ExitCode::from(1),
+            Self::Program | Self::Input { .. } | Self::Internal { .. } | Self::EditorGone => {
+                ExitCode::from(1)
+            }
             Self::Usage { .. } | Self::Unreadable { .. } | Self::Unwritable { .. } => {
                 ExitCode::from(2)
             }

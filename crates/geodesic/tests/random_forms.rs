@@ -66,7 +66,9 @@ impl Tally {
         );
         assert!(error.is_finite(), "{}: {case}: {end:?}", self.what);
         // The closed form itself is good to a few units in the last place of the size, or of coordinates beyond it.
-        let reach = place(end).iter().fold(self.size, |most, x| most.max(x.abs()));
+        let reach = place(end)
+            .iter()
+            .fold(self.size, |most, x| most.max(x.abs()));
         let ratio = error / (estimate + 1e-15 * reach);
         if ratio > self.ratio {
             self.worst_case = format!("{case}: error {error:e} estimate {estimate:e}");

@@ -12,9 +12,9 @@ pub use resolve::{Paint, resolve, resolve_patchwork};
 use geodesic::ends::{Estimate, Work};
 use geodesic::trace::Status;
 
-/// Half the period of the hatching of what is not seen, in [`style::pixel_unit`]s.
+/// Half the period of the hatching of what is not seen, in [`crate::style::pixel_unit`]s.
 pub const HATCH: f32 = 5.0;
-/// The radius of the ring around the centre, in [`style::pixel_unit`]s; at least [`LEAST_RING`] pixels.
+/// The radius of the ring around the centre, in [`crate::style::pixel_unit`]s; at least [`LEAST_RING`] pixels.
 pub const RING: f32 = 7.0;
 /// The least radius of the ring in pixels.
 pub const LEAST_RING: f32 = 3.5;

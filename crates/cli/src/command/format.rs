@@ -30,7 +30,10 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let standard = arguments.files.iter().filter(|file| *file == Path::new("-"));
+    let standard = arguments
+        .files
+        .iter()
+        .filter(|file| *file == Path::new("-"));
     if standard.count() > 1 {
         return Err(Failure::usage("standard input (`-`) can be read only once"));
     }

@@ -18,7 +18,14 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let Arguments { stdio: _ } = arguments;
     let clean = server::run().map_err(|error| Failure::Internal {
-        message: format!("the language server cannot start: {}", output::reason(&error)),
+        message: format!(
+            "the language server cannot start: {}",
+            output::reason(&error)
+        ),
     })?;
-    if clean { Ok(()) } else { Err(Failure::EditorGone) }
+    if clean {
+        Ok(())
+    } else {
+        Err(Failure::EditorGone)
+    }
 }
