@@ -41,7 +41,7 @@ pub fn describe(reading: &Reading, target: Target) -> Option<Description> {
         Target::Symbol(id) => {
             let symbol = reading.symbols().get(id)?;
             match reading.item_of(id) {
-                Some(item) => Some(declared(reading, &reading.items()[item])),
+                Some(item) => Some(declared(reading, item)),
                 None => builtin(symbol),
             }
         }
@@ -76,7 +76,8 @@ fn interval_of(reading: &Reading, item: &Item, position: usize) -> Option<String
     })
 }
 
-fn declared(reading: &Reading, item: &Item) -> Description {
+fn declared(reading: &Reading, position: usize) -> Description {
+    let item = &reading.items()[position];
     let code = format!("{} {}{}", item.word.text(), item.name, signature(item));
     let mut text = Vec::new();
     if item.faulty {
@@ -97,7 +98,7 @@ fn declared(reading: &Reading, item: &Item) -> Description {
             ));
         }
         DeclareWord::Define | DeclareWord::Point | DeclareWord::Vector => {
-            text.extend(value(reading, item));
+            text.extend(value(reading, position));
         }
         DeclareWord::Function => {}
         _ => {
@@ -109,7 +110,7 @@ fn declared(reading: &Reading, item: &Item) -> Description {
             if !lines.is_empty() {
                 text.push(format!("over {}", lines.join(", ")));
             }
-            text.extend(geometry::of(reading, item));
+            text.extend(geometry::of(reading, position));
         }
     }
     text.extend(comment_above(reading, item));
@@ -125,27 +126,28 @@ fn written_intervals(reading: &Reading, item: &Item) -> String {
 }
 
 /// The value of a constant: for one that params move, that at their start.
-fn value(reading: &Reading, item: &Item) -> Option<String> {
-    if let Some(value) = constant(reading, &item.name) {
-        return Some(format!("= {value}"));
+fn value(reading: &Reading, item: usize) -> Option<String> {
+    let compilation = reading.compile_alone([item])?;
+    let item = &reading.items()[item];
+    if let Some(value) = constant(&compilation, &item.name) {
+        return Some(if reading.depends_on_settings(item.symbol?) {
+            format!("= {value}, with every param at its start")
+        } else {
+            format!("= {value}")
+        });
     }
-    let compilation = reading.sound();
-    let scene = compilation.scene.as_ref()?;
-    let settings = Settings::opening(scene);
-    match compilation.evaluate(&item.name, &settings).ok()?.outcome {
-        scene::Outcome::Single(value) => Some(format!(
-            "= {}, with every param at its start",
-            shown(&value)
-        )),
-        scene::Outcome::Instances(instances) => {
-            let first = instances.first()?;
-            Some(format!(
-                "{} values, one for each value of the grids; the first is {}",
-                instances.len(),
-                shown(&first.value)
-            ))
-        }
-    }
+    let settings = Settings::opening(compilation.scene.as_ref()?);
+    let scene::Outcome::Instances(instances) =
+        compilation.evaluate(&item.name, &settings).ok()?.outcome
+    else {
+        return None;
+    };
+    let first = instances.first()?;
+    Some(format!(
+        "{} values, one for each value of the grids; the first is {}",
+        instances.len(),
+        shown(&first.value)
+    ))
 }
 
 /// The comment right above a declaration, or behind it on its line.

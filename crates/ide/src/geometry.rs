@@ -6,17 +6,19 @@ use scene::Settings;
 use scene::scene::{Object, Scene, Shape};
 
 use crate::hints::short;
-use crate::reading::{Item, Reading};
+use crate::reading::Reading;
 
 /// Points along each axis at which a surface is looked at, its sides included.
 const LATTICE: u32 = 25;
 /// |σu × σv| below this share of |σu||σv|, or of its largest value, has vanished.
 const VANISHED: f64 = 1e-9;
 
-/// Sentences about the surface that an item declares; none for what is no surface.
-pub(crate) fn of(reading: &Reading, item: &Item) -> Vec<String> {
+/// Sentences about the surface that an item (a position in [`Reading::items`]) declares; none for what is no surface.
+pub(crate) fn of(reading: &Reading, item: usize) -> Vec<String> {
     let sentences = || {
-        let scene = reading.sound().scene.as_ref()?;
+        let compilation = reading.compile_alone([item])?;
+        let scene = compilation.scene.as_ref()?;
+        let item = &reading.items()[item];
         let object = scene
             .objects
             .iter()

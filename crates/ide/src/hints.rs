@@ -1,6 +1,6 @@
 //! What an editor writes between the letters: how words are split, and the values of constants.
 
-use scene::{Evaluation, Outcome, Settings, Value};
+use scene::{Compilation, Outcome, Settings, Value};
 use syntax::span::Span;
 use syntax::token::{DeclareWord, TokenKind};
 
@@ -64,19 +64,28 @@ fn splits(reading: &Reading, range: Span) -> Vec<Hint> {
 
 /// `= 6.2832` behind a define that no param or grid changes.
 fn values(reading: &Reading, range: Span) -> Vec<Hint> {
-    let items = reading.items().iter();
-    let wanted = items.filter(|item| {
-        item.word == DeclareWord::Define
-            && !item.faulty
-            && item.span.start < range.end
-            && range.start < item.span.end
-    });
+    let items = reading.items();
+    let first = items.partition_point(|item| item.span.end <= range.start);
+    let inside = (first..items.len()).take_while(|&k| items[k].span.start < range.end);
+    let wanted: Vec<usize> = inside
+        .filter(|&k| {
+            let item = &items[k];
+            item.word == DeclareWord::Define
+                && !item.faulty
+                && !is_literal(reading, item.span)
+                && item
+                    .symbol
+                    .is_some_and(|symbol| !reading.depends_on_settings(symbol))
+        })
+        .collect();
+    let Some(compilation) = reading.compile_alone(wanted.iter().copied()) else {
+        return Vec::new();
+    };
     wanted
-        .filter_map(|item| {
-            if is_literal(reading, item.span) {
-                return None;
-            }
-            let value = constant(reading, &item.name)?;
+        .into_iter()
+        .filter_map(|k| {
+            let item = &items[k];
+            let value = constant(&compilation, &item.name)?;
             Some(Hint {
                 offset: item.span.end.saturating_sub(1),
                 label: format!("= {value}"),
@@ -100,17 +109,10 @@ fn is_literal(reading: &Reading, span: Span) -> bool {
         .all(|t| matches!(t.kind, TokenKind::Number(_) | TokenKind::Minus))
 }
 
-/// The value of a name that does not depend on params or grids, for people.
-pub(crate) fn constant(reading: &Reading, name: &str) -> Option<String> {
-    let item = reading.items().iter().find(|item| item.name == name)?;
-    if reading.depends_on_settings(item.symbol?) {
-        return None;
-    }
-    let compilation = reading.sound();
-    let scene = compilation.scene.as_ref()?;
-    let settings = Settings::opening(scene);
-    let Evaluation { outcome, .. } = compilation.evaluate(name, &settings).ok()?;
-    match outcome {
+/// The value of a name that does not depend on grids, for people; params are at their start.
+pub(crate) fn constant(compilation: &Compilation, name: &str) -> Option<String> {
+    let settings = Settings::opening(compilation.scene.as_ref()?);
+    match compilation.evaluate(name, &settings).ok()?.outcome {
         Outcome::Single(value) => Some(shown(&value)),
         Outcome::Instances(_) => None,
     }

@@ -1,6 +1,6 @@
 //! A text as the features see it: one pass of the parser's hooks in, tokens with their meanings out.
 
-use std::collections::HashSet;
+use std::collections::{BTreeSet, HashSet};
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -21,7 +21,6 @@ pub struct Reading {
     symbols: Symbols,
     operands: Vec<Span>,
     compilation: OnceLock<Compilation>,
-    sound: OnceLock<Compilation>,
     dependent: OnceLock<HashSet<SymbolId>>,
 }
 
@@ -76,7 +75,6 @@ impl Reading {
             symbols: parsed.symbols,
             operands: reader.operands,
             compilation: OnceLock::new(),
-            sound: OnceLock::new(),
             dependent: OnceLock::new(),
         }
     }
@@ -111,44 +109,70 @@ impl Reading {
         self.compilation.get_or_init(|| scene::compile(&self.text))
     }
 
-    /// What the declarations compile to that hold no error and use nothing that does: values are told while a
-    /// text is being written. The same as [`Reading::compilation`] for a text without errors.
-    pub fn sound(&self) -> &Compilation {
-        if self.compilation().scene.is_some() {
-            return self.compilation();
-        }
-        self.sound
-            .get_or_init(|| scene::compile(&self.sound_text()))
-    }
-
-    /// The text with everything but its sound declarations blanked. A name that no word of theirs uses can go
-    /// without any of them being read otherwise.
-    fn sound_text(&self) -> String {
-        let errors: Vec<Span> = self
-            .diagnostics()
-            .iter()
-            .filter(|d| d.severity == Severity::Error)
-            .map(|d| d.span)
-            .collect();
-        let mut lost: HashSet<SymbolId> = HashSet::new();
-        let mut text = " ".repeat(self.text.len());
-        for item in &self.items {
-            let span = item.span;
-            // Diagnostics are sorted by their starts; one that starts in a declaration is about it.
-            let first = errors.partition_point(|error| error.start < span.start);
-            let is_wrong = errors.get(first).is_some_and(|e| e.start < span.end);
-            let uses_lost = |k: usize| match self.tokens[k].kind {
-                TokenKind::Constant(id) | TokenKind::Function(id) => lost.contains(&id),
-                _ => false,
-            };
-            if item.faulty || is_wrong || self.tokens_in(span).any(uses_lost) {
-                lost.extend(item.symbol);
-            } else {
-                let range = span.start as usize..span.end as usize;
-                text.replace_range(range.clone(), &self.text[range]);
+    /// What some declarations (positions in [`Reading::items`]) and all that they use compile to, in time proportional
+    /// to them: values are told whatever else is being written. Declarations with errors are left out, and what uses
+    /// them; none if nothing is sound. No word is read otherwise than in the text: a name that no word uses can go.
+    pub fn compile_alone(&self, items: impl IntoIterator<Item = usize>) -> Option<Compilation> {
+        let mut kept = BTreeSet::new();
+        let mut open: Vec<usize> = items.into_iter().collect();
+        while let Some(k) = open.pop() {
+            if kept.insert(k) {
+                let used = self.symbols_in(self.items[k].span);
+                open.extend(used.filter_map(|id| self.item_of(id)));
             }
         }
-        text
+        self.prune(&mut kept, |k| {
+            self.items[k].faulty || self.items[k].symbol.is_none()
+        });
+        // Where something is wrong in the first round, nothing is in the second.
+        for _ in 0..2 {
+            let mut text = String::new();
+            let mut starts: Vec<(u32, usize)> = Vec::new();
+            for &k in &kept {
+                starts.push((text.len() as u32, k));
+                text.push_str(self.items[k].span.text(&self.text));
+                text.push('\n');
+            }
+            if kept.is_empty() {
+                return None;
+            }
+            let compilation = scene::compile(&text);
+            if compilation.scene.is_some() {
+                return Some(compilation);
+            }
+            let errors = compilation.diagnostics.iter();
+            let errors = errors.filter(|d| d.severity == Severity::Error);
+            let wrong: HashSet<usize> = errors
+                .filter_map(|d| {
+                    let after = starts.partition_point(|(start, _)| *start <= d.span.start);
+                    Some(starts.get(after.checked_sub(1)?)?.1)
+                })
+                .collect();
+            self.prune(&mut kept, |k| wrong.contains(&k));
+        }
+        None
+    }
+
+    /// Leaves out what is wrong, and what uses what has been left out: declarations only use what stands above them.
+    fn prune(&self, kept: &mut BTreeSet<usize>, is_wrong: impl Fn(usize) -> bool) {
+        let mut lost: HashSet<SymbolId> = HashSet::new();
+        kept.retain(|&k| {
+            let item = &self.items[k];
+            let stays = !is_wrong(k) && !self.symbols_in(item.span).any(|id| lost.contains(&id));
+            if !stays {
+                lost.extend(item.symbol);
+            }
+            stays
+        });
+    }
+
+    /// The symbols that the tokens in a range stand for.
+    fn symbols_in(&self, span: Span) -> impl Iterator<Item = SymbolId> + '_ {
+        let tokens = self.tokens[self.tokens_in(span)].iter();
+        tokens.filter_map(|token| match token.kind {
+            TokenKind::Constant(id) | TokenKind::Function(id) => Some(id),
+            _ => None,
+        })
     }
 
     /// What is wrong with the text.
@@ -292,11 +316,7 @@ impl Reading {
         for item in &self.items {
             let Some(symbol) = item.symbol else { continue };
             let itself = matches!(item.word, DeclareWord::Param | DeclareWord::Grid);
-            let uses = |k: usize| match self.tokens[k].kind {
-                TokenKind::Constant(id) | TokenKind::Function(id) => dependent.contains(&id),
-                _ => false,
-            };
-            if itself || self.tokens_in(item.span).any(uses) {
+            if itself || self.symbols_in(item.span).any(|id| dependent.contains(&id)) {
                 dependent.insert(symbol);
             }
         }

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ide::{completion, fix, format, hints, lens, navigate, outline, rename, signature};
 use syntax::span::Span;
+use tokio::sync::Semaphore;
 use tower_lsp::jsonrpc::{Error, ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
 use tower_lsp::{Client, LanguageServer};
@@ -21,6 +22,8 @@ use crate::workspace;
 
 /// The most symbols that a search in the workspace gives.
 const MOST_SYMBOLS: usize = 1000;
+/// How many features are at work at once: more would only share the processors, and each needs its memory.
+const MOST_AT_WORK: usize = 2;
 
 /// The server as the protocol sees it.
 pub(crate) struct Backend {
@@ -28,6 +31,8 @@ pub(crate) struct Backend {
     session: Arc<Mutex<Session>>,
     /// Diagnostics are sent one after the other, so that an older list never comes behind a newer one.
     publishing: Arc<tokio::sync::Mutex<()>>,
+    /// The places for features that are at work at once.
+    places: Arc<Semaphore>,
     end: Arc<crate::End>,
 }
 
@@ -87,6 +92,7 @@ impl Backend {
             client,
             session: Arc::default(),
             publishing: Arc::default(),
+            places: Arc::new(Semaphore::new(MOST_AT_WORK)),
             end,
         }
     }
@@ -109,7 +115,20 @@ impl Backend {
         feature: impl FnOnce(&Snapshot) -> T + Send + 'static,
     ) -> Result<T> {
         let snapshot = self.snapshot(uri)?;
-        let worker = Worker(tokio::task::spawn_blocking(move || feature(&snapshot)));
+        self.work(move || feature(&snapshot)).await
+    }
+
+    /// Runs something on a worker when there is a place. A request that is cancelled while it waits is never begun.
+    async fn work<T: Send + 'static>(
+        &self,
+        feature: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<T> {
+        let place = self.places.clone().acquire_owned().await;
+        let worker = Worker(tokio::task::spawn_blocking(move || {
+            // Held until the work is done, whether anyone waits for it or not.
+            let _place = place;
+            feature()
+        }));
         worker.result().await
     }
 
@@ -476,13 +495,13 @@ impl LanguageServer for Backend {
             return Ok(item);
         };
         let label = item.label.clone();
-        let worker = Worker(tokio::task::spawn_blocking(move || {
+        let described = self.work(move || {
             let offset = u32::try_from(offset)
                 .unwrap_or(u32::MAX)
                 .min(snapshot.text.len() as u32);
             completion::describe(snapshot.reading(), offset, &label)
-        }));
-        if let Some(description) = worker.result().await? {
+        });
+        if let Some(description) = described.await? {
             item.documentation = Some(outgoing::documentation(&description, format));
         }
         Ok(item)
@@ -629,7 +648,7 @@ impl LanguageServer for Backend {
             }
             None => None,
         };
-        let worker = Worker(tokio::task::spawn_blocking(move || {
+        let searched = self.work(move || {
             let mut found = Vec::new();
             let mut names: Vec<String> = Vec::new();
             for snapshot in &open {
@@ -650,8 +669,8 @@ impl LanguageServer for Backend {
             }
             found.truncate(MOST_SYMBOLS);
             found
-        }));
-        let found = worker.result().await;
+        });
+        let found = searched.await;
         if let Some(progress) = progress {
             progress.end().await;
         }

@@ -106,7 +106,7 @@ where
     });
     let mut writing = tokio::spawn(async move {
         let mut output = output;
-        let mut frames = FrameReader::new(from_protocol);
+        let mut frames = FrameReader::of_own(from_protocol);
         loop {
             let body = tokio::select! {
                 frame = frames.next() => match frame {
