@@ -156,7 +156,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
     }
 
     /// The end at a place between two rays, at the arc length `s`.
-    #[inline(never)]
+    #[inline(always)]
     fn look_closer(&self, start: &Start, place: [f64; 2], s: f64, sector: &Sector, t: f64) -> End {
         let rays = self.sectors.rays(sector);
         if s >= sector.unknown_from {

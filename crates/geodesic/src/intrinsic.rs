@@ -12,7 +12,7 @@ use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 
-use crate::surface::{Jet, JetBlock, LANES, Lanes, Scale, Sides, Surface};
+use crate::surface::{Jet, JetBlock, Lanes, Scale, Sides, Surface};
 use crate::topology::{Apex, Topology, at};
 
 /// E, F, G and their first derivatives at a point: `by_u[0]` is ∂E/∂u.
@@ -160,7 +160,7 @@ impl Surface for MetricSurface {
             let forms: &mut [Lanes; 18] = bytemuck::cast_mut(&mut forms);
             self.jets.eval(registers, &self.fixed, at, forms);
         });
-        for lane in 0..LANES {
+        for (lane, (&u, &v)) in at[0].iter().zip(&at[1]).enumerate() {
             let efg = forms.get(lane);
             let form = Form {
                 efg: efg.position,
@@ -168,7 +168,7 @@ impl Surface for MetricSurface {
                 by_v: efg.dv,
                 bent: -0.5 * efg.dvv[0] + efg.duv[1] - 0.5 * efg.duu[2],
             };
-            out.set(lane, &jet_of(&form, [at[0][lane], at[1][lane]]));
+            out.set(lane, &jet_of(&form, [u, v]));
         }
     }
 

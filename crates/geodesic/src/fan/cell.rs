@@ -155,6 +155,7 @@ fn together(space: &Space, a: Sample, mut b: Sample) -> (Sample, Sample) {
 }
 
 /// Interpolates between rays that are `width` apart in angle, at the share `t` of the way, at the arc length `s`.
+#[inline(always)]
 pub(super) fn between(
     space: &Space,
     across: Across,
@@ -266,11 +267,11 @@ pub(super) fn look_free(
 /// the neighbour is to be expected.
 #[inline(always)]
 fn lift(a: &Sample, b: &mut Sample, periods: [f64; 2], width: f64) {
-    for k in 0..2 {
-        if periods[k] > 0.0 {
+    for (k, period) in periods.into_iter().enumerate() {
+        if period > 0.0 {
             let expected = 0.5 * width * (a.jacobi[0][k] + b.jacobi[0][k]);
             let off = b.at[k] - a.at[k] - expected;
-            b.at[k] -= periods[k] * (off / periods[k]).round();
+            b.at[k] -= period * (off / period).round();
         }
     }
 }
@@ -307,6 +308,7 @@ impl Stretch {
 }
 
 /// Whether the way to the edge has to be stretched, and can be.
+#[inline(always)]
 fn aslant(rays: [&Ray; 2], stops: [&Stop; 2]) -> bool {
     let [a, b] = stops;
     let far = a.s.max(b.s);
@@ -324,6 +326,7 @@ pub(super) fn free_until(rays: [&Ray; 2]) -> f64 {
 }
 
 /// Whether places between two rays are told by their shares of the way to the edge, once its slope is known.
+#[inline(always)]
 pub(super) fn is_stretched(rays: [&Ray; 2]) -> bool {
     match (&rays[0].stop, &rays[1].stop) {
         (Some(a), Some(b)) => aslant(rays, [a, b]),
@@ -332,6 +335,7 @@ pub(super) fn is_stretched(rays: [&Ray; 2]) -> bool {
 }
 
 /// Where the edge lies between two rays that leave through it: the arc length at the share `t`.
+#[inline(always)]
 fn edge(rays: [&Ray; 2], width: f64, t: f64) -> Option<(f64, Status)> {
     let [a, b] = [rays[0].stop?, rays[1].stop?];
     let rest = 1.0 - t;
@@ -348,6 +352,7 @@ fn edge(rays: [&Ray; 2], width: f64, t: f64) -> Option<(f64, Status)> {
 }
 
 /// Why both rays have ended before an arc length, if they have.
+#[inline(always)]
 pub(super) fn both_ended(rays: [&Ray; 2], t: f64, s: f64) -> Option<Status> {
     let [a, b] = [rays[0].stop?, rays[1].stop?];
     let known = a.status != Status::WorkLimit && b.status != Status::WorkLimit;
@@ -355,6 +360,7 @@ pub(super) fn both_ended(rays: [&Ray; 2], t: f64, s: f64) -> Option<Status> {
 }
 
 /// What lies at the share `t` between two rays, at the arc length `s`.
+#[inline(always)]
 pub(super) fn look(
     space: &Space,
     across: Across,

@@ -26,7 +26,7 @@ const ALONG: f64 = 0.3;
 const EDGE: f64 = 0.25;
 /// Sectors narrower than this, in pixels at the picture's border, are bisected only while there are a few of them, …
 const NARROWEST: f64 = 0.5;
-const FEW: usize = 32;
+const FEW: usize = 64;
 /// … and while more pixels than this are left out between two rays.
 const LEFT_OUT: f64 = 2.0;
 /// How much more exactly the first rays are integrated once more, to see how exact they are.
