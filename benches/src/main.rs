@@ -1,6 +1,7 @@
 //! Run times and peak memory, printed as tables: `cargo run --release -p geotrace-benches [PART…]`.
 //!
-//! Parts: `front` (checking and parsing), `editing` (keystrokes in long programs, beside tree-sitter), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
+//! Parts: `front` (checking and parsing), `editing` (keystrokes in long programs, beside
+//! tree-sitter), `latency` (the language server, from an edit that is sent to its diagnostics), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
 //! (both views of every example), `large` (many samples, many vectors), `accuracy` (the geodesic view against the
 //! thesis' method, frames while moving, the sphere from ten thousand places), `stiff` (the stiff list: ours, its bounds, the
 //! thesis' method). Without a part all are run. Times are medians of several runs with their
@@ -12,6 +13,7 @@ mod editing;
 mod front;
 mod jets;
 mod klein;
+mod latency;
 mod measure;
 mod pictures;
 mod stiff;
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
     let parts: &[(&str, fn())] = &[
         ("front", front::run),
         ("editing", editing::run),
+        ("latency", latency::run),
         ("jets", jets::run),
         ("klein", klein::run),
         ("render", pictures::examples),
