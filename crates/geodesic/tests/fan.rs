@@ -598,3 +598,24 @@ fn the_estimate_is_one_over_random_scenes() {
     );
     assert!(within * 100 >= ratios.len() * 90, "{ratios:?}");
 }
+
+#[test]
+fn several_places_at_once_end_as_each_by_itself() {
+    for surface in [shapes::torus(0.4), shapes::moebius(0.0)] {
+        let frame = Frame::new(&surface, [1.0, 0.2], 0.3, 2.0).expect("a frame");
+        let fan = Fan::build(&surface, &frame, [128, 128], &FanOptions::default());
+        let places: Vec<[f64; 2]> = (0..128 * 128)
+            .step_by(37)
+            .map(|n| pixel_place([128, 128], n % 128, n / 128))
+            .collect();
+        let mut all = Vec::new();
+        fan.ends(&places, &mut all);
+        assert_eq!(all.len(), places.len());
+        for (place, several) in places.iter().zip(all) {
+            let one = fan.end(*place);
+            assert_eq!(one.status, several.status, "{place:?}");
+            let bits = |end: &End| end.at.map(f64::to_bits);
+            assert_eq!(bits(&one), bits(&several), "{place:?}");
+        }
+    }
+}

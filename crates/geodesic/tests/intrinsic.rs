@@ -297,3 +297,33 @@ fn the_fixed_method_estimates_its_error_without_positions() {
         "{error:e} {end:?}"
     );
 }
+
+#[test]
+fn jets_at_several_points_are_those_at_each() {
+    use geodesic::surface::{JetBlock, LANES, Surface};
+    let surface = shapes::spheroid_metric(1.0, 0.7, 0.3);
+    let [[a, b], [c, d]] = surface.domain();
+    let share = |n: usize| (n as f64 + 0.7) / LANES as f64;
+    let at: [[f64; LANES]; 2] = [
+        std::array::from_fn(|n| a + (b - a) * share(n)),
+        std::array::from_fn(|n| c + (d - c) * share(LANES - 1 - n) * 0.9),
+    ];
+    let mut block = JetBlock::default();
+    surface.jets(&at, &mut block);
+    for lane in 0..LANES {
+        let jet = surface.jet([at[0][lane], at[1][lane]]);
+        let pairs = [
+            (block.du, jet.du),
+            (block.dv, jet.dv),
+            (block.duu, jet.duu),
+            (block.duv, jet.duv),
+            (block.dvv, jet.dvv),
+        ];
+        for (several, one) in pairs {
+            for k in 0..3 {
+                let off = (several[k][lane] - one[k]).abs();
+                assert!(off < 1e-7, "{off} in component {k} of {jet:?}");
+            }
+        }
+    }
+}
