@@ -65,11 +65,7 @@ impl Hand for Sphere {
 
     #[inline(always)]
     fn lanes(at: &[[f64; LANES]; 2], out: &mut Vectors<LANES>) {
-        let mut angles = *at;
-        for lane in 0..LANES {
-            angles[0][lane] *= TAU;
-            angles[1][lane] *= PI;
-        }
+        let angles = [at[0].map(|u| TAU * u), at[1].map(|v| PI * v)];
         let ((su, cu), (sv, cv)) = (sin_cos(&angles[0]), sin_cos(&angles[1]));
         for lane in 0..LANES {
             put(
@@ -389,8 +385,8 @@ fn by_hand<H: Hand>(chart: &Chart) -> [f64; 2] {
     let mut out: Vec<Vectors<LANES>> = vec![[[[0.0; LANES]; 3]; 6]; blocks.len()];
     let plain = time(|| {
         for (at, out) in blocks.iter().zip(&mut out) {
-            for lane in 0..LANES {
-                put(out, lane, H::plain(at[0][lane], at[1][lane]));
+            for (lane, (&u, &v)) in at[0].iter().zip(&at[1]).enumerate() {
+                put(out, lane, H::plain(u, v));
             }
         }
         black_box(&mut out);

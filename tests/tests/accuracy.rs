@@ -404,12 +404,12 @@ fn the_command_measures_every_method_and_draws_a_diagram() {
 
 #[test]
 fn without_a_surface_there_is_nothing_to_measure() {
-    let run = geotrace(&["accuracy", "-"].map(str::to_owned))
+    let run = geotrace(["accuracy", "-"].map(str::to_owned))
         .input("point p = (1, 2, 3);")
         .run();
     run.expect_status(2);
     run.expect_text("declares no surface");
-    let run = geotrace(&["accuracy", "-", "--size", "4000x10"].map(str::to_owned))
+    let run = geotrace(["accuracy", "-", "--size", "4000x10"].map(str::to_owned))
         .input("surface s(u,v) = (u, v, 0), u : [0,1], v : [0,1];")
         .run();
     run.expect_status(2).expect_text("2048");
