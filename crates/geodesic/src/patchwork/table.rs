@@ -17,7 +17,7 @@
 //! **A patch** has [`PATCH_WORDS`] words: 0, 1 the first pixel's column and row; 2, 3 its extent in columns and rows;
 //! 4 its coordinates (0 plain, 1 + 2·axis + end about an apex); 5 its estimated error in pixels; 6, 7 its centre: in
 //! plain coordinates less the camera's (u,v), about an apex (a,b) itself; then the coefficients, first all of the first
-//! coordinate, [j][i] for X^i Y^j, then those of the second. X = (2n + 1)/extent − 1 for the n-th column, Y likewise
+//! coordinate, `[j][i]` for X^i Y^j, then those of the second. X = (2n + 1)/extent − 1 for the n-th column, Y likewise
 //! downwards. The value is the centre plus the polynomial; a derivative by pixel is 2/extent times one by X or Y.
 //!
 //! **An apex** turns (a, b) into offsets from the camera's (u,v): along the axis base + sign·r^power, across it
