@@ -62,9 +62,9 @@ pub(super) const SERIES: [Series; 6] = [
 ];
 
 /// The steps of the thesis' method.
-pub(super) const STEPS: [u32; 7] = [8, 16, 32, 64, 128, 256, 512];
+pub(super) const STEPS: [u32; 10] = [4, 6, 8, 12, 16, 32, 64, 128, 256, 512];
 /// The tolerances, in pixels.
-pub(super) const TOLERANCES: [f64; 4] = [1.0, 0.1, 0.01, 0.001];
+pub(super) const TOLERANCES: [f64; 5] = [1.0, 0.3, 0.1, 0.01, 0.001];
 
 impl Kind {
     /// Whether the cost of a pixel does not depend on how many there are.
@@ -76,7 +76,7 @@ impl Kind {
     pub(super) fn options(self, steps: Option<u32>, tolerance: Option<f64>) -> MapOptions {
         let method = match self {
             Self::Rk4(arithmetic) => Method::Rk4 {
-                steps: steps.unwrap_or(STEPS[4]),
+                steps: steps.unwrap_or(128),
                 arithmetic,
             },
             Self::Adaptive => Method::Adaptive,
