@@ -9,7 +9,7 @@ use testing::editor::{Editor, Place};
 
 /// Edits of each session, unless `GEOTRACE_EDITS` tells how many; there is a session for each encoding, and one for an
 /// editor that asks for diagnostics.
-const EDITS: usize = 600;
+const EDITS: usize = 2500;
 /// After so many edits every kind of request is asked.
 const ROUND: usize = 6;
 /// A text that has grown so long is replaced.

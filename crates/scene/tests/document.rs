@@ -270,12 +270,12 @@ const PIECES: &[&str] = &[
     "define ", "param ", "# 𝔘\n", "e", "k", "",
 ];
 
-/// How many random edits are made: `GEOTRACE_EDITS`, or twenty thousand.
+/// How many random edits are made: `GEOTRACE_EDITS`, or a hundred thousand.
 fn edit_count() -> usize {
     let wanted = std::env::var("GEOTRACE_EDITS").ok();
     wanted
         .and_then(|count| count.parse().ok())
-        .unwrap_or(20_000)
+        .unwrap_or(100_000)
 }
 
 /// Makes one edit and holds the document to the text.
