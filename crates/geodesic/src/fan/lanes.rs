@@ -7,6 +7,7 @@
 #![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
 
 use super::coordinates::{Kind, NEAREST, Space};
+use crate::integrate::DOPRI5;
 use crate::surface::{JetBlock, LANES, Lanes, Surface};
 
 /// Point, velocity, and the fields (m, m'), (n, n') of y'' = −K y with m' = 1 and n = 1 at the step's start.
@@ -53,40 +54,14 @@ pub(super) struct Trial {
 /// Evaluations of a lane in a step: the first stage is the last one of the step before.
 pub(super) const STAGES: u64 = 6;
 
+/// The weights of the stages before each stage; the last row gives the step's end.
 const ROWS: [&[f64]; 6] = [
-    &[1.0 / 5.0],
-    &[3.0 / 40.0, 9.0 / 40.0],
-    &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
-    &[
-        19372.0 / 6561.0,
-        -25360.0 / 2187.0,
-        64448.0 / 6561.0,
-        -212.0 / 729.0,
-    ],
-    &[
-        9017.0 / 3168.0,
-        -355.0 / 33.0,
-        46732.0 / 5247.0,
-        49.0 / 176.0,
-        -5103.0 / 18656.0,
-    ],
-    &[
-        35.0 / 384.0,
-        0.0,
-        500.0 / 1113.0,
-        125.0 / 192.0,
-        -2187.0 / 6784.0,
-        11.0 / 84.0,
-    ],
-];
-const ERROR: [f64; 7] = [
-    71.0 / 57600.0,
-    0.0,
-    -71.0 / 16695.0,
-    71.0 / 1920.0,
-    -17253.0 / 339200.0,
-    22.0 / 525.0,
-    -1.0 / 40.0,
+    DOPRI5.stages[0],
+    DOPRI5.stages[1],
+    DOPRI5.stages[2],
+    DOPRI5.stages[3],
+    DOPRI5.stages[4],
+    DOPRI5.weights,
 ];
 
 impl<S: Surface + ?Sized> Field<'_, S> {
@@ -108,7 +83,7 @@ impl<S: Surface + ?Sized> Field<'_, S> {
             slopes[stage + 1] = slope(&state, &end);
         }
         let mut error = [[0.0; LANES]; 8];
-        for (weight, slope) in ERROR.iter().zip(&slopes) {
+        for (weight, slope) in DOPRI5.error.iter().zip(&slopes) {
             if *weight != 0.0 {
                 add(&mut error, h * weight, slope);
             }
