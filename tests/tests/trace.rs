@@ -405,3 +405,24 @@ fn a_surface_of_any_size_is_traced_alike() {
         assert_near("(u,v)", &end.uv, &unit.uv, 1e-8);
     }
 }
+
+#[test]
+fn a_metric_without_a_shape_has_no_position() {
+    let plane = "metric h(x,y) = (1, 0, 1)/y^2, x : [-2, 2], y : [0.5, 8];";
+    let arguments = "trace - --from 0,1 --direction 0,1 --length 1 --format json";
+    let run = geotrace(arguments.split(' ')).input(plane).run();
+    let json = run.expect_status(0).json();
+    assert!(json["position"].is_null(), "{json}");
+    // Straight up, the distance is the logarithm of the height.
+    let height = json["v"].as_f64().unwrap_or(f64::NAN);
+    assert_close("height", height, 1_f64.exp(), 1e-8);
+}
+
+#[test]
+fn methods_of_whole_pictures_are_refused_for_one_geodesic() {
+    for method in ["fan", "fan-linear"] {
+        let arguments = format!("trace - --from 0,0 --heading 0 --length 1 --method {method}");
+        let run = geotrace(arguments.split(' ')).input(TORUS).run();
+        run.expect_status(2).expect_text("shares its rays");
+    }
+}
