@@ -264,12 +264,7 @@ fn estimates_hold_on_random_surfaces() {
         "{:#?}",
         beyond(2.0)
     );
-    // A few pixels between two rays, where the picture bends most, may escape the rays that measure.
-    assert!(
-        100 * beyond(3.0).len() <= results.len(),
-        "{:#?}",
-        beyond(3.0)
-    );
+    assert!(beyond(3.0).is_empty(), "{:#?}", beyond(3.0));
 }
 
 #[test]

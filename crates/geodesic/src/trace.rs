@@ -338,7 +338,7 @@ fn compared<S: Surface + ?Sized>(
     }
     let gap = atlas.gap(end.motion.at, finer.motion.at);
     // Rounding, which both runs have of their own.
-    let rounding = 4.0 * f64::EPSILON * (atlas.scale.size + length);
+    let rounding = 32.0 * f64::EPSILON * (atlas.scale.size + length);
     Some(gap + rounding)
 }
 

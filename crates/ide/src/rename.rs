@@ -4,6 +4,7 @@
 //! renamed text is therefore read again and compared with the old one, token by token; a word that would be read
 //! otherwise is written apart, and what blanks cannot mend is refused.
 
+use syntax::diagnostic::{Code, Severity};
 use syntax::span::Span;
 use syntax::token::{DeclareWord, Token, TokenKind};
 
@@ -103,7 +104,7 @@ pub fn rename(reading: &Reading, offset: u32, name: &str) -> Result<Vec<Edit>, R
         let edits = edits(reading, &renamed, &blanks, name);
         let again = Reading::new(edit::apply(reading.text(), &edits));
         let Some(token) = first_difference(reading, &again, &renamed, name) else {
-            return Ok(edits);
+            return keeps_errors(reading, &again).map(|()| edits);
         };
         let before = blanks.len();
         blanks.extend(seams(reading, token));
@@ -116,6 +117,36 @@ pub fn rename(reading: &Reading, offset: u32, name: &str) -> Result<Vec<Edit>, R
             });
         }
     }
+}
+
+/// Whether the same errors are found: a name that was taken would be free where it is declared once more, and would then
+/// mean something else there.
+fn keeps_errors(reading: &Reading, again: &Reading) -> Result<(), RenameError> {
+    let errors = |reading: &Reading| -> Vec<(Code, Span)> {
+        let found = reading.diagnostics().iter();
+        let errors = found.filter(|diagnostic| diagnostic.severity == Severity::Error);
+        errors.map(|error| (error.code, error.span)).collect()
+    };
+    let (old, new) = (errors(reading), errors(again));
+    if old
+        .iter()
+        .map(|(code, _)| code)
+        .eq(new.iter().map(|(code, _)| code))
+    {
+        return Ok(());
+    }
+    let differs = old
+        .iter()
+        .zip(&new)
+        .find(|((one, _), (other, _))| one != other);
+    let span = differs
+        .map(|((_, span), _)| *span)
+        .or(old.last().map(|(_, span)| *span));
+    let span = span.unwrap_or_default();
+    Err(RenameError::ReadOtherwise {
+        word: span.text(reading.text()).to_owned(),
+        line: line(reading, span.start),
+    })
 }
 
 /// Whether the name is one, and free.

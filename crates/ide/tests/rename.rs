@@ -73,3 +73,12 @@ fn names_that_cannot_be_are_refused_with_the_reason() {
     );
     assert_eq!(refused("define x = 1 |+ 1;", "f"), "there is no name here");
 }
+
+#[test]
+fn a_name_that_is_declared_twice_keeps_its_error() {
+    let error = renamed("define |a = 1;\ndefine a = 2;", "b").expect_err("refused");
+    assert!(
+        matches!(error, RenameError::ReadOtherwise { .. }),
+        "{error}"
+    );
+}
