@@ -1,31 +1,12 @@
 //! The error estimate is one: over random scenes it is compared with the truth, followed far more exactly.
 
+mod random;
 mod shapes;
 
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status, trace};
+use random::Random;
 use shapes::*;
-
-/// SplitMix64: the same numbers on every machine.
-struct Random(u64);
-
-impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    fn size(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
-}
 
 /// A surface, a start on it, and how far rays go.
 fn scene(random: &mut Random, n: usize) -> (Box<dyn Surface>, [f64; 2], f64) {

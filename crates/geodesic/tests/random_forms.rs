@@ -1,29 +1,14 @@
 //! Seeded random geodesics against closed forms: the truth is within what is said of it, and within fixed bounds.
 
+mod random;
 mod shapes;
 
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status, Trace, trace};
+use random::Random;
 use shapes::*;
 
-/// SplitMix64: the same numbers on every machine.
-struct Random(u64);
-
 impl Random {
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-    /// A number whose logarithm is uniform.
-    fn size(&mut self, low: f64, high: f64) -> f64 {
-        self.between(low.ln(), high.ln()).exp()
-    }
     fn turn(&mut self) -> f64 {
         self.between(-PI, PI)
     }
