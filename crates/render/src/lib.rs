@@ -15,6 +15,7 @@ pub mod geodesic_view;
 pub mod geodesics;
 pub mod gpu;
 pub mod ground;
+pub mod live;
 pub mod overlay;
 pub mod plan;
 pub mod request;

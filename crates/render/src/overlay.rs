@@ -84,6 +84,8 @@ pub struct Standpoint {
     pub angle: f64,
     /// The length of X and Y; chosen from the surface's size if not given.
     pub zoom: Option<f64>,
+    /// A camera that has walked: it takes the place of the others.
+    pub frame: Option<geodesic::frame::Frame>,
 }
 
 impl Overlays {

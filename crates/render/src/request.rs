@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use geodesic::frame::Frame;
 use scene::scene::{ObjectId, Scene, Shape};
 
 use crate::overlay::{Overlays, Standpoint};
@@ -54,6 +55,9 @@ pub enum View {
         /// The distance on the surface from the picture's centre to the middle of its shorter side's edge;
         /// positive. Chosen from the surface's size if not given.
         zoom: Option<f64>,
+        /// A camera that has walked: it takes the place of `at`, `angle` and `zoom`. Made by
+        /// [`Inside::frame`](crate::geodesic_view::Inside) and moved by [`Frame`]'s methods.
+        frame: Option<Frame>,
         /// How the geodesics are followed.
         method: Method,
     },
@@ -174,6 +178,7 @@ impl Request {
             at: None,
             angle: 0.0,
             zoom: None,
+            frame: None,
             method: Method::Auto,
         };
         Self::new(view, size)

@@ -203,6 +203,7 @@ fn a_geodesic_camera_is_shown_in_space_when_asked_for() {
         at: Some([-1.0, 0.3]),
         angle: 0.0,
         zoom: Some(0.5),
+        frame: None,
     }));
     assert_eq!((plain_painters, painters), (1, 3));
     assert_eq!(plain.overlays, Vec::<&str>::new());

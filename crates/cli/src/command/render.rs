@@ -196,6 +196,7 @@ fn view(arguments: &Arguments, program: &Program, settings: &Settings) -> Result
                 Some(MethodName::Adaptive) => Method::Adaptive,
                 Some(MethodName::Rk4Pixel) => Method::Rk4Pixel,
             },
+            frame: None,
         },
     })
 }
@@ -218,6 +219,7 @@ fn standpoint(
             Some(zoom) => Some(program.number("--zoom", zoom, settings)?),
             None => None,
         },
+        frame: None,
     })
 }
 

@@ -72,6 +72,7 @@ impl Inside {
             at,
             angle,
             zoom,
+            frame,
             method,
         } = request.view
         else {
@@ -85,6 +86,34 @@ impl Inside {
         let uniforms = settings.first_instance(scene, object);
         let ground = Ground::new(scene, surface, &uniforms)?;
         let surface = ground.surface();
+        if let Some(frame) = frame {
+            let zoom = frame.zoom(surface);
+            let in_domain = |k: usize| {
+                let [low, high] = surface.domain()[k];
+                (low..=high).contains(&frame.uv[k])
+            };
+            if !in_domain(0) || !in_domain(1) {
+                return Err(RenderError::CameraOutside {
+                    name: name(),
+                    at: frame.uv,
+                    domain: surface.domain(),
+                });
+            }
+            if !(zoom.is_finite() && zoom > 0.0) {
+                return Err(RenderError::UndefinedCamera {
+                    name: name(),
+                    at: frame.uv,
+                });
+            }
+            return Ok(Self {
+                frame,
+                ground,
+                zoom,
+                uniforms,
+                method,
+                size: request.size,
+            });
+        }
         let at = at.unwrap_or_else(|| first_place(surface));
         // The length does not matter yet: the first zoom is measured from where the frame turns out to stand.
         let unit = Frame::new(surface, at, angle, 1.0).map_err(|error| match error {

@@ -156,6 +156,7 @@ fn stand(
         at,
         angle,
         zoom,
+        frame,
     } = camera;
     let seen = Request {
         view: View::Geodesic {
@@ -163,6 +164,7 @@ fn stand(
             at,
             angle,
             zoom,
+            frame,
             method: crate::request::Method::Auto,
         },
         ..request.clone()

@@ -1,0 +1,123 @@
+//! Messages between the language server and a preview window: one JSON object a line, over the window's own pipes.
+//!
+//! ```text
+//! server ──[Command] lines──▶ standard input of the window
+//! server ◀──[Event] lines──── standard output of the window
+//! ```
+//!
+//! Each side says [`Hello`] first. A side that does not understand the other's version says so in a sentence for the
+//! user and ends the conversation. Places in a text are byte offsets into its UTF-8, of the version that is named.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// The version of the messages. Raised whenever a message changes its meaning.
+pub const VERSION: u32 = 1;
+
+/// What each side says first.
+#[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
+pub struct Hello {
+    /// The version of the messages: [`VERSION`].
+    pub protocol: u32,
+    /// The program's own version, for sentences.
+    pub program: String,
+}
+
+/// What the server tells a window.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(tag = "type", rename_all = "camelCase")]
+#[non_exhaustive]
+pub enum Command {
+    /// The first message.
+    Hello(Hello),
+    /// The document's text now. A later one takes the place of all earlier ones that have not been read yet.
+    Text {
+        /// The document, as the editor names it.
+        uri: String,
+        /// Where it lies on disk, if it does: what the window remembers is kept beside it.
+        path: Option<String>,
+        /// The editor's number for this text.
+        version: i32,
+        /// All of it.
+        text: String,
+    },
+    /// A view is to be seen: opened if it is not, and brought to the front.
+    Show {
+        /// Which; the 3D view where none is named.
+        view: Option<View>,
+    },
+    /// Where the cursor stands in the text of this version; what is declared there is highlighted.
+    Cursor {
+        /// The text's version.
+        version: i32,
+        /// The place.
+        offset: u32,
+    },
+    /// The window is to close.
+    Close,
+}
+
+/// A view of a scene.
+#[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
+#[serde(tag = "view", rename_all = "camelCase")]
+pub enum View {
+    /// All objects in space.
+    #[serde(rename = "3d")]
+    Space,
+    /// What a being inside a surface sees.
+    Geodesic {
+        /// The surface's name.
+        surface: String,
+    },
+}
+
+/// What a window tells the server.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(tag = "type", rename_all = "camelCase")]
+#[non_exhaustive]
+pub enum Event {
+    /// The first message.
+    Hello(Hello),
+    /// The pictures of a text are on the screen, or it has errors and the last good ones stay.
+    Shown {
+        /// The text's version.
+        version: i32,
+        /// Whether it compiled.
+        ok: bool,
+        /// From reading the text to handing the frame over, in milliseconds.
+        milliseconds: f64,
+    },
+    /// A declaration is to be shown in the editor.
+    Open {
+        /// The text's version.
+        version: i32,
+        /// Where its name begins and ends.
+        range: [u32; 2],
+    },
+    /// The user wants a param's value in the text, as one step that can be undone.
+    Write {
+        /// The text's version.
+        version: i32,
+        /// The param's name.
+        param: String,
+        /// One value per component.
+        value: Vec<f64>,
+    },
+    /// The params' values now, by name.
+    Values {
+        /// The text's version.
+        version: i32,
+        /// One value per component.
+        values: BTreeMap<String, Vec<f64>>,
+    },
+    /// A sentence for the user.
+    Message {
+        /// Whether it is an error.
+        error: bool,
+        /// The sentence.
+        text: String,
+    },
+    /// The window is closing, by the user's hand.
+    Closed,
+}
