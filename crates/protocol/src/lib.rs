@@ -6,7 +6,16 @@
 //! ```
 //!
 //! Each side says [`Hello`] first. A side that does not understand the other's version says so in a sentence for the
-//! user and ends the conversation. Places in a text are byte offsets into its UTF-8, of the version that is named.
+//! user and ends the conversation ([`handshake`]). Places in a text are byte offsets into its UTF-8, of the version that
+//! is named. Lines are read and written by [`line`](mod@line); what waits to be said keeps in a [`mailbox`], where the
+//! latest text wins. A line that is no message is passed by: a driver may print what it likes.
+//!
+//! The window closes by [`Command::Close`]: its document has been closed, or the editor has left as it should. If the
+//! commands just end, the server is gone, and the window keeps its picture and says so.
+
+pub mod handshake;
+pub mod line;
+pub mod mailbox;
 
 use std::collections::BTreeMap;
 
@@ -77,7 +86,7 @@ pub enum View {
 #[serde(tag = "type", rename_all = "camelCase")]
 #[non_exhaustive]
 pub enum Event {
-    /// The first message.
+    /// The first message. It is said at once, before a display or a device is looked for: the server waits ten seconds.
     Hello(Hello),
     /// The pictures of a text are on the screen, or it has errors and the last good ones stay.
     Shown {
@@ -90,7 +99,7 @@ pub enum Event {
     },
     /// A declaration is to be shown in the editor.
     Open {
-        /// The text's version.
+        /// The text's version: that in which the range is meant, which need not be the last.
         version: i32,
         /// Where its name begins and ends.
         range: [u32; 2],
@@ -101,14 +110,14 @@ pub enum Event {
         version: i32,
         /// The param's name.
         param: String,
-        /// One value per component.
+        /// One finite value per component.
         value: Vec<f64>,
     },
     /// The params' values now, by name.
     Values {
         /// The text's version.
         version: i32,
-        /// One value per component.
+        /// One finite value per component; a param that is left out has no value to show.
         values: BTreeMap<String, Vec<f64>>,
     },
     /// A sentence for the user.
