@@ -23,7 +23,8 @@ struct Glyph {
     total: u32,
     // The first sample of this draw.
     first: u32,
-    padding: u32,
+    // The share of the view's emphasis.
+    emphasis: f32,
 }
 
 struct GlyphVertex {
@@ -97,5 +98,5 @@ fn disc_corner(corner: u32, segments: u32, centre: vec3f, radius: f32, lift: f32
 // The colour of a glyph at a place on it.
 fn glyph_colour(glyph: Glyph, across: vec2f, view: View) -> vec4f {
     let facing = sqrt(max(1.0 - dot(across, across), 0.0));
-    return vec4f(glyph.colour * glyph_light(facing, view), 1.0);
+    return vec4f(emphasised(glyph.colour * glyph_light(facing, view), glyph.emphasis, view), 1.0);
 }

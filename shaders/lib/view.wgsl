@@ -25,6 +25,8 @@ struct View {
     tile_scale: vec2f,
     tile_offset: vec2f,
     padding: vec2f,
+    // What emphasised objects are mixed with, linear light.
+    emphasis: vec4f,
 }
 
 // A sample in view space.
@@ -56,6 +58,11 @@ fn pixel_at(at: vec3f, view: View) -> f32 {
 // The light on a glyph whose normal has the component `facing` towards the eye.
 fn glyph_light(facing: f32, view: View) -> f32 {
     return view.glyph_rim + (1.0 - view.glyph_rim) * clamp(facing, 0.0, 1.0);
+}
+
+// A lit colour with a share of the emphasis.
+fn emphasised(colour: vec3f, share: f32, view: View) -> vec3f {
+    return mix(colour, view.emphasis.rgb, share);
 }
 
 // A surface's colour in the light; unit vectors in view space, the normal on the eye's side.

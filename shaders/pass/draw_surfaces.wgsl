@@ -1,7 +1,7 @@
 // Painter of surfaces: samples → lit triangles with a texture.
 
 struct Patch {
-    // Linear light; multiplies the texture.
+    // Linear light, multiplies the texture; its fourth number is the share of the view's emphasis.
     colour: vec4f,
     // Samples of one instance along u and v.
     count: vec2u,
@@ -53,5 +53,6 @@ fn shade_surfaces(vertex: PatchVertex, @builtin(front_facing) front: bool) -> @l
         // turning it over there would speckle the rim.
         normal = select(-1.0, 1.0, front) * normalize(vertex.normal);
     }
-    return vec4f(lit(patch_.colour.rgb * texel, normal, to_eye, view), 1.0);
+    let colour = lit(patch_.colour.rgb * texel, normal, to_eye, view);
+    return vec4f(emphasised(colour, patch_.colour.a, view), 1.0);
 }

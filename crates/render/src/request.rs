@@ -31,6 +31,11 @@ pub struct Request {
     pub overlays: Overlays,
     /// A geodesic camera that the 3D view shows.
     pub show_camera: Option<Standpoint>,
+    /// What lies behind the objects of the 3D view: sRGB and an alpha that is not multiplied into it;
+    /// [`crate::style::BACKGROUND`] if not given. Geodesic pictures have no background.
+    pub background: Option<[u8; 4]>,
+    /// An object that the 3D view sets off, by mixing [`crate::style::EMPHASIS_COLOUR`] into it.
+    pub highlight: Option<ObjectId>,
 }
 
 /// A view of the scene.
@@ -94,7 +99,7 @@ pub enum Backend {
 /// A finished picture.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    /// sRGB, opaque, top row first.
+    /// sRGB, top row first; opaque but for a background that was asked for. Alpha is not multiplied into the colours.
     pub image: image::RgbaImage,
     /// Which backend drew it, and why.
     pub backend: String,
@@ -194,6 +199,8 @@ impl Request {
             mark_centre: true,
             overlays: Overlays::default(),
             show_camera: None,
+            background: None,
+            highlight: None,
         }
     }
 
@@ -207,6 +214,23 @@ impl Request {
     pub fn colour(&self, object: ObjectId, shape: &Shape) -> [f32; 3] {
         let own = self.colours.iter().rev().find(|(id, _)| *id == object);
         crate::style::linear(own.map_or_else(|| crate::style::colour(shape), |(_, colour)| *colour))
+    }
+
+    /// The background in linear light, and its alpha.
+    pub fn background_light(&self) -> [f32; 4] {
+        let [red, green, blue] = crate::style::BACKGROUND;
+        let [r, g, b, alpha] = self.background.unwrap_or([red, green, blue, 255]);
+        let [r, g, b] = crate::style::linear([r, g, b]);
+        [r, g, b, f32::from(alpha) / 255.0]
+    }
+
+    /// How much of [`crate::style::EMPHASIS_COLOUR`] an object has, from 0 to 1.
+    pub fn emphasis(&self, object: ObjectId) -> f32 {
+        if self.highlight == Some(object) {
+            crate::style::EMPHASIS
+        } else {
+            0.0
+        }
     }
 
     /// Refuses what cannot be drawn, whatever the backend.

@@ -25,6 +25,11 @@ pub const CURVE_COLOUR: [u8; 3] = [255, 45, 40];
 /// Surfaces, sRGB; multiplies the texture.
 pub const SURFACE_COLOUR: [u8; 3] = [255, 255, 255];
 
+/// What a highlighted object is mixed with, sRGB: unlike the colours above.
+pub const EMPHASIS_COLOUR: [u8; 3] = [60, 215, 255];
+/// How much of it a highlighted object has.
+pub const EMPHASIS: f32 = 0.45;
+
 /// A length in space that stays readable: it is seen in perspective, but never drawn smaller or larger than some
 /// pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,6 +132,15 @@ pub fn surface_light(normal: [f32; 3], to_eye: [f32; 3]) -> (f32, f32) {
         diffuse,
         HIGHLIGHT * normal.dot(half).max(0.0).powi(HIGHLIGHT_POWER),
     )
+}
+
+/// A colour in linear light with a share of [`EMPHASIS_COLOUR`].
+pub fn emphasised(colour: [f32; 3], share: f32) -> [f32; 3] {
+    if share == 0.0 {
+        return colour;
+    }
+    let other = linear(EMPHASIS_COLOUR);
+    std::array::from_fn(|k| colour[k] + share * (other[k] - colour[k]))
 }
 
 /// The colour of a kind of object, sRGB.

@@ -38,13 +38,13 @@ impl Glyphs {
         Ok(Self { kind, pipeline })
     }
 
-    /// The draw of all instances of one object, in linear light.
+    /// The draw of all instances of one object; its colour is linear light, with the share that it is emphasised by.
     pub(crate) fn draw(
         &self,
         workshop: &Workshop<'_>,
         view: &wgpu::Buffer,
         samples: &SampleBuffer,
-        colour: [f32; 3],
+        colour: ([f32; 3], f32),
     ) -> Draw {
         let kind = self.kind;
         let glyph = Glyph::new(

@@ -24,6 +24,7 @@ pub(crate) struct View {
     pub(crate) tile_scale: [f32; 2],
     pub(crate) tile_offset: [f32; 2],
     pub(crate) padding: [f32; 2],
+    pub(crate) emphasis: [f32; 4],
 }
 
 impl View {
@@ -51,6 +52,10 @@ impl View {
             tile_scale: scale,
             tile_offset: [-middle[0] * scale[0], -middle[1] * scale[1]],
             padding: [0.0; 2],
+            emphasis: {
+                let [r, g, b] = style::linear(style::EMPHASIS_COLOUR);
+                [r, g, b, 0.0]
+            },
         }
     }
 }
@@ -72,13 +77,14 @@ pub(crate) struct Glyph {
     pub(crate) count: u32,
     pub(crate) total: u32,
     pub(crate) first: u32,
-    pub(crate) padding: u32,
+    pub(crate) emphasis: f32,
 }
 
 impl Glyph {
-    /// A glyph of the given colour and width, `count` samples an instance, `total` in all, drawn from `first` on.
+    /// A glyph of the given colour (with the share that it is emphasised by) and width, `count` samples an instance,
+    /// `total` in all, drawn from `first` on.
     pub(crate) fn new(
-        colour: [f32; 3],
+        (colour, emphasis): ([f32; 3], f32),
         length: &style::Length,
         least: f32,
         count: u32,
@@ -99,7 +105,7 @@ impl Glyph {
             count,
             total,
             first,
-            padding: 0,
+            emphasis,
         }
     }
 }
@@ -225,6 +231,7 @@ mod tests {
                 tile_scale,
                 tile_offset,
                 padding,
+                emphasis,
             ]
         );
         assert_same_layout!(
@@ -252,7 +259,7 @@ mod tests {
                 count,
                 total,
                 first,
-                padding,
+                emphasis,
             ]
         );
         let resolve = painter::resolve_geodesic().expect("valid");

@@ -1,6 +1,7 @@
 //! The 3D view: painters into a multisampled target, tile by tile, read back into the picture.
 
 use image::RgbaImage;
+use rayon::prelude::*;
 use scene::{scene::Scene, values::Settings};
 
 use crate::bounds::Bounds;
@@ -65,9 +66,10 @@ pub(crate) fn render(
     for (index, object) in plan.objects.iter().enumerate() {
         let samples = samples::fill(workshop, scene, settings, object, &camera.placement)?;
         notes.extend(samples.notes.clone());
-        let colour = request.colour(
-            object.object,
-            &scene.objects[object.object.0 as usize].shape,
+        let shape = &scene.objects[object.object.0 as usize].shape;
+        let colour = (
+            request.colour(object.object, shape),
+            request.emphasis(object.object),
         );
         let glyph = match object.painter {
             Painter::Points => Some((&mut painters.points, &points::KIND)),
@@ -99,11 +101,12 @@ pub(crate) fn render(
             workshop,
             &view,
             &samples,
-            extra.colour,
+            (extra.colour, 0.0),
         );
         draws.push(draw);
     }
 
+    let behind = request.background_light();
     let [width, height] = request.size;
     let mut picture = RgbaImage::new(width, height);
     let target = Target::new(gpu, [width.min(TILE), height.min(TILE)]);
@@ -115,7 +118,7 @@ pub(crate) fn render(
         let uniform = View::new(&camera, *first, target.size);
         gpu.queue
             .write_buffer(&view, 0, bytemuck::bytes_of(&uniform));
-        gpu.submit(|encoder| target.draw(encoder, &draws));
+        gpu.submit(|encoder| target.draw(encoder, &draws, behind));
         let size = [
             target.size[0].min(width - first[0]),
             target.size[1].min(height - first[1]),
@@ -126,11 +129,30 @@ pub(crate) fn render(
         })?;
         progress(0.5 + 0.5 * (number + 1) as f32 / tiles.len() as f32);
     }
+    if behind[3] < 1.0 {
+        straighten(&mut picture);
+    }
     Ok(Drawn {
         image: picture,
         notes,
         overlays: overlay::names(&extras),
     })
+}
+
+/// From colours that their alpha is multiplied into, as targets hold them, to colours beside their alpha.
+fn straighten(picture: &mut RgbaImage) {
+    picture
+        .as_flat_samples_mut()
+        .samples
+        .par_chunks_exact_mut(4)
+        .for_each(|pixel| {
+            let alpha = f32::from(pixel[3]) / 255.0;
+            if alpha > 0.0 && alpha < 1.0 {
+                for byte in &mut pixel[..3] {
+                    *byte = style::encode(style::decode(*byte) / alpha);
+                }
+            }
+        });
 }
 
 /// The painters in use, each built when the first of its objects comes.
@@ -192,8 +214,9 @@ impl Target {
         }
     }
 
-    fn draw(&self, encoder: &mut wgpu::CommandEncoder, draws: &[Draw]) {
-        let [r, g, b] = style::linear(style::BACKGROUND).map(f64::from);
+    fn draw(&self, encoder: &mut wgpu::CommandEncoder, draws: &[Draw], behind: [f32; 4]) {
+        let [r, g, b, a] = behind.map(f64::from);
+        let (r, g, b) = (r * a, g * a, b * a);
         let resolved = self
             .resolved
             .create_view(&wgpu::TextureViewDescriptor::default());
@@ -204,7 +227,7 @@ impl Target {
                 depth_slice: None,
                 resolve_target: Some(&resolved),
                 ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 }),
+                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
                     store: wgpu::StoreOp::Discard,
                 },
             })],

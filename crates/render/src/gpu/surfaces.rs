@@ -30,18 +30,18 @@ impl Surfaces {
         })
     }
 
-    /// The draw of all instances of one object, in linear light.
+    /// The draw of all instances of one object; its colour is linear light, with the share that it is emphasised by.
     pub(crate) fn draw(
         &mut self,
         workshop: &mut Workshop<'_>,
         view: &wgpu::Buffer,
         samples: &SampleBuffer,
-        colour: [f32; 3],
+        (colour, emphasis): ([f32; 3], f32),
         texture: &Arc<Texture>,
     ) -> Result<Draw, RenderError> {
         let [r, g, b] = colour;
         let patch = Patch {
-            colour: [r, g, b, 1.0],
+            colour: [r, g, b, emphasis],
             count: samples.count,
             first: 0,
             padding: 0,

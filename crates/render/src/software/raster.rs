@@ -22,16 +22,20 @@ const NONE: u32 = u32::MAX;
 pub(super) struct Tile {
     /// Of the top left pixel.
     origin: [usize; 2],
+    /// 0 where nothing but the background is seen.
     depth: Vec<[f32; 4]>,
+    /// The background's alpha.
+    alpha: f32,
     light: Vec<[[f32; 3]; 4]>,
 }
 
 impl Tile {
     /// A tile of background.
-    pub(super) fn new(origin: [usize; 2]) -> Self {
-        let background = style::linear(style::BACKGROUND);
+    pub(super) fn new(origin: [usize; 2], [r, g, b, alpha]: [f32; 4]) -> Self {
+        let background = [r, g, b];
         Self {
             origin,
+            alpha,
             depth: vec![[0.0; 4]; TILE * TILE],
             light: vec![[background; 4]; TILE * TILE],
         }
@@ -39,10 +43,24 @@ impl Tile {
 
     /// The mean of a pixel's samples, sRGB; the pixel is the picture's.
     pub(super) fn pixel(&self, x: usize, y: usize) -> [u8; 4] {
-        let samples = &self.light[(y - self.origin[1]) * TILE + x - self.origin[0]];
-        let mean =
-            |k: usize| style::encode(0.25 * samples.iter().map(|light| light[k]).sum::<f32>());
-        [mean(0), mean(1), mean(2), 255]
+        let index = (y - self.origin[1]) * TILE + x - self.origin[0];
+        let samples = &self.light[index];
+        if self.alpha == 1.0 {
+            let mean =
+                |k: usize| style::encode(0.25 * samples.iter().map(|light| light[k]).sum::<f32>());
+            return [mean(0), mean(1), mean(2), 255];
+        }
+        let alphas = self.depth[index].map(|depth| if depth > 0.0 { 1.0 } else { self.alpha });
+        let sum: f32 = alphas.iter().sum();
+        if sum == 0.0 {
+            return [0; 4];
+        }
+        let mean = |k: usize| {
+            let weighted = samples.iter().zip(alphas).map(|(light, a)| a * light[k]);
+            style::encode(weighted.sum::<f32>() / sum)
+        };
+        let alpha = (0.25 * 255.0 * sum).round() as u8;
+        [mean(0), mean(1), mean(2), alpha]
     }
 }
 

@@ -7,13 +7,23 @@ use crate::texture::Sampler;
 
 /// How triangles of one kind of one object look.
 #[derive(Clone, Debug)]
-pub(super) enum Material<'a> {
+pub(super) struct Material<'a> {
+    pub kind: Kind<'a>,
+    /// In linear light.
+    pub colour: [f32; 3],
+    /// How much of [`style::EMPHASIS_COLOUR`] is mixed in.
+    pub emphasis: f32,
+}
+
+/// What triangles are lit as.
+#[derive(Clone, Debug)]
+pub(super) enum Kind<'a> {
     /// A strip or disc that faces the eye: its texture coordinates are the place in the unit disc.
-    Glyph([f32; 3]),
+    Glyph,
     /// An arrowhead.
-    Cone([f32; 3]),
-    /// A lit surface.
-    Surface([f32; 3], Sampler<'a>),
+    Cone,
+    /// A surface.
+    Surface(Sampler<'a>),
 }
 
 /// A place on a triangle, interpolated.
@@ -32,17 +42,22 @@ pub(super) struct Place {
 impl Material<'_> {
     /// Whether a place's normal, or footprint, matters.
     pub(super) fn is_surface(&self) -> bool {
-        matches!(self, Self::Surface(..))
+        matches!(self.kind, Kind::Surface(_))
     }
 
     /// In linear light.
     pub(super) fn shade(&self, place: &Place) -> [f32; 3] {
-        match self {
-            Self::Glyph(colour) => {
+        style::emphasised(self.lit(place), self.emphasis)
+    }
+
+    fn lit(&self, place: &Place) -> [f32; 3] {
+        let colour = self.colour;
+        match &self.kind {
+            Kind::Glyph => {
                 let facing = (1.0 - place.uv.length_squared().min(1.0)).sqrt();
                 colour.map(|c| c * style::glyph_light(facing))
             }
-            Self::Cone(colour) => {
+            Kind::Cone => {
                 let facing = place
                     .normal
                     .normalize_or(place.to_eye)
@@ -50,7 +65,7 @@ impl Material<'_> {
                     .abs();
                 colour.map(|c| c * style::glyph_light(facing))
             }
-            Self::Surface(colour, image) => {
+            Kind::Surface(image) => {
                 let normal = match place.normal.try_normalize() {
                     // The side is the triangle's: near a silhouette an interpolated normal may lean away from the
                     // eye, and turning it over there would speckle the rim.

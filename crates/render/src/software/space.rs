@@ -10,7 +10,7 @@ use scene::values::Settings;
 
 use super::mesh::{Eye, Mesh};
 use super::raster::{self, TILE, Tile};
-use super::shade::Material;
+use super::shade::{Kind, Material};
 use super::{curves, points, surfaces, vectors};
 use crate::bounds::Bounds;
 use crate::camera::Camera;
@@ -41,6 +41,8 @@ pub struct Painted {
     pub samples: Samples,
     /// Its colour in linear light.
     pub colour: [f32; 3],
+    /// How much of [`style::EMPHASIS_COLOUR`] is mixed into it, from 0 to 1.
+    pub emphasis: f32,
     /// The image of a surface; other kinds have no use for it.
     pub texture: Option<Arc<Texture>>,
 }
@@ -66,6 +68,7 @@ pub(super) fn render(
         painted.push(Painted {
             samples,
             colour,
+            emphasis: request.emphasis(id),
             texture: is_surface.then(|| request.texture(id)),
         });
         progress(0.4 * (index + 1) as f32 / scene.objects.len() as f32);
@@ -75,9 +78,13 @@ pub(super) fn render(
     painted.extend(extras.into_iter().map(|extra| Painted {
         samples: extra.samples,
         colour: extra.colour,
+        emphasis: 0.0,
         texture: None,
     }));
-    let image = draw(&camera, &painted, &|share| progress(0.4 + 0.6 * share));
+    let behind = request.background_light();
+    let image = draw(&camera, &painted, behind, &|share| {
+        progress(0.4 + 0.6 * share)
+    });
     Ok(Picture {
         image,
         backend: "software".to_owned(),
@@ -86,21 +93,28 @@ pub(super) fn render(
     })
 }
 
-/// Draws objects as a camera sees them, in front of [`style::BACKGROUND`]. `progress` is told the share that is done.
-pub fn draw(camera: &Camera, objects: &[Painted], progress: &(dyn Fn(f32) + Sync)) -> RgbaImage {
+/// Draws objects as a camera sees them, in front of a background (linear light and alpha). `progress` is told the share
+/// that is done.
+pub fn draw(
+    camera: &Camera,
+    objects: &[Painted],
+    background: [f32; 4],
+    progress: &(dyn Fn(f32) + Sync),
+) -> RgbaImage {
     let eye = Eye::new(camera);
     // The second material of an object is that of arrowheads.
     let materials: Vec<Material> = objects
         .iter()
-        .flat_map(|object| match &object.texture {
-            Some(texture) => [
-                Material::Surface(object.colour, texture.sampler()),
-                Material::Cone(object.colour),
-            ],
-            None => [
-                Material::Glyph(object.colour),
-                Material::Cone(object.colour),
-            ],
+        .flat_map(|object| {
+            let kinds = match &object.texture {
+                Some(texture) => [Kind::Surface(texture.sampler()), Kind::Cone],
+                None => [Kind::Glyph, Kind::Cone],
+            };
+            kinds.map(|kind| Material {
+                kind,
+                colour: object.colour,
+                emphasis: object.emphasis,
+            })
         })
         .collect();
     let jobs = jobs(objects);
@@ -113,7 +127,7 @@ pub fn draw(camera: &Camera, objects: &[Painted], progress: &(dyn Fn(f32) + Sync
     for (band, pixels) in image.chunks_mut(band_rows * width * 4).enumerate() {
         let top = band * band_rows;
         let rows = pixels.len() / (4 * width);
-        let tile = |k: usize| Tile::new([k % across * TILE, top + k / across * TILE]);
+        let tile = |k: usize| Tile::new([k % across * TILE, top + k / across * TILE], background);
         let mut tiles: Vec<Tile> = (0..across * rows.div_ceil(TILE))
             .into_par_iter()
             .map(tile)
