@@ -5,7 +5,7 @@
 
 use expr::NodeId;
 use expr::tape::Tape;
-use scene::scene::{Scene, Shape};
+use scene::scene::{Object, Scene, Shape};
 use scene::values::Settings;
 
 use crate::sample::{Resolution, Sampler};
@@ -47,43 +47,9 @@ pub struct Bounds {
 impl Bounds {
     /// The bounds of what is defined; a scene where nothing is has the unit ball.
     pub fn of(scene: &Scene, settings: &Settings) -> Self {
-        let mut cloud: Vec<[f64; 3]> = Vec::new();
-        for object in &scene.objects {
-            let roots: Vec<NodeId> = match &object.shape {
-                Shape::Point { position }
-                | Shape::Curve { position, .. }
-                | Shape::Surface { position, .. } => position.to_vec(),
-                Shape::Vector { direction, origin } => {
-                    origin.iter().chain(direction).copied().collect()
-                }
-                // Neither has samples in space.
-                Shape::Metric { .. } | Shape::Geodesic { .. } => continue,
-            };
-            let tape = Tape::new(&scene.graph, &roots);
-            let sampler = Sampler::new(scene, settings, object, tape, Resolution::Coarse(SAMPLES));
-            let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
-            let mut points: Vec<[f64; 3]> = if roots.len() == 6 {
-                let ends = sampler.map(|_, out: &[f64; 6]| {
-                    let [x, y, z, dx, dy, dz] = *out;
-                    [[x, y, z], [x + dx, y + dy, z + dz]]
-                });
-                ends.into_iter()
-                    .filter(|ends| ends.iter().all(finite))
-                    .flatten()
-                    .collect()
-            } else {
-                sampler
-                    .map(|_, out: &[f64; 3]| *out)
-                    .into_iter()
-                    .filter(finite)
-                    .collect()
-            };
-            let limits: [[f64; 2]; 3] =
-                std::array::from_fn(|k| robust(points.iter().map(|p| p[k]).collect()));
-            points.retain(|p| (0..3).all(|k| limits[k][0] <= p[k] && p[k] <= limits[k][1]));
-            cloud.append(&mut points);
-        }
-        Self::around(cloud)
+        let objects = scene.objects.iter();
+        let cloud = objects.flat_map(|object| object_cloud(scene, settings, object));
+        Self::around(cloud.collect())
     }
 
     /// The bounds of finite points in the scene's units.
@@ -133,6 +99,41 @@ impl Bounds {
             cloud,
         }
     }
+}
+
+/// Coarse points of an object without outliers, in the scene's units; none for what has no place in space.
+pub(crate) fn object_cloud(scene: &Scene, settings: &Settings, object: &Object) -> Vec<[f64; 3]> {
+    let roots: Vec<NodeId> = match &object.shape {
+        Shape::Point { position }
+        | Shape::Curve { position, .. }
+        | Shape::Surface { position, .. } => position.to_vec(),
+        Shape::Vector { direction, origin } => origin.iter().chain(direction).copied().collect(),
+        // Neither has samples in space.
+        Shape::Metric { .. } | Shape::Geodesic { .. } => return Vec::new(),
+    };
+    let tape = Tape::new(&scene.graph, &roots);
+    let sampler = Sampler::new(scene, settings, object, tape, Resolution::Coarse(SAMPLES));
+    let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
+    let mut points: Vec<[f64; 3]> = if roots.len() == 6 {
+        let ends = sampler.map(|_, out: &[f64; 6]| {
+            let [x, y, z, dx, dy, dz] = *out;
+            [[x, y, z], [x + dx, y + dy, z + dz]]
+        });
+        ends.into_iter()
+            .filter(|ends| ends.iter().all(finite))
+            .flatten()
+            .collect()
+    } else {
+        sampler
+            .map(|_, out: &[f64; 3]| *out)
+            .into_iter()
+            .filter(finite)
+            .collect()
+    };
+    let limits: [[f64; 2]; 3] =
+        std::array::from_fn(|k| robust(points.iter().map(|p| p[k]).collect()));
+    points.retain(|p| (0..3).all(|k| limits[k][0] <= p[k] && p[k] <= limits[k][1]));
+    points
 }
 
 /// The interval of the values without outliers.

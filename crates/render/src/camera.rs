@@ -62,19 +62,23 @@ impl Camera {
             Some(eye) => camera.eye = local(eye),
             None => camera.frame(bounds, target.map(local)),
         }
-        let reach = bounds
-            .cloud
+        camera.keep_clear_of(&bounds.cloud);
+        Ok(camera)
+    }
+
+    /// Moves the near plane half of the way to the nearest of the points, which are in drawing units.
+    pub(crate) fn keep_clear_of(&mut self, cloud: &[[f64; 3]]) {
+        let reach = cloud
             .iter()
-            .map(|&p| camera.axes[2].dot(camera.eye - DVec3::from(p)));
+            .map(|&p| self.axes[2].dot(self.eye - DVec3::from(p)));
         let nearest = reach.fold(f64::INFINITY, f64::min);
-        let far = camera.eye.length() + 1.0;
-        // Half of the way to the nearest point, but never so near that f32 depths could not tell things apart.
-        camera.near = if nearest.is_finite() {
+        let far = self.eye.length() + 1.0;
+        // Never so near that f32 depths could not tell things apart.
+        self.near = if nearest.is_finite() {
             (0.5 * nearest).clamp(1e-4 * far, far)
         } else {
             1e-3 * far
         };
-        Ok(camera)
     }
 
     /// From drawing units to view space.

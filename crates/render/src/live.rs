@@ -1,24 +1,49 @@
 //! What a window draws with: views of a scene again and again, while the scene is edited, its params move and its
 //! cameras walk.
 //!
+//! ```text
+//! Scene + Settings ──content.rs──▶ a key for each object ──samples.rs──▶ samples ─┐
+//!                  ──place.rs────▶ drawing units that stay ───────────────────────┼──▶ software/ or gpu/ ──▶ Shot
+//! surface + Frame  ──inside.rs───▶ geodesics ─────────────────────────────────────┘
+//! ```
+//!
 //! A [`Stage`] keeps from one picture to the next what both need: samples, pipelines, textures, geodesics. What is kept
 //! is known by its content, so that an edit of one object leaves those of all others alone. A stage belongs to one
 //! thread at a time; it never draws a picture by itself.
+
+pub(crate) mod content;
+mod inside;
+pub(crate) mod kept;
+mod place;
+mod samples;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use geodesic::ends::{Estimate, Work};
 use image::RgbaImage;
-use scene::scene::{ObjectId, Scene};
+use scene::scene::{ObjectId, Scene, Shape};
 use scene::values::Settings;
 
-use crate::request::{Backend, RenderError, Request};
+use crate::bounds::{Bounds, Placement};
+use crate::camera::Camera;
+use crate::overlay::{self, Extra, Overlays, Standpoint};
+use crate::request::{Picture, RenderError, Request, View};
+use crate::software::{self, Painted};
+use content::{Content, Structures};
+use inside::Looks;
+use place::{Place, Placed};
+use samples::SampleStore;
 
 /// Draws the views of one window.
 #[derive(Debug, Default)]
 pub struct Stage {
-    counters: Counters,
+    pictures: u64,
+    structures: Structures,
+    place: Place,
+    samples: SampleStore,
+    looks: Looks,
+    extras: Option<(ExtrasKey, Arc<[Extra]>)>,
 }
 
 /// A picture of a view.
@@ -71,6 +96,16 @@ pub struct Hit {
     pub instance: u64,
 }
 
+/// What the picture of a geodesic camera in space depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct ExtrasKey {
+    ground: Option<Content>,
+    standpoint: Option<Standpoint>,
+    overlays: Overlays,
+    size: [u32; 2],
+    placement: Placement,
+}
+
 impl Stage {
     /// A stage that draws by the software path.
     pub fn software() -> Self {
@@ -78,6 +113,10 @@ impl Stage {
     }
 
     /// Draws a view. The request's backend is not heeded: a stage has its own.
+    ///
+    /// Unlike [`crate::render`], which measures each scene anew, a stage draws in the bounds of the first scene that it
+    /// was given until a scene has outgrown them (see [`Stage::bounds`]): while params move and declarations change, the
+    /// first camera stays where it is.
     ///
     /// # Errors
     /// As [`crate::render`].
@@ -88,17 +127,25 @@ impl Stage {
         request: &Request,
     ) -> Result<Shot, RenderError> {
         let start = Instant::now();
-        let request = Request {
-            backend: Backend::Software,
-            ..request.clone()
+        request.check(scene)?;
+        let (picture, inside) = match request.view {
+            View::Space { eye, target } => {
+                (self.space(scene, settings, request, [eye, target])?, None)
+            }
+            View::Geodesic { .. } => {
+                let structures = self.structures.of(scene);
+                let look = self.looks.look(scene, settings, &structures, request)?;
+                let picture = software::paint(scene, settings, request, &look.inside, &look.seen)?;
+                (picture, Some((look.seen.work(), look.seen.estimate())))
+            }
         };
-        let picture = crate::render(scene, settings, &request, &|_| {})?;
-        self.counters.pictures += 1;
+        self.looks.next();
+        self.pictures += 1;
         Ok(Shot {
             pixels: Pixels::Image(picture.image),
             notes: picture.notes,
             overlays: picture.overlays,
-            inside: None,
+            inside,
             took: start.elapsed(),
         })
     }
@@ -118,8 +165,128 @@ impl Stage {
         Ok(None)
     }
 
+    /// The camera that a request for the 3D view has, in the drawing units of the stage's bounds.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`]; also where the request is for a geodesic view.
+    pub fn camera(
+        &mut self,
+        scene: &Arc<Scene>,
+        settings: &Settings,
+        request: &Request,
+    ) -> Result<Camera, RenderError> {
+        request.check(scene)?;
+        let View::Space { eye, target } = request.view else {
+            let sentence = "a geodesic view has no camera in space";
+            return Err(RenderError::Camera(sentence.to_owned()));
+        };
+        let structures = self.structures.of(scene);
+        let placed = self.place.of(scene, settings, &structures);
+        placed.camera(eye, target, request.size)
+    }
+
+    /// The bounds in which 3D views are drawn: those of the first scene, until a scene no longer fits them. A camera
+    /// that is not told where to stand frames them.
+    pub fn bounds(&self) -> Option<Arc<Bounds>> {
+        self.place.kept().cloned()
+    }
+
+    /// Draws in other bounds from now on; `None` stands for those of the scene that is drawn next, as when all of it is
+    /// to be seen.
+    pub fn set_bounds(&mut self, bounds: Option<Arc<Bounds>>) {
+        self.place.keep(bounds);
+    }
+
     /// What has been made so far.
     pub fn counters(&self) -> Counters {
-        self.counters
+        Counters {
+            pictures: self.pictures,
+            pipelines: 0,
+            geodesic_kernels: 0,
+            sampled: self.samples.sampled,
+            looks: self.looks.followed,
+        }
+    }
+
+    fn space(
+        &mut self,
+        scene: &Arc<Scene>,
+        settings: &Settings,
+        request: &Request,
+        [eye, target]: [Option<[f64; 3]>; 2],
+    ) -> Result<Picture, RenderError> {
+        let structures = self.structures.of(scene);
+        let placed = self.place.of(scene, settings, &structures);
+        let camera = placed.camera(eye, target, request.size)?;
+        let extras = self.extras(scene, settings, request, &camera.placement)?;
+        let (mut painted, notes) = self.painted(scene, settings, request, &placed);
+        painted.extend(extras.iter().map(|extra| Painted {
+            samples: extra.samples.clone(),
+            colour: extra.colour,
+            emphasis: 0.0,
+            texture: None,
+        }));
+        let image = software::draw(&camera, &painted, request.background_light(), &|_| {});
+        self.samples.next();
+        Ok(Picture {
+            image,
+            backend: "software".to_owned(),
+            notes,
+            overlays: overlay::names(&extras),
+        })
+    }
+
+    /// The scene's objects with their samples, and what a reader should be told of them.
+    fn painted(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        request: &Request,
+        placed: &Placed,
+    ) -> (Vec<Painted>, Vec<String>) {
+        let (mut painted, mut notes) = (Vec::new(), Vec::new());
+        let placement = placed.bounds.placement;
+        for ((index, object), content) in scene.objects.iter().enumerate().zip(placed.contents()) {
+            let id = ObjectId(index as u32);
+            let sampled = self.samples.get(scene, settings, id, content, &placement);
+            notes.extend(sampled.notes(object));
+            let is_surface = matches!(object.shape, Shape::Surface { .. });
+            painted.push(Painted {
+                samples: sampled.samples,
+                colour: request.colour(id, &object.shape),
+                emphasis: request.emphasis(id),
+                texture: is_surface.then(|| request.texture(id)),
+            });
+        }
+        (painted, notes)
+    }
+
+    /// What shows the geodesic camera that a request asks for.
+    fn extras(
+        &mut self,
+        scene: &Arc<Scene>,
+        settings: &Settings,
+        request: &Request,
+        placement: &Placement,
+    ) -> Result<Arc<[Extra]>, RenderError> {
+        let structures = self.structures.of(scene);
+        let ground = request.show_camera.as_ref().and_then(|standpoint| {
+            Looks::standpoint_content(scene, settings, &structures, standpoint)
+        });
+        let key = ExtrasKey {
+            ground,
+            standpoint: request.show_camera,
+            overlays: request.overlays,
+            size: request.size,
+            placement: *placement,
+        };
+        if let Some((known, extras)) = &self.extras
+            && *known == key
+        {
+            return Ok(extras.clone());
+        }
+        let extras: Arc<[Extra]> = overlay::extras(scene, settings, request, placement)?.into();
+        self.extras = Some((key, extras.clone()));
+        Ok(extras)
     }
 }

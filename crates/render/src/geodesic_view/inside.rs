@@ -1,6 +1,7 @@
 //! Where the being inside the surface stands, and what it sees in f64: the geodesic view's camera and map.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use expr::Input;
 use geodesic::ends::{Coordinates, Ends, Estimate, Work};
@@ -47,7 +48,7 @@ const RAY_TOLERANCE: f64 = 0.03;
 /// A surface with a camera on it.
 #[derive(Clone, Debug)]
 pub struct Inside {
-    ground: Ground,
+    ground: Arc<Ground>,
     /// The camera: a place and two tangent vectors X ⟂ Y of the length [`Inside::zoom`].
     pub frame: Frame,
     /// The distance on the surface from the picture's centre to the middle of its shorter side's edge.
@@ -67,6 +68,21 @@ impl Inside {
     /// [`RenderError::NoSurface`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`],
     /// [`RenderError::TooLarge`].
     pub fn new(scene: &Scene, settings: &Settings, request: &Request) -> Result<Self, RenderError> {
+        Self::on(scene, settings, request, |surface, uniforms| {
+            Ground::new(scene, surface, uniforms).map(Arc::new)
+        })
+    }
+
+    /// As [`Inside::new`], on a ground that may have been made before: the surface's, with the given uniforms.
+    ///
+    /// # Errors
+    /// As [`Inside::new`].
+    pub(crate) fn on(
+        scene: &Scene,
+        settings: &Settings,
+        request: &Request,
+        ground: impl FnOnce(ObjectId, &[f64]) -> Result<Arc<Ground>, RenderError>,
+    ) -> Result<Self, RenderError> {
         let View::Geodesic {
             surface,
             at,
@@ -84,7 +100,7 @@ impl Inside {
             .ok_or(RenderError::NoSurface { name: None })?;
         let name = || object.name.clone();
         let uniforms = settings.first_instance(scene, object);
-        let ground = Ground::new(scene, surface, &uniforms)?;
+        let ground = ground(surface, &uniforms)?;
         let surface = ground.surface();
         if let Some(frame) = frame {
             let zoom = frame.zoom(surface);
@@ -107,11 +123,11 @@ impl Inside {
             }
             return Ok(Self {
                 frame,
-                ground,
                 zoom,
                 uniforms,
                 method,
                 size: request.size,
+                ground,
             });
         }
         let at = at.unwrap_or_else(|| first_place(surface));
@@ -130,11 +146,11 @@ impl Inside {
         let zoom = zoom.unwrap_or_else(|| first_zoom(surface, unit.uv));
         Ok(Self {
             frame: unit.zoomed(zoom),
-            ground,
             zoom,
             uniforms,
             method,
             size: request.size,
+            ground,
         })
     }
 

@@ -1,5 +1,7 @@
 //! A geodesic camera in the 3D view: its frame as arrows, and geodesics of its picture as curves on the surface.
 
+use std::sync::Arc;
+
 use geodesic::trace::{Options, Status};
 use rayon::prelude::*;
 use scene::scene::{ObjectId, Scene};
@@ -15,11 +17,12 @@ use crate::sample::{Samples, line_samples, vector};
 use crate::style;
 
 /// Something to be drawn in space that is no object of the scene.
+#[derive(Clone, Debug)]
 pub(crate) struct Extra {
     /// What draws it.
     pub(crate) painter: Painter,
     /// Its samples.
-    pub(crate) samples: Samples,
+    pub(crate) samples: Arc<Samples>,
     /// Its colour in linear light.
     pub(crate) colour: [f32; 3],
 }
@@ -73,13 +76,13 @@ pub(crate) fn extras(
         let direction = [0, 1, 2].map(|k| (end[k] - origin[k]) / (NUDGE * zoom) * length);
         all.push(Extra {
             painter: Painter::Vectors,
-            samples: Samples::Vectors(vec![vector(placement, origin, direction)]),
+            samples: Arc::new(Samples::Vectors(vec![vector(placement, origin, direction)])),
             colour: style::linear(colour),
         });
     }
     let curve = |lines: &[Vec<Option<Knot>>], colour: [u8; 3]| Extra {
         painter: Painter::Curves,
-        samples: line_samples(placement, lines[0].len() as u32, lines),
+        samples: Arc::new(line_samples(placement, lines[0].len() as u32, lines)),
         colour: style::linear(colour),
     };
     let [right, up] = half_extent(request.size);

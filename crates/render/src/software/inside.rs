@@ -3,7 +3,7 @@
 use scene::scene::{Scene, Shape};
 use scene::values::Settings;
 
-use crate::geodesic_view::{Inside, Paint, notes};
+use crate::geodesic_view::{Inside, Paint, Seen, notes};
 use crate::overlay;
 use crate::request::{Picture, RenderError, Request, View};
 
@@ -14,11 +14,27 @@ pub(super) fn render(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Picture, RenderError> {
     let inside = Inside::new(scene, settings, request)?;
+    let seen = inside.look(&|share| progress(0.9 * share));
+    let picture = paint(scene, settings, request, &inside, &seen)?;
+    progress(1.0);
+    Ok(picture)
+}
+
+/// Colours what a camera sees.
+///
+/// # Errors
+/// [`RenderError::NoSurface`].
+pub(crate) fn paint(
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+    inside: &Inside,
+    seen: &Seen,
+) -> Result<Picture, RenderError> {
     let View::Geodesic { surface, .. } = request.view else {
         return Err(RenderError::NoSurface { name: None });
     };
     let shape: &Shape = &scene.objects[surface.0 as usize].shape;
-    let seen = inside.look(&|share| progress(0.9 * share));
     let texture = request.texture(surface);
     let paint = Paint {
         texture: &texture,
@@ -33,11 +49,10 @@ pub(super) fn render(
         scene,
         settings,
         request,
-        &inside,
+        inside,
         surface,
         || seen.map(),
     );
-    progress(1.0);
     let count = |kind| status.iter().filter(|&&s| s == kind).count();
     let mut notes = notes(status.len(), count, &seen.work(), seen.estimate());
     notes.extend(over);

@@ -18,6 +18,7 @@ mod space;
 mod surfaces;
 mod vectors;
 
+pub(crate) use inside::paint;
 pub use space::{Painted, draw};
 
 use scene::{scene::Scene, values::Settings};

@@ -38,7 +38,7 @@ struct Job {
 #[derive(Clone, Debug)]
 pub struct Painted {
     /// Its samples, in the drawing units of the camera.
-    pub samples: Samples,
+    pub samples: Arc<Samples>,
     /// Its colour in linear light.
     pub colour: [f32; 3],
     /// How much of [`style::EMPHASIS_COLOUR`] is mixed into it, from 0 to 1.
@@ -66,7 +66,7 @@ pub(super) fn render(
         let colour = request.colour(id, &object.shape);
         let is_surface = matches!(object.shape, Shape::Surface { .. });
         painted.push(Painted {
-            samples,
+            samples: Arc::new(samples),
             colour,
             emphasis: request.emphasis(id),
             texture: is_surface.then(|| request.texture(id)),
@@ -158,7 +158,7 @@ fn jobs(objects: &[Painted]) -> Vec<Job> {
     let mut jobs = Vec::new();
     for (index, Painted { samples, .. }) in objects.iter().enumerate() {
         // Units of work and the triangles of each.
-        let (units, triangles) = match samples {
+        let (units, triangles) = match samples.as_ref() {
             Samples::Points(samples) => (samples.len(), style::POINT_SEGMENTS),
             Samples::Vectors(samples) => (
                 samples.len(),
@@ -201,7 +201,7 @@ fn batches(jobs: &[Job]) -> Vec<std::ops::Range<usize>> {
 fn meshes(eye: &Eye, objects: &[Painted], job: &Job) -> Vec<Mesh> {
     let material = 2 * job.object as u32;
     let range = job.range.clone();
-    match &objects[job.object].samples {
+    match objects[job.object].samples.as_ref() {
         Samples::Points(samples) => vec![points::mesh(eye, material, &samples[range])],
         Samples::Vectors(samples) => {
             vectors::meshes(eye, [material, material + 1], &samples[range]).into()

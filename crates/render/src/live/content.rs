@@ -1,0 +1,238 @@
+//! What an object is, written down so that equal objects have equal words, in whatever scene and at whatever place of
+//! it: the key by which samples, geodesics and kernels are kept.
+//!
+//! An object's [`Structure`] is its expressions, its domain and its kind; with the values of the uniforms that it reads
+//! it becomes a [`Content`]. Expressions are written from their roots down, each node once, so that neither their ids
+//! nor what else the graph holds matters; uniforms are numbered as they are met.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use expr::graph::Node;
+use expr::{Graph, Input, NodeId};
+use scene::scene::{Object, ObjectId, Sampling, Scene, Shape};
+use scene::values::Settings;
+
+use crate::bounds::Placement;
+
+/// An object without the values of what it reads.
+#[derive(Clone, Debug)]
+pub(crate) struct Structure {
+    words: Arc<[u64]>,
+    /// The uniforms, in the order in which they are met.
+    uniforms: Vec<u32>,
+}
+
+/// An object with the values of what it reads. Two objects with equal contents have equal samples.
+#[derive(Clone, Debug, Eq, Hash, PartialEq)]
+pub(crate) struct Content(Arc<[u64]>);
+
+/// Stands before what a list of words goes on with.
+#[derive(Clone, Copy)]
+enum Mark {
+    Constant = 1,
+    Variable,
+    Uniform,
+    Unary,
+    Binary,
+    Power,
+    Root,
+    Value,
+    Grid,
+    Axis,
+    Placement,
+}
+
+impl Structure {
+    /// The structure of an object; of a geodesic, with the surface that it lies on.
+    pub(crate) fn of(scene: &Scene, object: &Object) -> Self {
+        let mut writer = Writer::new(&scene.graph);
+        writer.shape(&object.shape);
+        if let Shape::Geodesic { surface, .. } = &object.shape {
+            if let Some(on) = scene.objects.get(surface.0 as usize) {
+                writer.shape(&on.shape);
+            }
+            // What is told of a geodesic names it.
+            writer.words.push(object.name.len() as u64);
+            writer.words.extend(object.name.bytes().map(u64::from));
+        }
+        Self {
+            words: writer.words.into(),
+            uniforms: writer.uniforms,
+        }
+    }
+
+    /// Its words.
+    pub(crate) fn words(&self) -> &Arc<[u64]> {
+        &self.words
+    }
+
+    /// All instances of the object, with their values.
+    pub(crate) fn instances(&self, scene: &Scene, settings: &Settings, object: &Object) -> Content {
+        let mut words = self.words.to_vec();
+        // The open grids' axes, and which uniform each of them is.
+        let mut of_grid = HashMap::new();
+        for (number, &id) in object.grids.iter().enumerate() {
+            let Some(grid) = scene.grids.get(id.0 as usize) else {
+                continue;
+            };
+            if settings.fixed_grid(scene, id).is_some() {
+                continue;
+            }
+            words.push(Mark::Grid as u64);
+            for (axis, sampling) in grid.axes.iter().enumerate() {
+                words.push(Mark::Axis as u64);
+                words.extend(sampling_words(sampling));
+                of_grid.insert(grid.first_uniform + axis as u32, [number, axis]);
+            }
+        }
+        for uniform in &self.uniforms {
+            match of_grid.get(uniform) {
+                Some(place) => words.extend(place.map(|n| n as u64)),
+                None => {
+                    words.push(Mark::Value as u64);
+                    words.push(value(settings.uniforms(), *uniform));
+                }
+            }
+        }
+        Content(words.into())
+    }
+
+    /// One instance of the object, by the values of all uniforms.
+    pub(crate) fn instance(&self, uniforms: &[f64]) -> Content {
+        let values = self.uniforms.iter().map(|&k| value(uniforms, k));
+        Content(self.words.iter().copied().chain(values).collect())
+    }
+}
+
+impl Content {
+    /// The same, in drawing units.
+    pub(crate) fn placed(&self, placement: &Placement) -> Self {
+        let [x, y, z] = placement.centre.map(f64::to_bits);
+        let tail = [Mark::Placement as u64, x, y, z, placement.radius.to_bits()];
+        Self(self.0.iter().copied().chain(tail).collect())
+    }
+}
+
+fn value(uniforms: &[f64], uniform: u32) -> u64 {
+    uniforms
+        .get(uniform as usize)
+        .map_or(u64::MAX, |value| value.to_bits())
+}
+
+fn sampling_words(sampling: &Sampling) -> [u64; 3] {
+    [
+        sampling.range.min.to_bits(),
+        sampling.range.max.to_bits(),
+        u64::from(sampling.count),
+    ]
+}
+
+/// The structures of a scene's objects, written once a scene.
+#[derive(Debug, Default)]
+pub(crate) struct Structures {
+    /// The scene is held, so that its address stays its own.
+    of: Option<(Arc<Scene>, Arc<[Structure]>)>,
+}
+
+impl Structures {
+    pub(crate) fn of(&mut self, scene: &Arc<Scene>) -> Arc<[Structure]> {
+        if let Some((known, structures)) = &self.of
+            && Arc::ptr_eq(known, scene)
+        {
+            return structures.clone();
+        }
+        let objects = scene.objects.iter();
+        let structures: Arc<[Structure]> =
+            objects.map(|object| Structure::of(scene, object)).collect();
+        self.of = Some((scene.clone(), structures.clone()));
+        structures
+    }
+}
+
+/// An object of a scene, by its number.
+pub(crate) fn object(scene: &Scene, id: ObjectId) -> Option<&Object> {
+    scene.objects.get(id.0 as usize)
+}
+
+struct Writer<'a> {
+    graph: &'a Graph,
+    words: Vec<u64>,
+    uniforms: Vec<u32>,
+    slots: HashMap<u32, u64>,
+    written: HashMap<NodeId, u64>,
+}
+
+impl<'a> Writer<'a> {
+    fn new(graph: &'a Graph) -> Self {
+        Self {
+            graph,
+            words: Vec::new(),
+            uniforms: Vec::new(),
+            slots: HashMap::new(),
+            written: HashMap::new(),
+        }
+    }
+
+    fn shape(&mut self, shape: &Shape) {
+        let (kind, domain): (u64, &[Sampling]) = match shape {
+            Shape::Point { .. } => (0, &[]),
+            Shape::Vector { .. } => (1, &[]),
+            Shape::Curve { domain, .. } => (2, std::slice::from_ref(domain)),
+            Shape::Surface { domain, .. } => (3, domain),
+            Shape::Metric { domain, .. } => (4, domain),
+            Shape::Geodesic { domain, .. } => (5, std::slice::from_ref(domain)),
+        };
+        self.words.push(kind);
+        self.words.extend(domain.iter().flat_map(sampling_words));
+        for root in shape.roots() {
+            let number = self.node(root);
+            self.words.extend([Mark::Root as u64, number]);
+        }
+    }
+
+    /// The number of a node; it is written, after its operands, when it is first met.
+    fn node(&mut self, root: NodeId) -> u64 {
+        let mut stack = vec![root];
+        while let Some(&id) = stack.last() {
+            if self.written.contains_key(&id) {
+                stack.pop();
+                continue;
+            }
+            let node = self.graph.node(id);
+            let before = stack.len();
+            // The last one pushed is written first: the operands are pushed from right to left.
+            let mut open: Vec<NodeId> = node.operands().collect();
+            open.retain(|operand| !self.written.contains_key(operand));
+            stack.extend(open.into_iter().rev());
+            if stack.len() > before {
+                continue;
+            }
+            stack.pop();
+            self.write(node);
+            let number = self.written.len() as u64;
+            self.written.insert(id, number);
+        }
+        self.written[&root]
+    }
+
+    fn write(&mut self, node: Node) {
+        let at = |id: NodeId| self.written[&id];
+        let words = match node {
+            Node::Constant(value) => [Mark::Constant as u64, value.to_bits(), 0, 0],
+            Node::Input(Input::Variable(k)) => [Mark::Variable as u64, u64::from(k), 0, 0],
+            Node::Input(Input::Uniform(k)) => {
+                let next = self.uniforms.len() as u64;
+                let slot = *self.slots.entry(k).or_insert(next);
+                if slot == next {
+                    self.uniforms.push(k);
+                }
+                [Mark::Uniform as u64, slot, 0, 0]
+            }
+            Node::Unary(op, a) => [Mark::Unary as u64, op as u64, at(a), 0],
+            Node::Binary(op, a, b) => [Mark::Binary as u64, op as u64, at(a), at(b)],
+            Node::Power(a, n) => [Mark::Power as u64, at(a), n as u64, 0],
+        };
+        self.words.extend(words);
+    }
+}

@@ -1,0 +1,96 @@
+//! Things kept by their content: whatever the last picture used, and a little of what earlier ones did.
+
+use std::collections::HashMap;
+use std::hash::Hash;
+
+/// Values by key, each with a size in bytes. What has not been used by the picture that is being made is given up, the
+/// oldest first, where it takes more than an allowance.
+#[derive(Debug)]
+pub(crate) struct Kept<K, V> {
+    entries: HashMap<K, Entry<V>>,
+    allowance: usize,
+    now: u64,
+}
+
+#[derive(Debug)]
+struct Entry<V> {
+    value: V,
+    bytes: usize,
+    used: u64,
+}
+
+impl<K: Clone + Eq + Hash, V: Clone> Kept<K, V> {
+    /// Nothing yet; beyond what is in use it may hold so many bytes.
+    pub(crate) fn new(allowance: usize) -> Self {
+        Self {
+            entries: HashMap::new(),
+            allowance,
+            now: 0,
+        }
+    }
+
+    /// What is kept under a key; it is in use from now on.
+    pub(crate) fn get(&mut self, key: &K) -> Option<V> {
+        let entry = self.entries.get_mut(key)?;
+        entry.used = self.now;
+        Some(entry.value.clone())
+    }
+
+    /// Keeps a value that is in use.
+    pub(crate) fn put(&mut self, key: K, value: V, bytes: usize) {
+        let used = self.now;
+        self.entries.insert(key, Entry { value, bytes, used });
+    }
+
+    /// Ends a picture: what it has not used no longer counts as in use.
+    pub(crate) fn next(&mut self) {
+        let mut idle: Vec<(u64, usize, K)> = self
+            .entries
+            .iter()
+            .filter(|(_, entry)| entry.used < self.now)
+            .map(|(key, entry)| (entry.used, entry.bytes, key.clone()))
+            .collect();
+        idle.sort_by_key(|(used, ..)| std::cmp::Reverse(*used));
+        let mut bytes = 0;
+        for (_, size, key) in idle {
+            bytes += size;
+            if bytes > self.allowance {
+                self.entries.remove(&key);
+            }
+        }
+        self.now += 1;
+    }
+
+    /// How many there are.
+    #[cfg(test)]
+    pub(crate) fn len(&self) -> usize {
+        self.entries.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Kept;
+
+    #[test]
+    fn what_a_picture_has_used_stays_and_the_oldest_of_the_rest_goes_first() {
+        let mut kept = Kept::new(10);
+        for key in 0..4 {
+            kept.put(key, key, 5);
+            kept.next();
+        }
+        // The last one is in use until another picture ends without it.
+        assert_eq!(kept.len(), 3);
+        kept.next();
+        assert_eq!(
+            [0, 1, 2, 3].map(|key| kept.get(&key).is_some()),
+            [false, false, true, true]
+        );
+        kept.put(9, 9, 100);
+        kept.next();
+        assert_eq!(kept.get(&9), Some(9));
+        kept.next();
+        kept.next();
+        assert_eq!(kept.get(&9), None);
+    }
+}

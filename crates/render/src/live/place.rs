@@ -1,0 +1,134 @@
+//! Where the scene is, kept still while it moves a little: samples are in drawing units, and a camera that is not told
+//! where to stand must not jump at every step of a slider.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use scene::scene::Scene;
+use scene::values::Settings;
+
+use super::content::{Content, Structure};
+use crate::bounds::{Bounds, object_cloud};
+use crate::camera::Camera;
+use crate::request::RenderError;
+
+/// The bounds are kept while the scene stays in a ball of so many of their radii …
+const OUTGROWN: f64 = 1.6;
+/// … and its own radius is at least such a share of theirs.
+const SHRUNK: f64 = 0.3;
+
+/// The bounds that pictures are drawn in, and the coarse points that they come from.
+#[derive(Debug, Default)]
+pub(super) struct Place {
+    kept: Option<Arc<Bounds>>,
+    clouds: HashMap<Content, Arc<Vec<[f64; 3]>>>,
+    /// The scene that was placed last.
+    last: Option<Placed>,
+}
+
+/// A scene in its place.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    contents: Arc<[Content]>,
+    /// The bounds that are kept.
+    pub(super) bounds: Arc<Bounds>,
+    /// The scene's points now, in the drawing units of these bounds.
+    cloud: Arc<Vec<[f64; 3]>>,
+}
+
+impl Place {
+    /// Places a scene with the contents of its objects.
+    pub(super) fn of(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        structures: &[Structure],
+    ) -> Placed {
+        let contents: Arc<[Content]> = scene
+            .objects
+            .iter()
+            .zip(structures)
+            .map(|(object, structure)| structure.instances(scene, settings, object))
+            .collect();
+        if let (Some(last), true) = (&self.last, self.kept.is_some())
+            && last.contents == contents
+        {
+            return last.clone();
+        }
+        let mut clouds: Vec<Option<Arc<Vec<[f64; 3]>>>> = contents
+            .iter()
+            .map(|content| self.clouds.get(content).cloned())
+            .collect();
+        clouds
+            .par_iter_mut()
+            .zip(&scene.objects)
+            .filter(|(cloud, _)| cloud.is_none())
+            .for_each(|(cloud, object)| {
+                *cloud = Some(Arc::new(object_cloud(scene, settings, object)));
+            });
+        let clouds: Vec<Arc<Vec<[f64; 3]>>> = clouds.into_iter().flatten().collect();
+        self.clouds = contents.iter().cloned().zip(clouds.clone()).collect();
+        let all = || clouds.iter().flat_map(|cloud| cloud.iter().copied());
+        let now = Bounds::around(all().collect());
+        let bounds = match &self.kept {
+            Some(kept) if still_fits(kept, &now) => kept.clone(),
+            _ => self.kept.insert(Arc::new(now.clone())).clone(),
+        };
+        let cloud = if bounds.placement == now.placement {
+            now.cloud
+        } else {
+            all().map(|point| bounds.placement.local(point)).collect()
+        };
+        let placed = Placed {
+            contents,
+            bounds,
+            cloud: Arc::new(cloud),
+        };
+        self.last = Some(placed.clone());
+        placed
+    }
+
+    /// The bounds that are kept.
+    pub(super) fn kept(&self) -> Option<&Arc<Bounds>> {
+        self.kept.as_ref()
+    }
+
+    /// Keeps other bounds from now on; none: those of the next scene.
+    pub(super) fn keep(&mut self, bounds: Option<Arc<Bounds>>) {
+        self.kept = bounds;
+        self.last = None;
+    }
+}
+
+impl Placed {
+    /// The contents of the scene's objects, in their order.
+    pub(super) fn contents(&self) -> &[Content] {
+        &self.contents
+    }
+
+    /// As [`Camera::new`].
+    ///
+    /// # Errors
+    /// As [`Camera::new`].
+    pub(super) fn camera(
+        &self,
+        eye: Option<[f64; 3]>,
+        target: Option<[f64; 3]>,
+        size: [u32; 2],
+    ) -> Result<Camera, RenderError> {
+        let mut camera = Camera::new(&self.bounds, eye, target, size)?;
+        camera.keep_clear_of(&self.cloud);
+        Ok(camera)
+    }
+}
+
+fn still_fits(kept: &Bounds, now: &Bounds) -> bool {
+    let (old, new) = (&kept.placement, &now.placement);
+    // An empty scene has a place of its own.
+    if kept.cloud.is_empty() != now.cloud.is_empty() {
+        return false;
+    }
+    let away = glam::DVec3::from(new.centre).distance(glam::DVec3::from(old.centre));
+    away + new.radius <= OUTGROWN * old.radius && new.radius >= SHRUNK * old.radius
+}

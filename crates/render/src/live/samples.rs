@@ -1,0 +1,109 @@
+//! Samples of objects, kept by content and drawing units.
+
+use std::sync::Arc;
+
+use scene::scene::{Object, ObjectId, Scene, Shape};
+use scene::values::Settings;
+
+use super::content::Content;
+use super::kept::Kept;
+use crate::bounds::Placement;
+use crate::sample::{self, PositionSample, Samples, SurfaceSample, VectorSample};
+
+/// What samples may take that the last picture has not used: a slider goes back, an edit is undone.
+const ALLOWANCE: usize = 16 << 20;
+
+/// The samples of one object.
+#[derive(Clone, Debug)]
+pub(crate) struct Sampled {
+    pub(crate) samples: Arc<Samples>,
+    told: Told,
+}
+
+/// What a reader of the picture should be told.
+#[derive(Clone, Debug)]
+enum Told {
+    /// How many samples there are, and how many of them are undefined.
+    Counts(usize, usize),
+    /// Sentences; they name the object, and so does its content.
+    Notes(Vec<String>),
+}
+
+/// Samples of all objects of the last pictures.
+#[derive(Debug)]
+pub(crate) struct SampleStore {
+    kept: Kept<Content, Sampled>,
+    /// How many objects have been sampled so far.
+    pub(crate) sampled: u64,
+}
+
+impl Default for SampleStore {
+    fn default() -> Self {
+        Self {
+            kept: Kept::new(ALLOWANCE),
+            sampled: 0,
+        }
+    }
+}
+
+impl SampleStore {
+    /// The samples of an object with the given content.
+    pub(crate) fn get(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        id: ObjectId,
+        content: &Content,
+        placement: &Placement,
+    ) -> Sampled {
+        let key = content.placed(placement);
+        if let Some(known) = self.kept.get(&key) {
+            return known;
+        }
+        let (samples, notes) = sample::sample_with_notes(scene, settings, id, placement);
+        let (all, undefined) = samples.undefined();
+        let object = &scene.objects[id.0 as usize];
+        let told = match &object.shape {
+            Shape::Geodesic { .. } => Told::Notes(notes),
+            _ => Told::Counts(all, undefined),
+        };
+        let bytes = bytes(&samples);
+        let sampled = Sampled {
+            samples: Arc::new(samples),
+            told,
+        };
+        // Nothing has been computed for what has no place in space.
+        self.sampled += u64::from(all > 0);
+        self.kept.put(key, sampled.clone(), bytes);
+        sampled
+    }
+
+    /// Ends a picture.
+    pub(crate) fn next(&mut self) {
+        self.kept.next();
+    }
+}
+
+impl Sampled {
+    /// What a reader of the picture should be told of the object.
+    pub(crate) fn notes(&self, object: &Object) -> Vec<String> {
+        match &self.told {
+            Told::Notes(notes) => notes.clone(),
+            Told::Counts(all, undefined) => {
+                let left_out = sample::left_out(object);
+                let note = || sample::note(&object.name, *all, *undefined);
+                left_out.or_else(note).into_iter().collect()
+            }
+        }
+    }
+}
+
+fn bytes(samples: &Samples) -> usize {
+    match samples {
+        Samples::Points(samples) | Samples::Curves { samples, .. } => {
+            samples.len() * size_of::<PositionSample>()
+        }
+        Samples::Vectors(samples) => samples.len() * size_of::<VectorSample>(),
+        Samples::Surfaces { samples, .. } => samples.len() * size_of::<SurfaceSample>(),
+    }
+}

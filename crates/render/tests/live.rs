@@ -1,0 +1,371 @@
+//! A stage's pictures against those that are made from scratch, and what it makes for them.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use image::RgbaImage;
+use render::live::{Counters, Pixels, Stage};
+use render::{Backend, RenderError, Request, View};
+use scene::scene::{ObjectId, Scene, Shape};
+use scene::values::Settings;
+
+const SIZE: [u32; 2] = [120, 90];
+
+fn compiled(text: &str) -> (Arc<Scene>, Settings) {
+    let compilation = scene::compile(text);
+    let scene = compilation
+        .scene
+        .unwrap_or_else(|| panic!("{text}: {:?}", compilation.diagnostics));
+    let settings = Settings::opening(&scene);
+    (Arc::new(scene), settings)
+}
+
+fn examples() -> Vec<(String, String)> {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let mut all: Vec<(String, String)> = std::fs::read_dir(folder)
+        .expect("examples/ is readable")
+        .map(|entry| entry.expect("examples/ is readable").path())
+        .filter(|path| path.extension().is_some_and(|ending| ending == "gtr"))
+        .map(|path| {
+            let text = std::fs::read_to_string(&path).expect("an example is UTF-8");
+            (path.display().to_string(), text)
+        })
+        .collect();
+    all.sort();
+    assert!(all.len() >= 16);
+    all
+}
+
+/// Twenty surfaces, of which each reads its own param; `edited` has another expression.
+fn twenty(edited: Option<usize>) -> String {
+    (0..20)
+        .map(|k| {
+            let bump = if edited == Some(k) { "0.3 u v" } else { "0.2 u v" };
+            format!(
+                "param a{k} : [0, 1];\n\
+                 surface s{k}(u, v) = (u + {k}, v, {bump} + 0.1 a{k}), u : [0, 1, 12], v : [0, 1, 12];\n"
+            )
+        })
+        .collect()
+}
+
+fn image(pixels: Pixels) -> RgbaImage {
+    match pixels {
+        Pixels::Image(image) => image,
+    }
+}
+
+fn seen_from(eye: [f64; 3]) -> Request {
+    let mut request = Request::space(SIZE);
+    request.view = View::Space {
+        eye: Some(eye),
+        target: Some([0.0; 3]),
+    };
+    request
+}
+
+/// The difference of two counters.
+fn made(before: Counters, after: Counters) -> Counters {
+    Counters {
+        pictures: after.pictures - before.pictures,
+        pipelines: after.pipelines - before.pipelines,
+        geodesic_kernels: after.geodesic_kernels - before.geodesic_kernels,
+        sampled: after.sampled - before.sampled,
+        looks: after.looks - before.looks,
+    }
+}
+
+/// A small generator (Knuth's constants): the same numbers on every run.
+struct Random(u64);
+
+impl Random {
+    /// From 0 to 1.
+    fn next(&mut self) -> f64 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn below(&mut self, n: usize) -> usize {
+        (self.next() * n as f64) as usize
+    }
+}
+
+#[test]
+fn a_stage_draws_what_a_single_picture_shows() {
+    for (name, text) in examples() {
+        let (scene, settings) = compiled(&text);
+        let mut stage = Stage::software();
+        let mut requests = vec![Request::space(SIZE)];
+        let inside = (0..).zip(&scene.objects);
+        let inside = inside.filter(|(_, object)| object.shape.patch().is_some());
+        requests.extend(inside.map(|(k, _)| Request::geodesic(ObjectId(k), [48, 40])));
+        for mut request in requests {
+            request.backend = Backend::Software;
+            let shot = stage.draw(&scene, &settings, &request);
+            match render::render(&scene, &settings, &request, &|_| {}) {
+                Ok(picture) => {
+                    let shot = shot.unwrap_or_else(|error| panic!("{name}: {error}"));
+                    assert_eq!(shot.notes, picture.notes, "{name}");
+                    assert_eq!(shot.overlays, picture.overlays, "{name}");
+                    assert!(
+                        image(shot.pixels) == picture.image,
+                        "{name}: {:?}",
+                        request.view
+                    );
+                }
+                Err(error) => assert_eq!(shot.err(), Some(error), "{name}"),
+            }
+        }
+    }
+}
+
+#[test]
+fn a_camera_move_and_the_same_request_again_sample_nothing() {
+    let (scene, settings) = compiled(&twenty(None));
+    let mut stage = Stage::software();
+    stage
+        .draw(&scene, &settings, &Request::space(SIZE))
+        .expect("a picture");
+    let before = stage.counters();
+    assert_eq!(
+        (before.sampled, before.looks, before.geodesic_kernels),
+        (20, 0, 0)
+    );
+    for request in [
+        seen_from([30.0, 20.0, 10.0]),
+        seen_from([-30.0, 20.0, 10.0]),
+        Request::space([60, 60]),
+        Request::space(SIZE),
+    ] {
+        stage.draw(&scene, &settings, &request).expect("a picture");
+    }
+    let expected = Counters {
+        pictures: 4,
+        ..Counters::default()
+    };
+    assert_eq!(made(before, stage.counters()), expected);
+}
+
+#[test]
+fn a_param_samples_only_what_reads_it() {
+    let (scene, mut settings) = compiled(&twenty(None));
+    let mut stage = Stage::software();
+    let request = Request::space(SIZE);
+    stage.draw(&scene, &settings, &request).expect("a picture");
+    for step in 1..=10 {
+        let before = stage.counters();
+        settings
+            .set(&scene, "a7", &[0.1 * f64::from(step)])
+            .expect("inside the interval");
+        stage.draw(&scene, &settings, &request).expect("a picture");
+        let expected = Counters {
+            pictures: 1,
+            sampled: 1,
+            ..Counters::default()
+        };
+        assert_eq!(made(before, stage.counters()), expected);
+    }
+}
+
+#[test]
+fn an_edit_of_one_of_twenty_surfaces_samples_one() {
+    let (scene, settings) = compiled(&twenty(None));
+    let (edited, _) = compiled(&twenty(Some(3)));
+    // The same surfaces, all further down the text and with other names for what they read.
+    let moved = format!(
+        "param b : [0, 1], [0, 1]; grid k : [0, 1, 3];\n{}",
+        twenty(None)
+    );
+    let (moved, other) = compiled(&moved);
+    let mut stage = Stage::software();
+    let request = Request::space(SIZE);
+    stage.draw(&scene, &settings, &request).expect("a picture");
+    for (scene, settings, sampled) in [
+        (&edited, &settings, 1),
+        // The old one is still kept.
+        (&scene, &settings, 0),
+        (&moved, &other, 0),
+    ] {
+        let before = stage.counters();
+        stage.draw(scene, settings, &request).expect("a picture");
+        assert_eq!(made(before, stage.counters()).sampled, sampled);
+    }
+}
+
+#[test]
+fn equal_objects_are_sampled_once_and_different_ones_apart() {
+    let text = "param a : [0, 1]; param b : [0, 1]; grid k : [0, 1, 3]; grid m : [0, 1, 4];
+        point p = (a, 0, 0); point q = (a, 0, 0); point r = (b, 0, 0);
+        point s = (k, 0, 0); point n = (m, 0, 0); point h = (k, m, 0); point w = (m, k, 0);
+        vector x = (1, 2, 3) @ (4, 5, 6); vector y = (4, 5, 6) @ (1, 2, 3);
+        curve c(t) = (t, 0, 0), t : [0, 1, 5]; curve d(t) = (t, 0, 0), t : [0, 1, 6];";
+    let (scene, settings) = compiled(text);
+    let mut stage = Stage::software();
+    let shot = stage
+        .draw(&scene, &settings, &Request::space(SIZE))
+        .expect("a picture");
+    // p, q and r have one value; all others are different.
+    assert_eq!(stage.counters().sampled, 9);
+    let picture = render::render(&scene, &settings, &software(Request::space(SIZE)), &|_| {});
+    assert!(image(shot.pixels) == picture.expect("a picture").image);
+}
+
+fn software(request: Request) -> Request {
+    Request {
+        backend: Backend::Software,
+        ..request
+    }
+}
+
+#[test]
+fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
+    let text = "param a : [1, 2]; param b : [0, 1];
+        surface s(u, v) = (a cos u, a sin u, v), u : [0, 2pi, 30], v : [-3, 3, 30];
+        point p = (b, 0, 0);";
+    let (scene, mut settings) = compiled(text);
+    let mut stage = Stage::software();
+    let request = Request::geodesic(ObjectId(0), [40, 40]);
+    let walk = |stage: &mut Stage, settings: &Settings, request: &Request, looks| {
+        let before = stage.counters();
+        let shot = stage.draw(&scene, settings, request).expect("a picture");
+        let now = made(before, stage.counters());
+        assert_eq!((now.looks, now.sampled), (looks, 0));
+        let picture = render::render(&scene, settings, &software(request.clone()), &|_| {});
+        let picture = picture.expect("a picture");
+        assert_eq!(shot.notes, picture.notes);
+        assert!(image(shot.pixels) == picture.image);
+    };
+    walk(&mut stage, &settings, &request, 1);
+    walk(&mut stage, &settings, &request, 0);
+    let mut painted = request.clone();
+    painted.colours = vec![(ObjectId(0), [255, 0, 0])];
+    walk(&mut stage, &settings, &painted, 0);
+    settings.set(&scene, "b", &[0.5]).expect("inside");
+    walk(&mut stage, &settings, &request, 0);
+    settings.set(&scene, "a", &[1.5]).expect("inside");
+    walk(&mut stage, &settings, &request, 1);
+    let mut turned = request.clone();
+    if let View::Geodesic { angle, .. } = &mut turned.view {
+        *angle = 0.5;
+    }
+    walk(&mut stage, &settings, &turned, 1);
+    walk(&mut stage, &settings, &request, 0);
+}
+
+#[test]
+fn the_first_camera_stays_while_the_scene_moves_a_little_and_follows_when_it_leaves() {
+    let text = "param a : [0, 100];
+        surface s(u, v) = (u + 0.01 a, v, 0.1 u v), u : [0, 1, 12], v : [0, 1, 12];
+        point p = (0.5, 0.5, 0);";
+    let (scene, mut settings) = compiled(text);
+    let mut stage = Stage::software();
+    let request = Request::space(SIZE);
+    let first = stage.camera(&scene, &settings, &request).expect("a camera");
+    settings.set(&scene, "a", &[10.0]).expect("inside");
+    let near = stage.camera(&scene, &settings, &request).expect("a camera");
+    assert_eq!(
+        (first.placement, first.eye, first.axes),
+        (near.placement, near.eye, near.axes)
+    );
+    let before = stage.counters();
+    stage.draw(&scene, &settings, &request).expect("a picture");
+    assert_eq!(made(before, stage.counters()).sampled, 2);
+    settings.set(&scene, "a", &[20.0]).expect("inside");
+    stage.draw(&scene, &settings, &request).expect("a picture");
+    assert_eq!(made(before, stage.counters()).sampled, 3, "the point stays");
+    let mut far = String::from(text);
+    far.push_str("point q = (50, 0, 0);");
+    let (scene, settings) = compiled(&far);
+    let away = stage.camera(&scene, &settings, &request).expect("a camera");
+    assert!(away.placement.radius > 10.0 * near.placement.radius);
+    stage.set_bounds(None);
+    let bounds = render::bounds::Bounds::of(&scene, &settings);
+    stage.camera(&scene, &settings, &request).expect("a camera");
+    assert_eq!(stage.bounds().as_deref(), Some(&bounds));
+}
+
+#[test]
+fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
+    let pieces = [
+        "surface s(u, v) = (cos u cos v, cos u sin v, sin u + 0.2 a), u : [-1.5, 1.5, 20], v : [0, 6, 20];",
+        "surface r(u, v) = (u, v, u v b), u : [-1, 1, 5], v : [-1, 1, 7];",
+        "curve c(t) = (cos t, sin t, a t / 6), t : [0, 6, 50];",
+        "point p = (k_1, k_2, b);",
+        "vector w = (0, a, 1) @ (k_1, 0, 0);",
+        "metric h(u, v) = (1, 0, 1 + u^2), u : [-1, 1, 10], v : [-1, 1, 10];",
+        "geodesic g(t) : s = (1, b) @ (0.1, 1), t : [0, 2];",
+        "surface q(u, v) = (u, v, 1 / (u - a)), u : [0, 1, 30], v : [0, 1, 30];",
+    ];
+    for seed in 0..6 {
+        let mut random = Random(seed);
+        let mut stage = Stage::software();
+        let mut kept = [true; 8];
+        let (mut scene, mut settings) = (None::<Arc<Scene>>, None::<Settings>);
+        let mut request = Request::space(SIZE);
+        for step in 0..25 {
+            match (&scene, random.below(4)) {
+                (Some(scene), 0) => {
+                    let settings = settings.as_mut().expect("with its scene");
+                    let name = ["a", "b"][random.below(2)];
+                    settings.set(scene, name, &[random.next()]).expect("inside");
+                }
+                (Some(_), 1) => {
+                    let [x, y, z] = [(); 3].map(|()| 8.0 * random.next() - 4.0);
+                    request = seen_from([x, y, z + 3.0]);
+                }
+                (Some(scene), 2) => {
+                    let surfaces: Vec<u32> = (0..)
+                        .zip(&scene.objects)
+                        .filter(|(_, object)| matches!(object.shape, Shape::Surface { .. }))
+                        .map(|(k, _)| k)
+                        .collect();
+                    if !surfaces.is_empty() {
+                        let surface = surfaces[random.below(surfaces.len())];
+                        request = Request::geodesic(ObjectId(surface), [40, 30]);
+                    }
+                }
+                _ => {
+                    let flipped = random.below(8);
+                    kept[flipped] = !kept[flipped];
+                    // Without the surface there is no geodesic on it.
+                    let text: String = pieces
+                        .iter()
+                        .zip(kept)
+                        .enumerate()
+                        .filter(|(k, (_, on))| *on && (*k != 6 || kept[0]))
+                        .map(|(_, (piece, _))| *piece)
+                        .collect();
+                    let text = format!(
+                        "param a : [0, 1]; param b : [0, 1]; grid k : [0, 1, 3], [0, 1, 2];{text}"
+                    );
+                    let (new, opening) = compiled(&text);
+                    (scene, settings) = (Some(new), Some(opening));
+                    if matches!(request.view, View::Geodesic { .. }) {
+                        request = Request::space(SIZE);
+                    }
+                }
+            }
+            let (Some(scene), Some(settings)) = (&scene, &settings) else {
+                continue;
+            };
+            let shot = stage.draw(scene, settings, &request);
+            let mut fresh = Stage::software();
+            fresh.set_bounds(stage.bounds());
+            let expected = fresh.draw(scene, settings, &request);
+            match (shot, expected) {
+                (Ok(shot), Ok(expected)) => {
+                    assert_eq!(shot.notes, expected.notes, "seed {seed}, step {step}");
+                    let same = image(shot.pixels) == image(expected.pixels);
+                    assert!(same, "seed {seed}, step {step}: {:?}", request.view);
+                }
+                (shot, expected) => {
+                    let errors: [Option<RenderError>; 2] = [shot.err(), expected.err()];
+                    assert_eq!(errors[0], errors[1]);
+                }
+            }
+        }
+    }
+}
