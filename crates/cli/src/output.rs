@@ -82,6 +82,21 @@ pub(crate) struct Target {
     place: Place,
 }
 
+/// Why a file was not written.
+#[derive(Debug)]
+pub(crate) enum Fault {
+    /// The system refused.
+    Write(io::Error),
+    /// What was to be written could not be made.
+    Other(Failure),
+}
+
+impl From<io::Error> for Fault {
+    fn from(error: io::Error) -> Self {
+        Self::Write(error)
+    }
+}
+
 #[derive(Debug)]
 enum Place {
     /// Standard output, given as `-`.
@@ -163,15 +178,46 @@ impl Target {
     /// # Errors
     /// [`Failure::Unwritable`]; what stood there before still stands.
     pub(crate) fn write(&self, bytes: &[u8]) -> Result<(), Failure> {
+        self.write_with(|out| Ok(out.write_all(bytes)?))
+    }
+
+    /// Writes the file piece by piece: all of it, or nothing, unless it is standard output or a device, which have
+    /// what was written before a failure.
+    ///
+    /// # Errors
+    /// [`Failure::Unwritable`], or what the writer failed with; what stood there before still stands.
+    pub(crate) fn write_with(
+        &self,
+        write: impl FnOnce(&mut dyn Write) -> Result<(), Fault>,
+    ) -> Result<(), Failure> {
         let written = match &self.place {
-            Place::Stdout => return print_bytes(bytes),
+            Place::Stdout => {
+                let mut stdout = io::BufWriter::new(io::stdout().lock());
+                let written = write(&mut stdout).and_then(|()| Ok(stdout.flush()?));
+                return written.map_err(|fault| match fault {
+                    Fault::Write(error) => stdout_failure(error),
+                    Fault::Other(failure) => failure,
+                });
+            }
             Place::Device(path) => OpenOptions::new()
                 .write(true)
                 .open(path)
-                .and_then(|mut device| device.write_all(bytes)),
-            Place::File(path) => write_whole(path, bytes),
+                .map_err(Fault::from)
+                .and_then(|device| {
+                    let mut device = io::BufWriter::new(device);
+                    write(&mut device)?;
+                    Ok(device.flush()?)
+                }),
+            Place::File(path) => write_whole(path, |file| {
+                let mut file = io::BufWriter::new(file);
+                write(&mut file)?;
+                Ok(file.flush()?)
+            }),
         };
-        written.map_err(|error| self.unwritable(&error))
+        written.map_err(|fault| match fault {
+            Fault::Write(error) => self.unwritable(&error),
+            Fault::Other(failure) => failure,
+        })
     }
 
     /// Creates and removes a temporary file, so that a picture is not computed in vain.
@@ -210,17 +256,22 @@ fn create(path: &Path) -> io::Result<File> {
     OpenOptions::new().write(true).create_new(true).open(path)
 }
 
-fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut File) -> Result<(), Fault>,
+) -> Result<(), Fault> {
     let temporary = temporary_beside(path);
-    let result = create(&temporary).and_then(|mut file| {
-        file.write_all(bytes)?;
-        file.sync_all()?;
-        // Whoever set the rights of the file that is replaced meant them.
-        if let Ok(existing) = fs::metadata(path) {
-            fs::set_permissions(&temporary, existing.permissions())?;
-        }
-        fs::rename(&temporary, path)
-    });
+    let result = create(&temporary)
+        .map_err(Fault::from)
+        .and_then(|mut file| {
+            write(&mut file)?;
+            file.sync_all()?;
+            // Whoever set the rights of the file that is replaced meant them.
+            if let Ok(existing) = fs::metadata(path) {
+                fs::set_permissions(&temporary, existing.permissions())?;
+            }
+            Ok(fs::rename(&temporary, path)?)
+        });
     if result.is_err() {
         // The first error is the one to report; a leftover is all that a second one can leave.
         let _ = fs::remove_file(&temporary);
@@ -283,6 +334,21 @@ mod tests {
         assert!(folder.names().is_empty());
         target.write(b"x").expect("writing");
         assert_eq!(folder.names(), ["a.png"]);
+    }
+
+    #[test]
+    fn what_cannot_be_made_leaves_the_old_file_and_nothing_else() {
+        let folder = Folder::new("unmade");
+        let path = folder.0.join("a.obj");
+        fs::write(&path, b"old").expect("writing");
+        let target = Target::new(&path).expect("a target");
+        let result = target.write_with(|out| {
+            out.write_all(b"the first half")?;
+            Err(Fault::Other(Failure::usage("no")))
+        });
+        assert!(matches!(result, Err(Failure::Usage { .. })), "{result:?}");
+        assert_eq!(fs::read(&path).expect("reading"), b"old");
+        assert_eq!(folder.names(), ["a.obj"]);
     }
 
     #[test]

@@ -305,3 +305,53 @@ fn a_program_of_points_builds_nothing_for_surfaces() {
         })
     );
 }
+
+#[test]
+fn meshes_are_written_by_the_extension_or_the_format() {
+    let folder = folder(&[("a.gtr", SPHERE)]);
+    for (name, start) in [
+        ("a.obj", &b"# written"[..]),
+        ("a.ply", b"ply\nformat binary"),
+        ("a.stl", &[0; 80]),
+        ("a.gltf", b"{"),
+        ("a.GLB", b"glTF"),
+    ] {
+        let run = run(folder.path(), &["export", "a.gtr", "-o", name], "");
+        assert_eq!((run.status, run.stdout.as_str()), (0, ""), "{}", run.stderr);
+        let bytes = std::fs::read(folder.path().join(name)).expect("the file");
+        assert!(bytes.starts_with(start), "{name}");
+    }
+    let obj = [
+        "export", "a.gtr", "-o", "-", "--format", "obj", "--object", "s",
+    ];
+    let run = run(folder.path(), &obj, "");
+    assert_eq!(run.status, 0, "{}", run.stderr);
+    let file = std::fs::read_to_string(folder.path().join("a.obj")).expect("the file");
+    assert_eq!(run.stdout, file);
+}
+
+#[test]
+fn a_mesh_that_cannot_be_made_is_told_and_leaves_no_file() {
+    let folder = folder(&[("a.gtr", "curve c(t) = (t,0,0), t : [0,1];")]);
+    for (arguments, status, words) in [
+        (&["-o", "a.dxf"][..], 2, "which format"),
+        (&["-o", "-"], 2, "--format"),
+        (
+            &["-o", "a.obj", "--object", "d"],
+            2,
+            "its only object is `c`",
+        ),
+        (&["-o", "a.stl"], 1, "`c` is left out"),
+        (&["-o", "no/a.obj"], 2, "does not exist"),
+        (&["-o", "a.obj", "--set", "r=1"], 2, "no param"),
+    ] {
+        let run = run(
+            folder.path(),
+            &[&["export", "a.gtr"], arguments].concat(),
+            "",
+        );
+        assert_eq!(run.status, status, "{arguments:?}: {}", run.stderr);
+        assert!(run.stderr.contains(words), "{arguments:?}: {}", run.stderr);
+        assert_eq!(names(&folder), ["a.gtr"]);
+    }
+}

@@ -11,6 +11,7 @@
 
 pub mod bounds;
 pub mod camera;
+pub mod export;
 pub mod geodesic_view;
 pub mod geodesics;
 pub mod gpu;

@@ -4,6 +4,7 @@ mod accuracy;
 mod check;
 mod eval;
 mod explain;
+mod export;
 mod format;
 mod lsp;
 mod render;
@@ -45,6 +46,7 @@ pub(crate) struct Arguments {
 enum Command {
     Check(check::Arguments),
     Render(Box<render::Arguments>),
+    Export(export::Arguments),
     Trace(Box<trace::Arguments>),
     Eval(eval::Arguments),
     Explain(explain::Arguments),
@@ -68,6 +70,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
         Command::Check(arguments) => check::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
+        Command::Export(arguments) => export::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Eval(arguments) => eval::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),
@@ -96,6 +99,7 @@ What to do with it:
 And with a surface s:
 
   geotrace render torus.gtr -o inside.png --view geodesic:s    seen from inside
+  geotrace export torus.gtr -o torus.glb           a mesh for other programs; also .obj, .ply, .stl, .gltf
   geotrace trace torus.gtr --surface s --from 0,0 --heading 30 --length 2
   geotrace explain torus.gtr                       what is built for it, and what is left out
   geotrace accuracy torus.gtr                      every method of following geodesics: error against run time
@@ -146,6 +150,8 @@ mod tests {
             "geotrace trace a.gtr --surface s --from 0,0 --length 1 --heading 0 --direction 1,0",
             "geotrace trace a.gtr --surface s --from 0,0 --length 1 --heading nan",
             "geotrace eval a.gtr",
+            "geotrace export a.gtr",
+            "geotrace export a.gtr -o a.obj --format dxf",
         ] {
             let refused = Arguments::try_parse_from(arguments.split(' '));
             assert_eq!(

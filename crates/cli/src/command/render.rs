@@ -223,7 +223,7 @@ fn standpoint(
     })
 }
 
-fn textures(
+pub(super) fn textures(
     files: &[TextureFile],
     program: &Program,
 ) -> Result<Vec<(ObjectId, Arc<Texture>)>, Failure> {

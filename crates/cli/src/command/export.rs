@@ -1,0 +1,187 @@
+//! `geotrace export`: the objects of a program as a file for other programs.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use render::Request;
+use render::export::{self, ExportError, Format as FileFormat};
+use scene::scene::{ObjectId, Scene};
+
+use super::Format;
+use super::render::textures;
+use crate::argument::{self, Assignment, TextureFile};
+use crate::failure::Failure;
+use crate::output::{self, Target};
+use crate::program::Program;
+
+/// Write a program's surfaces, curves, vectors and points as a mesh, for modelling, printing, or a paper.
+///
+/// Places are in the program's units, as exact as the format allows. Where a surface closes (a sphere's poles, a
+/// torus' seams) its triangles close too; where it is undefined they leave a hole.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  geotrace export sphere.gtr -o sphere.stl                  surfaces only, watertight where they close
+  geotrace export torus.gtr -o torus.glb --texture s=a.png  with its image, for viewers and the web
+  geotrace export circle.gtr -o - --format obj --set r=0.7  all objects, as text
+  geotrace export field.gtr -o s.ply --object s             one object, with normals and colours
+
+obj   text: an object for each name, with normals and texture coordinates; lines and points
+ply   binary: places in double precision, normals, the picture's colours at the vertices; edges
+stl   binary: the triangles of surfaces, and nothing else
+gltf  JSON with everything in it: materials, images, lines and points; glb is the same, binary
+
+How fine a surface is, its intervals say: `u : [0, 1, 200]` takes 200 samples. The file is written whole or not at all.")]
+pub(super) struct Arguments {
+    /// The program; `-` is standard input
+    file: PathBuf,
+    /// The file to be written, its format by its extension; `-` is standard output
+    #[arg(short, long, value_name = "OUT.{obj,ply,stl,gltf,glb}")]
+    output: PathBuf,
+    /// The format, whatever the file is called
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    format: Option<FormatName>,
+    /// An object to be written; may be given several times. Without it, all are
+    #[arg(long, value_name = "NAME")]
+    object: Vec<String>,
+    /// A value for a param or a grid; may be given several times
+    #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
+    set: Vec<Assignment>,
+    /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min
+    #[arg(long, value_name = "SURFACE=IMAGE", value_parser = argument::texture)]
+    texture: Vec<TextureFile>,
+}
+
+#[derive(Clone, Copy, Debug, Eq, PartialEq, ValueEnum)]
+enum FormatName {
+    /// Wavefront OBJ
+    Obj,
+    /// Stanford PLY
+    Ply,
+    /// STL
+    Stl,
+    /// glTF 2.0, one JSON file
+    Gltf,
+    /// glTF 2.0, binary
+    Glb,
+}
+
+/// Builds the meshes and writes the file.
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let format = file_format(arguments)?;
+    let program = Program::load(&arguments.file, Format::Human)?;
+    let scene = program.scene()?;
+    let settings = program.settings(&arguments.set)?;
+    let objects = objects(scene, &arguments.object, &program.source.name)?;
+    let request = Request {
+        textures: textures(&arguments.texture, &program)?,
+        ..Request::space([1, 1])
+    };
+    let target = Target::new(&arguments.output)?;
+    let model = export::model(scene, &settings, &request, objects.as_deref());
+    let mut notes = model.notes.clone();
+    target.write_with(|out| {
+        model
+            .write(format, out)
+            .map(|told| notes.extend(told))
+            .map_err(|error| match error {
+                ExportError::Write(error) => output::Fault::Write(error),
+                ExportError::Nothing { .. } | ExportError::TooLarge { .. } => {
+                    output::Fault::Other(Failure::Input {
+                        message: error.to_string(),
+                        hint: hint(&error),
+                    })
+                }
+            })
+    })?;
+    for note in notes {
+        output::print_error(&format!("note: {note}\n"));
+    }
+    let (triangles, vertices) = model.parts.iter().fold((0, 0), |(t, v), part| {
+        (t + part.triangles(), v + part.vertices())
+    });
+    output::print_error(&format!(
+        "{}: {}, {vertices} vertices, {triangles} triangles\n",
+        target.name(),
+        format.name()
+    ));
+    Ok(())
+}
+
+fn file_format(arguments: &Arguments) -> Result<FileFormat, Failure> {
+    if let Some(name) = arguments.format {
+        return Ok(match name {
+            FormatName::Obj => FileFormat::Obj,
+            FormatName::Ply => FileFormat::Ply,
+            FormatName::Stl => FileFormat::Stl,
+            FormatName::Gltf => FileFormat::Gltf,
+            FormatName::Glb => FileFormat::Glb,
+        });
+    }
+    let path: &Path = &arguments.output;
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_string_lossy());
+    let found = extension.as_deref().and_then(FileFormat::of_extension);
+    found.ok_or_else(|| {
+        let known = FileFormat::ALL.map(|format| format!(".{}", format.extension()));
+        let name = path.display();
+        let (message, example) = if path.as_os_str() == "-" {
+            (
+                "standard output has no extension that would tell the format".to_owned(),
+                None,
+            )
+        } else {
+            let message = format!("`{name}` does not tell by its extension which format is meant");
+            (message, Some(path.with_extension("glb")))
+        };
+        let known = known.join(", ");
+        Failure::Usage {
+            message,
+            hint: Some(match example {
+                Some(example) => format!(
+                    "write to `{}`, or give `--format`; there are {known}",
+                    example.display()
+                ),
+                None => "give `--format obj`, or another".into(),
+            }),
+        }
+    })
+}
+
+/// The objects of the names; all where none are given.
+fn objects(scene: &Scene, names: &[String], file: &str) -> Result<Option<Vec<ObjectId>>, Failure> {
+    if names.is_empty() {
+        return Ok(None);
+    }
+    let find = |name: &String| {
+        let found = scene.objects.iter().position(|object| object.name == *name);
+        found.map(|index| ObjectId(index as u32)).ok_or_else(|| {
+            let all: Vec<String> = scene
+                .objects
+                .iter()
+                .map(|o| format!("`{}`", o.name))
+                .collect();
+            Failure::Usage {
+                message: format!("`{file}` draws no `{name}`"),
+                hint: Some(match &all[..] {
+                    [] => "it draws nothing".into(),
+                    [only] => format!("its only object is {only}"),
+                    several => format!("its objects are {}", several.join(", ")),
+                }),
+            }
+        })
+    };
+    names.iter().map(find).collect::<Result<_, _>>().map(Some)
+}
+
+fn hint(error: &ExportError) -> Option<String> {
+    match error {
+        ExportError::Nothing { left_out, .. } if left_out.is_empty() => None,
+        ExportError::Nothing { .. } => Some("OBJ, PLY and glTF hold lines and points too".into()),
+        ExportError::TooLarge { .. } => {
+            Some("`--object NAME` writes one object; fewer samples make it smaller".into())
+        }
+        ExportError::Write(_) => None,
+    }
+}

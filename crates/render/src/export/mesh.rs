@@ -1,0 +1,351 @@
+//! Surfaces as triangles that hang together: a grid of samples flows in, welded triangles flow out.
+//!
+//! Samples become one place where they coincide: at sides that are glued, at poles, where a parameter line has no
+//! length. Vertices, which carry normals and texture coordinates, stay apart at such seams. A surface may run through
+//! itself: only samples that are neighbours, or lie on the border of the grid, can become one.
+
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec3};
+
+use crate::sample::SurfaceSample;
+
+/// Places coincide if they are no further apart than this share of the surface's extent.
+const COINCIDE: f64 = 1e-9;
+/// A triangle whose height is at most this share of its longest side is no triangle.
+const FLAT: f64 = 1e-12;
+
+/// Triangles, in the scene's units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Places, each at most once for an instance.
+    pub places: Vec<[f64; 3]>,
+    /// Corners of triangles.
+    pub vertices: Vec<Vertex>,
+    /// Indices into the vertices. Seen from where the normals point to, triangles run counterclockwise; those of a
+    /// closed surface are seen so from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A corner of triangles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vertex {
+    /// An index into the places.
+    pub place: u32,
+    /// A unit vector.
+    pub normal: [f32; 3],
+    /// (0, 0) at u min and v min, (1, 1) at u max and v max.
+    pub uv: [f32; 2],
+}
+
+impl Mesh {
+    /// Adds an instance: the grid's `places`, u fastest, with the normals and the definedness of its `samples`.
+    pub(super) fn add(&mut self, count: [u32; 2], places: &[[f64; 3]], samples: &[SurfaceSample]) {
+        let grid = Grid::new(count, places, samples);
+        let triangles: Vec<[usize; 3]> = grid.triangles().collect();
+        // Vertices in the order of the grid, those only that a triangle needs.
+        let mut vertex_of = vec![None; places.len()];
+        for &corner in triangles.iter().flatten() {
+            vertex_of[corner] = Some(0);
+        }
+        let mut place_of: HashMap<u32, u32> = HashMap::new();
+        let first = self.vertices.len();
+        let [columns, rows] = grid.size;
+        for (index, vertex) in vertex_of.iter_mut().enumerate() {
+            if vertex.is_none() {
+                continue;
+            }
+            *vertex = Some(self.vertices.len() as u32);
+            let class = grid.class[index];
+            let place = *place_of.entry(class).or_insert_with(|| {
+                self.places.push(places[class as usize]);
+                self.places.len() as u32 - 1
+            });
+            let share = |at: usize, of: usize| at as f32 / (of - 1) as f32;
+            self.vertices.push(Vertex {
+                place,
+                normal: samples[index].normal,
+                uv: [
+                    share(index % columns, columns),
+                    share(index / columns, rows),
+                ],
+            });
+        }
+        let turned = grid.faces_inwards(&triangles);
+        let start = self.triangles.len();
+        self.triangles.extend(triangles.iter().map(|corners| {
+            let [a, b, c] = corners.map(|corner| vertex_of[corner].unwrap_or_default());
+            if turned { [a, c, b] } else { [a, b, c] }
+        }));
+        if turned {
+            for vertex in &mut self.vertices[first..] {
+                vertex.normal = vertex.normal.map(|x| -x);
+            }
+        }
+        self.complete_normals(first, start);
+    }
+
+    /// The corners of a triangle in space.
+    pub fn corners(&self, triangle: [u32; 3]) -> [[f64; 3]; 3] {
+        triangle.map(|vertex| self.places[self.vertices[vertex as usize].place as usize])
+    }
+
+    /// The unit normal of a triangle; zero if it has none.
+    pub fn face_normal(&self, triangle: [u32; 3]) -> [f32; 3] {
+        let [a, b, c] = self.corners(triangle).map(DVec3::from);
+        let scale = (b - a).abs().max((c - a).abs()).max_element();
+        let normal = ((b - a) / scale).cross((c - a) / scale);
+        normal.normalize_or_zero().as_vec3().to_array()
+    }
+
+    /// Gives vertices without a normal that of the triangles around them.
+    fn complete_normals(&mut self, first_vertex: usize, first_triangle: usize) {
+        let missing = |vertex: &Vertex| vertex.normal == [0.0; 3];
+        if !self.vertices[first_vertex..].iter().any(missing) {
+            return;
+        }
+        let mut sums = vec![Vec3::ZERO; self.vertices.len() - first_vertex];
+        for &triangle in &self.triangles[first_triangle..] {
+            let normal = Vec3::from(self.face_normal(triangle));
+            for vertex in triangle {
+                sums[vertex as usize - first_vertex] += normal;
+            }
+        }
+        for (vertex, sum) in self.vertices[first_vertex..].iter_mut().zip(sums) {
+            if missing(vertex) {
+                vertex.normal = sum.try_normalize().unwrap_or(Vec3::Z).to_array();
+            }
+        }
+    }
+}
+
+/// How far apart places may be that count as one.
+pub(super) fn tolerance(places: impl Iterator<Item = [f64; 3]>) -> f64 {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for place in places.map(DVec3::from) {
+        (low, high) = (low.min(place), high.max(place));
+    }
+    let extent = (high - low).max_element().max(0.0);
+    let farthest = low.abs().max(high.abs()).max_element();
+    // Far from zero, the places' own rounding is more.
+    let rounding = 8.0 * f64::EPSILON * farthest;
+    let all = COINCIDE * extent + rounding;
+    if all.is_finite() { all } else { 0.0 }
+}
+
+pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    DVec3::from(a).distance(DVec3::from(b))
+}
+
+/// One instance's grid of samples.
+struct Grid<'a> {
+    places: &'a [[f64; 3]],
+    defined: Vec<bool>,
+    /// Columns (samples along u) and rows.
+    size: [usize; 2],
+    /// For each sample the first of those that coincide with it.
+    class: Vec<u32>,
+}
+
+impl<'a> Grid<'a> {
+    fn new(count: [u32; 2], places: &'a [[f64; 3]], samples: &[SurfaceSample]) -> Self {
+        // What single precision cannot hold is left open in all formats alike.
+        let held = |place: &[f64; 3]| place.iter().all(|x| x.abs() < f64::from(f32::MAX));
+        let both = places.iter().zip(samples);
+        let mut grid = Self {
+            places,
+            defined: both
+                .map(|(place, sample)| sample.defined != 0.0 && held(place))
+                .collect(),
+            size: count.map(|n| n as usize),
+            class: (0..places.len() as u32).collect(),
+        };
+        grid.weld();
+        grid
+    }
+
+    /// Finds the samples that coincide.
+    fn weld(&mut self) {
+        let [columns, rows] = self.size;
+        let defined = self.places.iter().zip(&self.defined);
+        let tolerance = tolerance(defined.filter(|(_, defined)| **defined).map(|(p, _)| *p));
+        for index in 0..self.places.len() {
+            let right = (index % columns + 1 < columns).then_some(index + 1);
+            let down = (index / columns + 1 < rows).then_some(index + columns);
+            for other in [right, down].into_iter().flatten() {
+                if self.defined[index]
+                    && self.defined[other]
+                    && distance(self.places[index], self.places[other]) <= tolerance
+                {
+                    self.join(index, other);
+                }
+            }
+        }
+        if tolerance > 0.0 {
+            self.weld_border(tolerance);
+        }
+        for index in 0..self.class.len() {
+            self.class[index] = self.first_of(index) as u32;
+        }
+    }
+
+    /// Joins samples of the border that coincide, wherever they are on it.
+    fn weld_border(&mut self, tolerance: f64) {
+        let [columns, rows] = self.size;
+        let edge = |index: usize| {
+            let (i, j) = (index % columns, index / columns);
+            i == 0 || j == 0 || i + 1 == columns || j + 1 == rows
+        };
+        let cell = |place: [f64; 3], by: [i64; 3]| -> [i64; 3] {
+            std::array::from_fn(|k| (place[k] / (2.0 * tolerance)).floor() as i64 + by[k])
+        };
+        let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+        for index in (0..self.places.len()).filter(|&index| edge(index)) {
+            if !self.defined[index] {
+                continue;
+            }
+            let place = self.places[index];
+            let mut joined = false;
+            for code in 0..27 {
+                let by = [code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1];
+                for &other in cells.get(&cell(place, by)).into_iter().flatten() {
+                    if distance(place, self.places[other as usize]) <= tolerance {
+                        joined |= by == [0; 3];
+                        let (a, b) = (index, other as usize);
+                        let (a, b) = (root(&mut self.class, a), root(&mut self.class, b));
+                        self.class[a.max(b)] = a.min(b) as u32;
+                    }
+                }
+            }
+            // A pole's many samples need not all be compared with each other.
+            if !joined {
+                cells
+                    .entry(cell(place, [0; 3]))
+                    .or_default()
+                    .push(index as u32);
+            }
+        }
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.first_of(a), self.first_of(b));
+        self.class[a.max(b)] = a.min(b) as u32;
+    }
+
+    fn first_of(&mut self, index: usize) -> usize {
+        root(&mut self.class, index)
+    }
+
+    /// The two triangles of the quad whose least corner is sample `at`, as the 3D view draws them.
+    fn quad(&self, at: usize) -> [[usize; 3]; 2] {
+        let columns = self.size[0];
+        let [a, b, c, d] = [at, at + 1, at + columns + 1, at + columns];
+        [[a, b, c], [a, c, d]]
+    }
+
+    /// Whether all corners are defined, and the triangle has an area unless corners coincide.
+    fn is_there(&self, triangle: [usize; 3]) -> bool {
+        triangle.iter().all(|&corner| self.defined[corner])
+            && (self.is_collapsed(triangle) || self.has_area(triangle))
+    }
+
+    fn is_collapsed(&self, triangle: [usize; 3]) -> bool {
+        let [a, b, c] = triangle.map(|corner| self.class[corner]);
+        a == b || b == c || c == a
+    }
+
+    fn has_area(&self, triangle: [usize; 3]) -> bool {
+        let [a, b, c] = triangle.map(|corner| self.place(corner));
+        let (p, q, r) = (b - a, c - b, a - c);
+        let longest = p.length().max(q.length()).max(r.length());
+        (p / longest).cross(q / longest).length() > FLAT
+    }
+
+    /// Where a sample is, welded.
+    fn place(&self, index: usize) -> DVec3 {
+        DVec3::from(self.places[self.class[index] as usize])
+    }
+
+    fn triangles(&self) -> impl Iterator<Item = [usize; 3]> + '_ {
+        let quads = self.quads().flat_map(|at| self.quad(at));
+        quads.filter(|&t| self.is_there(t) && !self.is_collapsed(t))
+    }
+
+    fn quads(&self) -> impl Iterator<Item = usize> + use<> {
+        let [columns, rows] = self.size;
+        (0..rows - 1).flat_map(move |j| (0..columns - 1).map(move |i| j * columns + i))
+    }
+
+    /// Whether the surface is closed and its triangles are seen counterclockwise from inside.
+    fn faces_inwards(&self, triangles: &[[usize; 3]]) -> bool {
+        let Some(&[first, ..]) = triangles.first() else {
+            return false;
+        };
+        if !self.is_closed() {
+            return false;
+        }
+        let origin = self.place(first);
+        let volume = |triangle: &[usize; 3]| {
+            let [a, b, c] = triangle.map(|corner| self.place(corner) - origin);
+            a.dot(b.cross(c))
+        };
+        triangles.iter().map(volume).sum::<f64>() < 0.0
+    }
+
+    /// Whether the triangles have no boundary: every edge is run through as often one way as the other.
+    fn is_closed(&self) -> bool {
+        let [columns, rows] = self.size;
+        let mut balance: HashMap<[u32; 2], i32> = HashMap::new();
+        let mut run = |from: usize, to: usize| {
+            let [from, to] = [from, to].map(|index| self.class[index]);
+            let sign = if from < to { 1 } else { -1 };
+            if from != to {
+                *balance.entry([from.min(to), from.max(to)]).or_default() += sign;
+            }
+        };
+        // Within the grid, neighbours run through their common edge both ways: only the others are counted.
+        for at in self.quads() {
+            let (i, j) = (at % columns, at / columns);
+            let [lower, upper] = self.quad(at);
+            let [there, above] = [lower, upper].map(|triangle| self.is_there(triangle));
+            let [a, b, c] = lower;
+            let d = upper[2];
+            let beside = |inside: bool, at: usize, which: usize| {
+                inside && self.is_there(self.quad(at)[which])
+            };
+            if there {
+                if !(j > 0 && beside(true, at - columns, 1)) {
+                    run(a, b);
+                }
+                if !beside(i + 2 < columns, at + 1, 1) {
+                    run(b, c);
+                }
+                if !above {
+                    run(c, a);
+                }
+            }
+            if above {
+                if !there {
+                    run(a, c);
+                }
+                if !beside(j + 2 < rows, at + columns, 0) {
+                    run(c, d);
+                }
+                if !(i > 0 && beside(true, at - 1, 0)) {
+                    run(d, a);
+                }
+            }
+        }
+        balance.values().all(|&times| times == 0)
+    }
+}
+
+/// The first of the samples that are joined with one.
+fn root(class: &mut [u32], mut index: usize) -> usize {
+    while class[index] as usize != index {
+        // Halving the path keeps long chains (a pole) cheap.
+        class[index] = class[class[index] as usize];
+        index = class[index] as usize;
+    }
+    index
+}

@@ -1,0 +1,143 @@
+//! Stanford PLY, binary, little endian. By hand: the file is a header and fixed records, and the libraries' writers want
+//! each vertex as a table of names.
+
+use std::io::{self, Write};
+
+use glam::Vec3;
+
+use super::{Geometry, Mesh, Model, Part};
+use crate::style;
+use crate::texture::Texture;
+
+/// Vertices of all parts, then faces, then edges. A place is one vertex, where seams meet too.
+pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
+    let mut out = io::BufWriter::new(out);
+    let places = |part: &Part| match &part.geometry {
+        Geometry::Surface(mesh, _) => mesh.places.len(),
+        Geometry::Lines(_) | Geometry::Points(_) => part.vertices(),
+    };
+    let edges = |part: &Part| match &part.geometry {
+        Geometry::Lines(lines) => lines.strips.iter().map(|strip| strip.len() - 1).sum(),
+        Geometry::Surface(..) | Geometry::Points(_) => 0_usize,
+    };
+    let parts = &model.parts;
+    let faces: usize = parts.iter().map(Part::triangles).sum();
+    let edge_count: usize = parts.iter().map(edges).sum();
+    write!(
+        out,
+        "ply\nformat binary_little_endian 1.0\ncomment written by geotrace {}\nelement vertex {}\n",
+        env!("CARGO_PKG_VERSION"),
+        parts.iter().map(places).sum::<usize>()
+    )?;
+    for axis in ["x", "y", "z"] {
+        writeln!(out, "property double {axis}")?;
+    }
+    for axis in ["nx", "ny", "nz"] {
+        writeln!(out, "property float {axis}")?;
+    }
+    for colour in ["red", "green", "blue"] {
+        writeln!(out, "property uchar {colour}")?;
+    }
+    // Some readers take a file without faces for no mesh, and one with an empty list for a broken one.
+    if faces > 0 {
+        writeln!(out, "element face {faces}")?;
+        writeln!(out, "property list uchar int vertex_indices")?;
+    }
+    if edge_count > 0 {
+        writeln!(out, "element edge {edge_count}")?;
+        writeln!(out, "property int vertex1\nproperty int vertex2")?;
+    }
+    writeln!(out, "end_header")?;
+
+    for part in parts {
+        let mut plain = |place: &[f64; 3]| record(&mut out, *place, [0.0; 3], part.colour);
+        match &part.geometry {
+            Geometry::Surface(mesh, texture) => {
+                let (normals, colours) = (normals(mesh), colours(mesh, texture, part.colour));
+                for ((place, normal), colour) in mesh.places.iter().zip(normals).zip(colours) {
+                    record(&mut out, *place, normal, colour)?;
+                }
+            }
+            Geometry::Lines(lines) => lines.places.iter().try_for_each(&mut plain)?,
+            Geometry::Points(points) => points.iter().try_for_each(&mut plain)?,
+        }
+    }
+    let mut first = 0;
+    for part in parts {
+        if let Geometry::Surface(mesh, _) = &part.geometry {
+            for triangle in &mesh.triangles {
+                out.write_all(&[3])?;
+                for &corner in triangle {
+                    let place = mesh.vertices[corner as usize].place as usize;
+                    out.write_all(&((first + place) as i32).to_le_bytes())?;
+                }
+            }
+        }
+        first += places(part);
+    }
+    first = 0;
+    for part in parts {
+        if let Geometry::Lines(lines) = &part.geometry {
+            for pair in lines.strips.iter().flat_map(|strip| strip.windows(2)) {
+                for &index in pair {
+                    out.write_all(&((first + index as usize) as i32).to_le_bytes())?;
+                }
+            }
+        }
+        first += places(part);
+    }
+    out.flush()
+}
+
+fn record(
+    out: &mut impl Write,
+    place: [f64; 3],
+    normal: [f32; 3],
+    colour: [u8; 3],
+) -> io::Result<()> {
+    for x in place {
+        out.write_all(&x.to_le_bytes())?;
+    }
+    for x in normal {
+        out.write_all(&x.to_le_bytes())?;
+    }
+    out.write_all(&colour)
+}
+
+/// A place's normal: the mean of its vertices'; the first one's where they cancel, as on a one-sided surface's seam.
+fn normals(mesh: &Mesh) -> Vec<[f32; 3]> {
+    let mut first: Vec<Option<Vec3>> = vec![None; mesh.places.len()];
+    let mut sums = vec![Vec3::ZERO; mesh.places.len()];
+    for vertex in &mesh.vertices {
+        let (place, normal) = (vertex.place as usize, Vec3::from(vertex.normal));
+        first[place].get_or_insert(normal);
+        sums[place] += normal;
+    }
+    let both = sums.into_iter().zip(first);
+    both.map(|(sum, first)| {
+        let mean = if sum.length() > 1e-3 {
+            Some(sum.normalize())
+        } else {
+            first
+        };
+        mean.unwrap_or_default().to_array()
+    })
+    .collect()
+}
+
+/// The colours of the image where each place's first vertex is, averaged over what lies between it and its neighbours,
+/// times the object's.
+fn colours(mesh: &Mesh, texture: &Texture, colour: [u8; 3]) -> Vec<[u8; 3]> {
+    let tint = style::linear(colour);
+    // About how far apart vertices are: there are as many as in a square grid.
+    let step = 1.0 / (mesh.vertices.len() as f32).sqrt().max(1.0);
+    let sampler = texture.sampler();
+    let mut colours: Vec<Option<[u8; 3]>> = vec![None; mesh.places.len()];
+    for vertex in &mesh.vertices {
+        colours[vertex.place as usize].get_or_insert_with(|| {
+            let light = sampler.colour(vertex.uv, [step, 0.0], [0.0, step]);
+            std::array::from_fn(|k| style::encode(light[k] * tint[k]))
+        });
+    }
+    colours.into_iter().map(|c| c.unwrap_or(colour)).collect()
+}

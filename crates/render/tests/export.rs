@@ -1,0 +1,445 @@
+//! Exported files, read back by programs that did not write them, against closed forms.
+
+use std::collections::HashMap;
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use ply_rs_bw::parser::Parser;
+use ply_rs_bw::ply::{DefaultElement, Ply, Property};
+use render::Request;
+use render::export::{ExportError, Format, Geometry, Model, model};
+use render::texture::Texture;
+use scene::{Scene, Settings, compile};
+
+const SPHERE: &str = "surface s(u,v) = 2(cosu sinv, sinu sinv, cosv), u : [0,2pi,N], v : [0,pi,N];";
+const TORUS: &str =
+    "surface s(u,v) = ((2+cosv)cosu, (2+cosv)sinu, sinv), u : [0,2pi,N], v : [0,2pi,N];";
+const MOBIUS: &str = "surface s(u,v) = ((2+v cos(u/2))cosu, (2+v cos(u/2))sinu, v sin(u/2)), u : [0,2pi,41], v : [-0.5,0.5,11];";
+const KLEIN: &str = "function w(u,v) = 3+cos(u/2)sinv-sin(u/2)sin(2v); \
+    surface s(u,v) = (w(u,v)cosu, w(u,v)sinu, sin(u/2)sinv+cos(u/2)sin(2v)), u : [0,2pi,41], v : [0,2pi,40];";
+
+fn scene(source: &str) -> Scene {
+    let compilation = compile(source);
+    compilation
+        .scene
+        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
+}
+
+fn exported(source: &str) -> Model {
+    let scene = scene(source);
+    let settings = Settings::opening(&scene);
+    model(&scene, &settings, &Request::space([1, 1]), None)
+}
+
+fn file(model: &Model, format: Format) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    model.write(format, &mut bytes).expect("a file");
+    bytes
+}
+
+/// Places and triangles of a surface.
+struct Solid {
+    places: Vec<DVec3>,
+    triangles: Vec<[usize; 3]>,
+}
+
+impl Solid {
+    /// The objects of an OBJ file, by another program's reader.
+    fn of_obj(model: &Model) -> Self {
+        let bytes = file(model, Format::Obj);
+        let options = tobj::LoadOptions {
+            triangulate: false,
+            ..tobj::LoadOptions::default()
+        };
+        let (models, _) = tobj::load_obj_buf(&mut &bytes[..], &options, |_| {
+            Ok((Vec::new(), no_materials()))
+        })
+        .expect("an OBJ file");
+        let mesh = &models[0].mesh;
+        Self {
+            places: mesh.positions.chunks(3).map(DVec3::from_slice).collect(),
+            triangles: mesh
+                .indices
+                .chunks(3)
+                .map(|t| [t[0] as usize, t[1] as usize, t[2] as usize])
+                .collect(),
+        }
+    }
+
+    /// A binary STL file by its specification: 80 bytes, a count, records of 50 bytes. Equal places are one.
+    fn of_stl(model: &Model) -> Self {
+        let bytes = file(model, Format::Stl);
+        let count = u32::from_le_bytes(bytes[80..84].try_into().expect("four bytes")) as usize;
+        assert_eq!(bytes.len(), 84 + 50 * count);
+        let mut known: HashMap<[u32; 3], usize> = HashMap::new();
+        let mut solid = Self {
+            places: Vec::new(),
+            triangles: Vec::new(),
+        };
+        for record in bytes[84..].chunks(50) {
+            let numbers: Vec<f32> = record[..48]
+                .chunks(4)
+                .map(|b| f32::from_le_bytes(b.try_into().expect("four bytes")))
+                .collect();
+            let corners = [3, 6, 9].map(|at| [numbers[at], numbers[at + 1], numbers[at + 2]]);
+            let [a, b, c] = corners.map(|p| DVec3::from(p.map(f64::from)));
+            let normal = DVec3::from([0, 1, 2].map(|k| f64::from(numbers[k])));
+            let own = (b - a).cross(c - a).normalize();
+            assert!(normal.dot(own) > 0.999, "{normal} is not {own}");
+            solid.triangles.push(corners.map(|corner| {
+                *known.entry(corner.map(f32::to_bits)).or_insert_with(|| {
+                    solid.places.push(DVec3::from(corner.map(f64::from)));
+                    solid.places.len() - 1
+                })
+            }));
+        }
+        solid
+    }
+
+    fn volume(&self) -> f64 {
+        let six = |t: &[usize; 3]| {
+            let [a, b, c] = t.map(|corner| self.places[corner]);
+            a.dot(b.cross(c))
+        };
+        self.triangles.iter().map(six).sum::<f64>() / 6.0
+    }
+
+    fn area(&self) -> f64 {
+        let two = |t: &[usize; 3]| {
+            let [a, b, c] = t.map(|corner| self.places[corner]);
+            (b - a).cross(c - a).length()
+        };
+        self.triangles.iter().map(two).sum::<f64>() / 2.0
+    }
+
+    /// How often each edge is run through in the order of its ends, and against it.
+    fn edges(&self) -> HashMap<[usize; 2], [usize; 2]> {
+        let mut edges: HashMap<[usize; 2], [usize; 2]> = HashMap::new();
+        for t in &self.triangles {
+            for k in 0..3 {
+                let (a, b) = (t[k], t[(k + 1) % 3]);
+                assert_ne!(a, b, "a degenerate triangle");
+                edges.entry([a.min(b), a.max(b)]).or_default()[usize::from(a > b)] += 1;
+            }
+        }
+        edges
+    }
+
+    fn is_watertight(&self) -> bool {
+        self.edges().values().all(|&ways| ways == [1, 1])
+    }
+
+    /// V − E + F of what the triangles use.
+    fn euler(&self) -> i64 {
+        let mut used: Vec<usize> = self.triangles.iter().flatten().copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        used.len() as i64 - self.edges().len() as i64 + self.triangles.len() as i64
+    }
+}
+
+/// The reader wants a table of materials, of whatever kind of map it uses.
+fn no_materials<M: Default>() -> M {
+    M::default()
+}
+
+/// That errors fall by a factor of four when the grid is twice as fine.
+fn assert_second_order(errors: &[f64]) {
+    for pair in errors.windows(2) {
+        let ratio = pair[0] / pair[1];
+        assert!((3.7..4.3).contains(&ratio), "{errors:?}");
+    }
+}
+
+#[test]
+fn volume_and_area_converge_to_the_closed_forms() {
+    let forms = [
+        (SPHERE, 4.0 / 3.0 * PI * 8.0, 4.0 * PI * 4.0),
+        (TORUS, 2.0 * PI * PI * 2.0, 4.0 * PI * PI * 2.0),
+    ];
+    for (source, volume, area) in forms {
+        let solids = [33, 65, 129].map(|n| {
+            let source = source.replace('N', &n.to_string());
+            Solid::of_obj(&exported(&source))
+        });
+        assert_second_order(&solids.each_ref().map(|s| volume - s.volume()));
+        assert_second_order(&solids.each_ref().map(|s| area - s.area()));
+    }
+}
+
+#[test]
+fn closed_surfaces_are_watertight_with_their_euler_characteristic() {
+    for (source, euler) in [(SPHERE, 2), (TORUS, 0)] {
+        let model = exported(&source.replace('N', "40"));
+        for solid in [Solid::of_stl(&model), Solid::of_obj(&model)] {
+            assert!(solid.is_watertight());
+            assert_eq!(solid.euler(), euler);
+        }
+    }
+}
+
+#[test]
+fn a_closed_surface_faces_outwards_whichever_way_its_parameters_run() {
+    let turned = SPHERE.replace("2(cosu sinv, sinu sinv,", "2(sinu sinv, cosu sinv,");
+    for source in [SPHERE.to_owned(), turned] {
+        let model = exported(&source.replace('N', "21"));
+        assert!(Solid::of_stl(&model).volume() > 0.0);
+        let Geometry::Surface(mesh, _) = &model.parts[0].geometry else {
+            panic!("a surface")
+        };
+        for vertex in &mesh.vertices {
+            let place = DVec3::from(mesh.places[vertex.place as usize]) / 2.0;
+            let off = (DVec3::from(vertex.normal.map(f64::from)) - place).length();
+            assert!(off < 1e-3, "{vertex:?} at {place}");
+        }
+    }
+}
+
+#[test]
+fn a_mobius_band_has_one_border_and_a_klein_bottle_none() {
+    let mobius = Solid::of_obj(&exported(MOBIUS));
+    assert_eq!(mobius.euler(), 0);
+    let border: Vec<[usize; 2]> = mobius
+        .edges()
+        .into_iter()
+        .filter_map(|(edge, ways)| (ways[0] + ways[1] == 1).then_some(edge))
+        .collect();
+    // Twice along u.
+    assert_eq!(border.len(), 80);
+    let mut beside: HashMap<usize, Vec<usize>> = HashMap::new();
+    for [a, b] in &border {
+        beside.entry(*a).or_default().push(*b);
+        beside.entry(*b).or_default().push(*a);
+    }
+    let (mut last, mut at, mut steps) = (border[0][0], border[0][1], 1);
+    while at != border[0][0] {
+        let next = beside[&at].iter().find(|next| **next != last).copied();
+        (last, at) = (at, next.expect("a loop"));
+        steps += 1;
+    }
+    assert_eq!(steps, 80, "one loop");
+
+    let klein = Solid::of_obj(&exported(KLEIN));
+    assert_eq!(klein.euler(), 0);
+    let edges = klein.edges();
+    assert!(edges.values().all(|ways| ways[0] + ways[1] == 2));
+    // It has no sides: somewhere triangles must disagree.
+    assert!(edges.values().any(|ways| ways[0] != 1));
+}
+
+#[test]
+fn undefined_samples_leave_a_hole_and_no_number_that_is_none() {
+    let model =
+        exported("surface s(u,v) = (u, v, sqrt(1-u^2-v^2)), u : [-1.5,1.5,51], v : [-1.5,1.5,51];");
+    assert!(model.notes.iter().any(|note| note.contains("undefined")));
+    let solid = Solid::of_obj(&model);
+    assert_eq!(solid.euler(), 1, "a disc");
+    for place in &solid.places {
+        assert!((place.length() - 1.0).abs() < 1e-12);
+    }
+    let ring = exported("surface s(u,v) = (u, v, sqrt(u^2+v^2-1)), u : [-2,2,51], v : [-2,2,51];");
+    assert_eq!(Solid::of_stl(&ring).euler(), 0, "a ring");
+}
+
+#[test]
+fn a_cone_through_its_tip_keeps_its_two_halves() {
+    let cone = "surface s(u,v) = (v cosu, v sinu, v), u : [0,2pi,30], v : [-1,1,11];";
+    let solid = Solid::of_obj(&exported(cone));
+    // Two discs with a common point.
+    assert_eq!(solid.euler(), 1);
+}
+
+#[test]
+fn places_in_ply_are_exact_and_normals_unit() {
+    let model = exported(&TORUS.replace('N', "12"));
+    let ply = read_ply(&file(&model, Format::Ply));
+    let Geometry::Surface(mesh, _) = &model.parts[0].geometry else {
+        panic!("a surface")
+    };
+    let vertices = &ply.payload["vertex"];
+    assert_eq!(vertices.len(), 11 * 11);
+    let float = |vertex: &DefaultElement, name: &str| match vertex[name] {
+        Property::Float(x) => f64::from(x),
+        Property::Double(x) => x,
+        ref other => panic!("{other:?}"),
+    };
+    for (vertex, place) in vertices.iter().zip(&mesh.places) {
+        assert_eq!(["x", "y", "z"].map(|axis| float(vertex, axis)), *place);
+        let normal = DVec3::from(["nx", "ny", "nz"].map(|axis| float(vertex, axis)));
+        let [x, y, z] = *place;
+        let ring = DVec3::new(x, y, 0.0).normalize() * 2.0;
+        assert!((normal - (DVec3::new(x, y, z) - ring)).length() < 1e-5);
+        assert!(matches!(vertex["red"], Property::UChar(_)));
+    }
+    let faces = &ply.payload["face"];
+    assert_eq!(faces.len(), 2 * 11 * 11);
+    for face in faces {
+        match &face["vertex_indices"] {
+            Property::ListInt(list) => {
+                assert!(list.len() == 3 && list.iter().all(|&i| (0..121).contains(&i)));
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+#[test]
+fn curves_vectors_and_points_have_their_places() {
+    let source = "curve c(t) = (cost, sint, 0), t : [0, 2pi, 9]; point p = (1,2,3); vector d = (0,0,2) @ p; \
+        curve h(t) = (t, 1/t, 0), t : [-1, 1, 5]; grid k : [0,1,2]; point q = (k,0,0);";
+    let model = exported(source);
+    let names: Vec<&str> = model.parts.iter().map(|part| part.name.as_str()).collect();
+    assert_eq!(names, ["c", "p", "d", "h", "q"]);
+    let lines = |part: usize| match &model.parts[part].geometry {
+        Geometry::Lines(lines) => lines.clone(),
+        other => panic!("{other:?}"),
+    };
+    // A closed curve ends with its first place.
+    assert_eq!(lines(0).places.len(), 8);
+    assert_eq!(lines(0).strips, [[0, 1, 2, 3, 4, 5, 6, 7, 0]]);
+    assert_eq!(lines(2).places, [[1.0, 2.0, 3.0], [1.0, 2.0, 5.0]]);
+    // 1/t has no value at 0.
+    assert_eq!(lines(3).strips, [[0, 1], [2, 3]]);
+    let obj = String::from_utf8(file(&model, Format::Obj)).expect("text");
+    let starting = |start: &str| obj.lines().filter(|line| line.starts_with(start)).count();
+    assert_eq!(["o ", "l ", "p "].map(starting), [5, 4, 3]);
+    let ply = read_ply(&file(&model, Format::Ply));
+    assert_eq!(ply.payload["edge"].len(), 8 + 1 + 2);
+    assert_eq!(ply.payload["vertex"].len(), 8 + 1 + 2 + 4 + 2);
+}
+
+fn read_ply(bytes: &[u8]) -> Ply<DefaultElement> {
+    Parser::<DefaultElement>::new()
+        .read_ply(&mut &bytes[..])
+        .expect("a PLY file")
+}
+
+#[test]
+fn gltf_is_valid_and_holds_shape_and_image() {
+    let source =
+        SPHERE.replace('N', "17") + "curve c(t) = (3,t,0), t : [0,1,4]; point p = (0,0,3);";
+    let model = exported(&source);
+    let text = file(&model, Format::Gltf);
+    let binary = gltf::Gltf::from_slice(&file(&model, Format::Glb)).expect("a valid file");
+    let document = gltf::Gltf::from_slice(&text).expect("a valid file");
+    let blob = binary.blob.clone().expect("data");
+    let uri = match document.buffers().next().expect("a buffer").source() {
+        gltf::buffer::Source::Uri(uri) => uri.to_owned(),
+        gltf::buffer::Source::Bin => panic!("data outside the file"),
+    };
+    let encoded = uri.strip_prefix("data:application/octet-stream;base64,");
+    let decoded = base64::Engine::decode(
+        &base64::engine::general_purpose::STANDARD,
+        encoded.expect("a data URI"),
+    );
+    assert_eq!(decoded.expect("base64"), blob);
+
+    let meshes: Vec<_> = binary.meshes().collect();
+    let names: Vec<_> = meshes
+        .iter()
+        .map(|mesh| mesh.name().unwrap_or(""))
+        .collect();
+    assert_eq!(names, ["s", "c", "p"]);
+    let sphere = meshes[0].primitives().next().expect("a primitive");
+    let reader = sphere.reader(|_| Some(&blob[..]));
+    let positions: Vec<[f32; 3]> = reader.read_positions().expect("positions").collect();
+    let normals: Vec<[f32; 3]> = reader.read_normals().expect("normals").collect();
+    let uvs: Vec<[f32; 2]> = reader.read_tex_coords(0).expect("uvs").into_f32().collect();
+    // Seams keep their vertices apart: images need that. Of each pole one corner belongs to no triangle.
+    assert_eq!((positions.len(), normals.len(), uvs.len()), (287, 287, 287));
+    assert_eq!(
+        reader.read_indices().expect("indices").into_u32().count(),
+        3 * (2 * 16 * 16 - 32)
+    );
+    for ((place, normal), uv) in positions.iter().zip(&normals).zip(&uvs) {
+        let place = DVec3::from(place.map(f64::from));
+        assert!((place.length() - 2.0).abs() < 1e-6);
+        assert!((place / 2.0 - DVec3::from(normal.map(f64::from))).length() < 1e-3);
+        let (u, v) = (2.0 * PI * f64::from(uv[0]), PI * f64::from(uv[1]));
+        let expected = 2.0 * DVec3::new(u.cos() * v.sin(), u.sin() * v.sin(), v.cos());
+        assert!((place - expected).length() < 1e-5);
+    }
+    let image = binary.images().next().expect("an image");
+    let gltf::image::Source::View { view, mime_type } = image.source() else {
+        panic!("an image in the file")
+    };
+    assert_eq!(mime_type, "image/png");
+    let bytes = &blob[view.offset()..view.offset() + view.length()];
+    let image = image::load_from_memory(bytes)
+        .expect("an image")
+        .into_rgba8();
+    let texture = Texture::orientation();
+    assert_eq!(image.as_raw(), texture.levels()[0].texels.as_flattened());
+    // What is up in the scene is up there.
+    let top = binary
+        .default_scene()
+        .and_then(|scene| scene.nodes().next())
+        .expect("a node");
+    let turn = top.transform().matrix();
+    assert!((turn[2][1] - 1.0).abs() < 1e-6, "{turn:?}");
+}
+
+#[test]
+fn a_shape_far_from_zero_keeps_its_digits_in_gltf() {
+    let source = SPHERE.replace('N', "17").replace("= 2", "= (1e7,0,0) + 2");
+    let model = exported(&source);
+    let binary = gltf::Gltf::from_slice(&file(&model, Format::Glb)).expect("a valid file");
+    let blob = binary.blob.clone().expect("data");
+    let mesh = binary.meshes().next().expect("a mesh");
+    let primitive = mesh.primitives().next().expect("a primitive");
+    let reader = primitive.reader(|_| Some(&blob[..]));
+    for place in reader.read_positions().expect("positions") {
+        let length = DVec3::from(place.map(f64::from)).length();
+        assert!((length - 2.0).abs() < 1e-6, "{length}");
+    }
+}
+
+#[test]
+fn stl_without_a_surface_is_refused_and_lines_are_told() {
+    let model = exported("curve c(t) = (t,t,t), t : [0,1];");
+    let refused = model.write(Format::Stl, &mut Vec::new());
+    assert!(
+        matches!(refused, Err(ExportError::Nothing { ref left_out, .. }) if left_out == &["c"])
+    );
+    let model = exported(
+        "curve c(t) = (t,t,t), t : [0,1]; surface s(u,v) = (u,v,0), u : [0,1], v : [0,1];",
+    );
+    let told = model.write(Format::Stl, &mut Vec::new()).expect("a file");
+    assert_eq!(
+        told,
+        ["STL has no place for what is not a surface: `c` is left out"]
+    );
+    let nothing = exported("param a : [0,1];").write(Format::Obj, &mut Vec::new());
+    assert!(
+        matches!(nothing, Err(ExportError::Nothing { ref left_out, .. }) if left_out.is_empty())
+    );
+}
+
+#[test]
+fn every_instance_is_there_and_none_is_welded_to_another() {
+    let source = "grid k : [0,1,3]; surface s(u,v) = (u, v, 0k), u : [0,1,4], v : [0,1,3];";
+    let solid = Solid::of_obj(&exported(source));
+    assert_eq!((solid.places.len(), solid.triangles.len()), (36, 36));
+}
+
+#[test]
+fn every_example_can_be_exported_in_every_format() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples");
+    for entry in std::fs::read_dir(folder).expect("the examples") {
+        let path = entry.expect("an entry").path();
+        if path.extension().is_none_or(|extension| extension != "gtr") {
+            continue;
+        }
+        let model = exported(&std::fs::read_to_string(&path).expect("an example"));
+        for format in Format::ALL {
+            match model.write(format, &mut std::io::sink()) {
+                Ok(_) => {}
+                // A metric has no shape, and STL has no lines.
+                Err(ExportError::Nothing { left_out, .. }) => {
+                    assert!(format == Format::Stl || left_out.is_empty(), "{path:?}");
+                }
+                Err(error) => panic!("{path:?}: {error}"),
+            }
+        }
+    }
+}
