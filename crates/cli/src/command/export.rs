@@ -11,6 +11,7 @@ use super::Format;
 use super::render::textures;
 use crate::argument::{self, Assignment, TextureFile};
 use crate::failure::Failure;
+use crate::number;
 use crate::output::{self, Target};
 use crate::program::Program;
 
@@ -97,14 +98,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     for note in notes {
         output::print_error(&format!("note: {note}\n"));
     }
-    let (triangles, vertices) = model.parts.iter().fold((0, 0), |(t, v), part| {
-        (t + part.triangles(), v + part.vertices())
-    });
-    output::print_error(&format!(
-        "{}: {}, {vertices} vertices, {triangles} triangles\n",
-        target.name(),
-        format.name()
-    ));
+    let triangles: usize = model.parts.iter().map(|part| part.triangles()).sum();
+    let vertices: usize = model.parts.iter().map(|part| part.vertices()).sum();
+    let mut size = number::count(triangles, "triangle");
+    // STL has no vertices, and leaves out what has no triangles.
+    if format != FileFormat::Stl {
+        size = format!("{} vertices, {size}", number::grouped(vertices as u64));
+    }
+    output::print_error(&format!("{}: {}, {size}\n", target.name(), format.name()));
     Ok(())
 }
 
