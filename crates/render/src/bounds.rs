@@ -31,6 +31,11 @@ impl Placement {
     pub fn local(&self, world: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|k| (world[k] - self.centre[k]) / self.radius)
     }
+
+    /// A place in the scene's units.
+    pub fn world(&self, local: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| self.centre[k] + local[k] * self.radius)
+    }
 }
 
 /// Where the scene is.

@@ -22,7 +22,7 @@ use std::time::{Duration, Instant};
 
 use geodesic::ends::{Estimate, Work};
 use image::RgbaImage;
-use scene::scene::{ObjectId, Scene, Shape};
+use scene::scene::{ObjectId, Range, Sampling, Scene, Shape};
 use scene::values::Settings;
 
 use crate::bounds::{Bounds, Placement};
@@ -150,19 +150,30 @@ impl Stage {
         })
     }
 
-    /// What is drawn nearest to the eye within a few pixels of the place (x, y) of the 3D view that a request describes,
-    /// in pixels from its top left corner.
+    /// What the 3D view that a request describes shows at the place (x, y), in pixels from its top left corner: a point,
+    /// vector or curve that is seen within [`software::NEAR`] pixels, else the surface there. Metrics are not seen in
+    /// space, and what lies behind something else is not seen either.
     ///
     /// # Errors
-    /// As [`Stage::draw`].
+    /// As [`Stage::draw`]; also where the request is for a geodesic view.
     pub fn pick(
         &mut self,
-        _scene: &Arc<Scene>,
-        _settings: &Settings,
-        _request: &Request,
-        _at: [f64; 2],
+        scene: &Arc<Scene>,
+        settings: &Settings,
+        request: &Request,
+        at: [f64; 2],
     ) -> Result<Option<Hit>, RenderError> {
-        Ok(None)
+        let camera = self.camera(scene, settings, request)?;
+        let structures = self.structures.of(scene);
+        let placed = self.place.of(scene, settings, &structures);
+        let (painted, _) = self.painted(scene, settings, request, &placed);
+        let picked = software::pick(&camera, &painted, at);
+        Ok(picked.map(|picked| Hit {
+            object: ObjectId(picked.object as u32),
+            position: camera.placement.world(picked.position),
+            parameters: parameters(&scene.objects[picked.object].shape, picked.shares),
+            instance: picked.instance,
+        }))
     }
 
     /// The camera that a request for the 3D view has, in the drawing units of the stage's bounds.
@@ -288,5 +299,23 @@ impl Stage {
         let extras: Arc<[Extra]> = overlay::extras(scene, settings, request, placement)?.into();
         self.extras = Some((key, extras.clone()));
         Ok(extras)
+    }
+}
+
+/// Parameters from shares of the domain.
+fn parameters(shape: &Shape, shares: [f64; 2]) -> [f64; 2] {
+    let value = |sampling: &Sampling, share: f64| {
+        let Range { min, max } = sampling.range;
+        // As [`Sampling::value`], where the interval may be wider than the largest number.
+        (min * (1.0 - share) + max * share).clamp(min, max)
+    };
+    match shape {
+        Shape::Surface { domain, .. } => {
+            [value(&domain[0], shares[0]), value(&domain[1], shares[1])]
+        }
+        Shape::Curve { domain, .. } | Shape::Geodesic { domain, .. } => {
+            [value(domain, shares[0]), 0.0]
+        }
+        Shape::Point { .. } | Shape::Vector { .. } | Shape::Metric { .. } => [0.0; 2],
     }
 }

@@ -11,6 +11,7 @@
 mod curves;
 mod inside;
 mod mesh;
+mod pick;
 mod points;
 mod raster;
 mod shade;
@@ -19,6 +20,7 @@ mod surfaces;
 mod vectors;
 
 pub(crate) use inside::paint;
+pub use pick::{NEAR, Picked, pick};
 pub use space::{Painted, draw};
 
 use scene::{scene::Scene, values::Settings};

@@ -14,9 +14,9 @@ use crate::style;
 /// Pixels along a tile's side.
 pub(super) const TILE: usize = 64;
 /// Samples of a pixel, in 1/256 pixel from its top left: a rotated grid, that of the GPU's standard pattern.
-const SAMPLES: [[i32; 2]; 4] = [[96, 32], [224, 96], [32, 160], [160, 224]];
+pub(super) const SAMPLES: [[i32; 2]; 4] = [[96, 32], [224, 96], [32, 160], [160, 224]];
 /// Sees no triangle of the current batch.
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 
 /// One tile's samples.
 pub(super) struct Tile {
@@ -39,6 +39,18 @@ impl Tile {
             depth: vec![[0.0; 4]; TILE * TILE],
             light: vec![[background; 4]; TILE * TILE],
         }
+    }
+
+    /// Where a pixel of the picture stands in the tile.
+    pub(super) fn index(&self, [x, y]: [usize; 2]) -> Option<usize> {
+        let [left, top] = self.origin;
+        let inside = (left..left + TILE).contains(&x) && (top..top + TILE).contains(&y);
+        inside.then(|| (y - top) * TILE + x - left)
+    }
+
+    /// The depths of a pixel's samples; 0 where nothing is seen.
+    pub(super) fn depth(&self, index: usize) -> [f32; 4] {
+        self.depth[index]
     }
 
     /// The mean of a pixel's samples, sRGB; the pixel is the picture's.
@@ -131,7 +143,7 @@ fn bin(mesh: &Mesh, across: usize, down: usize, top: usize) -> Bins {
 
 /// Edge functions of a triangle, its corners in the order that gives it a positive area:
 /// `a·x + b·y + c ≥ 0` inside.
-struct Edges {
+pub(super) struct Edges {
     a: [i64; 3],
     b: [i64; 3],
     c: [i64; 3],
@@ -142,7 +154,8 @@ struct Edges {
 }
 
 impl Edges {
-    fn new(corners: [[i32; 2]; 3]) -> Option<Self> {
+    /// None for a triangle without an area.
+    pub(super) fn new(corners: [[i32; 2]; 3]) -> Option<Self> {
         let p = corners.map(|at| at.map(i64::from));
         let area =
             (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
@@ -167,6 +180,13 @@ impl Edges {
         Some(edges)
     }
 
+    /// Barycentric coordinates of a place, which may lie beside the triangle.
+    pub(super) fn weights(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+        std::array::from_fn(|k| {
+            (self.a[k] as f64 * x + self.b[k] as f64 * y + self.c[k] as f64) / self.area as f64
+        })
+    }
+
     fn at(&self, k: usize, x: i64, y: i64) -> i64 {
         self.a[k] * x + self.b[k] * y + self.c[k]
     }
@@ -179,7 +199,7 @@ impl Edges {
 }
 
 /// Lets a triangle be seen by the samples that it covers in front of all before.
-fn cover(tile: &mut Tile, seen: &mut [[u32; 4]], corners: [&Corner; 3], id: u32) {
+pub(super) fn cover(tile: &mut Tile, seen: &mut [[u32; 4]], corners: [&Corner; 3], id: u32) {
     let at = corners.map(|corner| corner.at);
     let Some(edges) = Edges::new(at) else {
         return;

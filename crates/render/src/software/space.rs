@@ -28,10 +28,10 @@ const JOB: usize = 8_192;
 const BATCH: usize = 1 << 20;
 
 /// A part of an object: instances of points, vectors and curves, quad rows of surfaces.
-struct Job {
-    object: usize,
-    range: std::ops::Range<usize>,
-    triangles: usize,
+pub(super) struct Job {
+    pub(super) object: usize,
+    pub(super) range: std::ops::Range<usize>,
+    pub(super) triangles: usize,
 }
 
 /// An object with all that is drawn of it.
@@ -154,7 +154,7 @@ pub fn draw(
 }
 
 /// Cuts the objects into jobs.
-fn jobs(objects: &[Painted]) -> Vec<Job> {
+pub(super) fn jobs(objects: &[Painted]) -> Vec<Job> {
     let mut jobs = Vec::new();
     for (index, Painted { samples, .. }) in objects.iter().enumerate() {
         // Units of work and the triangles of each.
@@ -185,7 +185,7 @@ fn jobs(objects: &[Painted]) -> Vec<Job> {
 }
 
 /// Groups jobs, in order.
-fn batches(jobs: &[Job]) -> Vec<std::ops::Range<usize>> {
+pub(super) fn batches(jobs: &[Job]) -> Vec<std::ops::Range<usize>> {
     let mut batches = Vec::new();
     let (mut start, mut triangles) = (0, 0);
     for (index, job) in jobs.iter().enumerate() {
@@ -198,7 +198,8 @@ fn batches(jobs: &[Job]) -> Vec<std::ops::Range<usize>> {
     batches
 }
 
-fn meshes(eye: &Eye, objects: &[Painted], job: &Job) -> Vec<Mesh> {
+/// The triangles of a job.
+pub(super) fn meshes(eye: &Eye, objects: &[Painted], job: &Job) -> Vec<Mesh> {
     let material = 2 * job.object as u32;
     let range = job.range.clone();
     match objects[job.object].samples.as_ref() {
