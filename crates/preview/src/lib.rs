@@ -1,1 +1,116 @@
-//! In the making.
+//! The live preview window: the 3D view and the geodesic views of a program while it is written.
+//!
+//! ```text
+//! watch.rs (a file) or link.rs (an editor) ──text──▶ compiler.rs ──scene, findings──▶ model.rs
+//!                                                                                       │
+//!            keys, pointer, sliders ──window.rs, panes/*──▶ model.rs: one plain state ◀─┘
+//!                                                               │ orders.rs: what is to be seen
+//!                                                               ▼
+//!                                     artist.rs: a thread with the stage ──pictures──▶ panes
+//! ```
+//!
+//! Nothing is drawn unless something has changed: the threads wake the window when they have something to show, and
+//! only an animation or a held key lets it draw by itself. The window's own thread never waits for another.
+
+mod app;
+mod artist;
+mod compiler;
+mod files;
+mod highlighting;
+mod link;
+mod mail;
+mod memory;
+mod mend;
+mod menu;
+pub mod model;
+mod motion;
+mod orders;
+mod panes;
+mod pilot;
+mod report;
+mod status;
+mod textures;
+mod watch;
+mod window;
+
+use std::fmt;
+use std::path::PathBuf;
+
+pub use app::run;
+pub use report::Counters;
+pub use window::Window;
+
+/// What a window is opened with.
+#[derive(Debug)]
+pub struct Options {
+    /// Where its text comes from.
+    pub source: Source,
+    /// What draws the pictures.
+    pub backend: Backend,
+    /// Where counters go, one JSON object a line, each time the window has drawn itself: for tests of the real
+    /// window. See [`Counters`].
+    pub report: Option<PathBuf>,
+}
+
+/// Where a window's text comes from.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub enum Source {
+    /// A file, which is watched, and which the window's own pane edits.
+    File(PathBuf),
+    /// An editor's language server, over standard input and output.
+    Attached,
+}
+
+/// What draws the pictures.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub enum Backend {
+    /// The window's GPU where it is a real one, else the processor.
+    #[default]
+    Auto,
+    /// The window's GPU, whatever it is.
+    Gpu,
+    /// The processor.
+    Software,
+}
+
+/// Why there is no window.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Failure {
+    /// There is no display, or it refuses a window.
+    NoDisplay {
+        /// In the system's words.
+        reason: String,
+    },
+    /// Nothing can draw the window: no graphics driver was found.
+    NoGraphics {
+        /// In the system's words.
+        reason: String,
+    },
+    /// The file cannot be read.
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// In the system's words.
+        reason: String,
+    },
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoDisplay { reason } => write!(
+                f,
+                "the window cannot be opened: there is no display to show it on ({reason})"
+            ),
+            Self::NoGraphics { reason } => write!(
+                f,
+                "the window cannot be opened: no graphics driver can draw it ({reason})"
+            ),
+            Self::Unreadable { path, reason } => {
+                write!(f, "cannot read `{}`: {reason}", path.display())
+            }
+        }
+    }
+}
+
+impl std::error::Error for Failure {}

@@ -24,7 +24,6 @@ mod intrinsic;
 pub mod limits;
 mod lower;
 mod metric;
-mod params;
 mod reads;
 pub mod scene;
 mod symbol;

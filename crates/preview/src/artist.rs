@@ -1,0 +1,356 @@
+//! The thread that draws: orders flow in, the latest of each pane wins; pictures flow out.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use geodesic::ends::{Estimate, Work};
+use glam::DVec3;
+use render::bounds::Bounds;
+use render::camera::Camera;
+use render::geodesic_view::Inside;
+use render::live::{Counters, Hit, Pixels, Shot, Stage};
+use render::{RenderError, Request, View};
+use scene::scene::Scene;
+use scene::values::Settings;
+
+use crate::mail::{Letter, Mail};
+use crate::model::{InsideCamera, SpaceCamera};
+use crate::motion::{Motion, push};
+use crate::orders::{Look, Order, PaneKey};
+use crate::pilot::{Flight, Pilot};
+
+/// What the artist has finished.
+#[derive(Debug)]
+pub(crate) enum Answer {
+    /// A picture, or the sentence that says why there is none.
+    Drawn {
+        pane: PaneKey,
+        picture: Result<Drawing, String>,
+        order: Box<Order>,
+        counters: Counters,
+    },
+    /// What is under a place of the 3D view.
+    Picked {
+        scene: Arc<Scene>,
+        hit: Option<Hit>,
+        purpose: Purpose,
+        /// Where a geodesic camera stands there, if it can.
+        camera: Option<InsideCamera>,
+    },
+}
+
+/// A finished picture.
+#[derive(Debug)]
+pub(crate) struct Drawing {
+    pub(crate) image: egui::ColorImage,
+    pub(crate) notes: Vec<String>,
+    pub(crate) overlays: Vec<&'static str>,
+    /// Of a geodesic view: its cost and how exact it is.
+    pub(crate) inside: Option<(Work, Option<Estimate>)>,
+    /// Where everything of the scene is seen from.
+    pub(crate) home: Option<SpaceCamera>,
+    /// Where the 3D view is seen from.
+    pub(crate) space_camera: Option<SpaceCamera>,
+    /// Where the geodesic camera is, and the count of placings that it has heeded.
+    pub(crate) inside_camera: Option<(InsideCamera, u64)>,
+    pub(crate) took: Duration,
+}
+
+/// Why someone asks what is under a place.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Purpose {
+    /// The geodesic camera is to go there.
+    Place,
+    /// Its declaration is to be shown.
+    Open,
+}
+
+/// Hands orders to the thread.
+#[derive(Debug)]
+pub(crate) struct Artist {
+    desk: Arc<(Mutex<Desk>, Condvar)>,
+}
+
+#[derive(Debug, Default)]
+struct Desk {
+    /// By pane, each with the turn in which it came.
+    orders: BTreeMap<PaneKey, (u64, Order)>,
+    motions: BTreeMap<String, Vec<Motion>>,
+    picks: VecDeque<(Order, [f64; 2], Purpose)>,
+    turn: u64,
+    closed: bool,
+}
+
+/// What there is to do.
+enum Job {
+    Draw(PaneKey, Order, Vec<Motion>),
+    Pick(Order, [f64; 2], Purpose),
+}
+
+impl Artist {
+    /// Starts the thread, which draws on a stage.
+    pub(crate) fn start(mail: Mail, stage: Stage) -> Self {
+        let desk = Arc::new((Mutex::new(Desk::default()), Condvar::new()));
+        let own = Arc::clone(&desk);
+        std::thread::spawn(move || work(&own, &mail, stage));
+        Self { desk }
+    }
+
+    /// Asks for a picture, in the place of any of this pane that has not been begun.
+    pub(crate) fn draw(&self, pane: PaneKey, order: Order) {
+        self.with(|desk| {
+            desk.turn += 1;
+            let turn = desk.turn;
+            // What is overtaken keeps its turn, so that no pane waits for ever.
+            let turn = desk.orders.remove(&pane).map_or(turn, |(turn, _)| turn);
+            desk.orders.insert(pane, (turn, order));
+        });
+    }
+
+    /// Moves a geodesic camera with its next picture.
+    pub(crate) fn walk(&self, surface: &str, motion: Motion) {
+        self.with(|desk| {
+            let motions = desk.motions.entry(surface.to_owned()).or_default();
+            push(motions, motion);
+        });
+    }
+
+    /// Whether motions of a camera wait for a picture.
+    pub(crate) fn has_motions(&self, surface: &str) -> bool {
+        let (desk, _) = &*self.desk;
+        let desk = desk.lock().unwrap_or_else(PoisonError::into_inner);
+        desk.motions.get(surface).is_some_and(|it| !it.is_empty())
+    }
+
+    /// No picture of this pane is wanted any more.
+    pub(crate) fn forget(&self, pane: &PaneKey) {
+        self.with(|desk| {
+            desk.orders.remove(pane);
+        });
+    }
+
+    /// Asks what is under a pixel of the 3D view that an order describes.
+    pub(crate) fn pick(&self, order: Order, at: [f64; 2], purpose: Purpose) {
+        self.with(|desk| desk.picks.push_back((order, at, purpose)));
+    }
+
+    fn with(&self, edit: impl FnOnce(&mut Desk)) {
+        let (desk, bell) = &*self.desk;
+        edit(&mut desk.lock().unwrap_or_else(PoisonError::into_inner));
+        bell.notify_one();
+    }
+}
+
+impl Drop for Artist {
+    fn drop(&mut self) {
+        self.with(|desk| desk.closed = true);
+    }
+}
+
+impl Desk {
+    fn next(&mut self) -> Option<Job> {
+        if let Some((order, at, purpose)) = self.picks.pop_front() {
+            return Some(Job::Pick(order, at, purpose));
+        }
+        let oldest = self.orders.iter().min_by_key(|(_, (turn, _))| *turn);
+        let pane = oldest?.0.clone();
+        let (_, order) = self.orders.remove(&pane)?;
+        let motions = match &pane {
+            PaneKey::Inside(name) => self.motions.remove(name).unwrap_or_default(),
+            PaneKey::Space => Vec::new(),
+        };
+        Some(Job::Draw(pane, order, motions))
+    }
+}
+
+fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail, stage: Stage) {
+    let (desk, bell) = desk;
+    let mut easel = Easel {
+        stage,
+        pilots: BTreeMap::new(),
+        home: None,
+    };
+    loop {
+        let job = {
+            let mut desk = desk.lock().unwrap_or_else(PoisonError::into_inner);
+            loop {
+                if desk.closed {
+                    return;
+                }
+                if let Some(job) = desk.next() {
+                    break job;
+                }
+                desk = bell.wait(desk).unwrap_or_else(PoisonError::into_inner);
+            }
+        };
+        // A fault of ours must not take the window with it: it becomes a sentence.
+        let answer = match catch_unwind(AssertUnwindSafe(|| easel.answer(&job))) {
+            Ok(answer) => answer,
+            Err(_) => {
+                easel.stage = Stage::software();
+                let Job::Draw(pane, order, _) = job else {
+                    continue;
+                };
+                Answer::Drawn {
+                    pane,
+                    picture: Err("internal error: the picture could not be drawn".to_owned()),
+                    order: Box::new(order),
+                    counters: easel.stage.counters(),
+                }
+            }
+        };
+        if !mail.send(Letter::Artist(answer)) {
+            return;
+        }
+    }
+}
+
+/// What is kept from one picture to the next.
+struct Easel {
+    stage: Stage,
+    pilots: BTreeMap<String, Pilot>,
+    /// Where everything of a scene is seen from, at the settings and size where it was asked for.
+    home: Option<(Arc<Scene>, Arc<Settings>, SpaceCamera)>,
+}
+
+impl Easel {
+    fn answer(&mut self, job: &Job) -> Answer {
+        match job {
+            Job::Draw(pane, order, motions) => {
+                let start = Instant::now();
+                let picture = self.draw(order, motions, start);
+                Answer::Drawn {
+                    pane: pane.clone(),
+                    picture: picture.map_err(|error| error.to_string()),
+                    order: Box::new(order.clone()),
+                    counters: self.stage.counters(),
+                }
+            }
+            Job::Pick(order, at, purpose) => {
+                let request = order.request(None);
+                let hit = self
+                    .stage
+                    .pick(&order.scene, &order.settings, &request, *at);
+                let hit = hit.ok().flatten();
+                Answer::Picked {
+                    scene: Arc::clone(&order.scene),
+                    camera: hit.and_then(|hit| self.placed(order, &hit)),
+                    hit,
+                    purpose: *purpose,
+                }
+            }
+        }
+    }
+
+    fn draw(
+        &mut self,
+        order: &Order,
+        motions: &[Motion],
+        start: Instant,
+    ) -> Result<Drawing, RenderError> {
+        let mut home = None;
+        let mut space_camera = None;
+        let mut inside_camera = None;
+        let request: Request = match &order.look {
+            Look::Space { camera, .. } => {
+                home = self.home(order).ok();
+                let seen_from = match camera {
+                    Some(camera) => *camera,
+                    None => self.home_now(order)?,
+                };
+                space_camera = Some(seen_from);
+                let mut order = order.clone();
+                if let Look::Space { camera, .. } = &mut order.look {
+                    *camera = Some(seen_from);
+                }
+                order.request(None)
+            }
+            Look::Inside {
+                surface,
+                name,
+                placed,
+                camera,
+            } => {
+                let pilot = self.pilots.entry(name.clone()).or_default();
+                let camera = pilot.fly(&Flight {
+                    scene: &order.scene,
+                    settings: &order.settings,
+                    surface: *surface,
+                    placed: *placed,
+                    camera: *camera,
+                    motions,
+                })?;
+                inside_camera = Some((camera, *placed));
+                order.request(Some(camera))
+            }
+        };
+        let shot: Shot = self.stage.draw(&order.scene, &order.settings, &request)?;
+        let Pixels::Image(image) = shot.pixels;
+        let size = [image.width() as usize, image.height() as usize];
+        Ok(Drawing {
+            // Opaque, so it does not matter whether alpha has been multiplied in; this way is the quick one.
+            image: egui::ColorImage::from_rgba_premultiplied(size, image.as_raw()),
+            notes: shot.notes,
+            overlays: shot.overlays,
+            inside: shot.inside,
+            home,
+            space_camera,
+            inside_camera,
+            took: start.elapsed(),
+        })
+    }
+
+    /// Where everything is seen from, with the params as they were when the scene was first seen.
+    fn home(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
+        match &self.home {
+            Some((scene, _, camera)) if Arc::ptr_eq(scene, &order.scene) => Ok(*camera),
+            _ => self.home_now(order),
+        }
+    }
+
+    /// Where everything is seen from.
+    fn home_now(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
+        if let Some((scene, settings, camera)) = &self.home
+            && Arc::ptr_eq(scene, &order.scene)
+            && *settings == order.settings
+        {
+            return Ok(*camera);
+        }
+        let bounds = Bounds::of(&order.scene, &order.settings);
+        let camera = Camera::new(&bounds, None, None, order.size)?;
+        let (centre, radius) = (
+            DVec3::from(bounds.placement.centre),
+            bounds.placement.radius,
+        );
+        let world = |place: DVec3| (centre + radius * place).to_array();
+        let ahead = camera.eye.dot(camera.axes[2]);
+        let camera = SpaceCamera {
+            eye: world(camera.eye),
+            target: world(camera.eye - camera.axes[2] * ahead),
+            radius,
+            moved: false,
+        };
+        self.home = Some((
+            Arc::clone(&order.scene),
+            Arc::clone(&order.settings),
+            camera,
+        ));
+        Ok(camera)
+    }
+
+    /// A geodesic camera where something was hit, as long as the one that is on that surface.
+    fn placed(&self, order: &Order, hit: &Hit) -> Option<InsideCamera> {
+        let object = order.scene.objects.get(hit.object.0 as usize)?;
+        object.shape.patch()?;
+        let camera = self.pilots.get(&object.name).and_then(Pilot::camera);
+        let mut request = Request::geodesic(hit.object, order.size);
+        if let View::Geodesic { at, zoom, .. } = &mut request.view {
+            *at = Some(hit.parameters);
+            *zoom = camera.map(|camera| camera.zoom);
+        }
+        let inside = Inside::new(&order.scene, &order.settings, &request).ok()?;
+        Some(InsideCamera::of(&inside.frame, inside.zoom, true))
+    }
+}

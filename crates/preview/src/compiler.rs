@@ -1,0 +1,159 @@
+//! The thread that compiles: texts flow in, the latest wins; scenes and findings flow out.
+
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use scene::scene::Scene;
+use syntax::diagnostic::{Diagnostic, Severity};
+use syntax::line_index::LineIndex;
+use syntax::span::Span;
+
+use crate::mail::{Letter, Mail};
+use crate::mend::Mender;
+
+/// What a text compiles to.
+#[derive(Clone, Debug)]
+pub(crate) struct Compiled {
+    /// The text's version.
+    pub(crate) version: i32,
+    /// The text.
+    pub(crate) text: Arc<str>,
+    /// Whether it has no errors.
+    pub(crate) ok: bool,
+    /// What was found, sorted by place.
+    pub(crate) findings: Vec<Finding>,
+    /// The scene. Of a text with errors, what can be shown of it: declarations without errors as they are now, the
+    /// others as they last were. None where nothing can.
+    pub(crate) scene: Option<Arc<Scene>>,
+    /// The objects of the scene that are shown as they last were.
+    pub(crate) stale: Vec<String>,
+    /// When the text arrived.
+    pub(crate) arrived: Instant,
+    /// What compiling took.
+    pub(crate) took: Duration,
+}
+
+/// Something found in a text.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Finding {
+    /// How grave it is.
+    pub severity: Severity,
+    /// Where.
+    pub span: Span,
+    /// Its line, from 1.
+    pub line: u32,
+    /// Its column in characters, from 1.
+    pub column: u32,
+    /// One sentence.
+    pub message: String,
+    /// What to do about it.
+    pub hint: Option<String>,
+}
+
+/// Hands texts to the thread.
+#[derive(Debug)]
+pub(crate) struct Compiler {
+    desk: Arc<(Mutex<Desk>, Condvar)>,
+}
+
+#[derive(Debug, Default)]
+struct Desk {
+    next: Option<Order>,
+    closed: bool,
+}
+
+#[derive(Debug)]
+struct Order {
+    version: i32,
+    text: Arc<str>,
+    arrived: Instant,
+}
+
+impl Compiler {
+    /// Starts the thread.
+    pub(crate) fn start(mail: Mail) -> Self {
+        let desk = Arc::new((Mutex::new(Desk::default()), Condvar::new()));
+        let own = Arc::clone(&desk);
+        std::thread::spawn(move || work(&own, &mail));
+        Self { desk }
+    }
+
+    /// A text to be compiled, in the place of any that has not been begun.
+    pub(crate) fn compile(&self, version: i32, text: Arc<str>) {
+        let (desk, bell) = &*self.desk;
+        let mut desk = desk.lock().unwrap_or_else(PoisonError::into_inner);
+        // What is overtaken has waited since it arrived, and so has what takes its place.
+        let arrived = desk.next.take().map_or_else(Instant::now, |it| it.arrived);
+        desk.next = Some(Order {
+            version,
+            text,
+            arrived,
+        });
+        bell.notify_one();
+    }
+}
+
+impl Drop for Compiler {
+    fn drop(&mut self) {
+        let (desk, bell) = &*self.desk;
+        desk.lock().unwrap_or_else(PoisonError::into_inner).closed = true;
+        bell.notify_one();
+    }
+}
+
+fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail) {
+    let (desk, bell) = desk;
+    let mut mender = Mender::default();
+    loop {
+        let order = {
+            let mut desk = desk.lock().unwrap_or_else(PoisonError::into_inner);
+            loop {
+                if desk.closed {
+                    return;
+                }
+                if let Some(order) = desk.next.take() {
+                    break order;
+                }
+                desk = bell.wait(desk).unwrap_or_else(PoisonError::into_inner);
+            }
+        };
+        let start = Instant::now();
+        let read = mender.read(&order.text);
+        let compiled = Compiled {
+            version: order.version,
+            ok: read
+                .diagnostics
+                .iter()
+                .all(|it| it.severity != Severity::Error),
+            findings: findings(&order.text, &read.diagnostics),
+            scene: read.scene.map(Arc::new),
+            stale: read.stale,
+            text: order.text,
+            arrived: order.arrived,
+            took: start.elapsed(),
+        };
+        if !mail.send(Letter::Compiled(compiled)) {
+            return;
+        }
+    }
+}
+
+/// Diagnostics with lines and columns.
+pub(crate) fn findings(text: &str, diagnostics: &[Diagnostic]) -> Vec<Finding> {
+    if diagnostics.is_empty() {
+        return Vec::new();
+    }
+    let index = LineIndex::new(text);
+    let finding = |diagnostic: &Diagnostic| {
+        let place = index.position(diagnostic.span.start);
+        Finding {
+            severity: diagnostic.severity,
+            span: diagnostic.span,
+            line: place.line,
+            column: place.column,
+            message: diagnostic.message.clone(),
+            hint: diagnostic.hint.clone(),
+        }
+    };
+    diagnostics.iter().map(finding).collect()
+}

@@ -1,0 +1,135 @@
+//! The editor's side: the server's commands flow in over standard input, events flow out over standard output.
+//!
+//! Reading and writing have a thread each, so that the window waits for neither. What is not told for a reader that
+//! does not read is bounded: of values and of texts that were shown only the latest is kept.
+
+use std::collections::VecDeque;
+use std::io::{BufReader, Read, Write};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+
+use protocol::line::{self, ReadError};
+use protocol::{Command, Event, Hello, handshake};
+
+use crate::mail::{Letter, Mail};
+
+/// The conversation with a server.
+#[derive(Debug)]
+pub(crate) struct Link {
+    outbox: Arc<(Mutex<Outbox>, Condvar)>,
+}
+
+#[derive(Debug, Default)]
+struct Outbox {
+    waiting: VecDeque<Event>,
+    closed: bool,
+}
+
+impl Link {
+    /// Starts the conversation: says hello, and listens.
+    pub(crate) fn start(
+        mail: Mail,
+        input: impl Read + Send + 'static,
+        output: impl Write + Send + 'static,
+    ) -> Self {
+        let link = Self {
+            outbox: Arc::new((Mutex::new(Outbox::default()), Condvar::new())),
+        };
+        let outbox = Arc::clone(&link.outbox);
+        std::thread::spawn(move || write(&outbox, output));
+        link.say(Event::Hello(Hello::own()));
+        let outbox = Arc::clone(&link.outbox);
+        std::thread::spawn(move || read(&mail, input, &outbox));
+        link
+    }
+
+    /// Tells the server something, without waiting.
+    pub(crate) fn say(&self, event: Event) {
+        say(&self.outbox, event);
+    }
+}
+
+impl Drop for Link {
+    fn drop(&mut self) {
+        let (outbox, bell) = &*self.outbox;
+        outbox.lock().unwrap_or_else(PoisonError::into_inner).closed = true;
+        bell.notify_one();
+    }
+}
+
+fn say(outbox: &(Mutex<Outbox>, Condvar), event: Event) {
+    let (outbox, bell) = outbox;
+    let mut outbox = outbox.lock().unwrap_or_else(PoisonError::into_inner);
+    match event {
+        Event::Values { .. } => outbox
+            .waiting
+            .retain(|it| !matches!(it, Event::Values { .. })),
+        Event::Shown { .. } => outbox
+            .waiting
+            .retain(|it| !matches!(it, Event::Shown { .. })),
+        _ => {}
+    }
+    outbox.waiting.push_back(event);
+    bell.notify_one();
+}
+
+fn write(outbox: &(Mutex<Outbox>, Condvar), mut output: impl Write) {
+    let (outbox, bell) = outbox;
+    loop {
+        let event = {
+            let mut outbox = outbox.lock().unwrap_or_else(PoisonError::into_inner);
+            loop {
+                if let Some(event) = outbox.waiting.pop_front() {
+                    break event;
+                }
+                if outbox.closed {
+                    return;
+                }
+                outbox = bell.wait(outbox).unwrap_or_else(PoisonError::into_inner);
+            }
+        };
+        // Who read it has ended; the thread that reads will see it too.
+        if line::write(&mut output, &event).is_err() {
+            return;
+        }
+    }
+}
+
+fn read(mail: &Mail, input: impl Read, outbox: &(Mutex<Outbox>, Condvar)) {
+    let mut reader = line::Reader::<_, Command>::new(BufReader::new(input));
+    let mut greeted = false;
+    loop {
+        let command = match reader.read() {
+            Ok(Some(command)) => command,
+            Ok(None) => {
+                mail.send(Letter::ServerGone(None));
+                return;
+            }
+            Err(ReadError::Stream(error)) => {
+                mail.send(Letter::ServerGone(Some(error.to_string())));
+                return;
+            }
+            // What is no message is passed by.
+            Err(_) => continue,
+        };
+        if !greeted {
+            if let Err(error) = handshake::check(&command) {
+                let text = error.to_string();
+                let error = true;
+                say(
+                    outbox,
+                    Event::Message {
+                        error,
+                        text: text.clone(),
+                    },
+                );
+                mail.send(Letter::ServerGone(Some(text)));
+                return;
+            }
+            greeted = true;
+            continue;
+        }
+        if !mail.send(Letter::Server(command)) {
+            return;
+        }
+    }
+}

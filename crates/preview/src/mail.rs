@@ -1,0 +1,66 @@
+//! How the threads reach the window: each letter wakes it.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+
+use render::texture::Texture;
+
+use crate::artist::Answer;
+use crate::compiler::Compiled;
+
+/// What a thread tells the window.
+#[derive(Debug)]
+pub(crate) enum Letter {
+    /// A text has been compiled.
+    Compiled(Compiled),
+    /// The artist has finished something.
+    Artist(Answer),
+    /// The file on disk holds another text now.
+    Changed {
+        /// The text, or why it cannot be read.
+        text: Result<String, String>,
+    },
+    /// The server has sent something.
+    Server(protocol::Command),
+    /// The server is gone; the sentence says how, unless it closed the pipe in order.
+    ServerGone(Option<String>),
+    /// An image has been read.
+    Texture {
+        /// Its file.
+        path: PathBuf,
+        /// The texture, or a sentence.
+        texture: Result<Arc<Texture>, String>,
+    },
+    /// The user has chosen image files in a dialog.
+    Images(Vec<PathBuf>),
+    /// A sentence for the status line.
+    Say {
+        /// Whether it is an error.
+        error: bool,
+        /// The sentence.
+        text: String,
+    },
+}
+
+/// Sends letters; cheap to clone.
+#[derive(Clone, Debug)]
+pub(crate) struct Mail {
+    sender: Sender<Letter>,
+    context: egui::Context,
+}
+
+impl Mail {
+    /// A letter box for a window.
+    pub(crate) fn new(context: egui::Context) -> (Self, Receiver<Letter>) {
+        let (sender, receiver) = channel();
+        (Self { sender, context }, receiver)
+    }
+
+    /// Sends a letter and wakes the window; false where it is no more.
+    pub(crate) fn send(&self, letter: Letter) -> bool {
+        let sent = self.sender.send(letter).is_ok();
+        self.context.request_repaint();
+        sent
+    }
+}

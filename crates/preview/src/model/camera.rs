@@ -1,0 +1,208 @@
+//! The cameras: where they stand, and how they are moved.
+
+use geodesic::ends::Coordinates;
+use geodesic::frame::Frame;
+use glam::{DVec2, DVec3};
+use serde::{Deserialize, Serialize};
+
+/// The camera of the 3D view, in the scene's units; up is z.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SpaceCamera {
+    /// Where it stands.
+    pub eye: [f64; 3],
+    /// What it looks at, and turns around.
+    pub target: [f64; 3],
+    /// The scene's radius: one unit of the camera's speed.
+    pub radius: f64,
+    /// The user has moved it; otherwise it is put anew where a scene changes.
+    #[serde(default)]
+    pub moved: bool,
+}
+
+/// How far from straight up or down the camera stays, in radians.
+const POLE: f64 = 0.01;
+
+impl SpaceCamera {
+    /// Whether it can be drawn with.
+    pub fn is_sane(&self) -> bool {
+        let all = [self.eye, self.target].concat();
+        all.iter().all(|x| x.is_finite() && x.abs() < 1e100)
+            && self.distance() > 0.0
+            && self.radius > 0.0
+            && self.radius.is_finite()
+    }
+
+    fn distance(&self) -> f64 {
+        DVec3::from(self.target).distance(DVec3::from(self.eye))
+    }
+
+    /// The unit vector that it looks along.
+    fn forward(&self) -> DVec3 {
+        (DVec3::from(self.target) - DVec3::from(self.eye)).normalize_or(DVec3::NEG_Y)
+    }
+
+    /// The unit vector to the right, level; seen from straight above or below, x.
+    fn right(&self) -> DVec3 {
+        self.forward().cross(DVec3::Z).normalize_or(DVec3::X)
+    }
+
+    /// Azimuth and elevation of where it looks, in radians.
+    fn angles(&self) -> [f64; 2] {
+        let forward = self.forward();
+        if forward.x.hypot(forward.y) < 1e-6 {
+            // Seen from straight above, y is up in the picture: it is what lies ahead.
+            return [
+                std::f64::consts::FRAC_PI_2,
+                forward.z.signum() * (std::f64::consts::FRAC_PI_2 - POLE),
+            ];
+        }
+        [
+            forward.y.atan2(forward.x),
+            forward.z.clamp(-1.0, 1.0).asin(),
+        ]
+    }
+
+    fn direction([azimuth, elevation]: [f64; 2]) -> DVec3 {
+        let most = std::f64::consts::FRAC_PI_2 - POLE;
+        let elevation = elevation.clamp(-most, most);
+        let (sin, cos) = azimuth.sin_cos();
+        DVec3::new(
+            cos * elevation.cos(),
+            sin * elevation.cos(),
+            elevation.sin(),
+        )
+    }
+
+    fn with(self, eye: DVec3, target: DVec3) -> Self {
+        let next = Self {
+            eye: eye.into(),
+            target: target.into(),
+            moved: true,
+            ..self
+        };
+        if next.is_sane() { next } else { self }
+    }
+
+    /// Moved by so many radii: right, forward, and up in the world.
+    #[must_use]
+    pub fn moved(self, by: [f64; 3]) -> Self {
+        let [right, forward, up] = by.map(|x| x * self.radius);
+        let step = self.right() * right + self.forward() * forward + DVec3::Z * up;
+        self.with(
+            DVec3::from(self.eye) + step,
+            DVec3::from(self.target) + step,
+        )
+    }
+
+    /// Turned where it stands, by radians to the right and up.
+    #[must_use]
+    pub fn turned(self, right: f64, up: f64) -> Self {
+        let [azimuth, elevation] = self.angles();
+        let ahead = Self::direction([azimuth - right, elevation + up]) * self.distance();
+        self.with(self.eye.into(), DVec3::from(self.eye) + ahead)
+    }
+
+    /// Carried around its target, by radians: what lies before it turns to the right and down as the pointer does.
+    #[must_use]
+    pub fn orbited(self, right: f64, up: f64) -> Self {
+        let [azimuth, elevation] = self.angles();
+        let ahead = Self::direction([azimuth - right, elevation + up]) * self.distance();
+        self.with(DVec3::from(self.target) - ahead, self.target.into())
+    }
+
+    /// Moved in the picture's plane, in shares of the distance to its target: what is there is carried along.
+    #[must_use]
+    pub fn panned(self, by: DVec2) -> Self {
+        let right = self.right();
+        let up = right.cross(self.forward());
+        let step = (right * -by.x + up * -by.y) * self.distance();
+        self.with(
+            DVec3::from(self.eye) + step,
+            DVec3::from(self.target) + step,
+        )
+    }
+
+    /// Where it sees everything as `home` does, from its own direction.
+    #[must_use]
+    pub fn framed(self, home: &Self) -> Self {
+        let target = DVec3::from(home.target);
+        let camera = Self {
+            radius: home.radius,
+            ..self
+        };
+        camera.with(target - self.forward() * home.distance(), target)
+    }
+
+    /// Nearer to its target by a factor below 1, farther by one above.
+    #[must_use]
+    pub fn neared(self, factor: f64) -> Self {
+        let (eye, target) = (DVec3::from(self.eye), DVec3::from(self.target));
+        let distance = (self.distance() * factor).clamp(1e-6 * self.radius, 1e6 * self.radius);
+        self.with(
+            target - (target - eye).normalize_or(DVec3::NEG_Y) * distance,
+            target,
+        )
+    }
+}
+
+/// The camera of a geodesic view.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct InsideCamera {
+    /// Its (u, v).
+    pub at: [f64; 2],
+    /// X, in (u, v) or about the pole.
+    pub x: [f64; 2],
+    /// Y likewise.
+    pub y: [f64; 2],
+    /// The pole whose coordinates X and Y are in: axis and end, see `geodesic::ends::Coordinates`.
+    #[serde(default)]
+    pub pole: Option<[u8; 2]>,
+    /// The length of X and Y on the surface.
+    pub zoom: f64,
+    /// The user has moved it; otherwise it is put anew where its surface changes.
+    #[serde(default)]
+    pub moved: bool,
+}
+
+impl InsideCamera {
+    /// Of a frame.
+    pub fn of(frame: &Frame, zoom: f64, moved: bool) -> Self {
+        Self {
+            at: frame.uv,
+            x: frame.x,
+            y: frame.y,
+            pole: match frame.coordinates {
+                Coordinates::Plain => None,
+                Coordinates::Apex { axis, end } => Some([axis, end]),
+            },
+            zoom,
+            moved,
+        }
+    }
+
+    /// As a frame.
+    pub fn frame(&self) -> Frame {
+        Frame {
+            uv: self.at,
+            coordinates: self
+                .pole
+                .map_or(Coordinates::Plain, |[axis, end]| Coordinates::Apex {
+                    axis,
+                    end,
+                }),
+            x: self.x,
+            y: self.y,
+        }
+    }
+
+    /// Whether all its numbers are numbers.
+    pub fn is_sane(&self) -> bool {
+        let all = [self.at, self.x, self.y].concat();
+        let pole = self.pole.unwrap_or_default();
+        all.iter().all(|x| x.is_finite())
+            && (1e-30..=1e30).contains(&self.zoom)
+            && pole.iter().all(|k| *k <= 1)
+    }
+}

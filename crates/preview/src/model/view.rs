@@ -1,0 +1,208 @@
+//! What the user has chosen to see. All of it is kept by name, so that it outlives compiles, and is written beside
+//! the file, so that it outlives the window.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::camera::{InsideCamera, SpaceCamera};
+
+/// Everything that is chosen.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct View {
+    /// How objects look, by their names.
+    pub looks: BTreeMap<String, Look>,
+    /// The params' values, one number per component.
+    pub params: BTreeMap<String, Vec<f64>>,
+    /// What is animated.
+    pub animations: BTreeMap<String, Animation>,
+    /// The camera of the 3D view; chosen from the scene where there is none.
+    pub space: Option<SpaceCamera>,
+    /// The cameras of the geodesic views, by their surfaces' names.
+    pub inside: BTreeMap<String, InsideCamera>,
+    /// The surfaces whose geodesic view was closed.
+    pub closed: BTreeSet<String>,
+    /// Image files that surfaces may show, in the order in which they were opened.
+    pub textures: Vec<PathBuf>,
+    /// What surfaces show that have no choice of their own.
+    pub default_texture: Choice,
+    /// All else.
+    pub preferences: Preferences,
+}
+
+/// How an object looks.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Look {
+    /// Its colour, sRGB; that of its kind where none is chosen.
+    pub colour: Option<[u8; 3]>,
+    /// What a surface shows.
+    pub texture: Choice,
+    /// It is not drawn.
+    pub hidden: bool,
+}
+
+/// A texture.
+#[derive(Clone, Debug, Default, Deserialize, Eq, Ord, PartialEq, PartialOrd, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Choice {
+    /// The window's default; of the default itself, the built-in picture that shows directions.
+    #[default]
+    Default,
+    /// No picture: the colour alone.
+    Plain,
+    /// The Gaussian curvature, as colours.
+    Curvature,
+    /// An image file.
+    Image(PathBuf),
+}
+
+/// Which components of a param move by themselves.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Animation {
+    /// By component.
+    pub on: Vec<bool>,
+    /// Units a second.
+    pub speed: f64,
+}
+
+impl Default for Animation {
+    fn default() -> Self {
+        Self {
+            on: Vec::new(),
+            speed: 1.0,
+        }
+    }
+}
+
+/// Light or dark.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Eq, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Theme {
+    /// As the desktop has it.
+    #[default]
+    System,
+    /// Dark on light.
+    Light,
+    /// Light on dark.
+    Dark,
+}
+
+/// What is drawn over pictures.
+#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Marks {
+    /// A key to lines and hatchings.
+    pub legend: bool,
+    /// Geodesic circles around the camera.
+    pub wavefronts: bool,
+    /// Conjugate points.
+    pub conjugate: bool,
+    /// The cut locus.
+    pub cut_locus: bool,
+    /// The estimated error.
+    pub error: bool,
+    /// A ring at the centre of a geodesic view.
+    pub centre: bool,
+    /// The geodesic cameras in the 3D view.
+    pub cameras: bool,
+}
+
+impl Default for Marks {
+    fn default() -> Self {
+        Self {
+            legend: false,
+            wavefronts: false,
+            conjugate: false,
+            cut_locus: false,
+            error: false,
+            centre: true,
+            cameras: true,
+        }
+    }
+}
+
+/// The overlay that has a distance: said in the menu.
+pub const WAVEFRONTS: &str = "Wavefronts (geodesic circles)";
+
+/// Choices that belong to no object.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Preferences {
+    /// How fast cameras move, 1 by default.
+    pub camera_speed: f64,
+    /// Behind everything in the 3D view, sRGB; that of the pictures where none is chosen.
+    pub background: Option<[u8; 3]>,
+    /// Light or dark.
+    pub theme: Theme,
+    /// The side of the 3D view's picture in pixels; that of its pane where none is chosen.
+    pub space_size: Option<u32>,
+    /// The side of the geodesic views' pictures in pixels; that of their panes where none is chosen.
+    pub inside_size: Option<u32>,
+    /// What is drawn over pictures.
+    pub marks: Marks,
+    /// Whether a slider that is let go writes its value into the text.
+    pub write_on_release: bool,
+    /// How large text and controls are, 1 by default.
+    pub scale: f32,
+}
+
+impl Default for Preferences {
+    fn default() -> Self {
+        Self {
+            camera_speed: 1.0,
+            background: None,
+            theme: Theme::System,
+            space_size: None,
+            inside_size: None,
+            marks: Marks::default(),
+            write_on_release: false,
+            scale: 1.0,
+        }
+    }
+}
+
+impl View {
+    /// The look of an object.
+    pub fn look(&self, name: &str) -> Look {
+        self.looks.get(name).cloned().unwrap_or_default()
+    }
+
+    /// What a surface shows: never [`Choice::Default`] unless that is the built-in picture.
+    pub fn texture(&self, name: &str) -> &Choice {
+        match self.looks.get(name).map(|look| &look.texture) {
+            None | Some(Choice::Default) => &self.default_texture,
+            Some(choice) => choice,
+        }
+    }
+
+    /// The view with every number in a range in which it makes sense: a file may hold anything.
+    #[must_use]
+    pub fn sane(mut self) -> Self {
+        let preferences = &mut self.preferences;
+        let clamp = |x: f64, low: f64, high: f64, other: f64| {
+            if x.is_finite() {
+                x.clamp(low, high)
+            } else {
+                other
+            }
+        };
+        preferences.camera_speed = clamp(preferences.camera_speed, 0.01, 100.0, 1.0);
+        preferences.scale = clamp(f64::from(preferences.scale), 0.5, 4.0, 1.0) as f32;
+        for side in [&mut preferences.space_size, &mut preferences.inside_size] {
+            *side = side.map(|side| side.clamp(16, 4096));
+        }
+        for animation in self.animations.values_mut() {
+            animation.speed = clamp(animation.speed, -1e6, 1e6, 1.0);
+        }
+        self.space = self.space.filter(SpaceCamera::is_sane);
+        self.inside.retain(|_, camera| camera.is_sane());
+        for values in self.params.values_mut() {
+            values.retain(|value| value.is_finite());
+        }
+        self
+    }
+}

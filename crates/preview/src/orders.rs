@@ -1,0 +1,227 @@
+//! What is to be seen, as data that can be compared: a picture is asked for again only where its order has changed.
+
+use std::sync::Arc;
+
+use render::overlay::{Overlays, Spacing, Standpoint};
+use render::request::{Request, View};
+use render::texture::Texture;
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
+
+use crate::model::{Choice, InsideCamera, Marks, Model, SpaceCamera};
+use crate::textures::Library;
+
+/// A pane with a picture.
+#[derive(Clone, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub(crate) enum PaneKey {
+    /// The 3D view.
+    Space,
+    /// The geodesic view of a surface, by its name.
+    Inside(String),
+}
+
+/// A picture that is wanted.
+#[derive(Clone, Debug)]
+pub(crate) struct Order {
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) settings: Arc<Settings>,
+    pub(crate) look: Look,
+    pub(crate) size: [u32; 2],
+    pub(crate) textures: Vec<(ObjectId, Arc<Texture>)>,
+    pub(crate) colours: Vec<(ObjectId, [u8; 3])>,
+    pub(crate) marks: Marks,
+    /// A camera is being moved, or a param: a picture at once is worth more than a fine one.
+    pub(crate) moving: bool,
+    /// The text's version, for who asks what is on the screen; the picture does not depend on it.
+    pub(crate) version: i32,
+}
+
+/// From where.
+#[derive(Clone, Debug)]
+pub(crate) enum Look {
+    /// The 3D view.
+    Space {
+        /// None: from where everything is seen.
+        camera: Option<SpaceCamera>,
+        /// A geodesic camera to be shown.
+        standpoint: Option<(ObjectId, InsideCamera)>,
+        /// An object to be told apart.
+        highlight: Option<ObjectId>,
+        /// Behind everything, sRGB.
+        background: [u8; 3],
+    },
+    /// A geodesic view. Its pilot knows where the camera is, unless it has been put somewhere.
+    Inside {
+        surface: ObjectId,
+        name: String,
+        placed: u64,
+        camera: Option<InsideCamera>,
+    },
+}
+
+impl Order {
+    /// Whether the same picture is asked for.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        let same_look = match (&self.look, &other.look) {
+            (
+                Look::Space {
+                    camera,
+                    standpoint,
+                    highlight,
+                    background,
+                },
+                Look::Space {
+                    camera: camera2,
+                    standpoint: standpoint2,
+                    highlight: highlight2,
+                    background: background2,
+                },
+            ) => {
+                let place = |camera: &Option<SpaceCamera>| camera.map(|it| (it.eye, it.target));
+                place(camera) == place(camera2)
+                    && standpoint == standpoint2
+                    && highlight == highlight2
+                    && background == background2
+            }
+            // The camera comes back with each picture: only its placing is news.
+            (
+                Look::Inside {
+                    surface, placed, ..
+                },
+                Look::Inside {
+                    surface: surface2,
+                    placed: placed2,
+                    ..
+                },
+            ) => surface == surface2 && placed == placed2,
+            _ => false,
+        };
+        let same_textures = self.textures.len() == other.textures.len()
+            && self
+                .textures
+                .iter()
+                .zip(&other.textures)
+                .all(|(a, b)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1));
+        same_look
+            && same_textures
+            && Arc::ptr_eq(&self.scene, &other.scene)
+            && self.settings == other.settings
+            && self.size == other.size
+            && self.colours == other.colours
+            && self.marks == other.marks
+            && self.moving == other.moving
+    }
+
+    /// As the stage takes it. The camera of a geodesic view is where its pilot says.
+    pub(crate) fn request(&self, inside: Option<InsideCamera>) -> Request {
+        let mut request = match &self.look {
+            Look::Space {
+                camera,
+                standpoint,
+                highlight,
+                background: [r, g, b],
+            } => {
+                let mut request = Request::space(self.size);
+                request.highlight = *highlight;
+                request.background = Some([*r, *g, *b, 255]);
+                request.view = View::Space {
+                    eye: camera.map(|it| it.eye),
+                    target: camera.map(|it| it.target),
+                };
+                request.show_camera = standpoint.map(|(surface, camera)| Standpoint {
+                    surface,
+                    at: None,
+                    angle: 0.0,
+                    zoom: Some(camera.zoom),
+                    frame: Some(camera.frame()),
+                });
+                request
+            }
+            Look::Inside { surface, .. } => {
+                let mut request = Request::geodesic(*surface, self.size);
+                if let View::Geodesic { frame, .. } = &mut request.view {
+                    *frame = inside.map(|camera| camera.frame());
+                }
+                request.mark_centre = self.marks.centre;
+                request
+            }
+        };
+        request.textures = self.textures.clone();
+        request.colours = self.colours.clone();
+        request.overlays = Overlays {
+            legend: self.marks.legend,
+            wavefronts: self.marks.wavefronts.then_some(Spacing::Auto),
+            conjugate_points: self.marks.conjugate,
+            cut_locus: self.marks.cut_locus,
+            error: self.marks.error,
+        };
+        request
+    }
+}
+
+/// The order of a pane, of so many pixels; none where there is nothing to be seen.
+pub(crate) fn order(
+    model: &mut Model,
+    library: &mut Library,
+    pane: &PaneKey,
+    size: [u32; 2],
+    active: Option<&str>,
+    moving: bool,
+) -> Option<Order> {
+    let scene = model.scene.clone()?;
+    let settings = model.settings()?;
+    let view = &model.view;
+    let mut textures = Vec::new();
+    let mut colours = Vec::new();
+    for (id, object) in (0..).map(ObjectId).zip(&scene.objects) {
+        if let Some(colour) = view.looks.get(&object.name).and_then(|look| look.colour) {
+            colours.push((id, colour));
+        }
+        if object.shape.patch().is_some() {
+            let choice = view.texture(&object.name);
+            if *choice != Choice::Default
+                && let Some(texture) = library.texture(choice)
+            {
+                textures.push((id, texture));
+            }
+        }
+    }
+    let camera_of = |name: &str| view.inside.get(name).copied();
+    let look = match pane {
+        PaneKey::Space => {
+            let standpoint = active
+                .filter(|_| view.preferences.marks.cameras)
+                .and_then(|name| {
+                    let (id, _) = model.object(name)?;
+                    Some((id, camera_of(name)?))
+                });
+            let highlighted = model.highlighted.as_deref();
+            Look::Space {
+                camera: view.space,
+                standpoint,
+                highlight: highlighted.and_then(|name| Some(model.object(name)?.0)),
+                background: view
+                    .preferences
+                    .background
+                    .unwrap_or(render::style::BACKGROUND),
+            }
+        }
+        PaneKey::Inside(name) => Look::Inside {
+            surface: model.object(name)?.0,
+            name: name.clone(),
+            placed: model.placed,
+            camera: camera_of(name),
+        },
+    };
+    Some(Order {
+        look,
+        size,
+        textures,
+        colours,
+        marks: view.preferences.marks,
+        moving,
+        version: model.version,
+        scene,
+        settings,
+    })
+}

@@ -1,0 +1,259 @@
+//! The panes: docked side by side or in tabs, moved by dragging their titles.
+
+pub(crate) mod editor;
+mod inside;
+mod picture;
+mod program;
+mod settings;
+mod space;
+
+use std::collections::BTreeSet;
+
+use egui::{Ui, WidgetText};
+use egui_tiles::{
+    Behavior, Container, Linear, LinearDir, SimplificationOptions, TabState, Tile, TileId, Tiles,
+    Tree, UiResponse,
+};
+
+use crate::window::Window;
+
+/// A pane.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub(crate) enum Pane {
+    /// The 3D view.
+    Space,
+    /// The geodesic view of a surface.
+    Inside(String),
+    /// Sliders, colours, textures.
+    Settings,
+    /// The text and its status.
+    Program,
+}
+
+/// How many geodesic views are opened without being asked for.
+const OPENED: usize = 8;
+
+/// The panes that are open, and where.
+#[derive(Debug)]
+pub(crate) struct Panes {
+    tree: Tree<Pane>,
+}
+
+impl Panes {
+    /// The first layout.
+    pub(crate) fn new(with_program: bool) -> Self {
+        let mut tiles = Tiles::default();
+        let space = tiles.insert_pane(Pane::Space);
+        let settings = tiles.insert_pane(Pane::Settings);
+        let views = tabs(&mut tiles, space);
+        let settings = tabs(&mut tiles, settings);
+        let mut children = vec![views, settings];
+        let mut shares = vec![(views, 1.0), (settings, 0.5)];
+        if with_program {
+            let program = tiles.insert_pane(Pane::Program);
+            let program = tabs(&mut tiles, program);
+            children.insert(0, program);
+            shares.push((program, 0.75));
+        }
+        let mut row = Linear::new(LinearDir::Horizontal, children);
+        for (tile, share) in shares {
+            row.shares.set_share(tile, share);
+        }
+        let root = tiles.insert_container(Container::Linear(row));
+        Self {
+            tree: Tree::new(egui::Id::unique("panes"), root, tiles),
+        }
+    }
+
+    /// Whether a pane is open.
+    pub(crate) fn is_open(&self, pane: &Pane) -> bool {
+        self.tree.tiles.find_pane(pane).is_some()
+    }
+
+    /// Shows a pane, wherever it is.
+    pub(crate) fn bring_forward(&mut self, pane: &Pane) {
+        self.open(pane);
+        let Some(wanted) = self.tree.tiles.find_pane(pane) else {
+            return;
+        };
+        self.tree.make_active(|tile, _| tile == wanted);
+    }
+
+    /// Opens a pane, beside those that are most like it.
+    pub(crate) fn open(&mut self, pane: &Pane) {
+        if self.is_open(pane) {
+            return;
+        }
+        let alike = self.tree.tiles.iter().find_map(|(tile, it)| match it {
+            Tile::Pane(Pane::Inside(_)) if matches!(pane, Pane::Inside(_)) => Some(*tile),
+            _ => None,
+        });
+        let new = self.tree.tiles.insert_pane(pane.clone());
+        let group = alike.and_then(|tile| self.tree.tiles.parent_of(tile));
+        if let Some(group) = group
+            && let Some(Tile::Container(Container::Tabs(tabs))) = self.tree.tiles.get_mut(group)
+        {
+            tabs.add_child(new);
+            return;
+        }
+        let new = tabs(&mut self.tree.tiles, new);
+        // Behind the 3D view, if that is in a row; else at the end of the root.
+        let space = self.tree.tiles.find_pane(&Pane::Space);
+        let group = space.and_then(|tile| self.tree.tiles.parent_of(tile));
+        let row = group.and_then(|tile| self.tree.tiles.parent_of(tile));
+        if let (Some(group), Some(row)) = (group, row)
+            && let Some(Tile::Container(Container::Linear(row))) = self.tree.tiles.get_mut(row)
+        {
+            let at = row.children.iter().position(|child| *child == group);
+            let at = match pane {
+                Pane::Program => 0,
+                Pane::Settings => row.children.len(),
+                _ => at.map_or(row.children.len(), |at| at + 1),
+            };
+            row.children.insert(at, new);
+            row.shares
+                .set_share(new, if *pane == Pane::Settings { 0.5 } else { 1.0 });
+            return;
+        }
+        let root = match self.tree.root() {
+            Some(root) => {
+                let row = Linear::new(LinearDir::Horizontal, vec![root, new]);
+                self.tree.tiles.insert_container(Container::Linear(row))
+            }
+            None => new,
+        };
+        self.tree.root = Some(root);
+    }
+
+    /// Closes a pane.
+    pub(crate) fn close(&mut self, pane: &Pane) {
+        if let Some(tile) = self.tree.tiles.find_pane(pane) {
+            self.tree.remove_recursively(tile);
+        }
+    }
+
+    /// Opens the views of new surfaces, and closes those of surfaces that are no more.
+    pub(crate) fn follow(&mut self, surfaces: &[String], closed: &BTreeSet<String>) {
+        let gone: Vec<Pane> = self
+            .tree
+            .tiles
+            .tiles()
+            .filter_map(|tile| match tile {
+                Tile::Pane(pane @ Pane::Inside(name)) if !surfaces.contains(name) => {
+                    Some(pane.clone())
+                }
+                _ => None,
+            })
+            .collect();
+        for pane in gone {
+            self.close(&pane);
+        }
+        let wanted = surfaces.iter().filter(|name| !closed.contains(*name));
+        for name in wanted.take(OPENED) {
+            self.open(&Pane::Inside(name.clone()));
+        }
+    }
+}
+
+fn tabs(tiles: &mut Tiles<Pane>, pane: TileId) -> TileId {
+    tiles.insert_tab_tile(vec![pane])
+}
+
+/// Draws the panes.
+pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
+    let empty = Tree::empty(egui::Id::unique("no panes"));
+    let mut tree = std::mem::replace(&mut window.panes.tree, empty);
+    let frame = egui::Frame::central_panel(ui.style()).inner_margin(0.0);
+    let mut closed = Vec::new();
+    egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+        let mut drawer = Drawer {
+            window,
+            closed: &mut closed,
+        };
+        tree.ui(&mut drawer, ui);
+    });
+    // What was asked for while the panes were drawn went to the empty tree's place.
+    let asked = std::mem::replace(&mut window.panes.tree, tree);
+    for tile in asked.tiles.tiles() {
+        if let Tile::Pane(pane) = tile {
+            window.panes.bring_forward(pane);
+        }
+    }
+    for pane in closed {
+        if let Pane::Inside(name) = pane {
+            window.model.adjust(|view| {
+                view.closed.insert(name);
+            });
+        }
+    }
+}
+
+struct Drawer<'a> {
+    window: &'a mut Window,
+    closed: &'a mut Vec<Pane>,
+}
+
+impl Behavior<Pane> for Drawer<'_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
+        match pane {
+            Pane::Space => space::show(self.window, ui),
+            Pane::Inside(name) => inside::show(self.window, ui, name),
+            Pane::Settings => settings::show(self.window, ui),
+            Pane::Program => program::show(self.window, ui),
+        }
+        UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, pane: &Pane) -> WidgetText {
+        match pane {
+            Pane::Space => "3D view".into(),
+            Pane::Inside(name) => format!("Geodesic view – {name}").into(),
+            Pane::Settings => "Settings".into(),
+            Pane::Program => "Program".into(),
+        }
+    }
+
+    fn is_tab_closable(&self, _tiles: &Tiles<Pane>, _tile: TileId) -> bool {
+        true
+    }
+
+    fn close_button_outer_size(&self) -> f32 {
+        16.0
+    }
+
+    fn on_tab_close(&mut self, tiles: &mut Tiles<Pane>, tile: TileId) -> bool {
+        if let Some(Tile::Pane(pane)) = tiles.get(tile) {
+            self.closed.push(pane.clone());
+        }
+        true
+    }
+
+    fn tab_text_color(
+        &self,
+        visuals: &egui::Visuals,
+        _tiles: &Tiles<Pane>,
+        _tile: TileId,
+        state: &TabState,
+    ) -> egui::Color32 {
+        if state.active {
+            visuals.strong_text_color()
+        } else {
+            visuals.text_color()
+        }
+    }
+
+    fn gap_width(&self, _style: &egui::Style) -> f32 {
+        4.0
+    }
+
+    fn min_size(&self) -> f32 {
+        80.0
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SimplificationOptions {
+            all_panes_must_have_tabs: true,
+            ..SimplificationOptions::default()
+        }
+    }
+}

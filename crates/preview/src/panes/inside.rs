@@ -1,0 +1,31 @@
+//! A geodesic view: what the pointer does there.
+
+use egui::Ui;
+
+use super::picture;
+use crate::motion::{Motion, inside_drag, wheel};
+use crate::orders::PaneKey;
+use crate::window::Window;
+
+/// Draws the pane.
+pub(super) fn show(window: &mut Window, ui: &mut Ui, name: &str) {
+    let response = picture::show(window, ui, &PaneKey::Inside(name.to_owned()));
+    let side = response.rect.width().min(response.rect.height());
+    let by = response.drag_delta();
+    if response.dragged() && by != egui::Vec2::ZERO {
+        window.walk(name, inside_drag(by, side), ui);
+    }
+    if response.hovered() {
+        let (turned, pinched) =
+            ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+        if turned != 0.0 || pinched != 1.0 {
+            let factor = wheel(turned) / f64::from(pinched.max(1e-3));
+            window.walk(name, Motion::Zoom(factor), ui);
+        }
+    }
+    if response.double_clicked()
+        && let Some((_, object)) = window.model.object(name)
+    {
+        window.open_place(object.name_span);
+    }
+}

@@ -1,0 +1,156 @@
+//! What both views have in common: a picture that fills its pane, with focus, a name, and a mark when it is stale.
+
+use egui::{
+    Align2, Color32, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo,
+};
+
+use crate::orders::PaneKey;
+use crate::window::Window;
+
+/// Draws a pane's newest picture, and asks for the one it has room for.
+pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &PaneKey) -> Response {
+    let room = ui.available_size().max(egui::vec2(16.0, 16.0));
+    let (rect, response) = ui.allocate_exact_size(room, Sense::click_and_drag());
+    let scale = ui.pixels_per_point();
+    let pixels = [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32);
+    window.want(pane, pixels, ui);
+    let name = words(window, pane);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    if response.clicked() || response.drag_started() || response.gained_focus() {
+        response.request_focus();
+        activate(window, pane);
+    }
+    paint(window, ui, pane, rect);
+    if response.has_focus() {
+        let stroke = Stroke::new(2.0, ui.visuals().selection.stroke.color);
+        ui.painter()
+            .rect_stroke(rect.shrink(1.0), 0.0, stroke, StrokeKind::Inside);
+    }
+    let key = match pane {
+        PaneKey::Space => "3d".to_owned(),
+        PaneKey::Inside(name) => format!("geodesic:{name}"),
+    };
+    let place = [rect.left(), rect.top(), rect.width(), rect.height()];
+    window.counters.panes.insert(key, place.map(|x| x * scale));
+    response
+}
+
+/// Keys move this pane's camera from now on.
+fn activate(window: &mut Window, pane: &PaneKey) {
+    window.active = pane.clone();
+    if let PaneKey::Inside(name) = pane {
+        window.active_surface = Some(name.clone());
+    }
+}
+
+fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
+    let painter = ui.painter_at(rect);
+    let [r, g, b] = render::style::BACKGROUND;
+    painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
+    let stale = window.model.is_stale();
+    let lines = window.model.errors().count();
+    let empty = window.model.scene.is_none() && window.model.read;
+    let mut error = None;
+    if let Some(picture) = window.pictures.get_mut(pane) {
+        if let Some(image) = picture.image.take() {
+            let options = egui::TextureOptions::LINEAR;
+            match &mut picture.texture {
+                Some(texture) => texture.set(image, options),
+                None => {
+                    let name = format!("{pane:?}");
+                    picture.texture = Some(ui.ctx().load_texture(name, image, options));
+                }
+            }
+        }
+        if let Some(texture) = &picture.texture {
+            let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+            let tint = if stale {
+                Color32::from_gray(190)
+            } else {
+                Color32::WHITE
+            };
+            painter.image(texture.id(), rect, all, tint);
+        }
+        error.clone_from(&picture.error);
+    }
+    if stale {
+        let some = if lines == 1 { "an error" } else { "errors" };
+        let text = format!("Stale: the program has {some}");
+        badge(
+            &painter,
+            rect.left_top() + egui::vec2(8.0, 8.0),
+            &text,
+            Color32::from_rgb(176, 32, 24),
+        );
+    } else if empty {
+        badge(
+            &painter,
+            rect.left_top() + egui::vec2(8.0, 8.0),
+            "Nothing to show",
+            Color32::from_gray(70),
+        );
+    }
+    if let Some(error) = error {
+        let place = rect.left_bottom() + egui::vec2(8.0, -34.0);
+        badge(&painter, place, &error, Color32::from_rgb(120, 60, 0));
+    }
+}
+
+/// A sentence on a plate, readable over any picture.
+fn badge(painter: &egui::Painter, at: egui::Pos2, text: &str, colour: Color32) {
+    let width = (painter.clip_rect().right() - at.x - 24.0).max(60.0);
+    let galley = painter.layout(
+        text.to_owned(),
+        FontId::proportional(14.0),
+        Color32::WHITE,
+        width,
+    );
+    let plate = Rect::from_min_size(at, galley.size() + egui::vec2(16.0, 8.0));
+    painter.rect_filled(plate, 4.0, colour);
+    let place = Align2::CENTER_CENTER
+        .align_size_within_rect(galley.size(), plate)
+        .min;
+    painter.galley(place, galley, Color32::WHITE);
+}
+
+/// The picture in words.
+fn words(window: &Window, pane: &PaneKey) -> String {
+    let mut words = match pane {
+        PaneKey::Space => {
+            let objects = window
+                .model
+                .scene
+                .as_ref()
+                .map_or(0, |scene| scene.objects.len());
+            let eye = window.model.view.space.map(|camera| camera.eye);
+            let place = eye.map_or(String::new(), |[x, y, z]| {
+                format!(", seen from ({x:.2}, {y:.2}, {z:.2})")
+            });
+            let some = if objects == 1 { "object" } else { "objects" };
+            format!("3D view of {objects} {some}{place}")
+        }
+        PaneKey::Inside(name) => {
+            let place = window
+                .model
+                .view
+                .inside
+                .get(name)
+                .map_or(String::new(), |it| {
+                    let [u, v] = it.at;
+                    format!(
+                        " from (u, v) = ({u:.3}, {v:.3}), {:.3} from centre to edge",
+                        it.zoom
+                    )
+                });
+            format!("Geodesic view of {name}{place}")
+        }
+    };
+    if window.model.is_stale() {
+        words.push_str("; stale: the program has errors");
+    }
+    if let Some(error) = window.pictures.get(pane).and_then(|it| it.error.as_ref()) {
+        words.push_str("; ");
+        words.push_str(error);
+    }
+    words
+}

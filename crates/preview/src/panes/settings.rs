@@ -1,0 +1,397 @@
+//! The settings: params, how objects look, textures, cameras and pictures.
+
+use std::path::Path;
+
+use egui::{ComboBox, DragValue, Grid, ScrollArea, Slider, Ui};
+use scene::scene::{Object, Param, Shape};
+
+use crate::model::{Choice, Step, Theme};
+use crate::window::Window;
+
+/// Draws the pane.
+pub(super) fn show(window: &mut Window, ui: &mut Ui) {
+    let margin = egui::Frame::new().inner_margin(8.0);
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        margin.show(ui, |ui| {
+            params(window, ui);
+            objects(window, ui);
+            textures(window, ui);
+            views(window, ui);
+        });
+    });
+}
+
+fn params(window: &mut Window, ui: &mut Ui) {
+    let (Some(scene), Some(settings)) = (window.model.scene.clone(), window.model.settings())
+    else {
+        return;
+    };
+    if scene.params.is_empty() {
+        return;
+    }
+    ui.heading("Params");
+    for param in &scene.params {
+        let values = settings.param(param).to_vec();
+        for k in 0..param.ranges.len() {
+            slider(window, ui, param, k, &values);
+        }
+        let any = window
+            .model
+            .view
+            .animations
+            .get(&param.name)
+            .is_some_and(|it| it.on.iter().any(|on| *on));
+        ui.horizontal(|ui| {
+            if any {
+                let mut speed = window.model.view.animations[&param.name].speed;
+                let label = ui.label("Units a second");
+                let drag = DragValue::new(&mut speed).speed(0.01).range(-1e6..=1e6);
+                if ui.add(drag).labelled_by(label.id).changed() {
+                    window.model.adjust(|view| {
+                        view.animations.entry(param.name.clone()).or_default().speed = speed;
+                    });
+                }
+            }
+            let hint = "Write the value into the program's text";
+            let button = ui.button(format!("Write {} into the text", param.name));
+            if button.on_hover_text(hint).clicked() {
+                window.write_param(&param.name);
+            }
+        });
+        ui.add_space(4.0);
+    }
+    let mut write = window.model.view.preferences.write_on_release;
+    let text = "Write values into the text when a slider is let go";
+    if ui.checkbox(&mut write, text).changed() {
+        window
+            .model
+            .change(Step::new("Change a setting", "write"), |view| {
+                view.preferences.write_on_release = write;
+            });
+    }
+    ui.separator();
+}
+
+fn slider(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, values: &[f64]) {
+    let name = match param.ranges.len() {
+        1 => param.name.clone(),
+        _ => format!("{}_{}", param.name, k + 1),
+    };
+    let range = param.ranges[k];
+    let mut value = values[k];
+    ui.horizontal(|ui| {
+        let mut on = window
+            .model
+            .view
+            .animations
+            .get(&param.name)
+            .is_some_and(|it| it.on.get(k).copied().unwrap_or(false));
+        let label = format!("Animate {name}");
+        let animate = ui.checkbox(&mut on, "Animate").accessible_name(label);
+        if animate.changed() {
+            window
+                .model
+                .change(Step::new("Animate", name.as_str()), |view| {
+                    let animation = view.animations.entry(param.name.clone()).or_default();
+                    animation.on.resize(param.ranges.len().max(k + 1), false);
+                    animation.on[k] = on;
+                });
+        }
+        let decimals = decimals(range.max - range.min);
+        let slider = Slider::new(&mut value, range.min..=range.max)
+            .text(&name)
+            .max_decimals(decimals)
+            .smart_aim(false);
+        let response = ui.add(slider);
+        if response.changed() {
+            let mut values = values.to_vec();
+            values[k] = value;
+            window
+                .model
+                .change(Step::new("Move a param", name.as_str()), |view| {
+                    view.params.insert(param.name.clone(), values);
+                });
+            window.has_moved(ui);
+        }
+        if response.drag_stopped() && window.model.view.preferences.write_on_release {
+            window.write_param(&param.name);
+        }
+    });
+}
+
+/// So many decimals that a slider's steps are fine.
+fn decimals(width: f64) -> usize {
+    let digits = 3.0 - width.log10().floor();
+    if digits.is_finite() {
+        digits.clamp(0.0, 12.0) as usize
+    } else {
+        6
+    }
+}
+
+fn objects(window: &mut Window, ui: &mut Ui) {
+    let Some(scene) = window.model.scene.clone() else {
+        return;
+    };
+    if scene.objects.is_empty() {
+        return;
+    }
+    ui.heading("Objects");
+    Grid::new("objects")
+        .num_columns(4)
+        .spacing([8.0, 4.0])
+        .show(ui, |ui| {
+            for object in &scene.objects {
+                row(window, ui, object);
+                ui.end_row();
+            }
+        });
+    ui.separator();
+}
+
+fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
+    let name = &object.name;
+    let look = window.model.view.look(name);
+    let drawn = !matches!(object.shape, Shape::Metric { .. });
+    let mut shown = !look.hidden;
+    let show = ui.add_enabled(drawn, egui::Checkbox::without_text(&mut shown));
+    if show.accessible_name(format!("Show {name}")).changed() {
+        window
+            .model
+            .change(Step::new("Show or hide", name.as_str()), |view| {
+                view.looks.entry(name.clone()).or_default().hidden = !shown;
+            });
+    }
+    let mut colour = look
+        .colour
+        .unwrap_or_else(|| render::style::colour(&object.shape));
+    let picker = ui.color_edit_button_srgb(&mut colour);
+    if picker
+        .accessible_name(format!("Colour of {name}"))
+        .changed()
+    {
+        window
+            .model
+            .change(Step::new("Change a colour", name.as_str()), |view| {
+                view.looks.entry(name.clone()).or_default().colour = Some(colour);
+            });
+    }
+    let stale = if window.model.stale.contains(name) {
+        " (stale)"
+    } else {
+        ""
+    };
+    let link = ui.link(format!("{name}{stale}"));
+    if link.on_hover_text("Show its declaration").clicked() {
+        window.open_place(object.name_span);
+    }
+    if object.shape.patch().is_some() {
+        let mut texture = look.texture.clone();
+        if choose(
+            window,
+            ui,
+            &format!("Texture of {name}"),
+            &mut texture,
+            true,
+        ) {
+            window
+                .model
+                .change(Step::new("Choose a texture", name.as_str()), |view| {
+                    view.looks.entry(name.clone()).or_default().texture = texture;
+                });
+        }
+    } else {
+        ui.label("");
+    }
+}
+
+/// A list of all textures; whether another one was chosen.
+fn choose(window: &Window, ui: &mut Ui, label: &str, choice: &mut Choice, of_object: bool) -> bool {
+    let before = choice.clone();
+    let combo = ComboBox::from_id_salt(label)
+        .selected_text(title(choice, of_object))
+        .width(110.0)
+        .show_ui(ui, |ui| {
+            let mut option = |other: Choice| {
+                let title = title(&other, of_object);
+                ui.selectable_value(choice, other, title);
+            };
+            option(Choice::Default);
+            option(Choice::Plain);
+            for path in &window.model.view.textures {
+                option(Choice::Image(path.clone()));
+            }
+        });
+    combo.response.accessible_name(label);
+    *choice != before
+}
+
+fn title(choice: &Choice, of_object: bool) -> String {
+    match choice {
+        Choice::Default if of_object => "Default".to_owned(),
+        Choice::Default => "Orientation".to_owned(),
+        Choice::Plain => "Plain colour".to_owned(),
+        Choice::Curvature => "Gaussian curvature".to_owned(),
+        Choice::Image(path) => file_name(path),
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned()
+}
+
+fn textures(window: &mut Window, ui: &mut Ui) {
+    if window.model.surfaces().is_empty() {
+        return;
+    }
+    ui.heading("Textures");
+    ui.horizontal(|ui| {
+        let label = ui.label("Default");
+        let mut choice = window.model.view.default_texture.clone();
+        let _ = label;
+        if choose(window, ui, "Default texture", &mut choice, false) {
+            let step = Step::new("Choose the default texture", "");
+            window
+                .model
+                .change(step, |view| view.default_texture = choice);
+        }
+        if ui.button("Open Texture…").clicked() {
+            let folder = window.folder();
+            crate::files::choose_images(window.mail.clone(), folder);
+        }
+    });
+    ui.horizontal(|ui| {
+        let label = ui.label("File");
+        let path = &mut window.dialogs.texture_path;
+        let edit = egui::TextEdit::singleline(path).desired_width(150.0);
+        let edit = ui.add(edit).labelled_by(label.id);
+        let entered = edit.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        if ui.button("Add").clicked() || entered {
+            let given = std::mem::take(&mut window.dialogs.texture_path);
+            if !given.trim().is_empty() {
+                let folder = window.folder().unwrap_or_default();
+                window.open_images(vec![folder.join(given.trim())]);
+            }
+        }
+    });
+    let mut removed = None;
+    for path in &window.model.view.textures {
+        ui.horizontal(|ui| {
+            let name = file_name(path);
+            match window.library.trouble(path) {
+                Some(trouble) => {
+                    ui.colored_label(ui.visuals().error_fg_color, &name)
+                        .on_hover_text(trouble);
+                }
+                None => {
+                    ui.label(&name).on_hover_text(path.display().to_string());
+                }
+            }
+            let button = ui
+                .small_button("Remove")
+                .accessible_name(format!("Remove {name}"));
+            if button.clicked() {
+                removed = Some(path.clone());
+            }
+        });
+    }
+    if let Some(path) = removed {
+        window
+            .model
+            .change(Step::new("Remove a texture", ""), |view| {
+                view.textures.retain(|it| *it != path);
+            });
+    }
+    ui.weak("Images can also be dropped onto the window.");
+    ui.separator();
+}
+
+fn views(window: &mut Window, ui: &mut Ui) {
+    ui.heading("Views");
+    let mut preferences = window.model.view.preferences.clone();
+    let before = preferences.clone();
+    Grid::new("views")
+        .num_columns(2)
+        .spacing([8.0, 6.0])
+        .show(ui, |ui| {
+            let label = ui.label("Camera speed");
+            let slider = Slider::new(&mut preferences.camera_speed, 0.05..=10.0).logarithmic(true);
+            ui.add(slider).labelled_by(label.id);
+            ui.end_row();
+            let label = ui.label("Background");
+            let default = render::style::BACKGROUND;
+            let mut colour = preferences.background.unwrap_or(default);
+            ui.horizontal(|ui| {
+                if ui
+                    .color_edit_button_srgb(&mut colour)
+                    .labelled_by(label.id)
+                    .changed()
+                {
+                    preferences.background = Some(colour);
+                }
+                if preferences.background.is_some() && ui.small_button("Reset").clicked() {
+                    preferences.background = None;
+                }
+            });
+            ui.end_row();
+            side(ui, "Frame size", &mut preferences.space_size);
+            ui.end_row();
+            side(ui, "Geo size", &mut preferences.inside_size);
+            ui.end_row();
+            let label = ui.label("Theme");
+            ui.horizontal(|ui| {
+                for (theme, name) in [
+                    (Theme::System, "System"),
+                    (Theme::Light, "Light"),
+                    (Theme::Dark, "Dark"),
+                ] {
+                    ui.selectable_value(&mut preferences.theme, theme, name);
+                }
+            })
+            .response
+            .labelled_by(label.id);
+            ui.end_row();
+            let label = ui.label("Size of controls");
+            let mut scale = preferences.scale;
+            ui.horizontal(|ui| {
+                for (value, name) in [
+                    (0.8, "80 %"),
+                    (1.0, "100 %"),
+                    (1.25, "125 %"),
+                    (1.5, "150 %"),
+                    (2.0, "200 %"),
+                ] {
+                    ui.selectable_value(&mut scale, value, name);
+                }
+            })
+            .response
+            .labelled_by(label.id);
+            preferences.scale = scale;
+            ui.end_row();
+        });
+    if preferences != before {
+        let step = Step::new("Change a setting", "views");
+        window
+            .model
+            .change(step, |view| view.preferences = preferences);
+    }
+}
+
+/// The side of a picture: as its pane has it, or a number of pixels.
+fn side(ui: &mut Ui, name: &str, side: &mut Option<u32>) {
+    let label = ui.label(name);
+    ui.horizontal(|ui| {
+        let mut fits = side.is_none();
+        let fit = ui.checkbox(&mut fits, "as the pane");
+        if fit.accessible_name(format!("{name} as the pane")).changed() {
+            *side = (!fits).then_some(512);
+        }
+        if let Some(side) = side {
+            ui.add(DragValue::new(side).range(16..=4096).suffix(" px"))
+                .labelled_by(label.id);
+        }
+    });
+}

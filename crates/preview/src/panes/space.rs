@@ -1,0 +1,59 @@
+//! The 3D view: what the pointer does there.
+
+use egui::{PointerButton, Ui};
+
+use super::picture;
+use crate::artist::Purpose;
+use crate::motion::{Grip, space_drag, wheel};
+use crate::orders::PaneKey;
+use crate::window::Window;
+
+/// Draws the pane.
+pub(super) fn show(window: &mut Window, ui: &mut Ui) {
+    let pane = PaneKey::Space;
+    let response = picture::show(window, ui, &pane);
+    let side = response.rect.width().min(response.rect.height());
+    if let Some(camera) = window.model.view.space {
+        let (shift, alt) = ui.input(|input| (input.modifiers.shift, input.modifiers.alt));
+        let grip = if response.dragged_by(PointerButton::Middle)
+            || response.dragged_by(PointerButton::Primary) && shift
+        {
+            Some(Grip::Pan)
+        } else if response.dragged_by(PointerButton::Secondary)
+            || response.dragged_by(PointerButton::Primary) && alt
+        {
+            Some(Grip::Orbit)
+        } else if response.dragged_by(PointerButton::Primary) {
+            Some(Grip::Turn)
+        } else {
+            None
+        };
+        let by = response.drag_delta();
+        if let Some(grip) = grip
+            && by != egui::Vec2::ZERO
+        {
+            window.move_space("drag", space_drag(camera, grip, by, side), ui);
+        }
+        if response.hovered() {
+            let (turned, pinched) =
+                ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            if turned != 0.0 || pinched != 1.0 {
+                let factor = wheel(turned) / f64::from(pinched.max(1e-3));
+                window.move_space("wheel", camera.neared(factor), ui);
+            }
+        }
+    }
+    let opens = response.double_clicked()
+        || response.clicked() && ui.input(|input| input.modifiers.command);
+    let places = response.clicked() && !opens;
+    if (opens || places)
+        && let Some(at) = response.interact_pointer_pos()
+        && let Some(order) = window.sent(&pane).cloned()
+    {
+        let share = (at - response.rect.min) / response.rect.size();
+        let [width, height] = order.size.map(f64::from);
+        let pixel = [f64::from(share.x) * width, f64::from(share.y) * height];
+        let purpose = if opens { Purpose::Open } else { Purpose::Place };
+        window.artist.pick(order, pixel, purpose);
+    }
+}

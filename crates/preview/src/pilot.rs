@@ -1,0 +1,259 @@
+//! Where a geodesic camera is: it is moved where its pictures are drawn, so that no motion is lost or made twice.
+
+use std::sync::Arc;
+
+use geodesic::frame::Frame;
+use geodesic::surface::Surface;
+use geodesic::trace::{Options, Status};
+use render::geodesic_view::Inside;
+use render::ground::Ground;
+use render::{RenderError, Request};
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
+
+use crate::model::InsideCamera;
+use crate::motion::Motion;
+
+/// A camera on its surface.
+#[derive(Debug, Default)]
+pub(crate) struct Pilot {
+    /// The count of placings that it has heeded.
+    placed: Option<u64>,
+    camera: Option<InsideCamera>,
+    stand: Option<Stand>,
+}
+
+/// What the camera stands on.
+#[derive(Debug)]
+struct Stand {
+    scene: Arc<Scene>,
+    settings: Arc<Settings>,
+    surface: ObjectId,
+    ground: Ground,
+}
+
+/// What is asked of a pilot.
+#[derive(Debug)]
+pub(crate) struct Flight<'a> {
+    pub(crate) scene: &'a Arc<Scene>,
+    pub(crate) settings: &'a Arc<Settings>,
+    pub(crate) surface: ObjectId,
+    /// Counts placings; where it has changed, `camera` is taken over.
+    pub(crate) placed: u64,
+    pub(crate) camera: Option<InsideCamera>,
+    pub(crate) motions: &'a [Motion],
+}
+
+impl Pilot {
+    /// Carries out motions, on the surface as it is now; where the camera is then.
+    ///
+    /// # Errors
+    /// [`RenderError`] where there is no place to stand.
+    pub(crate) fn fly(&mut self, flight: &Flight<'_>) -> Result<InsideCamera, RenderError> {
+        if self.placed != Some(flight.placed) {
+            self.placed = Some(flight.placed);
+            self.camera = flight.camera;
+        }
+        let changed = self.step_on(flight)?;
+        let Some(stand) = &self.stand else {
+            return Err(RenderError::NoSurface { name: None });
+        };
+        let surface = stand.ground.surface();
+        let mut camera = match self.camera {
+            Some(camera) if changed == Changed::Scene && !camera.moved => first(flight)?,
+            Some(camera) if changed != Changed::Nothing => match settled(surface, &camera) {
+                Some(camera) => camera,
+                None => first(flight)?,
+            },
+            Some(camera) => camera,
+            None => {
+                // One that was put somewhere may not fit the surface as it is.
+                first(flight)?
+            }
+        };
+        for motion in flight.motions {
+            camera = moved(surface, camera, *motion);
+        }
+        self.camera = Some(camera);
+        Ok(camera)
+    }
+
+    /// Where the camera is.
+    pub(crate) fn camera(&self) -> Option<InsideCamera> {
+        self.camera
+    }
+
+    fn step_on(&mut self, flight: &Flight<'_>) -> Result<Changed, RenderError> {
+        let (same_scene, same_settings) = self.stand.as_ref().map_or((false, false), |stand| {
+            (
+                Arc::ptr_eq(&stand.scene, flight.scene) && stand.surface == flight.surface,
+                stand.settings == *flight.settings,
+            )
+        });
+        if same_scene && same_settings {
+            return Ok(Changed::Nothing);
+        }
+        let objects = &flight.scene.objects;
+        let Some(object) = objects.get(flight.surface.0 as usize) else {
+            return Err(RenderError::NoSurface { name: None });
+        };
+        let uniforms = flight.settings.first_instance(flight.scene, object);
+        let first = self.stand.is_none();
+        self.stand = Some(Stand {
+            scene: Arc::clone(flight.scene),
+            settings: Arc::clone(flight.settings),
+            surface: flight.surface,
+            ground: Ground::new(flight.scene, flight.surface, &uniforms)?,
+        });
+        Ok(match (first, same_scene) {
+            // What was remembered is where the user left it.
+            (true, _) => Changed::Values,
+            (false, true) => Changed::Values,
+            (false, false) => Changed::Scene,
+        })
+    }
+}
+
+/// What has changed under a camera.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Changed {
+    Nothing,
+    Values,
+    Scene,
+}
+
+/// The camera's first place on a surface.
+fn first(flight: &Flight<'_>) -> Result<InsideCamera, RenderError> {
+    let request = Request::geodesic(flight.surface, [256, 256]);
+    let inside = Inside::new(flight.scene, flight.settings, &request)?;
+    Ok(InsideCamera::of(&inside.frame, inside.zoom, false))
+}
+
+/// The camera with X and Y orthogonal and as long as before, on a surface that has changed; none where it cannot
+/// stand there.
+fn settled(surface: &dyn Surface, camera: &InsideCamera) -> Option<InsideCamera> {
+    let mut frame = camera.frame();
+    for (at, [low, high]) in frame.uv.iter_mut().zip(surface.domain()) {
+        *at = at.clamp(low, high);
+    }
+    let metric = frame.metric(surface);
+    let length = metric.inner(frame.x, frame.x).sqrt();
+    if !(length > 0.0 && length.is_finite()) {
+        return None;
+    }
+    let mirrored = frame.x[0] * frame.y[1] - frame.x[1] * frame.y[0] < 0.0;
+    let hand = if mirrored { -1.0 } else { 1.0 };
+    frame.x = frame.x.map(|a| a / length * camera.zoom);
+    frame.y = metric.turn_left(frame.x).map(|a| hand * a);
+    let settled = InsideCamera::of(&frame, camera.zoom, camera.moved);
+    let works = frame.trace(surface, [1.0, 0.0], 0.0, &Options::default());
+    (settled.is_sane() && works.is_ok()).then_some(settled)
+}
+
+/// The camera after a motion; where it cannot be made, as it was.
+fn moved(surface: &dyn Surface, camera: InsideCamera, motion: Motion) -> InsideCamera {
+    let frame = camera.frame();
+    let (frame, zoom): (Frame, f64) = match motion {
+        Motion::Turn(angle) => (frame.turned(angle), camera.zoom),
+        Motion::Zoom(factor) => (frame.zoomed(factor), camera.zoom * factor),
+        Motion::Walk(step) => match frame.advance(surface, step, &Options::default()) {
+            Ok((frame, trace)) if trace.status == Status::Complete || trace.length > 0.0 => {
+                (frame, camera.zoom)
+            }
+            _ => return camera,
+        },
+    };
+    let next = InsideCamera::of(&frame, zoom, true);
+    if next.is_sane() { next } else { camera }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Flight, Pilot};
+    use crate::motion::Motion;
+    use scene::scene::{ObjectId, Scene};
+    use scene::values::Settings;
+    use std::sync::Arc;
+
+    const SPHERE: &str = "param r : [1, 3];
+        surface s(u,v) = r(cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi/2];";
+
+    fn scene(text: &str) -> (Arc<Scene>, Arc<Settings>) {
+        let scene = scene::compile(text).scene.expect("no errors");
+        let settings = Settings::opening(&scene);
+        (Arc::new(scene), Arc::new(settings))
+    }
+
+    fn fly(
+        pilot: &mut Pilot,
+        (scene, settings): &(Arc<Scene>, Arc<Settings>),
+        motions: &[Motion],
+    ) -> crate::model::InsideCamera {
+        let flight = Flight {
+            scene,
+            settings,
+            surface: ObjectId(0),
+            placed: 0,
+            camera: None,
+            motions,
+        };
+        pilot.fly(&flight).expect("a place to stand")
+    }
+
+    #[test]
+    fn a_walk_around_the_sphere_comes_back() {
+        let world = scene(SPHERE);
+        let mut pilot = Pilot::default();
+        let start = fly(&mut pilot, &world, &[Motion::Turn(0.4)]);
+        let around = 2.0 * std::f64::consts::PI / start.zoom;
+        let step = Motion::Walk([0.0, around / 8.0]);
+        let end = fly(&mut pilot, &world, &[step; 8]);
+        for k in 0..2 {
+            assert!(
+                (end.at[k] - start.at[k]).abs() < 1e-6,
+                "{end:?} is not {start:?}"
+            );
+            assert!(
+                (end.x[k] - start.x[k]).abs() < 1e-6,
+                "{end:?} is not {start:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_camera_keeps_its_length_and_its_place_when_a_param_moves() {
+        let (scene, settings) = scene(SPHERE);
+        let mut pilot = Pilot::default();
+        let before = fly(
+            &mut pilot,
+            &(scene.clone(), settings.clone()),
+            &[Motion::Walk([0.3, 0.2])],
+        );
+        let mut larger = (*settings).clone();
+        larger.set(&scene, "r", &[2.0]).expect("in range");
+        let after = fly(&mut pilot, &(scene, Arc::new(larger)), &[]);
+        assert_eq!(before.at, after.at);
+        assert_eq!(before.zoom, after.zoom);
+        // Twice the radius: half as long in (u, v), still at right angles.
+        for k in 0..2 {
+            assert!((after.x[k] - 0.5 * before.x[k]).abs() < 1e-9);
+            assert!((after.y[k] - 0.5 * before.y[k]).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_camera_that_was_not_moved_stands_anew_on_another_surface() {
+        let mut pilot = Pilot::default();
+        fly(&mut pilot, &scene(SPHERE), &[]);
+        let plane = scene("surface s(u,v) = (u,v,0), u : [4, 6], v : [4, 6];");
+        let camera = fly(&mut pilot, &plane, &[]);
+        assert_eq!(camera.at, [5.0, 5.0]);
+        fly(&mut pilot, &plane, &[Motion::Walk([0.1, 0.0])]);
+        let wider = scene("surface s(u,v) = (u,v,0), u : [3, 6], v : [4, 6];");
+        let kept = fly(&mut pilot, &wider, &[]);
+        assert!(
+            kept.at[0] > 5.0 && (kept.at[1] - 5.0).abs() < 1e-9,
+            "{kept:?}"
+        );
+    }
+}

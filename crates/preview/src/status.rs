@@ -1,0 +1,99 @@
+//! Above the panes, what the user must know; below them, the status line.
+
+use egui::{Panel, RichText, Ui};
+
+use crate::orders::PaneKey;
+use crate::window::{Origin, Window};
+
+/// What the user must know before all else.
+pub(crate) fn banners(window: &mut Window, ui: &mut Ui) {
+    let Origin::Attached {
+        gone: Some(reason), ..
+    } = &window.origin
+    else {
+        return;
+    };
+    let mut text = "The editor has gone: this is the last picture of its text.".to_owned();
+    if !reason.is_empty() {
+        text = format!("{text} ({reason})");
+    }
+    Panel::top("banner").show(ui, |ui| {
+        ui.colored_label(ui.visuals().warn_fg_color, text);
+    });
+}
+
+/// The status line.
+pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
+    Panel::bottom("status").show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            let colour = if window.model.ok || !window.model.read {
+                ui.visuals().text_color()
+            } else {
+                ui.visuals().error_fg_color
+            };
+            let status = ui.link(RichText::new(window.model.status()).color(colour));
+            let took = window.model.took.as_secs_f64() * 1e3;
+            let status = status.on_hover_text(format!("compiled in {took:.1} ms"));
+            if status.clicked() {
+                let first = window.model.errors().next().map(|it| it.span);
+                if let Some(span) = first {
+                    window.open_place(span);
+                }
+            }
+            ui.separator();
+            numbers(window, ui);
+            ui.label(&window.backend);
+            notes(window, ui);
+            if let Some((error, text)) = &window.said {
+                ui.separator();
+                if *error {
+                    ui.colored_label(ui.visuals().error_fg_color, text);
+                } else {
+                    ui.label(text);
+                }
+            }
+        });
+    });
+}
+
+/// What the active pane's picture has cost.
+fn numbers(window: &Window, ui: &mut Ui) {
+    let Some(picture) = window.pictures.get(&window.active) else {
+        return;
+    };
+    let milliseconds = picture.took.as_secs_f64() * 1e3;
+    ui.label(format!("{milliseconds:.1} ms"));
+    if let (Some((work, estimate)), PaneKey::Inside(_)) = (picture.inside, &window.active) {
+        ui.separator();
+        let error = estimate.map_or(String::new(), |it| format!(", error ≤ {:.2} px", it.max));
+        ui.label(format!(
+            "{} steps, {} evaluations{error}",
+            work.steps, work.evaluations
+        ));
+    }
+    ui.separator();
+}
+
+/// What a reader of the pictures should know.
+fn notes(window: &Window, ui: &mut Ui) {
+    let mut notes: Vec<&str> = Vec::new();
+    for picture in window.pictures.values() {
+        for note in &picture.notes {
+            // What a picture cost is in the status line itself.
+            let is_number =
+                note.contains("evaluations of the surface") || note.starts_with("the error is");
+            if !is_number && !notes.contains(&note.as_str()) {
+                notes.push(note);
+            }
+        }
+    }
+    if notes.is_empty() {
+        return;
+    }
+    ui.separator();
+    let first = match notes.len() {
+        1 => notes[0].to_owned(),
+        n => format!("{} (and {} more)", notes[0], n - 1),
+    };
+    ui.weak(first).on_hover_text(notes.join("\n"));
+}

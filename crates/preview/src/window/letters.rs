@@ -1,0 +1,267 @@
+//! What the threads have told the window.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use protocol::{Command, View};
+use scene::scene::Scene;
+
+use super::{Origin, Picture, Window};
+use crate::artist::{Answer, Drawing, Purpose};
+use crate::compiler::Compiled;
+use crate::mail::Letter;
+use crate::model::{InsideCamera, Step};
+use crate::orders::{Look, Order, PaneKey};
+use crate::panes::Pane;
+use render::live::Hit;
+
+impl Window {
+    pub(super) fn read_letters(&mut self) {
+        while let Ok(letter) = self.letters.try_recv() {
+            match letter {
+                Letter::Compiled(compiled) => self.take_compiled(compiled),
+                Letter::Artist(answer) => self.take_answer(answer),
+                Letter::Changed { text } => self.take_changed(text),
+                Letter::Server(command) => self.obey(command),
+                Letter::ServerGone(reason) => {
+                    if let Origin::Attached { gone, .. } = &mut self.origin {
+                        *gone = Some(reason.unwrap_or_default());
+                    }
+                }
+                Letter::Texture { path, texture } => {
+                    if let Err(sentence) = &texture {
+                        self.said = Some((true, sentence.clone()));
+                    }
+                    self.library.take(path, texture);
+                }
+                Letter::Images(paths) => self.open_images(paths),
+                Letter::Say { error, text } => self.said = Some((error, text)),
+            }
+        }
+    }
+
+    fn take_compiled(&mut self, compiled: Compiled) {
+        self.counters.compiled += 1;
+        self.painter.mark(&compiled.findings);
+        self.shown = Some((compiled.version, compiled.ok, compiled.arrived));
+        let fresh = compiled.scene.is_some();
+        self.model.take(compiled);
+        if !fresh {
+            return;
+        }
+        // A camera that nobody has moved shows everything of a new scene too.
+        self.model.adjust(|view| {
+            if view.space.is_some_and(|camera| !camera.moved) {
+                view.space = None;
+            }
+        });
+        self.home = None;
+        let surfaces = self.model.surfaces();
+        let known = |name: &String| surfaces.contains(name);
+        if !self.active_surface.as_ref().is_some_and(known) {
+            self.active_surface = surfaces.first().cloned();
+        }
+        if let PaneKey::Inside(name) = &self.active
+            && !surfaces.contains(name)
+        {
+            self.active = PaneKey::Space;
+        }
+        self.panes.follow(&surfaces, &self.model.view.closed);
+    }
+
+    fn take_answer(&mut self, answer: Answer) {
+        match answer {
+            Answer::Drawn {
+                pane,
+                picture,
+                order,
+                counters,
+            } => {
+                self.counters.pictures += 1;
+                self.counters.drawn = counters.pictures;
+                self.counters.sampled = counters.sampled;
+                self.counters.pipelines = counters.pipelines;
+                self.counters.geodesic_kernels = counters.geodesic_kernels;
+                self.counters.looks = counters.looks;
+                let sent = self.sent.get(&pane);
+                if sent.is_some_and(|sent| sent.is_like(&order)) {
+                    self.waiting.remove(&pane);
+                }
+                match picture {
+                    Ok(drawing) => self.take_drawing(pane, drawing, &order),
+                    Err(sentence) => {
+                        let picture = self.picture(pane, &order);
+                        picture.error = Some(sentence);
+                        picture.version = order.version;
+                    }
+                }
+            }
+            Answer::Picked {
+                scene,
+                hit: Some(hit),
+                purpose,
+                camera,
+            } => self.take_hit(&scene, &hit, purpose, camera),
+            Answer::Picked { hit: None, .. } => {}
+        }
+    }
+
+    fn take_hit(
+        &mut self,
+        scene: &Scene,
+        hit: &Hit,
+        purpose: Purpose,
+        camera: Option<InsideCamera>,
+    ) {
+        let Some(object) = scene.objects.get(hit.object.0 as usize) else {
+            return;
+        };
+        let name = object.name.clone();
+        if purpose == Purpose::Open {
+            // The place is that of the scene that was clicked on, and the text may have moved on.
+            if let Some((_, object)) = self.model.object(&name) {
+                self.open_place(object.name_span);
+            }
+            return;
+        }
+        let [u, v] = hit.parameters;
+        let sentence = match &object.shape {
+            shape if shape.patch().is_some() => format!("{name} at (u, v) = ({u:.4}, {v:.4})"),
+            scene::scene::Shape::Curve { .. } | scene::scene::Shape::Geodesic { .. } => {
+                format!("{name} at t = {u:.4}")
+            }
+            _ => name.clone(),
+        };
+        self.said = Some((false, sentence));
+        let Some(camera) = camera else {
+            return;
+        };
+        let step = Step::new("Place the geodesic camera", name.as_str());
+        self.model.change(step, |view| {
+            view.inside.insert(name.clone(), camera);
+        });
+        self.model.history.settle();
+        self.model.placed += 1;
+        self.open_inside(&name);
+    }
+
+    /// The picture of a pane; an empty one at first.
+    fn picture(&mut self, pane: PaneKey, order: &Order) -> &mut Picture {
+        self.pictures.entry(pane).or_insert_with(|| Picture {
+            image: None,
+            texture: None,
+            notes: Vec::new(),
+            overlays: Vec::new(),
+            inside: None,
+            took: std::time::Duration::ZERO,
+            rate: 0.0,
+            error: None,
+            version: order.version,
+            scene: Arc::clone(&order.scene),
+        })
+    }
+
+    fn take_drawing(&mut self, pane: PaneKey, drawing: Drawing, order: &Order) {
+        if let Some(camera) = drawing.space_camera
+            && matches!(&order.look, Look::Space { camera: None, .. })
+            && self.model.view.space.is_none()
+        {
+            // The first place of a scene: from now on it stays, whatever the params do.
+            self.model.adjust(|view| view.space = Some(camera));
+            if let Some(sent) = self.sent.get_mut(&pane) {
+                let same = sent.is_like(order);
+                if let Look::Space { camera: asked, .. } = &mut sent.look
+                    && same
+                {
+                    *asked = Some(camera);
+                }
+            }
+        }
+        if let (Some((camera, placed)), PaneKey::Inside(name)) = (drawing.inside_camera, &pane)
+            && placed == self.model.placed
+        {
+            self.model.adjust(|view| {
+                view.inside.insert(name.clone(), camera);
+            });
+        }
+        if drawing.home.is_some() {
+            self.home = drawing.home;
+        }
+        let pixels = drawing.image.size[0] * drawing.image.size[1];
+        let picture = self.picture(pane, order);
+        picture.image = Some(drawing.image);
+        picture.notes = drawing.notes;
+        picture.overlays = drawing.overlays;
+        picture.inside = drawing.inside.or(picture.inside);
+        picture.took = drawing.took;
+        picture.rate = drawing.took.as_secs_f64() / pixels.max(1) as f64;
+        picture.error = None;
+        picture.version = order.version;
+        picture.scene = Arc::clone(&order.scene);
+    }
+
+    fn take_changed(&mut self, text: Result<String, String>) {
+        let Origin::File { editor, .. } = &mut self.origin else {
+            return;
+        };
+        match text {
+            Ok(text) => {
+                if editor.take_changed(text) {
+                    self.compile_own();
+                }
+            }
+            Err(reason) => {
+                let sentence = format!("the file cannot be read ({reason}); its text is kept here");
+                self.said = Some((true, sentence));
+            }
+        }
+    }
+
+    fn obey(&mut self, command: Command) {
+        match command {
+            Command::Text {
+                uri: new,
+                path: place,
+                version,
+                text,
+            } => {
+                let Origin::Attached { uri, path, .. } = &mut self.origin else {
+                    return;
+                };
+                if *uri != new {
+                    *uri = new;
+                    *path = place.map(PathBuf::from);
+                    if let Some(path) = path.clone() {
+                        self.remember(path);
+                    }
+                }
+                self.compiler.compile(version, text.into());
+            }
+            Command::Show { view } => {
+                match view {
+                    Some(View::Geodesic { surface }) => self.open_inside(&surface),
+                    Some(View::Space) | None => self.panes.bring_forward(&Pane::Space),
+                }
+                self.raise = true;
+            }
+            Command::Cursor { version, offset } => {
+                if version == self.model.version {
+                    self.model.highlighted = self.model.declared_at(offset).map(str::to_owned);
+                }
+            }
+            Command::Close => self.closing = true,
+            _ => {}
+        }
+    }
+
+    /// Opens the geodesic view of a surface, or brings it to the front.
+    pub(crate) fn open_inside(&mut self, surface: &str) {
+        self.active_surface = Some(surface.to_owned());
+        self.model.adjust(|view| {
+            view.closed.remove(surface);
+        });
+        let pane = Pane::Inside(surface.to_owned());
+        self.panes.open(&pane);
+        self.panes.bring_forward(&pane);
+    }
+}
