@@ -65,6 +65,7 @@ const PIECES: &[&str] = &[
     "define ta = 3;",
     "function h(a, b) = a tau + b;\n",
     "param q : [0, 1], [2, 3];",
+    "param q = (0.5, a) : [0, 1], [2, 3];",
     "grid n : [1, 2, 4];",
     "curve c(t) = (cost, sint, 0), t : [0, tau];",
     "metric m(x, y) = (1, 0, 1)/y^2, x : [-2, 2], y : [1, 4];",

@@ -293,7 +293,7 @@ fn declaring(word: DeclareWord, snippets: bool) -> Completion {
 /// The form of a declaration.
 pub(crate) fn form(word: DeclareWord) -> &'static str {
     match word {
-        DeclareWord::Param => "param r : [0, 1];",
+        DeclareWord::Param => "param r = 0.5 : [0, 1];",
         DeclareWord::Grid => "grid k : [0, 1, 5];",
         DeclareWord::Define => "define a = 2pi;",
         DeclareWord::Function => "function f(x, y) = x^2 + y;",

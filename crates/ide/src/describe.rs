@@ -9,6 +9,7 @@ use crate::geometry;
 use crate::hints::{constant, shown};
 use crate::outline::parameters;
 use crate::reading::{Item, Reading, Target};
+use crate::write;
 
 /// A name, told to a reader: `code` in the language, `text` in Markdown.
 #[derive(Clone, Debug, Eq, PartialEq)]
@@ -88,7 +89,11 @@ fn declared(reading: &Reading, position: usize) -> Description {
         DeclareWord::Param => {
             let intervals = written_intervals(reading, item);
             text.push(format!(
-                "a slider over {intervals}; it starts at its minimum"
+                "a slider over {intervals}; it starts at {}",
+                match write::opening(reading, position) {
+                    Some(span) => format!("`{}`", span.text(reading.text())),
+                    None => "its minimum".to_owned(),
+                }
             ));
         }
         DeclareWord::Grid => {

@@ -4,7 +4,7 @@
 //! text ──reading.rs──▶ Reading ─┬─▶ semantic    colours by meaning
 //!                               ├─▶ hover, signature, completion
 //!                               ├─▶ navigate    definition, occurrences
-//!                               ├─▶ rename, fix, format   edits; rename and format read the result again
+//!                               ├─▶ rename, fix, format, write   edits; rename and format read the result again
 //!                               └─▶ outline, hints, lens
 //! ```
 //!
@@ -25,5 +25,6 @@ pub mod reading;
 pub mod rename;
 pub mod semantic;
 pub mod signature;
+pub mod write;
 
 pub use reading::{Reading, Target};

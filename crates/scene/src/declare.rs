@@ -2,7 +2,7 @@
 //! object of the scene.
 
 use expr::value::Value;
-use expr::{Graph, Input, NodeId};
+use expr::{Input, NodeId};
 use rustc_hash::FxHashMap;
 use syntax::actions::{self, Declaration, Parameter};
 use syntax::codes::MISSING_INTERVAL;
@@ -13,11 +13,12 @@ use syntax::token::{DeclareWord, SymbolId};
 use crate::builtin;
 use crate::code::Expression;
 use crate::fault::{self, Fault};
-use crate::interval::{Bounds, Interval, Purpose};
-use crate::limits::{DEFAULT_SAMPLES, MAX_INSTANCES, MAX_SAMPLES, MAX_UNIFORMS};
+use crate::interval::{Interval, Purpose};
+use crate::limits::{DEFAULT_SAMPLES, MAX_INSTANCES, MAX_SAMPLES};
 use crate::lower::{Lowered, Lowerer};
-use crate::reads::{Reads, Source};
-use crate::scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape};
+use crate::params::{Owner, Uniforms};
+use crate::reads::Reads;
+use crate::scene::{GridId, Object, ObjectId, ParamId, Range, Sampling, Scene, Shape};
 use crate::symbol::{Constant, Declared, Meaning};
 
 /// The compiler between two declarations: what has been declared, and what has been read of the next.
@@ -30,7 +31,7 @@ pub(crate) struct Declarations {
     /// The intervals of the declaration that is being read.
     intervals: Vec<Interval>,
     /// What each source of the lowerer's reads is.
-    sources: Vec<Owner>,
+    pub(crate) sources: Vec<Owner>,
     /// How many samples the objects have together.
     pub(crate) samples: u64,
     /// The surfaces and metrics, for the geodesics that lie on them.
@@ -41,28 +42,12 @@ pub(crate) struct Declarations {
     pub(crate) is_workshop: bool,
 }
 
-/// The uniforms of a param or a grid.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(crate) struct Uniforms {
-    pub(crate) first: u32,
-    pub(crate) count: u32,
-    /// The set that holds just this param or grid.
-    pub(crate) reads: Reads,
-    pub(crate) source: Source,
-}
-
 /// What a geodesic has to know of the surface or metric that it lies on.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Patch {
     pub(crate) object: ObjectId,
     pub(crate) domain: [Range; 2],
     pub(crate) reads: Reads,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum Owner {
-    Param(ParamId),
-    Grid(GridId),
 }
 
 impl Declarations {
@@ -132,37 +117,6 @@ impl Declarations {
             DeclareWord::Metric => self.metric(declaration, intervals),
             DeclareWord::Geodesic => self.geodesic(declaration, intervals),
         }
-    }
-
-    fn param(&mut self, declaration: &Declaration<'_>, intervals: &[Interval]) -> Option<Meaning> {
-        let bounds = self.bounds(intervals, Purpose::Axis);
-        let ranges: Vec<_> = bounds?.iter().map(|bounds| bounds.range).collect();
-        let id = ParamId(self.scene.params.len() as u32);
-        let (value, first_uniform) = self.uniforms(declaration, ranges.len(), Owner::Param(id))?;
-        self.scene.params.push(Param {
-            name: declaration.name.to_owned(),
-            name_span: declaration.name_span,
-            ranges,
-            first_uniform,
-        });
-        Some(Meaning::Constant(value))
-    }
-
-    fn grid(&mut self, declaration: &Declaration<'_>, intervals: &[Interval]) -> Option<Meaning> {
-        let bounds = self.bounds(intervals, Purpose::Axis);
-        let axes: Vec<_> = bounds?
-            .iter()
-            .map(|bounds| bounds.sampling(DEFAULT_SAMPLES))
-            .collect();
-        let id = GridId(self.scene.grids.len() as u32);
-        let (value, first_uniform) = self.uniforms(declaration, axes.len(), Owner::Grid(id))?;
-        self.scene.grids.push(Grid {
-            name: declaration.name.to_owned(),
-            name_span: declaration.name_span,
-            axes,
-            first_uniform,
-        });
-        Some(Meaning::Constant(value))
     }
 
     /// A function's body is kept as it was read, for its type is that of its applications.
@@ -301,63 +255,6 @@ impl Declarations {
                 .map(|parameter| parameter.name.as_str().into())
                 .collect(),
         })
-    }
-
-    /// Fresh uniforms: a number, or a vector of them, and the first; none where there are too many.
-    fn uniforms(
-        &mut self,
-        declaration: &Declaration<'_>,
-        count: usize,
-        owner: Owner,
-    ) -> Option<(Constant, u32)> {
-        let count = u32::try_from(count).ok()?;
-        let kept = self.kept.take().filter(|kept| kept.count == count);
-        let first = kept.map_or(self.scene.uniform_count, |kept| kept.first);
-        let end = first.checked_add(count)?;
-        if end > MAX_UNIFORMS && !self.is_workshop {
-            let fault = Fault::new(
-                fault::TOO_MANY_UNIFORMS,
-                format!(
-                    "with `{}` the params and grids have {end} components, and the limit is {MAX_UNIFORMS}",
-                    declaration.name
-                ),
-            );
-            self.diagnostics.push(fault.at(declaration.name_span));
-            return None;
-        }
-        let graph: &mut Graph = &mut self.lowerer.graph;
-        let nodes: Vec<NodeId> = (first..end)
-            .map(|index| graph.input(Input::Uniform(index)))
-            .collect();
-        let value = match nodes[..] {
-            [node] => Value::Number(node),
-            _ => Value::Vector(nodes),
-        };
-        let reads = match kept {
-            Some(kept) => {
-                self.sources[kept.source.0 as usize] = owner;
-                kept.reads
-            }
-            None => {
-                self.scene.uniform_count = end;
-                self.sources.push(owner);
-                self.lowerer
-                    .reads
-                    .declare(declaration.symbol, count as usize)
-            }
-        };
-        Some((Constant { value, reads }, first))
-    }
-
-    /// All intervals; none where something is wrong with any.
-    fn bounds(&mut self, intervals: &[Interval], purpose: Purpose) -> Option<Vec<Bounds>> {
-        let bounds: Vec<_> = intervals
-            .iter()
-            .map(|interval| interval.bounds(&mut self.lowerer, purpose, &mut self.diagnostics))
-            .collect();
-        // Without an interval the declaration could not have been read.
-        let bounds: Option<Vec<_>> = bounds.into_iter().collect();
-        bounds.filter(|bounds| !bounds.is_empty())
     }
 
     /// The sampled intervals of a curve or a surface in the order of its parameters, each none where something
@@ -570,7 +467,7 @@ pub(crate) fn kind_of(value: &Value) -> String {
     }
 }
 
-fn constant(value: Value, reads: Reads) -> Meaning {
+pub(crate) fn constant(value: Value, reads: Reads) -> Meaning {
     Meaning::Constant(Constant { value, reads })
 }
 

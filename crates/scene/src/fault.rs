@@ -25,6 +25,14 @@ pub(crate) const INTERVAL_UNDEFINED: Code = Code("interval-undefined");
 pub(crate) const INTERVAL_EMPTY: Code = Code("interval-empty");
 /// A sampling count below 2 or too large.
 pub(crate) const INTERVAL_COUNT: Code = Code("interval-count");
+/// The value that a param opens with depends on a param or a grid.
+pub(crate) const OPENING_NOT_CONSTANT: Code = Code("opening-not-constant");
+/// It has not one component for each interval.
+pub(crate) const OPENING_DIMENSION: Code = Code("opening-dimension");
+/// It is undefined or infinite.
+pub(crate) const OPENING_UNDEFINED: Code = Code("opening-undefined");
+/// It lies outside its interval.
+pub(crate) const OPENING_OUTSIDE: Code = Code("opening-outside");
 /// Two intervals for one parameter.
 pub(crate) const DUPLICATE_TAG: Code = Code("duplicate-tag");
 /// A curve or a geodesic whose parameters are not one, a surface or a metric whose parameters are not two.
@@ -98,6 +106,22 @@ pub const CODES: &[(Code, &str)] = &[
     (
         INTERVAL_COUNT,
         "A sampling count is at least 2 after rounding down, and not above the limit.",
+    ),
+    (
+        OPENING_NOT_CONSTANT,
+        "The value that a param opens with is a constant: it depends on no param and no grid.",
+    ),
+    (
+        OPENING_DIMENSION,
+        "The value that a param opens with has a component for each of its intervals.",
+    ),
+    (
+        OPENING_UNDEFINED,
+        "The value that a param opens with is finite.",
+    ),
+    (
+        OPENING_OUTSIDE,
+        "The value that a param opens with lies within its intervals.",
     ),
     (DUPLICATE_TAG, "A parameter has one interval, not two."),
     (

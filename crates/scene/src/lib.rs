@@ -24,6 +24,7 @@ mod intrinsic;
 pub mod limits;
 mod lower;
 mod metric;
+mod params;
 mod reads;
 pub mod scene;
 mod symbol;

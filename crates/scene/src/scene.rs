@@ -74,6 +74,9 @@ pub struct Param {
     pub name_span: Span,
     /// One interval per component.
     pub ranges: Vec<Range>,
+    /// The value that it opens with, one number per component, within its interval: the declared one, else the
+    /// minimum.
+    pub opening: Vec<f64>,
     /// Its first component is `expr::Input::Uniform(first_uniform)`, the others follow.
     pub first_uniform: u32,
 }

@@ -102,13 +102,13 @@ impl fmt::Display for SetError {
 impl std::error::Error for SetError {}
 
 impl Settings {
-    /// Each param at its minimum, no grid fixed.
+    /// Each param at the value that it opens with, no grid fixed.
     pub fn opening(scene: &Scene) -> Self {
         let mut uniforms = vec![0.0; scene.uniform_count as usize];
         for param in &scene.params {
             let first = param.first_uniform as usize;
-            for (place, range) in uniforms[first..].iter_mut().zip(&param.ranges) {
-                *place = range.min;
+            for (place, value) in uniforms[first..].iter_mut().zip(&param.opening) {
+                *place = *value;
             }
         }
         for grid in &scene.grids {
@@ -328,7 +328,7 @@ mod tests {
         Range { min, max }
     }
 
-    /// param a : [1, 2]; param b : [0, 1], [5, 6]; grid k : [0, 1, 2], [10, 12, 3]; grid m : [7, 8, 2];
+    /// param alpha = 1.5 : [1, 2]; param b : [0, 1], [5, 6]; grid k : [0, 1, 2], [10, 12, 3]; grid m : [7, 8, 2];
     fn scene() -> Scene {
         let axis = |min, max, count| Sampling {
             range: range(min, max),
@@ -341,12 +341,14 @@ mod tests {
                     name: "alpha".into(),
                     name_span: span,
                     ranges: vec![range(1.0, 2.0)],
+                    opening: vec![1.5],
                     first_uniform: 0,
                 },
                 Param {
                     name: "b".into(),
                     name_span: span,
                     ranges: vec![range(0.0, 1.0), range(5.0, 6.0)],
+                    opening: vec![0.0, 5.0],
                     first_uniform: 1,
                 },
             ],
@@ -383,10 +385,10 @@ mod tests {
     }
 
     #[test]
-    fn params_open_at_their_minimum() {
+    fn params_open_with_their_value() {
         let scene = scene();
         let settings = Settings::opening(&scene);
-        assert_eq!(settings.uniforms(), [1.0, 0.0, 5.0, 0.0, 10.0, 7.0]);
+        assert_eq!(settings.uniforms(), [1.5, 0.0, 5.0, 0.0, 10.0, 7.0]);
         assert_eq!(settings.param(&scene.params[1]), [0.0, 5.0]);
     }
 

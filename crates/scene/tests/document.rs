@@ -129,7 +129,10 @@ impl Writer<'_, '_> {
         let digit = 2 + self.random.below(6);
         let least = self.random.pick(&["-1", "0", "1"]);
         let text = match (kind, self.random.below(7)) {
-            (Kind::Number, 0) => format!("param {name} : [{least}, {digit}];"),
+            (Kind::Number, 0) => match self.random.below(3) {
+                0 => format!("param {name} = {x} : [{least}, {digit}];"),
+                _ => format!("param {name} : [{least}, {digit}];"),
+            },
             (Kind::Number, 1) => format!("grid {name} : [{least}, 2, {digit}];"),
             (Kind::Number, 2) => format!("grid {name} : [{least}, 90, 1{digit}00];"),
             // It reads what its value does not hang on.
@@ -388,6 +391,7 @@ fn only_what_can_notice_an_edit_is_checked_again() {
     assert_eq!(redone(text, "1 + 1", "3"), (1, 6));
     // A slider's end is seen by the metric alone, which is looked at where the params start.
     assert_eq!(redone(text, "[0, 2]", "[0, 3]"), (1, 2));
+    assert_eq!(redone(text, "p : [0, 2]", "p = 1 : [0, 2]"), (1, 2));
     // A grid's count is seen by what is drawn once for each of its values.
     assert_eq!(redone(text, "0, 1, 3", "0, 1, 4"), (1, 2));
     // A curve's interval is seen by nobody: its body is what it was.

@@ -80,7 +80,8 @@ pub struct Parameter {
     pub span: Span,
 }
 
-/// A declaration that has been read to its end; its expressions and intervals came before.
+/// A declaration that has been read to its end; its expressions and intervals came before. Those of a param are
+/// the value that it opens with, if one is written, and its intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Declaration<'a> {
     /// The word that opens it.

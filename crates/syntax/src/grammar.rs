@@ -51,6 +51,8 @@ pub enum Terminal {
 pub enum Nonterminal {
     Prog,
     Decl,
+    /// The value that a param opens with.
+    Opening,
     Fdecl,
     Head,
     Ids,
@@ -167,7 +169,7 @@ pub const PRODUCTIONS: &[Production] = {
         Prog = N(Decl) N(Prog);
         Prog =;
 
-        Decl = T(Param) T(Id) T(Colon) N(Ints) T(Semicolon);
+        Decl = T(Param) T(Id) N(Opening) T(Colon) N(Ints) T(Semicolon);
         Decl = T(Grid) T(Id) T(Colon) N(Grids) T(Semicolon);
         Decl = T(Define) T(Id) T(Equals) N(Expr) T(Semicolon);
         Decl = T(Function) N(Fdecl) T(Semicolon);
@@ -178,6 +180,8 @@ pub const PRODUCTIONS: &[Production] = {
         Decl = T(Metric) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
         Decl = T(Geodesic) N(Head) T(Colon) T(Func) T(Equals) N(Expr) T(At) N(Expr) T(Comma) N(Tints) T(Semicolon);
 
+        Opening = T(Equals) N(Expr);
+        Opening =;
         Fdecl = N(Head) T(Equals) N(Expr);
         Head = T(Id) T(ParenOpen) N(Ids) T(ParenClose);
         Ids = T(Id) N(IdsTail);

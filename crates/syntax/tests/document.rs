@@ -248,6 +248,7 @@ const PIECES: &[&str] = &[
     "function g(x, t) = f x t ab;",
     "curve c(t) = (t, a, ab), t : [0, 1];",
     "param abc : [0, a];",
+    "param ab = 2a : [0, 9];",
     "define define b = abc",
     "\nmetric m(u, v) = (1, 0, u), u : [0, 1], v : [0, b];",
     "\ngeodesic k(t) : m = (1, a) @ (0, 0), t : [0, 1];",

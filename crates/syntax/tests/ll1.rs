@@ -510,8 +510,10 @@ fn parser_and_table_agree_on_random_texts() {
             })
             .collect();
         let expected = accepts(&table, &seen);
+        // Which name stands at a place is no business of the grammar.
+        let of_names = [codes::UNKNOWN_TAG, codes::DUPLICATE_PARAMETER];
         let mut errors = recorder.diagnostics.iter().filter(|diagnostic| {
-            diagnostic.severity == Severity::Error && diagnostic.code != codes::UNKNOWN_TAG
+            diagnostic.severity == Severity::Error && !of_names.contains(&diagnostic.code)
         });
         let error = errors.next();
         assert_eq!(error.is_none(), expected, "{text}\n{error:?}");

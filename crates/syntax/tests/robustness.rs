@@ -111,7 +111,13 @@ fn assert_stack_is_balanced(recorder: &Recorder) {
     use syntax::token::DeclareWord as W;
     for declared in recorder.declared.iter().filter(|declared| !declared.faulty) {
         let expressions = match declared.word {
-            W::Param | W::Grid => 0,
+            // The value that a param opens with may be left out.
+            W::Param => {
+                let interval = declared.intervals[0].span;
+                let first = declared.steps[0].1;
+                i64::from(first.start < interval.start)
+            }
+            W::Grid => 0,
             W::Vector => 2,
             _ => 1,
         };

@@ -20,8 +20,9 @@ use syntax::document::{ChunkId, Event, ReadDeclaration};
 use syntax::span::Span;
 use syntax::token::{DeclareWord, SymbolId};
 
-use crate::declare::{Declarations, Uniforms};
+use crate::declare::Declarations;
 use crate::fault;
+use crate::params::Uniforms;
 use crate::scene::{Object, Range, Sampling, Shape};
 use crate::symbol::{Constant, Meaning};
 
@@ -57,13 +58,13 @@ struct Known {
     /// Where the chunk was put when its body was kept.
     base: u32,
     uniforms: Option<Uniforms>,
-    /// The intervals of a param or a grid.
+    /// The intervals of a param or a grid, and the value that a param opens with.
     data: Option<Data>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
 enum Data {
-    Param(Vec<Range>),
+    Param(Vec<Range>, Vec<f64>),
     Grid(Vec<Sampling>),
 }
 
@@ -89,9 +90,9 @@ pub(super) struct Checked {
     pub(super) diagnostics: Vec<Vec<Diagnostic>>,
     /// The document's symbols that mean something else now.
     pub(super) changed: Vec<SymbolId>,
-    /// Params and grids that are what they were, but for their intervals.
+    /// Params and grids that are what they were, but for their intervals or the value that they open with.
     pub(super) moved: Vec<SymbolId>,
-    /// The params and grids whose intervals the diagnostics hang on.
+    /// The params and grids whose intervals, or whose opening values, the diagnostics hang on.
     pub(super) watches: Vec<SymbolId>,
     /// They may hang on all grids.
     pub(super) watches_all: bool,
@@ -312,7 +313,8 @@ impl Workshop {
         let scene = &declarations.scene;
         let data = if scene.params.len() > params {
             self.params.push(symbol);
-            scene.params.last().map(|it| Data::Param(it.ranges.clone()))
+            let last = scene.params.last();
+            last.map(|it| Data::Param(it.ranges.clone(), it.opening.clone()))
         } else if scene.grids.len() > grids {
             self.grids.push(symbol);
             scene.grids.last().map(|it| Data::Grid(it.axes.clone()))

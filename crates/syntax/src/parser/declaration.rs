@@ -167,7 +167,12 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     fn decl(&mut self, word: DeclareWord) -> Result<(), Stop> {
         self.state.word = Some(word);
         match word {
-            DeclareWord::Param | DeclareWord::Grid => {
+            DeclareWord::Param => {
+                self.new_name(word)?;
+                self.opening(word)?;
+                self.intervals(word)?;
+            }
+            DeclareWord::Grid => {
                 self.new_name(word)?;
                 self.after_name(word, TokenKind::Colon, "`:`")?;
                 self.intervals(word)?;
@@ -202,6 +207,31 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         }
     }
 
+    /// `OPENING ":"` of a param: the value that it opens with, if it has one.
+    fn opening(&mut self, word: DeclareWord) -> Result<(), Stop> {
+        if self.current.kind != TokenKind::Equals {
+            return self.after_name(word, TokenKind::Colon, "`:`");
+        }
+        self.advance(Mode::Expression);
+        let value = self.expression()?;
+        if self.current.kind == TokenKind::Colon {
+            self.advance(Mode::Expression);
+            return Ok(());
+        }
+        let form = format!(
+            "param {} = {} : [min, max];",
+            self.state.name,
+            value.text(self.source)
+        );
+        let diagnostic = self
+            .expected_diagnostic("`:` and an interval after the param's value")
+            .with_hint(format!(
+                "write {}, or use `define` for a constant",
+                quote(&form)
+            ));
+        Err(self.reject(diagnostic))
+    }
+
     /// The token that stands after the name.
     fn after_name(&mut self, word: DeclareWord, wanted: TokenKind, what: &str) -> Result<(), Stop> {
         if self.current.kind == wanted {
@@ -212,12 +242,9 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         let diagnostic = self.expected_diagnostic(&format!("{what} after the name {name}"));
         let text = self.state.name;
         let hint = match self.current.kind {
-            TokenKind::Equals if wanted == TokenKind::Colon => Some(match word {
-                DeclareWord::Grid => {
-                    format!("write `grid {text} : [a, b, n];`, or use `define` for a constant")
-                }
-                _ => format!("write `param {text} : [min, max];`, or use `define` for a constant"),
-            }),
+            TokenKind::Equals if word == DeclareWord::Grid => Some(format!(
+                "write `grid {text} : [a, b, n];`, or use `define` for a constant"
+            )),
             TokenKind::Equals if word == DeclareWord::Function => {
                 Some("a constant is declared by `define`".to_owned())
             }
