@@ -20,6 +20,8 @@ struct Resolve {
     // The ring at the centre: radius (0: none) and half its width, in pixels.
     ring: f32,
     ring_half: f32,
+    // Pixels from one row of the output to the next; the rest is padding.
+    stride: vec4u,
     // Paper and stripe of the hatching for each status, linear light.
     hatching: array<vec4f, 12>,
 }

@@ -83,6 +83,6 @@ fn resolve_geodesics(@builtin(global_invocation_id) id: vec3u) {
     } else {
         colour = hatched(x, y, status);
     }
-    colours[id.y * resolve.size.x + id.x] = encoded(
+    colours[id.y * resolve.stride.x + id.x] = encoded(
         marked_centre(colour, x, y, resolve.size, resolve.ring, resolve.ring_half));
 }

@@ -12,10 +12,10 @@
 //! thread at a time; it never draws a picture by itself.
 
 pub(crate) mod content;
-mod inside;
+pub(crate) mod inside;
 pub(crate) mod kept;
 mod place;
-mod samples;
+pub(crate) mod samples;
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -27,8 +27,10 @@ use scene::values::Settings;
 
 use crate::bounds::{Bounds, Placement};
 use crate::camera::Camera;
+use crate::gpu::studio::{Space, Studio};
+use crate::gpu::{Canvas, Gpu};
 use crate::overlay::{self, Extra, Overlays, Standpoint};
-use crate::request::{Picture, RenderError, Request, View};
+use crate::request::{RenderError, Request, View};
 use crate::software::{self, Painted};
 use content::{Content, Structures};
 use inside::Looks;
@@ -44,6 +46,8 @@ pub struct Stage {
     samples: SampleStore,
     looks: Looks,
     extras: Option<(ExtrasKey, Arc<[Extra]>)>,
+    /// What draws on a GPU; without it the software path does.
+    studio: Option<Box<Studio>>,
 }
 
 /// A picture of a view.
@@ -66,6 +70,8 @@ pub struct Shot {
 pub enum Pixels {
     /// sRGB, top row first, in memory: drawn by the software path.
     Image(RgbaImage),
+    /// On the stage's device.
+    Texture(Canvas),
 }
 
 /// What has been made so far, counted; nothing is ever taken back.
@@ -112,6 +118,24 @@ impl Stage {
         Self::default()
     }
 
+    /// A stage that draws on a GPU. The device may be a window's own: then [`Pixels::Texture`] can be shown as it is.
+    pub fn on(gpu: Arc<Gpu>) -> Self {
+        Self {
+            studio: Some(Box::new(Studio::new(gpu))),
+            ..Self::default()
+        }
+    }
+
+    /// The GPU that it draws on, if it does.
+    pub fn gpu(&self) -> Option<&Arc<Gpu>> {
+        self.studio.as_ref().map(|studio| &studio.gpu)
+    }
+
+    /// Whether its GPU is gone for good: then a new stage is needed, on another device or by the software path.
+    pub fn is_lost(&self) -> bool {
+        self.gpu().is_some_and(|gpu| gpu.is_lost())
+    }
+
     /// Draws a view. The request's backend is not heeded: a stage has its own.
     ///
     /// Unlike [`crate::render`], which measures each scene anew, a stage draws in the bounds of the first scene that it
@@ -128,25 +152,17 @@ impl Stage {
     ) -> Result<Shot, RenderError> {
         let start = Instant::now();
         request.check(scene)?;
-        let (picture, inside) = match request.view {
-            View::Space { eye, target } => {
-                (self.space(scene, settings, request, [eye, target])?, None)
-            }
-            View::Geodesic { .. } => {
-                let structures = self.structures.of(scene);
-                let look = self.looks.look(scene, settings, &structures, request)?;
-                let picture = software::paint(scene, settings, request, &look.inside, &look.seen)?;
-                (picture, Some((look.seen.work(), look.seen.estimate())))
-            }
+        if self.is_lost() {
+            return Err(RenderError::Gpu("the device was lost".to_owned()));
+        }
+        let drawn = match request.view {
+            View::Space { eye, target } => self.space(scene, settings, request, [eye, target])?,
+            View::Geodesic { .. } => self.inside(scene, settings, request)?,
         };
-        self.looks.next();
         self.pictures += 1;
         Ok(Shot {
-            pixels: Pixels::Image(picture.image),
-            notes: picture.notes,
-            overlays: picture.overlays,
-            inside,
             took: start.elapsed(),
+            ..drawn
         })
     }
 
@@ -210,11 +226,13 @@ impl Stage {
 
     /// What has been made so far.
     pub fn counters(&self) -> Counters {
+        let studio = self.studio.as_ref();
+        let [pipelines, geodesic_kernels] = studio.map_or([0; 2], |studio| studio.pipelines());
         Counters {
             pictures: self.pictures,
-            pipelines: 0,
-            geodesic_kernels: 0,
-            sampled: self.samples.sampled,
+            pipelines,
+            geodesic_kernels,
+            sampled: self.samples.sampled + studio.map_or(0, |studio| studio.sampled()),
             looks: self.looks.followed,
         }
     }
@@ -225,25 +243,72 @@ impl Stage {
         settings: &Settings,
         request: &Request,
         [eye, target]: [Option<[f64; 3]>; 2],
-    ) -> Result<Picture, RenderError> {
+    ) -> Result<Shot, RenderError> {
         let structures = self.structures.of(scene);
         let placed = self.place.of(scene, settings, &structures);
         let camera = placed.camera(eye, target, request.size)?;
         let extras = self.extras(scene, settings, request, &camera.placement)?;
-        let (mut painted, notes) = self.painted(scene, settings, request, &placed);
-        painted.extend(extras.iter().map(|extra| Painted {
-            samples: extra.samples.clone(),
-            colour: extra.colour,
-            emphasis: 0.0,
-            texture: None,
-        }));
-        let image = software::draw(&camera, &painted, request.background_light(), &|_| {});
+        let (pixels, notes) = if let Some(studio) = &mut self.studio {
+            let space = Space {
+                scene,
+                settings,
+                request,
+                structures: &structures,
+                contents: placed.contents(),
+                camera: &camera,
+                extras: &extras,
+            };
+            let (canvas, notes) = studio.space(&mut self.samples, &space)?;
+            (Pixels::Texture(canvas), notes)
+        } else {
+            let (mut painted, notes) = self.painted(scene, settings, request, &placed);
+            painted.extend(extras.iter().map(|extra| Painted {
+                samples: extra.samples.clone(),
+                colour: extra.colour,
+                emphasis: 0.0,
+                texture: None,
+            }));
+            let behind = request.background_light();
+            let image = software::draw(&camera, &painted, behind, &|_| {});
+            (Pixels::Image(image), notes)
+        };
         self.samples.next();
-        Ok(Picture {
-            image,
-            backend: "software".to_owned(),
-            notes,
-            overlays: overlay::names(&extras),
+        Ok(Shot::new(pixels, notes, overlay::names(&extras)))
+    }
+
+    fn inside(
+        &mut self,
+        scene: &Arc<Scene>,
+        settings: &Settings,
+        request: &Request,
+    ) -> Result<Shot, RenderError> {
+        let structures = self.structures.of(scene);
+        let look = self.looks.look(scene, settings, &structures, request)?;
+        self.looks.next();
+        let cost = Some((look.seen.work(), look.seen.estimate()));
+        if let Some(studio) = &mut self.studio {
+            let gpu = studio.gpu.clone();
+            let (insides, mut workshop, canvases) = studio.insides();
+            let coloured = gpu.guarded(|| {
+                insides.colour(&mut workshop, canvases, scene, settings, request, &look)
+            });
+            let built = workshop.built;
+            studio.keep_count(built);
+            if let Some(coloured) = coloured? {
+                return Ok(Shot {
+                    inside: cost,
+                    ..Shot::new(coloured.pixels, coloured.notes, coloured.overlays)
+                });
+            }
+        }
+        let picture = software::paint(scene, settings, request, &look.inside, &look.seen)?;
+        Ok(Shot {
+            inside: cost,
+            ..Shot::new(
+                Pixels::Image(picture.image),
+                picture.notes,
+                picture.overlays,
+            )
         })
     }
 
@@ -299,6 +364,18 @@ impl Stage {
         let extras: Arc<[Extra]> = overlay::extras(scene, settings, request, placement)?.into();
         self.extras = Some((key, extras.clone()));
         Ok(extras)
+    }
+}
+
+impl Shot {
+    fn new(pixels: Pixels, notes: Vec<String>, overlays: Vec<&'static str>) -> Self {
+        Self {
+            pixels,
+            notes,
+            overlays,
+            inside: None,
+            took: Duration::ZERO,
+        }
     }
 }
 

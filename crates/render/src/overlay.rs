@@ -24,7 +24,7 @@ use geodesic::map::Map;
 use geodesic::trace::Status;
 use image::RgbaImage;
 use rayon::prelude::*;
-use scene::scene::{ObjectId, Scene};
+use scene::scene::{Object, ObjectId, Scene, Shape};
 use scene::values::Settings;
 
 use crate::geodesic_view::Inside;
@@ -197,6 +197,12 @@ pub(crate) fn over_inside<'m>(
         key.draw(image);
     }
     (notes, drawn)
+}
+
+/// Whether anything lies over a geodesic picture of a surface.
+pub(crate) fn any_inside(scene: &Scene, request: &Request, surface: ObjectId) -> bool {
+    let worn = |object: &Object| matches!(object.shape, Shape::Geodesic { surface: on, .. } if on == surface);
+    request.overlays.any() || scene.objects.iter().any(worn)
 }
 
 /// Half the width of a line over a picture, in pixels.

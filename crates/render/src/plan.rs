@@ -298,6 +298,39 @@ fn object_plan(
     })
 }
 
+/// Samples of all instances of an object in space.
+pub(crate) fn samples(scene: &Scene, settings: &Settings, id: ObjectId) -> u64 {
+    let Some(object) = scene.objects.get(id.0 as usize) else {
+        return 0;
+    };
+    let per_instance = match &object.shape {
+        Shape::Point { .. } | Shape::Vector { .. } => 1,
+        Shape::Curve { domain, .. } => u64::from(domain.count),
+        Shape::Surface { domain, .. } => u64::from(domain[0].count) * u64::from(domain[1].count),
+        // A geodesic has no expression: it is followed in f64.
+        Shape::Metric { .. } | Shape::Geodesic { .. } => 0,
+    };
+    settings
+        .instance_count(scene, object)
+        .saturating_mul(per_instance)
+}
+
+/// Operations of one sample of an object, of a surface with its normal.
+pub(crate) fn operations(scene: &Scene, id: ObjectId) -> u64 {
+    let Some(object) = scene.objects.get(id.0 as usize) else {
+        return 0;
+    };
+    let with_normal = match &object.shape {
+        Shape::Surface { position, .. } => {
+            surface_roots(scene, position).map(|(graph, roots)| count(&graph, &roots))
+        }
+        _ => None,
+    };
+    with_normal
+        .unwrap_or_else(|| count(&scene.graph, &object.shape.roots()))
+        .max(1)
+}
+
 fn is_embedded(scene: &Scene, object: ObjectId) -> bool {
     matches!(
         scene.objects.get(object.0 as usize).map(|o| &o.shape),

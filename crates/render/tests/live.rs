@@ -1,10 +1,13 @@
-//! A stage's pictures against those that are made from scratch, and what it makes for them.
+//! A stage's pictures against those that are made from scratch, and what it makes for them, by the software path and on a
+//! GPU. The latter needs one, or software Vulkan (`mesa-vulkan-drivers` on Debian); without it these tests fail rather
+//! than pass unrun.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use image::RgbaImage;
-use render::live::{Counters, Pixels, Stage};
+use render::gpu::Gpu;
+use render::live::{Counters, Pixels, Shot, Stage};
 use render::{Backend, RenderError, Request, View};
 use scene::scene::{ObjectId, Scene, Shape};
 use scene::values::Settings;
@@ -49,10 +52,35 @@ fn twenty(edited: Option<usize>) -> String {
         .collect()
 }
 
-fn image(pixels: Pixels) -> RgbaImage {
-    match pixels {
-        Pixels::Image(image) => image,
+const BACKENDS: [Backend; 2] = [Backend::Software, Backend::Gpu];
+
+fn stage(backend: Backend) -> Stage {
+    match backend {
+        Backend::Gpu => Stage::on(Gpu::shared().expect("a GPU or software Vulkan")),
+        _ => Stage::software(),
     }
+}
+
+fn image(stage: &Stage, shot: &Shot) -> RgbaImage {
+    match (&shot.pixels, stage.gpu()) {
+        (Pixels::Image(image), _) => image.clone(),
+        (Pixels::Texture(canvas), Some(gpu)) => canvas.read(gpu).expect("the device is there"),
+        (Pixels::Texture(_), None) => panic!("a canvas without a device"),
+    }
+}
+
+/// The picture that is made by itself.
+fn alone(
+    backend: Backend,
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+) -> Result<render::Picture, RenderError> {
+    let request = Request {
+        backend,
+        ..request.clone()
+    };
+    render::render(scene, settings, &request, &|_| {})
 }
 
 fn seen_from(eye: [f64; 3]) -> Request {
@@ -97,26 +125,24 @@ impl Random {
 fn a_stage_draws_what_a_single_picture_shows() {
     for (name, text) in examples() {
         let (scene, settings) = compiled(&text);
-        let mut stage = Stage::software();
         let mut requests = vec![Request::space(SIZE)];
         let inside = (0..).zip(&scene.objects);
         let inside = inside.filter(|(_, object)| object.shape.patch().is_some());
-        requests.extend(inside.map(|(k, _)| Request::geodesic(ObjectId(k), [48, 40])));
-        for mut request in requests {
-            request.backend = Backend::Software;
-            let shot = stage.draw(&scene, &settings, &request);
-            match render::render(&scene, &settings, &request, &|_| {}) {
-                Ok(picture) => {
-                    let shot = shot.unwrap_or_else(|error| panic!("{name}: {error}"));
-                    assert_eq!(shot.notes, picture.notes, "{name}");
-                    assert_eq!(shot.overlays, picture.overlays, "{name}");
-                    assert!(
-                        image(shot.pixels) == picture.image,
-                        "{name}: {:?}",
-                        request.view
-                    );
+        requests.extend(inside.map(|(k, _)| Request::geodesic(ObjectId(k), [49, 40])));
+        for backend in BACKENDS {
+            let mut stage = stage(backend);
+            for request in &requests {
+                let shot = stage.draw(&scene, &settings, request);
+                match alone(backend, &scene, &settings, request) {
+                    Ok(picture) => {
+                        let shot = shot.unwrap_or_else(|error| panic!("{name}: {error}"));
+                        assert_eq!(shot.notes, picture.notes, "{name}");
+                        assert_eq!(shot.overlays, picture.overlays, "{name}");
+                        let same = image(&stage, &shot) == picture.image;
+                        assert!(same, "{name}, {backend:?}: {:?}", request.view);
+                    }
+                    Err(error) => assert_eq!(shot.err(), Some(error), "{name}"),
                 }
-                Err(error) => assert_eq!(shot.err(), Some(error), "{name}"),
             }
         }
     }
@@ -124,46 +150,27 @@ fn a_stage_draws_what_a_single_picture_shows() {
 
 #[test]
 fn a_camera_move_and_the_same_request_again_sample_nothing() {
-    let (scene, settings) = compiled(&twenty(None));
-    let mut stage = Stage::software();
-    stage
-        .draw(&scene, &settings, &Request::space(SIZE))
-        .expect("a picture");
-    let before = stage.counters();
-    assert_eq!(
-        (before.sampled, before.looks, before.geodesic_kernels),
-        (20, 0, 0)
-    );
-    for request in [
-        seen_from([30.0, 20.0, 10.0]),
-        seen_from([-30.0, 20.0, 10.0]),
-        Request::space([60, 60]),
-        Request::space(SIZE),
-    ] {
-        stage.draw(&scene, &settings, &request).expect("a picture");
-    }
-    let expected = Counters {
-        pictures: 4,
-        ..Counters::default()
-    };
-    assert_eq!(made(before, stage.counters()), expected);
-}
-
-#[test]
-fn a_param_samples_only_what_reads_it() {
-    let (scene, mut settings) = compiled(&twenty(None));
-    let mut stage = Stage::software();
-    let request = Request::space(SIZE);
-    stage.draw(&scene, &settings, &request).expect("a picture");
-    for step in 1..=10 {
+    for backend in BACKENDS {
+        let (scene, settings) = compiled(&twenty(None));
+        let mut stage = stage(backend);
+        stage
+            .draw(&scene, &settings, &Request::space(SIZE))
+            .expect("a picture");
         let before = stage.counters();
-        settings
-            .set(&scene, "a7", &[0.1 * f64::from(step)])
-            .expect("inside the interval");
-        stage.draw(&scene, &settings, &request).expect("a picture");
+        assert_eq!(
+            (before.sampled, before.looks, before.geodesic_kernels),
+            (20, 0, 0)
+        );
+        for request in [
+            seen_from([30.0, 20.0, 10.0]),
+            seen_from([-30.0, 20.0, 10.0]),
+            Request::space([60, 60]),
+            Request::space(SIZE),
+        ] {
+            stage.draw(&scene, &settings, &request).expect("a picture");
+        }
         let expected = Counters {
-            pictures: 1,
-            sampled: 1,
+            pictures: 4,
             ..Counters::default()
         };
         assert_eq!(made(before, stage.counters()), expected);
@@ -171,88 +178,109 @@ fn a_param_samples_only_what_reads_it() {
 }
 
 #[test]
+fn a_param_samples_only_what_reads_it() {
+    for backend in BACKENDS {
+        let (scene, mut settings) = compiled(&twenty(None));
+        let mut stage = stage(backend);
+        let request = Request::space(SIZE);
+        stage.draw(&scene, &settings, &request).expect("a picture");
+        for step in 1..=10 {
+            let before = stage.counters();
+            settings
+                .set(&scene, "a7", &[0.1 * f64::from(step)])
+                .expect("inside the interval");
+            stage.draw(&scene, &settings, &request).expect("a picture");
+            let expected = Counters {
+                pictures: 1,
+                sampled: 1,
+                ..Counters::default()
+            };
+            assert_eq!(made(before, stage.counters()), expected);
+        }
+    }
+}
+
+#[test]
 fn an_edit_of_one_of_twenty_surfaces_samples_one() {
-    let (scene, settings) = compiled(&twenty(None));
-    let (edited, _) = compiled(&twenty(Some(3)));
-    // The same surfaces, all further down the text and with other names for what they read.
-    let moved = format!(
-        "param b : [0, 1], [0, 1]; grid k : [0, 1, 3];\n{}",
-        twenty(None)
-    );
-    let (moved, other) = compiled(&moved);
-    let mut stage = Stage::software();
-    let request = Request::space(SIZE);
-    stage.draw(&scene, &settings, &request).expect("a picture");
-    for (scene, settings, sampled) in [
-        (&edited, &settings, 1),
-        // The old one is still kept.
-        (&scene, &settings, 0),
-        (&moved, &other, 0),
-    ] {
-        let before = stage.counters();
-        stage.draw(scene, settings, &request).expect("a picture");
-        assert_eq!(made(before, stage.counters()).sampled, sampled);
+    for backend in BACKENDS {
+        let (scene, settings) = compiled(&twenty(None));
+        let (edited, _) = compiled(&twenty(Some(3)));
+        // The same surfaces, all further down the text and with other names for what they read.
+        let moved = format!(
+            "param b : [0, 1], [0, 1]; grid k : [0, 1, 3];\n{}",
+            twenty(None)
+        );
+        let (moved, other) = compiled(&moved);
+        let mut stage = stage(backend);
+        let request = Request::space(SIZE);
+        stage.draw(&scene, &settings, &request).expect("a picture");
+        for (scene, settings, sampled) in [
+            (&edited, &settings, 1),
+            // The old one is still kept.
+            (&scene, &settings, 0),
+            (&moved, &other, 0),
+        ] {
+            let before = stage.counters();
+            stage.draw(scene, settings, &request).expect("a picture");
+            assert_eq!(made(before, stage.counters()).sampled, sampled);
+        }
     }
 }
 
 #[test]
 fn equal_objects_are_sampled_once_and_different_ones_apart() {
-    let text = "param a : [0, 1]; param b : [0, 1]; grid k : [0, 1, 3]; grid m : [0, 1, 4];
+    for backend in BACKENDS {
+        let text = "param a : [0, 1]; param b : [0, 1]; grid k : [0, 1, 3]; grid m : [0, 1, 4];
         point p = (a, 0, 0); point q = (a, 0, 0); point r = (b, 0, 0);
         point s = (k, 0, 0); point n = (m, 0, 0); point h = (k, m, 0); point w = (m, k, 0);
         vector x = (1, 2, 3) @ (4, 5, 6); vector y = (4, 5, 6) @ (1, 2, 3);
         curve c(t) = (t, 0, 0), t : [0, 1, 5]; curve d(t) = (t, 0, 0), t : [0, 1, 6];";
-    let (scene, settings) = compiled(text);
-    let mut stage = Stage::software();
-    let shot = stage
-        .draw(&scene, &settings, &Request::space(SIZE))
-        .expect("a picture");
-    // p, q and r have one value; all others are different.
-    assert_eq!(stage.counters().sampled, 9);
-    let picture = render::render(&scene, &settings, &software(Request::space(SIZE)), &|_| {});
-    assert!(image(shot.pixels) == picture.expect("a picture").image);
-}
-
-fn software(request: Request) -> Request {
-    Request {
-        backend: Backend::Software,
-        ..request
+        let (scene, settings) = compiled(text);
+        let mut stage = stage(backend);
+        let shot = stage
+            .draw(&scene, &settings, &Request::space(SIZE))
+            .expect("a picture");
+        // p, q and r have one value; all others are different.
+        assert_eq!(stage.counters().sampled, 9);
+        let picture = alone(backend, &scene, &settings, &Request::space(SIZE));
+        assert!(image(&stage, &shot) == picture.expect("a picture").image);
     }
 }
 
 #[test]
 fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
-    let text = "param a : [1, 2]; param b : [0, 1];
+    for backend in BACKENDS {
+        let text = "param a : [1, 2]; param b : [0, 1];
         surface s(u, v) = (a cos u, a sin u, v), u : [0, 2pi, 30], v : [-3, 3, 30];
         point p = (b, 0, 0);";
-    let (scene, mut settings) = compiled(text);
-    let mut stage = Stage::software();
-    let request = Request::geodesic(ObjectId(0), [40, 40]);
-    let walk = |stage: &mut Stage, settings: &Settings, request: &Request, looks| {
-        let before = stage.counters();
-        let shot = stage.draw(&scene, settings, request).expect("a picture");
-        let now = made(before, stage.counters());
-        assert_eq!((now.looks, now.sampled), (looks, 0));
-        let picture = render::render(&scene, settings, &software(request.clone()), &|_| {});
-        let picture = picture.expect("a picture");
-        assert_eq!(shot.notes, picture.notes);
-        assert!(image(shot.pixels) == picture.image);
-    };
-    walk(&mut stage, &settings, &request, 1);
-    walk(&mut stage, &settings, &request, 0);
-    let mut painted = request.clone();
-    painted.colours = vec![(ObjectId(0), [255, 0, 0])];
-    walk(&mut stage, &settings, &painted, 0);
-    settings.set(&scene, "b", &[0.5]).expect("inside");
-    walk(&mut stage, &settings, &request, 0);
-    settings.set(&scene, "a", &[1.5]).expect("inside");
-    walk(&mut stage, &settings, &request, 1);
-    let mut turned = request.clone();
-    if let View::Geodesic { angle, .. } = &mut turned.view {
-        *angle = 0.5;
+        let (scene, mut settings) = compiled(text);
+        let mut stage = stage(backend);
+        let request = Request::geodesic(ObjectId(0), [40, 40]);
+        let walk = |stage: &mut Stage, settings: &Settings, request: &Request, looks| {
+            let before = stage.counters();
+            let shot = stage.draw(&scene, settings, request).expect("a picture");
+            let now = made(before, stage.counters());
+            assert_eq!((now.looks, now.sampled), (looks, 0));
+            let picture = alone(backend, &scene, settings, request).expect("a picture");
+            assert_eq!(shot.notes, picture.notes);
+            assert!(image(stage, &shot) == picture.image);
+        };
+        walk(&mut stage, &settings, &request, 1);
+        walk(&mut stage, &settings, &request, 0);
+        let mut painted = request.clone();
+        painted.colours = vec![(ObjectId(0), [255, 0, 0])];
+        walk(&mut stage, &settings, &painted, 0);
+        settings.set(&scene, "b", &[0.5]).expect("inside");
+        walk(&mut stage, &settings, &request, 0);
+        settings.set(&scene, "a", &[1.5]).expect("inside");
+        walk(&mut stage, &settings, &request, 1);
+        let mut turned = request.clone();
+        if let View::Geodesic { angle, .. } = &mut turned.view {
+            *angle = 0.5;
+        }
+        walk(&mut stage, &settings, &turned, 1);
+        walk(&mut stage, &settings, &request, 0);
     }
-    walk(&mut stage, &settings, &turned, 1);
-    walk(&mut stage, &settings, &request, 0);
 }
 
 #[test]
@@ -289,83 +317,236 @@ fn the_first_camera_stays_while_the_scene_moves_a_little_and_follows_when_it_lea
 
 #[test]
 fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
-    let pieces = [
-        "surface s(u, v) = (cos u cos v, cos u sin v, sin u + 0.2 a), u : [-1.5, 1.5, 20], v : [0, 6, 20];",
-        "surface r(u, v) = (u, v, u v b), u : [-1, 1, 5], v : [-1, 1, 7];",
-        "curve c(t) = (cos t, sin t, a t / 6), t : [0, 6, 50];",
-        "point p = (k_1, k_2, b);",
-        "vector w = (0, a, 1) @ (k_1, 0, 0);",
-        "metric h(u, v) = (1, 0, 1 + u^2), u : [-1, 1, 10], v : [-1, 1, 10];",
-        "geodesic g(t) : s = (1, b) @ (0.1, 1), t : [0, 2];",
-        "surface q(u, v) = (u, v, 1 / (u - a)), u : [0, 1, 30], v : [0, 1, 30];",
-    ];
-    for seed in 0..6 {
-        let mut random = Random(seed);
-        let mut stage = Stage::software();
-        let mut kept = [true; 8];
-        let (mut scene, mut settings) = (None::<Arc<Scene>>, None::<Settings>);
-        let mut request = Request::space(SIZE);
-        for step in 0..25 {
-            match (&scene, random.below(4)) {
-                (Some(scene), 0) => {
-                    let settings = settings.as_mut().expect("with its scene");
-                    let name = ["a", "b"][random.below(2)];
-                    settings.set(scene, name, &[random.next()]).expect("inside");
-                }
-                (Some(_), 1) => {
-                    let [x, y, z] = [(); 3].map(|()| 8.0 * random.next() - 4.0);
-                    request = seen_from([x, y, z + 3.0]);
-                }
-                (Some(scene), 2) => {
-                    let surfaces: Vec<u32> = (0..)
-                        .zip(&scene.objects)
-                        .filter(|(_, object)| matches!(object.shape, Shape::Surface { .. }))
-                        .map(|(k, _)| k)
-                        .collect();
-                    if !surfaces.is_empty() {
-                        let surface = surfaces[random.below(surfaces.len())];
-                        request = Request::geodesic(ObjectId(surface), [40, 30]);
+    for backend in BACKENDS {
+        let pieces = [
+            "surface s(u, v) = (cos u cos v, cos u sin v, sin u + 0.2 a), u : [-1.5, 1.5, 20], v : [0, 6, 20];",
+            "surface r(u, v) = (u, v, u v b), u : [-1, 1, 5], v : [-1, 1, 7];",
+            "curve c(t) = (cos t, sin t, a t / 6), t : [0, 6, 50];",
+            "point p = (k_1, k_2, b);",
+            "vector w = (0, a, 1) @ (k_1, 0, 0);",
+            "metric h(u, v) = (1, 0, 1 + u^2), u : [-1, 1, 10], v : [-1, 1, 10];",
+            "geodesic g(t) : s = (1, b) @ (0.1, 1), t : [0, 2];",
+            "surface q(u, v) = (u, v, 1 / (u - a)), u : [0, 1, 30], v : [0, 1, 30];",
+        ];
+        for seed in 0..4 {
+            let mut random = Random(seed);
+            let mut stage = self::stage(backend);
+            let mut kept = [true; 8];
+            let (mut scene, mut settings) = (None::<Arc<Scene>>, None::<Settings>);
+            let mut request = Request::space(SIZE);
+            for step in 0..25 {
+                match (&scene, random.below(4)) {
+                    (Some(scene), 0) => {
+                        let settings = settings.as_mut().expect("with its scene");
+                        let name = ["a", "b"][random.below(2)];
+                        settings.set(scene, name, &[random.next()]).expect("inside");
+                    }
+                    (Some(_), 1) => {
+                        let [x, y, z] = [(); 3].map(|()| 8.0 * random.next() - 4.0);
+                        request = seen_from([x, y, z + 3.0]);
+                    }
+                    (Some(scene), 2) => {
+                        let surfaces: Vec<u32> = (0..)
+                            .zip(&scene.objects)
+                            .filter(|(_, object)| matches!(object.shape, Shape::Surface { .. }))
+                            .map(|(k, _)| k)
+                            .collect();
+                        if !surfaces.is_empty() {
+                            let surface = surfaces[random.below(surfaces.len())];
+                            request = Request::geodesic(ObjectId(surface), [40, 30]);
+                        }
+                    }
+                    _ => {
+                        let flipped = random.below(8);
+                        kept[flipped] = !kept[flipped];
+                        // Without the surface there is no geodesic on it.
+                        let text: String = pieces
+                            .iter()
+                            .zip(kept)
+                            .enumerate()
+                            .filter(|(k, (_, on))| *on && (*k != 6 || kept[0]))
+                            .map(|(_, (piece, _))| *piece)
+                            .collect();
+                        let text = format!(
+                            "param a : [0, 1]; param b : [0, 1]; grid k : [0, 1, 3], [0, 1, 2];{text}"
+                        );
+                        let (new, opening) = compiled(&text);
+                        (scene, settings) = (Some(new), Some(opening));
+                        if matches!(request.view, View::Geodesic { .. }) {
+                            request = Request::space(SIZE);
+                        }
                     }
                 }
-                _ => {
-                    let flipped = random.below(8);
-                    kept[flipped] = !kept[flipped];
-                    // Without the surface there is no geodesic on it.
-                    let text: String = pieces
-                        .iter()
-                        .zip(kept)
-                        .enumerate()
-                        .filter(|(k, (_, on))| *on && (*k != 6 || kept[0]))
-                        .map(|(_, (piece, _))| *piece)
-                        .collect();
-                    let text = format!(
-                        "param a : [0, 1]; param b : [0, 1]; grid k : [0, 1, 3], [0, 1, 2];{text}"
-                    );
-                    let (new, opening) = compiled(&text);
-                    (scene, settings) = (Some(new), Some(opening));
-                    if matches!(request.view, View::Geodesic { .. }) {
-                        request = Request::space(SIZE);
+                let (Some(scene), Some(settings)) = (&scene, &settings) else {
+                    continue;
+                };
+                let shot = stage.draw(scene, settings, &request);
+                let mut fresh = self::stage(backend);
+                fresh.set_bounds(stage.bounds());
+                let expected = fresh.draw(scene, settings, &request);
+                match (shot, expected) {
+                    (Ok(shot), Ok(expected)) => {
+                        assert_eq!(shot.notes, expected.notes, "seed {seed}, step {step}");
+                        let same = image(&stage, &shot) == image(&fresh, &expected);
+                        assert!(same, "seed {seed}, step {step}: {:?}", request.view);
                     }
-                }
-            }
-            let (Some(scene), Some(settings)) = (&scene, &settings) else {
-                continue;
-            };
-            let shot = stage.draw(scene, settings, &request);
-            let mut fresh = Stage::software();
-            fresh.set_bounds(stage.bounds());
-            let expected = fresh.draw(scene, settings, &request);
-            match (shot, expected) {
-                (Ok(shot), Ok(expected)) => {
-                    assert_eq!(shot.notes, expected.notes, "seed {seed}, step {step}");
-                    let same = image(shot.pixels) == image(expected.pixels);
-                    assert!(same, "seed {seed}, step {step}: {:?}", request.view);
-                }
-                (shot, expected) => {
-                    let errors: [Option<RenderError>; 2] = [shot.err(), expected.err()];
-                    assert_eq!(errors[0], errors[1]);
+                    (shot, expected) => {
+                        let errors: [Option<RenderError>; 2] = [shot.err(), expected.err()];
+                        assert_eq!(errors[0], errors[1]);
+                    }
                 }
             }
         }
     }
+}
+
+#[test]
+fn pipelines_are_built_for_kinds_of_objects_and_never_again() {
+    let (scene, mut settings) = compiled(&twenty(None));
+    let (edited, _) = compiled(&twenty(Some(3)));
+    let mut stage = stage(Backend::Gpu);
+    let request = Request::space(SIZE);
+    stage.draw(&scene, &settings, &request).expect("a picture");
+    assert_eq!(stage.counters().pipelines, 1, "surfaces alone");
+    for step in 0..5 {
+        settings
+            .set(&scene, "a1", &[0.1 * f64::from(step)])
+            .expect("inside");
+        stage.draw(&scene, &settings, &request).expect("a picture");
+    }
+    stage
+        .draw(&scene, &settings, &seen_from([30.0, 20.0, 10.0]))
+        .expect("a picture");
+    stage.draw(&edited, &settings, &request).expect("a picture");
+    stage
+        .draw(&scene, &settings, &Request::space([50, 50]))
+        .expect("a picture");
+    let now = stage.counters();
+    assert_eq!((now.pipelines, now.geodesic_kernels, now.looks), (1, 0, 0));
+    assert_eq!(now.sampled, 20 + 4 + 1);
+    // A geodesic view takes one fixed pass, and no kernel of its own.
+    for surface in [0, 1, 0] {
+        let inside = Request::geodesic(ObjectId(surface), [40, 40]);
+        stage.draw(&scene, &settings, &inside).expect("a picture");
+    }
+    let now = stage.counters();
+    assert_eq!((now.pipelines, now.geodesic_kernels, now.looks), (2, 0, 2));
+    let (curves, settings) =
+        compiled("curve c(t) = (t, t^2, 0), t : [0, 1, 20]; point p = (1, 0, 0);");
+    stage.draw(&curves, &settings, &request).expect("a picture");
+    assert_eq!(stage.counters().pipelines, 4);
+}
+
+#[test]
+fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
+    let waves: String = (1..60)
+        .map(|k| format!("+ 0.001 sin({k} u) cos({k} v)"))
+        .collect();
+    let text = format!(
+        "param a : [0, 1];
+        surface s(u, v) = (cos u (2 + cos v), sin u (2 + cos v), sin v + a sin(7 u) / 5 {waves}),
+            u : [0, 2pi, 1000], v : [0, 2pi, 700];"
+    );
+    let (scene, mut settings) = compiled(&text);
+    let request = Request::space(SIZE);
+    let plan = render::plan::plan(&scene, &settings, &request);
+    assert_eq!(plan.objects[0].source, render::plan::Source::Kernel);
+    let mut stage = stage(Backend::Gpu);
+    let first = stage.draw(&scene, &settings, &request).expect("a picture");
+    let first = image(&stage, &first);
+    let start = std::time::Instant::now();
+    while stage.counters().pipelines < 2 {
+        assert!(
+            start.elapsed().as_secs() < 120,
+            "no kernel: {:?}",
+            stage.counters()
+        );
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    // What is there stays; other values come from the kernel, which is not built again.
+    let before = stage.counters();
+    stage.draw(&scene, &settings, &request).expect("a picture");
+    assert_eq!(made(before, stage.counters()).sampled, 0);
+    settings.set(&scene, "a", &[0.5]).expect("inside");
+    let bumpy = stage.draw(&scene, &settings, &request).expect("a picture");
+    let bumpy = image(&stage, &bumpy);
+    assert_ne!(first, bumpy);
+    settings.set(&scene, "a", &[1.0]).expect("inside");
+    stage.draw(&scene, &settings, &request).expect("a picture");
+    settings.set(&scene, "a", &[0.5]).expect("inside");
+    let now = made(before, stage.counters());
+    assert_eq!((now.sampled, now.pipelines), (2, 0));
+    let software = alone(Backend::Software, &scene, &settings, &request).expect("a picture");
+    let off = software.image.as_raw().iter().zip(bumpy.as_raw());
+    let off = off.filter(|(a, b)| a.abs_diff(**b) > 24).count();
+    assert!(
+        off < software.image.as_raw().len() / 40,
+        "{off} bytes are off"
+    );
+    // Another program that reads other params finds the same kernel.
+    let (renamed, mut settings) = compiled(&format!("param b : [0, 3], [1, 2]; {text}"));
+    settings.set(&renamed, "a", &[0.25]).expect("inside");
+    stage
+        .draw(&renamed, &settings, &request)
+        .expect("a picture");
+    let now = made(before, stage.counters());
+    assert_eq!((now.sampled, now.pipelines), (3, 0));
+}
+
+#[test]
+fn a_canvas_is_drawn_on_again_once_nobody_looks_at_it() {
+    let (scene, settings) = compiled("point p = (0, 0, 0);");
+    let mut stage = stage(Backend::Gpu);
+    let mut draw = |colour: [u8; 4]| {
+        let mut request = Request::space([20, 10]);
+        request.background = Some(colour);
+        let shot = stage.draw(&scene, &settings, &request).expect("a picture");
+        match shot.pixels {
+            Pixels::Texture(canvas) => canvas,
+            Pixels::Image(_) => panic!("a picture in memory"),
+        }
+    };
+    let gpu = Gpu::shared().expect("a GPU or software Vulkan");
+    let red = draw([255, 0, 0, 255]);
+    let blue = draw([0, 0, 255, 255]);
+    assert!(!red.is(&blue));
+    let corner =
+        |canvas: &render::gpu::Canvas| canvas.read(&gpu).expect("a picture").get_pixel(0, 0).0;
+    assert_eq!(
+        (corner(&red), corner(&blue)),
+        ([255, 0, 0, 255], [0, 0, 255, 255])
+    );
+    drop(red);
+    let clear = draw([0, 255, 0, 128]);
+    let again = draw([1, 2, 3, 255]);
+    assert!(!clear.is(&blue) && !again.is(&clear));
+    assert_eq!(corner(&blue), [0, 0, 255, 255]);
+    let [_, green, _, alpha] = corner(&clear);
+    assert!(green >= 253 && alpha == 128, "{green} {alpha}");
+}
+
+#[test]
+fn a_lost_device_is_an_error_and_a_new_stage_goes_on() {
+    let (scene, settings) = compiled("surface s(u, v) = (u, v, u v), u : [0, 1], v : [0, 1];");
+    let gpu = Arc::new(own_gpu());
+    let mut stage = Stage::on(gpu.clone());
+    let request = Request::space(SIZE);
+    stage.draw(&scene, &settings, &request).expect("a picture");
+    assert!(!stage.is_lost());
+    gpu.destroy();
+    for request in [request.clone(), Request::geodesic(ObjectId(0), SIZE)] {
+        let error = stage
+            .draw(&scene, &settings, &request)
+            .expect_err("the device has gone");
+        assert!(matches!(error, RenderError::Gpu(_)), "{error}");
+    }
+    assert!(stage.is_lost());
+    let mut other = Stage::software();
+    other.set_bounds(stage.bounds());
+    other.draw(&scene, &settings, &request).expect("a picture");
+}
+
+/// A device that no other test uses.
+fn own_gpu() -> Gpu {
+    Gpu::open().expect("a GPU or software Vulkan")
 }

@@ -237,6 +237,7 @@ fn what_is_picked_is_what_the_picture_shows() {
             .pixels
         {
             Pixels::Image(image) => image,
+            Pixels::Texture(_) => panic!("a software stage draws images"),
         }
     };
     // An object is seen where the picture depends on its colour.

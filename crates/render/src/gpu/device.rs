@@ -1,28 +1,35 @@
 //! The device: opened once a process, its errors caught, its buffers made and read back.
 
-use std::sync::{Mutex, OnceLock, PoisonError, mpsc};
-
-use wgpu::util::DeviceExt;
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
 
 use crate::request::RenderError;
 
 /// An open device. wgpu's own handler of errors panics; here they are caught by scopes, or kept to be reported.
-pub(crate) struct Gpu {
+pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     /// The adapter's name.
     pub(crate) name: String,
-    /// What went wrong outside all scopes.
-    stray: &'static Mutex<Option<String>>,
+    faults: Arc<Faults>,
+}
+
+/// What has happened to a device outside all scopes.
+#[derive(Debug, Default)]
+struct Faults {
+    /// The first error that has not been reported yet.
+    stray: Mutex<Option<String>>,
+    lost: AtomicBool,
 }
 
 /// The process's device.
 ///
 /// # Errors
 /// [`RenderError::NoGpu`] where there is no driver or no device; this is not tried again.
-pub(crate) fn open() -> Result<&'static Gpu, RenderError> {
-    static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
-    GPU.get_or_init(Gpu::open)
+pub(crate) fn open() -> Result<&'static Arc<Gpu>, RenderError> {
+    static GPU: OnceLock<Result<Arc<Gpu>, String>> = OnceLock::new();
+    GPU.get_or_init(|| Gpu::find().map(Arc::new))
         .as_ref()
         .map_err(|reason| RenderError::NoGpu {
             reason: reason.clone(),
@@ -30,8 +37,7 @@ pub(crate) fn open() -> Result<&'static Gpu, RenderError> {
 }
 
 impl Gpu {
-    fn open() -> Result<Self, String> {
-        static STRAY: Mutex<Option<String>> = Mutex::new(None);
+    fn find() -> Result<Self, String> {
         let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
         description.flags = wgpu::InstanceFlags::empty();
         let instance = wgpu::Instance::new(description);
@@ -56,20 +62,59 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&description))
             .map_err(|error| format!("the GPU cannot be opened ({error})"))?;
-        device.on_uncaptured_error(std::sync::Arc::new(|error: wgpu::Error| {
-            keep(&STRAY, error.to_string())
+        Ok(Self::adopt(device, queue, adapter.get_info().name))
+    }
+
+    /// A device of its own.
+    ///
+    /// # Errors
+    /// [`RenderError::NoGpu`] where there is no driver or no device.
+    pub fn open() -> Result<Self, RenderError> {
+        Self::find().map_err(|reason| RenderError::NoGpu { reason })
+    }
+
+    /// Gives the device up, for everybody who uses it: as if it were lost.
+    pub fn destroy(&self) {
+        self.device.destroy();
+    }
+
+    /// A device that somebody else has opened, such as a window, with its adapter's name. From now on its errors and its
+    /// loss are caught here, and reported with the next picture.
+    pub fn adopt(device: wgpu::Device, queue: wgpu::Queue, name: String) -> Self {
+        let faults = Arc::new(Faults::default());
+        let kept = faults.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            kept.keep(error.to_string());
         }));
-        device.set_device_lost_callback(|reason, message| {
-            if reason != wgpu::DeviceLostReason::Destroyed {
-                keep(&STRAY, format!("the device was lost: {message}"));
-            }
+        let kept = faults.clone();
+        device.set_device_lost_callback(move |_, message| {
+            kept.lost.store(true, Ordering::Release);
+            kept.keep(format!("the device was lost: {message}"));
         });
-        Ok(Self {
+        Self {
             device,
             queue,
-            name: adapter.get_info().name,
-            stray: &STRAY,
-        })
+            name,
+            faults,
+        }
+    }
+
+    /// The process's own device, opened when it is first asked for.
+    ///
+    /// # Errors
+    /// [`RenderError::NoGpu`] where there is no driver or no device; this is not tried again.
+    pub fn shared() -> Result<Arc<Self>, RenderError> {
+        open().cloned()
+    }
+
+    /// Its adapter's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether the device is gone for good: nothing can be drawn with it any more.
+    pub fn is_lost(&self) -> bool {
+        self.faults.lost.load(Ordering::Acquire)
     }
 
     /// Runs work with all errors of the device caught. The first that occurs is the result, unless the work itself
@@ -93,6 +138,7 @@ impl Gpu {
             return Err(RenderError::Gpu(error.to_string()));
         }
         let stray = self
+            .faults
             .stray
             .lock()
             .unwrap_or_else(PoisonError::into_inner)
@@ -111,12 +157,19 @@ impl Gpu {
         bytes: &[u8],
     ) -> wgpu::Buffer {
         let contents = if bytes.is_empty() { &[0; 16] } else { bytes };
-        let description = wgpu::util::BufferInitDescriptor {
+        let size = contents.len().next_multiple_of(4) as u64;
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
-            contents,
+            size,
             usage,
-        };
-        self.device.create_buffer_init(&description)
+            mapped_at_creation: true,
+        });
+        // A buffer that could not be made (no memory, no device any more) has no range; the error scope says why.
+        if let Ok(mut range) = buffer.slice(..).get_mapped_range_mut() {
+            range.slice(..contents.len()).copy_from_slice(contents);
+        }
+        buffer.unmap();
+        buffer
     }
 
     /// A uniform buffer with one value.
@@ -272,9 +325,19 @@ impl Gpu {
     }
 }
 
-fn keep(place: &Mutex<Option<String>>, message: String) {
-    place
-        .lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .get_or_insert(message);
+impl Faults {
+    fn keep(&self, message: String) {
+        self.stray
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .get_or_insert(message);
+    }
+}
+
+impl fmt::Debug for Gpu {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Gpu")
+            .field("name", &self.name)
+            .finish_non_exhaustive()
+    }
 }

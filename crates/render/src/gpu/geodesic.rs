@@ -33,7 +33,7 @@ const BAND_PIXELS: u32 = 1 << 16;
 /// The most steps of one pixel's geodesic.
 const STEP_LIMIT: u32 = 2_000;
 /// How many statuses there are.
-const STATUSES: usize = 6;
+pub(crate) const STATUSES: usize = 6;
 /// Bytes of a pixel of the map.
 const PIXEL_BYTES: u64 = 16;
 
@@ -211,7 +211,7 @@ fn source(
 }
 
 /// What a fixed pass needs, but for the rows. The ends' offsets count `unit`s of (u,v) from `origin`.
-fn description(
+pub(crate) fn description(
     request: &Request,
     cover: &Cover,
     origin: [f64; 2],
@@ -251,6 +251,7 @@ fn description(
             0.0
         },
         ring_half: (0.75 * pixel_unit).max(0.6),
+        stride: [size[0], 0, 0, 0],
         hatching,
     }
 }

@@ -9,6 +9,7 @@ use crate::request::RenderError;
 use crate::style;
 
 /// A kind of glyph.
+#[derive(Debug)]
 pub(crate) struct Kind {
     /// The pipeline's name.
     pub(crate) label: &'static str,
@@ -23,6 +24,7 @@ pub(crate) struct Kind {
 }
 
 /// The painter of one kind.
+#[derive(Debug)]
 pub(crate) struct Glyphs {
     kind: &'static Kind,
     pipeline: wgpu::RenderPipeline,

@@ -171,6 +171,7 @@ pub(crate) struct Resolve {
     pub(crate) reach: i32,
     pub(crate) ring: f32,
     pub(crate) ring_half: f32,
+    pub(crate) stride: [u32; 4],
     pub(crate) hatching: [[f32; 4]; 12],
 }
 
@@ -269,7 +270,7 @@ mod tests {
             super::Resolve,
             [
                 colour, place, per_width, repeats, size, map_rows, rows, hatch, reach, ring,
-                ring_half, hatching,
+                ring_half, stride, hatching,
             ]
         );
         let samples = stubbed(&[

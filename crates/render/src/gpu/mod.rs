@@ -7,15 +7,19 @@
 //!
 //! What is built is counted ([`Built`]) and equals [`crate::plan::Plan::built`]. wgpu is used nowhere else.
 
+mod canvas;
 mod curves;
 mod device;
 mod evaluate;
 mod geodesic;
 mod glyphs;
+mod inside;
+mod kernels;
 mod layout;
 mod points;
 mod samples;
 mod space;
+pub(crate) mod studio;
 mod surfaces;
 mod vectors;
 mod workshop;
@@ -25,7 +29,11 @@ use scene::scene::{ObjectId, Scene};
 use scene::values::Settings;
 use wgsl::GenerateError;
 
+pub use canvas::Canvas;
+pub use device::Gpu;
 pub use evaluate::{EvaluateError, evaluate};
+// What a window opens its device with, so that there is one version of it.
+pub use wgpu;
 
 use crate::bounds::Placement;
 use crate::gpu::workshop::Workshop;

@@ -5,9 +5,10 @@ use scene::values::Settings;
 use wgsl::{GenerateError, Kernel};
 
 use crate::bounds::Placement;
+use crate::gpu::device::Gpu;
 use crate::gpu::internal;
 use crate::gpu::layout;
-use crate::gpu::workshop::{Workshop, dispatch_flat};
+use crate::gpu::workshop::{Workshop, bind_numbered, dispatch_flat};
 use crate::plan::{ObjectPlan, Source};
 use crate::request::RenderError;
 use crate::sample::{
@@ -15,6 +16,7 @@ use crate::sample::{
 };
 
 /// The samples of one object on the GPU.
+#[derive(Clone, Debug)]
 pub(crate) struct SampleBuffer {
     pub(crate) buffer: wgpu::Buffer,
     /// Samples of one instance along each parameter; 1 where there is no such parameter.
@@ -23,6 +25,8 @@ pub(crate) struct SampleBuffer {
     pub(crate) total: u32,
     /// What a reader of the picture should be told.
     pub(crate) notes: Vec<String>,
+    /// How many of them are undefined, if a kernel has computed them.
+    pub(crate) undefined: usize,
 }
 
 /// Fills a buffer with an object's samples, from the source that the plan names.
@@ -107,7 +111,7 @@ fn upload(
     placement: &Placement,
 ) -> Result<SampleBuffer, RenderError> {
     let (samples, notes) = sample::sample_with_notes(scene, settings, id, placement);
-    upload_samples(workshop, &samples, notes)
+    upload_samples(workshop.gpu, &samples, notes)
 }
 
 /// A buffer with samples that are there already.
@@ -115,7 +119,7 @@ fn upload(
 /// # Errors
 /// [`RenderError::Gpu`] if they do not fit the device.
 pub(crate) fn upload_samples(
-    workshop: &Workshop<'_>,
+    gpu: &Gpu,
     samples: &Samples,
     notes: Vec<String>,
 ) -> Result<SampleBuffer, RenderError> {
@@ -129,17 +133,19 @@ pub(crate) fn upload_samples(
             (bytemuck::cast_slice(samples), *count, samples.len())
         }
     };
-    workshop.gpu.check_size("samples", bytes.len() as u64)?;
-    let buffer = workshop.gpu.storage("samples", bytes);
+    gpu.check_size("samples", bytes.len() as u64)?;
+    let buffer = gpu.storage("samples", bytes);
     Ok(SampleBuffer {
         buffer,
         count,
         total: total as u32,
         notes,
+        undefined: 0,
     })
 }
 
-fn kernel(scene: &Scene, shape: &Shape) -> Result<Kernel, GenerateError> {
+/// The generated kernel of an object's samples.
+pub(crate) fn kernel(scene: &Scene, shape: &Shape) -> Result<Kernel, GenerateError> {
     match shape {
         // Neither is planned with a kernel: f64 blocks hold no samples of them.
         Shape::Metric { .. } | Shape::Geodesic { .. } => {
@@ -162,7 +168,34 @@ fn run(
     kernel: &Kernel,
     placement: &Placement,
 ) -> Result<SampleBuffer, RenderError> {
+    let pipeline = workshop.sample_kernel(kernel);
+    let slots = kernel.uniforms();
     let gpu = workshop.gpu;
+    by_kernel(
+        gpu,
+        scene,
+        settings,
+        object,
+        (&pipeline, slots),
+        placement,
+        None,
+    )
+}
+
+/// Fills a buffer with an object's samples (with the first few of them, if so many are asked for) by a kernel; `slots`
+/// are the uniforms that it reads.
+///
+/// # Errors
+/// [`RenderError::Gpu`] if they do not fit the device.
+pub(crate) fn by_kernel(
+    gpu: &Gpu,
+    scene: &Scene,
+    settings: &Settings,
+    object: &Object,
+    (pipeline, slots): (&wgpu::ComputePipeline, &[u32]),
+    placement: &Placement,
+    first: Option<u64>,
+) -> Result<SampleBuffer, RenderError> {
     let ends = |sampling: &Sampling| [sampling.range.min as f32, sampling.range.max as f32];
     let (domains, count, bytes_per_sample) = match &object.shape {
         Shape::Point { .. } | Shape::Metric { .. } | Shape::Geodesic { .. } => {
@@ -184,11 +217,12 @@ fn run(
     let total = settings
         .instance_count(scene, object)
         .saturating_mul(per_instance);
+    let total = first.map_or(total, |first| first.min(total));
     let size = total.saturating_mul(bytes_per_sample as u64);
     let buffer = gpu.output("samples", size)?;
     let mut uniforms: Vec<f32> = Vec::new();
     settings.for_each_instance(scene, object, |values| {
-        uniforms.extend(kernel.uniforms().iter().map(|&k| values[k as usize] as f32));
+        uniforms.extend(slots.iter().map(|&k| values[k as usize] as f32));
     });
     gpu.check_size("uniforms", 4 * uniforms.len() as u64)?;
     let uniforms = gpu.storage("uniforms", bytemuck::cast_slice(&uniforms));
@@ -197,7 +231,7 @@ fn run(
         maximum: [domains[0][1], domains[1][1]],
         count,
         total: total as u32,
-        slots: kernel.uniforms().len() as u32,
+        slots: slots.len() as u32,
         centre: placement.centre.map(|x| x as f32),
         per_length: (1.0 / placement.radius) as f32,
         horizon: HORIZON as f32,
@@ -205,28 +239,17 @@ fn run(
         padding: [0.0; 2],
     };
     let sampling = gpu.uniform("sampling", &sampling);
-    let pipeline = workshop.sample_kernel(kernel);
     // A constant object reads no uniforms: the pipeline then has no such binding.
     let layout = pipeline.get_bind_group_layout(0);
-    let group = if kernel.uniforms().is_empty() {
-        workshop.bind_numbered(
-            &layout,
-            &[
-                (0, sampling.as_entire_binding()),
-                (2, buffer.as_entire_binding()),
-            ],
-        )
-    } else {
-        workshop.bind(
-            &layout,
-            &[
-                sampling.as_entire_binding(),
-                uniforms.as_entire_binding(),
-                buffer.as_entire_binding(),
-            ],
-        )
-    };
-    gpu.submit(|encoder| dispatch_flat(encoder, &pipeline, &group, total));
+    let mut bindings = vec![
+        (0, sampling.as_entire_binding()),
+        (2, buffer.as_entire_binding()),
+    ];
+    if !slots.is_empty() {
+        bindings.push((1, uniforms.as_entire_binding()));
+    }
+    let group = bind_numbered(gpu, &layout, &bindings);
+    gpu.submit(|encoder| dispatch_flat(encoder, pipeline, &group, total));
     let undefined = gpu.read(&buffer, size, |bytes| {
         // The fourth number of a sample marks it as defined.
         bytes
@@ -240,5 +263,6 @@ fn run(
         count,
         total: total as u32,
         notes: note.into_iter().collect(),
+        undefined,
     })
 }

@@ -1,14 +1,18 @@
 //! The 3D view: painters into a multisampled target, tile by tile, read back into the picture.
 
+use std::sync::Arc;
+
 use image::RgbaImage;
 use rayon::prelude::*;
 use scene::{scene::Scene, values::Settings};
 
 use crate::bounds::Bounds;
 use crate::camera::Camera;
+use crate::gpu::canvas::Canvas;
 use crate::gpu::device::Gpu;
 use crate::gpu::glyphs::Glyphs;
 use crate::gpu::layout::View;
+use crate::gpu::samples::SampleBuffer;
 use crate::gpu::surfaces::Surfaces;
 use crate::gpu::workshop::{COLOUR_FORMAT, DEPTH_FORMAT, SAMPLES, Workshop};
 use crate::gpu::{Drawn, samples};
@@ -16,6 +20,7 @@ use crate::gpu::{curves, points, vectors};
 use crate::plan::{Painter, Plan};
 use crate::request::{RenderError, Request};
 use crate::style;
+use crate::texture::Texture;
 use crate::{overlay, sample};
 
 /// The longest side of a tile. A tile takes 36 bytes a pixel on the device, 150 MB at this side.
@@ -71,38 +76,18 @@ pub(crate) fn render(
             request.colour(object.object, shape),
             request.emphasis(object.object),
         );
-        let glyph = match object.painter {
-            Painter::Points => Some((&mut painters.points, &points::KIND)),
-            Painter::Vectors => Some((&mut painters.vectors, &vectors::KIND)),
-            Painter::Curves => Some((&mut painters.curves, &curves::KIND)),
-            Painter::Surfaces => None,
-        };
-        let draw = match glyph {
-            Some((place, kind)) => built(place, || Glyphs::new(workshop, kind))?
-                .draw(workshop, &view, &samples, colour),
-            None => {
-                let texture = request.texture(object.object);
-                built(&mut painters.surfaces, || Surfaces::new(workshop))?
-                    .draw(workshop, &view, &samples, colour, &texture)?
-            }
-        };
+        let texture = |()| request.texture(object.object);
+        let draw = painters.draw(workshop, object.painter, &view, &samples, colour, texture)?;
         draws.push(draw);
         progress(0.5 * (index + 1) as f32 / steps);
     }
 
     notes.extend(scene.objects.iter().filter_map(sample::left_out));
     for extra in &extras {
-        let samples = samples::upload_samples(workshop, &extra.samples, Vec::new())?;
-        let (place, kind) = match extra.painter {
-            Painter::Vectors => (&mut painters.vectors, &vectors::KIND),
-            _ => (&mut painters.curves, &curves::KIND),
-        };
-        let draw = built(place, || Glyphs::new(workshop, kind))?.draw(
-            workshop,
-            &view,
-            &samples,
-            (extra.colour, 0.0),
-        );
+        let samples = samples::upload_samples(workshop.gpu, &extra.samples, Vec::new())?;
+        let colour = (extra.colour, 0.0);
+        let texture = |()| Texture::orientation();
+        let draw = painters.draw(workshop, extra.painter, &view, &samples, colour, texture)?;
         draws.push(draw);
     }
 
@@ -110,6 +95,7 @@ pub(crate) fn render(
     let [width, height] = request.size;
     let mut picture = RgbaImage::new(width, height);
     let target = Target::new(gpu, [width.min(TILE), height.min(TILE)]);
+    let resolved = Canvas::new(gpu, target.size);
     let tiles: Vec<[u32; 2]> = (0..height.div_ceil(TILE))
         .flat_map(|y| (0..width.div_ceil(TILE)).map(move |x| [x * TILE, y * TILE]))
         .collect();
@@ -118,12 +104,12 @@ pub(crate) fn render(
         let uniform = View::new(&camera, *first, target.size);
         gpu.queue
             .write_buffer(&view, 0, bytemuck::bytes_of(&uniform));
-        gpu.submit(|encoder| target.draw(encoder, &draws, behind));
+        gpu.submit(|encoder| target.draw(encoder, &resolved, &draws, behind));
         let size = [
             target.size[0].min(width - first[0]),
             target.size[1].min(height - first[1]),
         ];
-        gpu.read_rows(&target.resolved, size, |y, row| {
+        gpu.read_rows(resolved.texture(), size, |y, row| {
             let start = 4 * ((first[1] as usize + y) * width as usize + first[0] as usize);
             picture.as_flat_samples_mut().samples[start..start + row.len()].copy_from_slice(row);
         })?;
@@ -140,7 +126,7 @@ pub(crate) fn render(
 }
 
 /// From colours that their alpha is multiplied into, as targets hold them, to colours beside their alpha.
-fn straighten(picture: &mut RgbaImage) {
+pub(crate) fn straighten(picture: &mut RgbaImage) {
     picture
         .as_flat_samples_mut()
         .samples
@@ -156,12 +142,50 @@ fn straighten(picture: &mut RgbaImage) {
 }
 
 /// The painters in use, each built when the first of its objects comes.
-#[derive(Default)]
-struct Painters {
+#[derive(Debug, Default)]
+pub(crate) struct Painters {
     points: Option<Glyphs>,
     vectors: Option<Glyphs>,
     curves: Option<Glyphs>,
     surfaces: Option<Surfaces>,
+}
+
+impl Painters {
+    /// The draw of an object with its samples, its colour in linear light and the share that it is emphasised by; of a
+    /// surface also its texture.
+    pub(crate) fn draw(
+        &mut self,
+        workshop: &mut Workshop<'_>,
+        painter: Painter,
+        view: &wgpu::Buffer,
+        samples: &SampleBuffer,
+        colour: ([f32; 3], f32),
+        texture: impl FnOnce(()) -> Arc<Texture>,
+    ) -> Result<Draw, RenderError> {
+        let (place, kind) = match painter {
+            Painter::Points => (&mut self.points, &points::KIND),
+            Painter::Vectors => (&mut self.vectors, &vectors::KIND),
+            Painter::Curves => (&mut self.curves, &curves::KIND),
+            Painter::Surfaces => {
+                return built(&mut self.surfaces, || Surfaces::new(workshop))?.draw(
+                    workshop,
+                    view,
+                    samples,
+                    colour,
+                    &texture(()),
+                );
+            }
+        };
+        let glyphs = built(place, || Glyphs::new(workshop, kind))?;
+        Ok(glyphs.draw(workshop, view, samples, colour))
+    }
+
+    /// Ends a picture: what it has not used is given up.
+    pub(crate) fn next(&mut self) {
+        if let Some(surfaces) = &mut self.surfaces {
+            surfaces.next();
+        }
+    }
 }
 
 /// What stands in the place, built now if nothing does.
@@ -173,18 +197,18 @@ fn built<T>(
     Ok(place.insert(value))
 }
 
-/// A multisampled target and what it resolves to.
-struct Target {
-    size: [u32; 2],
+/// A multisampled target.
+#[derive(Debug)]
+pub(crate) struct Target {
+    pub(crate) size: [u32; 2],
     colour: wgpu::TextureView,
     depth: wgpu::TextureView,
-    resolved: wgpu::Texture,
 }
 
 impl Target {
-    fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
-        let texture = |label, format, sample_count, usage| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
+    pub(crate) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
+        let texture = |label, format| {
+            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size: wgpu::Extent3d {
                     width: size[0],
@@ -192,40 +216,38 @@ impl Target {
                     depth_or_array_layers: 1,
                 },
                 mip_level_count: 1,
-                sample_count,
+                sample_count: SAMPLES,
                 dimension: wgpu::TextureDimension::D2,
                 format,
-                usage,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
                 view_formats: &[],
-            })
+            });
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
         };
-        let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
-        let all = wgpu::TextureViewDescriptor::default();
         Self {
             size,
-            colour: texture("colour", COLOUR_FORMAT, SAMPLES, attachment).create_view(&all),
-            depth: texture("depth", DEPTH_FORMAT, SAMPLES, attachment).create_view(&all),
-            resolved: texture(
-                "picture",
-                COLOUR_FORMAT,
-                1,
-                attachment | wgpu::TextureUsages::COPY_SRC,
-            ),
+            colour: texture("colour", COLOUR_FORMAT),
+            depth: texture("depth", DEPTH_FORMAT),
         }
     }
 
-    fn draw(&self, encoder: &mut wgpu::CommandEncoder, draws: &[Draw], behind: [f32; 4]) {
+    /// Draws onto a canvas of its size.
+    pub(crate) fn draw(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        canvas: &Canvas,
+        draws: &[Draw],
+        behind: [f32; 4],
+    ) {
         let [r, g, b, a] = behind.map(f64::from);
         let (r, g, b) = (r * a, g * a, b * a);
-        let resolved = self
-            .resolved
-            .create_view(&wgpu::TextureViewDescriptor::default());
+        let resolved = canvas.target();
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("objects"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &self.colour,
                 depth_slice: None,
-                resolve_target: Some(&resolved),
+                resolve_target: Some(resolved),
                 ops: wgpu::Operations {
                     load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a }),
                     store: wgpu::StoreOp::Discard,

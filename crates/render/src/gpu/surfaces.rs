@@ -10,12 +10,14 @@ use crate::request::RenderError;
 use crate::texture::Texture;
 
 /// The painter, with the images that are in use.
+#[derive(Debug)]
 pub(crate) struct Surfaces {
     pipeline: wgpu::RenderPipeline,
     sampler: wgpu::Sampler,
-    images: Vec<(Arc<Texture>, wgpu::TextureView)>,
-    /// Index buffers by the size of their grid.
-    indices: Vec<([u32; 2], wgpu::Buffer)>,
+    images: Vec<(Arc<Texture>, wgpu::TextureView, bool)>,
+    /// Index buffers by the size of their grid. As with images, the last number tells whether the picture that is being
+    /// made uses them.
+    indices: Vec<([u32; 2], wgpu::Buffer, bool)>,
 }
 
 impl Surfaces {
@@ -80,23 +82,32 @@ impl Surfaces {
         })
     }
 
+    /// Ends a picture: images and indices that it has not used are given up.
+    pub(crate) fn next(&mut self) {
+        self.images.retain_mut(|(.., used)| std::mem::take(used));
+        self.indices.retain_mut(|(.., used)| std::mem::take(used));
+    }
+
     /// The image's view; each image is uploaded once.
     fn image(&mut self, workshop: &mut Workshop<'_>, texture: &Arc<Texture>) -> wgpu::TextureView {
-        if let Some((_, view)) = self
+        if let Some((_, view, used)) = self
             .images
-            .iter()
-            .find(|(known, _)| Arc::ptr_eq(known, texture))
+            .iter_mut()
+            .find(|(known, ..)| Arc::ptr_eq(known, texture))
         {
+            *used = true;
             return view.clone();
         }
         let view = workshop.texture(texture);
-        self.images.push((texture.clone(), view.clone()));
+        self.images.push((texture.clone(), view.clone(), true));
         view
     }
 
     /// The indices of a grid's triangles.
     fn grid(&mut self, workshop: &Workshop<'_>, size: [u32; 2]) -> wgpu::Buffer {
-        if let Some((_, buffer)) = self.indices.iter().find(|(known, _)| *known == size) {
+        if let Some((_, buffer, used)) = self.indices.iter_mut().find(|(known, ..)| *known == size)
+        {
+            *used = true;
             return buffer.clone();
         }
         let [u, v] = size;
@@ -109,7 +120,7 @@ impl Surfaces {
             wgpu::BufferUsages::INDEX,
             bytemuck::cast_slice(&indices),
         );
-        self.indices.push((size, buffer.clone()));
+        self.indices.push((size, buffer.clone(), true));
         buffer
     }
 }

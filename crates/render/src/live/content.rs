@@ -67,6 +67,11 @@ impl Structure {
         &self.words
     }
 
+    /// The uniforms that it reads, in the order in which they are met.
+    pub(crate) fn uniforms(&self) -> &[u32] {
+        &self.uniforms
+    }
+
     /// All instances of the object, with their values.
     pub(crate) fn instances(&self, scene: &Scene, settings: &Settings, object: &Object) -> Content {
         let mut words = self.words.to_vec();

@@ -1,0 +1,154 @@
+//! Textures that pictures are drawn on: kept, handed out, and taken back when nobody looks at them any more.
+
+use std::sync::Arc;
+
+use image::RgbaImage;
+
+use crate::gpu::device::Gpu;
+use crate::gpu::space::straighten;
+use crate::gpu::workshop::COLOUR_FORMAT;
+use crate::request::RenderError;
+
+/// Canvases that nobody looks at are kept up to this number: panes are drawn again at the size that they had.
+const IDLE: usize = 4;
+
+/// A picture on a GPU. Clones are the same canvas; it may be drawn on again once all of them are gone.
+#[derive(Clone, Debug)]
+pub struct Canvas(Arc<Inner>);
+
+#[derive(Debug)]
+struct Inner {
+    size: [u32; 2],
+    texture: wgpu::Texture,
+    target: wgpu::TextureView,
+    bytes: wgpu::TextureView,
+}
+
+impl Canvas {
+    pub(crate) fn new(gpu: &Gpu, size: [u32; 2]) -> Self {
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("canvas"),
+            size: wgpu::Extent3d {
+                width: size[0],
+                height: size[1],
+                depth_or_array_layers: 1,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: COLOUR_FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT
+                | wgpu::TextureUsages::TEXTURE_BINDING
+                | wgpu::TextureUsages::COPY_SRC
+                | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[COLOUR_FORMAT.remove_srgb_suffix()],
+        });
+        let target = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let bytes = texture.create_view(&wgpu::TextureViewDescriptor {
+            format: Some(COLOUR_FORMAT.remove_srgb_suffix()),
+            usage: Some(wgpu::TextureUsages::TEXTURE_BINDING),
+            ..wgpu::TextureViewDescriptor::default()
+        });
+        Self(Arc::new(Inner {
+            size,
+            texture,
+            target,
+            bytes,
+        }))
+    }
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.0.size
+    }
+
+    /// The picture's bytes as they are, sRGB with their alpha multiplied into them: of the format `Rgba8Unorm`.
+    pub fn view(&self) -> &wgpu::TextureView {
+        &self.0.bytes
+    }
+
+    /// Whether two handles are the same canvas.
+    pub fn is(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+
+    /// Copies the picture into memory, its alpha beside its colours. Waits for the GPU.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if the device is lost.
+    pub fn read(&self, gpu: &Gpu) -> Result<RgbaImage, RenderError> {
+        gpu.guarded(|| {
+            let [width, height] = self.size();
+            let mut picture = RgbaImage::new(width, height);
+            gpu.read_rows(self.texture(), self.size(), |y, row| {
+                let start = 4 * y * width as usize;
+                picture.as_flat_samples_mut().samples[start..start + row.len()]
+                    .copy_from_slice(row);
+            })?;
+            if picture.pixels().any(|pixel| pixel.0[3] < 255) {
+                straighten(&mut picture);
+            }
+            Ok(picture)
+        })
+    }
+
+    pub(crate) fn texture(&self) -> &wgpu::Texture {
+        &self.0.texture
+    }
+
+    /// What is drawn into, in linear light.
+    pub(crate) fn target(&self) -> &wgpu::TextureView {
+        &self.0.target
+    }
+
+    /// Fills it from a buffer of rows that are `row` bytes apart.
+    pub(crate) fn fill(&self, encoder: &mut wgpu::CommandEncoder, from: &wgpu::Buffer, row: u32) {
+        let [width, height] = self.size();
+        let layout = wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(row),
+            rows_per_image: Some(height),
+        };
+        let from = wgpu::TexelCopyBufferInfo {
+            buffer: from,
+            layout,
+        };
+        let extent = wgpu::Extent3d {
+            width,
+            height,
+            depth_or_array_layers: 1,
+        };
+        encoder.copy_buffer_to_texture(from, self.texture().as_image_copy(), extent);
+    }
+
+    fn is_idle(&self) -> bool {
+        Arc::strong_count(&self.0) == 1
+    }
+}
+
+/// Canvases that have been handed out, and idle ones.
+#[derive(Debug, Default)]
+pub(crate) struct Canvases(Vec<Canvas>);
+
+impl Canvases {
+    /// A canvas that nobody looks at.
+    pub(crate) fn take(&mut self, gpu: &Gpu, size: [u32; 2]) -> Canvas {
+        let idle = |canvas: &Canvas| canvas.is_idle() && canvas.size() == size;
+        if let Some(at) = self.0.iter().position(idle) {
+            return self.0[at].clone();
+        }
+        // The idle ones that were made last are kept: they have the sizes that panes have now.
+        let mut kept = 0;
+        for at in (0..self.0.len()).rev() {
+            if self.0[at].is_idle() {
+                kept += 1;
+                if kept > IDLE {
+                    self.0.remove(at);
+                }
+            }
+        }
+        let canvas = Canvas::new(gpu, size);
+        self.0.push(canvas.clone());
+        canvas
+    }
+}

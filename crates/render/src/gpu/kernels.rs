@@ -1,0 +1,196 @@
+//! Kernels that are compiled in the background: until one is ready, f64 blocks stand in for it, and no picture waits.
+//!
+//! Drivers compile at the first dispatch, so a kernel counts as ready when it has filled a few samples.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::thread;
+
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
+use wgsl::GenerateError;
+
+use crate::bounds::Placement;
+use crate::gpu::device::Gpu;
+use crate::gpu::samples::{self, SampleBuffer};
+use crate::gpu::workshop::Workshop;
+use crate::live::content::Structure;
+use crate::plan::{self, KERNEL_PAYS};
+use crate::request::RenderError;
+
+/// Samples that a kernel fills before it is said to be ready.
+const FIRST: u64 = 64;
+/// Kernels that are kept.
+const MOST: usize = 256;
+
+/// Kernels by the structure of what they sample.
+#[derive(Debug, Default)]
+pub(crate) struct Kernels {
+    states: HashMap<Arc<[u64]>, State>,
+    built: Arc<AtomicU64>,
+}
+
+#[derive(Debug)]
+struct State {
+    /// Operations of one sample, with its normal.
+    operations: u64,
+    kernel: Option<Arc<OnceLock<Made>>>,
+}
+
+/// How a kernel has turned out.
+#[derive(Debug)]
+enum Made {
+    Ready(Ready),
+    /// Its expressions are too large for a shader.
+    TooLarge,
+    /// The driver, or this program's own validation, has refused it; the message.
+    Refused(String),
+}
+
+#[derive(Debug)]
+struct Ready {
+    pipeline: wgpu::ComputePipeline,
+    /// For each number of a row of uniforms, which of the structure's uniforms it is.
+    slots: Vec<usize>,
+}
+
+/// What there is for an object.
+pub(crate) enum Found {
+    /// Its samples, by a kernel.
+    Samples(SampleBuffer),
+    /// Blocks are to be used; if a kernel has been refused, why.
+    Blocks(Option<String>),
+}
+
+/// An object of a scene.
+pub(crate) struct Wanted<'a> {
+    pub(crate) scene: &'a Arc<Scene>,
+    pub(crate) settings: &'a Settings,
+    pub(crate) object: ObjectId,
+    pub(crate) structure: &'a Structure,
+    pub(crate) placement: &'a Placement,
+}
+
+impl Kernels {
+    /// Samples of an object by its kernel, if it pays and is ready. If it pays and is not known, its making begins.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub(crate) fn samples(
+        &mut self,
+        gpu: &Arc<Gpu>,
+        wanted: &Wanted,
+    ) -> Result<Found, RenderError> {
+        let Wanted {
+            scene, structure, ..
+        } = *wanted;
+        let samples = plan::samples(scene, wanted.settings, wanted.object);
+        // Nothing that a shader may hold would pay.
+        if samples.saturating_mul(wgsl::kernel::OPERATION_LIMIT as u64) < KERNEL_PAYS {
+            return Ok(Found::Blocks(None));
+        }
+        if self.states.len() >= MOST && !self.states.contains_key(structure.words()) {
+            self.states.clear();
+        }
+        let state = self
+            .states
+            .entry(structure.words().clone())
+            .or_insert_with(|| State {
+                operations: plan::operations(scene, wanted.object),
+                kernel: None,
+            });
+        if samples.saturating_mul(state.operations) < KERNEL_PAYS {
+            return Ok(Found::Blocks(None));
+        }
+        let kernel = state
+            .kernel
+            .get_or_insert_with(|| begin(gpu, wanted, &self.built));
+        let object = &scene.objects[wanted.object.0 as usize];
+        match kernel.get() {
+            None | Some(Made::TooLarge) => Ok(Found::Blocks(None)),
+            Some(Made::Refused(message)) => Ok(Found::Blocks(Some(format!(
+                "the GPU has refused the shader of `{}`, which is computed without it: {message}",
+                object.name
+            )))),
+            Some(Made::Ready(ready)) => {
+                let slots: Vec<u32> = ready
+                    .slots
+                    .iter()
+                    .map(|&at| structure.uniforms()[at])
+                    .collect();
+                let by = (&ready.pipeline, &slots[..]);
+                samples::by_kernel(
+                    gpu,
+                    scene,
+                    wanted.settings,
+                    object,
+                    by,
+                    wanted.placement,
+                    None,
+                )
+                .map(Found::Samples)
+            }
+        }
+    }
+
+    /// How many have been built so far.
+    pub(crate) fn built(&self) -> u64 {
+        self.built.load(Ordering::Relaxed)
+    }
+}
+
+/// Begins to make the kernel of an object, on a thread of its own.
+fn begin(gpu: &Arc<Gpu>, wanted: &Wanted, built: &Arc<AtomicU64>) -> Arc<OnceLock<Made>> {
+    let place = Arc::new(OnceLock::new());
+    let (gpu, built, result) = (gpu.clone(), built.clone(), place.clone());
+    let scene = wanted.scene.clone();
+    let (settings, object) = (wanted.settings.clone(), wanted.object);
+    let (structure, placement) = (wanted.structure.clone(), *wanted.placement);
+    let work = move || {
+        let made = make(&gpu, &scene, &settings, object, &structure, &placement);
+        built.fetch_add(u64::from(matches!(made, Made::Ready(_))), Ordering::Relaxed);
+        // Nobody else sets it.
+        let _ = result.set(made);
+    };
+    let thread = thread::Builder::new().name("kernel".to_owned()).spawn(work);
+    if let Err(error) = thread {
+        // Blocks go on.
+        let _ = place.set(Made::Refused(error.to_string()));
+    }
+    place
+}
+
+fn make(
+    gpu: &Gpu,
+    scene: &Scene,
+    settings: &Settings,
+    object: ObjectId,
+    structure: &Structure,
+    placement: &Placement,
+) -> Made {
+    let object = &scene.objects[object.0 as usize];
+    let kernel = match samples::kernel(scene, &object.shape) {
+        Ok(kernel) => kernel,
+        Err(GenerateError::TooLarge { .. }) => return Made::TooLarge,
+        Err(GenerateError::Internal(error)) => return Made::Refused(error.message),
+    };
+    let made = gpu.guarded(|| {
+        let pipeline = Workshop::new(gpu).sample_kernel(&kernel);
+        let by = (&pipeline, kernel.uniforms());
+        samples::by_kernel(gpu, scene, settings, object, by, placement, Some(FIRST))?;
+        Ok(pipeline)
+    });
+    let slot = |uniform: &u32| {
+        structure
+            .uniforms()
+            .iter()
+            .position(|known| known == uniform)
+    };
+    let slots: Option<Vec<usize>> = kernel.uniforms().iter().map(slot).collect();
+    match (made, slots) {
+        (Ok(pipeline), Some(slots)) => Made::Ready(Ready { pipeline, slots }),
+        (Ok(_), None) => Made::TooLarge,
+        (Err(error), _) => Made::Refused(error.to_string()),
+    }
+}
