@@ -10,7 +10,7 @@ use glam::DVec3;
 use render::bounds::Bounds;
 use render::camera::Camera;
 use render::geodesic_view::Inside;
-use render::live::{Counters, Hit, Pixels, Shot, Stage};
+use render::live::{Counters, Hit, Shot, Stage};
 use render::{RenderError, Request, View};
 use scene::scene::Scene;
 use scene::values::Settings;
@@ -287,7 +287,7 @@ impl Easel {
             }
         };
         let shot: Shot = self.stage.draw(&order.scene, &order.settings, &request)?;
-        let Pixels::Image(image) = shot.pixels;
+        let image = self.stage.read(shot.pixels)?;
         let size = [image.width() as usize, image.height() as usize];
         Ok(Drawing {
             // Opaque, so it does not matter whether alpha has been multiplied in; this way is the quick one.

@@ -166,6 +166,20 @@ impl Stage {
         })
     }
 
+    /// A picture of this stage in memory. Waits for the GPU if it is there.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if the device is lost, or the picture is another stage's.
+    pub fn read(&self, pixels: Pixels) -> Result<RgbaImage, RenderError> {
+        match (pixels, self.gpu()) {
+            (Pixels::Image(image), _) => Ok(image),
+            (Pixels::Texture(canvas), Some(gpu)) => canvas.read(gpu),
+            (Pixels::Texture(_), None) => Err(RenderError::Gpu(
+                "the picture is another stage's".to_owned(),
+            )),
+        }
+    }
+
     /// What the 3D view that a request describes shows at the place (x, y), in pixels from its top left corner: a point,
     /// vector or curve that is seen within [`software::NEAR`] pixels, else the surface there. Metrics are not seen in
     /// space, and what lies behind something else is not seen either.
