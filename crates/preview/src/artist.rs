@@ -27,7 +27,7 @@ pub(crate) enum Answer {
     /// A picture, or the sentence that says why there is none.
     Drawn {
         pane: PaneKey,
-        picture: Result<Drawing, String>,
+        picture: Result<Box<Drawing>, String>,
         order: Box<Order>,
         counters: Counters,
     },
@@ -201,7 +201,7 @@ fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail, stage: Stage) {
                 }
             }
         };
-        if !mail.send(Letter::Artist(answer)) {
+        if !mail.send(Letter::Artist(Box::new(answer))) {
             return;
         }
     }
@@ -223,7 +223,7 @@ impl Easel {
                 let picture = self.draw(order, motions, start);
                 Answer::Drawn {
                     pane: pane.clone(),
-                    picture: picture.map_err(|error| error.to_string()),
+                    picture: picture.map(Box::new).map_err(|error| error.to_string()),
                     order: Box::new(order.clone()),
                     counters: self.stage.counters(),
                 }

@@ -28,6 +28,7 @@ mod orders;
 mod panes;
 mod pilot;
 mod report;
+mod saving;
 mod status;
 mod textures;
 mod watch;

@@ -15,7 +15,7 @@ pub(crate) enum Letter {
     /// A text has been compiled.
     Compiled(Compiled),
     /// The artist has finished something.
-    Artist(Answer),
+    Artist(Box<Answer>),
     /// The file on disk holds another text now.
     Changed {
         /// The text, or why it cannot be read.

@@ -1,13 +1,12 @@
 //! The menu bar and the dialogs it opens.
 
-use std::path::PathBuf;
-
-use egui::{DragValue, Grid, MenuBar, Panel, Ui};
+use egui::{Grid, MenuBar, Panel, Ui};
 
 use crate::files;
 use crate::model::{Marks, Step, WAVEFRONTS};
 use crate::orders::PaneKey;
 use crate::panes::Pane;
+use crate::saving::{self, PictureDialog};
 use crate::window::{Origin, Window};
 
 /// The dialogs, and what has been entered.
@@ -17,25 +16,18 @@ pub(crate) struct Dialogs {
     pub(crate) shortcuts: bool,
     /// A picture is to be saved.
     pub(crate) picture: Option<PictureDialog>,
+    /// A mesh is to be written: its file.
+    pub(crate) mesh: Option<String>,
     /// The window was asked to close with a text that is not saved.
     pub(crate) leaving: bool,
     /// What stands in the field for a texture's file.
     pub(crate) texture_path: String,
 }
 
-/// What is asked about a picture.
-#[derive(Clone, Debug)]
-pub(crate) struct PictureDialog {
-    pane: PaneKey,
-    size: [u32; 2],
-    transparent: bool,
-    path: String,
-}
-
 impl Dialogs {
     /// Whether keys belong to a dialog.
     pub(crate) fn is_open(&self) -> bool {
-        self.picture.is_some() || self.leaving
+        self.picture.is_some() || self.mesh.is_some() || self.leaving
     }
 }
 
@@ -75,13 +67,19 @@ fn file(window: &mut Window, ui: &mut Ui) {
         .add_enabled(has_picture, egui::Button::new("Save picture…"))
         .clicked()
     {
-        ask_for_picture(window);
+        saving::ask_for_picture(window);
     }
     if ui
         .add_enabled(has_picture, egui::Button::new("Copy picture"))
         .clicked()
     {
-        copy(window, ui);
+        saving::copy_picture(window, ui);
+    }
+    if ui
+        .add_enabled(has_picture, egui::Button::new("Export mesh…"))
+        .clicked()
+    {
+        saving::ask_for_mesh(window);
     }
 }
 
@@ -174,137 +172,14 @@ fn overlays(window: &mut Window, ui: &mut Ui) {
     }
 }
 
-fn ask_for_picture(window: &mut Window) {
-    let Some(order) = window.sent(&window.active) else {
-        return;
-    };
-    let name = match &window.active {
-        PaneKey::Space => "3d.png".to_owned(),
-        PaneKey::Inside(name) => format!("{name}.png"),
-    };
-    let folder = window.folder().unwrap_or_default();
-    window.dialogs.picture = Some(PictureDialog {
-        pane: window.active.clone(),
-        size: order.size,
-        transparent: false,
-        path: folder.join(name).display().to_string(),
-    });
-}
-
-fn copy(window: &mut Window, ui: &Ui) {
-    let request = window.sent(&window.active).cloned();
-    let Some(order) = request else {
-        return;
-    };
-    let camera = match &window.active {
-        PaneKey::Inside(name) => window.model.view.inside.get(name).copied(),
-        PaneKey::Space => None,
-    };
-    let context = ui.ctx().clone();
-    let mail = window.mail.clone();
-    files::write_to(mail, PathBuf::new(), move |_| {
-        let request = order.request(camera);
-        let picture = render::render(&order.scene, &order.settings, &request, &|_| {});
-        let image = picture.map_err(|error| error.to_string())?.image;
-        let size = [image.width() as usize, image.height() as usize];
-        context.copy_image(egui::ColorImage::from_rgba_unmultiplied(
-            size,
-            image.as_raw(),
-        ));
-        Ok(format!(
-            "A picture of {}×{} pixels was copied",
-            size[0], size[1]
-        ))
-    });
-}
-
 /// The dialogs that are open.
 pub(crate) fn dialogs(window: &mut Window, ui: &mut Ui) {
     if window.dialogs.shortcuts {
         shortcuts(window, ui);
     }
-    if let Some(dialog) = window.dialogs.picture.take() {
-        picture(window, ui, dialog);
-    }
+    saving::show(window, ui);
     if window.dialogs.leaving {
         leaving(window, ui);
-    }
-}
-
-fn picture(window: &mut Window, ui: &Ui, mut dialog: PictureDialog) {
-    let mut save = false;
-    let mut cancel = false;
-    let mut browse = false;
-    let modal = egui::Modal::new(egui::Id::unique("save picture")).show(ui.ctx(), |ui| {
-        ui.heading("Save picture");
-        Grid::new("picture").num_columns(2).show(ui, |ui| {
-            let label = ui.label("Width");
-            let side = 1..=render::request::MAX_SIDE;
-            ui.add(
-                DragValue::new(&mut dialog.size[0])
-                    .range(side.clone())
-                    .suffix(" px"),
-            )
-            .labelled_by(label.id);
-            ui.end_row();
-            let label = ui.label("Height");
-            ui.add(
-                DragValue::new(&mut dialog.size[1])
-                    .range(side)
-                    .suffix(" px"),
-            )
-            .labelled_by(label.id);
-            ui.end_row();
-            let label = ui.label("File");
-            ui.horizontal(|ui| {
-                let edit = egui::TextEdit::singleline(&mut dialog.path).desired_width(320.0);
-                ui.add(edit).labelled_by(label.id);
-                browse = ui.button("Choose…").clicked();
-            });
-            ui.end_row();
-        });
-        if dialog.pane == PaneKey::Space {
-            ui.checkbox(&mut dialog.transparent, "Transparent background");
-        }
-        ui.horizontal(|ui| {
-            save = ui.button("Save").clicked();
-            cancel = ui.button("Cancel").clicked();
-        });
-    });
-    if modal.should_close() || cancel {
-        return;
-    }
-    if !save && !browse {
-        window.dialogs.picture = Some(dialog);
-        return;
-    }
-    let Some(order) = window.sent(&dialog.pane).cloned() else {
-        return;
-    };
-    let camera = match &dialog.pane {
-        PaneKey::Inside(name) => window.model.view.inside.get(name).copied(),
-        PaneKey::Space => None,
-    };
-    let mut request = order.request(camera);
-    request.size = dialog.size;
-    if dialog.transparent {
-        request.background = Some([0; 4]);
-    }
-    let mail = window.mail.clone();
-    let path = PathBuf::from(&dialog.path);
-    let write = move |path: &std::path::Path| {
-        files::save_picture(path, &order.scene, &order.settings, &request)
-    };
-    if save {
-        files::write_to(mail, path, write);
-    } else {
-        let name = path
-            .file_name()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned();
-        let folder = path.parent().map(PathBuf::from);
-        files::choose_target(mail, "Save picture", name, folder, write);
     }
 }
 

@@ -64,9 +64,25 @@ impl Model {
         self.took = compiled.took;
         self.findings = compiled.findings;
         if let Some(scene) = compiled.scene {
+            self.heed_openings(&scene);
             self.scene = Some(scene);
             self.stale = compiled.stale.into_iter().collect();
             self.settings = None;
+        }
+    }
+
+    /// Where the text gives a param another value than before, that is the one it has now: what was said last holds.
+    fn heed_openings(&mut self, scene: &Scene) {
+        let Some(old) = &self.scene else {
+            return;
+        };
+        let (before, after) = (Settings::opening(old), Settings::opening(scene));
+        for param in &scene.params {
+            let known = old.params.iter().find(|it| it.name == param.name);
+            let same_ranges = known.is_some_and(|it| it.ranges == param.ranges);
+            if same_ranges && known.is_some_and(|it| before.param(it) != after.param(param)) {
+                self.view.params.remove(&param.name);
+            }
         }
     }
 

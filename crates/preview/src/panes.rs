@@ -30,6 +30,8 @@ pub(crate) enum Pane {
     Program,
 }
 
+/// The width of what is written beside that of a picture.
+const SIDE: f32 = 0.8;
 /// How many geodesic views are opened without being asked for.
 const OPENED: usize = 8;
 
@@ -47,18 +49,17 @@ impl Panes {
         let settings = tiles.insert_pane(Pane::Settings);
         let views = tabs(&mut tiles, space);
         let settings = tabs(&mut tiles, settings);
-        let mut children = vec![views, settings];
-        let mut shares = vec![(views, 1.0), (settings, 0.5)];
-        if with_program {
+        let side = if with_program {
             let program = tiles.insert_pane(Pane::Program);
             let program = tabs(&mut tiles, program);
-            children.insert(0, program);
-            shares.push((program, 0.75));
-        }
-        let mut row = Linear::new(LinearDir::Horizontal, children);
-        for (tile, share) in shares {
-            row.shares.set_share(tile, share);
-        }
+            let column = Linear::new(LinearDir::Vertical, vec![program, settings]);
+            tiles.insert_container(Container::Linear(column))
+        } else {
+            settings
+        };
+        let mut row = Linear::new(LinearDir::Horizontal, vec![side, views]);
+        row.shares.set_share(side, SIDE);
+        row.shares.set_share(views, 1.0);
         let root = tiles.insert_container(Container::Linear(row));
         Self {
             tree: Tree::new(egui::Id::unique("panes"), root, tiles),
@@ -112,7 +113,7 @@ impl Panes {
             };
             row.children.insert(at, new);
             row.shares
-                .set_share(new, if *pane == Pane::Settings { 0.5 } else { 1.0 });
+                .set_share(new, if *pane == Pane::Settings { SIDE } else { 1.0 });
             return;
         }
         let root = match self.tree.root() {

@@ -646,14 +646,11 @@ impl Window {
                 param: name.to_owned(),
                 value,
             }),
-            Origin::File { editor, .. } => {
-                if editor.write_param(name, &value) {
-                    self.compile_own();
-                } else {
-                    let sentence = format!("the value of `{name}` cannot be written into the text");
-                    self.said = Some((true, sentence));
-                }
-            }
+            Origin::File { editor, .. } => match editor.write_param(name, &value) {
+                Ok(true) => self.compile_own(),
+                Ok(false) => {}
+                Err(sentence) => self.said = Some((true, sentence)),
+            },
         }
     }
 

@@ -47,6 +47,19 @@ fn a_param_keeps_its_value_by_name_through_compiles_within_its_interval() {
 }
 
 #[test]
+fn a_value_that_the_text_gives_anew_takes_the_place_of_the_sliders() {
+    let mut model = model("param a = 1 : [0, 4]; point p = (a, 0, 0);");
+    model.adjust(|view| {
+        view.params.insert("a".into(), vec![3.0]);
+    });
+    model.take(compiled("param a = 1 : [0, 4]; point p = (a, 1, 0);"));
+    assert_eq!(model.view.params["a"], [3.0]);
+    model.take(compiled("param a = 2 : [0, 4]; point p = (a, 1, 0);"));
+    let settings = model.settings().expect("a scene");
+    assert_eq!(settings.uniforms(), [2.0]);
+}
+
+#[test]
 fn steps_of_one_gesture_are_undone_together_and_done_again() {
     let mut model = model("param a : [0, 4]; point p = (a, 0, 0);");
     let set = |model: &mut Model, value: f64| {

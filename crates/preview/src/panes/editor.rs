@@ -88,9 +88,19 @@ impl Editor {
         Ok(())
     }
 
-    /// Writes a param's value into the text; false where there is no such place.
-    pub(crate) fn write_param(&mut self, _name: &str, _value: &[f64]) -> bool {
-        false
+    /// Writes a param's value into the text; whether the text is another one now.
+    ///
+    /// # Errors
+    /// A sentence; the text is as it was.
+    pub(crate) fn write_param(&mut self, name: &str, value: &[f64]) -> Result<bool, String> {
+        let reading = ide::Reading::new(self.text.as_str());
+        let edit =
+            ide::write::value(&reading, name, value).map_err(|refusal| refusal.to_string())?;
+        let text = ide::edit::apply(&self.text, &[edit]);
+        let changed = text != self.text;
+        self.text = text;
+        self.replaced |= changed;
+        Ok(changed)
     }
 }
 
@@ -119,6 +129,20 @@ mod tests {
         assert!(editor.save().is_err(), "not over what has not been seen");
         assert!(!editor.settle(false));
         assert!(editor.is_changed() && editor.save().is_ok() && !editor.is_changed());
+    }
+
+    #[test]
+    fn a_params_value_is_written_into_its_declaration() {
+        let (_folder, mut editor) = editor();
+        editor.text = "param a : [0, 1];\npoint p = (a, 0, 0);\n".into();
+        assert_eq!(editor.write_param("a", &[0.25]), Ok(true));
+        assert!(
+            editor.text.starts_with("param a = 0.25 : [0, 1];\n"),
+            "{}",
+            editor.text
+        );
+        assert_eq!(editor.write_param("a", &[0.25]), Ok(false));
+        assert!(editor.write_param("b", &[0.25]).is_err());
     }
 
     #[test]

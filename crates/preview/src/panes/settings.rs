@@ -11,7 +11,7 @@ use crate::window::Window;
 /// Draws the pane.
 pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     let margin = egui::Frame::new().inner_margin(8.0);
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         margin.show(ui, |ui| {
             params(window, ui);
             objects(window, ui);

@@ -20,7 +20,7 @@ impl Window {
         while let Ok(letter) = self.letters.try_recv() {
             match letter {
                 Letter::Compiled(compiled) => self.take_compiled(compiled),
-                Letter::Artist(answer) => self.take_answer(answer),
+                Letter::Artist(answer) => self.take_answer(*answer),
                 Letter::Changed { text } => self.take_changed(text),
                 Letter::Server(command) => self.obey(command),
                 Letter::ServerGone(reason) => {
@@ -88,7 +88,7 @@ impl Window {
                     self.waiting.remove(&pane);
                 }
                 match picture {
-                    Ok(drawing) => self.take_drawing(pane, drawing, &order),
+                    Ok(drawing) => self.take_drawing(pane, *drawing, &order),
                     Err(sentence) => {
                         let picture = self.picture(pane, &order);
                         picture.error = Some(sentence);
@@ -244,10 +244,8 @@ impl Window {
                 }
                 self.raise = true;
             }
-            Command::Cursor { version, offset } => {
-                if version == self.model.version {
-                    self.model.highlighted = self.model.declared_at(offset).map(str::to_owned);
-                }
+            Command::Cursor { version, offset } if version == self.model.version => {
+                self.model.highlighted = self.model.declared_at(offset).map(str::to_owned);
             }
             Command::Close => self.closing = true,
             _ => {}

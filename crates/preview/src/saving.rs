@@ -1,0 +1,255 @@
+//! Pictures and meshes for other programs: what is asked before they are written.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::{DragValue, Grid, Ui};
+use render::Request;
+use render::export::{self, Format};
+use scene::scene::Scene;
+use scene::values::Settings;
+
+use crate::files;
+use crate::memory::write_whole;
+use crate::model::InsideCamera;
+use crate::orders::{Order, PaneKey};
+use crate::window::Window;
+
+/// What is asked about a picture.
+#[derive(Clone, Debug)]
+pub(crate) struct PictureDialog {
+    pane: PaneKey,
+    size: [u32; 2],
+    transparent: bool,
+    path: String,
+}
+
+/// What a dialog was left with.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Decision {
+    Stay,
+    Save,
+    Choose,
+    Cancel,
+}
+
+/// Opens the dialog for a picture of the active view.
+pub(crate) fn ask_for_picture(window: &mut Window) {
+    let Some(order) = window.sent(&window.active) else {
+        return;
+    };
+    let name = match &window.active {
+        PaneKey::Space => "3d.png".to_owned(),
+        PaneKey::Inside(name) => format!("{name}.png"),
+    };
+    window.dialogs.picture = Some(PictureDialog {
+        pane: window.active.clone(),
+        size: order.size,
+        transparent: false,
+        path: in_folder(window, &name),
+    });
+}
+
+/// Opens the dialog for a mesh.
+pub(crate) fn ask_for_mesh(window: &mut Window) {
+    window.dialogs.mesh = Some(in_folder(window, "scene.glb"));
+}
+
+fn in_folder(window: &Window, name: &str) -> String {
+    let folder = window.folder().unwrap_or_default();
+    folder.join(name).display().to_string()
+}
+
+/// Copies the active view's picture.
+pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
+    let Some((order, camera)) = ordered(window, &window.active) else {
+        return;
+    };
+    let context = ui.ctx().clone();
+    files::write_to(window.mail.clone(), PathBuf::new(), move |_| {
+        let request = order.request(camera);
+        let picture = render::render(&order.scene, &order.settings, &request, &|_| {});
+        let image = picture.map_err(|error| error.to_string())?.image;
+        let size = [image.width() as usize, image.height() as usize];
+        let image = egui::ColorImage::from_rgba_unmultiplied(size, image.as_raw());
+        context.copy_image(image);
+        Ok(format!(
+            "A picture of {}×{} pixels was copied",
+            size[0], size[1]
+        ))
+    });
+}
+
+/// The order of a view's picture, and its geodesic camera.
+fn ordered(window: &Window, pane: &PaneKey) -> Option<(Order, Option<InsideCamera>)> {
+    let order = window.sent(pane)?.clone();
+    let camera = match pane {
+        PaneKey::Inside(name) => window.model.view.inside.get(name).copied(),
+        PaneKey::Space => None,
+    };
+    Some((order, camera))
+}
+
+/// The dialogs that are open.
+pub(crate) fn show(window: &mut Window, ui: &Ui) {
+    if let Some(mut dialog) = window.dialogs.picture.take() {
+        match picture(&mut dialog, ui) {
+            Decision::Stay => window.dialogs.picture = Some(dialog),
+            Decision::Cancel => {}
+            decision => write_picture(window, &dialog, decision),
+        }
+    }
+    if let Some(mut path) = window.dialogs.mesh.take() {
+        match mesh(&mut path, ui) {
+            Decision::Stay => window.dialogs.mesh = Some(path),
+            Decision::Cancel => {}
+            decision => write_mesh(window, &path, decision),
+        }
+    }
+}
+
+fn picture(dialog: &mut PictureDialog, ui: &Ui) -> Decision {
+    modal(ui, "Save picture", |ui| {
+        let mut choose = false;
+        Grid::new("picture").num_columns(2).show(ui, |ui| {
+            let sides = 1..=render::request::MAX_SIDE;
+            for (side, name) in dialog.size.iter_mut().zip(["Width", "Height"]) {
+                let label = ui.label(name);
+                ui.add(DragValue::new(side).range(sides.clone()).suffix(" px"))
+                    .labelled_by(label.id);
+                ui.end_row();
+            }
+            choose = file(ui, &mut dialog.path);
+        });
+        if dialog.pane == PaneKey::Space {
+            ui.checkbox(&mut dialog.transparent, "Transparent background");
+        }
+        choose
+    })
+}
+
+fn mesh(path: &mut String, ui: &Ui) -> Decision {
+    modal(ui, "Export mesh", |ui| {
+        let mut choose = false;
+        Grid::new("mesh").num_columns(2).show(ui, |ui| {
+            choose = file(ui, path);
+        });
+        ui.label("The extension says which format: obj, ply, stl, gltf or glb.");
+        choose
+    })
+}
+
+/// A field for a file; whether it is to be chosen in the desktop's dialog.
+fn file(ui: &mut Ui, path: &mut String) -> bool {
+    let label = ui.label("File");
+    let choose = ui
+        .horizontal(|ui| {
+            let edit = egui::TextEdit::singleline(path).desired_width(320.0);
+            ui.add(edit).labelled_by(label.id);
+            ui.button("Choose…").clicked()
+        })
+        .inner;
+    ui.end_row();
+    choose
+}
+
+fn modal(ui: &Ui, title: &str, content: impl FnOnce(&mut Ui) -> bool) -> Decision {
+    let mut decision = Decision::Stay;
+    let modal = egui::Modal::new(egui::Id::unique(title)).show(ui.ctx(), |ui| {
+        ui.heading(title);
+        if content(ui) {
+            decision = Decision::Choose;
+        }
+        ui.horizontal(|ui| {
+            if ui.button("Save").clicked() {
+                decision = Decision::Save;
+            }
+            if ui.button("Cancel").clicked() {
+                decision = Decision::Cancel;
+            }
+        });
+    });
+    if modal.should_close() {
+        decision = Decision::Cancel;
+    }
+    decision
+}
+
+/// Writes where the dialog says, or where the desktop's dialog will say.
+fn write(
+    window: &Window,
+    title: &'static str,
+    path: &str,
+    decision: Decision,
+    work: impl FnOnce(&Path) -> Result<String, String> + Send + 'static,
+) {
+    let mail = window.mail.clone();
+    let path = PathBuf::from(path);
+    if decision == Decision::Save {
+        files::write_to(mail, path, work);
+        return;
+    }
+    let name = path.file_name().unwrap_or_default();
+    let name = name.to_string_lossy().into_owned();
+    let folder = path.parent().map(PathBuf::from);
+    files::choose_target(mail, title, name, folder, work);
+}
+
+fn write_picture(window: &Window, dialog: &PictureDialog, decision: Decision) {
+    let Some((order, camera)) = ordered(window, &dialog.pane) else {
+        return;
+    };
+    let mut request = order.request(camera);
+    request.size = dialog.size;
+    request.highlight = None;
+    if dialog.transparent {
+        request.background = Some([0; 4]);
+    }
+    write(
+        window,
+        "Save picture",
+        &dialog.path,
+        decision,
+        move |path| files::save_picture(path, &order.scene, &order.settings, &request),
+    );
+}
+
+fn write_mesh(window: &Window, path: &str, decision: Decision) {
+    // Colours and textures are the 3D view's.
+    let order = window
+        .sent(&PaneKey::Space)
+        .or_else(|| window.sent(&window.active));
+    let Some(order) = order.cloned() else {
+        return;
+    };
+    let request = order.request(None);
+    write(window, "Export mesh", path, decision, move |path| {
+        save_mesh(path, &order.scene, &order.settings, &request)
+    });
+}
+
+fn save_mesh(
+    path: &Path,
+    scene: &Arc<Scene>,
+    settings: &Arc<Settings>,
+    request: &Request,
+) -> Result<String, String> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    let format = Format::of_extension(&extension).ok_or_else(|| {
+        let known = Format::ALL.map(Format::extension).join(", ");
+        format!("`{}` does not end in one of {known}", path.display())
+    })?;
+    let model = export::model(scene, settings, request, None);
+    let mut bytes = Vec::new();
+    let told = model.write(format, &mut bytes);
+    let told = told.map_err(|error| error.to_string())?;
+    write_whole(path, &bytes)
+        .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
+    let triangles: usize = model.parts.iter().map(|part| part.triangles()).sum();
+    let notes = model.notes.iter().chain(&told).cloned();
+    let sentence = format!("{triangles} triangles are in `{}`", path.display());
+    Ok(std::iter::once(sentence)
+        .chain(notes)
+        .collect::<Vec<_>>()
+        .join("; "))
+}
