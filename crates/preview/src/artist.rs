@@ -10,7 +10,8 @@ use glam::DVec3;
 use render::bounds::Bounds;
 use render::camera::Camera;
 use render::geodesic_view::Inside;
-use render::live::{Counters, Hit, Shot, Stage};
+use render::gpu::Canvas;
+use render::live::{Counters, Hit, Pixels, Shot, Stage};
 use render::{RenderError, Request, View};
 use scene::scene::Scene;
 use scene::values::Settings;
@@ -44,7 +45,7 @@ pub(crate) enum Answer {
 /// A finished picture.
 #[derive(Debug)]
 pub(crate) struct Drawing {
-    pub(crate) image: egui::ColorImage,
+    pub(crate) pixels: Painted,
     pub(crate) notes: Vec<String>,
     pub(crate) overlays: Vec<&'static str>,
     /// Of a geodesic view: its cost and how exact it is.
@@ -56,6 +57,25 @@ pub(crate) struct Drawing {
     /// Where the geodesic camera is, and the count of placings that it has heeded.
     pub(crate) inside_camera: Option<(InsideCamera, u64)>,
     pub(crate) took: Duration,
+}
+
+/// Where a finished picture is.
+#[derive(Debug)]
+pub(crate) enum Painted {
+    /// In memory.
+    Image(egui::ColorImage),
+    /// On the window's own GPU.
+    Canvas(Canvas),
+}
+
+impl Painted {
+    /// How many pixels it has.
+    pub(crate) fn pixels(&self) -> usize {
+        match self {
+            Self::Image(image) => image.size[0] * image.size[1],
+            Self::Canvas(canvas) => canvas.size().iter().map(|side| *side as usize).product(),
+        }
+    }
 }
 
 /// Why someone asks what is under a place.
@@ -79,23 +99,30 @@ struct Desk {
     orders: BTreeMap<PaneKey, (u64, Order)>,
     motions: BTreeMap<String, Vec<Motion>>,
     picks: VecDeque<(Order, [f64; 2], Purpose)>,
+    stage: Option<Stage>,
     turn: u64,
     closed: bool,
 }
 
 /// What there is to do.
 enum Job {
+    Move(Box<Stage>),
     Draw(PaneKey, Order, Vec<Motion>),
     Pick(Order, [f64; 2], Purpose),
 }
 
 impl Artist {
-    /// Starts the thread, which draws on a stage.
+    /// Starts the thread, which draws on a stage. If that is on the window's own GPU, pictures stay there.
     pub(crate) fn start(mail: Mail, stage: Stage) -> Self {
         let desk = Arc::new((Mutex::new(Desk::default()), Condvar::new()));
         let own = Arc::clone(&desk);
         std::thread::spawn(move || work(&own, &mail, stage));
         Self { desk }
+    }
+
+    /// Draws on another stage from now on.
+    pub(crate) fn take_stage(&self, stage: Stage) {
+        self.with(|desk| desk.stage = Some(stage));
     }
 
     /// Asks for a picture, in the place of any of this pane that has not been begun.
@@ -151,6 +178,9 @@ impl Drop for Artist {
 
 impl Desk {
     fn next(&mut self) -> Option<Job> {
+        if let Some(stage) = self.stage.take() {
+            return Some(Job::Move(Box::new(stage)));
+        }
         if let Some((order, at, purpose)) = self.picks.pop_front() {
             return Some(Job::Pick(order, at, purpose));
         }
@@ -168,6 +198,7 @@ impl Desk {
 fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail, stage: Stage) {
     let (desk, bell) = desk;
     let mut easel = Easel {
+        shares_gpu: stage.gpu().is_some(),
         stage,
         pilots: BTreeMap::new(),
         home: None,
@@ -185,9 +216,18 @@ fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail, stage: Stage) {
                 desk = bell.wait(desk).unwrap_or_else(PoisonError::into_inner);
             }
         };
+        let job = match job {
+            Job::Move(stage) => {
+                easel.shares_gpu = stage.gpu().is_some();
+                easel.stage = *stage;
+                continue;
+            }
+            job => job,
+        };
         // A fault of ours must not take the window with it: it becomes a sentence.
         let answer = match catch_unwind(AssertUnwindSafe(|| easel.answer(&job))) {
-            Ok(answer) => answer,
+            Ok(Some(answer)) => answer,
+            Ok(None) => continue,
             Err(_) => {
                 easel.stage = Stage::software();
                 let Job::Draw(pane, order, _) = job else {
@@ -210,17 +250,26 @@ fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail, stage: Stage) {
 /// What is kept from one picture to the next.
 struct Easel {
     stage: Stage,
+    /// Whether the stage's GPU is the window's.
+    shares_gpu: bool,
     pilots: BTreeMap<String, Pilot>,
     /// Where everything of a scene is seen from, at the settings and size where it was asked for.
     home: Option<(Arc<Scene>, Arc<Settings>, SpaceCamera)>,
 }
 
 impl Easel {
-    fn answer(&mut self, job: &Job) -> Answer {
-        match job {
+    fn answer(&mut self, job: &Job) -> Option<Answer> {
+        Some(match job {
+            Job::Move(_) => return None,
             Job::Draw(pane, order, motions) => {
                 let start = Instant::now();
-                let picture = self.draw(order, motions, start);
+                let mut picture = self.draw(order, motions, start);
+                if picture.is_err() && self.stage.is_lost() {
+                    // The processor is never lost.
+                    self.stage = Stage::software();
+                    self.shares_gpu = false;
+                    picture = self.draw(order, &[], start);
+                }
                 Answer::Drawn {
                     pane: pane.clone(),
                     picture: picture.map(Box::new).map_err(|error| error.to_string()),
@@ -241,7 +290,7 @@ impl Easel {
                     purpose: *purpose,
                 }
             }
-        }
+        })
     }
 
     fn draw(
@@ -287,11 +336,18 @@ impl Easel {
             }
         };
         let shot: Shot = self.stage.draw(&order.scene, &order.settings, &request)?;
-        let image = self.stage.read(shot.pixels)?;
-        let size = [image.width() as usize, image.height() as usize];
+        let pixels = match shot.pixels {
+            Pixels::Texture(canvas) if self.shares_gpu => Painted::Canvas(canvas),
+            pixels => {
+                let image = self.stage.read(pixels)?;
+                let size = [image.width() as usize, image.height() as usize];
+                // Opaque, so it does not matter whether alpha has been multiplied in; this way is the quick one.
+                let image = egui::ColorImage::from_rgba_premultiplied(size, image.as_raw());
+                Painted::Image(image)
+            }
+        };
         Ok(Drawing {
-            // Opaque, so it does not matter whether alpha has been multiplied in; this way is the quick one.
-            image: egui::ColorImage::from_rgba_premultiplied(size, image.as_raw()),
+            pixels,
             notes: shot.notes,
             overlays: shot.overlays,
             inside: shot.inside,

@@ -29,6 +29,7 @@ mod panes;
 mod pilot;
 mod report;
 mod saving;
+mod screen;
 mod status;
 mod textures;
 mod watch;
@@ -37,7 +38,7 @@ mod window;
 use std::fmt;
 use std::path::PathBuf;
 
-pub use app::run;
+pub use app::{run, run_and_lose_gpu};
 pub use report::Counters;
 pub use window::Window;
 

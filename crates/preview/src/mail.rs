@@ -1,8 +1,8 @@
 //! How the threads reach the window: each letter wakes it.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use render::texture::Texture;
 
@@ -47,20 +47,27 @@ pub(crate) enum Letter {
 #[derive(Clone, Debug)]
 pub(crate) struct Mail {
     sender: Sender<Letter>,
-    context: egui::Context,
+    context: Arc<Mutex<egui::Context>>,
 }
 
 impl Mail {
     /// A letter box for a window.
     pub(crate) fn new(context: egui::Context) -> (Self, Receiver<Letter>) {
         let (sender, receiver) = channel();
+        let context = Arc::new(Mutex::new(context));
         (Self { sender, context }, receiver)
     }
 
     /// Sends a letter and wakes the window; false where it is no more.
     pub(crate) fn send(&self, letter: Letter) -> bool {
         let sent = self.sender.send(letter).is_ok();
-        self.context.request_repaint();
+        let context = self.context.lock().unwrap_or_else(PoisonError::into_inner);
+        context.request_repaint();
         sent
+    }
+
+    /// From now on letters wake another window.
+    pub(crate) fn readdress(&self, context: egui::Context) {
+        *self.context.lock().unwrap_or_else(PoisonError::into_inner) = context;
     }
 }

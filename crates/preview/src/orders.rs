@@ -168,9 +168,16 @@ pub(crate) fn order(
     active: Option<&str>,
     moving: bool,
 ) -> Option<Order> {
-    let scene = model.scene.clone()?;
+    let scene = match pane {
+        PaneKey::Space => model.drawn()?,
+        PaneKey::Inside(_) => model.scene.clone()?,
+    };
     let settings = model.settings()?;
     let view = &model.view;
+    let id_of = |name: &str| {
+        let mut objects = (0..).map(ObjectId).zip(&scene.objects);
+        objects.find(|(_, it)| it.name == name).map(|(id, _)| id)
+    };
     let mut textures = Vec::new();
     let mut colours = Vec::new();
     for (id, object) in (0..).map(ObjectId).zip(&scene.objects) {
@@ -199,7 +206,7 @@ pub(crate) fn order(
             Look::Space {
                 camera: view.space,
                 standpoint,
-                highlight: highlighted.and_then(|name| Some(model.object(name)?.0)),
+                highlight: highlighted.and_then(id_of),
                 background: view
                     .preferences
                     .background
@@ -207,7 +214,7 @@ pub(crate) fn order(
             }
         }
         PaneKey::Inside(name) => Look::Inside {
-            surface: model.object(name)?.0,
+            surface: id_of(name)?,
             name: name.clone(),
             placed: model.placed,
             camera: camera_of(name),

@@ -17,10 +17,11 @@ use std::time::{Duration, Instant};
 use egui::{Key, KeyboardShortcut, Modifiers, Ui};
 use geodesic::ends::{Estimate, Work};
 use protocol::Event;
+use render::gpu::Canvas;
 use render::live::Stage;
 use scene::scene::Scene;
 
-use crate::artist::Artist;
+use crate::artist::{Artist, Painted};
 use crate::compiler::Compiler;
 use crate::highlighting;
 use crate::link::Link;
@@ -33,6 +34,7 @@ use crate::orders::{Order, PaneKey};
 use crate::panes::editor::Editor;
 use crate::panes::{Pane, Panes};
 use crate::report::{Counters, Report};
+use crate::screen::Screen;
 use crate::textures::Library;
 use crate::watch::Watch;
 
@@ -68,6 +70,7 @@ pub struct Window {
     pub(crate) painter: highlighting::Painter,
     pub(crate) dialogs: Dialogs,
     pub(crate) backend: String,
+    pub(crate) screen: Option<Screen>,
     keeper: Option<Keeper>,
     shown: Option<(i32, bool, Instant)>,
     told_values: BTreeMap<String, Vec<f64>>,
@@ -100,8 +103,10 @@ pub(crate) enum Origin {
 /// A picture that is on the screen.
 pub(crate) struct Picture {
     /// Newly arrived, to be handed to the GPU.
-    pub(crate) image: Option<egui::ColorImage>,
+    pub(crate) fresh: Option<Painted>,
     pub(crate) texture: Option<egui::TextureHandle>,
+    /// The canvas that is shown, and as what: kept for as long as it is.
+    pub(crate) canvas: Option<(Canvas, egui::TextureId)>,
     pub(crate) notes: Vec<String>,
     pub(crate) overlays: Vec<&'static str>,
     pub(crate) inside: Option<(Work, Option<Estimate>)>,
@@ -189,6 +194,7 @@ impl Window {
             painter: highlighting::Painter::default(),
             dialogs: Dialogs::default(),
             backend: "software".to_owned(),
+            screen: None,
             keeper: None,
             shown: None,
             told_values: BTreeMap::new(),
@@ -206,6 +212,24 @@ impl Window {
     /// Writes counters after each drawing.
     pub(crate) fn report_to(&mut self, report: Report) {
         self.report = Some(report);
+    }
+
+    /// Shows itself on a screen from now on, and draws on its GPU if that is wanted. All pictures are asked for anew.
+    pub(crate) fn move_to(
+        &mut self,
+        screen: Screen,
+        backend: crate::Backend,
+        context: &egui::Context,
+    ) {
+        self.mail.readdress(context.clone());
+        self.style = None;
+        self.pictures.clear();
+        self.sent.clear();
+        self.waiting.clear();
+        let (stage, words) = screen.stage(backend);
+        self.backend = words;
+        self.artist.take_stage(stage);
+        self.screen = Some(screen);
     }
 
     /// Takes over what was remembered of a program, and remembers on.

@@ -4,6 +4,7 @@ use egui::{
     Align2, Color32, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo,
 };
 
+use crate::artist::Painted;
 use crate::orders::PaneKey;
 use crate::window::Window;
 
@@ -52,24 +53,37 @@ fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
     let empty = window.model.scene.is_none() && window.model.read;
     let mut error = None;
     if let Some(picture) = window.pictures.get_mut(pane) {
-        if let Some(image) = picture.image.take() {
-            let options = egui::TextureOptions::LINEAR;
-            match &mut picture.texture {
-                Some(texture) => texture.set(image, options),
-                None => {
-                    let name = format!("{pane:?}");
-                    picture.texture = Some(ui.ctx().load_texture(name, image, options));
+        match picture.fresh.take() {
+            Some(Painted::Image(image)) => {
+                let options = egui::TextureOptions::LINEAR;
+                match &mut picture.texture {
+                    Some(texture) => texture.set(image, options),
+                    None => {
+                        let name = format!("{pane:?}");
+                        picture.texture = Some(ui.ctx().load_texture(name, image, options));
+                    }
+                }
+                if let (Some((_, id)), Some(screen)) = (picture.canvas.take(), &window.screen) {
+                    screen.forget(id);
                 }
             }
+            Some(Painted::Canvas(canvas)) => {
+                if let Some(screen) = &window.screen {
+                    let id = screen.hang(&canvas, picture.canvas.take().map(|(_, id)| id));
+                    picture.canvas = Some((canvas, id));
+                }
+            }
+            None => {}
         }
-        if let Some(texture) = &picture.texture {
+        let own = picture.texture.as_ref().map(egui::TextureHandle::id);
+        if let Some(id) = picture.canvas.as_ref().map(|(_, id)| *id).or(own) {
             let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
             let tint = if stale {
                 Color32::from_gray(190)
             } else {
                 Color32::WHITE
             };
-            painter.image(texture.id(), rect, all, tint);
+            painter.image(id, rect, all, tint);
         }
         error.clone_from(&picture.error);
     }

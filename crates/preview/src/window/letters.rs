@@ -148,8 +148,9 @@ impl Window {
     /// The picture of a pane; an empty one at first.
     fn picture(&mut self, pane: PaneKey, order: &Order) -> &mut Picture {
         self.pictures.entry(pane).or_insert_with(|| Picture {
-            image: None,
+            fresh: None,
             texture: None,
+            canvas: None,
             notes: Vec::new(),
             overlays: Vec::new(),
             inside: None,
@@ -187,9 +188,9 @@ impl Window {
         if drawing.home.is_some() {
             self.home = drawing.home;
         }
-        let pixels = drawing.image.size[0] * drawing.image.size[1];
+        let pixels = drawing.pixels.pixels();
         let picture = self.picture(pane, order);
-        picture.image = Some(drawing.image);
+        picture.fresh = Some(drawing.pixels);
         picture.notes = drawing.notes;
         picture.overlays = drawing.overlays;
         picture.inside = drawing.inside.or(picture.inside);
