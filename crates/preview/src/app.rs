@@ -48,7 +48,11 @@ fn open(options: Options, loses: Option<Duration>) -> Result<(), Failure> {
             let first = revival == 0;
             let mut preview = Preview::new(context, &own, slot, first)?;
             if let Some(after) = loses.filter(|_| first) {
-                context.egui_ctx.request_repaint_after(after);
+                let waker = context.egui_ctx.clone();
+                std::thread::spawn(move || {
+                    std::thread::sleep(after);
+                    waker.request_repaint();
+                });
                 preview.loses = Some(Instant::now() + after);
             }
             Ok(Box::new(preview))
