@@ -1,6 +1,7 @@
 //! The window on the desktop: eframe on wgpu.
 
 use std::cell::RefCell;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
@@ -40,30 +41,33 @@ fn open(options: Options, loses: Option<Duration>) -> Result<(), Failure> {
         })?;
     }
     let options = Rc::new(options);
-    // A window that has lost its screen waits here for the next.
-    let waiting: Rc<RefCell<Option<Window>>> = Rc::default();
-    for revival in 0..=REVIVALS {
-        let (own, slot) = (Rc::clone(&options), Rc::clone(&waiting));
+    // The window outlives its screens.
+    let slot: Slot = Rc::default();
+    for screen in 0..=REVIVALS {
+        let (own, kept) = (Rc::clone(&options), Rc::clone(&slot));
         let create = move |context: &CreationContext<'_>| -> Result<Box<dyn App>, Box<dyn std::error::Error + Send + Sync>> {
-            let first = revival == 0;
-            let mut preview = Preview::new(context, &own, slot, first)?;
-            if let Some(after) = loses.filter(|_| first) {
-                let waker = context.egui_ctx.clone();
-                std::thread::spawn(move || {
-                    std::thread::sleep(after);
-                    waker.request_repaint();
-                });
-                preview.loses = Some(Instant::now() + after);
-            }
-            Ok(Box::new(preview))
+            let loses = loses.filter(|_| screen == 0);
+            Ok(Box::new(Preview::new(context, &own, kept, loses)?))
         };
-        eframe::run_native("geotrace", native(), Box::new(create)).map_err(failure)?;
-        if waiting.borrow().is_none() {
+        let run = || eframe::run_native("geotrace", native(), Box::new(create));
+        // Whoever draws the controls may meet the loss first, and gives up: the window does not.
+        let ended = catch_unwind(AssertUnwindSafe(run));
+        let mut window = slot.borrow_mut();
+        let lost = window.as_mut().is_some_and(Window::has_lost_its_screen);
+        match ended {
+            Ok(result) => result.map_err(failure)?,
+            Err(panic) if !lost => resume_unwind(panic),
+            Err(_) => {}
+        }
+        if !lost {
             break;
         }
     }
     Ok(())
 }
+
+/// Where the window is.
+type Slot = Rc<RefCell<Option<Window>>>;
 
 fn native() -> NativeOptions {
     NativeOptions {
@@ -94,73 +98,84 @@ fn failure(error: eframe::Error) -> Failure {
     }
 }
 
-/// The window and its title.
+/// The window on a screen.
 struct Preview {
-    /// Until it is handed on.
-    window: Option<Window>,
+    slot: Slot,
     title: String,
-    waiting: Rc<RefCell<Option<Window>>>,
     /// When the GPU is to be given up, for a test.
     loses: Option<Instant>,
 }
 
 impl Preview {
     fn new(
-        context: &CreationContext<'_>,
+        creation: &CreationContext<'_>,
         options: &Options,
-        waiting: Rc<RefCell<Option<Window>>>,
-        first: bool,
+        slot: Slot,
+        loses: Option<Duration>,
     ) -> Result<Self, Failure> {
-        let screen = context.wgpu_render_state.clone().map(Screen::new);
-        let context = &context.egui_ctx;
-        let mut window = match (waiting.take(), &options.source) {
-            (Some(mut window), _) => {
+        let context = &creation.egui_ctx;
+        let mut kept = slot.borrow_mut();
+        let window = match &mut *kept {
+            Some(window) => {
                 let sentence = "the GPU was lost; the window was opened again";
                 window.said = Some((true, sentence.to_owned()));
                 window
             }
-            (None, Source::File(path)) => Window::of_file(context, path.clone(), true)?,
-            (None, Source::Attached) => {
-                Window::attached(context, std::io::stdin(), std::io::stdout())
-            }
+            empty => empty.insert(first(context, options)?),
         };
-        if first && let Some(path) = &options.report {
-            let report = Report::create(path).map_err(|error| Failure::Unreadable {
-                path: path.clone(),
-                reason: error.to_string(),
-            })?;
-            window.report_to(report);
+        if let Some(state) = creation.wgpu_render_state.clone() {
+            window.move_to(Screen::new(state), options.backend, context);
         }
-        if let Some(screen) = screen {
-            window.move_to(screen, options.backend, context);
-        }
+        drop(kept);
+        let loses = loses.map(|after| {
+            let waker = context.clone();
+            std::thread::spawn(move || {
+                std::thread::sleep(after);
+                waker.request_repaint();
+            });
+            Instant::now() + after
+        });
         Ok(Self {
-            window: Some(window),
+            slot,
             title: String::new(),
-            waiting,
-            loses: None,
+            loses,
         })
     }
 }
 
+/// The window as it is opened.
+fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> {
+    let mut window = match &options.source {
+        Source::File(path) => Window::of_file(context, path.clone(), true)?,
+        Source::Attached => Window::attached(context, std::io::stdin(), std::io::stdout()),
+    };
+    if let Some(path) = &options.report {
+        let report = Report::create(path).map_err(|error| Failure::Unreadable {
+            path: path.clone(),
+            reason: error.to_string(),
+        })?;
+        window.report_to(report);
+    }
+    Ok(window)
+}
+
 impl App for Preview {
     fn ui(&mut self, ui: &mut Ui, _frame: &mut Frame) {
-        let Some(window) = &mut self.window else {
+        let mut slot = self.slot.borrow_mut();
+        let Some(window) = &mut *slot else {
             return;
         };
         let context = ui.ctx().clone();
-        if let Some(screen) = &window.screen {
-            if self.loses.is_some_and(|at| Instant::now() >= at) {
+        if self.loses.is_some_and(|at| Instant::now() >= at) {
+            self.loses = None;
+            if let Some(screen) = &window.screen {
                 screen.lose();
-                self.loses = None;
             }
-            if screen.is_lost() {
-                // Nothing can be drawn here any more.
-                window.screen = None;
-                self.waiting.replace(self.window.take());
-                context.send_viewport_cmd(ViewportCommand::Close);
-                return;
-            }
+        }
+        if window.has_lost_its_screen() {
+            // Nothing can be drawn here any more.
+            context.send_viewport_cmd(ViewportCommand::Close);
+            return;
         }
         window.show(ui);
         let title = window.title();
@@ -183,8 +198,10 @@ impl App for Preview {
     }
 
     fn on_exit(&mut self) {
-        if let Some(window) = &self.window
+        let mut slot = self.slot.borrow_mut();
+        if let Some(window) = &mut *slot
             && !window.closing
+            && !window.has_lost_its_screen()
         {
             window.say(protocol::Event::Closed);
         }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui_wgpu::RenderState;
-use render::gpu::wgpu::{DeviceType, FilterMode};
+use render::gpu::wgpu::{DeviceType, FilterMode, PollType};
 use render::gpu::{Canvas, Gpu};
 use render::live::Stage;
 
@@ -42,6 +42,8 @@ impl Screen {
 
     /// Whether the device is gone.
     pub(crate) fn is_lost(&self) -> bool {
+        // The device tells of its loss when it is looked after.
+        let _ = self.state.device.poll(PollType::Poll);
         self.gpu.is_lost()
     }
 

@@ -232,6 +232,11 @@ impl Window {
         self.screen = Some(screen);
     }
 
+    /// Whether the GPU that it is shown by is gone.
+    pub(crate) fn has_lost_its_screen(&mut self) -> bool {
+        self.screen.as_ref().is_some_and(Screen::is_lost)
+    }
+
     /// Takes over what was remembered of a program, and remembers on.
     fn remember(&mut self, program: PathBuf) {
         let (view, trouble) = crate::memory::load(&program);
