@@ -45,6 +45,8 @@ export interface Notifications {
     "window/showMessage": p.ShowMessageParams;
     "$/progress": { token: p.ProgressToken; value: p.WorkDoneProgressBegin | p.WorkDoneProgressReport | p.WorkDoneProgressEnd };
     "$/logTrace": p.LogTraceParams;
+    /** Of our own; only for an editor that declares `experimental.geotrace.shown`. */
+    "geotrace/shown": { uri: p.URI; version: p.integer; ok: boolean; milliseconds: number };
 }
 
 /** The params of requests to the client. */

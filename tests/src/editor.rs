@@ -9,6 +9,7 @@ use std::process::Stdio;
 use std::time::Duration;
 
 use serde_json::{Value, json};
+use server::WindowProgram;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
 use tokio::process::{Child, Command};
 use tokio::sync::mpsc;
@@ -42,8 +43,12 @@ pub struct Editor {
     /// Messages that were not asked for yet: notifications, and answers to other requests.
     waiting: VecDeque<Value>,
     transcript: Vec<Value>,
+    /// What the server has asked for.
+    requests: VecDeque<Value>,
     /// What the editor answers when it is asked for its settings.
     pub settings: Value,
+    /// What the editor answers when it is asked to apply an edit.
+    pub applied: Value,
 }
 
 enum Server {
@@ -52,8 +57,13 @@ enum Server {
 }
 
 impl Editor {
-    /// Starts a server; `name` is the conversation's, and should be unique.
+    /// Starts a server; `name` is the conversation's, and should be unique. It has no preview window.
     pub fn start(place: Place, name: &str) -> Self {
+        Self::start_with(place, name, None)
+    }
+
+    /// Starts a server that starts this program for a preview; the binary starts its own if there is none.
+    pub fn start_with(place: Place, name: &str, window: Option<&WindowProgram>) -> Self {
         let (reader, writer, server): (
             Box<dyn AsyncRead + Unpin + Send>,
             Box<dyn AsyncWrite + Unpin + Send>,
@@ -62,12 +72,17 @@ impl Editor {
             Place::Here => {
                 let (writer, input) = tokio::io::duplex(BUFFER);
                 let (output, reader) = tokio::io::duplex(BUFFER);
-                let task = tokio::spawn(server::serve(input, output));
+                let task = tokio::spawn(server::serve(input, output, window.cloned()));
                 (Box::new(reader), Box::new(writer), Server::Here(task))
             }
             Place::Binary => {
-                let mut child = Command::new(crate::binary::binary())
-                    .arg("lsp")
+                let mut command = Command::new(crate::binary::binary());
+                command.arg("lsp");
+                if let Some(window) = window {
+                    command.arg("--window").arg(&window.program);
+                    command.args(&window.arguments);
+                }
+                let mut child = command
                     .stdin(Stdio::piped())
                     .stdout(Stdio::piped())
                     .stderr(Stdio::inherit())
@@ -89,7 +104,9 @@ impl Editor {
             next: 0,
             waiting: VecDeque::new(),
             transcript: Vec::new(),
+            requests: VecDeque::new(),
             settings: Value::Null,
+            applied: json!({ "applied": true }),
         }
     }
 
@@ -188,6 +205,24 @@ impl Editor {
         message["params"].clone()
     }
 
+    /// The next thing of a method that the server asks for: its params.
+    pub async fn asked(&mut self, method: &str) -> Value {
+        loop {
+            let known = self.requests.iter().position(|r| r["method"] == method);
+            if let Some(request) = known.and_then(|k| self.requests.remove(k)) {
+                return request["params"].clone();
+            }
+            match self.step().await {
+                Some(Some(message)) => self.waiting.push_back(message),
+                Some(None) => {}
+                None => panic!(
+                    "{}: the server ended before it asked for {method}",
+                    self.name
+                ),
+            }
+        }
+    }
+
     /// What is wrong with a version of a document, as the server sends it unasked.
     pub async fn diagnostics(&mut self, uri: &str, version: i64) -> Vec<Value> {
         let params = self
@@ -233,22 +268,32 @@ impl Editor {
     /// The next message, the server's requests apart: those are answered.
     pub async fn next_message(&mut self) -> Option<Value> {
         loop {
-            let received = timeout(PATIENCE, self.incoming.recv()).await;
-            let message = received
-                .unwrap_or_else(|_| panic!("{}: the server says nothing any more", self.name))?;
-            self.transcript
-                .push(json!({ "from": "server", "message": message }));
-            if message.get("method").is_some() && message.get("id").is_some() {
-                let result = match message["method"].as_str() {
-                    Some("workspace/configuration") => json!([self.settings]),
-                    _ => Value::Null,
-                };
-                let answer = json!({ "jsonrpc": "2.0", "id": message["id"], "result": result });
-                self.send(answer).await;
-                continue;
+            if let Some(message) = self.step().await? {
+                return Some(message);
             }
-            return Some(message);
         }
+    }
+
+    /// Takes the next message: an outer `None` at the end, an inner one for a request, which is answered.
+    async fn step(&mut self) -> Option<Option<Value>> {
+        let received = timeout(PATIENCE, self.incoming.recv()).await;
+        let message = received
+            .unwrap_or_else(|_| panic!("{}: the server says nothing any more", self.name))?;
+        self.transcript
+            .push(json!({ "from": "server", "message": message }));
+        if message.get("method").is_none() || message.get("id").is_none() {
+            return Some(Some(message));
+        }
+        let result = match message["method"].as_str() {
+            Some("workspace/configuration") => json!([self.settings]),
+            Some("workspace/applyEdit") => self.applied.clone(),
+            Some("window/showDocument") => json!({ "success": true }),
+            _ => Value::Null,
+        };
+        let answer = json!({ "jsonrpc": "2.0", "id": message["id"], "result": result });
+        self.requests.push_back(message);
+        self.send(answer).await;
+        Some(None)
     }
 
     /// Says goodbye as the protocol has it; the exit status.

@@ -25,3 +25,4 @@ pub fn codes() -> impl Iterator<Item = (Code, &'static str)> {
     let all = syntax::codes::CODES.iter().chain(scene::CODES);
     all.copied()
 }
+pub mod window;

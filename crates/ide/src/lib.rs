@@ -5,7 +5,7 @@
 //!                               ├─▶ hover, signature, completion
 //!                               ├─▶ navigate    definition, occurrences
 //!                               ├─▶ rename, fix, format, write   edits; rename and format read the result again
-//!                               └─▶ outline, hints, lens
+//!                               └─▶ outline, hints, lens, live
 //! ```
 //!
 //! No type of the language server protocol: its numbers of lines and columns, and its names, are the server's business.
@@ -19,6 +19,7 @@ mod geometry;
 pub mod hints;
 pub mod hover;
 pub mod lens;
+pub mod live;
 pub mod navigate;
 pub mod outline;
 pub mod reading;

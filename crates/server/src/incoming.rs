@@ -3,9 +3,13 @@
 //! Every handler takes what it needs from the session before it waits for anything: handlers run beside each other,
 //! and only so does the state change in the order of the messages. What takes time runs on workers over a snapshot.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+mod window;
 
-use ide::{completion, fix, format, hints, lens, navigate, outline, rename, signature};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use ide::{completion, fix, format, hints, lens, live, navigate, outline, rename, signature};
+use protocol::View;
 use syntax::span::Span;
 use tokio::sync::Semaphore;
 use tower_lsp::jsonrpc::{Error, ErrorCode, Result};
@@ -22,6 +26,11 @@ use crate::workspace;
 
 /// The most symbols that a search in the workspace gives.
 const MOST_SYMBOLS: usize = 1000;
+/// How long windows may take to hear that they are to close when the editor says goodbye.
+const PATIENCE_FAREWELL: Duration = Duration::from_millis(500);
+/// The notification by which an editor tells where its cursor stands, which the protocol has none for: its params are
+/// those of a hover.
+pub(crate) const CURSOR: &str = "geotrace/cursor";
 /// How many features are at work at once: more would only share the processors, and each needs its memory.
 const MOST_AT_WORK: usize = 2;
 
@@ -87,10 +96,10 @@ fn not_open(uri: &lsp::Uri) -> Error {
 const REQUEST_FAILED: i64 = -32803;
 
 impl Backend {
-    pub(crate) fn new(client: Client, end: Arc<crate::End>) -> Self {
+    pub(crate) fn new(client: Client, end: Arc<crate::End>, window: Option<WindowProgram>) -> Self {
         Self {
             client,
-            session: Arc::default(),
+            session,
             publishing: Arc::default(),
             places: Arc::new(Semaphore::new(MOST_AT_WORK)),
             end,
@@ -159,6 +168,25 @@ impl Backend {
             .await;
     }
 
+    /// The cursor has moved: [`CURSOR`].
+    pub(crate) async fn cursor(&self, params: lsp::TextDocumentPositionParams) {
+        self.point_at(&params);
+    }
+
+    /// Tells a document's window where the cursor stands.
+    fn point_at(&self, at: &lsp::TextDocumentPositionParams) {
+        let uri = at.text_document.uri.as_str();
+        let mut session = self.session();
+        if !session.previews.has(uri) {
+            return;
+        }
+        let Some(snapshot) = session.documents.get(uri).map(Open::snapshot) else {
+            return;
+        };
+        let offset = snapshot.offset(place(at.position));
+        session.previews.cursor(uri, snapshot.version, offset);
+    }
+
     /// Takes new settings, and has the editor ask again for what they change.
     fn set(&self, json: &serde_json::Value) {
         set(&self.session, &self.client, json);
@@ -173,6 +201,16 @@ fn set(session: &Arc<Mutex<Session>>, client: &Client, json: &serde_json::Value)
         (before, session.settings, session.editor)
     };
     let client = client.clone();
+    if after.preview_on_open && !before.preview_on_open {
+        let open = {
+            let session = session.lock().unwrap_or_else(PoisonError::into_inner);
+            session.documents.snapshots()
+        };
+        let uris = open.iter().filter_map(|snapshot| snapshot.uri.parse().ok());
+        for uri in uris.filter(is_previewed) {
+            window::open(session, &client, &uri, None);
+        }
+    }
     let hints = (before.splits, before.values) != (after.splits, after.values);
     let lenses = before.lenses != after.lenses;
     // Requests to the editor are never waited for within a handler.
@@ -184,6 +222,13 @@ fn set(session: &Arc<Mutex<Session>>, client: &Client, json: &serde_json::Value)
             let _ = client.code_lens_refresh().await;
         }
     });
+}
+
+/// Whether a document's preview opens by itself: not that of an older version which an editor shows beside it.
+fn is_previewed(uri: &lsp::Uri) -> bool {
+    ["file:", "untitled:"]
+        .iter()
+        .any(|scheme| uri.as_str().starts_with(scheme))
 }
 
 /// A task on a worker that is given up when nobody waits for it any more.
@@ -255,6 +300,8 @@ fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
     let edit = workspace.and_then(|workspace| workspace.workspace_edit.as_ref());
     let hints = workspace.and_then(|workspace| workspace.inlay_hint.as_ref());
     let lenses = workspace.and_then(|workspace| workspace.code_lens.as_ref());
+    let window = capabilities.window.as_ref();
+    let experimental = capabilities.experimental.as_ref();
     Editor {
         markdown: markdown(hover.and_then(|hover| hover.content_format.as_ref())),
         documentation: completion
@@ -268,6 +315,13 @@ fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
             .unwrap_or(false),
         refreshes_hints: hints.and_then(|h| h.refresh_support).unwrap_or(false),
         refreshes_lenses: lenses.and_then(|l| l.refresh_support).unwrap_or(false),
+        shows_documents: window
+            .and_then(|window| window.show_document.as_ref())
+            .is_some_and(|show| show.support),
+        applies_edits: workspace.and_then(|w| w.apply_edit).unwrap_or(false),
+        hears_shown: experimental
+            .and_then(|own| own.get("geotrace")?.get("shown")?.as_bool())
+            .unwrap_or(false),
     }
 }
 
@@ -337,21 +391,27 @@ impl LanguageServer for Backend {
 
     async fn shutdown(&self) -> Result<()> {
         self.end.was_asked_for();
+        window::close_all(&self.session, PATIENCE_FAREWELL).await;
         Ok(())
     }
 
     async fn did_open(&self, params: lsp::DidOpenTextDocumentParams) {
         let document = params.text_document;
         let uri = document.uri;
-        let opened = {
+        let (opened, preview) = {
             let mut session = self.session();
             session.pulled.remove(uri.as_str());
             session.tokens.remove(uri.as_str());
             let documents = &mut session.documents;
-            documents
+            let opened = documents
                 .open(uri.as_str(), document.version, &document.text)
-                .map(|open| Findings::of(open, &uri))
+                .map(|open| Findings::of(open, &uri));
+            session.preview(uri.as_str());
+            (opened, session.settings.preview_on_open)
         };
+        if preview && opened.is_ok() && is_previewed(&uri) {
+            window::open(&self.session, &self.client, &uri, None);
+        }
         match opened {
             Ok(findings) => self.publish(uri, findings).await,
             Err(error) => self.refuse(&uri, error).await,
@@ -376,6 +436,7 @@ impl LanguageServer for Backend {
                 // Who asks for what is wrong is not told unasked.
                 open.map(|open| (!pulled).then(|| Findings::of(open, &uri)))
             });
+            session.preview(uri.as_str());
             (changed, pulled)
         };
         match changed {
@@ -390,6 +451,7 @@ impl LanguageServer for Backend {
         {
             let mut session = self.session();
             session.documents.close(uri.as_str());
+            session.previews.close(uri.as_str());
             session.tokens.remove(uri.as_str());
             session.pulled.remove(uri.as_str());
         }
@@ -556,6 +618,8 @@ impl LanguageServer for Backend {
         params: lsp::DocumentHighlightParams,
     ) -> Result<Option<Vec<lsp::DocumentHighlight>>> {
         let at = params.text_document_position_params;
+        // Editors ask for this where the cursor stands.
+        self.point_at(&at);
         self.ask(&at.text_document.uri, move |snapshot| {
             let offset = snapshot.offset(place(at.position));
             let found = navigate::occurrences(snapshot.reading(), offset).into_iter();
@@ -785,9 +849,18 @@ impl LanguageServer for Backend {
         &self,
         params: lsp::InlayHintParams,
     ) -> Result<Option<Vec<lsp::InlayHint>>> {
-        let settings = self.session().settings;
+        let (settings, values) = {
+            let session = self.session();
+            let live = session.previews.live(params.text_document.uri.as_str());
+            (session.settings, live.cloned())
+        };
         self.ask(&params.text_document.uri, move |snapshot| {
-            let found = hints::hints(snapshot.reading(), span(snapshot, params.range));
+            let range = span(snapshot, params.range);
+            let mut found = hints::hints(snapshot.reading(), range);
+            if let Some(values) = values {
+                found.extend(live::live(snapshot.reading(), range, &values));
+                found.sort_by_key(|hint| hint.offset);
+            }
             // Values stand apart from the text, splits within it.
             let wanted = found.iter().filter(|hint| {
                 if hint.apart {
@@ -896,22 +969,19 @@ impl LanguageServer for Backend {
             return Err(failed(ErrorCode::InvalidParams, message));
         };
         let view = arguments.next().unwrap_or_default();
-        let text = |key: &str| {
-            let value = view.get(key).and_then(serde_json::Value::as_str);
-            value.map(str::to_owned)
+        let text = |key: &str| view.get(key).and_then(serde_json::Value::as_str);
+        let view = match (text("view"), text("surface")) {
+            (Some("geodesic"), Some(surface)) => Some(View::Geodesic {
+                surface: surface.to_owned(),
+            }),
+            (Some("3d"), _) => Some(View::Space),
+            _ => None,
         };
-        let wanted = preview::Wanted {
-            uri,
-            view: text("view"),
-            surface: text("surface"),
+        let Ok(uri) = uri.parse::<lsp::Uri>() else {
+            let message = format!("{uri} is not the URI of a document");
+            return Err(failed(ErrorCode::InvalidParams, message));
         };
-        if let Err(message) = preview::open(&wanted) {
-            // The notification is sent without being waited for: the answer comes first or last, as it likes.
-            let client = self.client.clone();
-            tokio::spawn(async move {
-                client.show_message(lsp::MessageType::INFO, message).await;
-            });
-        }
+        window::open(&self.session, &self.client, &uri, view);
         Ok(None)
     }
 }

@@ -7,6 +7,8 @@
 //!                              workers: ide, scene ──outgoing──▶ tower-lsp ──frames──▶ bytes
 //! ```
 //!
+//! A preview window is a process of its own beside each document that has one (`preview`).
+//!
 //! The protocol's types live in `incoming` and `outgoing`. Nothing a client sends ends the server but `exit`, the end of
 //! its input, and the death of the process that started it.
 
@@ -22,14 +24,16 @@ mod settings;
 mod tokens;
 mod workspace;
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt};
 use tower_lsp::{LspService, Server};
 
 use frames::{Frame, FrameReader};
 use incoming::Backend;
+pub use preview::WindowProgram;
+use session::Session;
 
 /// How many messages are worked on at once; a cancellation waits for a free place.
 const CONCURRENCY: usize = 64;
@@ -56,29 +60,34 @@ impl End {
 }
 
 /// Serves one editor on standard input and output until it leaves. True if it left as it should: by `shutdown`, then
-/// `exit` or the end of its input.
+/// `exit` or the end of its input. `window` is what is started for a preview; without one the editor is told so.
 ///
 /// # Errors
 /// Where no threads or timers can be had from the system.
-pub fn run() -> std::io::Result<bool> {
+pub fn run(window: Option<WindowProgram>) -> std::io::Result<bool> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .enable_io()
+        .enable_time()
         .build()?;
-    let clean = runtime.block_on(serve(tokio::io::stdin(), tokio::io::stdout()));
+    let clean = runtime.block_on(serve(tokio::io::stdin(), tokio::io::stdout(), window));
     // A read of standard input may be waiting for an editor that says nothing more.
     runtime.shutdown_background();
     Ok(clean)
 }
 
 /// Serves one editor on any pair of streams; see [`run`].
-pub async fn serve<R, W>(input: R, output: W) -> bool
+pub async fn serve<R, W>(input: R, output: W, window: Option<WindowProgram>) -> bool
 where
     R: AsyncRead + Unpin + Send + 'static,
     W: AsyncWrite + Unpin + Send + 'static,
 {
     let end = Arc::new(End::default());
-    let (service, socket) = LspService::new(|client| Backend::new(client, end.clone()));
+    let session = Arc::new(Mutex::new(Session::new(window)));
+    let (service, socket) =
+        LspService::build(|client| Backend::new(client, end.clone(), session.clone()))
+            .custom_method(incoming::CURSOR, Backend::cursor)
+            .finish();
     let (mut to_protocol, from_editor) = tokio::io::duplex(BUFFER);
     let (to_editor, from_protocol) = tokio::io::duplex(BUFFER);
     let (fault, mut faults) = tokio::sync::mpsc::unbounded_channel::<Vec<u8>>();
@@ -132,6 +141,9 @@ where
         }
         () = end.now.notified() => {}
     }
+    // Windows that have not been told to close hear that nobody speaks to them any more.
+    let mut session = session.lock().unwrap_or_else(PoisonError::into_inner);
+    session.previews.abandon_all();
     reading.abort();
     writing.abort();
     end.asked_for.load(Ordering::SeqCst)

@@ -1,31 +1,208 @@
-//! The preview window, as the commands `geotrace.preview` ask for it.
+//! The preview windows of a session: one process for each document, fed with its texts.
+//!
+//! ```text
+//! handlers ──[Previews]──▶ mailbox ──process.rs──▶ window      never waits; the latest text wins
+//! the window's task ◀──── what was heard ◀──process.rs──┘
+//! ```
+//!
+//! A window closes with its document, and when the editor says goodbye. If the server just ends, the window notices by
+//! itself and keeps its picture.
+
+mod process;
+mod sent;
+
+use std::collections::{BTreeMap, HashMap};
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use protocol::{Command, Hello, View};
+use tokio::sync::mpsc::Receiver;
+
+use crate::documents::Snapshot;
+pub(crate) use process::{Gone, Heard, Process};
+pub(crate) use sent::{Sent, moved};
 
 /// The command that opens a preview: its arguments are a document's URI and, perhaps, `{"view": "3d"}` or
 /// `{"view": "geodesic", "surface": NAME}`.
 pub(crate) const COMMAND: &str = "geotrace.preview";
 
-/// What is asked for.
-#[derive(Clone, Debug, Eq, PartialEq)]
-pub(crate) struct Wanted {
-    /// The document.
-    pub(crate) uri: String,
-    /// "3d" or "geodesic", where one is named.
-    pub(crate) view: Option<String>,
-    /// The surface of a geodesic view.
-    pub(crate) surface: Option<String>,
+/// How a preview window is started: a program that speaks the messages of `protocol` on its standard streams.
+#[derive(Clone, Debug)]
+pub struct WindowProgram {
+    /// The program.
+    pub program: PathBuf,
+    /// Its arguments.
+    pub arguments: Vec<OsString>,
+    /// How long it may take to say its version.
+    pub patience: Duration,
 }
 
-/// Opens a preview.
-///
-/// # Errors
-/// A sentence for the user: this build has none.
-pub(crate) fn open(wanted: &Wanted) -> Result<(), String> {
-    let what = match (&wanted.view, &wanted.surface) {
-        (Some(view), Some(surface)) if view == "geodesic" => format!(" --view geodesic:{surface}"),
-        _ => String::new(),
-    };
-    let file = wanted.uri.rsplit('/').next().unwrap_or(&wanted.uri);
-    Err(format!(
-        "This build of geotrace has no preview window yet. `geotrace render {file} -o picture.png{what}` draws a picture."
-    ))
+impl WindowProgram {
+    /// How long a window may take to say its version: it does so before it looks for a display.
+    pub const PATIENCE: Duration = Duration::from_secs(10);
+
+    /// This program itself, with these arguments.
+    ///
+    /// # Errors
+    /// Where the system does not tell which program runs.
+    pub fn own(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> std::io::Result<Self> {
+        Ok(Self {
+            program: std::env::current_exe()?,
+            arguments: arguments.into_iter().map(Into::into).collect(),
+            patience: Self::PATIENCE,
+        })
+    }
+}
+
+/// All windows, by the document's URI.
+#[derive(Debug, Default)]
+pub(crate) struct Previews {
+    open: HashMap<String, Preview>,
+    counter: u64,
+}
+
+/// A window, as the session knows it.
+#[derive(Debug)]
+pub(crate) struct Preview {
+    /// Tells it apart from an earlier one of the same document.
+    id: u64,
+    path: Option<String>,
+    process: Arc<Process>,
+    /// The texts that the window may speak of.
+    pub(crate) sent: Sent,
+    /// The params' values in the window, by name.
+    pub(crate) live: BTreeMap<String, Vec<f64>>,
+    cursor: Option<(i32, u32)>,
+}
+
+/// A window that has just been started.
+#[derive(Debug)]
+pub(crate) struct Started {
+    pub(crate) id: u64,
+    pub(crate) process: Arc<Process>,
+    pub(crate) heard: Receiver<Heard>,
+}
+
+impl Previews {
+    /// Whether a document has a window.
+    pub(crate) fn has(&self, uri: &str) -> bool {
+        self.open.contains_key(uri)
+    }
+
+    /// Brings a document's window to the front; false if it has none.
+    pub(crate) fn show(&self, uri: &str, view: Option<&View>) -> bool {
+        let Some(preview) = self.open.get(uri) else {
+            return false;
+        };
+        preview.process.tell(Command::Show {
+            view: view.cloned(),
+        });
+        true
+    }
+
+    /// Starts a document's window.
+    ///
+    /// # Errors
+    /// Where the program cannot be started.
+    pub(crate) fn start(
+        &mut self,
+        program: &WindowProgram,
+        snapshot: &Snapshot,
+        path: Option<String>,
+        view: Option<View>,
+    ) -> std::io::Result<Started> {
+        let (process, heard) = Process::start(program)?;
+        self.counter += 1;
+        let preview = Preview {
+            id: self.counter,
+            path,
+            process: process.clone(),
+            sent: Sent::default(),
+            live: BTreeMap::new(),
+            cursor: None,
+        };
+        process.tell(Command::Hello(Hello::own()));
+        self.open.insert(snapshot.uri.clone(), preview);
+        self.text(snapshot);
+        // Without a view that is named the window opens as it was left.
+        if view.is_some() {
+            process.tell(Command::Show { view });
+        }
+        Ok(Started {
+            id: self.counter,
+            process,
+            heard,
+        })
+    }
+
+    /// Tells a document's window, if it has one, the text.
+    pub(crate) fn text(&mut self, snapshot: &Snapshot) {
+        let Some(preview) = self.open.get_mut(&snapshot.uri) else {
+            return;
+        };
+        let command = Command::Text {
+            uri: snapshot.uri.clone(),
+            path: preview.path.clone(),
+            version: snapshot.version,
+            text: (*snapshot.text).to_owned(),
+        };
+        preview.sent.put(snapshot.version, snapshot.text.clone());
+        if let Some(Command::Text { version, .. }) = preview.process.tell(command)
+            && version != snapshot.version
+        {
+            preview.sent.never_read(version);
+        }
+    }
+
+    /// Tells a document's window, if it has one, where the cursor stands in the text of a version.
+    pub(crate) fn cursor(&mut self, uri: &str, version: i32, offset: u32) {
+        if let Some(preview) = self.open.get_mut(uri)
+            && preview.cursor.replace((version, offset)) != Some((version, offset))
+        {
+            preview.process.tell(Command::Cursor { version, offset });
+        }
+    }
+
+    /// Has a document's window close; it is forgotten.
+    pub(crate) fn close(&mut self, uri: &str) {
+        if let Some(preview) = self.open.remove(uri) {
+            preview.process.close();
+        }
+    }
+
+    /// Has all windows close.
+    pub(crate) fn close_all(&mut self) -> Vec<Arc<Process>> {
+        let all = self.open.drain().map(|(_, preview)| preview.process);
+        let all: Vec<_> = all.collect();
+        for process in &all {
+            process.close();
+        }
+        all
+    }
+
+    /// Leaves all windows to themselves: their input ends without a farewell.
+    pub(crate) fn abandon_all(&mut self) {
+        for (_, preview) in self.open.drain() {
+            preview.process.abandon();
+        }
+    }
+
+    /// Forgets a window that has ended or is about to; what it was, unless that has been forgotten already.
+    pub(crate) fn forget(&mut self, uri: &str, id: u64) -> Option<Preview> {
+        self.of(uri, id)?;
+        self.open.remove(uri)
+    }
+
+    /// A window, unless it has been forgotten.
+    pub(crate) fn of(&mut self, uri: &str, id: u64) -> Option<&mut Preview> {
+        self.open.get_mut(uri).filter(|preview| preview.id == id)
+    }
+
+    /// The params' values in a document's window, by name.
+    pub(crate) fn live(&self, uri: &str) -> Option<&BTreeMap<String, Vec<f64>>> {
+        let preview = self.open.get(uri)?;
+        (!preview.live.is_empty()).then_some(&preview.live)
+    }
 }

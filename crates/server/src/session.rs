@@ -1,8 +1,10 @@
 //! What the server remembers of a session: settings, documents, what was sent last.
 
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 use crate::documents::Documents;
+use crate::preview::{Previews, WindowProgram};
 use crate::settings::Settings;
 use crate::tokens::Encoded;
 
@@ -25,6 +27,12 @@ pub(crate) struct Editor {
     pub(crate) refreshes_hints: bool,
     /// Can be told that lenses have changed.
     pub(crate) refreshes_lenses: bool,
+    /// Can be asked to show a place of a document.
+    pub(crate) shows_documents: bool,
+    /// Takes edits that it has not asked for.
+    pub(crate) applies_edits: bool,
+    /// Wants to hear of each picture: `experimental.geotrace.shown`.
+    pub(crate) hears_shown: bool,
 }
 
 /// The state of a session: changed only by handlers, before they wait for anything, so in the order of the messages.
@@ -33,6 +41,9 @@ pub(crate) struct Session {
     pub(crate) editor: Editor,
     pub(crate) settings: Settings,
     pub(crate) documents: Documents,
+    pub(crate) previews: Previews,
+    /// What is started for a preview; none in a build without it.
+    pub(crate) window: Option<Arc<WindowProgram>>,
     /// The folders of the workspace.
     pub(crate) folders: Vec<std::path::PathBuf>,
     /// The tokens sent last for each document, and under which name.
@@ -43,6 +54,23 @@ pub(crate) struct Session {
 }
 
 impl Session {
+    /// A session that starts this program for a preview.
+    pub(crate) fn new(window: Option<WindowProgram>) -> Self {
+        Self {
+            window: window.map(Arc::new),
+            ..Self::default()
+        }
+    }
+
+    /// Tells a document's window, if it has one, the text as it is now.
+    pub(crate) fn preview(&mut self, uri: &str) {
+        if self.previews.has(uri)
+            && let Some(open) = self.documents.get(uri)
+        {
+            self.previews.text(&open.snapshot());
+        }
+    }
+
     /// A name that has not been used yet.
     pub(crate) fn fresh_name(&mut self) -> String {
         self.counter += 1;

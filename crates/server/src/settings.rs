@@ -11,6 +11,8 @@ pub(crate) struct Settings {
     pub(crate) values: bool,
     /// Offer the views of surfaces above them: `geotrace.codeLens`.
     pub(crate) lenses: bool,
+    /// Open the preview of each document that is opened: `geotrace.preview.open` is `"onOpen"`.
+    pub(crate) preview_on_open: bool,
 }
 
 impl Default for Settings {
@@ -19,6 +21,7 @@ impl Default for Settings {
             splits: true,
             values: true,
             lenses: true,
+            preview_on_open: false,
         }
     }
 }
@@ -29,14 +32,15 @@ impl Settings {
     #[must_use]
     pub(crate) fn with(self, json: &Value) -> Self {
         let section = json.get("geotrace").unwrap_or(json);
-        let flag = |path: &[&str], before: bool| {
-            let value = path.iter().try_fold(section, |value, key| value.get(key));
-            value.and_then(Value::as_bool).unwrap_or(before)
-        };
+        let value = |path: &[&str]| path.iter().try_fold(section, |value, key| value.get(key));
+        let flag =
+            |path: &[&str], before: bool| value(path).and_then(Value::as_bool).unwrap_or(before);
+        let open = value(&["preview", "open"]).and_then(Value::as_str);
         Self {
             splits: flag(&["inlayHints", "splits"], self.splits),
             values: flag(&["inlayHints", "values"], self.values),
             lenses: flag(&["codeLens"], self.lenses),
+            preview_on_open: open.map_or(self.preview_on_open, |when| when == "onOpen"),
         }
     }
 }
@@ -63,5 +67,12 @@ mod tests {
             (false, true, false)
         );
         assert_eq!(settings.with(&json!(null)), settings);
+        let opened = settings.with(&json!({"preview": {"open": "onOpen"}}));
+        assert!(opened.preview_on_open && opened.with(&json!({"preview": 1})) == opened);
+        assert!(
+            !opened
+                .with(&json!({"preview": {"open": "onCommand"}}))
+                .preview_on_open
+        );
     }
 }

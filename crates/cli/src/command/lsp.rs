@@ -1,6 +1,9 @@
 //! `geotrace lsp`: the language server on standard input and output.
 
+use std::ffi::OsString;
+
 use clap::Args;
+use server::WindowProgram;
 
 use crate::failure::Failure;
 use crate::output;
@@ -13,11 +16,13 @@ pub(super) struct Arguments {
     /// Standard input and output, which is what it does anyway: some editors always add it
     #[arg(long, hide = true)]
     stdio: bool,
+    /// Another program, with its arguments, in the place of the preview window: for tests
+    #[arg(long, hide = true, num_args = 1.., allow_hyphen_values = true, value_name = "PROGRAM")]
+    window: Vec<OsString>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let Arguments { stdio: _ } = arguments;
-    let clean = server::run().map_err(|error| Failure::Internal {
+    let clean = server::run(window(&arguments.window)).map_err(|error| Failure::Internal {
         message: format!(
             "the language server cannot start: {}",
             output::reason(&error)
@@ -27,5 +32,22 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Ok(())
     } else {
         Err(Failure::EditorGone)
+    }
+}
+
+/// What the server starts for a preview: this program again, if it was built with a window.
+fn window(given: &[OsString]) -> Option<WindowProgram> {
+    if let Some((program, arguments)) = given.split_first() {
+        return Some(WindowProgram {
+            program: program.into(),
+            arguments: arguments.to_vec(),
+            patience: WindowProgram::PATIENCE,
+        });
+    }
+    if cfg!(feature = "window") {
+        // Where the system does not tell which program runs there is none to start.
+        WindowProgram::own(["preview", "--attached"]).ok()
+    } else {
+        None
     }
 }

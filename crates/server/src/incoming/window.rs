@@ -1,0 +1,505 @@
+//! A preview window, from its start to its end: what it says becomes requests to the editor.
+//!
+//! One task listens to each window. It never waits for the editor: what has to be asked there is asked by a second task,
+//! one thing after the other.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use protocol::{Event, View, handshake};
+use syntax::span::Span;
+use tokio::sync::mpsc::{self, Receiver};
+use tokio::time::{Instant, sleep_until, timeout};
+use tower_lsp::Client;
+use tower_lsp::ls_types as lsp;
+
+use crate::documents::{Open, Snapshot};
+use crate::outgoing;
+use crate::preview::{Gone, Heard, Process, Started, moved};
+use crate::session::Session;
+
+/// How long a window may take to close when it has been asked to.
+const PATIENCE_CLOSING: Duration = Duration::from_secs(5);
+/// How long the editor may take for one thing; the next is asked then.
+const PATIENCE_EDITOR: Duration = Duration::from_secs(30);
+/// How many things may wait to be asked: a user does not click faster than an editor jumps.
+const MOST_ASKED: usize = 16;
+/// Hints follow the sliders, but are not asked for more often than this.
+const HINTS_EVERY: Duration = Duration::from_millis(200);
+
+/// Opens a document's preview, or brings it to the front.
+pub(super) fn open(
+    session: &Arc<Mutex<Session>>,
+    client: &Client,
+    uri: &lsp::Uri,
+    view: Option<View>,
+) {
+    let opened = start(&mut lock(session), uri, view);
+    let client = client.clone();
+    match opened {
+        Ok(None) => {}
+        Ok(Some((started, patience))) => {
+            let Started { id, process, heard } = started;
+            let window = Arc::new(Window {
+                uri: uri.clone(),
+                id,
+                process,
+                client,
+                session: session.clone(),
+            });
+            tokio::spawn(attend(window, heard, patience));
+        }
+        // Requests and notifications are never waited for within a handler.
+        Err((kind, message)) => {
+            tokio::spawn(async move { client.show_message(kind, message).await });
+        }
+    }
+}
+
+/// Tells all windows to close; those that do not listen are ended.
+pub(super) async fn close_all(session: &Arc<Mutex<Session>>, patience: Duration) {
+    let all = lock(session).previews.close_all();
+    let deadline = Instant::now() + patience;
+    for process in all {
+        let told = tokio::time::timeout_at(deadline, process.told()).await;
+        if told.is_err() {
+            process.kill();
+        }
+    }
+}
+
+/// What is to be asked of the editor.
+#[derive(Debug)]
+enum Wish {
+    /// A declaration is to be shown: its range in the text of a version.
+    Open { version: i32, range: [u32; 2] },
+    /// A param's value is to be written into the text.
+    Write { param: String, value: Vec<f64> },
+}
+
+struct Window {
+    uri: lsp::Uri,
+    id: u64,
+    process: Arc<Process>,
+    client: Client,
+    session: Arc<Mutex<Session>>,
+}
+
+/// What an editor that wants to hear it is told of each picture: `geotrace/shown`.
+enum Shown {}
+
+#[derive(serde::Deserialize, serde::Serialize)]
+struct ShownParams {
+    uri: lsp::Uri,
+    version: i32,
+    ok: bool,
+    milliseconds: f64,
+}
+
+impl lsp::notification::Notification for Shown {
+    type Params = ShownParams;
+    const METHOD: &'static str = "geotrace/shown";
+}
+
+fn lock(session: &Mutex<Session>) -> MutexGuard<'_, Session> {
+    session.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The document's name as its user knows it.
+fn name(uri: &lsp::Uri) -> String {
+    let path = uri.to_file_path();
+    let name = path.as_ref().and_then(|path| path.file_name());
+    name.map_or_else(
+        || uri.as_str().to_owned(),
+        |name| name.to_string_lossy().into_owned(),
+    )
+}
+
+/// The window that was started, with its patience; `None` where there is one already.
+fn start(
+    session: &mut Session,
+    uri: &lsp::Uri,
+    view: Option<View>,
+) -> Result<Option<(Started, Duration)>, (lsp::MessageType, String)> {
+    let Some(snapshot) = session.documents.get(uri.as_str()).map(Open::snapshot) else {
+        let message = format!(
+            "The preview shows open documents: open {} first.",
+            name(uri)
+        );
+        return Err((lsp::MessageType::ERROR, message));
+    };
+    if session.previews.show(uri.as_str(), view.as_ref()) {
+        return Ok(None);
+    }
+    let Some(program) = session.window.clone() else {
+        let inside = match &view {
+            Some(View::Geodesic { surface }) => format!(" --view geodesic:{surface}"),
+            _ => String::new(),
+        };
+        let file = name(uri);
+        let message = format!(
+            "This build of geotrace has no preview window: `cargo install --path crates/cli` builds one that has. \
+             `geotrace render {file} -o picture.png{inside}` draws a picture."
+        );
+        return Err((lsp::MessageType::INFO, message));
+    };
+    let path = uri
+        .as_str()
+        .starts_with("file:")
+        .then(|| uri.to_file_path());
+    let path = path
+        .flatten()
+        .and_then(|path| path.to_str().map(str::to_owned));
+    match session.previews.start(&program, &snapshot, path, view) {
+        Ok(started) => Ok(Some((started, program.patience))),
+        Err(error) => {
+            let program = program.program.display();
+            let message = format!("The preview window, {program}, cannot be started: {error}");
+            Err((lsp::MessageType::ERROR, message))
+        }
+    }
+}
+
+/// Listens to a window until it has ended.
+async fn attend(window: Arc<Window>, mut heard: Receiver<Heard>, patience: Duration) {
+    match timeout(patience, window.greeted(&mut heard)).await {
+        Ok(Ok(())) => {}
+        Ok(Err(None)) => return,
+        Ok(Err(Some(message))) => {
+            window.give_up(message).await;
+            return;
+        }
+        Err(_) => {
+            let message = format!(
+                "The preview window of {} has not answered for {} seconds and has been ended. The command opens it anew.",
+                name(&window.uri),
+                patience.as_secs_f64(),
+            );
+            window.give_up(message).await;
+            return;
+        }
+    }
+    let (wishes, to_ask) = mpsc::channel(MOST_ASKED);
+    tokio::spawn(ask(window.clone(), to_ask));
+    let mut hints: Option<Instant> = None;
+    let mut last_hints: Option<Instant> = None;
+    let mut deadline: Option<Instant> = None;
+    let at = |time: Option<Instant>| sleep_until(time.unwrap_or_else(Instant::now));
+    loop {
+        let heard = tokio::select! {
+            heard = heard.recv() => heard,
+            () = window.process.closing(), if deadline.is_none() => {
+                deadline = Some(Instant::now() + PATIENCE_CLOSING);
+                continue;
+            }
+            () = at(deadline), if deadline.is_some() => {
+                window.process.kill();
+                deadline = Some(Instant::now() + PATIENCE_CLOSING);
+                continue;
+            }
+            () = at(hints), if hints.is_some() => {
+                hints = None;
+                last_hints = Some(Instant::now());
+                window.refresh_hints();
+                continue;
+            }
+        };
+        match heard {
+            Some(Heard::Event(event)) => {
+                if window.hear(event, &wishes).await && hints.is_none() {
+                    let now = Instant::now();
+                    hints = Some(last_hints.map_or(now, |last| now.max(last + HINTS_EVERY)));
+                }
+            }
+            Some(Heard::Line(line)) => window.log(line).await,
+            Some(Heard::Untold(message)) => {
+                let message = format!("{}: {message}", name(&window.uri));
+                window
+                    .client
+                    .show_message(lsp::MessageType::ERROR, message)
+                    .await;
+            }
+            Some(Heard::Gone(gone)) => {
+                window.gone(gone, true).await;
+                return;
+            }
+            None => return,
+        }
+    }
+}
+
+impl Window {
+    /// Waits for the window's version. The error is what to tell the user, if anything.
+    async fn greeted(&self, heard: &mut Receiver<Heard>) -> Result<(), Option<String>> {
+        loop {
+            match heard.recv().await {
+                Some(Heard::Line(line)) => self.log(line).await,
+                Some(Heard::Event(event)) => {
+                    return handshake::check(&event).map_err(|error| Some(error.to_string()));
+                }
+                Some(Heard::Untold(message)) => return Err(Some(message)),
+                Some(Heard::Gone(gone)) => {
+                    self.gone(gone, false).await;
+                    return Err(None);
+                }
+                None => return Err(None),
+            }
+        }
+    }
+
+    /// Ends a window with which there is nothing to talk about.
+    async fn give_up(&self, message: String) {
+        let known = lock(&self.session)
+            .previews
+            .forget(self.uri.as_str(), self.id);
+        self.process.kill();
+        // One that was closed meanwhile is no one's concern.
+        if known.is_some() {
+            self.client
+                .show_message(lsp::MessageType::ERROR, message)
+                .await;
+        }
+    }
+
+    /// The window has ended: it is forgotten, and if that was nobody's wish, the user is told. One that has never said a
+    /// word may not end silently, whatever its status.
+    async fn gone(&self, gone: Gone, greeted: bool) {
+        let known = lock(&self.session)
+            .previews
+            .forget(self.uri.as_str(), self.id);
+        let Some(preview) = known else {
+            return;
+        };
+        if !preview.live.is_empty() {
+            self.refresh_hints();
+        }
+        if gone.clean && greeted {
+            return;
+        }
+        let because = gone.reason.map(|reason| format!(": {reason}"));
+        let message = format!(
+            "The preview window of {} has ended ({}){} The command opens it anew.",
+            name(&self.uri),
+            gone.status,
+            because.map_or_else(
+                || ".".to_owned(),
+                |because| {
+                    let end = if because.ends_with(['.', '!', '?']) {
+                        ""
+                    } else {
+                        "."
+                    };
+                    because + end
+                }
+            ),
+        );
+        self.client
+            .show_message(lsp::MessageType::ERROR, message)
+            .await;
+    }
+
+    async fn log(&self, line: String) {
+        let message = format!("preview of {}: {line}", name(&self.uri));
+        self.client
+            .log_message(lsp::MessageType::LOG, message)
+            .await;
+    }
+
+    /// Takes what the window says; whether the hints have changed.
+    async fn hear(&self, event: Event, wishes: &mpsc::Sender<Wish>) -> bool {
+        match event {
+            Event::Shown {
+                version,
+                ok,
+                milliseconds,
+            } => {
+                let told = {
+                    let mut session = lock(&self.session);
+                    if let Some(preview) = session.previews.of(self.uri.as_str(), self.id) {
+                        preview.sent.shown(version, ok);
+                    }
+                    session.editor.hears_shown
+                };
+                if told {
+                    let uri = self.uri.clone();
+                    let params = ShownParams {
+                        uri,
+                        version,
+                        ok,
+                        milliseconds,
+                    };
+                    self.client.send_notification::<Shown>(params).await;
+                }
+            }
+            Event::Open { version, range } => {
+                // More than can be asked is not asked at all.
+                let _ = wishes.try_send(Wish::Open { version, range });
+            }
+            Event::Write { param, value, .. } => {
+                let _ = wishes.try_send(Wish::Write { param, value });
+            }
+            Event::Values { values, .. } => {
+                let mut session = lock(&self.session);
+                let shown = session.settings.values && session.editor.refreshes_hints;
+                let Some(preview) = session.previews.of(self.uri.as_str(), self.id) else {
+                    return false;
+                };
+                let changed = preview.live != values;
+                preview.live = values;
+                return changed && shown;
+            }
+            Event::Message { error, text } => {
+                let kind = if error {
+                    lsp::MessageType::ERROR
+                } else {
+                    lsp::MessageType::INFO
+                };
+                self.client.show_message(kind, text).await;
+            }
+            Event::Closed => {
+                let known = lock(&self.session)
+                    .previews
+                    .forget(self.uri.as_str(), self.id);
+                return known.is_some_and(|preview| !preview.live.is_empty());
+            }
+            // A greeting again, or what a later version of the messages adds.
+            _ => {}
+        }
+        false
+    }
+
+    fn refresh_hints(&self) {
+        if lock(&self.session).editor.refreshes_hints {
+            let client = self.client.clone();
+            tokio::spawn(async move {
+                let _ = client.inlay_hint_refresh().await;
+            });
+        }
+    }
+
+    /// The document as it is now, if it is still open.
+    fn snapshot(&self) -> Option<Arc<Snapshot>> {
+        let session = lock(&self.session);
+        session.documents.get(self.uri.as_str()).map(Open::snapshot)
+    }
+
+    async fn tell(&self, kind: lsp::MessageType, message: String) {
+        self.client.show_message(kind, message).await;
+    }
+
+    async fn show_declaration(&self, version: i32, range: [u32; 2]) {
+        let Some(snapshot) = self.snapshot() else {
+            return;
+        };
+        let (text, can) = {
+            let mut session = lock(&self.session);
+            let can = session.editor.shows_documents;
+            let preview = session.previews.of(self.uri.as_str(), self.id);
+            (preview.and_then(|p| p.sent.text(version).cloned()), can)
+        };
+        // Of a text that nobody knows any more no place can be found; the document is shown all the same.
+        let span = text.map(|text| {
+            let [start, end] = range;
+            moved(
+                &text,
+                &snapshot.text,
+                Span::new(start.min(end), start.max(end)),
+            )
+        });
+        let selection = span.map(|span| outgoing::range(&*snapshot, span));
+        if !can {
+            let place = selection.map_or_else(String::new, |range| {
+                let start = range.start;
+                format!(", line {}, column {}", start.line + 1, start.character + 1)
+            });
+            let message = format!("{}{place}", name(&self.uri));
+            self.tell(lsp::MessageType::INFO, message).await;
+            return;
+        }
+        let params = lsp::ShowDocumentParams {
+            uri: self.uri.clone(),
+            external: None,
+            take_focus: Some(true),
+            selection,
+        };
+        if let Ok(false) | Err(_) = self.client.show_document(params).await {
+            let message = format!("The editor does not show {}.", name(&self.uri));
+            self.tell(lsp::MessageType::WARNING, message).await;
+        }
+    }
+
+    async fn write_value(&self, param: &str, value: &[f64]) {
+        if let Err(reason) = self.try_to_write(param, value).await {
+            let message = format!(
+                "The value of `{param}` was not written into {}: {reason}",
+                name(&self.uri)
+            );
+            self.tell(lsp::MessageType::WARNING, message).await;
+        }
+    }
+
+    async fn try_to_write(&self, param: &str, value: &[f64]) -> Result<(), String> {
+        let editor = lock(&self.session).editor;
+        if !editor.applies_edits {
+            return Err("this editor takes no edits from its language server".to_owned());
+        }
+        let mut reason = None;
+        // The user may have typed meanwhile: then the edit is made once more, of the text as it is now.
+        for _ in 0..2 {
+            let Some(snapshot) = self.snapshot() else {
+                return Err("it is not open any more".to_owned());
+            };
+            let edit = {
+                let (snapshot, param, value) =
+                    (snapshot.clone(), param.to_owned(), value.to_owned());
+                let made = tokio::task::spawn_blocking(move || written(&snapshot, &param, &value));
+                made.await
+                    .map_err(|_| "a fault of the server".to_owned())??
+            };
+            let edit =
+                outgoing::workspace_edit(&snapshot, &self.uri, &[edit], editor.versioned_edits);
+            let params = lsp::ApplyWorkspaceEditParams {
+                label: Some(format!("Set {param}")),
+                edit,
+            };
+            let asked = self
+                .client
+                .send_request::<lsp::request::ApplyWorkspaceEdit>(params);
+            match asked.await {
+                Ok(answer) if answer.applied => return Ok(()),
+                Ok(answer) => reason = answer.failure_reason,
+                Err(error) => reason = Some(error.message.into_owned()),
+            }
+            if self
+                .snapshot()
+                .is_some_and(|now| now.version == snapshot.version)
+            {
+                break;
+            }
+        }
+        Err(reason.unwrap_or_else(|| "the editor has refused the edit".to_owned()))
+    }
+}
+
+/// The edit that makes a value the one at which a param starts.
+///
+/// # Errors
+/// A sentence that tells why it cannot be written.
+fn written(snapshot: &Snapshot, param: &str, value: &[f64]) -> Result<ide::edit::Edit, String> {
+    let _ = (snapshot.reading(), param, value);
+    Err("the language has no form for it yet".to_owned())
+}
+
+/// Asks the editor what a window wishes, one thing after the other.
+async fn ask(window: Arc<Window>, mut wishes: Receiver<Wish>) {
+    while let Some(wish) = wishes.recv().await {
+        let asked = async {
+            match wish {
+                Wish::Open { version, range } => window.show_declaration(version, range).await,
+                Wish::Write { param, value } => window.write_value(&param, &value).await,
+            }
+        };
+        // An editor that asks its user first may take its time, but others are not kept waiting for ever.
+        let _ = timeout(PATIENCE_EDITOR, asked).await;
+    }
+}

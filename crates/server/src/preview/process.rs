@@ -1,0 +1,316 @@
+//! The process of a window: threads that write to it and listen to it, and how it ended.
+//!
+//! ```text
+//! mailbox ──teller──▶ standard input        the only thread that a window which does not read can stop
+//! heard ◀──listener── standard output       events; then how it ended
+//! heard ◀──recorder── standard error        lines for the log
+//! ```
+
+use std::collections::VecDeque;
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Stdio};
+use std::sync::mpsc as sync;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use protocol::line::{self, ReadError, WriteError};
+use protocol::mailbox::Mailbox;
+use protocol::{Command, Event};
+use tokio::sync::{Notify, mpsc, watch};
+
+use super::WindowProgram;
+
+/// How much may wait to be heard: behind that an event waits, and a line for the log is dropped.
+const MOST_WAITING: usize = 64;
+/// The most lines for the log that are taken from one window.
+const MOST_LINES: usize = 1000;
+/// The longest of them, in bytes.
+const LONGEST_LINE: u64 = 4096;
+/// How many of the last lines are kept to find the reason of an end in.
+const LAST_LINES: usize = 20;
+/// How long a process may go on that has closed its standard output.
+const PATIENCE_SILENT: Duration = Duration::from_secs(2);
+/// How long the last lines of the standard error are waited for when the process has ended.
+const PATIENCE_LINES: Duration = Duration::from_millis(200);
+
+/// What was heard of a window.
+#[derive(Debug)]
+pub(crate) enum Heard {
+    /// It has said something.
+    Event(Event),
+    /// A line for the log: of its standard error, or of what is no event.
+    Line(String),
+    /// A sentence for the user: something could not be told to it.
+    Untold(String),
+    /// It has ended. The last that is heard.
+    Gone(Gone),
+}
+
+/// How a window ended.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub(crate) struct Gone {
+    /// Whether its exit status is 0.
+    pub(crate) clean: bool,
+    /// The exit status or the signal, in words.
+    pub(crate) status: String,
+    /// Its own words, from the last lines of its standard error.
+    pub(crate) reason: Option<String>,
+}
+
+/// A window's process.
+#[derive(Debug)]
+pub(crate) struct Process {
+    child: Mutex<Child>,
+    mailbox: Mailbox,
+    /// It is to close.
+    closing: Notify,
+    /// Everything that is to be told has been told.
+    told: watch::Sender<bool>,
+}
+
+impl Process {
+    /// Starts a window; it has nothing been told yet.
+    ///
+    /// # Errors
+    /// Where the system does not start the program or a thread.
+    pub(crate) fn start(
+        program: &WindowProgram,
+    ) -> std::io::Result<(Arc<Self>, mpsc::Receiver<Heard>)> {
+        let mut command = std::process::Command::new(&program.program);
+        command
+            .args(&program.arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped());
+        // A key that interrupts an editor in a terminal is not meant for the window.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mut child = command.spawn()?;
+        let (input, output, error) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let process = Arc::new(Self {
+            child: Mutex::new(child),
+            mailbox: Mailbox::new(),
+            closing: Notify::new(),
+            told: watch::Sender::new(false),
+        });
+        let (heard, receiver) = mpsc::channel(MOST_WAITING);
+        let started = process.clone().start_threads(input, output, error, heard);
+        if let Err(error) = started {
+            process.kill();
+            return Err(error);
+        }
+        Ok((process, receiver))
+    }
+
+    /// Has something told to the window, without waiting; the text that it has taken the place of.
+    pub(crate) fn tell(&self, command: Command) -> Option<Command> {
+        self.mailbox.put(command)
+    }
+
+    /// Has the window close.
+    pub(crate) fn close(&self) {
+        self.mailbox.put(Command::Close);
+        self.closing.notify_one();
+    }
+
+    /// Tells the window nothing more, not even that it should close.
+    pub(crate) fn abandon(&self) {
+        self.mailbox.close();
+    }
+
+    /// Waits until the window is to close.
+    pub(crate) async fn closing(&self) {
+        self.closing.notified().await;
+    }
+
+    /// Waits until everything has been told that is to be told.
+    pub(crate) async fn told(&self) {
+        // The sender lives as long as this process does.
+        let _ = self.told.subscribe().wait_for(|told| *told).await;
+    }
+
+    /// Ends the process.
+    pub(crate) fn kill(&self) {
+        self.mailbox.close();
+        // One that has ended already cannot be killed: that is what was wanted.
+        let _ = self.child().kill();
+    }
+
+    fn child(&self) -> MutexGuard<'_, Child> {
+        self.child.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn start_threads(
+        self: Arc<Self>,
+        input: Option<ChildStdin>,
+        output: Option<ChildStdout>,
+        error: Option<ChildStderr>,
+        heard: mpsc::Sender<Heard>,
+    ) -> std::io::Result<()> {
+        let (Some(input), Some(output), Some(error)) = (input, output, error) else {
+            return Err(std::io::Error::other("the window has no standard streams"));
+        };
+        let thread = |name: &str| std::thread::Builder::new().name(format!("window's {name}"));
+        let last = Arc::new(Mutex::new(VecDeque::new()));
+        let (recorded, all_recorded) = sync::channel::<()>();
+        thread("recorder").spawn({
+            let (last, heard) = (last.clone(), heard.clone());
+            move || {
+                record(error, &last, &heard);
+                // The channel's end is the message.
+                drop(recorded);
+            }
+        })?;
+        thread("teller").spawn({
+            let (process, heard) = (self.clone(), heard.clone());
+            move || process.tell_all(input, &heard)
+        })?;
+        thread("listener").spawn(move || {
+            listen(output, &heard);
+            let status = self.wait();
+            self.mailbox.close();
+            let _ = all_recorded.recv_timeout(PATIENCE_LINES);
+            let lines = last.lock().unwrap_or_else(PoisonError::into_inner);
+            let gone = Gone {
+                clean: status.is_some_and(|status| status.success()),
+                status: status.map_or_else(|| "unknown".to_owned(), |status| status.to_string()),
+                reason: reason(lines.iter()),
+            };
+            drop(lines);
+            let _ = heard.blocking_send(Heard::Gone(gone));
+        })?;
+        Ok(())
+    }
+
+    /// Writes what is to be told until nothing more is, or the window does not listen any more.
+    fn tell_all(&self, mut input: ChildStdin, heard: &mpsc::Sender<Heard>) {
+        while let Some(command) = self.mailbox.take() {
+            match line::write(&mut input, &command) {
+                Ok(()) => {}
+                Err(error @ WriteError::TooLong { .. }) => {
+                    let message = format!("the text is not shown in the preview: {error}");
+                    let _ = heard.blocking_send(Heard::Untold(message));
+                }
+                Err(WriteError::Stream(_)) => {
+                    // It has ended: the listener tells that.
+                    self.mailbox.close();
+                    break;
+                }
+            }
+        }
+        drop(input);
+        self.told.send_replace(true);
+    }
+
+    /// Waits for the end of a process that has closed its standard output.
+    fn wait(&self) -> Option<std::process::ExitStatus> {
+        const STEP: Duration = Duration::from_millis(10);
+        for _ in 0..PATIENCE_SILENT.as_millis() / STEP.as_millis() {
+            match self.child().try_wait() {
+                Ok(None) => std::thread::sleep(STEP),
+                Ok(status) => return status,
+                Err(_) => return None,
+            }
+        }
+        let mut child = self.child();
+        let _ = child.kill();
+        child.wait().ok()
+    }
+}
+
+fn listen(output: ChildStdout, heard: &mpsc::Sender<Heard>) {
+    let mut reader = line::Reader::<_, Event>::new(BufReader::new(output));
+    let mut lines = 0;
+    loop {
+        match reader.read() {
+            Ok(Some(event)) => {
+                if heard.blocking_send(Heard::Event(event)).is_err() {
+                    return;
+                }
+            }
+            Ok(None) | Err(ReadError::Stream(_)) => return,
+            Err(error) => {
+                lines += 1;
+                if lines <= MOST_LINES {
+                    let _ = heard.try_send(Heard::Line(error.to_string()));
+                }
+            }
+        }
+    }
+}
+
+fn record(error: ChildStderr, last: &Mutex<VecDeque<String>>, heard: &mpsc::Sender<Heard>) {
+    let mut reader = BufReader::new(error);
+    let mut count = 0;
+    let mut bytes = Vec::new();
+    loop {
+        bytes.clear();
+        // A longer line comes in pieces.
+        match (&mut reader)
+            .take(LONGEST_LINE)
+            .read_until(b'\n', &mut bytes)
+        {
+            Ok(1..) => {}
+            Ok(0) | Err(_) => return,
+        }
+        let line = String::from_utf8_lossy(&bytes).trim_end().to_owned();
+        if line.is_empty() {
+            continue;
+        }
+        let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
+        last.push_back(line.clone());
+        if last.len() > LAST_LINES {
+            last.pop_front();
+        }
+        drop(last);
+        count += 1;
+        if count <= MOST_LINES {
+            let _ = heard.try_send(Heard::Line(line));
+        }
+    }
+}
+
+/// The sentence among the last lines that tells why a program has ended: its error, a panic's message, else the last.
+fn reason<'l>(lines: impl DoubleEndedIterator<Item = &'l String> + Clone) -> Option<String> {
+    let error =
+        |line: &&String| line.starts_with("error: ") || line.starts_with("internal error: ");
+    if let Some(error) = lines.clone().rfind(error) {
+        return Some(error.clone());
+    }
+    let mut behind = lines
+        .clone()
+        .skip_while(|line| !line.contains("panicked at"));
+    if let Some(place) = behind.next() {
+        let message = behind.next().map_or("", |line| line);
+        return Some(format!("{place} {message}").trim_end().to_owned());
+    }
+    lines.last().cloned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::reason;
+
+    #[test]
+    fn the_reason_of_an_end_is_the_sentence_that_tells_it() {
+        let reason = |lines: &[&str]| {
+            let lines: Vec<String> = lines.iter().map(|line| (*line).to_owned()).collect();
+            reason(lines.iter())
+        };
+        assert_eq!(reason(&[]), None);
+        assert_eq!(reason(&["a", "b"]).as_deref(), Some("b"));
+        let told = reason(&[
+            "MESA: warning",
+            "error: there is no display",
+            "  help: use render",
+        ]);
+        assert_eq!(told.as_deref(), Some("error: there is no display"));
+        let told = reason(&[
+            "thread 'main' panicked at a.rs:1:2:",
+            "no such thing",
+            "note: run with …",
+        ]);
+        let wanted = "thread 'main' panicked at a.rs:1:2: no such thing";
+        assert_eq!(told.as_deref(), Some(wanted));
+    }
+}

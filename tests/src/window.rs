@@ -1,0 +1,173 @@
+//! Preview windows that a test plays: the server starts `fake-window`, which hands everything on to the test.
+
+use std::time::Duration;
+
+use serde_json::{Value, json};
+use server::WindowProgram;
+use tokio::io::{AsyncBufReadExt, AsyncWriteExt, BufReader, Lines};
+use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
+use tokio::net::{TcpListener, TcpStream};
+use tokio::time::timeout;
+
+/// Nothing takes longer, whatever else the machine does.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Where windows report to when a server starts them.
+pub struct Windows {
+    listener: TcpListener,
+    /// What the server has to start.
+    pub program: WindowProgram,
+}
+
+/// A window as the server sees it, played by the test.
+pub struct Window {
+    /// The process.
+    pub pid: u32,
+    lines: Lines<BufReader<OwnedReadHalf>>,
+    writer: OwnedWriteHalf,
+}
+
+impl Windows {
+    /// Windows are processes of this program, `fake-window`; deaf ones read nothing until they are told to.
+    pub async fn new(fake: &str, deaf: bool) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").await.expect("a port");
+        let address = listener.local_addr().expect("an address").to_string();
+        let deaf = deaf.then(|| "deaf".into());
+        let program = WindowProgram {
+            program: fake.into(),
+            arguments: [address.into()].into_iter().chain(deaf).collect(),
+            patience: PATIENCE,
+        };
+        Self { listener, program }
+    }
+
+    /// The next window that a server starts.
+    pub async fn next(&self) -> Window {
+        let accepted = timeout(PATIENCE, self.listener.accept()).await;
+        let (stream, _) = accepted.expect("a window starts").expect("a connection");
+        Window::new(stream).await
+    }
+
+    /// Whether a window has been started that was not asked for.
+    pub async fn is_any(&self) -> bool {
+        timeout(Duration::from_millis(300), self.listener.accept())
+            .await
+            .is_ok()
+    }
+}
+
+impl Window {
+    async fn new(stream: TcpStream) -> Self {
+        let (reader, writer) = stream.into_split();
+        let mut window = Self {
+            pid: 0,
+            lines: BufReader::new(reader).lines(),
+            writer,
+        };
+        let line = window.line().await.expect("it says who it is");
+        window.pid = line
+            .strip_prefix("pid ")
+            .expect("a process")
+            .parse()
+            .expect("a number");
+        window
+    }
+
+    async fn line(&mut self) -> Option<String> {
+        let line = timeout(PATIENCE, self.lines.next_line()).await;
+        line.expect("something is said").unwrap_or_default()
+    }
+
+    /// What the server tells it next; `None` when the server tells nothing more or the process has ended.
+    pub async fn hear(&mut self) -> Option<Value> {
+        let line = self.line().await?;
+        let told = line.strip_prefix("in ")?;
+        Some(serde_json::from_str(told).expect("JSON"))
+    }
+
+    /// What the server tells it next of this type; others are passed by.
+    pub async fn hear_of(&mut self, kind: &str) -> Value {
+        loop {
+            let told = self.hear().await;
+            let told = told.unwrap_or_else(|| panic!("the server ended before a {kind} came"));
+            if told["type"] == kind {
+                return told;
+            }
+        }
+    }
+
+    /// Whether it is told nothing for a while.
+    pub async fn hears_nothing(&mut self) -> bool {
+        timeout(Duration::from_millis(300), self.hear())
+            .await
+            .is_err()
+    }
+
+    /// Waits for the end of its process, or of what it is told.
+    pub async fn ended(&mut self) {
+        while self.hear().await.is_some() {}
+    }
+
+    async fn order(&mut self, word: &str, rest: &str) {
+        let line = format!("{word} {rest}\n");
+        self.writer
+            .write_all(line.as_bytes())
+            .await
+            .expect("the process lives");
+    }
+
+    /// Writes a line to its standard output.
+    pub async fn say_line(&mut self, line: &str) {
+        self.order("out", line).await;
+    }
+
+    /// Says an event.
+    pub async fn say(&mut self, event: Value) {
+        self.say_line(&event.to_string()).await;
+    }
+
+    /// Writes a line to its standard error.
+    pub async fn complain(&mut self, line: &str) {
+        self.order("err", line).await;
+    }
+
+    /// Has a deaf one read.
+    pub async fn listen(&mut self) {
+        self.order("listen", "").await;
+    }
+
+    /// Ends by itself.
+    pub async fn exit(mut self, status: i32) {
+        self.order("exit", &status.to_string()).await;
+        self.ended().await;
+    }
+
+    /// Is ended by a signal.
+    pub async fn kill(mut self) {
+        kill(self.pid);
+        self.ended().await;
+    }
+
+    /// Shakes hands: each side says its version.
+    pub async fn greet(&mut self) {
+        self.greet_as(1).await;
+        let told = self.hear().await.expect("a greeting");
+        assert_eq!(
+            (&told["type"], &told["protocol"]),
+            (&json!("hello"), &json!(1))
+        );
+    }
+
+    /// Says a version of the messages.
+    pub async fn greet_as(&mut self, version: u32) {
+        self.say(json!({ "type": "hello", "protocol": version, "program": "fake" }))
+            .await;
+    }
+}
+
+/// Ends a process by a signal that it cannot catch.
+pub fn kill(pid: u32) {
+    let mut command = std::process::Command::new("kill");
+    let status = command.args(["-9", &pid.to_string()]).status();
+    assert!(status.expect("kill is there").success(), "{pid} lives");
+}
