@@ -96,7 +96,7 @@ fn not_open(uri: &lsp::Uri) -> Error {
 const REQUEST_FAILED: i64 = -32803;
 
 impl Backend {
-    pub(crate) fn new(client: Client, end: Arc<crate::End>, window: Option<WindowProgram>) -> Self {
+    pub(crate) fn new(client: Client, end: Arc<crate::End>, session: Arc<Mutex<Session>>) -> Self {
         Self {
             client,
             session,

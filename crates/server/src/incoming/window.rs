@@ -220,6 +220,9 @@ async fn attend(window: Arc<Window>, mut heard: Receiver<Heard>, patience: Durat
                     .await;
             }
             Some(Heard::Gone(gone)) => {
+                if hints.is_some() {
+                    window.refresh_hints();
+                }
                 window.gone(gone, true).await;
                 return;
             }
