@@ -332,6 +332,59 @@ async fn values_of_params_are_hints_as_long_as_the_window_is_open() {
 }
 
 #[tokio::test]
+async fn a_value_that_a_slider_has_found_becomes_one_edit_of_the_text() {
+    let windows = Windows::new(FAKE, false).await;
+    let mut editor = started(Place::Here, "preview-write", &windows).await;
+    let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
+    let write =
+        |value: Value| json!({ "type": "write", "version": 1, "param": "r", "value": value });
+    // The text has moved on, and the edit is one of the text as it is now.
+    editor.change(URI, 2, insert(0, 0, "# 𝛼\n")).await;
+    window.hear_of("text").await;
+    window.say(write(json!([0.25]))).await;
+    let asked = editor.asked("workspace/applyEdit").await;
+    let place = json!({ "line": 2, "character": 7 });
+    let wanted = json!({
+        "label": "Set r",
+        "edit": { "documentChanges": [{
+            "textDocument": { "uri": URI, "version": 2 },
+            "edits": [{ "range": { "start": place, "end": place }, "newText": " = 0.25" }],
+        }] },
+    });
+    assert_eq!(asked, wanted);
+    // The editor makes it; the same value again changes nothing.
+    editor.change(URI, 3, insert(2, 7, " = 0.25")).await;
+    window.hear_of("text").await;
+    window.say(write(json!([0.25]))).await;
+    window.say(write(json!([0.5]))).await;
+    let asked = editor.asked("workspace/applyEdit").await;
+    let edit = &asked["edit"]["documentChanges"][0]["edits"][0];
+    assert_eq!(edit["newText"], "0.5");
+
+    // What is refused is told: by the editor, …
+    editor.applied = json!({ "applied": false, "failureReason": "it is read-only" });
+    window.say(write(json!([0.75]))).await;
+    let told = message(&mut editor, "`r` was not written").await;
+    assert!(told.contains("a.gtr: it is read-only"), "{told}");
+    // … or by the language.
+    window.say(write(json!([7.0]))).await;
+    message(&mut editor, "`r` was not written").await;
+    window
+        .say(json!({ "type": "write", "version": 1, "param": "s", "value": [1.0] }))
+        .await;
+    message(&mut editor, "`s` was not written").await;
+    assert_eq!(editor.quit().await, 0);
+
+    // An editor that takes no edits is not asked.
+    let mut editor = Editor::start_with(Place::Here, "preview-no-edits", Some(&windows.program));
+    editor.initialize(json!({})).await;
+    let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
+    window.say(write(json!([0.25]))).await;
+    message(&mut editor, "takes no edits").await;
+    assert_eq!(editor.quit().await, 0);
+}
+
+#[tokio::test]
 async fn a_window_that_was_closed_opens_anew_without_a_word() {
     let windows = Windows::new(FAKE, false).await;
     let mut editor = started(Place::Here, "preview-closed", &windows).await;

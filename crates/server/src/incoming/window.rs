@@ -6,6 +6,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use ide::write;
 use protocol::{Event, View, handshake};
 use syntax::span::Span;
 use tokio::sync::mpsc::{self, Receiver};
@@ -455,10 +456,14 @@ impl Window {
             let edit = {
                 let (snapshot, param, value) =
                     (snapshot.clone(), param.to_owned(), value.to_owned());
-                let made = tokio::task::spawn_blocking(move || written(&snapshot, &param, &value));
-                made.await
-                    .map_err(|_| "a fault of the server".to_owned())??
+                let write = move || write::value(snapshot.reading(), &param, &value);
+                let made = tokio::task::spawn_blocking(write).await;
+                let made = made.map_err(|_| "a fault of the server".to_owned())?;
+                made.map_err(|refusal| refusal.to_string())?
             };
+            if edit.span.text(&snapshot.text) == edit.text {
+                return Ok(());
+            }
             let edit =
                 outgoing::workspace_edit(&snapshot, &self.uri, &[edit], editor.versioned_edits);
             let params = lsp::ApplyWorkspaceEditParams {
@@ -482,15 +487,6 @@ impl Window {
         }
         Err(reason.unwrap_or_else(|| "the editor has refused the edit".to_owned()))
     }
-}
-
-/// The edit that makes a value the one at which a param starts.
-///
-/// # Errors
-/// A sentence that tells why it cannot be written.
-fn written(snapshot: &Snapshot, param: &str, value: &[f64]) -> Result<ide::edit::Edit, String> {
-    let _ = (snapshot.reading(), param, value);
-    Err("the language has no form for it yet".to_owned())
 }
 
 /// Asks the editor what a window wishes, one thing after the other.
