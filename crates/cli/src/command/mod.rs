@@ -7,7 +7,9 @@ mod explain;
 mod export;
 mod format;
 mod lsp;
+mod preview;
 mod render;
+mod show;
 mod trace;
 
 use clap::{Parser, Subcommand, ValueEnum};
@@ -44,6 +46,8 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Show(show::Arguments),
+    Preview(preview::Arguments),
     Check(check::Arguments),
     Render(Box<render::Arguments>),
     Export(export::Arguments),
@@ -68,6 +72,8 @@ pub(crate) enum Format {
 /// Runs the command that the arguments name.
 pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
     match arguments.command {
+        Command::Show(arguments) => show::run(&arguments),
+        Command::Preview(arguments) => preview::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Export(arguments) => export::run(&arguments),
@@ -91,6 +97,7 @@ fn after_help() -> String {
         "
 What to do with it:
 
+  geotrace show circle.gtr                         the live window; without a display, pictures
   geotrace check circle.gtr                        what is wrong, where, and what to do about it
   geotrace render circle.gtr -o circle.png         a picture
   geotrace render circle.gtr -o c.png --set o=1.5  a picture with another value of a param
@@ -129,6 +136,9 @@ mod tests {
             "geotrace eval a.gtr -x^2 --set a=-1",
             "geotrace eval a.gtr --set a=-1 -/2",
             "geotrace eval - - --format json",
+            "geotrace preview a.gtr --backend software",
+            "geotrace preview --attached",
+            "geotrace lsp --window a --b c",
         ] {
             let parsed = Arguments::try_parse_from(arguments.split(' '));
             assert!(parsed.is_ok(), "{arguments}: {parsed:?}");
@@ -141,6 +151,10 @@ mod tests {
             "geotrace",
             "geotrace check",
             "geotrace draw a.gtr",
+            "geotrace preview",
+            "geotrace preview a.gtr --attached",
+            "geotrace preview a.gtr b.gtr",
+            "geotrace show",
             "geotrace check a.gtr --format xml",
             "geotrace render a.gtr",
             "geotrace render a.gtr -o a.png --size 0x0",

@@ -1,0 +1,112 @@
+//! `geotrace preview`: the live window.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+use crate::failure::Failure;
+
+/// Open the live window on a program: its 3D view, and its surfaces from inside.
+///
+/// The window follows the file as it changes on disk, and has a pane of its own to write in. Editors start it by
+/// themselves, attached to what is typed there. Without a display it ends with status 1: `geotrace show` makes pictures
+/// then, and `geotrace render` in any case.
+#[derive(Args, Debug)]
+pub(super) struct Arguments {
+    /// The program
+    #[arg(required_unless_present = "attached", conflicts_with = "attached")]
+    file: Option<PathBuf>,
+    /// Take the text from an editor's language server, over standard input and output: for editors
+    #[arg(long)]
+    attached: bool,
+    /// What draws the pictures: auto takes the GPU where it is a real one
+    #[arg(long, value_enum, default_value_t, value_name = "BACKEND")]
+    backend: BackendName,
+    /// Where to write what the window has done, one JSON object a line: for tests
+    #[arg(long, value_name = "FILE", hide = true)]
+    report: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
+enum BackendName {
+    /// The GPU where it is a real one, else the processor
+    #[default]
+    Auto,
+    /// The GPU, whatever it is
+    Gpu,
+    /// The processor's cores, in double precision
+    Software,
+}
+
+/// Why there is no window.
+#[derive(Debug)]
+pub(super) enum NoWindow {
+    /// None can be had here; a sentence without its end.
+    NotHere(String),
+    /// The window was not what failed.
+    Other(Failure),
+}
+
+/// Opens the window and waits until it is closed.
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let hint = match &arguments.file {
+        Some(file) => format!(
+            "`geotrace render {} -o OUT.png` makes a picture without a window",
+            file.display()
+        ),
+        None => "`geotrace render FILE -o OUT.png` makes a picture without a window".to_owned(),
+    };
+    open(arguments).map_err(|failure| match failure {
+        NoWindow::NotHere(message) => Failure::Input {
+            message,
+            hint: Some(hint),
+        },
+        NoWindow::Other(failure) => failure,
+    })
+}
+
+/// Opens the window on a file and waits until it is closed.
+pub(super) fn open_file(file: PathBuf) -> Result<(), NoWindow> {
+    open(&Arguments {
+        file: Some(file),
+        attached: false,
+        backend: BackendName::Auto,
+        report: None,
+    })
+}
+
+#[cfg(feature = "window")]
+fn open(arguments: &Arguments) -> Result<(), NoWindow> {
+    use preview::{Backend, Options, Source};
+
+    let source = match &arguments.file {
+        Some(file) if file.as_os_str() == "-" => {
+            let message = "the window follows a file, and standard input is none";
+            return Err(NoWindow::Other(Failure::usage(message)));
+        }
+        Some(file) => Source::File(file.clone()),
+        None => Source::Attached,
+    };
+    let options = Options {
+        source,
+        backend: match arguments.backend {
+            BackendName::Auto => Backend::Auto,
+            BackendName::Gpu => Backend::Gpu,
+            BackendName::Software => Backend::Software,
+        },
+        report: arguments.report.clone(),
+    };
+    preview::run(options).map_err(|failure| match failure {
+        preview::Failure::Unreadable { path, reason } => NoWindow::Other(Failure::Unreadable {
+            file: path.display().to_string(),
+            reason,
+        }),
+        other => NoWindow::NotHere(other.to_string()),
+    })
+}
+
+#[cfg(not(feature = "window"))]
+fn open(_: &Arguments) -> Result<(), NoWindow> {
+    let message = "this build of geotrace has no window: it was made without the feature `window`";
+    Err(NoWindow::NotHere(message.to_owned()))
+}

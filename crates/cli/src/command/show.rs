@@ -1,0 +1,56 @@
+//! `geotrace show`: the live window, or what it would show as pictures.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::{Args, Parser};
+
+use super::Format;
+use super::preview::{self, NoWindow};
+use crate::failure::Failure;
+use crate::output;
+use crate::program::Program;
+
+/// See a program: in the live window, or, where there is no display, as pictures.
+///
+/// Without a display it says so and writes the 3D view and, of the first surface, the view from inside into the
+/// current folder.
+#[derive(Args, Debug)]
+pub(super) struct Arguments {
+    /// The program
+    file: PathBuf,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    match preview::open_file(arguments.file.clone()) {
+        Ok(()) => return Ok(()),
+        Err(NoWindow::Other(failure)) => return Err(failure),
+        Err(NoWindow::NotHere(reason)) => {
+            output::print_error(&format!("note: {reason}; here are pictures instead\n"));
+        }
+    }
+    let program = Program::load(&arguments.file, Format::Human)?;
+    program.scene()?;
+    let stem = arguments.file.file_stem().unwrap_or_default();
+    draw(arguments, "3d", [stem, ".png".as_ref()].concat())?;
+    // What has no surface has no inside.
+    if program.surface(None).is_ok() {
+        draw(
+            arguments,
+            "geodesic",
+            [stem, "-inside.png".as_ref()].concat(),
+        )?;
+    }
+    Ok(())
+}
+
+/// Draws as `geotrace render` does.
+fn draw(arguments: &Arguments, view: &str, output: OsString) -> Result<(), Failure> {
+    let words = ["geotrace", "render", "--view", view, "-o"].map(OsString::from);
+    let words = words.into_iter().chain([output, "--".into()]);
+    let words = words.chain([arguments.file.clone().into_os_string()]);
+    let render = super::Arguments::try_parse_from(words).map_err(|error| Failure::Internal {
+        message: format!("a picture cannot be asked for: {error}"),
+    })?;
+    super::run(render)
+}
