@@ -17,10 +17,10 @@ const EDITS: usize = 1_000;
 const HOVERS: usize = 100;
 /// For at most how long.
 const ENOUGH: Duration = Duration::from_secs(5);
-const URI: &str = "file:///bench.gtr";
+pub(crate) const URI: &str = "file:///bench.gtr";
 
 /// The server and the editor's ends of its streams.
-struct Session {
+pub(crate) struct Session {
     child: Child,
     input: ChildStdin,
     output: BufReader<ChildStdout>,
@@ -31,6 +31,11 @@ struct Session {
 impl Session {
     /// Starts the server and shakes hands; also how long that took.
     fn start() -> std::io::Result<(Self, Duration)> {
+        Self::start_as("{}")
+    }
+
+    /// Starts the server for an editor of these capabilities.
+    pub(crate) fn start_as(capabilities: &str) -> std::io::Result<(Self, Duration)> {
         let start = Instant::now();
         let mut child = Command::new(binary())
             .arg("lsp")
@@ -49,7 +54,7 @@ impl Session {
         };
         session.ask(
             "initialize",
-            r#"{"processId":null,"rootUri":null,"capabilities":{}}"#,
+            &format!(r#"{{"processId":null,"rootUri":null,"capabilities":{capabilities}}}"#),
         )?;
         let time = start.elapsed();
         session.tell("initialized", "{}")?;
@@ -61,14 +66,14 @@ impl Session {
         self.input.flush()
     }
 
-    fn tell(&mut self, method: &str, params: &str) -> std::io::Result<()> {
+    pub(crate) fn tell(&mut self, method: &str, params: &str) -> std::io::Result<()> {
         self.send(&format!(
             r#"{{"jsonrpc":"2.0","method":"{method}","params":{params}}}"#
         ))
     }
 
     /// The body of the answer.
-    fn ask(&mut self, method: &str, params: &str) -> std::io::Result<String> {
+    pub(crate) fn ask(&mut self, method: &str, params: &str) -> std::io::Result<String> {
         self.request += 1;
         let id = self.request;
         self.send(&format!(
@@ -78,7 +83,7 @@ impl Session {
     }
 
     /// The next message that holds all of these.
-    fn wait(&mut self, parts: &[&str]) -> std::io::Result<String> {
+    pub(crate) fn wait(&mut self, parts: &[&str]) -> std::io::Result<String> {
         loop {
             let mut header = Vec::new();
             while !header.ends_with(b"\r\n\r\n") {
@@ -104,7 +109,7 @@ impl Session {
         self.wait(&["publishDiagnostics", &version])
     }
 
-    fn open(&mut self, text: &str) -> std::io::Result<String> {
+    pub(crate) fn open(&mut self, text: &str) -> std::io::Result<String> {
         self.version += 1;
         let text = text.replace('\n', "\\n");
         let document = format!(
@@ -119,7 +124,7 @@ impl Session {
     }
 
     /// Replaces columns of a line.
-    fn change(&mut self, line: usize, columns: [usize; 2], text: &str) -> std::io::Result<()> {
+    pub(crate) fn change(&mut self, line: usize, columns: [usize; 2], text: &str) -> std::io::Result<()> {
         self.version += 1;
         let [start, end] =
             columns.map(|column| format!(r#"{{"line":{line},"character":{column}}}"#));
@@ -146,12 +151,22 @@ impl Session {
 
     /// `VmRSS` and the highest it has been, in bytes.
     fn memory(&self) -> [u64; 2] {
-        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id()));
-        let status = status.unwrap_or_default();
-        let now = status
-            .replace("VmHWM:", "VmOld:")
-            .replace("VmRSS:", "VmHWM:");
-        [high_water_mark(&now), high_water_mark(&status)]
+        memory_of(self.child.id())
+    }
+
+    /// The processes that the server has started.
+    pub(crate) fn children(&self) -> Vec<u32> {
+        let threads = std::fs::read_dir(format!("/proc/{}/task", self.child.id()));
+        let threads = threads.into_iter().flatten().flatten();
+        let lists = threads.map(|thread| std::fs::read_to_string(thread.path().join("children")));
+        let all: Vec<String> = lists.flatten().collect();
+        let all = all.iter().flat_map(|list| list.split_whitespace());
+        all.filter_map(|child| child.parse().ok()).collect()
+    }
+
+    /// The version of the text that was sent last.
+    pub(crate) fn version(&self) -> u32 {
+        self.version
     }
 
     /// Time on processors so far, in hundredths of a second.
@@ -163,15 +178,25 @@ impl Session {
         fields.filter_map(|field| field.parse::<u64>().ok()).sum()
     }
 
-    fn quit(mut self) -> std::io::Result<()> {
+    pub(crate) fn quit(mut self) -> std::io::Result<()> {
         self.ask("shutdown", "null")?;
         self.tell("exit", "null")?;
         self.child.wait().map(|_| ())
     }
 }
 
+/// A process's `VmRSS` and the highest it has been, in bytes.
+pub(crate) fn memory_of(process: u32) -> [u64; 2] {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status"));
+    let status = status.unwrap_or_default();
+    let now = status
+        .replace("VmHWM:", "VmOld:")
+        .replace("VmRSS:", "VmHWM:");
+    [high_water_mark(&now), high_water_mark(&status)]
+}
+
 /// Prints the median and the 99th of a hundred.
-fn print(what: &str, count: usize, mut time: impl FnMut(usize) -> std::io::Result<Duration>) {
+pub(crate) fn print(what: &str, count: usize, mut time: impl FnMut(usize) -> std::io::Result<Duration>) {
     let mut times = Vec::new();
     // The first find nothing in the processor's caches.
     for k in 0..20 {
@@ -204,7 +229,7 @@ fn sparse(declarations: usize) -> String {
 }
 
 /// The line and the column behind a piece of the text, which is ASCII.
-fn behind(text: &str, piece: &str) -> [usize; 2] {
+pub(crate) fn behind(text: &str, piece: &str) -> [usize; 2] {
     let at = text.find(piece).map_or(0, |at| at + piece.len());
     let before = &text[..at];
     let start = before.rfind('\n').map_or(0, |at| at + 1);

@@ -1,7 +1,8 @@
 //! Run times and peak memory, printed as tables: `cargo run --release -p geotrace-benches [PART…]`.
 //!
 //! Parts: `front` (checking and parsing), `editing` (keystrokes in long programs, beside
-//! tree-sitter), `latency` (the language server, from an edit that is sent to its diagnostics), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
+//! tree-sitter), `latency` (the language server, from an edit that is sent to its diagnostics), `preview` (from
+//! an edit that is sent to its frame in the window; needs a display, such as `xvfb-run` gives), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
 //! (both views of every example), `large` (many samples, many vectors), `accuracy` (the geodesic view against the
 //! thesis' method, frames while moving, the sphere from ten thousand places), `stiff` (the stiff list: ours, its bounds, the
 //! thesis' method). Without a part all are run. Times are medians of several runs with their
@@ -16,6 +17,7 @@ mod klein;
 mod latency;
 mod measure;
 mod pictures;
+mod preview;
 mod stiff;
 
 use std::process::ExitCode;
@@ -35,6 +37,7 @@ fn main() -> ExitCode {
         ("front", front::run),
         ("editing", editing::run),
         ("latency", latency::run),
+        ("preview", preview::run),
         ("jets", jets::run),
         ("klein", klein::run),
         ("render", pictures::examples),

@@ -14,6 +14,16 @@ end, {
   end,
 })
 
+vim.api.nvim_create_autocmd("LspAttach", {
+  group = vim.api.nvim_create_augroup("geotrace", {}),
+  callback = function(event)
+    local client = vim.lsp.get_client_by_id(event.data.client_id)
+    if client and client.name == "geotrace" then
+      require("geotrace").follow_cursor(event.buf)
+    end
+  end,
+})
+
 vim.api.nvim_create_user_command("GeotraceRestart", function()
   require("geotrace").restart()
 end, { desc = "Start Geotrace's language server anew" })

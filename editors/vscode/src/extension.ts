@@ -2,19 +2,38 @@
 
 import * as vscode from "vscode";
 import {
+    type ClientCapabilities,
     type ExecuteCommandSignature,
+    type FeatureState,
     LanguageClient,
     type LanguageClientOptions,
     type ServerOptions,
     State,
+    type StaticFeature,
 } from "vscode-languageclient/node";
 import { findServer, ServerMissing } from "./server";
 
 /** The command that the server executes: its arguments are a document's URI and, perhaps, a view. */
 const PREVIEW = "geotrace.preview";
 
+/** The notification of where the cursor stands: the preview sets off what is declared there. */
+const CURSOR = "geotrace/cursor";
+/** How long the cursor may have moved before that is told, in milliseconds. */
+const CURSOR_DELAY = 30;
+
+/** What the server tells of each picture of a preview, by the notification geotrace/shown. */
+export interface Shown {
+    uri: string;
+    version: number;
+    /** Whether the text compiled; else the last good picture stays. */
+    ok: boolean;
+    milliseconds: number;
+}
+
 /** What the tests of the extension look at. */
 export interface Api {
+    /** The pictures that have been shown so far, by document; the last of each. */
+    shown(): ReadonlyMap<string, Shown>;
     /** The client, once it runs. */
     client(): LanguageClient | undefined;
     /** What the status item says. */
@@ -25,13 +44,15 @@ export async function activate(context: vscode.ExtensionContext): Promise<Api> {
     const session = new Session(context);
     context.subscriptions.push(session);
     await session.start();
-    return { client: () => session.client, status: () => session.status.text };
+    return { client: () => session.client, status: () => session.status.text, shown: () => session.shown };
 }
 
 /** One run of the server after the other. */
 class Session implements vscode.Disposable {
     client: LanguageClient | undefined;
     readonly status = vscode.languages.createLanguageStatusItem("geotrace.status", { language: "geotrace" });
+    readonly shown = new Map<string, Shown>();
+    private cursor: NodeJS.Timeout | undefined;
     private readonly output = vscode.window.createOutputChannel("Geotrace", { log: true });
     private readonly context: vscode.ExtensionContext;
     private readonly disposables: vscode.Disposable[];
@@ -51,7 +72,7 @@ class Session implements vscode.Disposable {
                     await this.restart();
                 }
             }),
-            vscode.workspace.onDidOpenTextDocument((document) => this.openPreview(document)),
+            vscode.window.onDidChangeTextEditorSelection((change) => this.cursorMoved(change.textEditor)),
         ];
     }
 
@@ -66,6 +87,7 @@ class Session implements vscode.Disposable {
     }
 
     dispose(): void {
+        clearTimeout(this.cursor);
         void this.turn.then(() => this.stop());
         for (const disposable of this.disposables) {
             disposable.dispose();
@@ -82,11 +104,12 @@ class Session implements vscode.Disposable {
             const options: ServerOptions = { command: server.path, args: ["lsp"] };
             const client = new LanguageClient("geotrace", "Geotrace", options, this.clientOptions());
             client.onDidChangeState(({ newState }) => this.changed(newState, server.version));
+            client.registerFeature(new WantsShown());
+            client.onNotification("geotrace/shown", (shown: Shown) => {
+                this.shown.set(shown.uri, shown);
+            });
             this.client = client;
             await client.start();
-            for (const document of vscode.workspace.textDocuments) {
-                this.openPreview(document);
-            }
         } catch (error) {
             const message = error instanceof Error ? error.message : String(error);
             this.show("not running", false, message);
@@ -135,11 +158,23 @@ class Session implements vscode.Disposable {
         return uri === undefined ? [] : [this.client?.code2ProtocolConverter.asUri(uri) ?? uri.toString()];
     }
 
-    private openPreview(document: vscode.TextDocument): void {
-        const when = vscode.workspace.getConfiguration("geotrace").get<string>("preview.open", "onCommand");
-        if (document.languageId === "geotrace" && when === "onOpen" && this.client?.state === State.Running) {
-            void vscode.commands.executeCommand(PREVIEW, document.uri.toString());
+    /** Tells where the cursor stands, some moves at once. */
+    private cursorMoved(editor: vscode.TextEditor): void {
+        if (editor.document.languageId !== "geotrace") {
+            return;
         }
+        clearTimeout(this.cursor);
+        this.cursor = setTimeout(() => {
+            const client = this.client;
+            if (client?.state !== State.Running) {
+                return;
+            }
+            const { code2ProtocolConverter: converter } = client;
+            void client.sendNotification(CURSOR, {
+                textDocument: converter.asTextDocumentIdentifier(editor.document),
+                position: converter.asPosition(editor.selection.active),
+            });
+        }, CURSOR_DELAY);
     }
 
     private changed(state: State, version: string): void {
@@ -164,4 +199,19 @@ class Session implements vscode.Disposable {
                 ? { title: "Restart", command: "geotrace.restart" }
                 : { title: "Show output", command: "geotrace.showLog" };
     }
+}
+
+/** Says that this editor wants to hear of each picture of a preview. */
+class WantsShown implements StaticFeature {
+    fillClientCapabilities(capabilities: ClientCapabilities): void {
+        capabilities.experimental = { ...capabilities.experimental, geotrace: { shown: true } };
+    }
+
+    initialize(): void {}
+
+    getState(): FeatureState {
+        return { kind: "static" };
+    }
+
+    clear(): void {}
 }

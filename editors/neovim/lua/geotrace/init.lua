@@ -24,6 +24,30 @@ function M.preview(words)
   running:exec_cmd({ title = "Preview", command = "geotrace.preview", arguments = arguments }, { bufnr = 0 })
 end
 
+-- Tells the server where the cursor stands in a buffer, for the preview: what is declared there is set off. At most one
+-- message in 30 ms, and the last place always.
+function M.follow_cursor(buffer)
+  local waiting = false
+  local function tell()
+    waiting = false
+    local running = vim.api.nvim_buf_is_loaded(buffer) and client(buffer)
+    local window = vim.fn.bufwinid(buffer)
+    if running and window ~= -1 then
+      running:notify("geotrace/cursor", vim.lsp.util.make_position_params(window, running.offset_encoding))
+    end
+  end
+  vim.api.nvim_create_autocmd({ "CursorMoved", "CursorMovedI" }, {
+    group = vim.api.nvim_create_augroup("geotrace.cursor." .. buffer, {}),
+    buffer = buffer,
+    callback = function()
+      if not waiting then
+        waiting = true
+        vim.defer_fn(tell, 30)
+      end
+    end,
+  })
+end
+
 -- Stops the server and starts it anew for all Geotrace buffers.
 function M.restart()
   local running = vim.lsp.get_clients({ name = "geotrace" })

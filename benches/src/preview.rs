@@ -1,0 +1,164 @@
+//! The preview as an editor meets it: the binary as language server, and the window that it starts.
+//!
+//! A time is that from the moment before an edit is written to the server to the moment after it has told that the
+//! window has handed over the frame: three processes, their pipes and whatever else the machine does are part of it. The
+//! window's own share, from reading the text on, is printed beside it.
+
+use std::time::{Duration, Instant};
+
+use crate::latency::{Session, URI, behind, memory_of, print};
+use crate::measure::megabytes;
+
+/// Edits of each kind.
+const EDITS: usize = 200;
+/// Hovers while the window has more to do than it can.
+const HOVERS: usize = 200;
+/// Edits after which memory is compared.
+const MANY: [usize; 2] = [1_000, 10_000];
+/// For at most how long these are made.
+const ENOUGH: Duration = Duration::from_secs(120);
+/// An editor that wants to hear of each picture.
+const CAPABILITIES: &str = r#"{"experimental":{"geotrace":{"shown":true}}}"#;
+
+const TORUS: &str = "\
+param r = 0.5 : [0.4, 0.9];
+surface s(u,v) = ((1 + r cos v) cos u, (1 + r cos v) sin u, r sin v), u : [0, 2pi], v : [0, 2pi];
+";
+
+/// So many waves, one above the other.
+fn waves(count: usize) -> String {
+    (0..count)
+        .map(|k| {
+            format!(
+                "surface s{k}(u,v) = (u, v, {k} + 0.2 sin(3u) cos(2v)), u : [-1, 1, 40], v : [-1, 1, 40];\n"
+            )
+        })
+        .collect()
+}
+
+/// A server, a window that shows a text, and how long both took to its first frame.
+fn opened(text: &str) -> std::io::Result<(Session, Duration)> {
+    let (mut session, _) = Session::start_as(CAPABILITIES)?;
+    session.open(text)?;
+    let start = Instant::now();
+    session.ask(
+        "workspace/executeCommand",
+        &format!(r#"{{"command":"geotrace.preview","arguments":["{URI}"]}}"#),
+    )?;
+    shown(&mut session)?;
+    Ok((session, start.elapsed()))
+}
+
+/// Waits for the frame of the current version; the window's own share of the time, in milliseconds.
+fn shown(session: &mut Session) -> std::io::Result<f64> {
+    let version = format!("\"version\":{},", session.version());
+    let other = format!("\"version\":{}}}", session.version());
+    loop {
+        let told = session.wait(&["\"method\":"])?;
+        if told.contains("window/showMessage") {
+            return Err(std::io::Error::other(told));
+        }
+        if told.contains("geotrace/shown") && (told.contains(&version) || told.contains(&other)) {
+            let milliseconds = told.split("\"milliseconds\":").nth(1);
+            let digits = milliseconds.map(|rest| rest.split([',', '}']).next().unwrap_or_default());
+            return Ok(digits.and_then(|d| d.parse().ok()).unwrap_or(f64::NAN));
+        }
+    }
+}
+
+/// Inserts a text and takes it out again, in turn: how long until the frame is there.
+fn edits(session: &mut Session, what: &str, at: [usize; 2], inserted: &str) {
+    let [line, column] = at;
+    let mut own = Vec::new();
+    print(what, EDITS, |k| {
+        let start = Instant::now();
+        if k.is_multiple_of(2) {
+            session.change(line, [column, column], inserted)?;
+        } else {
+            session.change(line, [column, column + inserted.len()], "")?;
+        }
+        own.push(shown(session)?);
+        Ok(start.elapsed())
+    });
+    own.sort_unstable_by(f64::total_cmp);
+    let at = |share: f64| own.get((own.len() as f64 * share) as usize).copied();
+    println!(
+        "    {:<44} p50 {:>9.3} ms   p99 {:>9.3} ms",
+        "  the window's share",
+        at(0.5).unwrap_or(f64::NAN),
+        at(0.99).unwrap_or(f64::NAN)
+    );
+}
+
+fn measure() -> std::io::Result<()> {
+    let (mut session, cold) = opened(TORUS)?;
+    println!(
+        "    {:<44} {:>13.0} ms",
+        "from the command to the first frame",
+        1e3 * cold.as_secs_f64()
+    );
+    // An odd number of edits would leave the text changed: `print` makes 20 more than are asked for.
+    edits(&mut session, "a param's value", behind(TORUS, "r = 0.5"), "1");
+    session.quit()?;
+    let (mut session, _) = opened(TORUS)?;
+    edits(&mut session, "the only surface", behind(TORUS, "(1 + r cos v) cos u"), "+0");
+    session.quit()?;
+
+    let text = waves(20);
+    let (mut session, _) = opened(&text)?;
+    edits(&mut session, "one of twenty surfaces", behind(&text, "v, 7 + 0.2"), "1");
+
+    // The window is given more than it can draw, and the editor asks on.
+    let [line, column] = behind(&text, "v, 7 + 0.2");
+    let hover = format!(
+        r#"{{"textDocument":{{"uri":"{URI}"}},"position":{{"line":3,"character":9}}}}"#
+    );
+    print("a hover while the window is saturated", HOVERS, |k| {
+        for _ in 0..5 {
+            session.change(line, [column, column], "1")?;
+            session.change(line, [column, column + 1], "")?;
+        }
+        let _ = k;
+        let start = Instant::now();
+        session.ask("textDocument/hover", &hover)?;
+        Ok(start.elapsed())
+    });
+
+    let window = session.children().first().copied();
+    let Some(window) = window else {
+        return Err(std::io::Error::other("the window's process is not known"));
+    };
+    let start = Instant::now();
+    let mut made = 0;
+    let mut first = 0;
+    while made < MANY[1] && start.elapsed() < ENOUGH {
+        session.change(line, [column, column], "1")?;
+        shown(&mut session)?;
+        session.change(line, [column, column + 1], "")?;
+        shown(&mut session)?;
+        made += 2;
+        if made == MANY[0] {
+            [first, _] = memory_of(window);
+        }
+    }
+    let [last, _] = memory_of(window);
+    println!(
+        "    the window's memory: {:.1} MB after {} edits, {:.1} MB after {made}",
+        megabytes(first),
+        MANY[0],
+        megabytes(last)
+    );
+    session.quit()
+}
+
+/// Prints the table.
+pub(crate) fn run() {
+    println!("The preview, from an edit that is sent to its frame in the window");
+    if std::env::var_os("DISPLAY").is_none() && std::env::var_os("WAYLAND_DISPLAY").is_none() {
+        println!("  there is no display; `xvfb-run -a cargo run --release -p geotrace-benches preview` makes one");
+        return;
+    }
+    if let Err(error) = measure() {
+        println!("  it has ended: {error}");
+    }
+}
