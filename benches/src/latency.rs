@@ -124,7 +124,12 @@ impl Session {
     }
 
     /// Replaces columns of a line.
-    pub(crate) fn change(&mut self, line: usize, columns: [usize; 2], text: &str) -> std::io::Result<()> {
+    pub(crate) fn change(
+        &mut self,
+        line: usize,
+        columns: [usize; 2],
+        text: &str,
+    ) -> std::io::Result<()> {
         self.version += 1;
         let [start, end] =
             columns.map(|column| format!(r#"{{"line":{line},"character":{column}}}"#));
@@ -196,7 +201,11 @@ pub(crate) fn memory_of(process: u32) -> [u64; 2] {
 }
 
 /// Prints the median and the 99th of a hundred.
-pub(crate) fn print(what: &str, count: usize, mut time: impl FnMut(usize) -> std::io::Result<Duration>) {
+pub(crate) fn print(
+    what: &str,
+    count: usize,
+    mut time: impl FnMut(usize) -> std::io::Result<Duration>,
+) {
     let mut times = Vec::new();
     // The first find nothing in the processor's caches.
     for k in 0..20 {

@@ -98,21 +98,35 @@ fn measure() -> std::io::Result<()> {
         1e3 * cold.as_secs_f64()
     );
     // An odd number of edits would leave the text changed: `print` makes 20 more than are asked for.
-    edits(&mut session, "a param's value", behind(TORUS, "r = 0.5"), "1");
+    edits(
+        &mut session,
+        "a param's value",
+        behind(TORUS, "r = 0.5"),
+        "1",
+    );
     session.quit()?;
     let (mut session, _) = opened(TORUS)?;
-    edits(&mut session, "the only surface", behind(TORUS, "(1 + r cos v) cos u"), "+0");
+    edits(
+        &mut session,
+        "the only surface",
+        behind(TORUS, "(1 + r cos v) cos u"),
+        "+0",
+    );
     session.quit()?;
 
     let text = waves(20);
     let (mut session, _) = opened(&text)?;
-    edits(&mut session, "one of twenty surfaces", behind(&text, "v, 7 + 0.2"), "1");
+    edits(
+        &mut session,
+        "one of twenty surfaces",
+        behind(&text, "v, 7 + 0.2"),
+        "1",
+    );
 
     // The window is given more than it can draw, and the editor asks on.
     let [line, column] = behind(&text, "v, 7 + 0.2");
-    let hover = format!(
-        r#"{{"textDocument":{{"uri":"{URI}"}},"position":{{"line":3,"character":9}}}}"#
-    );
+    let hover =
+        format!(r#"{{"textDocument":{{"uri":"{URI}"}},"position":{{"line":3,"character":9}}}}"#);
     print("a hover while the window is saturated", HOVERS, |k| {
         for _ in 0..5 {
             session.change(line, [column, column], "1")?;
@@ -155,7 +169,9 @@ fn measure() -> std::io::Result<()> {
 pub(crate) fn run() {
     println!("The preview, from an edit that is sent to its frame in the window");
     if std::env::var_os("DISPLAY").is_none() && std::env::var_os("WAYLAND_DISPLAY").is_none() {
-        println!("  there is no display; `xvfb-run -a cargo run --release -p geotrace-benches preview` makes one");
+        println!(
+            "  there is no display; `xvfb-run -a cargo run --release -p geotrace-benches preview` makes one"
+        );
         return;
     }
     if let Err(error) = measure() {

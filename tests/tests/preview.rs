@@ -155,6 +155,15 @@ async fn the_cursor_is_a_place_in_the_bytes_of_the_text() {
     editor.tell("geotrace/cursor", at(URI, 1, 21)).await;
     editor.tell("geotrace/cursor", at(OTHER, 0, 0)).await;
     assert!(window.hears_nothing().await);
+    // The window may have compiled the text only now: it is told once more.
+    window
+        .say(json!({ "type": "shown", "version": 1, "ok": true, "milliseconds": 1.0 }))
+        .await;
+    let told = window.hear().await.expect("the cursor");
+    assert_eq!(
+        told,
+        json!({ "type": "cursor", "version": 1, "offset": 31 })
+    );
     assert_eq!(editor.quit().await, 0);
 }
 

@@ -40,6 +40,10 @@ fn open(options: Options, loses: Option<Duration>) -> Result<(), Failure> {
             reason,
         })?;
     }
+    if options.source == Source::Attached {
+        // Before a display or a device is looked for, which may take its time: the server waits for a word.
+        crate::link::greet(&mut std::io::stdout());
+    }
     let options = Rc::new(options);
     // The window outlives its screens.
     let slot: Slot = Rc::default();

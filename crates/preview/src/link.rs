@@ -24,8 +24,13 @@ struct Outbox {
     closed: bool,
 }
 
+/// Says hello. A server that does not listen any more is noticed by who reads.
+pub(crate) fn greet(output: &mut impl Write) {
+    let _ = line::write(output, &Event::Hello(Hello::own()));
+}
+
 impl Link {
-    /// Starts the conversation: says hello, and listens.
+    /// Starts the conversation, behind [`greet`]: listens, and says what it is given.
     pub(crate) fn start(
         mail: Mail,
         input: impl Read + Send + 'static,
@@ -36,7 +41,6 @@ impl Link {
         };
         let outbox = Arc::clone(&link.outbox);
         std::thread::spawn(move || write(&outbox, output));
-        link.say(Event::Hello(Hello::own()));
         let outbox = Arc::clone(&link.outbox);
         std::thread::spawn(move || read(&mail, input, &outbox));
         link

@@ -165,6 +165,20 @@ impl Previews {
         }
     }
 
+    /// A window shows a text; where the cursor stands there is told again, as it may not have been a place of a text that
+    /// the window had read when it was told.
+    pub(crate) fn shown(&mut self, uri: &str, id: u64, version: i32, ok: bool) {
+        let Some(preview) = self.of(uri, id) else {
+            return;
+        };
+        preview.sent.shown(version, ok);
+        if let Some((known, offset)) = preview.cursor
+            && known == version
+        {
+            preview.process.tell(Command::Cursor { version, offset });
+        }
+    }
+
     /// Has a document's window close; it is forgotten.
     pub(crate) fn close(&mut self, uri: &str) {
         if let Some(preview) = self.open.remove(uri) {

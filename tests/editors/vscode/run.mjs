@@ -15,7 +15,8 @@ import { fileURLToPath } from "node:url";
 const [cache, extension, workspace, program] = process.argv.slice(2);
 const here = dirname(fileURLToPath(import.meta.url));
 const { chromium } = createRequire(join(cache, "package.json"))("playwright-core");
-const LIMIT = 180_000;
+// The preview's windows may take a software driver long.
+const LIMIT = process.env.GEOTRACE_SUITE === undefined ? 180_000 : 420_000;
 
 const port = await new Promise((resolve) => {
     const probe = createServer().listen(0, "127.0.0.1", () => {

@@ -319,9 +319,8 @@ impl Window {
             } => {
                 let told = {
                     let mut session = lock(&self.session);
-                    if let Some(preview) = session.previews.of(self.uri.as_str(), self.id) {
-                        preview.sent.shown(version, ok);
-                    }
+                    let uri = self.uri.as_str();
+                    session.previews.shown(uri, self.id, version, ok);
                     session.editor.hears_shown
                 };
                 if told {

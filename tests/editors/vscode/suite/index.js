@@ -1,5 +1,5 @@
-// Runs in the extension host: every test of `tests.js`, one after the other.
-const tests = require("./tests");
+// Runs in the extension host: every test of `tests.js`, or of the file that GEOTRACE_SUITE names, one after the other.
+const tests = require(process.env.GEOTRACE_SUITE ?? "./tests");
 
 exports.run = async function run() {
     let failed = 0;
