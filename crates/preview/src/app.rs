@@ -97,9 +97,19 @@ fn failure(error: eframe::Error) -> Failure {
             reason: error.to_string(),
         },
         other => Failure::NoDisplay {
-            reason: other.to_string(),
+            reason: in_words(&other.to_string()).to_owned(),
         },
     }
+}
+
+/// The system's words, without the place in a library's source that some libraries put before them.
+fn in_words(reason: &str) -> &str {
+    let behind_place = reason
+        .rsplit_once(".rs:")
+        .and_then(|(_, rest)| rest.split_once(": "));
+    behind_place
+        .map_or(reason, |(_, words)| words)
+        .trim_end_matches('.')
 }
 
 /// The window on a screen.
@@ -209,5 +219,17 @@ impl App for Preview {
         {
             window.say(protocol::Event::Closed);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_words;
+
+    #[test]
+    fn what_the_system_says_is_told_without_a_place_in_a_source() {
+        let told = "winit EventLoopError: os error at /a/winit-0.30.13/src/linux/mod.rs:788: Failed to connect.";
+        assert_eq!(in_words(told), "Failed to connect");
+        assert_eq!(in_words("no display: none"), "no display: none");
     }
 }

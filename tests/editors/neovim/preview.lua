@@ -74,9 +74,21 @@ local function picture()
   end)
 end
 
+-- The window's process: the server has the same words in its command line, but not first.
+local function process()
+  local found = vim.system({ "pgrep", "-f", "--", "^[^ ]+ preview --attached --report " .. report_file }, { text = true })
+  return found:wait().stdout:match("%d+")
+end
+
 local function screenshot(name)
-  -- What has been handed over is on the screen a frame later.
-  vim.wait(300)
+  -- All views have been drawn when the window draws itself no more.
+  local frames
+  eventually("rest", function()
+    local before = frames
+    vim.wait(500)
+    frames = report().frames
+    return frames == before
+  end)
   local path = ("%s/neovim-%s.png"):format(scratch, name)
   run("import", "-window", "root", path)
   return path
@@ -113,7 +125,7 @@ test("the command opens the window with the program's picture", function()
 end)
 
 test("what is typed changes the picture", function()
-  vim.api.nvim_buf_set_text(0, 2, 18, 2, 19, { "2" })
+  vim.api.nvim_buf_set_text(0, 2, 19, 2, 20, { "2" })
   assert(picture().ok)
   local second = screenshot("typed")
   assert(difference(first, second) > 1000, "the picture is the same")
@@ -123,7 +135,7 @@ end)
 
 test("a mistake keeps the picture and marks it", function()
   local before = screenshot("before-mistake")
-  vim.api.nvim_buf_set_text(0, 2, 18, 2, 19, { "nothing" })
+  vim.api.nvim_buf_set_text(0, 2, 19, 2, 20, { "nothing" })
   assert(not picture().ok)
   eventually("the badge", function()
     return report().stale
@@ -182,9 +194,8 @@ test("values of params are hints behind their declarations", function()
 end)
 
 test("a window that is killed is told of, and the command opens it anew", function()
-  local pid = run("pgrep", "-f", "--", "preview --attached --report " .. report_file):match("%d+")
   messages = {}
-  run("kill", "-9", pid)
+  run("kill", "-9", process())
   eventually("the message", function()
     return messages[1] and messages[1]:find("signal: 9", 1, true)
   end)
@@ -196,8 +207,7 @@ end)
 test("the window closes with the editor's goodbye", function()
   client:stop()
   eventually("the end of the window", function()
-    local search = vim.system({ "pgrep", "-f", "--", "preview --attached --report " .. report_file }):wait()
-    return search.code ~= 0
+    return not process()
   end)
 end)
 

@@ -31,21 +31,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let program = Program::load(&arguments.file, Format::Human)?;
     program.scene()?;
-    let stem = arguments.file.file_stem().unwrap_or_default();
-    draw(arguments, "3d", [stem, ".png".as_ref()].concat())?;
+    draw(arguments, "3d", ".png")?;
     // What has no surface has no inside.
     if program.surface(None).is_ok() {
-        draw(
-            arguments,
-            "geodesic",
-            [stem, "-inside.png".as_ref()].concat(),
-        )?;
+        draw(arguments, "geodesic", "-inside.png")?;
     }
     Ok(())
 }
 
-/// Draws as `geotrace render` does.
-fn draw(arguments: &Arguments, view: &str, output: OsString) -> Result<(), Failure> {
+/// Draws as `geotrace render` does, to a file that is named after the program.
+fn draw(arguments: &Arguments, view: &str, ending: &str) -> Result<(), Failure> {
+    let mut output = arguments.file.file_stem().unwrap_or_default().to_owned();
+    output.push(ending);
     let words = ["geotrace", "render", "--view", view, "-o"].map(OsString::from);
     let words = words.into_iter().chain([output, "--".into()]);
     let words = words.chain([arguments.file.clone().into_os_string()]);

@@ -51,8 +51,14 @@ function picture() {
 }
 
 async function screenshot(name) {
-    // What has been handed over is on the screen a frame later.
-    await new Promise((resolve) => setTimeout(resolve, 300));
+    // All views have been drawn when the window draws itself no more.
+    let frames;
+    await eventually("rest", async () => {
+        const before = frames;
+        await new Promise((resolve) => setTimeout(resolve, 500));
+        frames = report().frames;
+        return frames === before;
+    });
     const path = join(scratch, `vscode-${name}.png`);
     run("import", "-window", "root", path);
     return path;
@@ -70,8 +76,9 @@ async function replace(line, from, to, text) {
     assert.ok(await vscode.workspace.applyEdit(change));
 }
 
+/** The window's process: the server has the same words in its command line, but not first. */
 const processes = () =>
-    spawnSync("pgrep", ["-f", "--", `preview --attached --report ${reportFile}`], { encoding: "utf8" })
+    spawnSync("pgrep", ["-f", "--", `^[^ ]+ preview --attached --report ${reportFile}`], { encoding: "utf8" })
         .stdout.split("\n")
         .filter(Boolean);
 
