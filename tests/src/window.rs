@@ -165,9 +165,23 @@ impl Window {
     }
 }
 
-/// Ends a process by a signal that it cannot catch.
+/// Ends a process by a signal that it cannot catch, and waits until it has ended.
 pub fn kill(pid: u32) {
     let mut command = std::process::Command::new("kill");
     let status = command.args(["-9", &pid.to_string()]).status();
     assert!(status.expect("kill is there").success(), "{pid} lives");
+    // One that nobody has waited for yet is a zombie: the word behind its name.
+    let lives = || {
+        let stat = std::fs::read_to_string(format!("/proc/{pid}/stat"));
+        stat.is_ok_and(|stat| {
+            !stat
+                .rsplit(") ")
+                .next()
+                .unwrap_or_default()
+                .starts_with(['Z', 'X'])
+        })
+    };
+    while lives() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }

@@ -91,11 +91,16 @@ impl Previews {
         self.open.contains_key(uri)
     }
 
-    /// Brings a document's window to the front; false if it has none.
-    pub(crate) fn show(&self, uri: &str, view: Option<&View>) -> bool {
+    /// Brings a document's window to the front; false if it has none. One that has ended without having been heard of
+    /// yet is forgotten.
+    pub(crate) fn show(&mut self, uri: &str, view: Option<&View>) -> bool {
         let Some(preview) = self.open.get(uri) else {
             return false;
         };
+        if preview.process.has_ended() {
+            self.open.remove(uri);
+            return false;
+        }
         preview.process.tell(Command::Show {
             view: view.cloned(),
         });

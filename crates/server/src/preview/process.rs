@@ -129,6 +129,11 @@ impl Process {
         let _ = self.told.subscribe().wait_for(|told| *told).await;
     }
 
+    /// Whether the process has ended, though its end may not have been heard yet.
+    pub(crate) fn has_ended(&self) -> bool {
+        !matches!(self.child().try_wait(), Ok(None))
+    }
+
     /// Ends the process.
     pub(crate) fn kill(&self) {
         self.mailbox.close();
@@ -270,19 +275,19 @@ fn record(error: ChildStderr, last: &Mutex<VecDeque<String>>, heard: &mpsc::Send
     }
 }
 
-/// The sentence among the last lines that tells why a program has ended: its error, a panic's message, else the last.
+/// The sentence among the last lines that tells why a program has ended: a panic's message, its error, else the last.
 fn reason<'l>(lines: impl DoubleEndedIterator<Item = &'l String> + Clone) -> Option<String> {
     let error =
         |line: &&String| line.starts_with("error: ") || line.starts_with("internal error: ");
-    if let Some(error) = lines.clone().rfind(error) {
-        return Some(error.clone());
-    }
     let mut behind = lines
         .clone()
         .skip_while(|line| !line.contains("panicked at"));
     if let Some(place) = behind.next() {
         let message = behind.next().map_or("", |line| line);
         return Some(format!("{place} {message}").trim_end().to_owned());
+    }
+    if let Some(error) = lines.clone().rfind(error) {
+        return Some(error.clone());
     }
     lines.last().cloned()
 }

@@ -102,20 +102,20 @@ exports["the command opens the window with the program's picture"] = async () =>
 };
 
 exports["what is typed changes the picture"] = async () => {
-    await replace(2, 40, 41, "1");
+    await replace(2, 35, 36, "1");
     assert.ok((await picture()).ok);
     assert.ok(difference(first, await screenshot("typed")) > 1000, "the picture is the same");
-    await replace(2, 40, 41, "3");
+    await replace(2, 35, 36, "3");
     assert.ok((await picture()).ok);
 };
 
 exports["a mistake keeps the picture and marks it"] = async () => {
     const before = await screenshot("before-mistake");
-    await replace(2, 40, 41, "nothing ");
+    await replace(2, 35, 36, "nothing ");
     assert.ok(!(await picture()).ok);
     await eventually("the badge", () => report().stale);
     assert.ok(difference(before, await screenshot("mistake")) > 100, "nothing tells of the mistake");
-    await replace(2, 40, 48, "3");
+    await replace(2, 35, 43, "3");
     assert.ok((await picture()).ok);
     await eventually("no badge", () => !report().stale);
 };
