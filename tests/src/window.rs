@@ -170,16 +170,12 @@ pub fn kill(pid: u32) {
     let mut command = std::process::Command::new("kill");
     let status = command.args(["-9", &pid.to_string()]).status();
     assert!(status.expect("kill is there").success(), "{pid} lives");
-    // One that nobody has waited for yet is a zombie: the word behind its name.
+    // One that nobody has waited for yet is a zombie (the word behind its name) without other threads.
     let lives = || {
-        let stat = std::fs::read_to_string(format!("/proc/{pid}/stat"));
-        stat.is_ok_and(|stat| {
-            !stat
-                .rsplit(") ")
-                .next()
-                .unwrap_or_default()
-                .starts_with(['Z', 'X'])
-        })
+        let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
+        let state = stat.rsplit(") ").next().unwrap_or_default();
+        let threads = std::fs::read_dir(format!("/proc/{pid}/task"));
+        !state.is_empty() && !(state.starts_with('Z') && threads.is_ok_and(|t| t.count() <= 1))
     };
     while lives() {
         std::thread::sleep(Duration::from_millis(5));
