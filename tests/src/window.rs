@@ -175,7 +175,7 @@ pub fn kill(pid: u32) {
         let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
         let state = stat.rsplit(") ").next().unwrap_or_default();
         let threads = std::fs::read_dir(format!("/proc/{pid}/task"));
-        !state.is_empty() && !(state.starts_with('Z') && threads.is_ok_and(|t| t.count() <= 1))
+        !(state.is_empty() || state.starts_with('Z') && threads.is_ok_and(|t| t.count() <= 1))
     };
     while lives() {
         std::thread::sleep(Duration::from_millis(5));
