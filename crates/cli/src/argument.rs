@@ -43,6 +43,17 @@ pub(crate) struct TextureFile {
     pub(crate) path: PathBuf,
 }
 
+/// `NAME=FROM:TO`: a param or a grid that runs from one value to another.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Animated {
+    /// The param or grid.
+    pub(crate) name: String,
+    /// One per component, at first.
+    pub(crate) from: Vec<Quantity>,
+    /// As many, at last.
+    pub(crate) to: Vec<Quantity>,
+}
+
 /// `3d`, `geodesic` or `geodesic:SURFACE`.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ViewName {
@@ -68,6 +79,50 @@ pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {
         name: name.into(),
         values: list(values)?,
     })
+}
+
+/// Reads `NAME=FROM:TO`.
+pub(crate) fn animated(text: &str) -> Result<Animated, String> {
+    let expected = "expected NAME=FROM:TO, such as r=0.5:1 or T=0,0:1,pi";
+    let (name, ends) = text.split_once('=').ok_or(expected)?;
+    let (from, to) = ends.split_once(':').ok_or(expected)?;
+    if name.trim().is_empty() {
+        return Err("a name is missing before `=`".into());
+    }
+    let (from, to) = (list(from)?, list(to)?);
+    if from.len() != to.len() {
+        return Err("both ends need the same number of values".into());
+    }
+    Ok(Animated {
+        name: name.trim().into(),
+        from,
+        to,
+    })
+}
+
+/// Reads a colour: sRGB, and an alpha that is not multiplied into it.
+pub(crate) fn colour(text: &str) -> Result<[u8; 4], String> {
+    let named = [
+        ("transparent", [0, 0, 0, 0]),
+        ("white", [255; 4]),
+        ("black", [0, 0, 0, 255]),
+    ];
+    if let Some((_, colour)) = named.iter().find(|(name, _)| *name == text) {
+        return Ok(*colour);
+    }
+    let digits = text.strip_prefix('#').unwrap_or(text);
+    let expected =
+        "expected transparent, white, black, or a colour such as #fff, #1a2b3c or #1a2b3c80";
+    let values: Option<Vec<u8>> = digits
+        .chars()
+        .map(|digit| digit.to_digit(16).map(|value| value as u8))
+        .collect();
+    match values.as_deref() {
+        Some(&[r, g, b]) => Ok([17 * r, 17 * g, 17 * b, 255]),
+        Some(&[a, b, c, d, e, f]) => Ok([16 * a + b, 16 * c + d, 16 * e + f, 255]),
+        Some(&[a, b, c, d, e, f, g, h]) => Ok([16 * a + b, 16 * c + d, 16 * e + f, 16 * g + h]),
+        _ => Err(expected.into()),
+    }
 }
 
 /// Reads a number or an expression.
@@ -200,6 +255,36 @@ mod tests {
         );
         for text in ["T", "=1", "T=", "T=1,", "T=1e999"] {
             assert!(assignment(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn animated_params_have_two_ends_with_as_many_values() {
+        let numbers = |values: &[f64]| -> Vec<Quantity> {
+            values.iter().copied().map(Quantity::Number).collect()
+        };
+        assert_eq!(
+            animated("T=0,-1:1,.5"),
+            Ok(Animated {
+                name: "T".into(),
+                from: numbers(&[0.0, -1.0]),
+                to: numbers(&[1.0, 0.5]),
+            })
+        );
+        assert!(animated("o=0:2pi").is_ok());
+        for text in ["T", "T=0", "=0:1", "T=0:", "T=0,1:2"] {
+            assert!(animated(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn colours_are_named_or_have_three_six_or_eight_digits() {
+        assert_eq!(colour("transparent"), Ok([0, 0, 0, 0]));
+        assert_eq!(colour("#fa0"), Ok([255, 170, 0, 255]));
+        assert_eq!(colour("1A2b3c"), Ok([26, 43, 60, 255]));
+        assert_eq!(colour("#1a2b3c80"), Ok([26, 43, 60, 128]));
+        for text in ["", "#", "#12", "#12345", "#gggggg", "red?", "#ééé"] {
+            assert!(colour(text).is_err(), "{text}");
         }
     }
 

@@ -239,6 +239,61 @@ impl Target {
     }
 }
 
+/// Numbered files that appear together, once all are whole.
+#[derive(Debug)]
+pub(crate) struct Series {
+    /// The files as they are called while they are made, and in the end.
+    files: Vec<[PathBuf; 2]>,
+}
+
+impl Series {
+    /// None yet.
+    pub(crate) fn new() -> Self {
+        Self { files: Vec::new() }
+    }
+
+    /// Makes a file that will be called `path`.
+    ///
+    /// # Errors
+    /// [`Failure::Unwritable`].
+    pub(crate) fn add(&mut self, path: PathBuf, bytes: &[u8]) -> Result<(), Failure> {
+        let number = self.files.len();
+        let temporary =
+            folder_of(&path).join(format!(".geotrace-{}-{number}.tmp", std::process::id()));
+        let unwritable = |error: io::Error| Failure::Unwritable {
+            file: path.display().to_string(),
+            reason: reason(&error),
+        };
+        let mut file = create(&temporary).map_err(unwritable)?;
+        self.files.push([temporary, path.clone()]);
+        file.write_all(bytes).map_err(unwritable)
+    }
+
+    /// Gives all files their names.
+    ///
+    /// # Errors
+    /// [`Failure::Unwritable`]: those that have their names by then keep them.
+    pub(crate) fn finish(mut self) -> Result<(), Failure> {
+        self.files.reverse();
+        while let Some([temporary, path]) = self.files.last() {
+            fs::rename(temporary, path).map_err(|error| Failure::Unwritable {
+                file: path.display().to_string(),
+                reason: reason(&error),
+            })?;
+            self.files.pop();
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Series {
+    fn drop(&mut self) {
+        for [temporary, _] in &self.files {
+            let _ = fs::remove_file(temporary);
+        }
+    }
+}
+
 fn folder_of(path: &Path) -> &Path {
     match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,

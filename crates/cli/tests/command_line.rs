@@ -355,3 +355,93 @@ fn a_mesh_that_cannot_be_made_is_told_and_leaves_no_file() {
         assert_eq!(names(&folder), ["a.gtr"]);
     }
 }
+
+#[test]
+fn animations_are_written_whole_or_not_at_all() {
+    let program = "param r : [1,2]; curve c(t) = r(cost, sint, 0), t : [0,2pi]; \
+        surface s(u,v) = (u, v, 0), u : [-1,1], v : [-1,1];";
+    let folder = folder(&[("a.gtr", program)]);
+    let render = |arguments: &[&str]| {
+        let first = [
+            "render",
+            "a.gtr",
+            "--size",
+            "24x16",
+            "--backend",
+            "software",
+        ];
+        run(folder.path(), &[&first[..], arguments].concat(), "")
+    };
+    for (arguments, words) in [
+        (&["-o", "a.gif"][..], "nothing moves"),
+        (&["-o", "a.png", "--animate", "r=1:2"], "--frames N"),
+        (&["-o", "a.gif", "--animate", "r=1:3"], "lies outside"),
+        (&["-o", "a.gif", "--animate", "q=1:3"], "no param"),
+        (&["-o", "a.gif", "--walk", "1"], "--view geodesic"),
+        (
+            &["-o", "-", "--animate", "r=1:2", "--frames", "3"],
+            "needs a file",
+        ),
+        (&["-o", "a.jpg"], "would not be a .jpg file"),
+    ] {
+        let run = render(arguments);
+        assert_eq!(run.status, 2, "{arguments:?}: {}", run.stderr);
+        assert!(run.stderr.contains(words), "{arguments:?}: {}", run.stderr);
+        assert_eq!(names(&folder), ["a.gtr"]);
+    }
+    for arguments in [
+        &["-o", "a.gif", "--animate", "r=1:2", "--frames", "3"][..],
+        &[
+            "-o",
+            "a.apng",
+            "--animate",
+            "r=1:2",
+            "--frames",
+            "3",
+            "--background",
+            "transparent",
+        ],
+        &["-o", "b.png", "--animate", "r=2:1", "--frames", "3"],
+        &[
+            "-o", "w.apng", "--view", "geodesic", "--walk", "-1/2", "--trail", "--frames", "2",
+        ],
+    ] {
+        let run = render(arguments);
+        assert_eq!(run.status, 0, "{arguments:?}: {}", run.stderr);
+    }
+    assert_eq!(
+        names(&folder),
+        [
+            "a.apng",
+            "a.gif",
+            "a.gtr",
+            "b-0001.png",
+            "b-0002.png",
+            "b-0003.png",
+            "w.apng"
+        ]
+    );
+}
+
+#[test]
+fn a_background_is_seen_where_nothing_is_drawn() {
+    let folder = folder(&[("a.gtr", "point p = (0,0,0);")]);
+    for (colour, alpha) in [("transparent", 0), ("#10203080", 128), ("white", 255)] {
+        let arguments = [
+            "render",
+            "a.gtr",
+            "-o",
+            "a.png",
+            "--size",
+            "9x9",
+            "--backend",
+            "software",
+            "--background",
+            colour,
+        ];
+        let run = run(folder.path(), &arguments, "");
+        assert_eq!(run.status, 0, "{}", run.stderr);
+        let image = image::open(folder.path().join("a.png")).expect("the picture");
+        assert_eq!(image.into_rgba8().get_pixel(0, 0).0[3], alpha);
+    }
+}

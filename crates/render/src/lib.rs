@@ -3,6 +3,7 @@
 //! ```text
 //! Scene + Settings ──sample.rs (f64 blocks) or a generated kernel──▶ samples ──gpu/ or software/──▶ 3D picture
 //! surface + Frame ──geodesic kernel (gpu/) or geodesic::map──▶ Map ──resolve: texture──▶ geodesic picture
+//! Scene + Settings ──export.rs (f64 places)──▶ OBJ, PLY, STL, glTF       pictures ──record.rs──▶ GIF, APNG
 //! ```
 //!
 //! What is built for a picture is planned first ([`plan`](mod@plan)); both backends draw from the same samples
@@ -19,6 +20,7 @@ pub mod ground;
 pub mod live;
 pub mod overlay;
 pub mod plan;
+pub mod record;
 pub mod request;
 pub mod sample;
 pub mod software;
@@ -43,6 +45,21 @@ pub fn render(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Picture, RenderError> {
     request.check(scene)?;
+    let mut picture = by_backend(scene, settings, request, progress)?;
+    if matches!(request.view, View::Space { .. }) {
+        let image = &mut picture.image;
+        let drawn = overlay::over_space(image, scene, settings, request)?;
+        picture.overlays.extend(drawn);
+    }
+    Ok(picture)
+}
+
+fn by_backend(
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Picture, RenderError> {
     match request.backend {
         Backend::Gpu => gpu::render(scene, settings, request, progress),
         Backend::Software => {

@@ -261,8 +261,12 @@ impl Stage {
         let structures = self.structures.of(scene);
         let placed = self.place.of(scene, settings, &structures);
         let camera = placed.camera(eye, target, request.size)?;
-        let extras = self.extras(scene, settings, request, &camera.placement)?;
-        let (pixels, notes) = if let Some(studio) = &mut self.studio {
+        let mut extras = self.extras(scene, settings, request, &camera.placement)?;
+        let trails = overlay::trail_extras(scene, settings, request, &camera.placement);
+        if !trails.is_empty() {
+            extras = extras.iter().cloned().chain(trails).collect();
+        }
+        let (mut pixels, notes) = if let Some(studio) = &mut self.studio {
             let space = Space {
                 scene,
                 settings,
@@ -287,7 +291,14 @@ impl Stage {
             (Pixels::Image(image), notes)
         };
         self.samples.next();
-        Ok(Shot::new(pixels, notes, overlay::names(&extras)))
+        let mut overlays = overlay::names(extras.iter());
+        if overlay::any_space(request) {
+            // Words are written over pictures in memory.
+            let mut image = self.read(pixels)?;
+            overlays.extend(overlay::over_space(&mut image, scene, settings, request)?);
+            pixels = Pixels::Image(image);
+        }
+        Ok(Shot::new(pixels, notes, overlays))
     }
 
     fn inside(
@@ -375,7 +386,8 @@ impl Stage {
         {
             return Ok(extras.clone());
         }
-        let extras: Arc<[Extra]> = overlay::extras(scene, settings, request, placement)?.into();
+        let extras: Arc<[Extra]> =
+            overlay::camera_extras(scene, settings, request, placement)?.into();
         self.extras = Some((key, extras.clone()));
         Ok(extras)
     }

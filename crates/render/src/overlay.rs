@@ -3,8 +3,8 @@
 //! ```text
 //! geodesic view: map of ends ──lines.rs: wavefronts, conjugate points, error── ─┐
 //!                            ──cut.rs: the cut locus───────────────────────────┼──▶ picture ──legend.rs──▶ picture
-//!                            ──worn.rs: declared geodesics─────────────────────┘
-//! 3D view:       a geodesic camera ──space.rs──▶ arrows and curves, drawn as such
+//!                            ──worn.rs: declared geodesics, trails─────────────┘
+//! 3D view:       a geodesic camera, trails ──space.rs──▶ arrows and curves, drawn as such; legend.rs over them
 //! ```
 //!
 //! Declared geodesics are objects of the scene: they are drawn whenever their surface is looked at.
@@ -14,11 +14,14 @@ mod legend;
 mod lettering;
 mod lines;
 mod space;
+mod trail;
 mod worn;
 
-pub(crate) use space::{Extra, extras};
+pub(crate) use space::{Extra, camera_extras, extras, trail_extras};
+pub use trail::Trail;
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use geodesic::map::Map;
 use geodesic::trace::Status;
@@ -29,8 +32,9 @@ use scene::values::Settings;
 
 use crate::geodesic_view::Inside;
 use crate::plan::Painter;
-use crate::request::Request;
+use crate::request::{RenderError, Request};
 use crate::style;
+use crate::texture::Texture;
 
 /// What is asked for beyond the picture itself; by default nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,19 +53,19 @@ pub struct Overlays {
 
 /// The painters that a request's overlays need in space, beside those of the scene's objects.
 pub(crate) fn painters(scene: &Scene, request: &Request) -> &'static [Painter] {
+    let trail = |trail: &Arc<Trail>| space::is_shown(scene, trail.surface);
     match request.show_camera {
         Some(camera) if space::is_shown(scene, camera.surface) => &space::PAINTERS,
+        _ if request.trails.iter().any(trail) => &[Painter::Curves],
         _ => &[],
     }
 }
 
 /// The names of what is drawn in space beside the scene's objects.
-pub(crate) fn names(extras: &[Extra]) -> Vec<&'static str> {
-    if extras.is_empty() {
-        Vec::new()
-    } else {
-        vec!["camera"]
-    }
+pub(crate) fn names<'a>(extras: impl IntoIterator<Item = &'a Extra>) -> Vec<&'static str> {
+    let mut names: Vec<&'static str> = extras.into_iter().map(|extra| extra.name).collect();
+    names.dedup();
+    names
 }
 
 /// The distance between wavefronts.
@@ -121,6 +125,8 @@ mod ink {
     pub(super) const CONJUGATE: [u8; 3] = [255, 70, 200];
     /// The cut locus.
     pub(super) const CUT: [u8; 3] = [255, 150, 0];
+    /// Trails.
+    pub(super) const TRAIL: [u8; 3] = [150, 130, 255];
 }
 
 /// Draws what lies over a geodesic picture. `map` gives the pixels' ends and is called only if something needs them.
@@ -137,7 +143,8 @@ pub(crate) fn over_inside<'m>(
     let overlays = &request.overlays;
     let (mut notes, mut drawn) = (Vec::new(), Vec::new());
     let worn = worn::lines(scene, settings, request, inside, surface);
-    if !overlays.any() && worn.is_empty() {
+    let trails: Vec<&Trail> = trails_on(request, surface).collect();
+    if !overlays.any() && worn.is_empty() && trails.is_empty() {
         return (notes, drawn);
     }
     let map = map();
@@ -150,6 +157,9 @@ pub(crate) fn over_inside<'m>(
             key.line(line.colour, &format!("geodesic {}", line.name));
         }
     }
+    for trail in &trails {
+        worn::trail(trail, inside).draw(image, &map, inside);
+    }
     if overlays.error {
         drawn.push("error");
         match lines::error(image, inside) {
@@ -161,11 +171,7 @@ pub(crate) fn over_inside<'m>(
         drawn.push("wavefronts");
         let distance = spacing.distance(inside.zoom);
         lines::wavefronts(image, &map, inside.zoom, distance);
-        let distance = format!("{:.6}", distance)
-            .trim_end_matches('0')
-            .trim_end_matches('.')
-            .to_owned();
-        key.line(ink::WAVE, &format!("wavefronts, every {distance}"));
+        key.line(ink::WAVE, &wavefronts(distance));
     }
     if overlays.cut_locus {
         drawn.push("cut locus");
@@ -183,6 +189,9 @@ pub(crate) fn over_inside<'m>(
     }
     if overlays.legend {
         drawn.push("legend");
+        if let Some(scale) = request.texture(surface).curvature_scale() {
+            key.curvature(&name_of(scene, surface), scale);
+        }
         for status in [
             Status::LeftDomain,
             Status::ConePoint,
@@ -194,15 +203,82 @@ pub(crate) fn over_inside<'m>(
                 key.hatching(status);
             }
         }
-        key.draw(image);
+    } else {
+        // A trail is drawn with its length.
+        key = legend::Key::default();
     }
+    for trail in trails {
+        drawn.push("trail");
+        key.line(ink::TRAIL, &trail_words(trail));
+    }
+    key.draw(image);
     (notes, drawn)
 }
 
 /// Whether anything lies over a geodesic picture of a surface.
 pub(crate) fn any_inside(scene: &Scene, request: &Request, surface: ObjectId) -> bool {
     let worn = |object: &Object| matches!(object.shape, Shape::Geodesic { surface: on, .. } if on == surface);
-    request.overlays.any() || scene.objects.iter().any(worn)
+    request.overlays.any()
+        || trails_on(request, surface).next().is_some()
+        || scene.objects.iter().any(worn)
+}
+
+/// Whether anything lies over a 3D picture.
+pub(crate) fn any_space(request: &Request) -> bool {
+    let curvature = |(_, texture): &(ObjectId, Arc<Texture>)| texture.curvature_scale().is_some();
+    let keyed = request.show_camera.is_some() || request.textures.iter().any(curvature);
+    request.overlays.legend && keyed || !request.trails.is_empty()
+}
+
+/// Draws what lies over a 3D picture: the key to its overlays and to the colours of curvature if the legend is asked
+/// for, and the trails' lengths. Gives the names of what was drawn.
+///
+/// # Errors
+/// Those of the camera that is shown.
+pub(crate) fn over_space(
+    image: &mut RgbaImage,
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+) -> Result<Vec<&'static str>, RenderError> {
+    let mut key = legend::Key::default();
+    if request.overlays.legend {
+        space::key(&mut key, scene, settings, request)?;
+        for (id, object) in (0..).map(ObjectId).zip(&scene.objects) {
+            if matches!(object.shape, Shape::Surface { .. })
+                && let Some(scale) = request.texture(id).curvature_scale()
+            {
+                key.curvature(&object.name, scale);
+            }
+        }
+    }
+    let legend = !key.is_empty();
+    for trail in &request.trails {
+        if space::is_shown(scene, trail.surface) {
+            key.line(ink::TRAIL, &trail_words(trail));
+        }
+    }
+    key.draw(image);
+    Ok(if legend { vec!["legend"] } else { Vec::new() })
+}
+
+/// The trails on a surface.
+fn trails_on(request: &Request, surface: ObjectId) -> impl Iterator<Item = &Trail> {
+    let trails = request.trails.iter().map(Arc::as_ref);
+    trails.filter(move |trail| trail.surface == surface && trail.points.len() > 1)
+}
+
+fn trail_words(trail: &Trail) -> String {
+    format!("trail, length {}", legend::digits(trail.length))
+}
+
+fn wavefronts(distance: f64) -> String {
+    format!("wavefronts, every {}", legend::digits(distance))
+}
+
+fn name_of(scene: &Scene, object: ObjectId) -> String {
+    let object = scene.objects.get(object.0 as usize);
+    object.map(|object| object.name.clone()).unwrap_or_default()
 }
 
 /// Half the width of a line over a picture, in pixels.
@@ -238,5 +314,34 @@ fn blend(pixel: &mut [u8], colour: [f32; 3], share: f32) {
     for (byte, colour) in pixel.iter_mut().zip(colour) {
         let under = style::decode(*byte);
         *byte = style::encode(under + share * (colour - under));
+    }
+}
+
+/// Lays a colour (linear light) over a pixel that may be transparent. Its alpha is not multiplied into its colours.
+fn cover(pixel: &mut [u8; 4], colour: [f32; 3], share: f32) {
+    let under = f32::from(pixel[3]) / 255.0;
+    let alpha = under + share * (1.0 - under);
+    if alpha <= 0.0 {
+        return;
+    }
+    // What is seen of the colour beneath is a share of what is seen.
+    blend(&mut pixel[..3], colour, share / alpha);
+    pixel[3] = (255.0 * alpha).round() as u8;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cover;
+
+    #[test]
+    fn covering_a_transparent_pixel_gives_the_colour_with_its_share() {
+        let mut clear = [9, 9, 9, 0];
+        cover(&mut clear, [1.0; 3], 0.4);
+        assert_eq!(clear, [255, 255, 255, 102]);
+        let mut opaque = [255, 255, 255, 255];
+        cover(&mut opaque, [0.0; 3], 1.0);
+        assert_eq!(opaque, [0, 0, 0, 255]);
+        cover(&mut opaque, [1.0; 3], 0.0);
+        assert_eq!(opaque, [0, 0, 0, 255]);
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use geodesic::frame::Frame;
 use scene::scene::{ObjectId, Scene, Shape};
 
-use crate::overlay::{Overlays, Standpoint};
+use crate::overlay::{Overlays, Standpoint, Trail};
 use crate::texture::Texture;
 
 /// The longest side of a picture in pixels.
@@ -31,6 +31,8 @@ pub struct Request {
     pub overlays: Overlays,
     /// A geodesic camera that the 3D view shows.
     pub show_camera: Option<Standpoint>,
+    /// Paths that geodesic cameras have walked: both views draw them, with their lengths.
+    pub trails: Vec<Arc<Trail>>,
     /// What lies behind the objects of the 3D view: sRGB and an alpha that is not multiplied into it;
     /// [`crate::style::BACKGROUND`] if not given. Geodesic pictures have no background.
     pub background: Option<[u8; 4]>,
@@ -199,6 +201,7 @@ impl Request {
             mark_centre: true,
             overlays: Overlays::default(),
             show_camera: None,
+            trails: Vec::new(),
             background: None,
             highlight: None,
         }

@@ -3,9 +3,11 @@
 //! An image's left is u min, its top row v min; one width of the image is one width of the domain, and it repeats
 //! beyond. Texels are opaque sRGB; filtering happens in linear light, so a fine checkerboard keeps its brightness.
 
+mod curvature;
 mod filter;
 mod orientation;
 
+pub use curvature::CurvatureScale;
 pub(crate) use filter::Footprint;
 pub use filter::Sampler;
 
@@ -33,6 +35,8 @@ pub struct Texture {
     light: OnceLock<Vec<filter::Light>>,
     /// The covers by [`Texture::cover`], as they are asked for.
     covers: [OnceLock<Arc<Texture>>; 3],
+    /// What the colours mean, of a texture that shows the curvature.
+    scale: Option<CurvatureScale>,
 }
 
 impl PartialEq for Texture {
@@ -143,6 +147,7 @@ impl Texture {
             levels,
             light: OnceLock::new(),
             covers: Default::default(),
+            scale: None,
         }
     }
 

@@ -1,7 +1,7 @@
 //! What is drawn over a picture: nothing unless asked for, and then where closed forms say.
 
 use image::{Rgba, RgbaImage};
-use render::overlay::{Overlays, Spacing, Standpoint};
+use render::overlay::{Overlays, Spacing, Standpoint, Trail};
 use render::plan::plan;
 use render::sample::{Samples, sample};
 use render::texture::Texture;
@@ -209,4 +209,65 @@ fn a_geodesic_camera_is_shown_in_space_when_asked_for() {
     assert_eq!(plain.overlays, Vec::<&str>::new());
     assert_eq!(shown.overlays, ["camera"]);
     assert_ne!(plain.image, shown.image);
+}
+
+#[test]
+fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent() {
+    let scene = scene(SPHERE);
+    let settings = Settings::opening(&scene);
+    let points = (0..=40)
+        .map(|k| [0.0, -0.4 + 0.02 * f64::from(k)])
+        .collect();
+    let trail = Trail {
+        surface: ObjectId(0),
+        points,
+        length: 0.8,
+    };
+    let grey = Texture::from_image(RgbaImage::from_pixel(1, 1, Rgba([128, 128, 128, 255])));
+    let grey = Arc::new(grey);
+    let draw = |space: bool, trails: Vec<Arc<Trail>>| {
+        let base = if space {
+            Request::space([128, 128])
+        } else {
+            Request::geodesic(ObjectId(0), [128, 128])
+        };
+        let mut request = Request {
+            backend: Backend::Software,
+            mark_centre: false,
+            textures: vec![(ObjectId(0), grey.clone())],
+            trails,
+            ..base
+        };
+        match &mut request.view {
+            View::Geodesic { at, zoom, .. } => (*at, *zoom) = (Some([0.0; 2]), Some(1.0)),
+            View::Space { eye, .. } => *eye = Some([4.0, 0.5, 0.0]),
+        }
+        let painters = plan(&scene, &settings, &request).painters().len();
+        let picture = render(&scene, &settings, &request, &|_| {}).expect("a picture");
+        (picture, painters)
+    };
+    for space in [false, true] {
+        let (plain, few) = draw(space, Vec::new());
+        let (with, more) = draw(space, vec![Arc::new(trail.clone())]);
+        assert_eq!(plain.overlays, Vec::<&str>::new());
+        assert_eq!(with.overlays, ["trail"]);
+        assert_eq!(more - few, usize::from(space));
+        let changed: Vec<(u32, u32)> = with
+            .image
+            .enumerate_pixels()
+            .filter(|(x, y, pixel)| *pixel != plain.image.get_pixel(*x, *y))
+            .map(|(x, y, _)| (x, y))
+            .collect();
+        // The line, upright in the middle, and the words in the corner.
+        let line = changed.iter().filter(|(_, y)| *y < 90).count();
+        let words = changed.iter().filter(|(_, y)| *y > 105).count();
+        assert!(line > 30 && words > 100, "{line}, {words}");
+        if !space {
+            // From 0.4 of the zoom below the centre to as far above it.
+            let above = changed.iter().map(|(_, y)| *y).min();
+            assert!(above.is_some_and(|y| (36..=40).contains(&y)), "{above:?}");
+            let middle = |(x, y): &&(u32, u32)| *y < 90 && x.abs_diff(64) <= 4;
+            assert_eq!(changed.iter().filter(middle).count(), line);
+        }
+    }
 }

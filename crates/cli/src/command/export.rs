@@ -48,7 +48,8 @@ pub(super) struct Arguments {
     /// A value for a param or a grid; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
-    /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min
+    /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min. `SURFACE=curvature` colours it
+    /// by its Gaussian curvature
     #[arg(long, value_name = "SURFACE=IMAGE", value_parser = argument::texture)]
     texture: Vec<TextureFile>,
 }
@@ -75,7 +76,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = program.settings(&arguments.set)?;
     let objects = objects(scene, &arguments.object, &program.source.name)?;
     let request = Request {
-        textures: textures(&arguments.texture, &program)?,
+        textures: textures(&arguments.texture, &program)?.at(scene, &settings)?,
         ..Request::space([1, 1])
     };
     let target = Target::new(&arguments.output)?;

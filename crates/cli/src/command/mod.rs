@@ -1,6 +1,7 @@
 //! The subcommands: one file each, with its arguments, its work and its output.
 
 mod accuracy;
+mod animation;
 mod check;
 mod eval;
 mod explain;

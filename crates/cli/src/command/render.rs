@@ -9,17 +9,18 @@ use image::{ImageFormat, RgbaImage};
 use render::overlay::{Overlays, Spacing, Standpoint};
 use render::texture::{Texture, TextureError};
 use render::{Backend, Method, Picture, RenderError, Request, View};
-use scene::scene::ObjectId;
+use scene::scene::{ObjectId, Scene};
 use scene::values::Settings;
 
-use super::Format;
+use super::{Format, animation};
 use crate::argument::{self, Assignment, Pair, Quantity, Size, TextureFile, Triple, ViewName};
 use crate::failure::Failure;
+use crate::number;
 use crate::output::{self, Target};
 use crate::program::Program;
 use crate::progress::Progress;
 
-/// Make one picture of a program: in 3D, or of a surface from inside.
+/// Make a picture of a program, or an animation: in 3D, or of a surface from inside.
 ///
 /// The geodesic view shows the surface as a being inside it sees it, with the image that is painted on it:
 /// from the camera in the centre, each pixel looks along a geodesic as far as the pixel is from the centre.
@@ -32,14 +33,20 @@ Examples:
   geotrace render sphere.gtr -o earth.png --view geodesic --texture s=earth.jpg
   geotrace render torus.gtr -o rings.png --view geodesic --wavefronts --conjugate --cut-locus --legend
   geotrace render torus.gtr -o camera.png --show-camera s --wavefronts
+  geotrace render torus.gtr -o k.png --texture s=curvature --legend --background transparent
+  geotrace render circle.gtr -o turn.gif --animate o=0:2pi --frames 60 --fps 25
+  geotrace render torus.gtr -o walk.apng --view geodesic --walk 2pi --trail
 
 A number may be an expression in the program's names, such as pi/2. Params are at their minima unless set. The 3D view draws what depends on a grid once for each of its
-values; the geodesic view takes the first value. The file is written whole or not at all.")]
+values; the geodesic view takes the first value. Files are written whole or not at all.
+
+An animation is a .gif (256 colours), an .apng (all colours), or with --frames and a .png a picture
+for each frame: OUT-0001.png, OUT-0002.png and so on.")]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// The picture, a PNG file; `-` is standard output
-    #[arg(short, long, value_name = "OUT.png")]
+    /// The picture, a PNG file, or an animation, .gif or .apng; `-` is standard output
+    #[arg(short, long, value_name = "OUT.{png,gif,apng}")]
     output: PathBuf,
     /// 3d, or geodesic, or geodesic:SURFACE; without a name, the program's first surface
     #[arg(long, value_name = "VIEW", default_value = "3d", value_parser = argument::view)]
@@ -53,9 +60,12 @@ pub(super) struct Arguments {
     /// What draws: auto takes a GPU where there is one, else the software path, and says which
     #[arg(long, value_enum, default_value_t, value_name = "BACKEND")]
     backend: BackendName,
-    /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min
+    /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min. `SURFACE=curvature` colours it
+    /// by its Gaussian curvature: blue, white at 0, red
     #[arg(long, value_name = "SURFACE=IMAGE", value_parser = argument::texture)]
     texture: Vec<TextureFile>,
+    #[command(flatten)]
+    motion: animation::Arguments,
     /// Where the camera stands; without it, in the middle of the domain
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, help_heading = "Geodesic view")]
     at: Option<Pair>,
@@ -68,7 +78,7 @@ pub(super) struct Arguments {
     /// How the geodesics are followed
     #[arg(long, value_enum, value_name = "M", help_heading = "Geodesic view")]
     method: Option<MethodName>,
-    /// A key to the hatchings and lines of the picture
+    /// A key to the hatchings, lines and colours of the picture
     #[arg(long, help_heading = "Drawn over the picture")]
     legend: bool,
     /// Geodesic circles around the camera, at equal distances; in the 3D view with --show-camera
@@ -83,6 +93,9 @@ pub(super) struct Arguments {
     /// The estimated error, painted over the picture
     #[arg(long, help_heading = "Drawn over the picture")]
     error: bool,
+    /// What lies behind the objects: transparent, white, black, #RRGGBB or #RRGGBBAA
+    #[arg(long, value_name = "COLOUR", value_parser = argument::colour, help_heading = "3D view")]
+    background: Option<[u8; 4]>,
     /// In the 3D view, the geodesic camera of a surface (placed by --at, --angle, --zoom): its frame as arrows, the
     /// axes and the border of its picture as geodesics
     #[arg(long, value_name = "SURFACE", help_heading = "3D view")]
@@ -125,10 +138,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let program = Program::load(&arguments.file, Format::Human)?;
     let scene = program.scene()?;
     let settings = program.settings(&arguments.set)?;
+    let images = textures(&arguments.texture, &program)?;
     let request = Request {
         backend: backend(arguments),
         view: view(arguments, &program, &settings)?,
-        textures: textures(&arguments.texture, &program)?,
         overlays: Overlays {
             legend: arguments.legend,
             wavefronts: arguments
@@ -144,19 +157,40 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
             _ => None,
         },
+        background: arguments.background,
         ..Request::space(arguments.size.0)
     };
-    let target = output_file(&arguments.output)?;
+    let moves = arguments.view != ViewName::Space || request.show_camera.is_some();
+    let script = arguments.motion.script(&program, &settings, moves)?;
+    let film = arguments.motion.film(&arguments.output)?;
+    let request = script
+        .steady(scene, &settings, &request)
+        .map_err(animation::failure)?;
     for note in idle_options(arguments) {
         output::print_error(&format!("note: {note}\n"));
     }
-
+    let draw = |share: f64, progress: &(dyn Fn(f32) + Sync)| -> Result<Picture, Failure> {
+        let (settings, mut request) = script
+            .at(scene, &settings, &request, share)
+            .map_err(animation::failure)?;
+        request.textures = images.at(scene, &settings)?;
+        let mut picture = render::render(scene, &settings, &request, progress).map_err(failure)?;
+        picture.notes.extend(images.notes(&program, &request));
+        Ok(picture)
+    };
+    if let Some(film) = film {
+        return film.shoot(arguments.size.0, &draw, |picture, what| {
+            summary(picture, what, &request, &program)
+        });
+    }
+    let target = Target::new(&arguments.output)?;
     let progress = Progress::start("drawing");
-    let drawn = render::render(scene, &settings, &request, &|done| progress.reach(done));
+    // One picture shows how it ends.
+    let drawn = draw(1.0, &|done| progress.reach(done));
     drop(progress);
-    let picture = drawn.map_err(failure)?;
+    let picture = drawn?;
     target.write(&png(&picture.image)?)?;
-    output::print_error(&summary(&picture, &target, &request, &program));
+    output::print_error(&summary(&picture, target.name(), &request, &program));
     Ok(())
 }
 
@@ -223,39 +257,66 @@ fn standpoint(
     })
 }
 
-pub(super) fn textures(
-    files: &[TextureFile],
-    program: &Program,
-) -> Result<Vec<(ObjectId, Arc<Texture>)>, Failure> {
-    let load = |file: &TextureFile| {
-        let (surface, _) = program.surface(Some(&file.surface))?;
-        let texture = Texture::load(&file.path).map_err(|error| texture_failure(file, error))?;
-        Ok((surface, Arc::new(texture)))
-    };
-    files.iter().map(load).collect()
+/// The images that surfaces show.
+pub(super) struct Images {
+    loaded: Vec<(ObjectId, Arc<Texture>)>,
+    /// Surfaces that show their curvature, which may change with the params.
+    curved: Vec<ObjectId>,
 }
 
-/// The target, which must not look like an image of another format than the one that is written.
-fn output_file(path: &std::path::Path) -> Result<Target, Failure> {
-    const OTHERS: [&str; 12] = [
-        "jpg", "jpeg", "gif", "bmp", "webp", "tif", "tiff", "svg", "pdf", "ppm", "exr", "gtr",
-    ];
-    let extension = path
-        .extension()
-        .map(|extension| extension.to_string_lossy().to_lowercase());
-    match extension {
-        Some(extension) if OTHERS.contains(&extension.as_str()) => Err(Failure::Usage {
-            message: format!(
-                "`{}` would not be a .{extension} file: pictures are written as PNG",
-                path.display()
-            ),
-            hint: Some(format!(
-                "write to `{}`",
-                path.with_extension("png").display()
-            )),
-        }),
-        _ => Target::new(path),
+impl Images {
+    /// The images at these settings.
+    pub(super) fn at(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+    ) -> Result<Vec<(ObjectId, Arc<Texture>)>, Failure> {
+        let curvature = |&surface: &ObjectId| {
+            let texture = Texture::curvature(scene, settings, surface).map_err(failure)?;
+            Ok((surface, texture))
+        };
+        let curved: Result<Vec<_>, Failure> = self.curved.iter().map(curvature).collect();
+        Ok([self.loaded.clone(), curved?].concat())
     }
+
+    /// What the colours of curvature mean.
+    fn notes(&self, program: &Program, request: &Request) -> Vec<String> {
+        let note = |&surface: &ObjectId| {
+            let most = request.texture(surface).curvature_scale()?.most;
+            // Four digits.
+            let rounded = format!("{most:.3e}").parse().unwrap_or(most);
+            let most = number::show(rounded);
+            Some(format!(
+                "`{}` shows its Gaussian curvature: -{most} is blue, 0 white, {most} red",
+                program.object_name(surface)?
+            ))
+        };
+        self.curved.iter().filter_map(note).collect()
+    }
+}
+
+/// What is written instead of a file for the colours of curvature.
+const CURVATURE: &str = "curvature";
+
+/// Reads the image files.
+pub(super) fn textures(files: &[TextureFile], program: &Program) -> Result<Images, Failure> {
+    let mut images = Images {
+        loaded: Vec::new(),
+        curved: Vec::new(),
+    };
+    for file in files {
+        let (surface, _) = program.surface(Some(&file.surface))?;
+        // The last one counts.
+        images.curved.retain(|&other| other != surface);
+        if file.path.as_os_str() == CURVATURE {
+            images.curved.push(surface);
+        } else {
+            let texture =
+                Texture::load(&file.path).map_err(|error| texture_failure(file, error))?;
+            images.loaded.push((surface, Arc::new(texture)));
+        }
+    }
+    Ok(images)
 }
 
 /// Options that the chosen view does not use.
@@ -271,11 +332,11 @@ fn idle_options(arguments: &Arguments) -> Vec<String> {
     ];
     let inside = [
         ("--method", arguments.method.is_some()),
-        ("--legend", arguments.legend),
         ("--cut-locus", arguments.cut_locus),
         ("--error", arguments.error),
     ];
     let space = [
+        ("--background", arguments.background.is_some()),
         ("--eye", arguments.eye.is_some()),
         ("--target", arguments.target.is_some()),
         ("--show-camera", arguments.show_camera.is_some()),
@@ -292,7 +353,7 @@ fn idle_options(arguments: &Arguments) -> Vec<String> {
         .collect()
 }
 
-fn png(image: &RgbaImage) -> Result<Vec<u8>, Failure> {
+pub(super) fn png(image: &RgbaImage) -> Result<Vec<u8>, Failure> {
     let mut bytes = Cursor::new(Vec::new());
     image
         .write_to(&mut bytes, ImageFormat::Png)
@@ -303,7 +364,7 @@ fn png(image: &RgbaImage) -> Result<Vec<u8>, Failure> {
 }
 
 /// What was drawn, by what, and what the reader of the picture should know.
-fn summary(picture: &Picture, target: &Target, request: &Request, program: &Program) -> String {
+fn summary(picture: &Picture, name: &str, request: &Request, program: &Program) -> String {
     let mut text = String::new();
     for note in &picture.notes {
         text.push_str(&format!("note: {note}\n"));
@@ -318,8 +379,7 @@ fn summary(picture: &Picture, target: &Target, request: &Request, program: &Prog
     let (width, height) = picture.image.dimensions();
     text.push_str(&format!(
         "{}: {view}, {width}×{height} pixels, drawn by {}\n",
-        target.name(),
-        picture.backend
+        name, picture.backend
     ));
     text
 }

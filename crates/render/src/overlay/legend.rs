@@ -4,9 +4,10 @@ use geodesic::trace::Status;
 use image::RgbaImage;
 
 use super::lines::SCALE;
-use super::{blend, half_width, lettering};
+use super::{cover, half_width, lettering};
 use crate::geodesic_view::stripes;
 use crate::style;
+use crate::texture::CurvatureScale;
 
 /// Entries of a key, as they come.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +21,7 @@ enum Mark {
     Hatching(Status),
     Line([u8; 3]),
     Error,
+    Curvature(CurvatureScale),
 }
 
 impl Key {
@@ -49,6 +51,18 @@ impl Key {
         self.entries.push((Mark::Error, words));
     }
 
+    /// The scale of a surface's curvature.
+    pub(super) fn curvature(&mut self, surface: &str, scale: CurvatureScale) {
+        let most = digits(scale.most);
+        let words = format!("{surface}: K = \u{2212}{most}, 0, {most}");
+        self.entries.push((Mark::Curvature(scale), words));
+    }
+
+    /// Whether it has no entries.
+    pub(super) fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
     /// Draws the key, if it has entries and the picture room for it.
     pub(super) fn draw(&self, image: &mut RgbaImage) {
         let size = [image.width(), image.height()];
@@ -66,7 +80,7 @@ impl Key {
         let top = size[1] - height;
         for y in top..size[1] {
             for x in 0..width {
-                blend(&mut image.get_pixel_mut(x, y).0[..3], [0.92; 3], 0.9);
+                cover(&mut image.get_pixel_mut(x, y).0, [0.92; 3], 0.9);
             }
         }
         for (number, (mark, words)) in self.entries.iter().enumerate() {
@@ -82,24 +96,59 @@ impl Key {
         let middle = at[1] + 0.5 * size[1];
         for y in at[1] as u32..(at[1] + size[1]) as u32 {
             for x in at[0] as u32..(at[0] + size[0]) as u32 {
-                let pixel = &mut image.get_pixel_mut(x, y).0[..3];
+                let pixel = &mut image.get_pixel_mut(x, y).0;
                 match mark {
                     Mark::Hatching(status) => {
-                        blend(pixel, stripes(status, (x + y) as f32 + 1.0, unit), 1.0);
+                        cover(pixel, stripes(status, (x + y) as f32 + 1.0, unit), 1.0);
                     }
                     Mark::Line(colour) => {
-                        blend(pixel, [0.12; 3], 1.0);
+                        cover(pixel, [0.12; 3], 1.0);
                         let off = (y as f32 + 0.5 - middle).abs();
                         let share = (half - off + 0.5).clamp(0.0, 1.0);
-                        blend(pixel, style::linear(colour), share);
+                        cover(pixel, style::linear(colour), share);
+                    }
+                    Mark::Curvature(scale) => {
+                        let share = (x as f32 + 0.5 - at[0]) / size[0];
+                        let curvature = f64::from(2.0 * share - 1.0) * scale.most;
+                        cover(pixel, style::linear(scale.colour(curvature)), 1.0);
                     }
                     Mark::Error => {
                         let share = (x as f32 - at[0]) / size[0];
                         let step = ((share * SCALE.len() as f32) as usize).min(SCALE.len() - 1);
-                        blend(pixel, style::linear(SCALE[step].1), 1.0);
+                        cover(pixel, style::linear(SCALE[step].1), 1.0);
                     }
                 }
             }
         }
+    }
+}
+
+/// A positive number to three digits.
+pub(super) fn digits(number: f64) -> String {
+    let exponent = number.log10().floor();
+    if !(-4.0..6.0).contains(&exponent) {
+        return format!("{number:.2e}");
+    }
+    let places = (2.0 - exponent).max(0.0) as usize;
+    let text = format!("{number:.places$}");
+    match text.contains('.') {
+        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
+        false => text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::digits;
+
+    #[test]
+    fn numbers_of_legends_have_three_digits() {
+        let shown = [0.25, 1.0, 1.5, 123.456, 0.012_345, 99_999.0, 1e-7, 2.5e9].map(digits);
+        assert_eq!(
+            shown,
+            [
+                "0.25", "1", "1.5", "123", "0.0123", "99999", "1.00e-7", "2.50e9"
+            ]
+        );
     }
 }

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use ab_glyph::{Font, FontRef, ScaleFont, point};
 use image::RgbaImage;
 
-use super::blend;
+use super::cover;
 
 /// Hack, which the window's texts use too (MIT and Bitstream Vera licences).
 static FONT: LazyLock<Option<FontRef<'static>>> =
@@ -51,7 +51,7 @@ pub(super) fn write(
                 && place[1] < image.height() as f32;
             if inside {
                 let pixel = image.get_pixel_mut(place[0] as u32, place[1] as u32);
-                blend(&mut pixel.0[..3], colour, coverage.clamp(0.0, 1.0));
+                cover(&mut pixel.0, colour, coverage.clamp(0.0, 1.0));
             }
         });
     }

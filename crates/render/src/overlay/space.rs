@@ -1,4 +1,5 @@
-//! A geodesic camera in the 3D view: its frame as arrows, and geodesics of its picture as curves on the surface.
+//! A geodesic camera in the 3D view: its frame as arrows, and geodesics of its picture as curves on the surface; and the
+//! trails that cameras have walked.
 
 use std::sync::Arc;
 
@@ -7,6 +8,7 @@ use rayon::prelude::*;
 use scene::scene::{ObjectId, Scene};
 use scene::values::Settings;
 
+use super::legend::Key;
 use super::{Standpoint, ink};
 use crate::bounds::Placement;
 use crate::geodesic_view::Inside;
@@ -19,6 +21,8 @@ use crate::style;
 /// Something to be drawn in space that is no object of the scene.
 #[derive(Clone, Debug)]
 pub(crate) struct Extra {
+    /// What it belongs to: the camera, a trail.
+    pub(crate) name: &'static str,
     /// What draws it.
     pub(crate) painter: Painter,
     /// Its samples.
@@ -43,7 +47,7 @@ const Y: [u8; 3] = [70, 220, 90];
 const AXES: [u8; 3] = [235, 235, 240];
 const BORDER: [u8; 3] = [255, 210, 60];
 
-/// What shows the camera that the request asks for; nothing if it asks for none.
+/// What shows the camera and the trails that the request asks for; nothing if it asks for none.
 ///
 /// # Errors
 /// Those of the camera.
@@ -53,9 +57,85 @@ pub(crate) fn extras(
     request: &Request,
     placement: &Placement,
 ) -> Result<Vec<Extra>, RenderError> {
-    let Some(camera) = request.show_camera else {
-        return Ok(Vec::new());
+    let mut all = camera_extras(scene, settings, request, placement)?;
+    all.extend(trail_extras(scene, settings, request, placement));
+    Ok(all)
+}
+
+/// What shows the camera that the request asks for.
+///
+/// # Errors
+/// Those of the camera.
+pub(crate) fn camera_extras(
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+    placement: &Placement,
+) -> Result<Vec<Extra>, RenderError> {
+    match request.show_camera {
+        Some(shown) => camera(scene, settings, request, shown, placement),
+        None => Ok(Vec::new()),
+    }
+}
+
+/// What shows the request's trails.
+pub(crate) fn trail_extras(
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+    placement: &Placement,
+) -> Vec<Extra> {
+    let lines = request
+        .trails
+        .iter()
+        .filter_map(|trail| super::trail::in_space(scene, settings, trail));
+    lines
+        .filter(|line| line.len() > 1)
+        .map(|line| Extra {
+            name: "trail",
+            painter: Painter::Curves,
+            samples: line_samples(placement, line.len() as u32, &[line]).into(),
+            colour: style::linear(ink::TRAIL),
+        })
+        .collect()
+}
+
+/// The lines of the key for the camera that is shown.
+///
+/// # Errors
+/// Those of the camera.
+pub(super) fn key(
+    key: &mut Key,
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+) -> Result<(), RenderError> {
+    let Some(shown) = request.show_camera else {
+        return Ok(());
     };
+    if !is_shown(scene, shown.surface) {
+        return Ok(());
+    }
+    key.line(X, "camera: right (X)");
+    key.line(Y, "camera: up (Y)");
+    key.line(BORDER, "border of its picture");
+    if let Some(spacing) = request.overlays.wavefronts {
+        let zoom = stand(scene, settings, request, shown)?.zoom;
+        key.line(ink::WAVE, &super::wavefronts(spacing.distance(zoom)));
+    }
+    if request.overlays.conjugate_points {
+        key.line(ink::CONJUGATE, "conjugate points");
+    }
+    Ok(())
+}
+
+fn camera(
+    scene: &Scene,
+    settings: &Settings,
+    request: &Request,
+    camera: Standpoint,
+    placement: &Placement,
+) -> Result<Vec<Extra>, RenderError> {
     let inside = stand(scene, settings, request, camera)?;
     let (surface, frame) = (inside.ground().surface(), &inside.frame);
     if !surface.is_embedded() {
@@ -75,12 +155,14 @@ pub(crate) fn extras(
         let Some(end) = at(place) else { continue };
         let direction = [0, 1, 2].map(|k| (end[k] - origin[k]) / (NUDGE * zoom) * length);
         all.push(Extra {
+            name: "camera",
             painter: Painter::Vectors,
             samples: Arc::new(Samples::Vectors(vec![vector(placement, origin, direction)])),
             colour: style::linear(colour),
         });
     }
     let curve = |lines: &[Vec<Option<Knot>>], colour: [u8; 3]| Extra {
+        name: "camera",
         painter: Painter::Curves,
         samples: Arc::new(line_samples(placement, lines[0].len() as u32, lines)),
         colour: style::linear(colour),

@@ -11,7 +11,7 @@ use scene::geodesic::Launcher;
 use scene::scene::{ObjectId, Scene, Shape};
 use scene::values::Settings;
 
-use super::{half_width, stroke};
+use super::{Trail, half_width, ink, stroke};
 use crate::geodesic_view::Inside;
 use crate::geodesics::{MAX_POINTS, Start, along};
 use crate::request::Request;
@@ -113,6 +113,19 @@ pub(super) fn lines(
         }
     }
     all
+}
+
+/// A trail on the surface that is seen.
+pub(super) fn trail(trail: &Trail, inside: &Inside) -> Worn {
+    let mut worn = Worn {
+        name: String::new(),
+        colour: ink::TRAIL,
+        notes: Vec::new(),
+        pieces: Vec::new(),
+    };
+    let points: Vec<_> = trail.points.iter().copied().map(Some).collect();
+    worn.add(&points, inside);
+    worn
 }
 
 impl Worn {

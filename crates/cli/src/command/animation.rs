@@ -1,0 +1,283 @@
+//! What moves in `geotrace render`: params, the geodesic camera; and the files that hold many pictures.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use render::Picture;
+use render::record::{Change, Clip, Format, RecordError, Recorder, Script, ScriptError};
+use scene::values::Settings;
+
+use super::render::{failure as render_failure, png};
+use crate::argument::{self, Animated, Quantity};
+use crate::failure::Failure;
+use crate::output::{self, Fault, Series, Target};
+use crate::program::Program;
+use crate::progress::Progress;
+
+/// Pictures of an animation unless it says otherwise.
+const FRAMES: u32 = 60;
+/// Pictures a second unless it says otherwise.
+const RATE: f64 = 25.0;
+/// GIF counts hundredths of a second, and viewers take one of them for ten.
+const FASTEST_GIF: f64 = 50.0;
+/// Extensions of what is neither a picture nor an animation that can be written.
+const NEITHER: [&str; 11] = [
+    "jpg", "jpeg", "bmp", "webp", "tif", "tiff", "svg", "pdf", "ppm", "exr", "gtr",
+];
+
+/// The options of animations.
+#[derive(Args, Debug)]
+#[group(skip)]
+pub(super) struct Arguments {
+    /// A param or a grid that runs from one value to another, ends included; may be given several times
+    #[arg(long, value_name = "NAME=FROM:TO", value_parser = argument::animated, allow_hyphen_values = true, help_heading = "Animation")]
+    animate: Vec<Animated>,
+    /// How far the geodesic camera walks along its X (backwards if negative), by parallel transport; in the 3D view
+    /// with --show-camera. A single picture shows where it arrives
+    #[arg(long, value_name = "LENGTH", value_parser = argument::quantity, allow_hyphen_values = true, help_heading = "Animation")]
+    walk: Option<Quantity>,
+    /// The path that has been walked, and its length
+    #[arg(long, requires = "walk", help_heading = "Animation")]
+    trail: bool,
+    /// How many pictures [default: 60]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), help_heading = "Animation")]
+    frames: Option<u32>,
+    /// Pictures a second [default: 25]
+    #[arg(long, value_name = "RATE", value_parser = argument::positive, help_heading = "Animation")]
+    fps: Option<f64>,
+}
+
+/// Where an animation goes.
+#[derive(Debug)]
+pub(super) struct Film {
+    output: PathBuf,
+    /// A picture for each frame if there is none.
+    format: Option<Format>,
+    frames: u32,
+    rate: f64,
+}
+
+/// Draws the picture at a share of the animation; told how much of it is done.
+type Draw<'a> = dyn Fn(f64, &(dyn Fn(f32) + Sync)) -> Result<Picture, Failure> + 'a;
+
+impl Arguments {
+    /// What moves, checked at both ends. `has_camera` says whether there is a geodesic camera that may walk.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`].
+    pub(super) fn script(
+        &self,
+        program: &Program,
+        settings: &Settings,
+        has_camera: bool,
+    ) -> Result<Script, Failure> {
+        let scene = program.scene()?;
+        let mut script = Script {
+            trail: self.trail,
+            ..Script::default()
+        };
+        for Animated { name, from, to } in &self.animate {
+            let option = format!("--animate {name}");
+            let values = |quantities: &[Quantity]| -> Result<Vec<f64>, Failure> {
+                let number = |q| program.number(&option, q, settings);
+                quantities.iter().map(number).collect()
+            };
+            let change = Change {
+                name: name.clone(),
+                from: values(from)?,
+                to: values(to)?,
+            };
+            for end in [&change.from, &change.to] {
+                let set = settings.clone().set(scene, name, end);
+                set.map_err(|error| Failure::usage(format!("--animate: {error}")))?;
+            }
+            script.changes.push(change);
+        }
+        if let Some(walk) = &self.walk {
+            if !has_camera {
+                return Err(Failure::Usage {
+                    message: "--walk moves a geodesic camera, and the picture has none".into(),
+                    hint: Some("add `--view geodesic` or `--show-camera SURFACE`".into()),
+                });
+            }
+            script.walk = Some(program.number("--walk", walk, settings)?);
+        }
+        Ok(script)
+    }
+
+    /// Where the animation goes; `None` if a single picture is asked for.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] where the file's name and the options do not fit together.
+    pub(super) fn film(&self, output: &Path) -> Result<Option<Film>, Failure> {
+        let name = output.display();
+        let wrong = |message: String, hint: String| Failure::Usage {
+            message,
+            hint: Some(hint),
+        };
+        let extension = output
+            .extension()
+            .map(|extension| extension.to_string_lossy().to_lowercase())
+            .unwrap_or_default();
+        let format = Format::of_extension(&extension);
+        if NEITHER.contains(&extension.as_str()) {
+            return Err(wrong(
+                format!(
+                    "`{name}` would not be a .{extension} file: pictures are written as PNG, animations as GIF or APNG"
+                ),
+                format!("write to `{}`", output.with_extension("png").display()),
+            ));
+        }
+        let still = self.animate.is_empty() && self.walk.is_none();
+        if still && (format.is_some() || self.frames.is_some() || self.fps.is_some()) {
+            return Err(wrong(
+                format!("`{name}` would be an animation in which nothing moves"),
+                "`--animate NAME=FROM:TO` moves a param, `--walk LENGTH` the geodesic camera"
+                    .into(),
+            ));
+        }
+        if format.is_none() && self.frames.is_none() {
+            if !self.animate.is_empty() || self.fps.is_some() {
+                return Err(wrong(
+                    format!("`{name}` is one picture, and an animation has many"),
+                    format!(
+                        "write to `{}`, or give `--frames N` for a picture each",
+                        output.with_extension("gif").display()
+                    ),
+                ));
+            }
+            return Ok(None);
+        }
+        if output.as_os_str() == "-" {
+            return Err(Failure::usage("an animation needs a file: `-o OUT.gif`"));
+        }
+        Ok(Some(Film {
+            output: output.to_owned(),
+            format,
+            frames: self.frames.unwrap_or(FRAMES),
+            rate: self.fps.unwrap_or(RATE),
+        }))
+    }
+}
+
+impl Film {
+    /// Draws all pictures, one after the other, and writes them; then says so, by what `summary` tells of the first
+    /// picture and a file's name.
+    ///
+    /// # Errors
+    /// Those of drawing and writing; no file is there then.
+    pub(super) fn shoot(
+        &self,
+        size: [u32; 2],
+        draw: &Draw<'_>,
+        summary: impl Fn(&Picture, &str) -> String,
+    ) -> Result<(), Failure> {
+        let progress = Progress::start("drawing");
+        let mut told = None;
+        let mut frame = |number: u32| -> Result<image::RgbaImage, Failure> {
+            let done = |share: f32| progress.reach((number as f32 + share) / self.frames as f32);
+            let picture = draw(Script::share(number, self.frames), &done)?;
+            told.get_or_insert_with(|| summary(&picture, &self.name()));
+            Ok(picture.image)
+        };
+        match self.format {
+            Some(format) => {
+                let clip = Clip {
+                    frames: self.frames,
+                    size,
+                    rate: self.rate,
+                };
+                Target::new(&self.output)?.write_with(|out| {
+                    let mut recorder = Recorder::new(format, clip, out).map_err(fault)?;
+                    for number in 0..self.frames {
+                        let image = frame(number).map_err(Fault::Other)?;
+                        recorder.add(&image).map_err(fault)?;
+                    }
+                    recorder.finish().map_err(fault)
+                })?;
+            }
+            None => {
+                // Whether files can be written there shows before anything is drawn.
+                Target::new(&self.numbered(0))?;
+                let mut series = Series::new();
+                for number in 0..self.frames {
+                    series.add(self.numbered(number), &png(&frame(number)?)?)?;
+                }
+                series.finish()?;
+            }
+        }
+        drop(progress);
+        let frames = self.frames;
+        let mut text = told.unwrap_or_default();
+        text.truncate(text.trim_end().len());
+        text.push_str(&match self.format {
+            Some(_) => format!(
+                "; {frames} pictures in {:.2} s\n",
+                f64::from(frames) / self.rate
+            ),
+            None => format!("; the first of {frames}\n"),
+        });
+        if self.format == Some(Format::Gif) && self.rate > FASTEST_GIF {
+            text.push_str(
+                "note: most viewers show a GIF of more than 50 pictures a second slowly\n",
+            );
+        }
+        output::print_error(&text);
+        Ok(())
+    }
+
+    /// The file, or the first one.
+    fn name(&self) -> String {
+        match self.format {
+            Some(_) => self.output.display().to_string(),
+            None => self.numbered(0).display().to_string(),
+        }
+    }
+
+    /// `OUT-0001.png` for the frame 0, with as many digits as the last one needs, at least four.
+    fn numbered(&self, frame: u32) -> PathBuf {
+        let digits = self.frames.to_string().len().max(4);
+        let stem = self.output.file_stem().unwrap_or_default();
+        let number = frame + 1;
+        let name = format!("{}-{number:0digits$}.png", stem.to_string_lossy());
+        self.output.with_file_name(name)
+    }
+}
+
+fn fault(error: RecordError) -> Fault {
+    match error {
+        RecordError::Write(error) => Fault::Write(error),
+        RecordError::Format(_) => Fault::Other(Failure::Input {
+            message: error.to_string(),
+            hint: None,
+        }),
+    }
+}
+
+/// Why a frame cannot be drawn.
+pub(super) fn failure(error: ScriptError) -> Failure {
+    match error {
+        ScriptError::Set(error) => Failure::usage(format!("--animate: {error}")),
+        ScriptError::Camera(error) => render_failure(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbered_files_stand_beside_the_name_and_sort() {
+        let name = |path: &str, frame, frames| {
+            let film = Film {
+                output: path.into(),
+                format: None,
+                frames,
+                rate: 1.0,
+            };
+            film.numbered(frame)
+        };
+        assert_eq!(name("a/out.png", 6, 60), Path::new("a/out-0007.png"));
+        assert_eq!(name("out", 12_344, 99_999), Path::new("out-12345.png"));
+    }
+}

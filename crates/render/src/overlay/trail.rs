@@ -1,0 +1,105 @@
+//! Trails: paths that a geodesic camera has walked, drawn in both views with their length.
+//!
+//! A camera's steps flow in, points of the chart flow out, close enough to be joined by straight lines.
+
+use geodesic::frame::Frame;
+use geodesic::surface::Surface;
+use geodesic::trace::{Options, Trace, TraceError};
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
+
+use crate::geodesics::{Knot, Start, along};
+use crate::ground::Ground;
+
+/// Points for each zoom that is walked.
+const POINTS: f64 = 48.0;
+/// The most points of one step.
+const MOST_FOR_STEP: f64 = 512.0;
+/// The most points of a trail: beyond it, every other one is given up.
+const MOST_POINTS: usize = 1 << 16;
+
+/// A path that has been walked on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trail {
+    /// The surface or metric.
+    pub surface: ObjectId,
+    /// Its points (u, v) in the order of the walk; neighbours are joined, across sides that are glued too.
+    pub points: Vec<[f64; 2]>,
+    /// How long it is, in the surface's units.
+    pub length: f64,
+}
+
+impl Trail {
+    /// A trail of which nothing has been walked.
+    pub fn new(surface: ObjectId, at: [f64; 2]) -> Self {
+        Self {
+            surface,
+            points: vec![at],
+            length: 0.0,
+        }
+    }
+
+    /// Moves a camera as [`Frame::advance`] does, and notes the way.
+    ///
+    /// # Errors
+    /// Those of [`Frame::advance`]; the trail is then as it was.
+    pub fn walk(
+        &mut self,
+        ground: &Ground,
+        frame: &Frame,
+        step: [f64; 2],
+    ) -> Result<(Frame, Trace), TraceError> {
+        let surface = ground.surface();
+        let (moved, trace) = frame.advance(surface, step, &Options::default())?;
+        let share = step[0].hypot(step[1]);
+        if share > 0.0 {
+            let pieces = (POINTS * share).ceil().clamp(1.0, MOST_FOR_STEP) as u32;
+            // The last point is where the camera stands now.
+            let lengths: Vec<f64> = (1..pieces)
+                .map(|k| trace.length * f64::from(k) / f64::from(pieces))
+                .collect();
+            let knots = along(surface, &Start::Frame(frame, step), &lengths);
+            self.points
+                .extend(knots.into_iter().flatten().map(|k| k.uv));
+            self.points.push(trace.uv);
+            self.length += trace.length;
+            if self.points.len() > MOST_POINTS {
+                self.thin_out();
+            }
+        }
+        Ok((moved, trace))
+    }
+
+    /// Gives up every other point, but neither the first nor the last.
+    fn thin_out(&mut self) {
+        let last = self.points.len() - 1;
+        let mut index = 0;
+        self.points.retain(|_| {
+            index += 1;
+            (index - 1) % 2 == 0 || index - 1 == last
+        });
+    }
+}
+
+/// A trail's places in space; `None` where its surface is undefined, nothing for a metric.
+pub(super) fn in_space(
+    scene: &Scene,
+    settings: &Settings,
+    trail: &Trail,
+) -> Option<Vec<Option<Knot>>> {
+    let object = scene.objects.get(trail.surface.0 as usize)?;
+    let uniforms = settings.first_instance(scene, object);
+    let ground = Ground::new(scene, trail.surface, &uniforms).ok()?;
+    let surface: &dyn Surface = ground.surface();
+    surface.is_embedded().then(|| {
+        let knot = |&uv: &[f64; 2]| {
+            let position = surface.jet(uv).position;
+            let defined = position.iter().all(|x| x.is_finite());
+            defined.then_some(Knot {
+                uv,
+                position: Some(position),
+            })
+        };
+        trail.points.iter().map(knot).collect()
+    })
+}

@@ -1,0 +1,384 @@
+//! Animations: what changes from frame to frame, and files that hold many pictures.
+//!
+//! ```text
+//! Script + frame number ──▶ Settings, Request ──(drawn by whoever records)──▶ picture ──Recorder──▶ GIF, APNG
+//! ```
+//!
+//! A recorder keeps one picture at a time, however many there are.
+
+mod palette;
+
+use std::fmt;
+use std::io::{self, Write};
+
+use gif::Repeat;
+use image::RgbaImage;
+use scene::scene::Scene;
+use scene::values::{SetError, Settings};
+
+use crate::bounds::Bounds;
+use crate::camera::Camera;
+use crate::geodesic_view::Inside;
+use crate::overlay::Trail;
+use crate::request::{Method, RenderError, Request, View};
+
+/// What changes while an animation runs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Script {
+    /// Params and grids that run from one value to another.
+    pub changes: Vec<Change>,
+    /// How far the geodesic camera walks along its X, or backwards: that of a geodesic view, or the one that a 3D view
+    /// shows.
+    pub walk: Option<f64>,
+    /// Whether the walk leaves a trail.
+    pub trail: bool,
+}
+
+/// How many pictures of an animation a camera that stands still is placed by.
+const LOOKS: u32 = 9;
+
+/// A param or grid that runs from one value to another.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Change {
+    /// Its name.
+    pub name: String,
+    /// At first: one number per component.
+    pub from: Vec<f64>,
+    /// At last.
+    pub to: Vec<f64>,
+}
+
+/// Why a frame cannot be drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ScriptError {
+    /// A param or grid cannot have that value.
+    Set(SetError),
+    /// The camera cannot stand or walk there.
+    Camera(RenderError),
+}
+
+impl Script {
+    /// What is drawn at a share of the animation: 0 at its start, 1 at its end. What the script does not change is
+    /// taken from `settings` and `request`.
+    ///
+    /// # Errors
+    /// See [`ScriptError`].
+    pub fn at(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        request: &Request,
+        share: f64,
+    ) -> Result<(Settings, Request), ScriptError> {
+        let (mut settings, mut request) = (settings.clone(), request.clone());
+        for Change { name, from, to } in &self.changes {
+            let between = |(from, to): (&f64, &f64)| {
+                // Both ends exactly.
+                if share <= 0.0 {
+                    *from
+                } else if share >= 1.0 {
+                    *to
+                } else {
+                    from + share * (to - from)
+                }
+            };
+            let values: Vec<f64> = from.iter().zip(to).map(between).collect();
+            settings
+                .set(scene, name, &values)
+                .map_err(ScriptError::Set)?;
+        }
+        if let Some(length) = self.walk {
+            self.move_camera(scene, &settings, &mut request, share * length)
+                .map_err(ScriptError::Camera)?;
+        }
+        Ok((settings, request))
+    }
+
+    /// The request with a camera of the 3D view that stands still: where it is not told to stand, it sees all that the
+    /// animation shows. Other requests are left as they are.
+    ///
+    /// # Errors
+    /// See [`ScriptError`].
+    pub fn steady(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        request: &Request,
+    ) -> Result<Request, ScriptError> {
+        let mut request = request.clone();
+        let View::Space { eye, target } = &mut request.view else {
+            return Ok(request);
+        };
+        if eye.is_some() && target.is_some() || self.changes.is_empty() {
+            return Ok(request);
+        }
+        let params = Self {
+            walk: None,
+            ..self.clone()
+        };
+        let plain = Request::space(request.size);
+        let mut cloud = Vec::new();
+        for step in 0..LOOKS {
+            let (settings, _) = params.at(scene, settings, &plain, Self::share(step, LOOKS))?;
+            let bounds = Bounds::of(scene, &settings);
+            let places = bounds.cloud.iter();
+            cloud.extend(places.map(|&place| bounds.placement.world(place)));
+        }
+        let bounds = Bounds::around(cloud);
+        let camera =
+            Camera::new(&bounds, *eye, *target, request.size).map_err(ScriptError::Camera)?;
+        let ahead = camera.eye - camera.axes[2];
+        *eye = Some(bounds.placement.world(camera.eye.to_array()));
+        *target = Some(bounds.placement.world(ahead.to_array()));
+        Ok(request)
+    }
+
+    /// The share of the animation that the `frame`-th of `frames` pictures, counted from 0, shows.
+    pub fn share(frame: u32, frames: u32) -> f64 {
+        f64::from(frame) / f64::from(frames.saturating_sub(1).max(1))
+    }
+
+    fn move_camera(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        request: &mut Request,
+        length: f64,
+    ) -> Result<(), RenderError> {
+        let (surface, seen) = match (&request.view, &request.show_camera) {
+            (View::Geodesic { surface, .. }, _) => (*surface, request.clone()),
+            (View::Space { .. }, Some(shown)) => {
+                let view = View::Geodesic {
+                    surface: shown.surface,
+                    at: shown.at,
+                    angle: shown.angle,
+                    zoom: shown.zoom,
+                    frame: shown.frame,
+                    method: Method::Auto,
+                };
+                let seen = Request {
+                    view,
+                    ..request.clone()
+                };
+                (shown.surface, seen)
+            }
+            (View::Space { .. }, None) => return Ok(()),
+        };
+        seen.check(scene)?;
+        let inside = Inside::new(scene, settings, &seen)?;
+        let start = inside.frame;
+        let mut trail = Trail::new(surface, start.uv);
+        let (moved, _) = trail
+            .walk(inside.ground(), &start, [length / inside.zoom, 0.0])
+            .map_err(|error| {
+                RenderError::Camera(format!("the camera cannot walk there: {error}"))
+            })?;
+        match (&mut request.view, &mut request.show_camera) {
+            (View::Geodesic { frame, .. }, _) => *frame = Some(moved),
+            (View::Space { .. }, Some(shown)) => shown.frame = Some(moved),
+            (View::Space { .. }, None) => {}
+        }
+        if self.trail {
+            request.trails.push(trail.into());
+        }
+        Ok(())
+    }
+}
+
+/// A file format for many pictures.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum Format {
+    /// GIF: 256 colours for each picture, dithered; a pixel is opaque or transparent.
+    Gif,
+    /// Animated PNG: all colours, partly transparent pixels.
+    Apng,
+}
+
+impl Format {
+    /// The format of a file name's extension, without its dot, in any case of letters.
+    pub fn of_extension(extension: &str) -> Option<Self> {
+        match extension.to_lowercase().as_str() {
+            "gif" => Some(Self::Gif),
+            "apng" => Some(Self::Apng),
+            _ => None,
+        }
+    }
+}
+
+/// How an animation runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clip {
+    /// Pictures, at least one.
+    pub frames: u32,
+    /// Width and height in pixels.
+    pub size: [u32; 2],
+    /// Pictures a second, positive.
+    pub rate: f64,
+}
+
+/// Why there is no animation.
+#[derive(Debug)]
+pub enum RecordError {
+    /// The writer failed.
+    Write(io::Error),
+    /// The format cannot hold such an animation, or a picture is of another size, or there are too many or too few, in
+    /// the encoder's words.
+    Format(String),
+}
+
+/// Writes an animation picture by picture; it repeats without end.
+pub struct Recorder<W: Write> {
+    clip: Clip,
+    added: u32,
+    encoder: Encoder<W>,
+}
+
+enum Encoder<W: Write> {
+    Gif(Box<gif::Encoder<W>>),
+    Apng(Box<png::Writer<W>>),
+}
+
+impl<W: Write> Recorder<W> {
+    /// Begins a file.
+    ///
+    /// # Errors
+    /// See [`RecordError`].
+    pub fn new(format: Format, clip: Clip, out: W) -> Result<Self, RecordError> {
+        if !(clip.rate > 0.0 && clip.rate.is_finite()) {
+            let message = "the number of pictures a second must be positive";
+            return Err(RecordError::Format(message.to_owned()));
+        }
+        let [width, height] = clip.size;
+        let encoder = match format {
+            Format::Gif => {
+                let side = |side: u32| {
+                    let fits = u16::try_from(side);
+                    fits.map_err(|_| {
+                        RecordError::Format(format!("a GIF has no {side} pixels a side"))
+                    })
+                };
+                let mut encoder = gif::Encoder::new(out, side(width)?, side(height)?, &[])?;
+                encoder.set_repeat(Repeat::Infinite)?;
+                Encoder::Gif(Box::new(encoder))
+            }
+            Format::Apng => {
+                let mut encoder = png::Encoder::new(out, width, height);
+                encoder.set_color(png::ColorType::Rgba);
+                encoder.set_depth(png::BitDepth::Eight);
+                encoder.set_animated(clip.frames, 0)?;
+                encoder.validate_sequence(true);
+                Encoder::Apng(Box::new(encoder.write_header()?))
+            }
+        };
+        Ok(Self {
+            clip,
+            added: 0,
+            encoder,
+        })
+    }
+
+    /// Adds the next picture.
+    ///
+    /// # Errors
+    /// See [`RecordError`].
+    pub fn add(&mut self, image: &RgbaImage) -> Result<(), RecordError> {
+        if <[u32; 2]>::from(image.dimensions()) != self.clip.size {
+            let message = "a picture is of another size than the animation";
+            return Err(RecordError::Format(message.to_owned()));
+        }
+        match &mut self.encoder {
+            Encoder::Gif(encoder) => {
+                let delay = self.clip.ticks(self.added, 100);
+                encoder.write_frame(&palette::frame(image, delay))?;
+            }
+            Encoder::Apng(encoder) => {
+                encoder.set_frame_delay(self.clip.ticks(self.added, 1000), 1000)?;
+                encoder.write_image_data(image.as_raw())?;
+            }
+        }
+        self.added += 1;
+        Ok(())
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// See [`RecordError`]; that pictures are missing is one of them.
+    pub fn finish(self) -> Result<(), RecordError> {
+        if self.added != self.clip.frames {
+            let message = format!("{} of {} pictures are there", self.added, self.clip.frames);
+            return Err(RecordError::Format(message));
+        }
+        match self.encoder {
+            // The end is written when the encoder gives its writer back.
+            Encoder::Gif(encoder) => encoder.into_inner()?.flush()?,
+            Encoder::Apng(encoder) => encoder.finish()?,
+        }
+        Ok(())
+    }
+}
+
+impl Clip {
+    /// How long a picture is shown, in parts of a second of which there are `parts`: rounded so that the whole keeps
+    /// its length.
+    fn ticks(&self, frame: u32, parts: u32) -> u16 {
+        let until = |frames: u32| (f64::from(frames) * f64::from(parts) / self.rate).round();
+        let ticks = until(frame + 1) - until(frame);
+        ticks.clamp(1.0, f64::from(u16::MAX)) as u16
+    }
+}
+
+impl<W: Write> fmt::Debug for Recorder<W> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Recorder")
+            .field("clip", &self.clip)
+            .field("added", &self.added)
+            .finish_non_exhaustive()
+    }
+}
+
+impl fmt::Display for ScriptError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Set(error) => write!(f, "{error}"),
+            Self::Camera(error) => write!(f, "{error}"),
+        }
+    }
+}
+
+impl std::error::Error for ScriptError {}
+
+impl fmt::Display for RecordError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Write(error) => write!(f, "{error}"),
+            Self::Format(message) => write!(f, "the animation cannot be written: {message}"),
+        }
+    }
+}
+
+impl std::error::Error for RecordError {}
+
+impl From<io::Error> for RecordError {
+    fn from(error: io::Error) -> Self {
+        Self::Write(error)
+    }
+}
+
+impl From<gif::EncodingError> for RecordError {
+    fn from(error: gif::EncodingError) -> Self {
+        match error {
+            gif::EncodingError::Io(error) => Self::Write(error),
+            other => Self::Format(other.to_string()),
+        }
+    }
+}
+
+impl From<png::EncodingError> for RecordError {
+    fn from(error: png::EncodingError) -> Self {
+        match error {
+            png::EncodingError::IoError(error) => Self::Write(error),
+            other => Self::Format(other.to_string()),
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! The texture of a surface's Gaussian curvature: exact second derivatives in, colours over the domain out.
+//!
+//! The curvature is evaluated in f64 at the middle of each texel, by (LN − M²)/(EG − F²) for a surface in space and by
+//! Gauss's equation for a metric. The colours are straight lines in a perceptual space, equally bright on both sides of
+//! zero.
+
+use std::sync::Arc;
+
+use geodesic::metric::{Metric, gaussian_curvature};
+use geodesic::surface::{Jet, JetBlock, LANES, Lanes, Surface};
+use rayon::prelude::*;
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
+
+use super::{Level, Texture};
+use crate::ground::Ground;
+use crate::request::RenderError;
+use crate::style::encode;
+
+/// Texels along u and along v; a multiple of [`LANES`].
+const SIDE: u32 = 512;
+/// So much of the surface's area has a colour of its own; where it is more curved, it has that of the scale's end.
+const COVERED: f64 = 0.98;
+/// Curvature is rounding where the surface, as large as it is, would turn by less than about the root of this.
+const FLAT: f64 = 1e-9;
+/// The colour of what is undefined, sRGB: between white, which is flat, and everything else.
+const UNDEFINED: [u8; 3] = [128, 128, 128];
+
+/// What the colours of a texture say.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvatureScale {
+    /// The curvature of the last colour on either side of zero, in 1/length²; positive.
+    pub most: f64,
+}
+
+impl Texture {
+    /// A surface or metric coloured by its Gaussian curvature: blue where it is negative, white at zero, red where it is
+    /// positive, grey where it is undefined. Of a surface that depends on grids, the first instance is taken. The scale
+    /// is symmetric about zero and takes in almost all of the area: [`Texture::curvature_scale`].
+    ///
+    /// It holds for these settings only.
+    ///
+    /// # Errors
+    /// [`RenderError::NoSurface`], [`RenderError::TooLarge`].
+    pub fn curvature(
+        scene: &Scene,
+        settings: &Settings,
+        surface: ObjectId,
+    ) -> Result<Arc<Self>, RenderError> {
+        let object = scene.objects.get(surface.0 as usize);
+        let object = object.ok_or(RenderError::NoSurface { name: None })?;
+        let uniforms = settings.first_instance(scene, object);
+        let ground = Ground::new(scene, surface, &uniforms)?;
+        Ok(Arc::new(of_surface(ground.surface())))
+    }
+
+    /// What the colours mean, if this is a [`Texture::curvature`].
+    pub fn curvature_scale(&self) -> Option<CurvatureScale> {
+        self.scale
+    }
+}
+
+impl CurvatureScale {
+    /// The colour of a curvature, sRGB.
+    pub fn colour(&self, curvature: f64) -> [u8; 3] {
+        if !curvature.is_finite() {
+            return UNDEFINED;
+        }
+        diverging((curvature / self.most).clamp(-1.0, 1.0) as f32)
+    }
+}
+
+fn of_surface(surface: &dyn Surface) -> Texture {
+    let samples = samples(surface);
+    let scale = CurvatureScale {
+        most: scale(surface, &samples),
+    };
+    let level = Level {
+        size: [SIDE; 2],
+        texels: samples
+            .par_iter()
+            .map(|&(curvature, _)| {
+                let [r, g, b] = scale.colour(curvature);
+                [r, g, b, 255]
+            })
+            .collect(),
+    };
+    Texture {
+        scale: Some(scale),
+        ..Texture::chain(level)
+    }
+}
+
+/// The curvature and the area of each texel, row by row.
+fn samples(surface: &dyn Surface) -> Vec<(f64, f64)> {
+    let domain = surface.domain();
+    let at = |k: usize, texel: usize| {
+        let [low, high] = domain[k];
+        low + (high - low) * (texel as f64 + 0.5) / f64::from(SIDE)
+    };
+    let side = SIDE as usize;
+    let mut samples = vec![(f64::NAN, 0.0); side * side];
+    let rows = samples.par_chunks_mut(side).enumerate();
+    rows.for_each_init(JetBlock::default, |block, (row, samples)| {
+        for (number, samples) in samples.chunks_mut(LANES).enumerate() {
+            let us: Lanes = std::array::from_fn(|lane| at(0, number * LANES + lane));
+            surface.jets(&[us, [at(1, row); LANES]], block);
+            for (lane, sample) in samples.iter_mut().enumerate() {
+                let of = |vectors: &[Lanes; 3]| [0, 1, 2].map(|k| vectors[k][lane]);
+                let jet = Jet {
+                    position: of(&block.position),
+                    du: of(&block.du),
+                    dv: of(&block.dv),
+                    duu: of(&block.duu),
+                    duv: of(&block.duv),
+                    dvv: of(&block.dvv),
+                };
+                *sample = (gaussian_curvature(&jet), Metric::of(&jet).r);
+            }
+        }
+    });
+    samples
+}
+
+/// The curvature at the end of the scale.
+fn scale(surface: &dyn Surface, samples: &[(f64, f64)]) -> f64 {
+    let mut known: Vec<(f64, f64)> = samples
+        .iter()
+        .filter(|(curvature, area)| curvature.is_finite() && area.is_finite())
+        .map(|&(curvature, area)| (curvature.abs(), area))
+        .collect();
+    known.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let all: f64 = known.iter().map(|(_, area)| area).sum();
+    let mut below = 0.0;
+    let found = known.iter().find(|(_, area)| {
+        below += area;
+        below >= COVERED * all
+    });
+    let (domain, stretch) = (surface.domain(), surface.scale().stretch);
+    let lengths = [0, 1].map(|k| stretch[k] * (domain[k][1] - domain[k][0]));
+    let least = FLAT / (lengths[0] * lengths[1]);
+    let most = found.map_or(0.0, |(curvature, _)| *curvature);
+    if most > least {
+        most
+    } else if least > 0.0 && least.is_finite() {
+        // Flat: what rounding leaves is white beside a curvature that would be seen.
+        least / FLAT
+    } else {
+        1.0
+    }
+}
+
+/// Colours from blue (−1) over white (0) to red (1), sRGB: straight lines in Oklab (Björn Ottosson, "A perceptual color
+/// space for image processing", 2020), so that equal steps look equally large.
+fn diverging(t: f32) -> [u8; 3] {
+    const WHITE: f32 = 0.97;
+    const DARKEST: f32 = 0.47;
+    const CHROMA: f32 = 0.17;
+    // Hues of the ends in radians.
+    let hue: f32 = if t < 0.0 { 4.55 } else { 0.50 };
+    let share = t.abs();
+    let lightness = WHITE + share * (DARKEST - WHITE);
+    let (a, b) = (share * CHROMA * hue.cos(), share * CHROMA * hue.sin());
+    let cone = [
+        lightness + 0.396_337_78 * a + 0.215_803_76 * b,
+        lightness - 0.105_561_35 * a - 0.063_854_17 * b,
+        lightness - 0.089_484_18 * a - 1.291_485_5 * b,
+    ];
+    let [l, m, s] = cone.map(|x| x * x * x);
+    [
+        encode(4.076_741_7 * l - 3.307_711_6 * m + 0.230_969_94 * s),
+        encode(-1.268_438 * l + 2.609_757_4 * m - 0.341_319_38 * s),
+        encode(-0.004_196_086_3 * l - 0.703_418_6 * m + 1.707_614_7 * s),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::style::decode;
+
+    /// Relative luminance.
+    fn luminance(colour: [u8; 3]) -> f32 {
+        let [r, g, b] = colour.map(decode);
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    }
+
+    #[test]
+    fn colours_darken_alike_on_both_sides_and_stay_within_what_a_screen_shows() {
+        let scale = CurvatureScale { most: 2.0 };
+        assert_eq!(scale.colour(f64::NAN), UNDEFINED);
+        assert_eq!(scale.colour(9.0), scale.colour(2.0));
+        let [r, g, b] = scale.colour(0.0);
+        assert!(r == g && g == b && r > 240, "{:?}", [r, g, b]);
+        let mut last = luminance([r, g, b]);
+        for step in 1..=20 {
+            let value = f64::from(step) / 10.0;
+            let (cold, warm) = (scale.colour(-value), scale.colour(value));
+            assert!(cold[2] > cold[0] && warm[0] > warm[2]);
+            let both = [cold, warm].map(luminance);
+            assert!(both.iter().all(|&y| y < last), "at {value}");
+            assert!((both[0] - both[1]).abs() < 0.05, "{both:?} at {value}");
+            last = both[0].max(both[1]);
+            // A clipped channel would bend the hue.
+            assert!(
+                cold.iter().chain(&warm).all(|&x| x > 0 && x < 255),
+                "{cold:?} {warm:?}"
+            );
+        }
+    }
+}

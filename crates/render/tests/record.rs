@@ -1,0 +1,246 @@
+//! Animations: what moves, and files read back.
+
+use std::io::Cursor;
+
+use gif::ColorOutput;
+use glam::DVec3;
+use image::{AnimationDecoder, Rgba, RgbaImage};
+use render::bounds::Bounds;
+use render::camera::Camera;
+use render::geodesic_view::Inside;
+use render::record::{Change, Clip, Format, Recorder, Script, ScriptError};
+use render::{Request, View};
+use scene::scene::ObjectId;
+use scene::{Scene, Settings, compile};
+
+const SPHERE: &str =
+    "param r : [1, 3]; surface s(u,v) = r(cosu sinv, sinu sinv, cosv), u : [0,2pi], v : [0,pi];";
+
+fn scene(source: &str) -> Scene {
+    let compilation = compile(source);
+    compilation
+        .scene
+        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
+}
+
+/// Pictures that say their number: a grey, a gradient, a transparent corner.
+fn pictures(count: u8) -> Vec<RgbaImage> {
+    (0..count)
+        .map(|number| {
+            RgbaImage::from_fn(64, 48, |x, y| match (x, y) {
+                (..8, ..8) => Rgba([0; 4]),
+                (_, ..24) => Rgba([20 * number, 20 * number, 20 * number, 255]),
+                _ => Rgba([40 + 2 * x as u8, 200 - 2 * x as u8, 100 + y as u8, 255]),
+            })
+        })
+        .collect()
+}
+
+fn recorded(format: Format, pictures: &[RgbaImage], rate: f64) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let clip = Clip {
+        frames: pictures.len() as u32,
+        size: pictures[0].dimensions().into(),
+        rate,
+    };
+    let mut recorder = Recorder::new(format, clip, &mut bytes).expect("a recorder");
+    for picture in pictures {
+        recorder.add(picture).expect("a picture");
+    }
+    recorder.finish().expect("a file");
+    bytes
+}
+
+#[test]
+fn animated_png_gives_back_every_pixel_and_repeats() {
+    let pictures = pictures(7);
+    let bytes = recorded(Format::Apng, &pictures, 30.0);
+    let decoder = image::codecs::png::PngDecoder::new(Cursor::new(&bytes)).expect("a PNG");
+    assert!(decoder.is_apng().expect("a header"));
+    let frames = decoder.apng().expect("animated").into_frames();
+    let frames = frames.collect_frames().expect("frames");
+    assert_eq!(frames.len(), 7);
+    let mut milliseconds = 0.0;
+    for (frame, picture) in frames.iter().zip(&pictures) {
+        assert_eq!(frame.buffer(), picture);
+        let (numerator, denominator) = frame.delay().numer_denom_ms();
+        milliseconds += f64::from(numerator) / f64::from(denominator);
+    }
+    assert!((milliseconds - 7000.0 / 30.0).abs() < 0.6, "{milliseconds}");
+}
+
+#[test]
+fn gif_keeps_time_transparency_and_nearly_the_colours() {
+    let pictures = pictures(9);
+    let bytes = recorded(Format::Gif, &pictures, 30.0);
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(ColorOutput::RGBA);
+    let mut decoder = options.read_info(&bytes[..]).expect("a GIF");
+    assert_eq!((decoder.width(), decoder.height()), (64, 48));
+    let (mut count, mut hundredths) = (0, 0);
+    while let Some(frame) = decoder.read_next_frame().expect("a frame") {
+        let picture = &pictures[count];
+        // Sums over the squares of the pattern: it gives back on the whole what it takes from each pixel.
+        let mut squares = [[[0_i32; 3]; 16]; 12];
+        for (index, (pixel, original)) in frame.buffer.chunks(4).zip(picture.pixels()).enumerate() {
+            assert_eq!(pixel[3], original.0[3]);
+            if pixel[3] > 0 {
+                let square = &mut squares[index / 64 / 4][index % 64 / 4];
+                for k in 0..3 {
+                    let off = i32::from(pixel[k]) - i32::from(original.0[k]);
+                    assert!(off.abs() < 80, "frame {count}: off by {off}");
+                    square[k] += off;
+                }
+            }
+        }
+        let sums = squares.as_flattened().as_flattened().iter();
+        let worst = sums.clone().map(|sum| sum.abs()).max();
+        assert!(
+            worst < Some(16 * 16),
+            "frame {count}: off by {worst:?} / 16"
+        );
+        let mean = sums.map(|sum| f64::from(sum.abs()) / 16.0).sum::<f64>() / (3.0 * 16.0 * 12.0);
+        assert!(mean < 1.5, "frame {count}: off by {mean}");
+        hundredths += u32::from(frame.delay);
+        count += 1;
+    }
+    assert_eq!((count, hundredths), (9, 30));
+}
+
+#[test]
+fn a_gif_of_few_colours_has_them_exactly() {
+    let picture = RgbaImage::from_fn(30, 30, |x, y| {
+        Rgba([8 * x as u8, 0, 50 * (y as u8 / 6), 255])
+    });
+    let bytes = recorded(Format::Gif, std::slice::from_ref(&picture), 10.0);
+    let decoded = image::load_from_memory(&bytes).expect("a GIF").into_rgba8();
+    assert_eq!(decoded, picture);
+}
+
+#[test]
+fn too_few_or_other_pictures_are_no_animation() {
+    let clip = Clip {
+        frames: 2,
+        size: [4, 4],
+        rate: 10.0,
+    };
+    for format in [Format::Gif, Format::Apng] {
+        let mut recorder = Recorder::new(format, clip, Vec::new()).expect("a recorder");
+        assert!(recorder.add(&RgbaImage::new(5, 4)).is_err());
+        recorder.add(&RgbaImage::new(4, 4)).expect("a picture");
+        assert!(recorder.finish().is_err());
+        assert!(Recorder::new(format, Clip { rate: 0.0, ..clip }, Vec::new()).is_err());
+    }
+}
+
+#[test]
+fn params_run_from_one_end_to_the_other() {
+    let scene = scene(SPHERE);
+    let settings = Settings::opening(&scene);
+    let request = Request::space([8, 8]);
+    let script = Script {
+        changes: vec![Change {
+            name: "r".into(),
+            from: vec![3.0],
+            to: vec![1.0],
+        }],
+        ..Script::default()
+    };
+    let values = (0..5).map(|frame| {
+        let share = Script::share(frame, 5);
+        let (settings, _) = script
+            .at(&scene, &settings, &request, share)
+            .expect("settings");
+        settings.param(&scene.params[0])[0]
+    });
+    assert_eq!(values.collect::<Vec<_>>(), [3.0, 2.5, 2.0, 1.5, 1.0]);
+    let mut wrong = script.clone();
+    wrong.changes[0].to = vec![9.0];
+    let refused = wrong.at(&scene, &settings, &request, 1.0);
+    assert!(matches!(refused, Err(ScriptError::Set(_))), "{refused:?}");
+}
+
+#[test]
+fn the_camera_in_space_stands_still_and_sees_everything() {
+    let scene = scene(SPHERE);
+    let mut settings = Settings::opening(&scene);
+    let request = Request::space([64, 64]);
+    let script = Script {
+        changes: vec![Change {
+            name: "r".into(),
+            from: vec![1.0],
+            to: vec![3.0],
+        }],
+        ..Script::default()
+    };
+    let steady = script
+        .steady(&scene, &settings, &request)
+        .expect("a camera");
+    let View::Space {
+        eye: Some(eye),
+        target: Some(target),
+    } = steady.view
+    else {
+        panic!("{:?}", steady.view)
+    };
+    // It stands where the largest sphere wants it, and looks at its centre.
+    settings.set(&scene, "r", &[3.0]).expect("in range");
+    let bounds = Bounds::of(&scene, &settings);
+    let camera = Camera::new(&bounds, None, None, [64, 64]).expect("a camera");
+    let wanted = DVec3::from(bounds.placement.world(camera.eye.to_array()));
+    let eye = DVec3::from(eye);
+    assert!((eye - wanted).length() < 0.01 * wanted.length(), "{eye}");
+    let ahead = (DVec3::from(target) - eye).normalize();
+    assert!(ahead.dot(-eye.normalize()) > 0.9999, "{ahead}");
+    let told = Script::default()
+        .steady(&scene, &settings, &request)
+        .expect("a camera");
+    assert_eq!(told.view, request.view);
+}
+
+#[test]
+fn a_walk_round_a_great_circle_comes_back_with_its_length() {
+    let scene = scene(SPHERE);
+    let settings = Settings::opening(&scene);
+    let mut request = Request::geodesic(ObjectId(0), [64, 64]);
+    if let View::Geodesic { at, angle, .. } = &mut request.view {
+        (*at, *angle) = (Some([1.0, 1.2]), 0.7);
+    }
+    let script = Script {
+        walk: Some(std::f64::consts::TAU),
+        trail: true,
+        ..Script::default()
+    };
+    let frame = |request: &Request| {
+        Inside::new(&scene, &settings, request)
+            .expect("a camera")
+            .frame
+    };
+    let start = frame(&request);
+    let (_, half) = script.at(&scene, &settings, &request, 0.5).expect("a walk");
+    let (_, whole) = script.at(&scene, &settings, &request, 1.0).expect("a walk");
+    let middle = frame(&half).uv;
+    assert!(
+        (middle[1] - (std::f64::consts::PI - 1.2)).abs() < 1e-7,
+        "{middle:?}"
+    );
+    let end = frame(&whole);
+    for k in 0..2 {
+        assert!((end.uv[k] - start.uv[k]).abs() < 1e-7, "{end:?}");
+        assert!((end.x[k] - start.x[k]).abs() < 1e-7, "{end:?}");
+        assert!((end.y[k] - start.y[k]).abs() < 1e-7, "{end:?}");
+    }
+    let trail = &whole.trails[0];
+    assert!((trail.length - std::f64::consts::TAU).abs() < 1e-9);
+    assert_eq!(trail.points[0], start.uv);
+    // The polyline's own length, by the metric in the middle of each piece.
+    let mut length = 0.0;
+    for pair in trail.points.windows(2) {
+        let [a, b] = [pair[0], pair[1]];
+        let du = (b[0] - a[0] + 3.0 * std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
+            - std::f64::consts::PI;
+        let sin = (0.5 * (a[1] + b[1])).sin();
+        length += (du * sin).hypot(b[1] - a[1]);
+    }
+    assert!((length - trail.length).abs() < 1e-2, "{length}");
+}
