@@ -44,6 +44,10 @@ pub(super) enum NoWindow {
     /// None can be had here; a sentence without its end.
     NotHere(String),
     /// The window was not what failed.
+    #[cfg_attr(
+        not(feature = "window"),
+        expect(dead_code, reason = "without a window nothing else can fail")
+    )]
     Other(Failure),
 }
 
