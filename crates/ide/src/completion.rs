@@ -5,6 +5,7 @@ use syntax::symbols::SymbolKind;
 use syntax::token::{DeclareWord, TokenKind};
 
 use crate::describe::{self, Description};
+use crate::item::Item;
 use crate::outline::parameters;
 use crate::reading::Reading;
 
@@ -94,29 +95,24 @@ struct Place {
 
 impl Place {
     fn of(reading: &Reading, offset: u32) -> Self {
-        let text = reading.text();
         let start = word_start(reading, offset);
         let range = Span::new(start, offset);
-        let tokens = reading.tokens();
-        let next = tokens.partition_point(|t| t.span.start < start);
-        if tokens[..next]
-            .last()
-            .is_some_and(|t| t.kind == TokenKind::Comment && offset <= t.span.end)
-        {
+        let next = reading.document().tokens_begun(start) as usize;
+        let last = next.checked_sub(1).and_then(|k| reading.token(k));
+        if last.is_some_and(|t| t.kind == TokenKind::Comment && offset <= t.span.end) {
             return Self {
                 wanted: Wanted::Nothing,
                 range,
             };
         }
-        let mut before = tokens[..next]
-            .iter()
-            .enumerate()
-            .rev()
-            .filter(|(_, t)| t.kind != TokenKind::Comment);
+        let before = (0..next).rev().filter_map(|k| Some((k, reading.token(k)?)));
+        let mut before = before.filter(|(_, token)| token.kind != TokenKind::Comment);
         // A declaration that starts here is not yet the one that is being written.
-        let begun = |k: &usize| reading.items()[*k].span.start < start;
-        let item = reading.item_at(start).filter(begun);
+        let item = reading
+            .item_at(start)
+            .filter(|item| item.span.start < start);
         let item = item.or_else(|| open_item(reading, start));
+        let number = item.map(|item| item.index);
         let wanted = match before.next() {
             None => Wanted::Declaration,
             Some((at, token)) => match token.kind {
@@ -127,25 +123,25 @@ impl Place {
                     None => Wanted::Nothing,
                 },
                 TokenKind::Number(_) if range.start == range.end && token.span.end == start => {
-                    Wanted::Operand(item)
+                    Wanted::Operand(number)
                 }
                 TokenKind::Colon => {
-                    let geodesic =
-                        item.is_some_and(|k| reading.items()[k].word == DeclareWord::Geodesic);
-                    if geodesic
-                        && !text[..token.span.start as usize]
-                            .trim_end()
-                            .ends_with(|c: char| c.is_ascii_alphanumeric())
-                    {
+                    let geodesic = item.is_some_and(|it| it.word == DeclareWord::Geodesic);
+                    let behind = at.checked_sub(1).and_then(|k| reading.token(k));
+                    let behind_list = behind.is_none_or(|t| {
+                        let last = t.text.bytes().next_back();
+                        !last.is_some_and(|byte| byte.is_ascii_alphanumeric())
+                    });
+                    if geodesic && behind_list {
                         Wanted::Surface
                     } else {
                         Wanted::Nothing
                     }
                 }
-                TokenKind::Comma if item.is_some_and(|k| expects_tag(reading, k, at)) => {
-                    item.map_or(Wanted::Nothing, Wanted::Parameter)
+                TokenKind::Comma if item.is_some_and(|item| expects_tag(reading, &item, at)) => {
+                    number.map_or(Wanted::Nothing, Wanted::Parameter)
                 }
-                _ => Wanted::Operand(item),
+                _ => Wanted::Operand(number),
             },
         };
         Self { wanted, range }
@@ -155,29 +151,22 @@ impl Place {
 /// Where the part of a word before a place begins that is being written: at the first seam of the word from which a
 /// name goes on as it is written, else at the last one. Of `2pive` that is `ve` where `vel` is defined.
 fn word_start(reading: &Reading, offset: u32) -> u32 {
-    let text = reading.text();
-    let bytes = text.as_bytes();
-    let mut start = offset;
-    while start > 0 && bytes[start as usize - 1].is_ascii_alphanumeric() {
-        start -= 1;
-    }
+    let mut start = reading.document().word_start(offset);
     // Digits before the first letter are a number.
-    while start < offset && bytes[start as usize].is_ascii_digit() {
-        start += 1;
-    }
-    let tokens = &reading.tokens()[reading.tokens_in(Span::new(start, offset))];
-    let seams = tokens
-        .iter()
-        .map(|t| t.span.start)
-        .filter(|&at| at >= start);
-    let item = reading.item_at(offset).map(|k| &reading.items()[k]);
+    let word = reading.slice(Span::new(start, offset));
+    let digits = word.bytes().take_while(u8::is_ascii_digit).count();
+    let (word, from) = (&word[digits..], start + digits as u32);
+    start = from;
+    let tokens = reading.tokens(reading.tokens_in(Span::new(start, offset)));
+    let seams = tokens.map(|t| t.span.start).filter(|&at| at >= start);
+    let item = reading.item_at(offset);
     let goes_on = |at: &u32| {
-        let written = &text[*at as usize..offset as usize];
-        let parameters = item.into_iter().flat_map(|item| &item.parameters);
+        let written = &word[(*at - from) as usize..];
+        let mut parameters = item.iter().flat_map(|item| item.parameters());
         reading
             .visible(offset)
             .any(|(_, symbol)| symbol.name.starts_with(written))
-            || parameters.into_iter().any(|p| p.name.starts_with(written))
+            || parameters.any(|(name, _)| name.starts_with(written))
     };
     let mut last = start;
     for at in seams {
@@ -190,19 +179,21 @@ fn word_start(reading: &Reading, offset: u32) -> u32 {
 }
 
 /// The last declaration before a place, where it has not ended with a `;`.
-fn open_item(reading: &Reading, offset: u32) -> Option<usize> {
-    let after = reading
-        .items()
-        .partition_point(|item| item.span.start < offset);
-    let k = after.checked_sub(1)?;
-    let between = &reading.text()[reading.items()[k].span.end as usize..offset as usize];
-    let closed = reading.items()[k].span.text(reading.text()).ends_with(';');
-    (!closed && !between.contains(';')).then_some(k)
+fn open_item(reading: &Reading, offset: u32) -> Option<Item<'_>> {
+    // One that starts at the place does not stand before it.
+    let begun = reading
+        .document()
+        .declarations_begun(offset.checked_sub(1)?) as usize;
+    let item = reading.item(begun.checked_sub(1)?)?;
+    let end = item.span.end;
+    // A `;` is a chunk's end: far declarations are closed, and nothing long is looked at.
+    let rest = reading.slice(Span::new(end.saturating_sub(1), offset.max(end)));
+    (!rest.contains(';')).then_some(item)
 }
 
 /// The item of the function before an underscore.
 fn function_before(reading: &Reading, underscore: usize) -> Option<usize> {
-    for token in reading.tokens()[..underscore].iter().rev() {
+    for token in reading.tokens_before(underscore) {
         match token.kind {
             TokenKind::Function(id) => return reading.item_of(id),
             TokenKind::Variable(_) | TokenKind::Underscore | TokenKind::Prime => {}
@@ -213,17 +204,14 @@ fn function_before(reading: &Reading, underscore: usize) -> Option<usize> {
 }
 
 /// Whether behind this comma an interval's tag comes: the comma stands outside all brackets, behind the body.
-fn expects_tag(reading: &Reading, item: usize, comma: usize) -> bool {
-    let item = &reading.items()[item];
+fn expects_tag(reading: &Reading, item: &Item<'_>, comma: usize) -> bool {
     let has_intervals = matches!(
         item.word,
         DeclareWord::Curve | DeclareWord::Surface | DeclareWord::Metric | DeclareWord::Geodesic
     );
-    let first = reading
-        .tokens()
-        .partition_point(|t| t.span.start < item.span.start);
-    let depth: i32 = reading.tokens()[first..comma]
-        .iter()
+    let first = reading.document().tokens_begun(item.span.start) as usize;
+    let depth: i32 = reading
+        .tokens(first..comma)
         .map(|token| match token.kind {
             TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => 1,
             TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => -1,
@@ -234,14 +222,16 @@ fn expects_tag(reading: &Reading, item: usize, comma: usize) -> bool {
 }
 
 fn own_parameters(reading: &Reading, item: usize) -> Vec<Completion> {
-    let item = &reading.items()[item];
-    let parameters = item.parameters.iter();
+    let Some(item) = reading.item(item) else {
+        return Vec::new();
+    };
+    let parameters = item.parameters();
     parameters
-        .map(|parameter| Completion {
-            label: parameter.name.clone(),
+        .map(|(name, _)| Completion {
+            label: name.to_owned(),
             kind: CompletionKind::Parameter,
             detail: format!("parameter of {}", item.name),
-            insert: parameter.name.clone(),
+            insert: name.to_owned(),
             snippet: false,
         })
         .collect()

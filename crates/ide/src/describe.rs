@@ -2,13 +2,15 @@
 
 use expr::ops;
 use scene::Settings;
+use syntax::span::Span;
 use syntax::symbols::{Symbol, SymbolKind};
 use syntax::token::{DeclareWord, SymbolId};
 
 use crate::geometry;
 use crate::hints::{constant, shown};
+use crate::item::Item;
 use crate::outline::parameters;
-use crate::reading::{Item, Reading, Target};
+use crate::reading::{Reading, Target};
 use crate::write;
 
 /// A name, told to a reader: `code` in the language, `text` in Markdown.
@@ -39,46 +41,44 @@ impl Description {
 /// What a target is.
 pub fn describe(reading: &Reading, target: Target) -> Option<Description> {
     match target {
-        Target::Symbol(id) => {
-            let symbol = reading.symbols().get(id)?;
-            match reading.item_of(id) {
-                Some(item) => Some(declared(reading, item)),
-                None => builtin(symbol),
-            }
-        }
+        Target::Symbol(id) => match reading.item_of(id).and_then(|k| reading.item(k)) {
+            Some(item) => Some(declared(reading, &item)),
+            None => builtin(reading.symbol(id)?),
+        },
         Target::Parameter { item, position } => {
-            let item = reading.items().get(item)?;
-            let parameter = &item.parameters.get(position)?.name;
-            let owner = format!("{}{}", item.name, signature(item));
+            let item = reading.item(item)?;
+            let (parameter, _) = item.parameters().nth(position)?;
+            let owner = format!("{}{}", item.name, signature(&item));
             let mut text = vec![format!("a parameter of the {} `{owner}`", item.word.text())];
-            text.extend(interval_of(reading, item, position).map(|i| format!("over `{i}`")));
+            text.extend(interval_of(reading, &item, parameter).map(|i| format!("over `{i}`")));
             Some(Description {
-                code: parameter.clone(),
+                code: parameter.to_owned(),
                 text,
             })
         }
     }
 }
 
-fn signature(item: &Item) -> String {
-    parameters(item.parameters.iter().map(|p| p.name.as_str()))
+fn signature(item: &Item<'_>) -> String {
+    parameters(item.parameters().map(|(name, _)| name))
 }
 
 /// The interval of a parameter, as it is written.
-fn interval_of(reading: &Reading, item: &Item, position: usize) -> Option<String> {
+fn interval_of(reading: &Reading, item: &Item<'_>, name: &str) -> Option<String> {
     // Intervals carry tags; they come in any order.
-    let name = &item.parameters.get(position)?.name;
-    let text = reading.text();
-    item.intervals.iter().find_map(|span| {
-        let before = text[item.span.start as usize..span.start as usize].trim_end();
+    let text = reading.slice(item.span);
+    let place =
+        |span: Span| (span.start - item.span.start) as usize..(span.end - item.span.start) as usize;
+    item.intervals().find_map(|span| {
+        let range = place(span);
+        let before = text[..range.start].trim_end();
         let tag = before.strip_suffix(':')?.trim_end();
         let word = tag.rsplit(|c: char| !c.is_ascii_alphanumeric()).next()?;
-        (word == name).then(|| span.text(text).to_owned())
+        (word == name).then(|| text[range].to_owned())
     })
 }
 
-fn declared(reading: &Reading, position: usize) -> Description {
-    let item = &reading.items()[position];
+fn declared(reading: &Reading, item: &Item<'_>) -> Description {
     let code = format!("{} {}{}", item.word.text(), item.name, signature(item));
     let mut text = Vec::new();
     if item.faulty {
@@ -90,8 +90,8 @@ fn declared(reading: &Reading, position: usize) -> Description {
             let intervals = written_intervals(reading, item);
             text.push(format!(
                 "a slider over {intervals}; it starts at {}",
-                match write::opening(reading, position) {
-                    Some(span) => format!("`{}`", span.text(reading.text())),
+                match write::opening(reading, item) {
+                    Some(span) => format!("`{}`", reading.slice(span)),
                     None => "its minimum".to_owned(),
                 }
             ));
@@ -103,38 +103,35 @@ fn declared(reading: &Reading, position: usize) -> Description {
             ));
         }
         DeclareWord::Define | DeclareWord::Point | DeclareWord::Vector => {
-            text.extend(value(reading, position));
+            text.extend(value(reading, item));
         }
         DeclareWord::Function => {}
         _ => {
-            let lines = (0..item.parameters.len()).filter_map(|k| {
-                let interval = interval_of(reading, item, k)?;
-                Some(format!("`{} : {interval}`", item.parameters[k].name))
+            let lines = item.parameters().filter_map(|(name, _)| {
+                let interval = interval_of(reading, item, name)?;
+                Some(format!("`{name} : {interval}`"))
             });
             let lines: Vec<String> = lines.collect();
             if !lines.is_empty() {
                 text.push(format!("over {}", lines.join(", ")));
             }
-            text.extend(geometry::of(reading, position));
+            text.extend(geometry::of(reading, item));
         }
     }
     text.extend(comment_above(reading, item));
     Description { code, text }
 }
 
-fn written_intervals(reading: &Reading, item: &Item) -> String {
-    let intervals = item
-        .intervals
-        .iter()
-        .map(|span| format!("`{}`", span.text(reading.text())));
+fn written_intervals(reading: &Reading, item: &Item<'_>) -> String {
+    let intervals = item.intervals();
+    let intervals = intervals.map(|span| format!("`{}`", reading.slice(span)));
     intervals.collect::<Vec<_>>().join(" × ")
 }
 
 /// The value of a constant: for one that params move, that at their start.
-fn value(reading: &Reading, item: usize) -> Option<String> {
-    let compilation = reading.compile_alone([item])?;
-    let item = &reading.items()[item];
-    if let Some(value) = constant(&compilation, &item.name) {
+fn value(reading: &Reading, item: &Item<'_>) -> Option<String> {
+    let compilation = reading.compile_alone([item.index])?;
+    if let Some(value) = constant(&compilation, item.name) {
         return Some(if reading.depends_on_settings(item.symbol?) {
             format!("= {value}, with every param at its start")
         } else {
@@ -143,7 +140,7 @@ fn value(reading: &Reading, item: usize) -> Option<String> {
     }
     let settings = Settings::opening(compilation.scene.as_ref()?);
     let scene::Outcome::Instances(instances) =
-        compilation.evaluate(&item.name, &settings).ok()?.outcome
+        compilation.evaluate(item.name, &settings).ok()?.outcome
     else {
         return None;
     };
@@ -156,26 +153,36 @@ fn value(reading: &Reading, item: usize) -> Option<String> {
 }
 
 /// The comment right above a declaration, or behind it on its line.
-fn comment_above(reading: &Reading, item: &Item) -> Option<String> {
-    let text = reading.text();
-    let mut lines: Vec<&str> = Vec::new();
-    let before = &text[..item.span.start as usize];
-    let line_start = before.rfind('\n').map_or(0, |at| at + 1);
-    if before[line_start..].trim().is_empty() {
-        for line in before[..line_start].lines().rev() {
-            match line.trim().strip_prefix('#') {
-                Some(comment) => lines.push(comment.trim()),
+fn comment_above(reading: &Reading, item: &Item<'_>) -> Option<String> {
+    let document = reading.document();
+    // Of a line, from 1, what stands before an offset.
+    let line = |number: u32, end: u32| {
+        let start = document.line_start(number)?;
+        let next = document.line_start(number + 1).unwrap_or(document.len());
+        document.slice(Span::new(start, next.min(end).max(start)))
+    };
+    let own = document.line(item.span.start);
+    let mut lines: Vec<String> = Vec::new();
+    if line(own, item.span.start)?.trim().is_empty() {
+        for number in (1..own).rev() {
+            let above = line(number, item.span.start)?;
+            match above.trim().strip_prefix('#') {
+                Some(comment) => lines.push(comment.trim().to_owned()),
                 None => break,
             }
         }
         lines.reverse();
     }
     if lines.is_empty() {
-        let behind = text[item.span.end as usize..]
-            .lines()
-            .next()
-            .unwrap_or_default();
-        lines.extend(behind.trim().strip_prefix('#').map(str::trim));
+        let last = document.line(item.span.end);
+        let end = document.line_start(last + 1).unwrap_or(document.len());
+        let behind = document.slice(Span::new(item.span.end, end))?;
+        lines.extend(
+            behind
+                .trim()
+                .strip_prefix('#')
+                .map(|it| it.trim().to_owned()),
+        );
     }
     let comment = lines.join(" ");
     (!comment.is_empty()).then_some(comment)

@@ -40,11 +40,10 @@ fn of(reading: &Reading, diagnostic: &Diagnostic) -> Vec<Fix> {
     let hint = diagnostic.hint.as_deref().unwrap_or_default();
     if diagnostic.code == codes::MISSING_SEMICOLON {
         // The finding stands at the token that was not accepted: the `;` is missing behind the one before.
+        let ended = reading.document().tokens_ended(diagnostic.span.start) as usize;
         let before = reading
-            .tokens()
-            .iter()
-            .rev()
-            .find(|t| t.span.end <= diagnostic.span.start && t.kind != TokenKind::Comment);
+            .tokens_before(ended)
+            .find(|token| token.kind != TokenKind::Comment);
         let offset = before.map_or(diagnostic.span.start, |token| token.span.end);
         return vec![fix(
             "Insert `;`".to_owned(),
@@ -70,11 +69,11 @@ fn of(reading: &Reading, diagnostic: &Diagnostic) -> Vec<Fix> {
     if diagnostic.code == codes::SURPRISING_READING {
         // A name that hides a split above: the place above is written apart.
         if let Some(related) = diagnostic.related.first() {
-            let seam = reading
-                .tokens()
-                .iter()
-                .find(|t| t.span.start == related.span.start)
-                .map(|t| t.span.end);
+            let at = reading.document().tokens_begun(related.span.start) as usize;
+            let token = reading.token(at);
+            let seam = token
+                .filter(|token| token.span.start == related.span.start)
+                .map(|token| token.span.end);
             return seam
                 .map(|offset| {
                     fix(

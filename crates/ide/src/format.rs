@@ -5,11 +5,14 @@
 //! declaration and what comments say is the writer's. What comes out is read again: where a single token would be read
 //! otherwise, the text stays as it is.
 
+use std::ops::Range;
+
 use syntax::span::Span;
-use syntax::token::{Token, TokenKind};
+use syntax::token::TokenKind;
 
 use crate::edit::{self, Edit};
-use crate::reading::Reading;
+use crate::meaning::{Meaning, Meanings};
+use crate::reading::{Lexeme, Reading};
 
 /// The indentation of lines that go on.
 const INDENT: &str = "    ";
@@ -27,46 +30,67 @@ pub fn format(reading: &Reading, range: Option<Span>) -> Vec<Edit> {
 
 /// The edits of the white space between tokens.
 fn gaps(reading: &Reading, range: Option<Span>) -> Vec<Edit> {
-    let text = reading.text();
-    let tokens = reading.tokens();
     let wanted = range.map(|range| whole_items(reading, range));
+    // What a range holds is laid out from the end of the token before it on: no declaration is open there.
+    let first = wanted.map_or(0, |wanted| {
+        reading.document().tokens_ended(wanted.start) as usize
+    });
+    let last = match wanted {
+        Some(wanted) => reading.document().tokens_begun(wanted.end) as usize,
+        None => reading.token_count(),
+    };
+    let mut before = first.checked_sub(1).and_then(|k| reading.token(k));
     let mut edits = Vec::new();
     let mut layout = Layout::default();
-    let new_line = new_line(text);
-    let mark = if text.starts_with('\u{FEFF}') { 3 } else { 0 };
-    let mut end = mark;
-    for (k, token) in tokens.iter().enumerate() {
+    let new_line = new_line(reading);
+    let mark = match reading.slice(Span::new(0, reading.len().min(3))) == "\u{FEFF}" {
+        true => 3,
+        false => 0,
+    };
+    let mut end = before.map_or(mark, |token| token.span.end);
+    for token in reading.tokens(first..last.max(first)) {
         let gap = Span::new(end, token.span.start);
-        let next = layout.gap(text, k.checked_sub(1).map(|k| tokens[k]), *token, gap);
+        let written = reading.slice(gap);
+        let next = layout.gap(&written, before, token);
         let next = next.replace('\n', new_line);
         let inside = wanted.is_none_or(|wanted| wanted.start <= gap.start && gap.end <= wanted.end);
-        if inside && next != gap.text(text) {
+        if inside && next != written {
             edits.push(Edit::replace(gap, next));
         }
-        layout.pass(*token);
+        layout.pass(token.kind);
         end = token.span.end;
+        before = Some(token);
     }
-    let rest = Span::new(end, text.len() as u32);
-    let last = if tokens.is_empty() { "" } else { new_line };
-    if wanted.is_none() && rest.text(text) != last {
-        edits.push(Edit::replace(rest, last));
+    if wanted.is_none() {
+        let rest = Span::new(end, reading.len());
+        let last = if before.is_none() { "" } else { new_line };
+        if reading.slice(rest) != last {
+            edits.push(Edit::replace(rest, last));
+        }
     }
     edits
 }
 
 /// What ends lines: what ends the first, so that a text of another system stays one.
-fn new_line(text: &str) -> &'static str {
-    match text.find('\n') {
-        Some(end) if text[..end].ends_with('\r') => "\r\n",
+fn new_line(reading: &Reading) -> &'static str {
+    let document = reading.document();
+    let first = document.line_start(2);
+    let end = first.map(|start| Span::new(start.saturating_sub(2), start));
+    match end.and_then(|end| document.slice(end)) {
+        Some(end) if end == "\r\n" => "\r\n",
         _ => "\n",
     }
 }
 
 /// From the first token of the first declaration that touches the range to the end of the last.
 fn whole_items(reading: &Reading, range: Span) -> Span {
-    let items = reading.items().iter().map(|item| item.span);
+    // The one before may end where the range starts.
+    let first = reading.document().declarations_begun(range.start) as usize;
+    let items = reading.items_from(first.saturating_sub(1));
+    let items = items.map(|item| item.span);
     items
-        .filter(|span| span.start <= range.end && range.start <= span.end)
+        .skip_while(|span| span.end < range.start)
+        .take_while(|span| span.start <= range.end)
         .reduce(Span::to)
         .unwrap_or(Span::new(range.start, range.start))
 }
@@ -74,24 +98,21 @@ fn whole_items(reading: &Reading, range: Span) -> Span {
 /// Whether a text has the same tokens, written alike.
 fn reads_alike(reading: &Reading, text: &str) -> bool {
     let again = Reading::new(text);
-    let tokens = |reading: &Reading| -> Vec<(TokenKind, String)> {
-        let tokens = reading.tokens().iter();
-        tokens
-            .map(|token| {
-                (
-                    token.kind,
-                    token.span.text(reading.text()).trim_end().to_owned(),
-                )
-            })
-            .collect()
-    };
-    tokens(reading) == tokens(&again)
-        && reading.items().len() == again.items().len()
+    let all = |reading: &Reading| 0..reading.token_count();
+    let tokens = |reading| reading_tokens(reading, all(reading));
+    reading.token_count() == again.token_count()
+        && tokens(reading).eq(tokens(&again))
         && reading
             .items()
-            .iter()
-            .zip(again.items())
-            .all(|(one, other)| one.faulty == other.faulty)
+            .map(|item| item.faulty)
+            .eq(again.items().map(|item| item.faulty))
+}
+
+/// The tokens, each with what it means and how it is written.
+fn reading_tokens(reading: &Reading, range: Range<usize>) -> impl Iterator<Item = (Meaning, &str)> {
+    let meanings = Meanings::of(reading);
+    let tokens = reading.tokens(range);
+    tokens.map(move |token| (meanings.get(token.kind), token.text.trim_end()))
 }
 
 /// What has been passed on the way through the tokens.
@@ -107,8 +128,7 @@ struct Layout {
 
 impl Layout {
     /// The white space before a token that is now behind `gap`.
-    fn gap(&self, text: &str, before: Option<Token>, token: Token, gap: Span) -> String {
-        let written = gap.text(text);
+    fn gap(&self, written: &str, before: Option<Lexeme<'_>>, token: Lexeme<'_>) -> String {
         let lines = written.matches('\n').count();
         let Some(before) = before else {
             return String::new();
@@ -176,8 +196,8 @@ impl Layout {
             || sum(before) && !self.after_sign
     }
 
-    fn pass(&mut self, token: Token) {
-        match token.kind {
+    fn pass(&mut self, kind: TokenKind) {
+        match kind {
             TokenKind::Comment => return,
             TokenKind::Declare(_) => {
                 self.inside = true;
@@ -185,10 +205,9 @@ impl Layout {
             TokenKind::Semicolon => self.inside = false,
             _ => {}
         }
-        self.after_sign =
-            matches!(token.kind, TokenKind::Plus | TokenKind::Minus) && !self.after_operand;
+        self.after_sign = matches!(kind, TokenKind::Plus | TokenKind::Minus) && !self.after_operand;
         self.after_operand = matches!(
-            token.kind,
+            kind,
             TokenKind::Number(_)
                 | TokenKind::Constant(_)
                 | TokenKind::Variable(_)

@@ -6,6 +6,7 @@ use scene::Settings;
 use scene::scene::{Object, Scene, Shape};
 
 use crate::hints::short;
+use crate::item::Item;
 use crate::reading::Reading;
 
 /// Points along each axis at which a surface is looked at, its sides included.
@@ -13,18 +14,17 @@ const LATTICE: u32 = 25;
 /// |σu × σv| below this share of |σu||σv|, or of its largest value, has vanished.
 const VANISHED: f64 = 1e-9;
 
-/// Sentences about the surface that an item (a position in [`Reading::items`]) declares; none for what is no surface.
-pub(crate) fn of(reading: &Reading, item: usize) -> Vec<String> {
+/// Sentences about the surface that an item declares; none for what is no surface.
+pub(crate) fn of(reading: &Reading, item: &Item<'_>) -> Vec<String> {
     let sentences = || {
-        let compilation = reading.compile_alone([item])?;
+        let compilation = reading.compile_alone([item.index])?;
         let scene = compilation.scene.as_ref()?;
-        let item = &reading.items()[item];
         let object = scene
             .objects
             .iter()
             .find(|object| object.name == item.name)?;
         let surface = surface(scene, object)?;
-        let names = item.parameters.iter().map(|p| p.name.as_str());
+        let names = item.parameters().map(|(name, _)| name);
         let [u, v]: [&str; 2] = names.collect::<Vec<_>>().try_into().ok()?;
         let mut sentences = Vec::new();
         sentences.extend(first_form(&surface, [u, v]));

@@ -4,6 +4,7 @@ use scene::{Compilation, Outcome, Settings, Value};
 use syntax::span::Span;
 use syntax::token::{DeclareWord, TokenKind};
 
+use crate::item::Item;
 use crate::reading::Reading;
 
 /// A text that is shown but not written.
@@ -29,8 +30,7 @@ pub fn hints(reading: &Reading, range: Span) -> Vec<Hint> {
 
 /// `pi·v`: between the tokens that one word was split into.
 fn splits(reading: &Reading, range: Span) -> Vec<Hint> {
-    let tokens = &reading.tokens()[reading.tokens_in(range)];
-    let text = reading.text();
+    let tokens: Vec<_> = reading.tokens(reading.tokens_in(range)).collect();
     let is_word = |kind| {
         matches!(
             kind,
@@ -45,7 +45,7 @@ fn splits(reading: &Reading, range: Span) -> Vec<Hint> {
     });
     pairs
         .map(|pair| {
-            let (one, other) = (pair[0].span.text(text), pair[1].span.text(text));
+            let (one, other) = (pair[0].text, pair[1].text);
             let applied = matches!(pair[0].kind, TokenKind::Function(_));
             let (label, told) = if applied {
                 (" ", "applied to")
@@ -64,28 +64,22 @@ fn splits(reading: &Reading, range: Span) -> Vec<Hint> {
 
 /// `= 6.2832` behind a define that no param or grid changes.
 fn values(reading: &Reading, range: Span) -> Vec<Hint> {
-    let items = reading.items();
-    let first = items.partition_point(|item| item.span.end <= range.start);
-    let inside = (first..items.len()).take_while(|&k| items[k].span.start < range.end);
-    let wanted: Vec<usize> = inside
-        .filter(|&k| {
-            let item = &items[k];
-            item.word == DeclareWord::Define
-                && !item.faulty
-                && !is_literal(reading, item.span)
-                && item
-                    .symbol
-                    .is_some_and(|symbol| !reading.depends_on_settings(symbol))
-        })
-        .collect();
-    let Some(compilation) = reading.compile_alone(wanted.iter().copied()) else {
+    let is_wanted = |item: &Item<'_>| {
+        item.word == DeclareWord::Define
+            && !item.faulty
+            && !is_literal(reading, item.span)
+            && item
+                .symbol
+                .is_some_and(|symbol| !reading.depends_on_settings(symbol))
+    };
+    let wanted: Vec<Item<'_>> = reading.items_in(range).filter(is_wanted).collect();
+    let Some(compilation) = reading.compile_alone(wanted.iter().map(|item| item.index)) else {
         return Vec::new();
     };
     wanted
         .into_iter()
-        .filter_map(|k| {
-            let item = &items[k];
-            let value = constant(&compilation, &item.name)?;
+        .filter_map(|item| {
+            let value = constant(&compilation, item.name)?;
             Some(Hint {
                 offset: item.span.end.saturating_sub(1),
                 label: format!("= {value}"),
@@ -98,15 +92,12 @@ fn values(reading: &Reading, range: Span) -> Vec<Hint> {
 
 /// Whether a define is a number already: `define a = 2;`.
 fn is_literal(reading: &Reading, span: Span) -> bool {
-    let tokens = &reading.tokens()[reading.tokens_in(span)];
-    let body = tokens
-        .iter()
+    let body = reading
+        .tokens(reading.tokens_in(span))
         .skip_while(|t| t.kind != TokenKind::Equals)
         .skip(1);
-    let words = body.filter(|t| !matches!(t.kind, TokenKind::Semicolon | TokenKind::Comment));
-    words
-        .into_iter()
-        .all(|t| matches!(t.kind, TokenKind::Number(_) | TokenKind::Minus))
+    let mut words = body.filter(|t| !matches!(t.kind, TokenKind::Semicolon | TokenKind::Comment));
+    words.all(|t| matches!(t.kind, TokenKind::Number(_) | TokenKind::Minus))
 }
 
 /// The value of a name that does not depend on grids, for people; params are at their start.

@@ -9,7 +9,7 @@ use crate::reading::Reading;
 /// What there is to say of the word at a place, and where the word stands.
 pub fn hover(reading: &Reading, offset: u32) -> Option<(Span, Description)> {
     let k = reading.token_at(offset)?;
-    let token = reading.tokens()[k];
+    let token = reading.token(k)?;
     if let TokenKind::Declare(word) = token.kind {
         let description = Description {
             code: crate::completion::form(word).to_owned(),

@@ -29,7 +29,7 @@ pub enum LensView {
 
 /// The views of the surfaces and metrics, in the order of the text; a metric is seen from inside only.
 pub fn lenses(reading: &Reading) -> Vec<Lens> {
-    let items = reading.items().iter().filter(|item| item.symbol.is_some());
+    let items = reading.items().filter(|item| item.symbol.is_some());
     items
         .flat_map(|item| {
             let views: &[(LensView, &str)] = match item.word {
@@ -39,11 +39,11 @@ pub fn lenses(reading: &Reading) -> Vec<Lens> {
                 DeclareWord::Metric => &[(LensView::Inside, "inside view")],
                 _ => &[],
             };
-            views.iter().map(|&(view, title)| Lens {
+            views.iter().map(move |&(view, title)| Lens {
                 span: item.name_span,
                 title,
                 view,
-                object: item.name.clone(),
+                object: item.name.to_owned(),
             })
         })
         .collect()

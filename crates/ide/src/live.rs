@@ -10,15 +10,11 @@ use crate::reading::Reading;
 
 /// `= 0.25` behind each param in a range that has a value; `values` are by name, one number per component.
 pub fn live(reading: &Reading, range: Span, values: &BTreeMap<String, Vec<f64>>) -> Vec<Hint> {
-    let items = reading.items();
-    let first = items.partition_point(|item| item.span.end <= range.start);
-    let inside = items[first..]
-        .iter()
-        .take_while(|item| item.span.start < range.end);
-    inside
+    reading
+        .items_in(range)
         .filter(|item| item.word == DeclareWord::Param)
         .filter_map(|item| {
-            let value = values.get(&item.name)?;
+            let value = values.get(item.name)?;
             let numbers: Vec<String> = value.iter().map(|x| short(*x)).collect();
             let label = match &numbers[..] {
                 [] => return None,

@@ -18,12 +18,10 @@ pub struct Occurrence {
 pub fn definition(reading: &Reading, offset: u32) -> Option<(Span, Span)> {
     let token = reading.token_at(offset)?;
     let place = match reading.target(token)? {
-        Target::Symbol(id) => reading.symbols().get(id)?.name_span?,
-        Target::Parameter { item, position } => {
-            reading.items().get(item)?.parameters.get(position)?.span
-        }
+        Target::Symbol(id) => reading.place(id)?,
+        Target::Parameter { item, position } => reading.item(item)?.parameters().nth(position)?.1,
     };
-    Some((reading.tokens()[token].span, place))
+    Some((reading.token(token)?.span, place))
 }
 
 /// Every occurrence of the name at a place, in the order of the text; builtins have occurrences too.
@@ -32,12 +30,13 @@ pub fn occurrences(reading: &Reading, offset: u32) -> Vec<Occurrence> {
     let Some(target) = target else {
         return Vec::new();
     };
-    let spans = reading.occurrences(target).into_iter();
-    spans
-        .map(|k| reading.tokens()[k].span)
-        .map(|span| Occurrence {
-            span,
-            introduces: reading.introduces(span),
+    let tokens = reading.occurrences(target).into_iter();
+    tokens
+        .filter_map(|k| {
+            Some(Occurrence {
+                span: reading.token(k)?.span,
+                introduces: reading.introduces(k),
+            })
         })
         .collect()
 }
@@ -47,6 +46,6 @@ pub fn object_at(reading: &Reading, offset: u32) -> Option<SymbolId> {
     let used = reading.token_at(offset).and_then(|k| reading.target(k));
     match used {
         Some(Target::Symbol(id)) if reading.item_of(id).is_some() => Some(id),
-        _ => reading.items()[reading.item_at(offset)?].symbol,
+        _ => reading.item_at(offset)?.symbol,
     }
 }

@@ -22,13 +22,13 @@ pub struct OutlineEntry {
 
 /// Every declaration with a name, in the order of the text.
 pub fn outline(reading: &Reading) -> Vec<OutlineEntry> {
-    let items = reading.items().iter();
+    let items = reading.items();
     items
         .filter(|item| !item.name.is_empty())
         .map(|item| OutlineEntry {
-            name: item.name.clone(),
+            name: item.name.to_owned(),
             word: item.word,
-            detail: parameters(item.parameters.iter().map(|p| p.name.as_str())),
+            detail: parameters(item.parameters().map(|(name, _)| name)),
             span: item.span,
             name_span: item.name_span,
         })
@@ -60,7 +60,6 @@ pub fn folds(reading: &Reading) -> Vec<Fold> {
     let lines = |span: Span| span.text(text).contains('\n');
     let mut folds: Vec<Fold> = reading
         .items()
-        .iter()
         .map(|item| item.span)
         .filter(|&span| lines(span))
         .map(|span| Fold {
@@ -75,7 +74,7 @@ pub fn folds(reading: &Reading) -> Vec<Fold> {
             comment: true,
         }));
     };
-    for token in reading.tokens() {
+    for token in reading.tokens(0..reading.token_count()) {
         if token.kind != TokenKind::Comment || !opens_line(text, token.span.start) {
             close(&mut run);
             continue;
@@ -109,21 +108,14 @@ fn follows(text: &str, one: Span, other: Span) -> bool {
 pub fn selection(reading: &Reading, offset: u32) -> Vec<Span> {
     let holds = |span: &Span| span.start <= offset && offset <= span.end;
     let mut spans: Vec<Span> = Vec::new();
-    spans.extend(reading.token_at(offset).map(|k| reading.tokens()[k].span));
+    let token = reading.token_at(offset).and_then(|k| reading.token(k));
+    spans.extend(token.map(|token| token.span));
     if let Some(item) = reading.item_at(offset) {
-        let item = &reading.items()[item];
-        let operands = reading.operands();
-        let first = operands.partition_point(|span| span.start < item.span.start);
-        let inside = operands[first..].iter();
-        spans.extend(
-            inside
-                .take_while(|span| span.start <= offset)
-                .filter(|span| holds(span)),
-        );
-        spans.extend(item.intervals.iter().filter(|span| holds(span)));
+        spans.extend(item.operands().filter(holds));
+        spans.extend(item.intervals().filter(holds));
         spans.push(item.span);
     }
-    spans.push(Span::new(0, reading.text().len() as u32));
+    spans.push(Span::new(0, reading.len()));
     spans.sort_by_key(|span| span.end - span.start);
     // Each holds the one before; what only overlaps it is left out.
     let mut chain: Vec<Span> = Vec::new();

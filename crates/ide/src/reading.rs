@@ -1,48 +1,47 @@
-//! A text as the features see it: one pass of the parser's hooks in, tokens with their meanings out.
+//! A text as the features see it: tokens with their meanings, and declarations, by their numbers.
+//!
+//! ```text
+//! text alone ──▶ syntax::document ─┐
+//! a document that is edited ───────┴─▶ its snapshot ──▶ Reading ──▶ tokens, items, targets
+//! ```
+//!
+//! A reading of a document costs next to nothing to take, and what is asked of it costs what is asked: a token or
+//! a declaration is found in logarithmic time, the uses of a name in time proportional to them. What takes the
+//! whole text is made when it is first asked for: [`Reading::text`], [`Reading::compilation`].
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use scene::Compilation;
-use syntax::actions::{Actions, Declaration, Interval, Operator, Parameter};
 use syntax::diagnostic::{Diagnostic, Severity};
-use syntax::parse_program;
+use syntax::document::{Document, Piece, Snapshot};
 use syntax::span::Span;
-use syntax::symbols::{Symbol, Symbols};
+use syntax::symbols::Symbol;
 use syntax::token::{DeclareWord, SymbolId, Token, TokenKind};
 
-/// A text, read once. Offsets are bytes of the text.
+use crate::item::Item;
+
+/// A text, read. Offsets are bytes of the text.
 #[derive(Debug)]
 pub struct Reading {
-    text: Arc<str>,
-    tokens: Vec<Token>,
-    items: Vec<Item>,
-    symbols: Symbols,
-    operands: Vec<Span>,
+    document: Snapshot,
+    text: OnceLock<String>,
+    found: OnceLock<Arc<[Diagnostic]>>,
     compilation: OnceLock<Compilation>,
-    dependent: OnceLock<HashSet<SymbolId>>,
+    /// Whether symbols read a param or a grid, as far as it has been asked.
+    dependent: Mutex<HashMap<SymbolId, bool>>,
 }
 
-/// A declaration as it stands in the text.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Item {
-    /// The word that opens it.
-    pub word: DeclareWord,
-    /// From the word to the `;`.
+/// A token with its text.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lexeme<'r> {
+    /// What it is.
+    pub kind: TokenKind,
+    /// Where it is.
     pub span: Span,
-    /// Its name; empty where none was read.
-    pub name: String,
-    /// Where the name stands.
-    pub name_span: Span,
-    /// What it declares, unless its name was not read or not free.
-    pub symbol: Option<SymbolId>,
-    /// Its parameters.
-    pub parameters: Vec<Parameter>,
-    /// Whether an error lies in it.
-    pub faulty: bool,
-    /// Its intervals, from `[` to `]`.
-    pub intervals: Vec<Span>,
+    /// How it is written.
+    pub text: &'r str,
 }
 
 /// What a token stands for.
@@ -50,7 +49,7 @@ pub struct Item {
 pub enum Target {
     /// A name that is declared or builtin.
     Symbol(SymbolId),
-    /// A parameter of the declaration at this position in [`Reading::items`], by its position in the list.
+    /// A parameter of the declaration of this number, by its position in the list.
     Parameter {
         /// The declaration.
         item: usize,
@@ -61,76 +60,166 @@ pub enum Target {
 
 impl Reading {
     /// Reads a text.
-    pub fn new(text: impl Into<Arc<str>>) -> Self {
-        let text = text.into();
-        let mut reader = Reader::default();
-        let parsed = parse_program(&text, &scene::vocabulary(), &mut reader);
-        // A bracket is read before what it holds.
-        reader.operands.sort_unstable();
-        reader.operands.dedup();
+    pub fn new(text: impl AsRef<str>) -> Self {
+        let read = |text| Document::new(text, &scene::vocabulary());
+        // A text of 4 GiB is not read: nothing is said of it.
+        let document = read(text.as_ref()).or_else(|_| read(""));
+        Self::of(document.expect("an empty text is read").snapshot(), None)
+    }
+
+    /// A document as it is now. `found` is what is wrong with it, if that is known.
+    pub fn of(document: Snapshot, found: Option<Arc<[Diagnostic]>>) -> Self {
         Self {
-            text,
-            tokens: reader.tokens,
-            items: reader.items,
-            symbols: parsed.symbols,
-            operands: reader.operands,
+            document,
+            text: OnceLock::new(),
+            found: found.map_or_else(OnceLock::new, OnceLock::from),
             compilation: OnceLock::new(),
-            dependent: OnceLock::new(),
+            dependent: Mutex::default(),
         }
     }
 
-    /// The text.
-    pub fn text(&self) -> &str {
-        &self.text
+    /// The text and what it was read as.
+    pub fn document(&self) -> &Snapshot {
+        &self.document
     }
 
-    /// Every token, comments too, in the order of the text.
-    pub fn tokens(&self) -> &[Token] {
-        &self.tokens
+    /// The whole text, put together when first asked for.
+    pub fn text(&self) -> &str {
+        self.text.get_or_init(|| self.document.text())
+    }
+
+    /// The length of the text in bytes.
+    pub fn len(&self) -> u32 {
+        self.document.len()
+    }
+
+    /// Whether there is no text.
+    pub fn is_empty(&self) -> bool {
+        self.document.is_empty()
+    }
+
+    /// The text of a range; empty where that is none of the text's.
+    pub fn slice(&self, span: Span) -> String {
+        self.document.slice(span).unwrap_or_default()
+    }
+
+    /// How many tokens there are, comments too.
+    pub fn token_count(&self) -> usize {
+        self.document.token_count() as usize
+    }
+
+    /// A token by its number, from 0.
+    pub fn token(&self, token: usize) -> Option<Lexeme<'_>> {
+        let (piece, index) = self.document.piece_of_token(u32::try_from(token).ok()?)?;
+        Some(lexeme(piece, piece.tokens[index]))
+    }
+
+    /// Tokens by their numbers, in the order of the text.
+    pub fn tokens(&self, range: Range<usize>) -> impl Iterator<Item = Lexeme<'_>> {
+        let first = u32::try_from(range.start).ok();
+        let first = first.and_then(|first| self.document.piece_of_token(first));
+        let skipped = first.map_or(0, |(_, index)| index);
+        let pieces = self.document.pieces_from(first.map(|(piece, _)| piece));
+        let all = pieces.flat_map(|piece| piece.tokens.iter().map(move |it| lexeme(piece, *it)));
+        all.skip(skipped).take(range.len())
+    }
+
+    /// Tokens before one, from that backwards.
+    pub fn tokens_before(&self, token: usize) -> impl Iterator<Item = Lexeme<'_>> {
+        (0..token.min(self.token_count()))
+            .rev()
+            .filter_map(|k| self.token(k))
+    }
+
+    /// The tokens that touch a range, by their numbers.
+    pub fn tokens_in(&self, span: Span) -> Range<usize> {
+        let first = self.document.tokens_ended(span.start) as usize;
+        let last = self.document.tokens_begun(span.end) as usize;
+        first..last.max(first)
+    }
+
+    /// How many declarations there are.
+    pub fn item_count(&self) -> usize {
+        self.document.declaration_count() as usize
+    }
+
+    /// A declaration by its number, from 0.
+    pub fn item(&self, item: usize) -> Option<Item<'_>> {
+        let number = u32::try_from(item).ok()?;
+        let (piece, index) = self.document.piece_of_declaration(number)?;
+        let (read, events) = piece.declarations().nth(index)?;
+        Some(Item::new(item, piece.start, read, events))
+    }
+
+    /// The declarations from one on, in the order of the text.
+    pub fn items_from(&self, item: usize) -> impl Iterator<Item = Item<'_>> {
+        let first = u32::try_from(item).ok();
+        let first = first.and_then(|first| self.document.piece_of_declaration(first));
+        let skipped = first.map_or(0, |(_, index)| index);
+        let pieces = self.document.pieces_from(first.map(|(piece, _)| piece));
+        let all = pieces.flat_map(|piece| {
+            let number = piece.first_declaration as usize..;
+            let declarations = number.zip(piece.declarations());
+            declarations.map(move |(k, (read, events))| Item::new(k, piece.start, read, events))
+        });
+        all.skip(skipped)
     }
 
     /// Every declaration, in the order of the text.
-    pub fn items(&self) -> &[Item] {
-        &self.items
+    pub fn items(&self) -> impl Iterator<Item = Item<'_>> {
+        self.items_from(0)
     }
 
-    /// Every symbol, the builtins first.
-    pub fn symbols(&self) -> &Symbols {
-        &self.symbols
+    /// The declarations that touch a range.
+    pub fn items_in(&self, span: Span) -> impl Iterator<Item = Item<'_>> {
+        let first = self.document.declarations_ended(span.start) as usize;
+        let from = self.items_from(first);
+        from.take_while(move |item| item.span.start < span.end)
     }
 
-    /// Every operand and operation of the expressions, by its start.
-    pub fn operands(&self) -> &[Span] {
-        &self.operands
+    /// A builtin, or a symbol that the text declares; its places count from the start of its chunk.
+    pub fn symbol(&self, id: SymbolId) -> Option<&Symbol> {
+        self.document.symbol(id)
+    }
+
+    /// Where a symbol is declared by name; none for a builtin.
+    pub fn place(&self, id: SymbolId) -> Option<Span> {
+        self.document.place(id)
     }
 
     /// What the text compiles to; compiled when first asked for.
     pub fn compilation(&self) -> &Compilation {
-        self.compilation.get_or_init(|| scene::compile(&self.text))
+        self.compilation.get_or_init(|| scene::compile(self.text()))
     }
 
-    /// What some declarations (positions in [`Reading::items`]) and all that they use compile to, in time proportional
-    /// to them: values are told whatever else is being written. Declarations with errors are left out, and what uses
-    /// them; none if nothing is sound. No word is read otherwise than in the text: a name that no word uses can go.
+    /// What is wrong with the text.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        self.found
+            .get_or_init(|| self.compilation().diagnostics.as_slice().into())
+    }
+
+    /// What some declarations and all that they use compile to, in time proportional to them: values are told whatever
+    /// else is being written. Declarations with errors are left out, and what uses them; none if nothing is sound. No
+    /// word is read otherwise than in the text: a name that no word uses can go.
     pub fn compile_alone(&self, items: impl IntoIterator<Item = usize>) -> Option<Compilation> {
-        let mut kept = BTreeSet::new();
+        let mut kept: BTreeSet<usize> = BTreeSet::new();
         let mut open: Vec<usize> = items.into_iter().collect();
         while let Some(k) = open.pop() {
-            if kept.insert(k) {
-                let used = self.symbols_in(self.items[k].span);
-                open.extend(used.filter_map(|id| self.item_of(id)));
+            if let Some(item) = self.item(k)
+                && kept.insert(k)
+            {
+                let used = self.symbols_in(item.span);
+                open.extend(used.into_iter().filter_map(|id| self.item_of(id)));
             }
         }
-        self.prune(&mut kept, |k| {
-            self.items[k].faulty || self.items[k].symbol.is_none()
-        });
+        self.prune(&mut kept, |item| item.faulty || item.symbol.is_none());
         // Where something is wrong in the first round, nothing is in the second.
         for _ in 0..2 {
             let mut text = String::new();
             let mut starts: Vec<(u32, usize)> = Vec::new();
-            for &k in &kept {
-                starts.push((text.len() as u32, k));
-                text.push_str(self.items[k].span.text(&self.text));
+            for item in kept.iter().filter_map(|k| self.item(*k)) {
+                starts.push((text.len() as u32, item.index));
+                text.push_str(&self.slice(item.span));
                 text.push('\n');
             }
             if kept.is_empty() {
@@ -148,17 +237,20 @@ impl Reading {
                     Some(starts.get(after.checked_sub(1)?)?.1)
                 })
                 .collect();
-            self.prune(&mut kept, |k| wrong.contains(&k));
+            self.prune(&mut kept, |item| wrong.contains(&item.index));
         }
         None
     }
 
     /// Leaves out what is wrong, and what uses what has been left out: declarations only use what stands above them.
-    fn prune(&self, kept: &mut BTreeSet<usize>, is_wrong: impl Fn(usize) -> bool) {
+    fn prune(&self, kept: &mut BTreeSet<usize>, is_wrong: impl Fn(&Item<'_>) -> bool) {
         let mut lost: HashSet<SymbolId> = HashSet::new();
         kept.retain(|&k| {
-            let item = &self.items[k];
-            let stays = !is_wrong(k) && !self.symbols_in(item.span).any(|id| lost.contains(&id));
+            let Some(item) = self.item(k) else {
+                return false;
+            };
+            let used = self.symbols_in(item.span);
+            let stays = !is_wrong(&item) && !used.iter().any(|id| lost.contains(id));
             if !stays {
                 lost.extend(item.symbol);
             }
@@ -167,207 +259,228 @@ impl Reading {
     }
 
     /// The symbols that the tokens in a range stand for.
-    fn symbols_in(&self, span: Span) -> impl Iterator<Item = SymbolId> + '_ {
-        let tokens = self.tokens[self.tokens_in(span)].iter();
-        tokens.filter_map(|token| match token.kind {
+    fn symbols_in(&self, span: Span) -> Vec<SymbolId> {
+        let tokens = self.tokens(self.tokens_in(span));
+        let symbols = tokens.filter_map(|token| match token.kind {
             TokenKind::Constant(id) | TokenKind::Function(id) => Some(id),
             _ => None,
-        })
-    }
-
-    /// What is wrong with the text.
-    pub fn diagnostics(&self) -> &[Diagnostic] {
-        &self.compilation().diagnostics
-    }
-
-    /// The tokens that touch a range, as positions in [`Reading::tokens`].
-    pub fn tokens_in(&self, span: Span) -> Range<usize> {
-        let first = self.tokens.partition_point(|t| t.span.end <= span.start);
-        let last = self.tokens.partition_point(|t| t.span.start < span.end);
-        first..last.max(first)
+        });
+        symbols.collect()
     }
 
     /// The token at a place: the one that holds it, or else the word or number that ends there.
     pub fn token_at(&self, offset: u32) -> Option<usize> {
-        let next = self.tokens.partition_point(|t| t.span.end <= offset);
-        let holds = |k: usize| {
-            let token = self.tokens.get(k)?;
-            (token.span.start <= offset && offset < token.span.end).then_some(k)
-        };
-        let is_word = |k: &usize| {
-            self.text.as_bytes()[self.tokens[*k].span.start as usize].is_ascii_alphanumeric()
-        };
-        let ends = || {
-            let k = next.checked_sub(1)?;
-            (self.tokens[k].span.end == offset).then_some(k)
-        };
-        match holds(next) {
-            Some(k) if is_word(&k) => Some(k),
-            found => ends().filter(is_word).or(found).or_else(ends),
+        let next = self.document.tokens_ended(offset) as usize;
+        let holds = self.token(next).filter(|it| it.span.start <= offset);
+        let ends = next.checked_sub(1).and_then(|k| self.token(k));
+        let ends = ends.filter(|it| it.span.end == offset);
+        let is_word = |it: &Lexeme<'_>| it.text.starts_with(|c: char| c.is_ascii_alphanumeric());
+        match (holds, ends) {
+            (Some(it), _) if is_word(&it) => Some(next),
+            (_, Some(it)) if is_word(&it) => Some(next - 1),
+            (Some(_), _) => Some(next),
+            (None, Some(_)) => Some(next - 1),
+            (None, None) => None,
         }
     }
 
     /// The declaration that holds a place, or ends there.
-    pub fn item_at(&self, offset: u32) -> Option<usize> {
-        let after = self.items.partition_point(|item| item.span.start <= offset);
-        let k = after.checked_sub(1)?;
-        (offset <= self.items[k].span.end).then_some(k)
+    pub fn item_at(&self, offset: u32) -> Option<Item<'_>> {
+        let begun = self.document.declarations_begun(offset) as usize;
+        let item = self.item(begun.checked_sub(1)?)?;
+        (offset <= item.span.end).then_some(item)
     }
 
-    /// The declaration of a symbol; none for a builtin.
+    /// The number of the declaration of a symbol; none for a builtin.
     pub fn item_of(&self, symbol: SymbolId) -> Option<usize> {
-        let place = self.symbols.get(symbol)?.name_span?;
-        let found = self
-            .items
-            .binary_search_by_key(&place.start, |item| item.name_span.start);
-        found.ok()
+        self.document.declaration_of(symbol).map(|it| it as usize)
+    }
+
+    /// The declaration that defines a name.
+    pub fn declared(&self, name: &str) -> Option<Item<'_>> {
+        let symbol = self.document.named(name)?;
+        self.item(self.item_of(symbol)?)
     }
 
     /// What a token stands for, at its declaration too.
     pub fn target(&self, token: usize) -> Option<Target> {
-        let Token { kind, span } = *self.tokens.get(token)?;
+        let (piece, index) = self.document.piece_of_token(u32::try_from(token).ok()?)?;
+        self.target_in(piece, index)
+    }
+
+    /// What a token of a piece stands for.
+    pub(crate) fn target_in(&self, piece: Piece<'_>, index: usize) -> Option<Target> {
+        let Token { kind, span } = piece.tokens[index];
         match kind {
             TokenKind::Constant(id) | TokenKind::Function(id) => {
                 // Where a name that is taken is declared again, the word is no use of it.
-                Some(Target::Symbol(id)).filter(|_| !self.declares_taken(span))
+                let taken = item_in(piece, span.start).is_some_and(|item| {
+                    item.symbol.is_none() && item.name_span == span || item.has_parameter(span)
+                });
+                (!taken).then_some(Target::Symbol(id))
             }
             TokenKind::Variable(position) => {
                 let position = position as usize;
-                let item = match self.derived_function(token) {
+                let item = match derived_function(&piece.tokens[..index]) {
                     Some(function) => self.item_of(function)?,
-                    None => self.item_at(span.start)?,
+                    None => item_in(piece, span.start)?.index,
                 };
                 Some(Target::Parameter { item, position })
             }
             TokenKind::Undefined => {
-                let item = self.item_at(span.start)?;
-                let declaration = &self.items[item];
-                if declaration.name_span == span {
-                    return declaration.symbol.map(Target::Symbol);
+                let item = item_in(piece, span.start)?;
+                if item.name_span == span {
+                    return item.symbol.map(Target::Symbol);
                 }
-                let position = declaration.parameters.iter().position(|p| p.span == span)?;
-                Some(Target::Parameter { item, position })
+                let position = item.parameters().position(|(_, place)| place == span)?;
+                Some(Target::Parameter {
+                    item: item.index,
+                    position,
+                })
             }
             _ => None,
         }
     }
 
-    /// Whether a token stands where a name is introduced.
-    pub fn introduces(&self, span: Span) -> bool {
-        self.item_at(span.start).is_some_and(|item| {
-            let item = &self.items[item];
-            item.name_span == span && item.symbol.is_some()
-                || item.parameters.iter().any(|p| p.span == span)
-        })
-    }
-
-    fn declares_taken(&self, span: Span) -> bool {
-        self.item_at(span.start).is_some_and(|item| {
-            let item = &self.items[item];
-            item.symbol.is_none() && item.name_span == span
-                || item.parameters.iter().any(|p| p.span == span)
-        })
-    }
-
-    /// The function whose parameter a token behind `_` names: `f_u`, `f_u_v`, `f'_u`.
-    fn derived_function(&self, token: usize) -> Option<SymbolId> {
-        let mut at = token.checked_sub(1)?;
-        if self.tokens[at].kind != TokenKind::Underscore {
-            return None;
-        }
-        loop {
-            at = at.checked_sub(1)?;
-            match self.tokens[at].kind {
-                TokenKind::Function(id) => return Some(id),
-                TokenKind::Variable(_) | TokenKind::Underscore | TokenKind::Prime => {}
-                _ => return None,
-            }
-        }
+    /// Whether a token introduces a name.
+    pub fn introduces(&self, token: usize) -> bool {
+        let found = u32::try_from(token).ok();
+        let found = found.and_then(|token| self.document.piece_of_token(token));
+        found.is_some_and(|(piece, index)| introduces_in(piece, index))
     }
 
     /// The name of what a token stands for.
     pub fn name(&self, target: Target) -> &str {
         match target {
-            Target::Symbol(id) => self.symbols.get(id).map_or("", |symbol| &symbol.name),
-            Target::Parameter { item, position } => &self.items[item].parameters[position].name,
+            Target::Symbol(id) => self.symbol(id).map_or("", |symbol| &symbol.name),
+            Target::Parameter { item, position } => {
+                let item = self.item(item);
+                let named = item.and_then(|item| item.parameters().nth(position));
+                named.map_or("", |(name, _)| name)
+            }
         }
     }
 
-    /// Every token that stands for `target`, where it is introduced first, as positions in [`Reading::tokens`].
+    /// Every token that stands for `target`, where it is introduced first, by their numbers.
     pub fn occurrences(&self, target: Target) -> Vec<usize> {
         let name = self.name(target);
-        (0..self.tokens.len())
-            // The text is compared before the meaning is looked for.
-            .filter(|&k| self.tokens[k].span.text(&self.text) == name)
-            .filter(|&k| self.target(k) == Some(target))
-            .collect()
+        let symbol = match target {
+            Target::Symbol(id) => Some(id),
+            // Behind `f_` the parameters of `f` are named, wherever `f` is.
+            Target::Parameter { item, .. } => self.item(item).and_then(|item| item.symbol),
+        };
+        let document = &self.document;
+        let pieces: Vec<Piece<'_>> = match (symbol, target) {
+            (Some(id), _) if document.home(id).is_some() => {
+                let chunks = document.readers(id).chain(document.home(id));
+                let mut pieces: Vec<_> = chunks.map(|chunk| document.piece_of(chunk)).collect();
+                pieces.sort_by_key(|piece| piece.start);
+                pieces.dedup_by_key(|piece| piece.chunk);
+                pieces
+            }
+            (_, Target::Parameter { item, .. }) => {
+                let found = u32::try_from(item).ok();
+                let found = found.and_then(|item| document.piece_of_declaration(item));
+                found.into_iter().map(|(piece, _)| piece).collect()
+            }
+            // Who reads a builtin is not noted.
+            _ => document.pieces_from(document.piece_at(0)).collect(),
+        };
+        let all = pieces.into_iter().flat_map(|piece| {
+            let tokens = 0..piece.tokens.len();
+            tokens
+                // The text is compared before the meaning is looked for.
+                .filter(move |&k| piece.tokens[k].span.text(piece.text) == name)
+                .filter(move |&k| self.target_in(piece, k) == Some(target))
+                .map(move |k| piece.first_token as usize + k)
+        });
+        all.collect()
     }
 
     /// Whether a symbol reads a param or a grid, directly or not.
     pub fn depends_on_settings(&self, symbol: SymbolId) -> bool {
-        self.dependent
-            .get_or_init(|| self.dependent())
-            .contains(&symbol)
-    }
-
-    /// Declarations only use what stands above them, so one pass downwards sees all.
-    fn dependent(&self) -> HashSet<SymbolId> {
-        let mut dependent = HashSet::new();
-        for item in &self.items {
-            let Some(symbol) = item.symbol else { continue };
-            let itself = matches!(item.word, DeclareWord::Param | DeclareWord::Grid);
-            if itself || self.symbols_in(item.span).any(|id| dependent.contains(&id)) {
-                dependent.insert(symbol);
+        let mut known = self
+            .dependent
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        let mut seen: HashSet<SymbolId> = HashSet::from([symbol]);
+        let mut open = vec![symbol];
+        let mut found = false;
+        while let Some(id) = open.pop() {
+            match known.get(&id) {
+                Some(true) => found = true,
+                Some(false) => continue,
+                None => {}
             }
+            let Some(item) = self.item_of(id).and_then(|k| self.item(k)) else {
+                continue;
+            };
+            found |= matches!(item.word, DeclareWord::Param | DeclareWord::Grid);
+            if found {
+                break;
+            }
+            let used = self.symbols_in(item.span).into_iter();
+            open.extend(used.filter(|id| seen.insert(*id)));
         }
-        dependent
+        if found {
+            known.insert(symbol, true);
+        } else {
+            known.extend(seen.into_iter().map(|id| (id, false)));
+        }
+        found
     }
 
     /// The symbols that may be used at a place, with their identifiers: the builtins and what is declared above.
     pub fn visible(&self, offset: u32) -> impl Iterator<Item = (SymbolId, &Symbol)> {
-        let limit = self
-            .item_at(offset)
-            .map_or(offset, |item| self.items[item].span.start);
-        self.symbols
-            .iter()
-            .filter(move |(_, symbol)| symbol.name_span.is_none_or(|span| span.start < limit))
+        let limit = self.item_at(offset).map_or(offset, |item| item.span.start);
+        let builtins = (0..scene::builtin_count()).map(SymbolId);
+        let declared = self.items().take_while(move |item| item.span.start < limit);
+        builtins
+            .chain(declared.filter_map(|item| item.symbol))
+            .filter_map(|id| Some((id, self.symbol(id)?)))
             // A name that was not free is no name.
             .filter(|(_, symbol)| !symbol.name.is_empty())
     }
 }
 
-/// Collects what the features need as the parser goes.
-#[derive(Default)]
-struct Reader {
-    tokens: Vec<Token>,
-    items: Vec<Item>,
-    operands: Vec<Span>,
-    intervals: Vec<Span>,
+/// The declaration in a piece that holds a place of it, or ends there.
+fn item_in(piece: Piece<'_>, offset: u32) -> Option<Item<'_>> {
+    let begun = piece.declarations().enumerate();
+    let begun = begun.take_while(|(_, (read, _))| read.span.start <= offset);
+    let (index, (read, events)) = begun.last()?;
+    let index = piece.first_declaration as usize + index;
+    (offset <= read.span.end).then(|| Item::new(index, 0, read, events))
 }
 
-impl Actions for Reader {
-    fn act_advance(&mut self, token: Token) {
-        self.tokens.push(token);
-    }
+/// Whether a token of a piece introduces a name.
+pub(crate) fn introduces_in(piece: Piece<'_>, index: usize) -> bool {
+    let span = piece.tokens[index].span;
+    item_in(piece, span.start).is_some_and(|item| {
+        item.name_span == span && item.symbol.is_some() || item.has_parameter(span)
+    })
+}
 
-    fn act_operator(&mut self, _operator: Operator, span: Span) {
-        self.operands.push(span);
+/// The function whose parameter the token behind these names: `f_u`, `f_u_v`, `f'_u`.
+fn derived_function(before: &[Token]) -> Option<SymbolId> {
+    let (last, before) = before.split_last()?;
+    if last.kind != TokenKind::Underscore {
+        return None;
     }
-
-    fn act_interval(&mut self, interval: Interval) {
-        self.intervals.push(interval.span);
+    for token in before.iter().rev() {
+        match token.kind {
+            TokenKind::Function(id) => return Some(id),
+            TokenKind::Variable(_) | TokenKind::Underscore | TokenKind::Prime => {}
+            _ => return None,
+        }
     }
+    None
+}
 
-    fn act_declaration(&mut self, declaration: &Declaration<'_>) {
-        self.items.push(Item {
-            word: declaration.word,
-            span: declaration.span,
-            name: declaration.name.to_owned(),
-            name_span: declaration.name_span,
-            symbol: declaration.symbol,
-            parameters: declaration.parameters.to_vec(),
-            faulty: declaration.faulty,
-            intervals: std::mem::take(&mut self.intervals),
-        });
+/// A token of a piece, in its place in the text.
+pub(crate) fn lexeme(piece: Piece<'_>, token: Token) -> Lexeme<'_> {
+    Lexeme {
+        kind: token.kind,
+        span: token.span.moved(piece.start),
+        text: token.span.text(piece.text),
     }
 }

@@ -4,12 +4,15 @@
 //! renamed text is therefore read again and compared with the old one, token by token; a word that would be read
 //! otherwise is written apart, and what blanks cannot mend is refused.
 
+use std::ops::Range;
+
 use syntax::diagnostic::{Code, Severity};
 use syntax::span::Span;
-use syntax::token::{DeclareWord, Token, TokenKind};
+use syntax::token::{DeclareWord, TokenKind};
 
 use crate::edit::{self, Edit};
-use crate::reading::{Reading, Target};
+use crate::meaning::Meanings;
+use crate::reading::{Lexeme, Reading, Target, introduces_in};
 
 /// Why a name cannot be changed; [`std::fmt::Display`] gives the sentence.
 #[derive(Clone, Debug, Eq, PartialEq)]
@@ -84,7 +87,8 @@ fn target(reading: &Reading, offset: u32) -> Result<(Span, Target), RenameError>
     {
         return Err(RenameError::Builtin(reading.name(target).to_owned()));
     }
-    Ok((reading.tokens()[token].span, target))
+    let token = reading.token(token).ok_or(RenameError::NoName)?;
+    Ok((token.span, target))
 }
 
 /// The edits that give the name at a place another, and put blanks where words would else be read otherwise.
@@ -113,7 +117,9 @@ pub fn rename(reading: &Reading, offset: u32, name: &str) -> Result<Vec<Edit>, R
         if blanks.len() == before {
             return Err(RenameError::ReadOtherwise {
                 word: word(reading, token),
-                line: line(reading, reading.tokens()[token].span.start),
+                line: reading
+                    .token(token)
+                    .map_or(1, |token| line(reading, token.span.start)),
             });
         }
     }
@@ -166,22 +172,23 @@ fn check_name(reading: &Reading, target: Target, name: &str) -> Result<(), Renam
             line,
         })
     };
-    let visible_below = |id| Some(Target::Symbol(id)) != Some(target);
-    for (id, symbol) in reading.symbols().iter() {
-        if symbol.name == name && visible_below(id) {
-            return taken(symbol.name_span.map(|span| line(reading, span.start)));
-        }
+    if let Some(id) = reading.document().named(name)
+        && Target::Symbol(id) != target
+    {
+        return taken(reading.place(id).map(|span| line(reading, span.start)));
     }
     // A parameter may not have the name of a symbol above it, nor of its neighbours.
-    let clash = reading.items().iter().enumerate().find_map(|(k, item)| {
-        let reached = match target {
-            Target::Symbol(id) => reading.item_of(id).is_some_and(|own| own <= k),
-            Target::Parameter { item, .. } => item == k,
-        };
-        item.parameters.iter().find(|p| reached && p.name == name)
-    });
+    let (first, count) = match target {
+        Target::Symbol(id) => (reading.item_of(id).unwrap_or_default(), usize::MAX),
+        Target::Parameter { item, .. } => (item, 1),
+    };
+    let mut parameters = reading
+        .items_from(first)
+        .take(count)
+        .flat_map(|item| item.parameters());
+    let clash = parameters.find(|(own, _)| *own == name);
     match clash {
-        Some(parameter) => taken(Some(line(reading, parameter.span.start))),
+        Some((_, place)) => taken(Some(line(reading, place.start))),
         None => Ok(()),
     }
 }
@@ -189,7 +196,8 @@ fn check_name(reading: &Reading, target: Target, name: &str) -> Result<(), Renam
 fn edits(reading: &Reading, renamed: &[usize], blanks: &[u32], name: &str) -> Vec<Edit> {
     let mut edits: Vec<Edit> = Vec::new();
     edits.extend(blanks.iter().map(|&offset| Edit::insert(offset, " ")));
-    let spans = renamed.iter().map(|&k| reading.tokens()[k].span);
+    let tokens = renamed.iter().filter_map(|&k| reading.token(k));
+    let spans = tokens.map(|token| token.span);
     edits.extend(spans.map(|span| Edit::replace(span, name)));
     // A blank before a name comes before what replaces the name.
     edits.sort_by_key(|edit| (edit.span.start, edit.span.end));
@@ -199,28 +207,40 @@ fn edits(reading: &Reading, renamed: &[usize], blanks: &[u32], name: &str) -> Ve
 /// The first token that is read otherwise, as a position in the old reading.
 fn first_difference(old: &Reading, new: &Reading, renamed: &[usize], name: &str) -> Option<usize> {
     let mut renamed = renamed.iter().copied().peekable();
-    let same = |k: usize, old_token: &Token, new_token: &Token, is_renamed: bool| {
-        let text = if is_renamed {
-            name
-        } else {
-            old_token.span.text(old.text())
-        };
-        old_token.kind == new_token.kind
-            && text == new_token.span.text(new.text())
-            && old.introduces(old.tokens()[k].span) == new.introduces(new_token.span)
-    };
-    for (k, token) in old.tokens().iter().enumerate() {
+    let all = |reading: &Reading| 0..reading.token_count();
+    let (meanings, others) = (Meanings::of(old), Meanings::of(new));
+    let introduced = |reading| reading_introduced(reading, all(reading));
+    let (introduced, mut also_introduced) = (introduced(old), introduced(new).into_iter());
+    let mut new_tokens = new.tokens(all(new));
+    let old_tokens = old.tokens(all(old)).zip(introduced).enumerate();
+    for (k, (token, introduces)) in old_tokens {
         let is_renamed = renamed.next_if_eq(&k).is_some();
-        match new.tokens().get(k) {
-            Some(other) if same(k, token, other, is_renamed) => {}
-            _ => return Some(k),
+        let text = if is_renamed { name } else { token.text };
+        let is_same = new_tokens.next().is_some_and(|other| {
+            meanings.get(token.kind) == others.get(other.kind)
+                && text == other.text
+                && also_introduced.next() == Some(introduces)
+        });
+        if !is_same {
+            return Some(k);
         }
     }
-    (new.tokens().len() > old.tokens().len()).then(|| old.tokens().len().saturating_sub(1))
+    (new.token_count() > old.token_count()).then(|| old.token_count().saturating_sub(1))
+}
+
+/// Whether each of the tokens introduces a name.
+fn reading_introduced(reading: &Reading, tokens: Range<usize>) -> Vec<bool> {
+    let document = reading.document();
+    let pieces = document.pieces_from(document.piece_at(0));
+    let all = pieces.flat_map(|piece| {
+        let tokens = 0..piece.tokens.len();
+        tokens.map(move |index| introduces_in(piece, index))
+    });
+    all.take(tokens.len()).collect()
 }
 
 /// Whether a token is made of letters or digits.
-fn is_word(token: &Token) -> bool {
+fn is_word(token: &Lexeme<'_>) -> bool {
     matches!(
         token.kind,
         TokenKind::Constant(_)
@@ -233,18 +253,18 @@ fn is_word(token: &Token) -> bool {
 
 /// The run of touching words and numbers around a token.
 fn run(reading: &Reading, token: usize) -> std::ops::Range<usize> {
-    let tokens = reading.tokens();
     let touch = |k: usize| {
-        is_word(&tokens[k])
-            && is_word(&tokens[k + 1])
-            && tokens[k].span.end == tokens[k + 1].span.start
+        let (one, other) = (reading.token(k), reading.token(k + 1));
+        one.zip(other).is_some_and(|(one, other)| {
+            is_word(&one) && is_word(&other) && one.span.end == other.span.start
+        })
     };
     let mut first = token;
     while first > 0 && touch(first - 1) {
         first -= 1;
     }
     let mut last = token;
-    while last + 1 < tokens.len() && touch(last) {
+    while touch(last) {
         last += 1;
     }
     first..last + 1
@@ -254,16 +274,17 @@ fn run(reading: &Reading, token: usize) -> std::ops::Range<usize> {
 fn seams(reading: &Reading, token: usize) -> Vec<u32> {
     let mut run = run(reading, token);
     run.next();
-    run.map(|k| reading.tokens()[k].span.start).collect()
+    let tokens = reading.tokens(run);
+    tokens.map(|token| token.span.start).collect()
 }
 
 fn word(reading: &Reading, token: usize) -> String {
     let run = run(reading, token);
-    let tokens = &reading.tokens()[run];
-    let span = tokens.iter().map(|t| t.span).reduce(Span::to);
-    span.map_or_else(String::new, |span| span.text(reading.text()).to_owned())
+    let tokens = reading.tokens(run);
+    let span = tokens.map(|token| token.span).reduce(Span::to);
+    span.map_or_else(String::new, |span| reading.slice(span))
 }
 
 fn line(reading: &Reading, offset: u32) -> u32 {
-    reading.text()[..offset as usize].matches('\n').count() as u32 + 1
+    reading.document().line(offset)
 }

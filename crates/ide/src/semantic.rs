@@ -1,10 +1,11 @@
 //! Colours by meaning: the text's tokens in the standard types of editors.
 
+use syntax::document::Piece;
 use syntax::span::Span;
 use syntax::symbols::SymbolKind;
 use syntax::token::{DeclareWord, TokenKind};
 
-use crate::reading::{Reading, Target};
+use crate::reading::{Reading, Target, introduces_in, lexeme};
 
 /// What a token is, in editors' standard terms.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
@@ -91,12 +92,23 @@ pub struct SemanticToken {
 /// The coloured tokens that touch a range, in the order of the text and without overlap. Punctuation, words without a
 /// meaning and characters that are no token have no colour.
 pub fn semantic_tokens(reading: &Reading, range: Span) -> Vec<SemanticToken> {
-    let tokens = reading.tokens_in(range);
-    tokens.filter_map(|k| token(reading, k)).collect()
+    let document = reading.document();
+    let wanted = reading.tokens_in(range);
+    let first = u32::try_from(wanted.start).ok();
+    let first = first.and_then(|token| document.piece_of_token(token));
+    let pieces = document.pieces_from(first.map(|(piece, _)| piece));
+    let all = pieces.flat_map(|piece| {
+        let tokens = 0..piece.tokens.len();
+        tokens.map(move |index| (piece, index))
+    });
+    let skipped = first.map_or(0, |(_, index)| index);
+    let all = all.skip(skipped).take(wanted.len());
+    all.filter_map(|(piece, index)| token(reading, piece, index))
+        .collect()
 }
 
-fn token(reading: &Reading, k: usize) -> Option<SemanticToken> {
-    let token = reading.tokens()[k];
+fn token(reading: &Reading, piece: Piece<'_>, index: usize) -> Option<SemanticToken> {
+    let token = lexeme(piece, piece.tokens[index]);
     let span = token.span;
     let plain = |token_type| (token_type, Modifiers::default());
     let (token_type, modifiers) = match token.kind {
@@ -114,10 +126,10 @@ fn token(reading: &Reading, k: usize) -> Option<SemanticToken> {
         | TokenKind::Function(_)
         | TokenKind::Variable(_)
         | TokenKind::Undefined => {
-            let (token_type, modifiers) = match reading.target(k)? {
+            let (token_type, modifiers) = match reading.target_in(piece, index)? {
                 Target::Parameter { .. } => plain(TokenType::Parameter),
                 Target::Symbol(id) => {
-                    let symbol = reading.symbols().get(id)?;
+                    let symbol = reading.symbol(id)?;
                     let token_type = match symbol.kind {
                         SymbolKind::Constant => TokenType::Variable,
                         SymbolKind::Function => TokenType::Function,
@@ -125,7 +137,7 @@ fn token(reading: &Reading, k: usize) -> Option<SemanticToken> {
                     (token_type, word_modifier(symbol.word))
                 }
             };
-            if reading.introduces(span) {
+            if introduces_in(piece, index) {
                 (token_type, modifiers.with(Modifiers::DECLARATION))
             } else {
                 (token_type, modifiers)

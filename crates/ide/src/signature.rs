@@ -20,14 +20,14 @@ pub struct Signature {
 
 /// The innermost function with a bracket around a place.
 pub fn signature(reading: &Reading, offset: u32) -> Option<Signature> {
-    let tokens = reading.tokens();
-    let mut at = tokens.partition_point(|t| t.span.end <= offset);
+    let mut at = reading.document().tokens_ended(offset) as usize;
     let mut depth = 0;
     let mut commas = 0;
     while let Some(k) = at.checked_sub(1) {
         at = k;
-        match tokens[k].kind {
-            TokenKind::Comment if tokens[k].span.end == offset => return None,
+        let token = reading.token(k)?;
+        match token.kind {
+            TokenKind::Comment if token.span.end == offset => return None,
             TokenKind::Semicolon | TokenKind::Declare(_) => return None,
             TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => depth += 1,
             TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen if depth > 0 => {
@@ -49,12 +49,11 @@ pub fn signature(reading: &Reading, offset: u32) -> Option<Signature> {
 
 /// The function right before a bracket: `f(`, `f'(`, `f_u(`.
 fn of_function_before(reading: &Reading, bracket: usize, active: u32) -> Option<Signature> {
-    let tokens = reading.tokens()[..bracket].iter().rev();
-    for token in tokens {
+    for token in reading.tokens_before(bracket) {
         match token.kind {
             TokenKind::Prime | TokenKind::Underscore | TokenKind::Variable(_) => {}
             TokenKind::Function(id) => {
-                let symbol = reading.symbols().get(id)?;
+                let symbol = reading.symbol(id)?;
                 let names: Vec<&str> = match symbol.word {
                     Some(_) => symbol.parameters.iter().map(|p| p.name.as_str()).collect(),
                     None => vec!["x"],

@@ -10,6 +10,7 @@ use syntax::span::Span;
 use syntax::token::{DeclareWord, TokenKind};
 
 use crate::edit::Edit;
+use crate::item::Item;
 use crate::reading::Reading;
 
 /// How many places of a slider are told apart: more than a screen has pixels. A value is written with no more digits
@@ -98,13 +99,8 @@ pub fn value(reading: &Reading, param: &str, values: &[f64]) -> Result<Edit, Ref
     let no_param = || Refusal::NoParam {
         name: param.to_owned(),
     };
-    let is_meant = |k: &usize| {
-        let item = &reading.items()[*k];
-        item.word == DeclareWord::Param && item.symbol.is_some() && item.name == param
-    };
-    let position = (0..reading.items().len()).find(is_meant);
-    let position = position.ok_or_else(no_param)?;
-    let ranges = ranges(reading, position).ok_or_else(no_param)?;
+    let item = reading.declared(param).ok_or_else(no_param)?;
+    let ranges = ranges(reading, &item).ok_or_else(no_param)?;
     if ranges.len() != values.len() {
         return Err(Refusal::Components {
             name: param.to_owned(),
@@ -129,11 +125,10 @@ pub fn value(reading: &Reading, param: &str, values: &[f64]) -> Result<Edit, Ref
         [number] => number.clone(),
         _ => format!("({})", numbers.join(", ")),
     };
-    let Some(span) = opening(reading, position) else {
-        let name = reading.items()[position].name_span;
-        return Ok(Edit::insert(name.end, format!(" = {text}")));
+    let Some(span) = opening(reading, &item) else {
+        return Ok(Edit::insert(item.name_span.end, format!(" = {text}")));
     };
-    let mut tokens = reading.tokens()[reading.tokens_in(span)].iter();
+    let mut tokens = reading.tokens(reading.tokens_in(span));
     if tokens.any(|token| token.kind == TokenKind::Comment) {
         return Err(Refusal::Comment {
             name: param.to_owned(),
@@ -142,17 +137,14 @@ pub fn value(reading: &Reading, param: &str, values: &[f64]) -> Result<Edit, Ref
     Ok(Edit::replace(span, text))
 }
 
-/// The value that a param (a position in [`Reading::items`]) opens with, where it is written.
-pub fn opening(reading: &Reading, item: usize) -> Option<Span> {
-    let item = reading.items().get(item)?;
+/// The value that a param opens with, where it is written.
+pub fn opening(reading: &Reading, item: &Item<'_>) -> Option<Span> {
     if item.word != DeclareWord::Param {
         return None;
     }
     let behind = Span::new(item.name_span.end, item.span.end);
-    let tokens = &reading.tokens()[reading.tokens_in(behind)];
-    let mut tokens = tokens
-        .iter()
-        .filter(|token| token.kind != TokenKind::Comment);
+    let tokens = reading.tokens(reading.tokens_in(behind));
+    let mut tokens = tokens.filter(|token| token.kind != TokenKind::Comment);
     if tokens.next()?.kind != TokenKind::Equals {
         return None;
     }
@@ -161,11 +153,13 @@ pub fn opening(reading: &Reading, item: usize) -> Option<Span> {
 }
 
 /// The intervals of a param, where nothing is wrong with it.
-fn ranges(reading: &Reading, item: usize) -> Option<Vec<Range>> {
-    let compilation = reading.compile_alone([item])?;
-    let name = &reading.items()[item].name;
+fn ranges(reading: &Reading, item: &Item<'_>) -> Option<Vec<Range>> {
+    if item.word != DeclareWord::Param {
+        return None;
+    }
+    let compilation = reading.compile_alone([item.index])?;
     let params = compilation.scene?.params;
-    let param = params.into_iter().find(|param| param.name == *name)?;
+    let param = params.into_iter().find(|param| param.name == item.name)?;
     Some(param.ranges)
 }
 

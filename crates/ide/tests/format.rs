@@ -42,10 +42,8 @@ fn what_is_laid_out_stays_and_compiles_to_the_same() {
         assert_eq!(formatted(&once), once, "{}", path.display());
         let words = |text: &str| -> Vec<String> {
             let reading = Reading::new(text);
-            let tokens = reading.tokens().iter();
-            tokens
-                .map(|t| t.span.text(text).trim_end().to_owned())
-                .collect()
+            let tokens = reading.tokens(0..reading.token_count());
+            tokens.map(|t| t.text.trim_end().to_owned()).collect()
         };
         assert_eq!(words(&text), words(&once));
         let diagnostics = |text: &str| -> Vec<String> {

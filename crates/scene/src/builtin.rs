@@ -57,7 +57,7 @@ pub fn vocabulary() -> Vocabulary {
 }
 
 /// How many builtin names there are; their symbols come first.
-pub(crate) fn count() -> u32 {
+pub fn count() -> u32 {
     (CONSTANTS.len() + Builtin::all().count()) as u32
 }
 

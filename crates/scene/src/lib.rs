@@ -30,7 +30,7 @@ pub mod scene;
 mod symbol;
 pub mod values;
 
-pub use builtin::vocabulary;
+pub use builtin::{count as builtin_count, vocabulary};
 pub use compile::{Compilation, compile};
 pub use document::Document;
 pub use evaluate::{Evaluation, Instance, Outcome, Value};

@@ -1,7 +1,8 @@
 //! The open documents: one owner, changed in the order of the messages; readers take snapshots.
 //!
 //! A document is read and checked as it changes, declaration by declaration, so that what is wrong with it is known at
-//! once. What needs the whole text (hover, rename, …) works on a snapshot, which is made when it is first asked for.
+//! once. What is asked of it (hover, rename, …) works on a snapshot, which shares with the document all that has been
+//! read, and is made when it is first asked for.
 
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
@@ -27,13 +28,10 @@ pub(crate) struct Snapshot {
     pub(crate) uri: String,
     /// The editor's version.
     pub(crate) version: i32,
-    /// The text.
-    pub(crate) text: Arc<str>,
-    /// Its lines.
-    pub(crate) lines: Lines,
     /// How the editor counts columns.
     pub(crate) encoding: Encoding,
-    reading: OnceLock<Reading>,
+    reading: Reading,
+    lines: Option<Arc<Lines>>,
 }
 
 impl Snapshot {
@@ -42,27 +40,87 @@ impl Snapshot {
         Self {
             uri: uri.to_owned(),
             version,
-            lines: Lines::new(&text),
-            text: text.into(),
             encoding,
-            reading: OnceLock::new(),
+            lines: own_lines(&text),
+            reading: Reading::new(text),
         }
     }
 
-    /// The text, read; by the first who asks.
+    /// The text, read.
     pub(crate) fn reading(&self) -> &Reading {
-        self.reading.get_or_init(|| Reading::new(self.text.clone()))
+        &self.reading
     }
 
     /// The offset of a place.
     pub(crate) fn offset(&self, place: Place) -> u32 {
-        self.lines.offset(&self.text, self.encoding, place)
+        self.counted().offset(place)
+    }
+
+    fn counted(&self) -> Counted<'_> {
+        Counted {
+            text: self.reading.document(),
+            lines: self.lines.as_deref(),
+            encoding: self.encoding,
+        }
     }
 }
 
 impl Places for Snapshot {
     fn range(&self, span: Span) -> [Place; 2] {
-        self.lines.range(&self.text, self.encoding, span)
+        self.counted().range(span)
+    }
+}
+
+/// The lines of a text as the protocol has them, where they may not be those of a document, which end at `\n` alone.
+fn own_lines(text: &str) -> Option<Arc<Lines>> {
+    text.contains('\r').then(|| Arc::new(Lines::new(text)))
+}
+
+/// A text, and how its editor counts places in it.
+#[derive(Clone, Copy)]
+struct Counted<'t> {
+    text: &'t syntax::document::Snapshot,
+    lines: Option<&'t Lines>,
+    encoding: Encoding,
+}
+
+impl Counted<'_> {
+    fn offset(self, place: Place) -> u32 {
+        let text = self.text;
+        let bounds = match self.lines {
+            Some(lines) => lines.bounds(place.line),
+            None => text
+                .line_start(place.line.saturating_add(1))
+                .map(|start| (start, text.line_start(place.line.saturating_add(2)))),
+        };
+        let Some((start, next)) = bounds else {
+            return text.len();
+        };
+        let line = text.slice(Span::new(start, next.unwrap_or(text.len())));
+        let line = line.unwrap_or_default();
+        let content = line.trim_end_matches(['\n', '\r']);
+        start + self.encoding.byte(content, place.column) as u32
+    }
+
+    fn place(self, offset: u32) -> Place {
+        let text = self.text;
+        let offset = offset.min(text.len());
+        let (line, start) = match self.lines {
+            Some(lines) => lines.line_of(offset),
+            None => {
+                let line = text.line(offset);
+                (line - 1, text.line_start(line).unwrap_or(0))
+            }
+        };
+        let before = text.slice(Span::new(start, offset)).unwrap_or_default();
+        Place {
+            line,
+            column: self.encoding.length(&before),
+        }
+    }
+
+    fn range(self, span: Span) -> [Place; 2] {
+        [span.start, span.end].map(|offset| self.place(offset))
     }
 }
 
@@ -94,8 +152,9 @@ pub(crate) struct Open {
     pub(crate) revision: u64,
     encoding: Encoding,
     document: Document,
-    /// Lines as the protocol has them, where they may not be those of the document, which end at `\n` alone.
-    lines: Option<Lines>,
+    lines: Option<Arc<Lines>>,
+    /// What is wrong with it, once it has been asked for.
+    found: OnceLock<Arc<[Diagnostic]>>,
     snapshot: OnceLock<Arc<Snapshot>>,
 }
 
@@ -114,7 +173,8 @@ impl Documents {
             revision: self.revision,
             encoding: self.encoding,
             document,
-            lines: text.contains('\r').then(|| Lines::new(text)),
+            lines: own_lines(text),
+            found: OnceLock::new(),
             snapshot: OnceLock::new(),
         };
         Ok(self.open.entry(uri.to_owned()).or_insert(opened))
@@ -135,6 +195,7 @@ impl Documents {
         open.version = version;
         open.revision = self.revision;
         open.snapshot = OnceLock::new();
+        open.found = OnceLock::new();
         let made = changes
             .into_iter()
             .try_for_each(|change| open.apply(&change));
@@ -170,15 +231,23 @@ impl Open {
     /// The state for workers.
     pub(crate) fn snapshot(&self) -> Arc<Snapshot> {
         let made = self.snapshot.get_or_init(|| {
-            let text = self.document.text().text();
-            Arc::new(Snapshot::new(&self.uri, self.version, text, self.encoding))
+            Arc::new(Snapshot {
+                uri: self.uri.clone(),
+                version: self.version,
+                encoding: self.encoding,
+                reading: Reading::of(self.document.text().snapshot(), Some(self.diagnostics())),
+                lines: self.lines.clone(),
+            })
         });
         made.clone()
     }
 
     /// What is wrong with it.
-    pub(crate) fn diagnostics(&self) -> Vec<Diagnostic> {
-        self.document.diagnostics()
+    pub(crate) fn diagnostics(&self) -> Arc<[Diagnostic]> {
+        let found = self
+            .found
+            .get_or_init(|| self.document.diagnostics().into());
+        found.clone()
     }
 
     fn apply(&mut self, change: &Change) -> Result<(), EditError> {
@@ -186,65 +255,37 @@ impl Open {
         let span = match change.range {
             None => Span::new(0, text.len()),
             Some(range) => {
-                let [start, end] = range.map(|place| self.offset(place));
+                let [start, end] = range.map(|place| self.counted().offset(place));
                 Span::new(start.min(end), start.max(end))
             }
         };
         self.document.edit(span, &change.text)?;
         if self.lines.is_some() || change.text.contains('\r') {
             // Rare: a text with carriage returns. It is gone through once for each change.
-            self.lines = Some(Lines::new(&self.document.text().text()));
+            self.lines = Some(Arc::new(Lines::new(&self.document.text().text())));
         }
         Ok(())
     }
 
-    fn offset(&self, place: Place) -> u32 {
-        let text = self.document.text();
-        let bounds = match &self.lines {
-            Some(lines) => lines.bounds(place.line),
-            None => text
-                .line_start(place.line.saturating_add(1))
-                .map(|start| (start, text.line_start(place.line.saturating_add(2)))),
-        };
-        let Some((start, next)) = bounds else {
-            return text.len();
-        };
-        let line = text.slice(Span::new(start, next.unwrap_or(text.len())));
-        let line = line.unwrap_or_default();
-        start
-            + self
-                .encoding
-                .byte(line.trim_end_matches(['\n', '\r']), place.column) as u32
-    }
-
-    fn place(&self, offset: u32) -> Place {
-        let text = self.document.text();
-        let offset = offset.min(text.len());
-        let (line, start) = match &self.lines {
-            Some(lines) => lines.line_of(offset),
-            None => {
-                let line = text.line(offset);
-                (line - 1, text.line_start(line).unwrap_or(0))
-            }
-        };
-        let before = text.slice(Span::new(start, offset)).unwrap_or_default();
-        Place {
-            line,
-            column: self.encoding.length(&before),
+    fn counted(&self) -> Counted<'_> {
+        Counted {
+            text: self.document.text(),
+            lines: self.lines.as_deref(),
+            encoding: self.encoding,
         }
     }
 }
 
 impl Places for Open {
     fn range(&self, span: Span) -> [Place; 2] {
-        [span.start, span.end].map(|offset| self.place(offset))
+        self.counted().range(span)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Change, Documents, Places, Snapshot};
-    use crate::encoding::{Encoding, Place};
+    use crate::encoding::{Encoding, Lines, Place};
     use syntax::span::Span;
 
     #[test]
@@ -293,12 +334,14 @@ mod tests {
                     let open = documents.change("a", version, vec![change]);
                     let open = open.expect("open").expect("small");
                     let snapshot = open.snapshot();
-                    assert_eq!(*snapshot.text, *text);
+                    assert_eq!(snapshot.reading().text(), text);
+                    let lines = Lines::new(&text);
                     for offset in (0..=text.len()).filter(|&k| text.is_char_boundary(k)) {
                         let span = Span::new(offset as u32, text.len() as u32);
+                        assert_eq!(open.range(span), snapshot.range(span));
                         assert_eq!(
                             open.range(span),
-                            snapshot.range(span),
+                            lines.range(&text, encoding, span),
                             "{text:?} at {offset}"
                         );
                     }

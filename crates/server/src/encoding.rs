@@ -1,5 +1,6 @@
 //! Places in a text as editors count them: lines from 0, columns in code units of an agreed encoding.
 
+#[cfg(test)]
 use syntax::span::Span;
 
 /// What an editor's columns count.
@@ -78,6 +79,37 @@ impl Lines {
         Self { starts }
     }
 
+    /// Where a line starts, and where the next does; `None` for a line past the last.
+    pub(crate) fn bounds(&self, line: u32) -> Option<(u32, Option<u32>)> {
+        let line = line as usize;
+        let start = *self.starts.get(line)?;
+        Some((start, self.starts.get(line + 1).copied()))
+    }
+
+    /// The line, from 0, that holds an offset, and where it starts.
+    pub(crate) fn line_of(&self, offset: u32) -> (u32, u32) {
+        let line = self.starts.partition_point(|start| *start <= offset) - 1;
+        (line as u32, self.starts[line])
+    }
+}
+
+/// Where lines start behind the ends of lines.
+fn ends(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
+    let all = bytes.iter().enumerate();
+    all.filter_map(move |(k, byte)| {
+        let next = k + 1;
+        let ends = match byte {
+            b'\n' => true,
+            b'\r' => bytes.get(next) != Some(&b'\n'),
+            _ => false,
+        };
+        ends.then_some(next as u32)
+    })
+}
+
+/// The plain way through a whole text, with which documents are compared.
+#[cfg(test)]
+impl Lines {
     /// The offset of a place. A line past the last is the text's end.
     pub(crate) fn offset(&self, text: &str, encoding: Encoding, place: Place) -> u32 {
         let Some(&start) = self.starts.get(place.line as usize) else {
@@ -109,19 +141,6 @@ impl Lines {
         [span.start, span.end].map(|offset| self.place(text, encoding, offset))
     }
 
-    /// Where a line starts, and where the next does; `None` for a line past the last.
-    pub(crate) fn bounds(&self, line: u32) -> Option<(u32, Option<u32>)> {
-        let line = line as usize;
-        let start = *self.starts.get(line)?;
-        Some((start, self.starts.get(line + 1).copied()))
-    }
-
-    /// The line, from 0, that holds an offset, and where it starts.
-    pub(crate) fn line_of(&self, offset: u32) -> (u32, u32) {
-        let line = self.starts.partition_point(|start| *start <= offset) - 1;
-        (line as u32, self.starts[line])
-    }
-
     /// The end of a line without what ends it.
     fn line_end(&self, text: &str, line: usize) -> usize {
         let start = self.starts[line] as usize;
@@ -132,20 +151,6 @@ impl Lines {
         let content = &text[start..next];
         start + content.trim_end_matches(['\n', '\r']).len()
     }
-}
-
-/// Where lines start behind the ends of lines.
-fn ends(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
-    let all = bytes.iter().enumerate();
-    all.filter_map(move |(k, byte)| {
-        let next = k + 1;
-        let ends = match byte {
-            b'\n' => true,
-            b'\r' => bytes.get(next) != Some(&b'\n'),
-            _ => false,
-        };
-        ends.then_some(next as u32)
-    })
 }
 
 #[cfg(test)]

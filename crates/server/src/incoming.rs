@@ -560,7 +560,7 @@ impl LanguageServer for Backend {
         let described = self.work(move || {
             let offset = u32::try_from(offset)
                 .unwrap_or(u32::MAX)
-                .min(snapshot.text.len() as u32);
+                .min(snapshot.reading().len());
             completion::describe(snapshot.reading(), offset, &label)
         });
         if let Some(description) = described.await? {
@@ -949,7 +949,7 @@ impl LanguageServer for Backend {
             let offset = snapshot.offset(place(at.position)).saturating_sub(1);
             let reading = snapshot.reading();
             let item = reading.item_at(offset)?;
-            let edits = format::format(reading, Some(reading.items()[item].span));
+            let edits = format::format(reading, Some(item.span));
             Some(outgoing::text_edits(snapshot, &edits))
         })
         .await

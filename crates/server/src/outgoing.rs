@@ -123,8 +123,9 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
 }
 
 pub(crate) fn diagnostics(open: &Open, uri: &lsp::Uri) -> Vec<lsp::Diagnostic> {
-    let found = open.diagnostics().into_iter();
-    found.map(|d| diagnostic(open, uri, &d)).collect()
+    let found = open.diagnostics();
+    let found = found.iter();
+    found.map(|d| diagnostic(open, uri, d)).collect()
 }
 
 fn diagnostic(places: &impl Places, uri: &lsp::Uri, diagnostic: &Diagnostic) -> lsp::Diagnostic {

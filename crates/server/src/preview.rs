@@ -151,9 +151,10 @@ impl Previews {
             uri: snapshot.uri.clone(),
             path: preview.path.clone(),
             version: snapshot.version,
-            text: (*snapshot.text).to_owned(),
+            text: snapshot.reading().text().to_owned(),
         };
-        preview.sent.put(snapshot.version, snapshot.text.clone());
+        let text = snapshot.reading().text().into();
+        preview.sent.put(snapshot.version, text);
         if let Some(Command::Text { version, .. }) = preview.process.tell(command)
             && version != snapshot.version
         {

@@ -1,9 +1,9 @@
 //! Semantic tokens as the protocol writes them, and the differences between two lists of them.
 
-use ide::semantic::{SemanticToken, TokenType, semantic_tokens};
+use ide::semantic::{TokenType, semantic_tokens};
 use syntax::span::Span;
 
-use crate::documents::Snapshot;
+use crate::documents::{Places, Snapshot};
 use crate::encoding::Place;
 
 /// One token relative to the one before: lines further, columns further (from the line's start on a new line), length,
@@ -12,56 +12,51 @@ pub(crate) type Encoded = [u32; 5];
 
 /// The tokens that touch a range, encoded.
 pub(crate) fn encode(snapshot: &Snapshot, range: Option<[Place; 2]>) -> Vec<Encoded> {
+    let reading = snapshot.reading();
     let span = match range {
-        None => Span::new(0, snapshot.text.len() as u32),
+        None => Span::new(0, reading.len()),
         Some(range) => {
             let [start, end] = range.map(|place| snapshot.offset(place));
             Span::new(start.min(end), start.max(end))
         }
     };
-    let mut before = Place::default();
-    // Tokens come in order: the line's text up to the token is counted once.
-    let mut counted = (0u32, Place::default());
-    semantic_tokens(snapshot.reading(), span)
-        .into_iter()
-        .map(|token| {
-            let place = next_place(snapshot, &mut counted, token.span.start);
-            let line = place.line - before.line;
-            let column = if line == 0 {
-                place.column - before.column
-            } else {
-                place.column
-            };
-            before = place;
-            [
-                line,
-                column,
-                length(snapshot, &token),
-                index(token.token_type),
-                token.modifiers.0,
-            ]
-        })
-        .collect()
-}
-
-fn next_place(snapshot: &Snapshot, counted: &mut (u32, Place), offset: u32) -> Place {
-    let between = &snapshot.text[counted.0 as usize..offset as usize];
-    let place = if between.contains(['\n', '\r']) || counted.0 == 0 {
-        snapshot
-            .lines
-            .place(&snapshot.text, snapshot.encoding, offset)
-    } else {
-        Place {
-            line: counted.1.line,
-            column: counted.1.column + snapshot.encoding.length(between),
-        }
+    let tokens = semantic_tokens(reading, span);
+    let (Some(first), Some(last)) = (tokens.first(), tokens.last()) else {
+        return Vec::new();
     };
-    *counted = (offset, place);
-    place
-}
-
-fn length(snapshot: &Snapshot, token: &SemanticToken) -> u32 {
-    snapshot.encoding.length(token.span.text(&snapshot.text))
+    let first = first.span.start;
+    let text = reading.slice(Span::new(first, last.span.end));
+    let piece = |start: u32, end: u32| &text[(start - first) as usize..(end - first) as usize];
+    let mut before = Place::default();
+    // Tokens come in order: what stands between two is counted once.
+    let [mut place, _] = snapshot.range(Span::new(first, first));
+    let mut counted = first;
+    let encoded = tokens.iter().map(|token| {
+        let between = piece(counted, token.span.start);
+        if between.contains(['\n', '\r']) {
+            [place, _] = snapshot.range(token.span);
+        } else {
+            place.column += snapshot.encoding.length(between);
+        }
+        counted = token.span.start;
+        let line = place.line - before.line;
+        let column = match line {
+            0 => place.column - before.column,
+            _ => place.column,
+        };
+        before = place;
+        let length = snapshot
+            .encoding
+            .length(piece(token.span.start, token.span.end));
+        [
+            line,
+            column,
+            length,
+            index(token.token_type),
+            token.modifiers.0,
+        ]
+    });
+    encoded.collect()
 }
 
 fn index(token_type: TokenType) -> u32 {

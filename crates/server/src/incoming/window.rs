@@ -405,7 +405,7 @@ impl Window {
             let [start, end] = range;
             moved(
                 &text,
-                &snapshot.text,
+                snapshot.reading().text(),
                 Span::new(start.min(end), start.max(end)),
             )
         });
@@ -460,7 +460,7 @@ impl Window {
                 let made = made.map_err(|_| "a fault of the server".to_owned())?;
                 made.map_err(|refusal| refusal.to_string())?
             };
-            if edit.span.text(&snapshot.text) == edit.text {
+            if edit.span.text(snapshot.reading().text()) == edit.text {
                 return Ok(());
             }
             let edit =

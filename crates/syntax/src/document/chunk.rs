@@ -9,7 +9,7 @@ use crate::parser::suggestions::each_declared;
 use crate::span::Span;
 use crate::token::{DeclareWord, SymbolId, Token};
 
-use super::names::Lookup;
+use super::open_words::Lookup;
 use super::sequence::Measure;
 
 /// What was read of a chunk, in the order in which the hooks are called.
@@ -103,7 +103,17 @@ impl Chunk {
             characters: self.text.chars().count() as u32,
             findings: self.findings.len() as u32,
             searches: searches.count() as u32,
+            tokens: self.tokens.len() as u32,
+            declarations: self.declarations().count() as u32,
         }
+    }
+
+    /// The declarations, in order.
+    pub(super) fn declarations(&self) -> impl Iterator<Item = &ReadDeclaration> {
+        self.events.iter().filter_map(|event| match event {
+            Event::Declaration(declaration) => Some(&**declaration),
+            _ => None,
+        })
     }
 
     /// Notes the names behind declaring words.

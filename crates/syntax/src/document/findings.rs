@@ -3,9 +3,11 @@
 
 use std::ops::ControlFlow;
 
-use super::names::{Lookup, NameId};
+use super::Document;
+use super::chunk::count_lines;
+use super::names::NameId;
+use super::open_words::Lookup;
 use super::sequence::{ChunkId, Measure};
-use super::{Document, count_lines};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Related};
 use crate::parser::MAX_DIAGNOSTICS;
@@ -178,7 +180,7 @@ impl Document {
         let home = defined.home?;
         let declared_at = (self.sequence.rank(home), defined.symbol.name_span?.start);
         let name = self.names.text(name);
-        let open = self.names.open_to(defined.name());
+        let open = self.open.of(self.names.text(defined.name()));
         let splitting = open.filter(|(_, is_split)| *is_split);
         let ranked = splitting.map(|(chunk, _)| (self.sequence.rank(chunk), chunk));
         let (rank, chunk) = ranked.min()?;
@@ -244,9 +246,7 @@ impl Surroundings for Around<'_> {
     }
 
     fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str, offset: u32) -> Option<String> {
-        let Document {
-            names, sequence, ..
-        } = self.document;
+        let (names, sequence) = (&self.document.names, &self.document.sequence);
         Search::nearest(word, |search| {
             if let Some(parameters) = parameters {
                 search.among(parameters, |_| true);

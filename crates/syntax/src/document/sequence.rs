@@ -6,6 +6,9 @@
 //! its parent, so that a chunk's place is found from below.
 
 use std::ops::{Add, AddAssign};
+use std::sync::Arc;
+
+use super::shelf::Shelf;
 
 /// Names a chunk of a document for as long as it is there.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
@@ -26,16 +29,20 @@ pub(super) struct Measure {
     pub(super) findings: u32,
     /// Words that mean nothing, among them.
     pub(super) searches: u32,
+    /// Tokens, comments too.
+    pub(super) tokens: u32,
+    /// Declarations.
+    pub(super) declarations: u32,
 }
 
 /// Chunks in order.
 #[derive(Clone, Debug)]
 pub(super) struct Sequence {
-    nodes: Vec<Node>,
+    nodes: Shelf<Arc<Node>>,
     free: Vec<u32>,
     root: u32,
     /// The leaf of each chunk, by its handle.
-    leaves: Vec<u32>,
+    leaves: Shelf<u32>,
 }
 
 #[derive(Clone, Debug)]
@@ -55,15 +62,17 @@ const NONE: u32 = u32::MAX;
 
 impl Default for Sequence {
     fn default() -> Self {
+        let mut nodes = Shelf::default();
+        nodes.push(Arc::new(Node {
+            parent: NONE,
+            is_leaf: true,
+            items: Vec::new(),
+        }));
         Self {
-            nodes: vec![Node {
-                parent: NONE,
-                is_leaf: true,
-                items: Vec::new(),
-            }],
+            nodes,
             free: Vec::new(),
             root: 0,
-            leaves: Vec::new(),
+            leaves: Shelf::default(),
         }
     }
 }
@@ -100,6 +109,16 @@ impl Sequence {
     /// The chunk that holds this finding, counted from 0; with the sum of all before it.
     pub(super) fn at_finding(&self, finding: u32) -> Option<(ChunkId, Measure)> {
         self.find(|before| before.findings <= finding)
+    }
+
+    /// The chunk that holds this token, counted from 0, or the last one; with the sum of all before it.
+    pub(super) fn at_token(&self, token: u32) -> Option<(ChunkId, Measure)> {
+        self.find(|before| before.tokens <= token)
+    }
+
+    /// The chunk that holds this declaration, counted from 0, or the last one; with the sum of all before it.
+    pub(super) fn at_declaration(&self, declaration: u32) -> Option<(ChunkId, Measure)> {
+        self.find(|before| before.declarations <= declaration)
     }
 
     /// The last chunk before which the sum satisfies what holds of the empty sum and, once it fails, fails for
@@ -192,11 +211,8 @@ impl Sequence {
             }
         };
         let handle = chunk.0 as usize;
-        if self.leaves.len() <= handle {
-            self.leaves.resize(handle + 1, NONE);
-        }
-        self.leaves[handle] = leaf;
-        let items = &mut self.nodes[leaf as usize].items;
+        self.leaves.set(handle, leaf, NONE);
+        let items = &mut self.node_mut(leaf).items;
         let is_last = index == items.len();
         items.insert(index, (chunk.0, measure));
         self.split(leaf, is_last);
@@ -206,14 +222,14 @@ impl Sequence {
 
     pub(super) fn remove(&mut self, chunk: ChunkId) {
         let leaf = self.leaves[chunk.0 as usize];
-        self.leaves[chunk.0 as usize] = NONE;
+        self.leaves.set(chunk.0 as usize, NONE, NONE);
         self.remove_item(leaf, chunk.0);
     }
 
     /// Gives a chunk another measure.
     pub(super) fn measure(&mut self, chunk: ChunkId, measure: Measure) {
         let leaf = self.leaves[chunk.0 as usize];
-        let node = &mut self.nodes[leaf as usize];
+        let node = self.node_mut(leaf);
         let index = node.index(chunk.0);
         if let Some(item) = node.items.get_mut(index)
             && item.1 != measure
@@ -231,7 +247,7 @@ impl Sequence {
             if parent == NONE {
                 return;
             }
-            let above = &mut self.nodes[parent as usize];
+            let above = self.node_mut(parent);
             let index = above.index(at);
             above.items[index].1 = sum;
             at = parent;
@@ -242,7 +258,7 @@ impl Sequence {
     /// are. `is_last`: the node's last item is the new one; what is put in from front to end fills its nodes.
     fn split(&mut self, mut at: u32, mut is_last: bool) {
         while self.nodes[at as usize].items.len() > MAX_ITEMS {
-            let node = &mut self.nodes[at as usize];
+            let node = self.node_mut(at);
             let middle = match is_last {
                 true => MAX_ITEMS,
                 false => node.items.len() / 2,
@@ -257,7 +273,7 @@ impl Sequence {
                     is_leaf: false,
                     items: vec![(at, left_sum)],
                 });
-                self.nodes[at as usize].parent = parent;
+                self.node_mut(at).parent = parent;
                 self.root = parent;
             }
             let right = self.allocate(Node {
@@ -266,7 +282,7 @@ impl Sequence {
                 items,
             });
             self.adopt(right);
-            let above = &mut self.nodes[parent as usize];
+            let above = self.node_mut(parent);
             let index = above.index(at);
             above.items[index].1 = left_sum;
             is_last &= index + 1 == above.items.len();
@@ -277,21 +293,17 @@ impl Sequence {
 
     /// Tells a node's items where they are.
     fn adopt(&mut self, at: u32) {
-        let node = &self.nodes[at as usize];
-        if node.is_leaf {
-            for (chunk, _) in &node.items {
-                self.leaves[*chunk as usize] = at;
-            }
-        } else {
-            let children: Vec<u32> = node.items.iter().map(|item| item.0).collect();
-            for child in children {
-                self.nodes[child as usize].parent = at;
+        let node = self.nodes[at as usize].clone();
+        for (item, _) in &node.items {
+            match node.is_leaf {
+                true => self.leaves.set(*item as usize, at, NONE),
+                false => self.node_mut(*item).parent = at,
             }
         }
     }
 
     fn remove_item(&mut self, at: u32, item: u32) {
-        let node = &mut self.nodes[at as usize];
+        let node = self.node_mut(at);
         let index = node.index(item);
         node.items.remove(index);
         let (count, parent) = (node.items.len(), node.parent);
@@ -303,7 +315,7 @@ impl Sequence {
             {
                 self.free.push(self.root);
                 self.root = only;
-                self.nodes[only as usize].parent = NONE;
+                self.node_mut(only).parent = NONE;
             }
             return;
         }
@@ -336,8 +348,8 @@ impl Sequence {
             if count(left) + count(right) > MAX_ITEMS {
                 continue;
             }
-            let moved = std::mem::take(&mut self.nodes[right as usize].items);
-            self.nodes[left as usize].items.extend(moved);
+            let moved = std::mem::take(&mut self.node_mut(right).items);
+            self.node_mut(left).items.extend(moved);
             self.adopt(left);
             self.resum(left);
             self.free.push(right);
@@ -346,14 +358,19 @@ impl Sequence {
         }
     }
 
+    fn node_mut(&mut self, at: u32) -> &mut Node {
+        let node = self.nodes.get_mut(at as usize);
+        Arc::make_mut(node.expect("a node of this tree"))
+    }
+
     fn allocate(&mut self, node: Node) -> u32 {
         match self.free.pop() {
             Some(index) => {
-                self.nodes[index as usize] = node;
+                *self.node_mut(index) = node;
                 index
             }
             None => {
-                self.nodes.push(node);
+                self.nodes.push(Arc::new(node));
                 self.nodes.len() as u32 - 1
             }
         }
@@ -386,6 +403,8 @@ impl Add for Measure {
             characters: self.characters + other.characters,
             findings: self.findings + other.findings,
             searches: self.searches + other.searches,
+            tokens: self.tokens + other.tokens,
+            declarations: self.declarations + other.declarations,
         }
     }
 }

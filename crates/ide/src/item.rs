@@ -1,0 +1,80 @@
+//! A declaration as it stands in the text.
+
+use syntax::document::{Event, ReadDeclaration};
+use syntax::span::Span;
+use syntax::token::{DeclareWord, SymbolId};
+
+/// A declaration. Offsets are bytes of the text.
+#[derive(Clone, Copy, Debug)]
+pub struct Item<'r> {
+    /// Its number among the declarations, from 0.
+    pub index: usize,
+    /// The word that opens it.
+    pub word: DeclareWord,
+    /// From the word to the `;`.
+    pub span: Span,
+    /// Its name; empty where none was read.
+    pub name: &'r str,
+    /// Where the name stands.
+    pub name_span: Span,
+    /// What it declares, unless its name was not read or not free.
+    pub symbol: Option<SymbolId>,
+    /// Whether an error lies in it.
+    pub faulty: bool,
+    start: u32,
+    read: &'r ReadDeclaration,
+    events: &'r [Event],
+}
+
+impl<'r> Item<'r> {
+    /// What was read counts from `start`.
+    pub(crate) fn new(
+        index: usize,
+        start: u32,
+        read: &'r ReadDeclaration,
+        events: &'r [Event],
+    ) -> Self {
+        Self {
+            index,
+            word: read.word,
+            span: read.span.moved(start),
+            name: &read.name,
+            name_span: read.name_span.moved(start),
+            symbol: read.symbol,
+            faulty: read.faulty,
+            start,
+            read,
+            events,
+        }
+    }
+
+    /// Its parameters, each with its place.
+    pub fn parameters(&self) -> impl ExactSizeIterator<Item = (&'r str, Span)> + use<'r> {
+        let start = self.start;
+        let parameters = self.read.parameters.iter();
+        parameters.map(move |parameter| (parameter.name.as_str(), parameter.span.moved(start)))
+    }
+
+    /// Whether a parameter stands at a place.
+    pub(crate) fn has_parameter(&self, span: Span) -> bool {
+        self.parameters().any(|(_, place)| place == span)
+    }
+
+    /// Its intervals, from `[` to `]`.
+    pub fn intervals(&self) -> impl Iterator<Item = Span> + use<'r> {
+        let start = self.start;
+        self.events.iter().filter_map(move |event| match event {
+            Event::Interval(interval) => Some(interval.span.moved(start)),
+            _ => None,
+        })
+    }
+
+    /// The operands and operations of its expressions, in no order.
+    pub fn operands(&self) -> impl Iterator<Item = Span> + use<'r> {
+        let start = self.start;
+        self.events.iter().filter_map(move |event| match event {
+            Event::Operator(_, span) => Some(span.moved(start)),
+            _ => None,
+        })
+    }
+}

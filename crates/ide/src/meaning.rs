@@ -1,0 +1,45 @@
+//! What tokens mean, so that two texts can be compared: identifiers of symbols belong to one text alone.
+
+use std::collections::HashMap;
+
+use syntax::token::{SymbolId, TokenKind};
+
+use crate::reading::Reading;
+
+/// What a token means: the same in two texts that declare the same in the same order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Meaning {
+    /// Anything but a name.
+    Plain(TokenKind),
+    /// A name that is builtin, as a value or a function.
+    Builtin(TokenKind),
+    /// A name of the declaration of this number, as a value or a function.
+    Declared(usize, bool),
+}
+
+/// The declarations of a text by their symbols.
+pub(crate) struct Meanings {
+    declared: HashMap<SymbolId, usize>,
+}
+
+impl Meanings {
+    pub(crate) fn of(reading: &Reading) -> Self {
+        let items = reading.items();
+        let declared = items.filter_map(|item| Some((item.symbol?, item.index)));
+        Self {
+            declared: declared.collect(),
+        }
+    }
+
+    pub(crate) fn get(&self, kind: TokenKind) -> Meaning {
+        let (id, is_function) = match kind {
+            TokenKind::Constant(id) => (id, false),
+            TokenKind::Function(id) => (id, true),
+            kind => return Meaning::Plain(kind),
+        };
+        match self.declared.get(&id) {
+            Some(item) => Meaning::Declared(*item, is_function),
+            None => Meaning::Builtin(kind),
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! A text and what it has been read as, at one version: what can be asked of it.
+//!
+//! Its parts are shared with the document that it is of, and copied by that only where an edit changes them: it
+//! costs next to nothing to take, and stays as it is.
+
+use std::sync::Arc;
+
+use crate::line_index::Position;
+use crate::span::Span;
+use crate::symbols::{Parsed, Symbol};
+use crate::token::{SymbolId, Token};
+
+use super::chunk::{Chunk, Event, ReadDeclaration};
+use super::names::Names;
+use super::sequence::{ChunkId, Sequence};
+use super::shelf::Shelf;
+
+/// A text and what it has been read as.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    pub(super) sequence: Sequence,
+    pub(super) chunks: Shelf<Option<Arc<Chunk>>>,
+    pub(super) names: Names,
+}
+
+impl Snapshot {
+    /// The length of the text in bytes.
+    pub fn len(&self) -> u32 {
+        self.sequence.total().bytes
+    }
+
+    /// Whether there is no text.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The whole text.
+    pub fn text(&self) -> String {
+        self.slice(Span::new(0, self.len())).unwrap_or_default()
+    }
+
+    /// The text of a range; none where there is no such range or it ends inside a character.
+    pub fn slice(&self, range: Span) -> Option<String> {
+        if range.end > self.len() || range.start > range.end {
+            return None;
+        }
+        let mut text = String::with_capacity((range.end - range.start) as usize);
+        for (chunk, start) in self.chunks_in(range) {
+            let piece = &self.chunk(chunk).text;
+            let from = range.start.saturating_sub(start) as usize;
+            let to = ((range.end - start) as usize).min(piece.len());
+            text.push_str(piece.get(from..to)?);
+        }
+        Some(text)
+    }
+
+    /// How many lines there are, at least 1.
+    pub fn line_count(&self) -> u32 {
+        self.sequence.total().lines + 1
+    }
+
+    /// The line and column of the character that starts at `offset`; an offset past the end counts as the end.
+    pub fn position(&self, offset: u32) -> Position {
+        let offset = offset.min(self.len());
+        let line = self.line(offset);
+        let start = self.line_start(line).unwrap_or_default();
+        let column = self.characters_before(offset) - self.characters_before(start);
+        Position {
+            line,
+            column: column + 1,
+        }
+    }
+
+    /// The line, from 1, of an offset.
+    pub fn line(&self, offset: u32) -> u32 {
+        let Some((chunk, before)) = self.sequence.at_byte(offset) else {
+            return 1;
+        };
+        let text = self.chunk(chunk).text.as_bytes();
+        let inside = ((offset - before.bytes) as usize).min(text.len());
+        let ends = text[..inside].iter().filter(|byte| **byte == b'\n');
+        before.lines + ends.count() as u32 + 1
+    }
+
+    /// Where a line, from 1, starts; none where there is no such line.
+    pub fn line_start(&self, line: u32) -> Option<u32> {
+        let ends = line.checked_sub(1)?;
+        if ends == 0 {
+            return Some(0);
+        }
+        if ends > self.sequence.total().lines {
+            return None;
+        }
+        let (chunk, before) = self.sequence.at_line_end(ends)?;
+        let text = self.chunk(chunk).text.bytes();
+        let mut places = text.enumerate().filter(|(_, byte)| *byte == b'\n');
+        let (at, _) = places.nth((ends - before.lines) as usize - 1)?;
+        Some(before.bytes + at as u32 + 1)
+    }
+
+    /// The offset of the character at a place. A column past the line's end gives the line's end; none where
+    /// there is no such line, or for a 0.
+    pub fn offset(&self, position: Position) -> Option<u32> {
+        let start = self.line_start(position.line)?;
+        let end = match self.line_start(position.line + 1) {
+            Some(next) => {
+                let end = next - 1;
+                let is_return = end > start && self.byte(end - 1) == Some(b'\r');
+                end - u32::from(is_return)
+            }
+            None => self.len(),
+        };
+        let wanted = self.characters_before(start) + position.column.checked_sub(1)?;
+        if wanted >= self.characters_before(end) {
+            return Some(end);
+        }
+        let (chunk, before) = self.sequence.at_character(wanted)?;
+        let text = &self.chunk(chunk).text;
+        let inside = (wanted - before.characters) as usize;
+        let (at, _) = text.char_indices().nth(inside)?;
+        Some(before.bytes + at as u32)
+    }
+
+    /// All chunks, from top to bottom.
+    pub fn chunks(&self) -> impl Iterator<Item = ChunkId> + '_ {
+        self.sequence.from(self.sequence.first())
+    }
+
+    /// The chunks that a range touches, each with the offset of its start.
+    pub fn chunks_in(&self, range: Span) -> impl Iterator<Item = (ChunkId, u32)> + '_ {
+        let first = self.sequence.at_byte(range.start);
+        let mut start = first.map_or(0, |(_, before)| before.bytes);
+        self.sequence
+            .from(first.map(|(chunk, _)| chunk))
+            .map(move |chunk| {
+                let at = start;
+                start += self.chunk(chunk).text.len() as u32;
+                (chunk, at)
+            })
+            .take_while(move |(_, start)| *start < range.end || *start <= range.start)
+    }
+
+    /// Where a chunk starts.
+    pub fn start(&self, chunk: ChunkId) -> u32 {
+        self.sequence.before(chunk).bytes
+    }
+
+    /// How many chunks stand above a chunk.
+    pub fn rank(&self, chunk: ChunkId) -> u32 {
+        self.sequence.rank(chunk)
+    }
+
+    /// The text of a chunk: declarations up to a `;`, one as a rule, with what stands before it.
+    pub fn chunk_text(&self, chunk: ChunkId) -> &str {
+        &self.chunk(chunk).text
+    }
+
+    /// The version since which a chunk has been read as it is.
+    pub fn chunk_version(&self, chunk: ChunkId) -> u64 {
+        self.chunk(chunk).version
+    }
+
+    /// What was read of a chunk; places count from its start.
+    pub fn events(&self, chunk: ChunkId) -> &[Event] {
+        &self.chunk(chunk).events
+    }
+
+    /// The tokens that a range touches, comments too, in order; places are those of the text.
+    pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
+        let chunks = self.chunks_in(range);
+        chunks.flat_map(move |(chunk, start)| {
+            let tokens = self.chunk(chunk).tokens.iter();
+            let moved = tokens.map(move |token| Token {
+                kind: token.kind,
+                span: token.span.moved(start),
+            });
+            moved
+                .filter(move |token| token.span.end >= range.start && token.span.start <= range.end)
+        })
+    }
+
+    /// The declarations in order, each with its chunk; places count from the chunk's start.
+    pub fn declarations(&self) -> impl Iterator<Item = (ChunkId, &ReadDeclaration)> {
+        self.chunks().flat_map(|chunk| {
+            let events = self.chunk(chunk).events.iter();
+            events.filter_map(move |event| match event {
+                Event::Declaration(declaration) => Some((chunk, &**declaration)),
+                _ => None,
+            })
+        })
+    }
+
+    /// A builtin, or a symbol that the text declares; its places count from the start of its chunk.
+    pub fn symbol(&self, id: SymbolId) -> Option<&Symbol> {
+        Some(&self.names.get(id)?.symbol)
+    }
+
+    /// The chunk that declares a symbol; none for a builtin.
+    pub fn home(&self, id: SymbolId) -> Option<ChunkId> {
+        self.names.get(id)?.home
+    }
+
+    /// The symbol of a name at the end of the text: a builtin, or declared.
+    pub fn named(&self, name: &str) -> Option<SymbolId> {
+        self.names.named(name)
+    }
+
+    /// Where the run of letters and digits begins that ends at an offset; the offset where there is none.
+    pub fn word_start(&self, offset: u32) -> u32 {
+        // A `;` ends a chunk, so no word lies in two.
+        let before = offset.checked_sub(1).and_then(|last| self.piece_at(last));
+        before.map_or(offset, |piece| {
+            let inside = ((offset - piece.start) as usize).min(piece.text.len());
+            let letters = piece.text.as_bytes()[..inside].iter().rev();
+            let length = letters
+                .take_while(|byte| byte.is_ascii_alphanumeric())
+                .count();
+            offset - length as u32
+        })
+    }
+
+    /// Where the text names a symbol that it declares.
+    pub fn place(&self, id: SymbolId) -> Option<Span> {
+        let defined = self.names.get(id)?;
+        let start = self.start(defined.home?);
+        Some(defined.symbol.name_span?.moved(start))
+    }
+
+    /// All symbols, the builtins first, then in no order.
+    pub fn symbols(&self) -> impl Iterator<Item = (SymbolId, &Symbol)> {
+        self.names.iter().map(|(id, defined)| (id, &defined.symbol))
+    }
+
+    /// The chunks that read a symbol, in no order; its own may be among them.
+    pub fn readers(&self, id: SymbolId) -> impl Iterator<Item = ChunkId> + '_ {
+        let name = self.names.name_of(id);
+        name.into_iter().flat_map(|name| self.names.users(name))
+    }
+
+    /// The names as they stand at the end of the text, as [`parse_program`](crate::parse_program) gives them:
+    /// with other identifiers, which count up in the order of the text.
+    pub fn parsed(&self) -> Parsed {
+        let builtins = self.names.iter().map(|(_, defined)| defined);
+        let builtins = builtins.filter(|defined| defined.home.is_none());
+        let mut parsed = Parsed::default();
+        for builtin in builtins {
+            parsed.define(builtin.symbol.clone());
+        }
+        let mut start = 0;
+        for chunk in self.chunks() {
+            let chunk = self.chunk(chunk);
+            for defined in chunk.defines.iter().filter_map(|id| self.names.get(*id)) {
+                let mut symbol = defined.symbol.clone();
+                symbol.name_span = symbol.name_span.map(|span| span.moved(start));
+                for parameter in &mut symbol.parameters {
+                    parameter.span = parameter.span.moved(start);
+                }
+                parsed.define(symbol);
+            }
+            start += chunk.text.len() as u32;
+        }
+        parsed
+    }
+
+    pub(super) fn chunk(&self, chunk: ChunkId) -> &Chunk {
+        self.chunks[chunk.0 as usize]
+            .as_deref()
+            .expect("a chunk of this document")
+    }
+
+    pub(super) fn byte(&self, offset: u32) -> Option<u8> {
+        let (chunk, before) = self.sequence.at_byte(offset)?;
+        let text = self.chunk(chunk).text.as_bytes();
+        text.get((offset - before.bytes) as usize).copied()
+    }
+
+    pub(super) fn is_boundary(&self, offset: u32) -> bool {
+        self.sequence
+            .at_byte(offset)
+            .is_some_and(|(chunk, before)| {
+                let text = &self.chunk(chunk).text;
+                text.is_char_boundary((offset - before.bytes) as usize)
+            })
+    }
+
+    fn characters_before(&self, offset: u32) -> u32 {
+        let Some((chunk, before)) = self.sequence.at_byte(offset) else {
+            return 0;
+        };
+        let text = &self.chunk(chunk).text;
+        let inside = &text[..(offset - before.bytes) as usize];
+        before.characters + inside.chars().count() as u32
+    }
+}
