@@ -12,8 +12,9 @@ use render::camera::Camera;
 use render::geodesic_view::Inside;
 use render::gpu::Canvas;
 use render::live::{Counters, Hit, Pixels, Shot, Stage};
+use render::texture::Texture;
 use render::{RenderError, Request, View};
-use scene::scene::Scene;
+use scene::scene::{ObjectId, Scene};
 use scene::values::Settings;
 
 use crate::mail::{Letter, Mail};
@@ -202,6 +203,7 @@ fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail, stage: Stage) {
         stage,
         pilots: BTreeMap::new(),
         home: None,
+        curvatures: None,
     };
     loop {
         let job = {
@@ -255,7 +257,11 @@ struct Easel {
     pilots: BTreeMap<String, Pilot>,
     /// Where everything of a scene is seen from, at the settings and size where it was asked for.
     home: Option<(Arc<Scene>, Arc<Settings>, SpaceCamera)>,
+    curvatures: Option<Curvatures>,
 }
+
+/// Textures of curvature, of a scene with its params.
+type Curvatures = (Arc<Scene>, Arc<Settings>, Vec<(ObjectId, Arc<Texture>)>);
 
 impl Easel {
     fn answer(&mut self, job: &Job) -> Option<Answer> {
@@ -302,7 +308,7 @@ impl Easel {
         let mut home = None;
         let mut space_camera = None;
         let mut inside_camera = None;
-        let request: Request = match &order.look {
+        let mut request: Request = match &order.look {
             Look::Space { camera, .. } => {
                 home = self.home(order).ok();
                 let seen_from = match camera {
@@ -335,6 +341,7 @@ impl Easel {
                 order.request(Some(camera))
             }
         };
+        request.textures.extend(self.curvatures(order));
         let shot: Shot = self.stage.draw(&order.scene, &order.settings, &request)?;
         let pixels = match shot.pixels {
             Pixels::Texture(canvas) if self.shares_gpu => Painted::Canvas(canvas),
@@ -394,6 +401,28 @@ impl Easel {
             camera,
         ));
         Ok(camera)
+    }
+
+    /// The textures of curvature, made anew only where the scene or its params are others.
+    fn curvatures(&mut self, order: &Order) -> Vec<(ObjectId, Arc<Texture>)> {
+        if order.curved.is_empty() {
+            return Vec::new();
+        }
+        if let Some((scene, settings, textures)) = &self.curvatures
+            && Arc::ptr_eq(scene, &order.scene)
+            && *settings == order.settings
+            && order
+                .curved
+                .iter()
+                .all(|id| textures.iter().any(|(it, _)| it == id))
+        {
+            let wanted = textures.iter().filter(|(id, _)| order.curved.contains(id));
+            return wanted.cloned().collect();
+        }
+        let textures = order.curvatures();
+        let (scene, settings) = (Arc::clone(&order.scene), Arc::clone(&order.settings));
+        self.curvatures = Some((scene, settings, textures.clone()));
+        textures
     }
 
     /// A geodesic camera where something was hit, as long as the one that is on that surface.

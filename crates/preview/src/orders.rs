@@ -28,6 +28,8 @@ pub(crate) struct Order {
     pub(crate) look: Look,
     pub(crate) size: [u32; 2],
     pub(crate) textures: Vec<(ObjectId, Arc<Texture>)>,
+    /// The surfaces that show their curvature.
+    pub(crate) curved: Vec<ObjectId>,
     pub(crate) colours: Vec<(ObjectId, [u8; 3])>,
     pub(crate) marks: Marks,
     /// A camera is being moved, or a param: a picture at once is worth more than a fine one.
@@ -108,11 +110,29 @@ impl Order {
             && self.settings == other.settings
             && self.size == other.size
             && self.colours == other.colours
+            && self.curved == other.curved
             && self.marks == other.marks
             && self.moving == other.moving
     }
 
-    /// As the stage takes it. The camera of a geodesic view is where its pilot says.
+    /// The textures of the surfaces that show their curvature, with the params as they are.
+    pub(crate) fn curvatures(&self) -> Vec<(ObjectId, Arc<Texture>)> {
+        let texture = |id: &ObjectId| {
+            // A surface whose derivatives are too large shows what it would show otherwise.
+            let texture = Texture::curvature(&self.scene, &self.settings, *id).ok()?;
+            Some((*id, texture))
+        };
+        self.curved.iter().filter_map(texture).collect()
+    }
+
+    /// As [`Order::request`], with all that takes time to make: for a thread that has it.
+    pub(crate) fn whole_request(&self, inside: Option<InsideCamera>) -> Request {
+        let mut request = self.request(inside);
+        request.textures.extend(self.curvatures());
+        request
+    }
+
+    /// As the stage takes it, but for curvatures. The camera of a geodesic view is where its pilot says.
     pub(crate) fn request(&self, inside: Option<InsideCamera>) -> Request {
         let mut request = match &self.look {
             Look::Space {
@@ -179,6 +199,7 @@ pub(crate) fn order(
         objects.find(|(_, it)| it.name == name).map(|(id, _)| id)
     };
     let mut textures = Vec::new();
+    let mut curved = Vec::new();
     let mut colours = Vec::new();
     for (id, object) in (0..).map(ObjectId).zip(&scene.objects) {
         if let Some(colour) = view.looks.get(&object.name).and_then(|look| look.colour) {
@@ -186,6 +207,9 @@ pub(crate) fn order(
         }
         if object.shape.patch().is_some() {
             let choice = view.texture(&object.name);
+            if *choice == Choice::Curvature {
+                curved.push(id);
+            }
             if *choice != Choice::Default
                 && let Some(texture) = library.texture(choice)
             {
@@ -224,6 +248,7 @@ pub(crate) fn order(
         look,
         size,
         textures,
+        curved,
         colours,
         marks: view.preferences.marks,
         moving,

@@ -67,7 +67,7 @@ pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
     };
     let context = ui.ctx().clone();
     files::write_to(window.mail.clone(), PathBuf::new(), move |_| {
-        let request = order.request(camera);
+        let request = order.whole_request(camera);
         let picture = render::render(&order.scene, &order.settings, &request, &|_| {});
         let image = picture.map_err(|error| error.to_string())?.image;
         let size = [image.width() as usize, image.height() as usize];
@@ -222,8 +222,8 @@ fn write_mesh(window: &Window, path: &str, decision: Decision) {
     let Some(order) = order.cloned() else {
         return;
     };
-    let request = order.request(None);
     write(window, "Export mesh", path, decision, move |path| {
+        let request = order.whole_request(None);
         save_mesh(path, &order.scene, &order.settings, &request)
     });
 }

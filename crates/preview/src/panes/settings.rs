@@ -225,6 +225,7 @@ fn choose(window: &Window, ui: &mut Ui, label: &str, choice: &mut Choice, of_obj
             };
             option(Choice::Default);
             option(Choice::Plain);
+            option(Choice::Curvature);
             for path in &window.model.view.textures {
                 option(Choice::Image(path.clone()));
             }
