@@ -168,6 +168,7 @@ fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> 
             path: path.clone(),
             reason: error.to_string(),
         })?;
+        report.tell_places(context);
         window.report_to(report);
     }
     Ok(window)

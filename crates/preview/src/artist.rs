@@ -256,7 +256,7 @@ struct Easel {
     shares_gpu: bool,
     pilots: BTreeMap<String, Pilot>,
     /// Where everything of a scene is seen from, at the settings and size where it was asked for.
-    home: Option<(Arc<Scene>, Arc<Settings>, SpaceCamera)>,
+    home: Option<(Arc<Scene>, Arc<Settings>, [u32; 2], SpaceCamera)>,
     curvatures: Option<Curvatures>,
 }
 
@@ -368,16 +368,17 @@ impl Easel {
     /// Where everything is seen from, with the params as they were when the scene was first seen.
     fn home(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
         match &self.home {
-            Some((scene, _, camera)) if Arc::ptr_eq(scene, &order.scene) => Ok(*camera),
+            Some((scene, _, _, camera)) if Arc::ptr_eq(scene, &order.scene) => Ok(*camera),
             _ => self.home_now(order),
         }
     }
 
     /// Where everything is seen from.
     fn home_now(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
-        if let Some((scene, settings, camera)) = &self.home
+        if let Some((scene, settings, size, camera)) = &self.home
             && Arc::ptr_eq(scene, &order.scene)
             && *settings == order.settings
+            && *size == order.size
         {
             return Ok(*camera);
         }
@@ -398,6 +399,7 @@ impl Easel {
         self.home = Some((
             Arc::clone(&order.scene),
             Arc::clone(&order.settings),
+            order.size,
             camera,
         ));
         Ok(camera)

@@ -1,8 +1,13 @@
-//! Counters for tests of the real window: one JSON object a line, after each time that it has drawn itself.
+//! For tests of the real window: one JSON object a line, after each time that it has drawn itself. A line is either
+//! what has happened so far ([`Counters`]) or `{"controls": …}`: where everything that has a name is in the window.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
+use egui::accesskit::Node;
+use egui::{Context, FullOutput, Plugin};
 use serde::Serialize;
 
 /// What has happened since the window was opened.
@@ -29,22 +34,24 @@ pub struct Counters {
     pub version: i32,
     /// Whether what is on the screen is marked as stale.
     pub stale: bool,
+    /// Whether every view on the screen shows its newest picture.
+    pub settled: bool,
     /// The status line's first part.
     pub status: String,
     /// The params' values.
-    pub params: std::collections::BTreeMap<String, Vec<f64>>,
+    pub params: BTreeMap<String, Vec<f64>>,
     /// Where the 3D camera stands.
     pub eye: Option<[f64; 3]>,
     /// Where the geodesic cameras stand.
-    pub inside: std::collections::BTreeMap<String, [f64; 2]>,
+    pub inside: BTreeMap<String, [f64; 2]>,
     /// Where the pictures of panes are in the window, in points: left, top, width, height.
-    pub panes: std::collections::BTreeMap<String, [f32; 4]>,
+    pub panes: BTreeMap<String, [f32; 4]>,
 }
 
-/// Writes counters.
-#[derive(Debug)]
+/// Writes lines.
+#[derive(Clone, Debug)]
 pub(crate) struct Report {
-    file: std::fs::File,
+    file: Arc<Mutex<std::fs::File>>,
 }
 
 impl Report {
@@ -54,15 +61,77 @@ impl Report {
     /// The system's.
     pub(crate) fn create(path: &Path) -> std::io::Result<Self> {
         Ok(Self {
-            file: std::fs::File::create(path)?,
+            file: Arc::new(Mutex::new(std::fs::File::create(path)?)),
         })
     }
 
+    /// Tells from now on where everything is that has a name.
+    pub(crate) fn tell_places(&self, context: &Context) {
+        context.enable_accesskit();
+        context.add_plugin(Places {
+            report: self.clone(),
+            last: BTreeMap::new(),
+        });
+    }
+
     /// Writes a line; a file that cannot be written does not trouble the window.
-    pub(crate) fn write(&mut self, counters: &Counters) {
-        if let Ok(mut line) = serde_json::to_vec(counters) {
+    pub(crate) fn write(&self, counters: &Counters) {
+        self.line(counters);
+    }
+
+    fn line(&self, line: &impl Serialize) {
+        if let Ok(mut line) = serde_json::to_vec(line) {
             line.push(b'\n');
-            let _ = self.file.write_all(&line);
+            let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
+            let _ = file.write_all(&line);
+        }
+    }
+}
+
+/// Reads the tree that screen readers get.
+struct Places {
+    report: Report,
+    last: BTreeMap<String, [f64; 4]>,
+}
+
+#[derive(Serialize)]
+struct Controls<'a> {
+    /// By "role: name": left, top, width, height in pixels of the window.
+    controls: &'a BTreeMap<String, [f64; 4]>,
+}
+
+impl Plugin for Places {
+    fn debug_name(&self) -> &'static str {
+        "places of controls"
+    }
+
+    fn output_hook(&mut self, _context: &Context, output: &mut FullOutput) {
+        let Some(tree) = &output.platform_output.accesskit_update else {
+            return;
+        };
+        let scale = f64::from(output.pixels_per_point);
+        let own = |node: &Node| node.label().or(node.value()).map(str::to_owned);
+        // A control may have its name from a label beside it.
+        let name = |node: &Node| match (node.label(), node.labelled_by().first()) {
+            (None, Some(label)) => {
+                let label = tree.nodes.iter().find(|(id, _)| id == label);
+                label.and_then(|(_, label)| own(label))
+            }
+            _ => own(node),
+        };
+        let mut places = BTreeMap::new();
+        for (_, node) in &tree.nodes {
+            if let (Some(name), Some(at)) = (name(node), node.bounds()) {
+                let place = [at.x0, at.y0, at.x1 - at.x0, at.y1 - at.y0];
+                let name = format!("{:?}: {name}", node.role());
+                places.insert(name, place.map(|x| x * scale));
+            }
+        }
+        if places != self.last {
+            self.last = places;
+            self.report.line(&Controls {
+                controls: &self.last,
+            });
         }
     }
 }

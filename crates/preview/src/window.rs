@@ -529,6 +529,12 @@ impl Window {
         self.seen.insert(pane.clone());
         let moving = ui.input(|input| input.time) < self.moving_until;
         let size = self.picture_size(pane, pixels, moving);
+        let resized = self.sent.get(pane).is_some_and(|sent| sent.size != size);
+        let unmoved = self.model.view.space.is_some_and(|camera| !camera.moved);
+        if *pane == PaneKey::Space && !moving && resized && unmoved {
+            // A camera that nobody has moved shows everything in a pane of another shape too.
+            self.model.adjust(|view| view.space = None);
+        }
         let active = self.active_surface.clone();
         let model = &mut self.model;
         let library = &mut self.library;
@@ -593,12 +599,13 @@ impl Window {
         if self.report.is_some() {
             self.count();
         }
-        if let Some(report) = &mut self.report {
+        if let Some(report) = &self.report {
             report.write(&self.counters);
         }
     }
 
     fn count(&mut self) {
+        self.counters.settled = self.is_settled();
         let model = &mut self.model;
         self.counters.stale = model.is_stale();
         self.counters.status = model.status();

@@ -97,10 +97,13 @@ fn slider(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, values: &[f
                     animation.on[k] = on;
                 });
         }
+        // Only what is written is rounded: a slider of few decimals would round the value itself, in each frame.
         let decimals = decimals(range.max - range.min);
         let slider = Slider::new(&mut value, range.min..=range.max)
             .text(&name)
-            .max_decimals(decimals)
+            .custom_formatter(move |value, _| {
+                egui::emath::format_with_decimals_in_range(value, 0..=decimals)
+            })
             .smart_aim(false);
         let response = ui.add(slider);
         if response.changed() {
@@ -272,7 +275,7 @@ fn textures(window: &mut Window, ui: &mut Ui) {
         }
     });
     ui.horizontal(|ui| {
-        let label = ui.label("File");
+        let label = ui.label("Image file");
         let path = &mut window.dialogs.texture_path;
         let edit = egui::TextEdit::singleline(path).desired_width(150.0);
         let edit = ui.add(edit).labelled_by(label.id);

@@ -1,0 +1,123 @@
+//! Without a pointer, and with a screen reader; on small and on dense screens.
+
+use std::collections::BTreeSet;
+
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::NodeT;
+
+use crate::hand::{Hand, SPHERE};
+
+#[test]
+fn every_control_has_a_name() {
+    let mut hand = Hand::on(SPHERE);
+    assert_eq!(hand.harness.unnamed_widgets(), Vec::<String>::new());
+    for menu in ["File", "Edit", "View", "Overlays", "Help"] {
+        hand.click_on(Role::Button, menu);
+        assert_eq!(
+            hand.harness.unnamed_widgets(),
+            Vec::<String>::new(),
+            "{menu}"
+        );
+        hand.press(Modifiers::NONE, Key::Escape);
+    }
+    hand.click_on(Role::Button, "File");
+    hand.click("Save picture…");
+    assert_eq!(hand.harness.unnamed_widgets(), Vec::<String>::new());
+}
+
+/// The names that Tab stops at, from the first until it comes round.
+fn stops(hand: &mut Hand) -> Vec<String> {
+    let mut stops = Vec::new();
+    for _ in 0..200 {
+        hand.press(Modifiers::NONE, Key::Tab);
+        let root = hand.harness.root();
+        let focused = root.children_recursive().find(|node| node.is_focused());
+        let Some(focused) = focused else {
+            continue;
+        };
+        let node = focused.accesskit_node();
+        let name = format!("{:?}: {}", node.role(), node.label().unwrap_or_default());
+        if stops.first() == Some(&name) && stops.len() > 5 {
+            break;
+        }
+        stops.push(name);
+    }
+    stops
+}
+
+#[test]
+fn tab_reaches_every_control() {
+    let mut hand = Hand::on(SPHERE);
+    let stops = stops(&mut hand);
+    let reached: BTreeSet<&str> = stops.iter().map(String::as_str).collect();
+    for wanted in [
+        "Button: File",
+        "Button: Help",
+        "Slider: r",
+        "CheckBox: Animate r",
+        "CheckBox: Show s",
+        "ColorWell: Colour of s",
+        "ComboBox: Texture of s",
+        "Button: Open Texture…",
+        "Slider: Camera speed",
+    ] {
+        assert!(
+            reached.contains(wanted),
+            "Tab does not reach {wanted}: {stops:#?}"
+        );
+    }
+    assert!(
+        stops.iter().any(|it| it.starts_with("Image: 3D view")),
+        "{stops:#?}"
+    );
+    assert!(
+        stops
+            .iter()
+            .any(|it| it.starts_with("Image: Geodesic view of s")),
+        "{stops:#?}"
+    );
+}
+
+#[test]
+fn a_view_that_tab_reaches_has_the_keys() {
+    let mut hand = Hand::on(SPHERE);
+    for _ in 0..200 {
+        hand.press(Modifiers::NONE, Key::Tab);
+        let focused = {
+            let root = hand.harness.root();
+            let focused = root.children_recursive().find(|node| node.is_focused());
+            focused
+                .and_then(|node| node.accesskit_node().label())
+                .unwrap_or_default()
+        };
+        if focused.starts_with("Geodesic view of s") {
+            break;
+        }
+    }
+    let before = (hand.camera("s"), hand.eye());
+    hand.hold(Key::W, 6);
+    assert_ne!(hand.camera("s").at, before.0.at);
+    assert_eq!(hand.eye(), before.1);
+}
+
+#[test]
+fn a_small_window_and_a_dense_screen_show_whole_pictures() {
+    let mut hand = Hand::with(SPHERE, |builder| builder.with_size([480.0, 320.0]));
+    assert!(hand.shows("Status: OK"));
+    hand.hold(Key::W, 4);
+
+    let mut hand = Hand::with(SPHERE, |builder| {
+        builder
+            .with_size([1200.0, 800.0])
+            .with_pixels_per_point(2.0)
+    });
+    let rect = hand.space();
+    let place = hand.window().counters().panes["3d"];
+    assert!(
+        (place[2] - 2.0 * rect.width()).abs() < 1.0,
+        "{place:?} of {rect:?}"
+    );
+    hand.hold(Key::W, 4);
+    assert!(hand.window().is_settled());
+}

@@ -1,0 +1,291 @@
+//! Every key, button and wheel of both cameras.
+
+use egui::{Event, Key, Modifiers, PointerButton, accesskit::Role, vec2};
+use egui_kittest::kittest::Queryable;
+
+use crate::hand::{Hand, SPHERE};
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn length(a: [f64; 3]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Right, forward, and up in the world, of a camera.
+fn axes((eye, target): ([f64; 3], [f64; 3])) -> [[f64; 3]; 3] {
+    let ahead = minus(target, eye);
+    let ahead = ahead.map(|x| x / length(ahead));
+    let level = ahead[0].hypot(ahead[1]);
+    [
+        [ahead[1] / level, -ahead[0] / level, 0.0],
+        ahead,
+        [0.0, 0.0, 1.0],
+    ]
+}
+
+#[test]
+fn each_key_of_the_3d_camera_moves_it_along_its_axis_and_its_opposite_brings_it_back() {
+    let mut hand = Hand::on(SPHERE);
+    let pairs = [
+        (Key::W, Key::S, 1, 1.0),
+        (Key::S, Key::W, 1, -1.0),
+        (Key::D, Key::A, 0, 1.0),
+        (Key::A, Key::D, 0, -1.0),
+        (Key::Q, Key::E, 2, 1.0),
+        (Key::E, Key::Q, 2, -1.0),
+    ];
+    for (key, opposite, axis, sign) in pairs {
+        let before = hand.eye();
+        let pictures = hand.window().counters().pictures;
+        hand.hold(key, 8);
+        let after = hand.eye();
+        let step = minus(after.0, before.0);
+        let along = sign * dot(step, axes(before)[axis]);
+        assert!(along > 0.01, "{key:?} moves by {step:?}");
+        assert!(
+            (along - length(step)).abs() < 1e-9 * along,
+            "{key:?} moves by {step:?}"
+        );
+        let target = minus(after.1, before.1);
+        assert!(
+            length(minus(target, step)) < 1e-9,
+            "{key:?} turns the camera"
+        );
+        assert!(
+            hand.window().counters().pictures > pictures,
+            "{key:?}: no new picture"
+        );
+        hand.hold(opposite, 8);
+        let back = minus(hand.eye().0, before.0);
+        assert!(
+            length(back) < 1e-9,
+            "{opposite:?} does not undo {key:?}: {back:?}"
+        );
+    }
+}
+
+#[test]
+fn f_frames_everything_and_r_and_home_reset_the_3d_camera() {
+    let mut hand = Hand::on(SPHERE);
+    let first = hand.eye();
+    hand.hold(Key::W, 10);
+    hand.hold(Key::D, 10);
+    let ahead = axes(hand.eye())[1];
+    hand.press(Modifiers::NONE, Key::F);
+    hand.settle();
+    let framed = hand.eye();
+    assert!(length(minus(framed.1, first.1)) < 1e-9, "{framed:?}");
+    assert!((length(minus(framed.0, framed.1)) - length(minus(first.0, first.1))).abs() < 1e-9);
+    assert!(
+        dot(axes(framed)[1], ahead) > 1.0 - 1e-12,
+        "its direction stays"
+    );
+    for key in [Key::R, Key::Home] {
+        hand.hold(Key::A, 10);
+        assert!(length(minus(hand.eye().0, first.0)) > 0.01);
+        hand.press(Modifiers::NONE, key);
+        hand.settle();
+        assert_eq!(hand.eye(), first, "{key:?}");
+    }
+}
+
+#[test]
+fn drags_turn_orbit_and_pan_the_3d_camera_and_the_wheel_brings_it_nearer() {
+    let mut hand = Hand::on(SPHERE);
+    let middle = hand.space().center();
+    let way = vec2(60.0, 20.0);
+
+    let before = hand.eye();
+    hand.drag(middle, way, PointerButton::Primary, Modifiers::NONE);
+    let turned = hand.eye();
+    assert_eq!(
+        turned.0, before.0,
+        "a drag turns the camera where it stands"
+    );
+    let angle = dot(axes(before)[1], axes(turned)[1]).acos();
+    assert!(angle > 0.02, "{angle}");
+    // The camera looks where the pointer goes: to the right.
+    assert!(dot(minus(turned.1, before.1), axes(before)[0]) > 0.0);
+
+    for (button, modifiers) in [
+        (PointerButton::Secondary, Modifiers::NONE),
+        (PointerButton::Primary, Modifiers::ALT),
+    ] {
+        let before = hand.eye();
+        hand.drag(middle, way, button, modifiers);
+        let after = hand.eye();
+        assert_eq!(after.1, before.1, "an orbit keeps its target");
+        let distances = [before, after].map(|(eye, target)| length(minus(eye, target)));
+        assert!((distances[0] - distances[1]).abs() < 1e-9, "{distances:?}");
+        assert!(length(minus(after.0, before.0)) > 0.05);
+    }
+    for (button, modifiers) in [
+        (PointerButton::Middle, Modifiers::NONE),
+        (PointerButton::Primary, Modifiers::SHIFT),
+    ] {
+        let before = hand.eye();
+        hand.drag(middle, way, button, modifiers);
+        let after = hand.eye();
+        let step = minus(after.0, before.0);
+        assert!(length(step) > 0.05 && length(minus(minus(after.1, before.1), step)) < 1e-9);
+        let ahead = axes(before)[1];
+        assert!(
+            dot(step, ahead).abs() < 1e-9,
+            "a pan stays in the picture's plane"
+        );
+        // What is under the pointer goes with it, so the camera goes to the left.
+        assert!(dot(step, axes(before)[0]) < 0.0);
+    }
+
+    let far = length(minus(hand.eye().0, hand.eye().1));
+    hand.wheel(middle, 60.0);
+    let near = length(minus(hand.eye().0, hand.eye().1));
+    assert!(near < 0.95 * far, "{near} is not nearer than {far}");
+    hand.wheel(middle, -60.0);
+    let back = length(minus(hand.eye().0, hand.eye().1));
+    assert!((back / far - 1.0).abs() < 1e-3, "{back} and {far}");
+}
+
+/// A step in (u, v) in the basis X, Y.
+fn in_basis(step: [f64; 2], x: [f64; 2], y: [f64; 2]) -> [f64; 2] {
+    let area = x[0] * y[1] - x[1] * y[0];
+    [
+        (step[0] * y[1] - step[1] * y[0]) / area,
+        (x[0] * step[1] - x[1] * step[0]) / area,
+    ]
+}
+
+#[test]
+fn each_key_of_the_geodesic_camera_walks_turns_or_zooms() {
+    // In the plane with its own metric, parallel transport changes nothing, so each step is exact.
+    let plane = "surface s(u,v) = (2u, 3v, 0), u : [-9, 9], v : [-9, 9];\n";
+    let mut hand = Hand::on(plane);
+    let middle = hand.inside("s").center();
+    hand.harness.hover_at(middle);
+    hand.harness.drag_at(middle);
+    hand.harness.step();
+    hand.harness.drop_at(middle);
+    hand.settle();
+    let walks = [
+        (Key::W, Key::S, [0.0, 1.0]),
+        (Key::S, Key::W, [0.0, -1.0]),
+        (Key::D, Key::A, [1.0, 0.0]),
+        (Key::A, Key::D, [-1.0, 0.0]),
+    ];
+    for (key, opposite, way) in walks {
+        let before = hand.camera("s");
+        hand.hold(key, 8);
+        let after = hand.camera("s");
+        let step = [after.at[0] - before.at[0], after.at[1] - before.at[1]];
+        let [a, b] = in_basis(step, before.x, before.y);
+        let along = a * way[0] + b * way[1];
+        let aside = a * way[1] - b * way[0];
+        assert!(along > 1e-3 && aside.abs() < 1e-7, "{key:?}: {a} X + {b} Y");
+        assert!((after.x[0] - before.x[0]).abs() < 1e-7 && (after.y[1] - before.y[1]).abs() < 1e-7);
+        hand.hold(opposite, 8);
+        let back = hand.camera("s");
+        assert!(
+            (back.at[0] - before.at[0]).abs() < 1e-6,
+            "{back:?} is not {before:?}"
+        );
+    }
+    for (key, opposite, sign) in [(Key::Q, Key::E, 1.0), (Key::E, Key::Q, -1.0)] {
+        let before = hand.camera("s");
+        hand.hold(key, 8);
+        let after = hand.camera("s");
+        let [a, b] = in_basis(after.x, before.x, before.y);
+        let angle = b.atan2(a) * sign;
+        assert!(angle > 0.01 && angle < 1.0, "{key:?} turns X by {angle}");
+        assert!((a.hypot(b) - 1.0).abs() < 1e-9, "X keeps its length");
+        assert_eq!(after.at, before.at);
+        hand.hold(opposite, 8);
+    }
+    for (key, opposite, sign) in [(Key::Z, Key::X, -1.0), (Key::X, Key::Z, 1.0)] {
+        let before = hand.camera("s");
+        hand.hold(key, 8);
+        let after = hand.camera("s");
+        let factor = (after.zoom / before.zoom).ln() * sign;
+        assert!(factor > 0.01, "{key:?} zooms by {factor}");
+        assert!((after.x[0] / before.x[0] - after.zoom / before.zoom).abs() < 1e-9);
+        hand.hold(opposite, 8);
+    }
+    let moved = hand.camera("s");
+    hand.hold(Key::W, 8);
+    hand.press(Modifiers::NONE, Key::R);
+    hand.settle();
+    let reset = hand.camera("s");
+    assert_ne!(reset.at, moved.at.map(|x| x + 1.0));
+    assert!(!reset.moved, "R puts it at its first place");
+}
+
+#[test]
+fn a_drag_carries_what_is_under_the_pointer_and_the_wheel_zooms() {
+    let plane = "surface s(u,v) = (u, v, 0), u : [-9, 9], v : [-9, 9];\n";
+    let mut hand = Hand::on(plane);
+    let middle = hand.inside("s").center();
+    let before = hand.camera("s");
+    hand.drag(
+        middle,
+        vec2(40.0, 0.0),
+        PointerButton::Primary,
+        Modifiers::NONE,
+    );
+    let after = hand.camera("s");
+    let step = [after.at[0] - before.at[0], after.at[1] - before.at[1]];
+    let [a, b] = in_basis(step, before.x, before.y);
+    assert!(
+        a < -1e-3 && b.abs() < 1e-7,
+        "the camera goes against the pointer: {a} X + {b} Y"
+    );
+    // A drag by half the shorter side is a walk by X. What comes before it is known for a drag is no part of it.
+    let rect = hand.inside("s");
+    let half = f64::from(0.5 * rect.width().min(rect.height()));
+    assert!((33.0..=40.0).contains(&(-a * half)), "{a} of {half}");
+    hand.wheel(middle, 60.0);
+    let near = hand.camera("s").zoom;
+    assert!(near < 0.95 * after.zoom, "{near} of {}", after.zoom);
+    hand.wheel(middle, -60.0);
+    assert!((hand.camera("s").zoom / after.zoom - 1.0).abs() < 1e-3);
+}
+
+#[test]
+fn a_click_on_a_surface_puts_its_geodesic_camera_there() {
+    let mut hand = Hand::on(SPHERE);
+    let before = hand.camera("s");
+    let at = hand.space().center() + vec2(30.0, -20.0);
+    hand.drag(at, vec2(0.0, 0.0), PointerButton::Primary, Modifiers::NONE);
+    hand.until("the camera is placed", |hand| {
+        hand.camera("s").at != before.at
+    });
+    assert!(hand.shows("s at (u, v) = ("));
+    let [u, v] = hand.camera("s").at;
+    assert!(
+        hand.shows(&format!("s at (u, v) = ({u:.4}, {v:.4})")),
+        "{:?}",
+        hand.names()
+    );
+}
+
+#[test]
+fn keys_in_a_text_are_text_and_shortcuts_are_no_motions() {
+    let mut hand = Hand::on(SPHERE);
+    let before = hand.eye();
+    hand.harness
+        .event(Event::ModifiersChanged(Modifiers::COMMAND));
+    hand.harness.key_down(Key::D);
+    hand.harness.run_steps(8);
+    hand.harness.key_up(Key::D);
+    hand.harness.event(Event::ModifiersChanged(Modifiers::NONE));
+    hand.settle();
+    assert_eq!(hand.eye(), before);
+    hand.harness.get_by_role(Role::MultilineTextInput).focus();
+    hand.harness.run_steps(2);
+    hand.hold(Key::W, 8);
+    assert_eq!(hand.eye(), before, "W in the text does not move the camera");
+}

@@ -1,0 +1,273 @@
+//! A hand on the window: opens it on a text, waits until it shows what it was told, presses, drags and reads.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, PointerButton, Pos2, Rect, Vec2};
+use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::{Harness, HarnessBuilder, Node};
+use preview::Window;
+use preview::model::InsideCamera;
+use tempfile::TempDir;
+
+/// A sphere whose radius is a param, and a point beside it.
+pub(crate) const SPHERE: &str = "param r : [1, 3];
+surface s(u,v) = r(cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi/2];
+point p = (0, 0, r + 1);
+";
+
+/// How long a condition may take: far more than it needs, since the machine may be busy.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Seconds that each frame of the harness takes.
+pub(crate) const FRAME: f32 = 1.0 / 60.0;
+
+/// The window and what holds it.
+pub(crate) struct Hand {
+    pub(crate) harness: Harness<'static, Option<Window>>,
+    pub(crate) path: PathBuf,
+    folder: Option<TempDir>,
+}
+
+impl Hand {
+    /// The window on a file with this text, when its pictures are there.
+    pub(crate) fn on(text: &str) -> Self {
+        Self::with(text, |builder| builder.with_size([1200.0, 800.0]))
+    }
+
+    /// The same, with a harness of another kind.
+    pub(crate) fn with(
+        text: &str,
+        dress: impl FnOnce(HarnessBuilder<Option<Window>>) -> HarnessBuilder<Option<Window>>,
+    ) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("program.gtr");
+        std::fs::write(&path, text).expect("written");
+        Self::open(path, folder, dress)
+    }
+
+    fn open(
+        path: PathBuf,
+        folder: TempDir,
+        dress: impl FnOnce(HarnessBuilder<Option<Window>>) -> HarnessBuilder<Option<Window>>,
+    ) -> Self {
+        let file = path.clone();
+        let harness = dress(Harness::builder().with_step_dt(FRAME)).build_ui_state(
+            move |ui, window: &mut Option<Window>| {
+                let window = window.get_or_insert_with(|| {
+                    Window::of_file(ui.ctx(), file.clone(), true).expect("the file is there")
+                });
+                window.show(ui);
+            },
+            None,
+        );
+        let mut hand = Self {
+            harness,
+            path,
+            folder: Some(folder),
+        };
+        hand.settle();
+        hand
+    }
+
+    /// Closes the window and opens another one on the same file.
+    pub(crate) fn again(mut self) -> Self {
+        let (path, folder) = (self.path.clone(), self.folder.take());
+        // What is to be remembered is written at the latest when the window goes.
+        drop(self);
+        Self::open(path, folder.expect("kept"), |builder| {
+            builder.with_size([1200.0, 800.0])
+        })
+    }
+
+    pub(crate) fn window(&self) -> &Window {
+        self.harness.state().as_ref().expect("it has been drawn")
+    }
+
+    pub(crate) fn window_mut(&mut self) -> &mut Window {
+        self.harness
+            .state_mut()
+            .as_mut()
+            .expect("it has been drawn")
+    }
+
+    /// Draws frames until something holds.
+    pub(crate) fn until(&mut self, what: &str, holds: impl Fn(&Self) -> bool) {
+        let begun = Instant::now();
+        loop {
+            self.harness.step();
+            if holds(self) {
+                return;
+            }
+            let window = self.window();
+            assert!(
+                begun.elapsed() < PATIENCE,
+                "{what}: not within {PATIENCE:?}; {}, {:?}",
+                window.model().status(),
+                window.counters()
+            );
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    /// Draws frames until the window has no more to do: nothing moves, and each picture is the newest.
+    pub(crate) fn settle(&mut self) {
+        // What moves, moves for a while after the last motion.
+        self.harness.run_steps(14);
+        self.until("the window comes to rest", |hand| {
+            hand.window().is_settled()
+        });
+        self.harness.run_steps(2);
+        self.until("the window comes to rest", |hand| {
+            hand.window().is_settled()
+        });
+    }
+
+    /// Holds a key for some frames.
+    pub(crate) fn hold(&mut self, key: Key, frames: usize) {
+        self.harness.key_down(key);
+        self.harness.run_steps(frames);
+        self.harness.key_up(key);
+        self.settle();
+    }
+
+    /// Presses a key with modifiers.
+    pub(crate) fn press(&mut self, modifiers: Modifiers, key: Key) {
+        self.harness.key_press_modifiers(modifiers, key);
+        self.harness.run_steps(3);
+    }
+
+    /// Clicks on what has this name.
+    pub(crate) fn click(&mut self, label: &str) {
+        self.harness.get_by_label(label).scroll_to_me();
+        self.harness.run_steps(20);
+        self.harness.get_by_label(label).click();
+        self.harness.run_steps(3);
+    }
+
+    /// Clicks on what has this role and name.
+    pub(crate) fn click_on(&mut self, role: Role, label: &str) {
+        self.harness
+            .get_by_role_and_label(role, label)
+            .scroll_to_me();
+        self.harness.run_steps(20);
+        self.harness.get_by_role_and_label(role, label).click();
+        self.harness.run_steps(3);
+    }
+
+    /// Clicks on the first whose name contains this.
+    pub(crate) fn click_like(&mut self, part: &str) {
+        self.like(part).click();
+        self.harness.run_steps(3);
+    }
+
+    /// The first whose name contains this.
+    pub(crate) fn like<'a>(&'a self, part: &'a str) -> Node<'a> {
+        self.harness
+            .get_all_by_label_contains(part)
+            .next()
+            .expect("one has this name")
+    }
+
+    /// Whether anything is called so, in part.
+    pub(crate) fn shows(&self, part: &str) -> bool {
+        self.names().iter().any(|name| name.contains(part))
+    }
+
+    /// All names and values that a screen reader finds.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let root = self.harness.root();
+        let nodes = root.children_recursive();
+        nodes
+            .flat_map(|node| {
+                let node = node.accesskit_node();
+                [node.label(), node.value()]
+                    .into_iter()
+                    .flatten()
+                    .collect::<Vec<_>>()
+            })
+            .collect()
+    }
+
+    /// Where everything is that is called so, in part.
+    pub(crate) fn rects(&self, part: &str) -> Vec<Rect> {
+        let found = self.harness.query_all_by_label_contains(part);
+        found.map(|node| node.rect()).collect()
+    }
+
+    /// Drags with a button from a place by a way, in steps.
+    pub(crate) fn drag(
+        &mut self,
+        from: Pos2,
+        by: Vec2,
+        button: PointerButton,
+        modifiers: Modifiers,
+    ) {
+        let event = |pos, pressed| Event::PointerButton {
+            pos,
+            button,
+            pressed,
+            modifiers,
+        };
+        self.harness.event(Event::ModifiersChanged(modifiers));
+        self.harness.hover_at(from);
+        self.harness.step();
+        self.harness.event(event(from, true));
+        self.harness.step();
+        for step in 1..=8 {
+            self.harness.hover_at(from + by * (step as f32 / 8.0));
+            self.harness.step();
+        }
+        self.harness.event(event(from + by, false));
+        self.harness.step();
+        self.harness.event(Event::ModifiersChanged(Modifiers::NONE));
+        self.settle();
+    }
+
+    /// Turns the wheel over a place.
+    pub(crate) fn wheel(&mut self, at: Pos2, points: f32) {
+        self.harness.hover_at(at);
+        self.harness.step();
+        self.harness.event(Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Point,
+            delta: egui::vec2(0.0, points),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Unknown,
+            modifiers: Modifiers::NONE,
+        });
+        self.harness.run_steps(40);
+        self.settle();
+    }
+
+    /// Where the 3D view is.
+    pub(crate) fn space(&self) -> Rect {
+        self.like("3D view of ").rect()
+    }
+
+    /// Where the geodesic view of a surface is.
+    pub(crate) fn inside(&self, surface: &str) -> Rect {
+        self.like(&format!("Geodesic view of {surface} from"))
+            .rect()
+    }
+
+    /// Where the 3D camera stands, and what it looks at.
+    pub(crate) fn eye(&self) -> ([f64; 3], [f64; 3]) {
+        let camera = self.window().model().view.space.expect("a camera");
+        (camera.eye, camera.target)
+    }
+
+    /// The geodesic camera of a surface.
+    pub(crate) fn camera(&self, surface: &str) -> InsideCamera {
+        self.window().model().view.inside[surface]
+    }
+
+    /// The value of a param with one component.
+    pub(crate) fn param(&mut self, name: &str) -> f64 {
+        let model = self.window().model();
+        let scene = model.scene.clone().expect("a scene");
+        let param = scene.params.iter().find(|it| it.name == name);
+        let range = param.expect("declared").ranges[0];
+        let chosen = model.view.params.get(name).map(|values| values[0]);
+        chosen.unwrap_or(range.min).clamp(range.min, range.max)
+    }
+}

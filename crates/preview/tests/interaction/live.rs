@@ -1,0 +1,170 @@
+//! Typing: what is redone, what is marked as stale, what is kept.
+
+use egui::{Key, Modifiers, accesskit::Role};
+use egui_kittest::kittest::Queryable;
+
+use crate::hand::{Hand, SPHERE};
+
+#[test]
+fn a_window_at_rest_draws_nothing() {
+    let mut hand = Hand::on(SPHERE);
+    let before = hand.window().counters().clone();
+    // The harness steps whether it is asked to or not; the window asks for no frame and for no picture.
+    let delay =
+        |hand: &Hand| hand.harness.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay;
+    for _ in 0..20 {
+        hand.harness.step();
+        assert_eq!(
+            delay(&hand),
+            std::time::Duration::MAX,
+            "it asks for another frame"
+        );
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let after = hand.window().counters().clone();
+    assert_eq!(after.pictures, before.pictures);
+    assert_eq!(
+        (after.sampled, after.looks, after.pipelines),
+        (before.sampled, before.looks, before.pipelines)
+    );
+}
+
+#[test]
+fn what_is_typed_is_shown_and_saved_with_ctrl_s() {
+    let mut hand = Hand::on("point p = (0, 0, 1);\n");
+    let text = hand
+        .harness
+        .get_by_role_and_label(Role::MultilineTextInput, "Program text");
+    text.focus();
+    hand.harness.run_steps(2);
+    hand.press(Modifiers::COMMAND, Key::End);
+    hand.harness
+        .event(egui::Event::Text("point q = (1, 0, 0);".to_owned()));
+    hand.harness.run_steps(2);
+    hand.settle();
+    assert_eq!(
+        hand.window()
+            .model()
+            .scene
+            .as_ref()
+            .expect("a scene")
+            .objects
+            .len(),
+        2
+    );
+    assert!(hand.shows("not saved"));
+    hand.press(Modifiers::COMMAND, Key::S);
+    hand.settle();
+    assert!(hand.shows("Saved") && !hand.shows("not saved"));
+    let saved = std::fs::read_to_string(&hand.path).expect("a file");
+    assert_eq!(saved, "point p = (0, 0, 1);\npoint q = (1, 0, 0);");
+}
+
+#[test]
+fn a_broken_text_keeps_the_picture_marks_it_stale_and_a_mended_one_takes_the_mark_away() {
+    let mut hand = Hand::on(SPHERE);
+    assert!(hand.shows("Status: OK") && !hand.shows("stale"));
+    let pictures = hand.window().counters().pictures;
+    hand.window_mut().set_text(SPHERE.replace("r + 1", "r + "));
+    hand.until("the error is shown", |hand| {
+        hand.window().model().is_stale()
+    });
+    assert!(hand.shows("Status: line 3, column "), "{:?}", hand.names());
+    assert!(hand.shows("stale: the program has errors"));
+    // In the same frame, and with the picture still there.
+    assert!(hand.shows("3D view of 2 objects"), "{:?}", hand.names());
+    assert!(hand.window().counters().pictures >= pictures);
+    hand.window_mut().set_text(SPHERE.to_owned());
+    hand.until("the mark goes", |hand| !hand.window().model().is_stale());
+    assert!(hand.shows("Status: OK") && !hand.shows("stale"));
+}
+
+#[test]
+fn the_others_keep_moving_while_one_declaration_is_broken() {
+    let mut hand = Hand::on(SPHERE);
+    let text = SPHERE
+        .replace("(0, 0, r + 1)", "(0, 0,")
+        .replace("[1, 3]", "[2, 3]");
+    hand.window_mut().set_text(text);
+    hand.until("the error is shown", |hand| {
+        hand.window().model().is_stale()
+    });
+    hand.settle();
+    let range = hand
+        .window()
+        .model()
+        .scene
+        .as_ref()
+        .expect("a scene")
+        .params[0]
+        .ranges[0];
+    assert_eq!(range.min, 2.0, "the good declaration is the new one");
+    let stale: Vec<String> = hand.window().model().stale.iter().cloned().collect();
+    assert_eq!(stale, ["p"], "only the broken one is as it was");
+}
+
+#[test]
+fn a_file_that_changes_on_disk_is_followed_also_when_it_is_replaced() {
+    let mut hand = Hand::on(SPHERE);
+    let version = hand.window().model().version;
+    std::fs::write(&hand.path, "point a = (1, 2, 3);\n").expect("written");
+    hand.until("the new text is shown", |hand| {
+        hand.window().model().version > version && hand.window().model().object("a").is_some()
+    });
+    let other = hand.path.with_file_name("other");
+    std::fs::write(&other, "point b = (1, 2, 3);\n").expect("written");
+    std::fs::rename(&other, &hand.path).expect("renamed");
+    hand.until("the file in its place is shown", |hand| {
+        hand.window().model().object("b").is_some()
+    });
+    assert_eq!(hand.window().text(), Some("point b = (1, 2, 3);\n"));
+}
+
+#[test]
+fn two_texts_that_differ_are_a_question_and_nothing_is_lost() {
+    let mut hand = Hand::on("point a = (1, 2, 3);\n");
+    let mine = "point mine = (1, 2, 3);\n";
+    hand.window_mut().set_text(mine.to_owned());
+    hand.settle();
+    std::fs::write(&hand.path, "point theirs = (1, 2, 3);\n").expect("written");
+    hand.until("it asks", |hand| {
+        hand.shows("The file has changed on disk, and so has this text.")
+    });
+    assert_eq!(hand.window().text(), Some(mine));
+    hand.press(Modifiers::COMMAND, Key::S);
+    let on_disk = std::fs::read_to_string(&hand.path).expect("a file");
+    assert_eq!(
+        on_disk, "point theirs = (1, 2, 3);\n",
+        "not written over unseen"
+    );
+    hand.click("Take the file's");
+    hand.settle();
+    assert!(hand.window().model().object("theirs").is_some());
+    assert!(!hand.shows("The file has changed on disk"));
+}
+
+#[test]
+fn an_edit_of_one_of_twenty_surfaces_samples_that_one() {
+    let mut text = String::new();
+    for k in 0..20 {
+        text.push_str(&format!(
+            "surface s{k}(u,v) = (u + {k}, v, sin(u v)), u : [0, 1], v : [0, 1];\n"
+        ));
+    }
+    let mut hand = Hand::on(&text);
+    let before = hand.window().counters().clone();
+    hand.window_mut()
+        .set_text(text.replace("(u + 7, v, sin(u v))", "(u + 7, v, cos(u v))"));
+    hand.until("it is compiled", |hand| {
+        hand.window().counters().compiled > before.compiled
+    });
+    hand.settle();
+    let after = hand.window().counters().clone();
+    assert_eq!(after.sampled - before.sampled, 1);
+    assert_eq!(
+        after.pipelines - before.pipelines,
+        0,
+        "blocks serve: the processor draws"
+    );
+    assert_eq!(after.geodesic_kernels, 0);
+}

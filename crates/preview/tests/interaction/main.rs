@@ -1,0 +1,13 @@
+//! The window without a display: keys, pointer and files flow in through egui's own test harness, and what a user or
+//! a screen reader would find is compared with what must be there. No driver is needed but for the pictures of
+//! `snapshots.rs`.
+
+mod access;
+mod attached;
+mod cameras;
+mod faults;
+mod hand;
+mod live;
+mod remembered;
+mod settings;
+mod snapshots;

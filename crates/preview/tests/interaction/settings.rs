@@ -1,0 +1,237 @@
+//! The settings: sliders, animation, colours, textures, menus, undo.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::{Key, Modifiers, PointerButton, accesskit::Role, vec2};
+use egui_kittest::kittest::Queryable;
+use preview::model::Choice;
+
+use crate::hand::{Hand, SPHERE};
+
+#[test]
+fn a_slider_moves_its_param_and_compiles_and_builds_nothing() {
+    let mut hand = Hand::on(SPHERE);
+    let before = hand.window().counters().clone();
+    let slider = hand.harness.get_by_role_and_label(Role::Slider, "r").rect();
+    let from = slider.left_center() + vec2(6.0, 0.0);
+    hand.drag(
+        from,
+        vec2(60.0, 0.0),
+        PointerButton::Primary,
+        Modifiers::NONE,
+    );
+    let value = hand.param("r");
+    assert!(value > 1.2 && value < 2.8, "{value}");
+    let after = hand.window().counters().clone();
+    assert!(after.pictures > before.pictures);
+    assert_eq!(
+        after.compiled, before.compiled,
+        "a param is no part of the text"
+    );
+    assert_eq!(after.pipelines, before.pipelines);
+    assert_eq!(after.geodesic_kernels, 0);
+    // One drag is one step.
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(hand.param("r"), 1.0);
+    hand.press(Modifiers::COMMAND, Key::Y);
+    hand.settle();
+    assert_eq!(hand.param("r"), value);
+}
+
+#[test]
+fn an_animated_param_moves_one_unit_a_second_and_rests_when_it_is_told_to() {
+    let mut hand = Hand::on(SPHERE);
+    hand.click("Animate r");
+    let pictures = hand.window().counters().pictures;
+    hand.until("a picture of it", |hand| {
+        hand.window().counters().pictures > pictures
+    });
+    let from = hand.param("r");
+    hand.harness.run_steps(30);
+    let to = hand.param("r");
+    assert!(
+        (to - from - 0.5).abs() < 1e-3,
+        "30 frames of a sixtieth of a second: {from} to {to}"
+    );
+    // It begins anew at the least value.
+    hand.harness.run_steps(90);
+    assert!((1.0..=3.0).contains(&hand.param("r")));
+    hand.click("Animate r");
+    hand.settle();
+    let rest = hand.param("r");
+    hand.harness.run_steps(20);
+    assert_eq!(hand.param("r"), rest);
+}
+
+#[test]
+fn an_object_can_be_hidden_and_coloured_and_a_surface_takes_a_texture_from_the_list() {
+    let mut hand = Hand::on(SPHERE);
+    hand.click("Show p");
+    assert!(hand.window().model().view.look("p").hidden);
+    hand.click("Show p");
+    assert!(!hand.window().model().view.look("p").hidden);
+
+    hand.click("Texture of s");
+    hand.click("Plain colour");
+    assert_eq!(hand.window().model().view.look("s").texture, Choice::Plain);
+    hand.settle();
+
+    let image = hand.path.with_file_name("map.png");
+    image::RgbImage::from_pixel(8, 4, image::Rgb([200, 30, 30]))
+        .save(&image)
+        .expect("written");
+    hand.harness
+        .get_by_role_and_label(Role::TextInput, "Image file")
+        .focus();
+    hand.harness.run_steps(2);
+    hand.harness
+        .get_by_role_and_label(Role::TextInput, "Image file")
+        .type_text("map.png");
+    hand.harness.run_steps(2);
+    hand.click("Add");
+    hand.until("the image is read", |hand| {
+        hand.window().model().view.textures == [image.clone()]
+    });
+    hand.click("Texture of s");
+    hand.click_on(Role::Button, "map.png");
+    assert_eq!(
+        hand.window().model().view.look("s").texture,
+        Choice::Image(image.clone())
+    );
+    hand.settle();
+    hand.click("Remove map.png");
+    assert!(hand.window().model().view.textures.is_empty());
+}
+
+/// A file as a desktop hands it over.
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn an_image_dropped_onto_the_window_is_in_the_list() {
+    let mut hand = Hand::on(SPHERE);
+    let image = hand.path.with_file_name("drop.png");
+    image::RgbImage::from_pixel(4, 4, image::Rgb([30, 200, 30]))
+        .save(&image)
+        .expect("written");
+    let file = Dropped(image.clone());
+    hand.harness.input_mut().dropped_files.push(Arc::new(file));
+    hand.harness.step();
+    hand.settle();
+    assert_eq!(hand.window().model().view.textures, [image]);
+    assert!(hand.shows("drop.png"));
+}
+
+#[test]
+fn the_menus_do_what_their_entries_say() {
+    let mut hand = Hand::on(SPHERE);
+    hand.click("Overlays");
+    hand.click("Legend");
+    assert!(hand.window().model().view.preferences.marks.legend);
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+
+    hand.click("Edit");
+    hand.click_like("Undo: Change the overlays");
+    assert!(!hand.window().model().view.preferences.marks.legend);
+    hand.settle();
+    hand.click("Edit");
+    hand.click_like("Redo: Change the overlays");
+    assert!(hand.window().model().view.preferences.marks.legend);
+    hand.settle();
+
+    let looks = hand.window().counters().looks;
+    hand.click("View");
+    hand.click("Geodesic view of s");
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    assert!(hand.window().model().view.closed.contains("s"));
+    hand.hold(Key::W, 5);
+    assert_eq!(
+        hand.window().counters().looks,
+        looks,
+        "a view that is not seen is not drawn"
+    );
+    hand.click("View");
+    hand.click("Geodesic view of s");
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    assert!(!hand.window().model().view.closed.contains("s"));
+
+    hand.hold(Key::W, 5);
+    hand.click("View");
+    hand.click_like("Reset the camera");
+    hand.settle();
+    assert!(!hand.window().model().view.space.expect("a camera").moved);
+
+    hand.press(Modifiers::NONE, Key::F1);
+    hand.settle();
+    assert!(hand.shows("put the geodesic camera there"));
+}
+
+#[test]
+fn settings_of_the_window_are_steps_that_can_be_undone() {
+    let mut hand = Hand::on(SPHERE);
+    let model = |hand: &Hand| hand.window().model().view.preferences.clone();
+    let before = model(&hand);
+    hand.click("Dark");
+    assert_eq!(model(&hand).theme, preview::model::Theme::Dark);
+    hand.settle();
+    hand.press(Modifiers::COMMAND, Key::Z);
+    assert_eq!(model(&hand), before);
+}
+
+#[test]
+fn a_picture_is_saved_at_any_size_with_a_transparent_background() {
+    let mut hand = Hand::on(SPHERE);
+    hand.click_on(Role::Button, "File");
+    hand.click("Save picture…");
+    hand.harness.run_steps(3);
+    let target = hand.path.with_file_name("3d.png");
+    let file = hand
+        .harness
+        .get_all_by_role(Role::TextInput)
+        .find(|node| node.value().is_some_and(|value| value.ends_with("3d.png")));
+    assert_eq!(
+        file.expect("a field for the file").value(),
+        Some(target.display().to_string())
+    );
+    let width = hand
+        .harness
+        .get_by_role_and_label(Role::SpinButton, "Width");
+    width.set_value_accesskit(320.0);
+    hand.harness.run_steps(2);
+    let height = hand
+        .harness
+        .get_by_role_and_label(Role::SpinButton, "Height");
+    height.set_value_accesskit(200.0);
+    hand.harness.run_steps(2);
+    hand.click("Transparent background");
+    let save = hand
+        .harness
+        .get_all_by_role_and_label(Role::Button, "Save")
+        .last();
+    save.expect("offered").click();
+    hand.harness.run_steps(3);
+    hand.until("the picture is written", |_| target.exists());
+    hand.until("the window says so", |hand| hand.shows("320"));
+    let picture = image::open(&target).expect("a picture").to_rgba8();
+    assert_eq!(picture.dimensions(), (320, 200));
+    assert_eq!(picture.get_pixel(0, 0).0[3], 0, "the corner is background");
+    assert!(
+        picture.pixels().any(|pixel| pixel.0[3] == 255),
+        "the sphere is not"
+    );
+}

@@ -1,0 +1,259 @@
+"""A screen that nobody sees, a window on it, and hands for keys and pointer.
+
+    Screen ──Xvfb──▶ display        Window ──geotrace preview --report──▶ counters, places of controls
+       └── picture(): pixels           └── key(), drag(), click(): xdotool
+
+Nothing is waited for by the clock but rest itself: conditions have a minute, since the machine may be busy.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+PATIENCE = 60.0
+ROOT = Path(__file__).resolve().parents[2]
+BINARY = os.environ.get("GEOTRACE_BIN", "geotrace")
+
+
+def until(what, holds, patience=PATIENCE):
+    """The first true answer of `holds`, asked again and again."""
+    begun = time.monotonic()
+    while True:
+        answer = holds()
+        if answer:
+            return answer
+        if time.monotonic() - begun > patience:
+            raise AssertionError(f"not within {patience:.0f} s: {what}")
+        time.sleep(0.05)
+
+
+class Screen:
+    """An X server of its own."""
+
+    def __init__(self, width=1600, height=1000):
+        self.size = (width, height)
+        self.folder = tempfile.mkdtemp(prefix="geotrace-screen-")
+        read, write = os.pipe()
+        command = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"]
+        self.server = subprocess.Popen(
+            command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+        os.close(write)
+        with os.fdopen(read) as numbers:
+            self.display = f":{numbers.readline().strip()}"
+
+    def environment(self):
+        """For programs that show something here, and know nothing of the user's own desktop."""
+        environment = {k: v for k, v in os.environ.items() if k != "WAYLAND_DISPLAY"}
+        environment |= {"DISPLAY": self.display, "XDG_RUNTIME_DIR": self.folder, "HOME": self.folder}
+        # No bridge to a screen reader is to be looked for.
+        environment |= {"DBUS_SESSION_BUS_ADDRESS": "disabled:", "NO_AT_BRIDGE": "1"}
+        return environment
+
+    def run(self, *command):
+        """What a program says."""
+        done = subprocess.run(command, env=self.environment(), capture_output=True, check=True, timeout=PATIENCE)
+        return done.stdout
+
+    def pixels(self, place=None):
+        """The screen's bytes, or those of [left, top, width, height]."""
+        crop = []
+        if place:
+            left, top, width, height = (round(x) for x in place)
+            crop = ["-crop", f"{width}x{height}+{left}+{top}"]
+        return self.run("import", "-silent", "-window", "root", *crop, "-depth", "8", "rgb:-")
+
+    def keep(self, name):
+        """A screenshot, where one is wanted."""
+        folder = os.environ.get("GEOTRACE_SHOTS")
+        if folder:
+            Path(folder).mkdir(parents=True, exist_ok=True)
+            self.run("import", "-silent", "-window", "root", str(Path(folder).resolve() / f"{name}.png"))
+
+    def close(self):
+        self.server.terminate()
+        self.server.wait()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+class Window:
+    """A window on a program of its own."""
+
+    def __init__(self, screen, text, *arguments, name="program.gtr", folder=None):
+        self.screen = screen
+        self.own = folder is None
+        self.folder = Path(folder or tempfile.mkdtemp(prefix="geotrace-window-"))
+        self.file = self.folder / name
+        if isinstance(text, bytes):
+            self.file.write_bytes(text)
+        elif text is not None:
+            self.file.write_text(text)
+        self.report = self.folder / "report.jsonl"
+        self.errors = self.folder / "stderr"
+        self.read = 0
+        self.rest = b""
+        self.counters = {}
+        self.controls = {}
+        command = [BINARY, "preview", str(self.file), "--report", str(self.report), *arguments]
+        with open(self.errors, "wb") as errors:
+            self.process = subprocess.Popen(command, env=screen.environment(), stderr=errors)
+        self.until("the window has drawn itself", lambda now: now.get("frames", 0) > 0)
+        found = lambda: screen.run("xdotool", "search", "--onlyvisible", "--pid", str(self.process.pid)).split()
+        self.id = until("the window is on the screen", lambda: self.ids(found))
+        self.xdotool("windowsize", self.id, *screen.size)
+        self.xdotool("windowfocus", self.id)
+        if text is not None:
+            self.settle()
+
+    @staticmethod
+    def ids(found):
+        try:
+            return found()[-1].decode()
+        except (subprocess.CalledProcessError, IndexError):
+            return None
+
+    def take(self):
+        """Reads what the window has written since."""
+        if not self.report.exists():
+            return self.counters
+        with open(self.report, "rb") as report:
+            report.seek(self.read)
+            new = report.read()
+        self.read += len(new)
+        *lines, self.rest = (self.rest + new).split(b"\n")
+        for line in lines:
+            line = json.loads(line)
+            if "controls" in line:
+                self.controls = line["controls"]
+            else:
+                self.counters = line
+        return self.counters
+
+    def until(self, what, holds):
+        """The counters, as soon as something holds of them."""
+
+        def asked():
+            if self.process.poll() is not None:
+                raise AssertionError(f"the window has ended with {self.process.returncode}: {self.said()}")
+            now = self.take()
+            return now if holds(now) else None
+
+        try:
+            return until(what, asked)
+        except AssertionError as error:
+            self.screen.keep("failed")
+            raise AssertionError(f"{error}; {self.counters}; {self.said()}") from None
+
+    def said(self):
+        return self.errors.read_text(errors="replace")
+
+    def settle(self):
+        """Waits until nothing has been drawn for a second; the counters then."""
+        last = [self.until("a picture", lambda now: now["pictures"] > 0)["frames"], time.monotonic()]
+
+        def rests(now):
+            if now["frames"] != last[0] or not now["settled"]:
+                last[:] = [now["frames"], time.monotonic()]
+            return time.monotonic() - last[1] > 1.0
+
+        return self.until("the window comes to rest", rests)
+
+    def xdotool(self, *command):
+        self.screen.run("xdotool", *map(str, command))
+
+    def move_to(self, x, y):
+        self.does("mousemove", "--window", self.id, round(x), round(y))
+
+    def place(self, control):
+        """Where a control is; its name may be a part of what it is called."""
+
+        def found(_now):
+            exact = self.controls.get(control)
+            return exact or next((at for name, at in self.controls.items() if control in name), None)
+
+        self.until(f"there is a control {control}", found)
+        return found(None)
+
+    def middle(self, control):
+        left, top, width, height = self.place(control)
+        return left + width / 2, top + height / 2
+
+    def click(self, control, button=1):
+        self.reveal(control)
+        self.click_at(*self.middle(control), button=button)
+
+    def reveal(self, control):
+        """Scrolls down until a control is on the screen."""
+        for _ in range(20):
+            left, top, width, height = self.place(control)
+            if top + height < self.screen.size[1] - 40:
+                return
+            self.move_to(left + width / 2, self.screen.size[1] - 80)
+            self.xdotool("click", 5)
+            self.settle()
+
+    def does(self, *command):
+        """Does something that the window answers with a frame, and waits for that: a driver without a GPU is slow."""
+        before = self.take()["frames"]
+        self.xdotool(*command)
+        begun = time.monotonic()
+        while self.take()["frames"] == before and time.monotonic() - begun < 2.0:
+            time.sleep(0.01)
+
+    def click_at(self, x, y, button=1):
+        self.move_to(x, y)
+        self.does("mousedown", button)
+        self.does("mouseup", button)
+
+    def drag(self, start, way, button=1):
+        (x, y), (dx, dy) = start, way
+        self.move_to(x, y)
+        self.does("mousedown", button)
+        for step in range(1, 6):
+            self.move_to(x + dx * step / 5, y + dy * step / 5)
+        self.does("mouseup", button)
+
+    def hold(self, key):
+        """Holds a key for some frames."""
+        self.does("keydown", key)
+        before = self.take()["frames"]
+        self.until("frames while a key is held", lambda now: now["frames"] >= before + 3)
+        self.does("keyup", key)
+
+    def key(self, *keys):
+        self.does("key", *keys)
+
+    def pane(self, name):
+        return self.take()["panes"][name]
+
+    def pixels(self, pane):
+        """The picture of a pane, without its border, which shows who has the keys."""
+        left, top, width, height = self.pane(pane)
+        return self.screen.pixels([left + 4, top + 4, width - 8, height - 8])
+
+    def memory(self):
+        """Resident bytes."""
+        status = Path(f"/proc/{self.process.pid}/status").read_text()
+        return 1024 * int(status.split("VmRSS:")[1].split()[0])
+
+    def processor_seconds(self):
+        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    def close(self):
+        """Ends the window, and says what it has said; its folder goes with it."""
+        if self.process.poll() is None:
+            self.process.terminate()
+            try:
+                self.process.wait(10)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+                self.process.wait()
+        said = self.said()
+        if self.own:
+            shutil.rmtree(self.folder, ignore_errors=True)
+        return said

@@ -1,0 +1,366 @@
+"""The window as a user has it: what a key, a drag or a file does is seen on the screen and in the counters."""
+
+import json
+import os
+import subprocess
+import unittest
+
+from desktop import BINARY, ROOT, Screen, Window, until
+
+TORUS = (ROOT / "examples/torus.gtr").read_text()
+SPHERE = """param r : [1, 3];
+surface s(u,v) = r(cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi/2];
+point p = (0, 0, r + 1);
+"""
+WAVES = "".join(
+    f"surface s{k}(u,v) = (u, v, {k} + 0.2 sin(3u) cos(2v)), u : [-1, 1, 40], v : [-1, 1, 40];\n" for k in range(20)
+)
+
+
+class OnScreen(unittest.TestCase):
+    """Tests that share a screen."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.screen = Screen()
+        cls.addClassCleanup(cls.screen.close)
+
+    def open(self, text, *arguments, **options):
+        window = Window(self.screen, text, *arguments, **options)
+
+        def close():
+            said = window.close()
+            self.assertNotIn("panicked", said)
+
+        self.addCleanup(close)
+        return window
+
+
+class Controls(OnScreen):
+    """Keys, pointer, sliders, files."""
+
+    def test_each_key_moves_its_camera_and_the_picture(self):
+        window = self.open(SPHERE)
+        # The 3D view has the keys from the start.
+        for key in "wsadqe":
+            before, picture = window.take()["eye"], window.pixels("3d")
+            window.hold(key)
+            window.until(f"{key} moves the 3D camera", lambda now: now["eye"] != before)
+            window.settle()
+            self.assertNotEqual(window.pixels("3d"), picture, f"{key} changes the 3D view")
+        window.key("r")
+        window.settle()
+        # A drag gives the keys to the geodesic view.
+        middle = window.middle("Image: Geodesic view of s")
+        before, picture = window.take()["inside"]["s"], window.pixels("geodesic:s")
+        window.drag(middle, (60, 0))
+        window.until("a drag moves the geodesic camera", lambda now: now["inside"]["s"] != before)
+        window.settle()
+        self.assertNotEqual(window.pixels("geodesic:s"), picture)
+        eye = window.take()["eye"]
+        for key in "wsadqezx":
+            picture = window.pixels("geodesic:s")
+            space = window.pixels("3d")
+            window.hold(key)
+            window.settle()
+            self.assertNotEqual(window.pixels("geodesic:s"), picture, f"{key} changes the geodesic view")
+            self.assertNotEqual(window.pixels("3d"), space, f"{key} moves the camera that the 3D view shows")
+        self.assertEqual(window.take()["eye"], eye)
+        self.screen.keep("keys")
+
+    def test_drags_and_the_wheel_move_the_3d_view(self):
+        window = self.open(SPHERE)
+        middle = window.middle("Image: 3D view")
+        for what, move in {
+            "a drag": lambda: window.drag(middle, (80, 20)),
+            "a right drag": lambda: window.drag(middle, (80, 20), button=3),
+            "a middle drag": lambda: window.drag(middle, (80, 20), button=2),
+            "the wheel": lambda: window.click_at(*middle, button=4),
+        }.items():
+            before, picture = window.take()["panes"] and window.counters["pictures"], window.pixels("3d")
+            move()
+            window.until(f"{what} gives a new picture", lambda now: now["pictures"] > before)
+            window.settle()
+            self.assertNotEqual(window.pixels("3d"), picture, what)
+
+    def test_a_slider_moves_the_picture_and_builds_and_compiles_nothing(self):
+        window = self.open(TORUS)
+        before, picture, inside = window.take(), window.pixels("3d"), window.pixels("geodesic:s")
+        left, top, width, height = window.place("Slider: r")
+        window.drag((left + 8, top + height / 2), (50, 0))
+        window.until("the slider moves r", lambda now: now["params"]["r"] != before["params"]["r"])
+        after = window.settle()
+        self.assertNotEqual(window.pixels("3d"), picture)
+        self.assertNotEqual(window.pixels("geodesic:s"), inside)
+        self.assertEqual(after["pipelines"], before["pipelines"], "a param is a uniform")
+        self.assertEqual(after["compiled"], before["compiled"], "a param is no part of the text")
+        self.assertEqual(after["geodesicKernels"], 0)
+        value = after["params"]["r"]
+        window.key("ctrl+z")
+        window.until("undo brings r back", lambda now: now["params"]["r"] == before["params"]["r"])
+        window.key("ctrl+y")
+        window.until("redo moves r again", lambda now: now["params"]["r"] == value)
+        self.screen.keep("slider")
+
+    def test_animate_moves_until_it_is_told_to_rest(self):
+        window = self.open(TORUS)
+        window.click("CheckBox: Animate r")
+        values = set()
+
+        def moves(now):
+            values.add(tuple(now["params"]["r"]))
+            return len(values) > 10
+
+        window.until("r moves by itself", moves)
+        self.assertTrue(all(0.4 <= r <= 0.9 for (r,) in values), values)
+        window.click("CheckBox: Animate r")
+        rest = window.settle()
+        self.assertEqual(window.settle()["frames"], rest["frames"])
+
+    def test_an_idle_window_draws_nothing_and_costs_nothing(self):
+        window = self.open(TORUS)
+        before, seconds = window.settle(), window.processor_seconds()
+        # The one wait by the clock: rest is what is looked at.
+        subprocess.run(["sleep", "5"], check=True)
+        after = window.take()
+        self.assertEqual(after["frames"], before["frames"], "frames while idle")
+        spent = window.processor_seconds() - seconds
+        self.assertLess(spent, 0.1, "seconds of the processor in five")
+        print(f"\n      idle for 5 s: {after['frames'] - before['frames']} frames, {spent:.2f} s of the processor")
+
+    def test_a_texture_is_chosen_from_the_list(self):
+        window = self.open(SPHERE)
+        window.screen.run("convert", "-size", "64x32", "gradient:red-blue", str(window.folder / "map.png"))
+        picture = window.pixels("3d")
+        window.click("TextInput: Image file")
+        window.xdotool("type", "--delay", "20", "map.png")
+        window.click("Button: Add")
+        window.place("map.png")
+        window.click("ComboBox: Texture of s")
+        window.click("Button: map.png")
+        window.until("a new picture", lambda now: now["pictures"] > 0)
+        window.settle()
+        self.assertNotEqual(window.pixels("3d"), picture)
+        plain = window.pixels("3d")
+        window.click("ComboBox: Texture of s")
+        window.click("Button: Plain colour")
+        window.settle()
+        self.assertNotEqual(window.pixels("3d"), plain)
+        self.screen.keep("texture")
+
+    def test_a_broken_file_is_marked_and_a_mended_one_is_not(self):
+        window = self.open(SPHERE)
+        picture = window.pixels("3d")
+        window.file.write_text(SPHERE.replace("r + 1)", "r + "))
+        now = window.until("the mark", lambda now: now["stale"])
+        self.assertIn("Status: line 3, column", now["status"])
+        window.settle()
+        self.assertNotEqual(window.pixels("3d"), picture, "the badge is over the picture")
+        self.screen.keep("stale")
+        window.file.write_text(SPHERE)
+        now = window.until("no mark", lambda now: not now["stale"])
+        self.assertEqual(now["status"], "Status: OK")
+        window.settle()
+        self.assertEqual(window.pixels("3d"), picture, "the picture is as it was")
+
+    def test_an_edit_on_disk_shows_another_picture(self):
+        window = self.open(SPHERE)
+        picture, version = window.pixels("3d"), window.take()["version"]
+        # As editors do it: another file takes its place.
+        other = window.folder / "other"
+        other.write_text(SPHERE.replace("sin v)", "2 sin v)"))
+        os.replace(other, window.file)
+        window.until("the new text is shown", lambda now: now["version"] > version)
+        window.settle()
+        self.assertNotEqual(window.pixels("3d"), picture)
+
+    def test_an_edit_of_one_of_twenty_surfaces_redoes_that_one(self):
+        window = self.open(WAVES)
+        before = window.settle()
+        window.file.write_text(WAVES.replace(", 7 + 0.2 sin(3u)", ", 7 + 0.2 sin(4u)"))
+        window.until("the new text is shown", lambda now: now["version"] > before["version"])
+        after = window.settle()
+        sampled, built = (after[k] - before[k] for k in ("sampled", "pipelines"))
+        # On the processor blocks of samples serve; a GPU builds one kernel for the one surface.
+        self.assertEqual(sampled, 1)
+        self.assertLessEqual(built, 1)
+        print(f"\n      one of twenty surfaces: sampled {sampled}, pipelines {built}")
+
+    def test_no_geodesic_is_followed_while_no_geodesic_view_is_open(self):
+        window = self.open(TORUS)
+        window.click("View")
+        window.click("CheckBox: Geodesic view of s")
+        window.key("Escape")
+        before = window.settle()
+        self.assertNotIn("Image: Geodesic view of s", "".join(window.controls))
+        window.hold("w")
+        left, top, width, height = window.place("Slider: r")
+        window.drag((left + 8, top + height / 2), (50, 0))
+        after = window.settle()
+        self.assertGreater(after["pictures"], before["pictures"])
+        self.assertEqual(after["looks"], before["looks"])
+        self.assertEqual(after["geodesicKernels"], 0)
+
+    def test_a_click_places_the_geodesic_camera_and_the_text_can_be_typed(self):
+        window = self.open(SPHERE)
+        before = window.take()["inside"]["s"]
+        x, y = window.middle("Image: 3D view")
+        window.click_at(x + 20, y - 10)
+        window.until("the camera is placed", lambda now: now["inside"]["s"] != before)
+        window.click("Program text")
+        window.key("ctrl+End")
+        compiled = window.settle()["compiled"]
+        window.xdotool("type", "--delay", "30", "point q = (1, 1, 1);")
+        window.until("it is compiled as it is typed", lambda now: now["compiled"] > compiled)
+        window.until("it has no errors", lambda now: not now["stale"])
+        window.key("ctrl+s")
+        until("it is saved", lambda: window.file.read_text() == SPHERE + "point q = (1, 1, 1);")
+
+    def test_what_was_chosen_is_there_when_the_window_is_opened_again(self):
+        window = self.open(TORUS)
+        left, top, width, height = window.place("Slider: r")
+        window.drag((left + 8, top + height / 2), (50, 0))
+        window.hold("w")
+        chosen = window.settle()
+        memory = window.folder / ".program.gtr.geotrace.json"
+        until("it is remembered", memory.exists)
+        until("all of it", lambda: json.loads(memory.read_text())["view"]["params"].get("r") == chosen["params"]["r"])
+        window.process.terminate()
+        window.process.wait()
+        again = self.open(None, folder=window.folder)
+        now = again.settle()
+        self.assertEqual(now["params"], chosen["params"])
+        self.assertEqual(now["eye"], chosen["eye"])
+
+
+class Faults(OnScreen):
+    """What can go wrong: a sentence, no panic, nothing lost."""
+
+    def ended(self, *arguments, environment=None):
+        return subprocess.run(
+            [BINARY, "preview", *arguments],
+            env=environment or self.screen.environment(),
+            capture_output=True,
+            text=True,
+            timeout=60,
+            check=False,
+        )
+
+    def test_without_a_display_it_says_so_and_ends_with_1(self):
+        environment = self.screen.environment()
+        del environment["DISPLAY"]
+        for display in (None, ":987"):
+            if display:
+                environment["DISPLAY"] = display
+            ended = self.ended(str(ROOT / "examples/torus.gtr"), environment=environment)
+            self.assertEqual(ended.returncode, 1, ended.stderr)
+            self.assertIn("display", ended.stderr)
+            self.assertNotIn("panicked", ended.stderr)
+
+    def test_a_file_that_is_not_there_or_no_text_is_a_sentence(self):
+        ended = self.ended("no-such-file.gtr")
+        self.assertEqual(ended.returncode, 1)
+        self.assertIn("no-such-file.gtr", ended.stderr)
+        self.assertNotIn("panicked", ended.stderr)
+
+    def test_a_file_that_goes_or_breaks_keeps_text_and_picture(self):
+        window = self.open(SPHERE)
+        picture = window.pixels("3d")
+        window.file.unlink()
+        window.place("the file cannot be read")
+        window.settle()
+        self.assertEqual(window.pixels("3d"), picture)
+        window.file.write_bytes(b"\xff\xfe\x00point")
+        window.place("it is not UTF-8")
+        window.settle()
+        self.assertEqual(window.pixels("3d"), picture)
+        window.file.write_text(TORUS)
+        window.until("it is back", lambda now: now["params"].get("r") == [0.4])
+
+    def test_a_file_that_may_not_be_read_keeps_text_and_picture(self):
+        if os.geteuid() == 0:
+            # The superuser reads everything: a folder in its place cannot be read by anyone.
+            window = self.open(SPHERE)
+            window.file.unlink()
+            window.file.mkdir()
+        else:
+            window = self.open(SPHERE)
+            window.file.chmod(0)
+        window.place("the file cannot be read")
+
+    def test_a_scene_beyond_the_limits_is_a_sentence(self):
+        window = self.open(SPHERE)
+        window.file.write_text("surface s(u,v) = (u, v, u v), u : [0, 1, 100000], v : [0, 1, 100000];\n")
+        window.until("a sentence", lambda now: now["stale"] or any("too" in name for name in window.controls))
+        print("\n      too large:", window.take()["status"])
+        window.file.write_text(SPHERE)
+        window.until("it goes on", lambda now: not now["stale"] and now["params"].get("r") == [1.0])
+
+    def test_a_hundred_thousand_lines_are_shown(self):
+        window = self.open(SPHERE + "# a line\n" * 100_000)
+        version = window.take()["version"]
+        window.file.write_text(SPHERE.replace("[1, 3]", "[2, 3]") + "# a line\n" * 100_000)
+        window.until("the edit is shown", lambda now: now["version"] > version and now["params"]["r"] == [2.0])
+        window.settle()
+
+    def test_a_memory_that_is_broken_is_told_and_kept(self):
+        import tempfile
+
+        with tempfile.TemporaryDirectory() as folder:
+            memory = os.path.join(folder, ".program.gtr.geotrace.json")
+            with open(memory, "w", encoding="utf-8") as file:
+                file.write("{ not json")
+            path = os.path.join(folder, "program.gtr")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(SPHERE)
+            window = self.open(None, folder=folder)
+            window.place("it is kept as")
+            with open(memory + ".unreadable", encoding="utf-8") as kept:
+                self.assertEqual(kept.read(), "{ not json")
+
+    def test_an_editor_that_goes_is_told_and_the_picture_stays(self):
+        environment = self.screen.environment()
+        command = [BINARY, "preview", "--attached"]
+        window = subprocess.Popen(
+            command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        )
+        try:
+            hello = json.loads(window.stdout.readline())
+            self.assertEqual(hello["type"], "hello")
+            text = {"type": "text", "uri": "file:///a.gtr", "path": None, "version": 3, "text": SPHERE}
+            for message in (hello, text):
+                window.stdin.write(json.dumps(message).encode() + b"\n")
+            window.stdin.flush()
+            while True:
+                event = json.loads(window.stdout.readline())
+                if event["type"] == "shown":
+                    break
+            self.assertEqual((event["version"], event["ok"]), (3, True))
+            before = self.screen.pixels()
+            window.stdin.close()
+            until("the banner", lambda: self.screen.pixels() != before)
+            self.assertIsNone(window.poll())
+            self.screen.keep("gone")
+        finally:
+            window.kill()
+            _, said = window.communicate()
+            self.assertNotIn(b"panicked", said)
+
+
+class Examples(OnScreen):
+    """Every example, once."""
+
+    def test_every_example_opens_without_an_error(self):
+        for example in sorted((ROOT / "examples").glob("*.gtr")):
+            with self.subTest(example=example.stem):
+                window = Window(self.screen, example.read_text(), name=example.name)
+                try:
+                    now = window.settle()
+                    self.assertEqual(now["status"], "Status: OK")
+                    self.screen.keep(f"example-{example.stem}")
+                finally:
+                    self.assertNotIn("panicked", window.close())
+
+
+if __name__ == "__main__":
+    unittest.main()
