@@ -3,7 +3,8 @@
 //! Parts: `front` (checking and parsing), `editing` (keystrokes in long programs, beside
 //! tree-sitter), `latency` (the language server, from an edit that is sent to its diagnostics), `preview` (from
 //! an edit that is sent to its frame in the window; needs a display, such as `xvfb-run` gives), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
-//! (both views of every example), `large` (many samples, many vectors), `accuracy` (the geodesic view against the
+//! (both views of every example), `large` (many samples, many vectors), `stage` (frames of a
+//! window: camera, param, walk), `accuracy` (the geodesic view against the
 //! thesis' method, frames while moving, the sphere from ten thousand places), `stiff` (the stiff list: ours, its bounds, the
 //! thesis' method). Without a part all are run. Times are medians of several runs with their
 //! least and greatest; a picture is drawn in a process of its own, so that its peak memory is its own and nothing is
@@ -18,6 +19,7 @@ mod latency;
 mod measure;
 mod pictures;
 mod preview;
+mod stage;
 mod stiff;
 
 use std::process::ExitCode;
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
         ("klein", klein::run),
         ("render", pictures::examples),
         ("large", pictures::large),
+        ("stage", stage::run),
         ("accuracy", accuracy::run),
         ("stiff", stiff::run),
     ];

@@ -116,12 +116,14 @@ impl Length {
 }
 
 /// The light on a glyph whose normal has the component `facing` ∈ `[0, 1]` towards the eye.
+#[inline(always)]
 pub fn glyph_light(facing: f32) -> f32 {
     GLYPH_RIM + (1.0 - GLYPH_RIM) * facing.clamp(0.0, 1.0)
 }
 
 /// The light on a surface: (factor of its colour, white added to it). `normal` and `to_eye` are unit vectors in
 /// view space, the normal on the eye's side.
+#[inline(always)]
 pub fn surface_light(normal: [f32; 3], to_eye: [f32; 3]) -> (f32, f32) {
     let normal = glam::Vec3::from(normal);
     let to_eye = glam::Vec3::from(to_eye);
@@ -135,6 +137,7 @@ pub fn surface_light(normal: [f32; 3], to_eye: [f32; 3]) -> (f32, f32) {
 }
 
 /// A colour in linear light with a share of [`EMPHASIS_COLOUR`].
+#[inline(always)]
 pub fn emphasised(colour: [f32; 3], share: f32) -> [f32; 3] {
     if share == 0.0 {
         return colour;

@@ -221,6 +221,14 @@ impl Gpu {
         })
     }
 
+    /// Waits until everything that has been handed over is drawn.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if the device was lost.
+    pub fn finish(&self) -> Result<(), RenderError> {
+        self.wait()
+    }
+
     /// Waits for all submitted work.
     ///
     /// # Errors

@@ -4,12 +4,13 @@
 //! sample twice. A tile first finds which triangle each sample sees, then shades each triangle once a pixel, at the
 //! middle of the samples that see it: no place is shaded that is hidden in the end, and none outside its triangle.
 
+use expr::processor::{Processor, Work};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::mesh::{Corner, Eye, Mesh, SUBPIXEL};
 use super::shade::{Material, Place};
-use crate::style;
+use crate::style::Encoder;
 
 /// Pixels along a tile's side.
 pub(super) const TILE: usize = 64;
@@ -24,21 +25,37 @@ pub(super) struct Tile {
     origin: [usize; 2],
     /// 0 where nothing but the background is seen.
     depth: Vec<[f32; 4]>,
-    /// The background's alpha.
-    alpha: f32,
+    /// In linear light; means nothing where the background is seen.
     light: Vec<[[f32; 3]; 4]>,
+    /// In linear light, with its alpha.
+    background: [f32; 4],
+    /// What a pixel of it is.
+    empty: [u8; 4],
+    encoder: Encoder,
 }
 
 impl Tile {
     /// A tile of background.
-    pub(super) fn new(origin: [usize; 2], [r, g, b, alpha]: [f32; 4]) -> Self {
-        let background = [r, g, b];
+    pub(super) fn new(origin: [usize; 2], background: [f32; 4]) -> Self {
         Self {
             origin,
-            alpha,
             depth: vec![[0.0; 4]; TILE * TILE],
-            light: vec![[background; 4]; TILE * TILE],
+            light: vec![[[0.0; 3]; 4]; TILE * TILE],
+            background,
+            empty: {
+                let [r, g, b, alpha] = background;
+                let [r, g, b] = [r, g, b].map(crate::style::encode);
+                let alpha = (255.0 * alpha).round() as u8;
+                if alpha == 0 { [0; 4] } else { [r, g, b, alpha] }
+            },
+            encoder: Encoder::get(),
         }
+    }
+
+    /// The tile as if new, at another place.
+    fn reset(&mut self, origin: [usize; 2]) {
+        self.origin = origin;
+        self.depth.fill([0.0; 4]);
     }
 
     /// Where a pixel of the picture stands in the tile.
@@ -55,21 +72,34 @@ impl Tile {
 
     /// The mean of a pixel's samples, sRGB; the pixel is the picture's.
     pub(super) fn pixel(&self, x: usize, y: usize) -> [u8; 4] {
-        let index = (y - self.origin[1]) * TILE + x - self.origin[0];
-        let samples = &self.light[index];
-        if self.alpha == 1.0 {
-            let mean =
-                |k: usize| style::encode(0.25 * samples.iter().map(|light| light[k]).sum::<f32>());
+        self.mean((y - self.origin[1]) * TILE + x - self.origin[0])
+    }
+
+    fn mean(&self, index: usize) -> [u8; 4] {
+        let seen = self.depth[index].map(|depth| depth > 0.0);
+        if seen == [false; 4] {
+            return self.empty;
+        }
+        let [r, g, b, alpha] = self.background;
+        let mut samples = self.light[index];
+        for (sample, seen) in samples.iter_mut().zip(seen) {
+            if !seen {
+                *sample = [r, g, b];
+            }
+        }
+        if alpha == 1.0 {
+            let sum = |k: usize| samples.iter().map(|light| light[k]).sum::<f32>();
+            let mean = |k: usize| self.encoder.encode(0.25 * sum(k));
             return [mean(0), mean(1), mean(2), 255];
         }
-        let alphas = self.depth[index].map(|depth| if depth > 0.0 { 1.0 } else { self.alpha });
+        let alphas = seen.map(|seen| if seen { 1.0 } else { alpha });
         let sum: f32 = alphas.iter().sum();
         if sum == 0.0 {
             return [0; 4];
         }
         let mean = |k: usize| {
             let weighted = samples.iter().zip(alphas).map(|(light, a)| a * light[k]);
-            style::encode(weighted.sum::<f32>() / sum)
+            self.encoder.encode(weighted.sum::<f32>() / sum)
         };
         let alpha = (0.25 * 255.0 * sum).round() as u8;
         [mean(0), mean(1), mean(2), alpha]
@@ -78,67 +108,250 @@ impl Tile {
 
 /// A mesh's triangles by tile.
 struct Bins {
-    /// For each tile the triangles whose box touches it, in order.
-    lists: Vec<Vec<u32>>,
+    /// Where each tile's triangles begin; one more entry than there are tiles.
+    starts: Vec<u32>,
+    /// The triangles whose box touches the tile, in order.
+    triangles: Vec<u32>,
 }
 
-/// Draws a batch of meshes into tiles, which lie `across` to a row, from the picture's row `top` on.
-pub(super) fn draw(
-    eye: &Eye,
-    materials: &[Material],
-    meshes: &[Mesh],
-    tiles: &mut [Tile],
-    across: usize,
-    top: usize,
-) {
-    let mut bases = Vec::with_capacity(meshes.len());
-    let mut total = 0;
-    for mesh in meshes {
-        bases.push(total);
-        total += mesh.triangles.len() as u32;
+impl Bins {
+    fn list(&self, tile: usize) -> &[u32] {
+        &self.triangles[self.starts[tile] as usize..self.starts[tile + 1] as usize]
     }
-    let down = tiles.len() / across;
-    let bins: Vec<Bins> = meshes
-        .par_iter()
-        .map(|mesh| bin(mesh, across, down, top))
-        .collect();
-    tiles.par_iter_mut().enumerate().for_each_init(
-        || vec![[NONE; 4]; TILE * TILE],
-        |seen, (number, tile)| {
-            if bins.iter().all(|bin| bin.lists[number].is_empty()) {
-                return;
-            }
-            seen.fill([NONE; 4]);
-            for ((mesh, bin), base) in meshes.iter().zip(&bins).zip(&bases) {
-                for &triangle in &bin.lists[number] {
-                    let corners =
-                        mesh.triangles[triangle as usize].map(|c| &mesh.corners[c as usize]);
-                    cover(tile, seen, corners, base + triangle);
-                }
-            }
-            shade(eye, materials, meshes, &bases, tile, seen);
-        },
-    );
 }
 
-fn bin(mesh: &Mesh, across: usize, down: usize, top: usize) -> Bins {
-    let mut lists = vec![Vec::new(); across * down];
-    let side = TILE as i32 * SUBPIXEL;
-    let top = top as i32 * SUBPIXEL;
-    for (number, triangle) in mesh.triangles.iter().enumerate() {
-        let corners = triangle.map(|c| mesh.corners[c as usize].at);
-        let range = |k: usize, start: i32, tiles: usize| {
-            let low = corners.iter().map(|at| at[k]).min().unwrap_or(0) - start;
-            let high = corners.iter().map(|at| at[k]).max().unwrap_or(0) - start;
-            low.div_euclid(side).max(0)..(high.div_euclid(side) + 1).min(tiles as i32)
-        };
-        for y in range(1, top, down) {
-            for x in range(0, 0, across) {
-                lists[y as usize * across + x as usize].push(number as u32);
+/// Meshes that are drawn together, by tile.
+pub(super) struct Batch<'a> {
+    eye: &'a Eye,
+    materials: &'a [Material<'a>],
+    meshes: &'a [Mesh],
+    /// For each mesh the number of its first triangle.
+    bases: Vec<u32>,
+    bins: Vec<Bins>,
+    processor: Processor,
+}
+
+impl<'a> Batch<'a> {
+    /// Meshes for `tiles` (across, down), of which the first begins at the picture's row `top`.
+    pub(super) fn new(
+        eye: &'a Eye,
+        materials: &'a [Material<'a>],
+        meshes: &'a [Mesh],
+        [across, down]: [usize; 2],
+        top: usize,
+    ) -> Self {
+        let mut bases = Vec::with_capacity(meshes.len());
+        let mut total = 0;
+        for mesh in meshes {
+            bases.push(total);
+            total += mesh.triangles.len() as u32;
+        }
+        let bins = meshes
+            .par_iter()
+            .map(|mesh| bin(mesh, across, down, top))
+            .collect();
+        Self {
+            eye,
+            materials,
+            meshes,
+            bases,
+            bins,
+            processor: Processor::here(),
+        }
+    }
+
+    /// Draws into tiles that keep what was drawn before.
+    pub(super) fn draw(&self, tiles: &mut [Tile]) {
+        tiles
+            .par_iter_mut()
+            .enumerate()
+            .for_each_init(nothing_seen, |seen, (number, tile)| {
+                if !self.is_empty(number) {
+                    self.draw_tile(number, tile, seen);
+                }
+            });
+    }
+
+    /// Draws the tile of a number, of which nothing else is kept: gives its pixels, or none if it is empty.
+    pub(super) fn pixels(&self, number: usize, space: &mut Workspace) -> Option<Vec<[u8; 4]>> {
+        if self.is_empty(number) {
+            return None;
+        }
+        let Workspace {
+            tile,
+            seen,
+            across,
+            top,
+        } = space;
+        tile.reset([number % *across * TILE, *top + number / *across * TILE]);
+        self.draw_tile(number, tile, seen);
+        Some((0..TILE * TILE).map(|index| tile.mean(index)).collect())
+    }
+
+    fn is_empty(&self, number: usize) -> bool {
+        self.bins.iter().all(|bin| bin.list(number).is_empty())
+    }
+
+    fn draw_tile(&self, number: usize, tile: &mut Tile, seen: &mut [[u32; 4]]) {
+        let batch = self;
+        self.processor.run(OneTile {
+            batch,
+            number,
+            tile,
+            seen,
+        });
+    }
+
+    #[inline(always)]
+    fn draw_here(&self, number: usize, tile: &mut Tile, seen: &mut [[u32; 4]]) {
+        seen.fill([NONE; 4]);
+        for ((mesh, bin), base) in self.meshes.iter().zip(&self.bins).zip(&self.bases) {
+            for &triangle in bin.list(number) {
+                let corners = mesh.triangles[triangle as usize].map(|c| &mesh.corners[c as usize]);
+                cover(tile, seen, corners, base + triangle);
+            }
+        }
+        self.shade(tile, seen);
+    }
+
+    /// Shades the samples that see a triangle of this batch.
+    #[inline(always)]
+    fn shade(&self, tile: &mut Tile, seen: &[[u32; 4]]) {
+        let [r, g, b, _] = tile.background;
+        // Neighbours see the same triangles: what is computed once a triangle is kept for some of them.
+        let mut known: [Option<Facet>; FACETS] = std::array::from_fn(|_| None);
+        for (index, ids) in seen.iter().enumerate() {
+            let pixel = [tile.origin[0] + index % TILE, tile.origin[1] + index / TILE];
+            for (first, &id) in ids.iter().enumerate() {
+                if id == NONE || ids[..first].contains(&id) {
+                    continue;
+                }
+                let sees = ids.map(|other| other == id);
+                let count = sees.iter().filter(|&&sees| sees).count();
+                let at = Vec2::from([0, 1].map(|k| {
+                    let samples = SAMPLES.iter().zip(sees).filter(|(_, sees)| *sees);
+                    let sum: i32 = samples.map(|(sample, _)| sample[k]).sum();
+                    pixel[k] as f32 + sum as f32 / (count as i32 * SUBPIXEL) as f32
+                }));
+                let slot = &mut known[id as usize % FACETS];
+                if slot.as_ref().is_none_or(|facet| facet.id != id) {
+                    *slot = self.facet(id);
+                }
+                // No closure: what is called through one would not be compiled for this processor.
+                let light = match slot {
+                    Some(facet) => facet.material.shade(&place(self.eye, facet, at)),
+                    None => [r, g, b],
+                };
+                for (sample, sees) in tile.light[index].iter_mut().zip(sees) {
+                    if sees {
+                        *sample = light;
+                    }
+                }
             }
         }
     }
-    Bins { lists }
+
+    fn facet(&self, id: u32) -> Option<Facet<'_>> {
+        let number = self.bases.partition_point(|&base| base <= id) - 1;
+        let mesh = &self.meshes[number];
+        let triangle = mesh.triangles[(id - self.bases[number]) as usize];
+        let corners = triangle.map(|c| &mesh.corners[c as usize]);
+        Some(Facet {
+            id,
+            edges: Edges::new(corners.map(|corner| corner.at))?,
+            corners,
+            material: &self.materials[mesh.material as usize],
+        })
+    }
+}
+
+/// One tile to be drawn, with the instructions that there are.
+struct OneTile<'b, 'a> {
+    batch: &'b Batch<'a>,
+    number: usize,
+    tile: &'b mut Tile,
+    seen: &'b mut [[u32; 4]],
+}
+
+impl Work for OneTile<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        self.batch.draw_here(self.number, self.tile, self.seen);
+    }
+}
+
+/// How many triangles are remembered while a tile is shaded.
+const FACETS: usize = 64;
+
+/// A triangle that is being shaded.
+struct Facet<'a> {
+    id: u32,
+    edges: Edges,
+    corners: [&'a Corner; 3],
+    material: &'a Material<'a>,
+}
+
+/// What a thread draws one tile after the other in.
+pub(super) struct Workspace {
+    tile: Tile,
+    seen: Vec<[u32; 4]>,
+    across: usize,
+    top: usize,
+}
+
+impl Workspace {
+    /// For tiles that lie `across` to a row, from the picture's row `top` on.
+    pub(super) fn new(background: [f32; 4], across: usize, top: usize) -> Self {
+        Self {
+            tile: Tile::new([0; 2], background),
+            seen: nothing_seen(),
+            across,
+            top,
+        }
+    }
+}
+
+fn nothing_seen() -> Vec<[u32; 4]> {
+    vec![[NONE; 4]; TILE * TILE]
+}
+
+fn bin(mesh: &Mesh, across: usize, down: usize, top: usize) -> Bins {
+    let side = TILE as i32 * SUBPIXEL;
+    let top = top as i32 * SUBPIXEL;
+    let tiles = |triangle: &[u32; 3]| {
+        let corners = triangle.map(|c| mesh.corners[c as usize].at);
+        [(0, 0, across), (1, top, down)].map(|(k, start, tiles)| {
+            let low = corners.iter().map(|at| at[k]).min().unwrap_or(0) - start;
+            let high = corners.iter().map(|at| at[k]).max().unwrap_or(0) - start;
+            low.div_euclid(side).max(0)..(high.div_euclid(side) + 1).min(tiles as i32)
+        })
+    };
+    let each = |triangle: &[u32; 3], visit: &mut dyn FnMut(usize)| {
+        let [columns, rows] = tiles(triangle);
+        for y in rows {
+            for x in columns.clone() {
+                visit(y as usize * across + x as usize);
+            }
+        }
+    };
+    let mut starts = vec![0; across * down + 1];
+    for triangle in &mesh.triangles {
+        each(triangle, &mut |tile| starts[tile + 1] += 1);
+    }
+    for tile in 0..across * down {
+        starts[tile + 1] += starts[tile];
+    }
+    let mut next = starts.clone();
+    let mut triangles = vec![0; starts[across * down] as usize];
+    for (number, triangle) in (0..).zip(&mesh.triangles) {
+        each(triangle, &mut |tile| {
+            triangles[next[tile] as usize] = number;
+            next[tile] += 1;
+        });
+    }
+    Bins { starts, triangles }
 }
 
 /// Edge functions of a triangle, its corners in the order that gives it a positive area:
@@ -155,6 +368,7 @@ pub(super) struct Edges {
 
 impl Edges {
     /// None for a triangle without an area.
+    #[inline(always)]
     pub(super) fn new(corners: [[i32; 2]; 3]) -> Option<Self> {
         let p = corners.map(|at| at.map(i64::from));
         let area =
@@ -187,11 +401,13 @@ impl Edges {
         })
     }
 
+    #[inline(always)]
     fn at(&self, k: usize, x: i64, y: i64) -> i64 {
         self.a[k] * x + self.b[k] * y + self.c[k]
     }
 
     /// 0, or −1 for an edge whose own samples belong to the neighbour (top-left rule).
+    #[inline(always)]
     fn bias(&self, k: usize) -> i64 {
         let top_left = self.a[k] > 0 || (self.a[k] == 0 && self.b[k] > 0);
         if top_left { 0 } else { -1 }
@@ -199,6 +415,7 @@ impl Edges {
 }
 
 /// Lets a triangle be seen by the samples that it covers in front of all before.
+#[inline(always)]
 pub(super) fn cover(tile: &mut Tile, seen: &mut [[u32; 4]], corners: [&Corner; 3], id: u32) {
     let at = corners.map(|corner| corner.at);
     let Some(edges) = Edges::new(at) else {
@@ -278,49 +495,15 @@ pub(super) fn cover(tile: &mut Tile, seen: &mut [[u32; 4]], corners: [&Corner; 3
     }
 }
 
-/// Shades the samples that see a triangle of this batch.
-fn shade(
-    eye: &Eye,
-    materials: &[Material],
-    meshes: &[Mesh],
-    bases: &[u32],
-    tile: &mut Tile,
-    seen: &[[u32; 4]],
-) {
-    for (index, ids) in seen.iter().enumerate() {
-        let pixel = [tile.origin[0] + index % TILE, tile.origin[1] + index / TILE];
-        for (first, &id) in ids.iter().enumerate() {
-            if id == NONE || ids[..first].contains(&id) {
-                continue;
-            }
-            let sees = ids.map(|other| other == id);
-            let count = sees.iter().filter(|&&sees| sees).count();
-            let at = Vec2::from([0, 1].map(|k| {
-                let samples = SAMPLES.iter().zip(sees).filter(|(_, sees)| *sees);
-                let sum: i32 = samples.map(|(sample, _)| sample[k]).sum();
-                pixel[k] as f32 + sum as f32 / (count as i32 * SUBPIXEL) as f32
-            }));
-            let number = bases.partition_point(|&base| base <= id) - 1;
-            let mesh = &meshes[number];
-            let triangle = mesh.triangles[(id - bases[number]) as usize];
-            let corners = triangle.map(|c| &mesh.corners[c as usize]);
-            let material = &materials[mesh.material as usize];
-            let Some(place) = place(eye, corners, at, material) else {
-                continue;
-            };
-            let light = material.shade(&place);
-            for (sample, sees) in tile.light[index].iter_mut().zip(sees) {
-                if sees {
-                    *sample = light;
-                }
-            }
-        }
-    }
-}
-
 /// Interpolates perspective-correctly.
-fn place(eye: &Eye, corners: [&Corner; 3], at: Vec2, material: &Material) -> Option<Place> {
-    let edges = Edges::new(corners.map(|corner| corner.at))?;
+#[inline(always)]
+fn place(eye: &Eye, facet: &Facet, at: Vec2) -> Place {
+    let Facet {
+        edges,
+        corners,
+        material,
+        ..
+    } = facet;
     let area = edges.area as f64;
     // Weights at a place of the picture, over w.
     let weights = |at: Vec2| -> Vec3 {
@@ -352,13 +535,13 @@ fn place(eye: &Eye, corners: [&Corner; 3], at: Vec2, material: &Material) -> Opt
     let ndc = Vec2::new(2.0 * at.x / eye.size.x - 1.0, 1.0 - 2.0 * at.y / eye.size.y);
     let to_eye = (-ndc / eye.zoom).extend(1.0).normalize();
     // Pixels' y runs down: what is counterclockwise as seen has a negative area in them.
-    Some(Place {
+    Place {
         normal,
         uv: uv_here,
         footprint,
         to_eye,
         front: edges.turned,
-    })
+    }
 }
 
 #[cfg(test)]

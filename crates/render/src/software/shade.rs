@@ -41,15 +41,18 @@ pub(super) struct Place {
 
 impl Material<'_> {
     /// Whether a place's normal, or footprint, matters.
+    #[inline(always)]
     pub(super) fn is_surface(&self) -> bool {
         matches!(self.kind, Kind::Surface(_))
     }
 
     /// In linear light.
+    #[inline(always)]
     pub(super) fn shade(&self, place: &Place) -> [f32; 3] {
         style::emphasised(self.lit(place), self.emphasis)
     }
 
+    #[inline(always)]
     fn lit(&self, place: &Place) -> [f32; 3] {
         let colour = self.colour;
         match &self.kind {

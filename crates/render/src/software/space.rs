@@ -9,7 +9,7 @@ use scene::scene::{ObjectId, Scene, Shape};
 use scene::values::Settings;
 
 use super::mesh::{Eye, Mesh};
-use super::raster::{self, TILE, Tile};
+use super::raster::{Batch, TILE, Tile, Workspace};
 use super::shade::{Kind, Material};
 use super::{curves, points, surfaces, vectors};
 use crate::bounds::Bounds;
@@ -124,20 +124,41 @@ pub fn draw(
     let across = width.div_ceil(TILE);
     let band_rows = (BAND / (across * TILE) / TILE).max(1) * TILE;
     let bands = height.div_ceil(band_rows);
+    let made = |batch: &std::ops::Range<usize>| -> Vec<Mesh> {
+        jobs[batch.clone()]
+            .par_iter()
+            .flat_map_iter(|job| meshes(&eye, objects, job))
+            .collect()
+    };
+    // All that is drawn in one go needs to be transformed only once, however many bands there are.
+    let whole = (batches.len() < 2).then(|| batches.first().map_or_else(Vec::new, made));
     for (band, pixels) in image.chunks_mut(band_rows * width * 4).enumerate() {
         let top = band * band_rows;
         let rows = pixels.len() / (4 * width);
-        let tile = |k: usize| Tile::new([k % across * TILE, top + k / across * TILE], background);
-        let mut tiles: Vec<Tile> = (0..across * rows.div_ceil(TILE))
-            .into_par_iter()
-            .map(tile)
-            .collect();
-        for (number, batch) in batches.iter().enumerate() {
-            let meshes: Vec<Mesh> = jobs[batch.clone()]
-                .par_iter()
-                .flat_map_iter(|job| meshes(&eye, objects, job))
+        let size = [across, rows.div_ceil(TILE)];
+        if let Some(meshes) = &whole {
+            let batch = Batch::new(&eye, &materials, meshes, size, top);
+            let tiles: Vec<Option<Vec<[u8; 4]>>> = (0..size[0] * size[1])
+                .into_par_iter()
+                .map_init(
+                    || Workspace::new(background, across, top),
+                    |space, number| batch.pixels(number, space),
+                )
                 .collect();
-            raster::draw(&eye, &materials, &meshes, &mut tiles, across, top);
+            let empty = Tile::new([0; 2], background).pixel(0, 0);
+            fill(pixels, width, |x, y| {
+                let tile = tiles[y / TILE * across + x / TILE].as_ref();
+                tile.map(|pixels| &pixels[y % TILE * TILE..][..TILE])
+                    .ok_or(empty)
+            });
+            progress((band + 1) as f32 / bands as f32);
+            continue;
+        }
+        let tile = |k: usize| Tile::new([k % across * TILE, top + k / across * TILE], background);
+        let mut tiles: Vec<Tile> = (0..size[0] * size[1]).into_par_iter().map(tile).collect();
+        for (number, batch) in batches.iter().enumerate() {
+            let meshes = made(batch);
+            Batch::new(&eye, &materials, &meshes, size, top).draw(&mut tiles);
             progress((band * batches.len() + number + 1) as f32 / (bands * batches.len()) as f32);
         }
         pixels
@@ -151,6 +172,26 @@ pub fn draw(
             });
     }
     image
+}
+
+/// Fills rows of pixels from those of tiles: `row` gives the tile's row at the left end of each, or one colour for all.
+fn fill<'t>(
+    pixels: &mut [u8],
+    width: usize,
+    row: impl Fn(usize, usize) -> Result<&'t [[u8; 4]], [u8; 4]> + Sync,
+) {
+    pixels
+        .par_chunks_mut(4 * width)
+        .enumerate()
+        .for_each(|(y, pixels)| {
+            for (number, pixels) in pixels.chunks_mut(4 * TILE).enumerate() {
+                let (pixels, _) = pixels.as_chunks_mut::<4>();
+                match row(number * TILE, y) {
+                    Ok(tile) => pixels.copy_from_slice(&tile[..pixels.len()]),
+                    Err(colour) => pixels.fill(colour),
+                }
+            }
+        });
 }
 
 /// Cuts the objects into jobs.

@@ -1,0 +1,147 @@
+//! A stage's pictures while a window is used: frames of a camera that turns, of a param that is dragged, of a being that
+//! walks inside a surface.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use geodesic::trace::Options;
+use render::gpu::Gpu;
+use render::live::{Pixels, Stage};
+use render::{Request, View};
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
+use testing::draw::middle;
+use testing::examples;
+
+use crate::measure::Times;
+
+const SIZE: [u32; 2] = [800, 600];
+/// Pictures of a table's cell, after a first one.
+const FRAMES: u32 = 12;
+/// A frame of a screen that shows sixty a second.
+const FRAME: Duration = Duration::from_micros(16_667);
+
+/// Prints the table.
+pub(crate) fn run() {
+    println!(
+        "Frames of {} × {} pixels by a stage: camera turns, first param is dragged, being inside walks",
+        SIZE[0], SIZE[1]
+    );
+    stage("software", Stage::software);
+    match Gpu::shared() {
+        Ok(gpu) => {
+            let name = gpu.name().to_owned();
+            stage(&name, || Stage::on(gpu.clone()));
+        }
+        Err(error) => println!("  {error}"),
+    }
+}
+
+fn stage(name: &str, make: impl Fn() -> Stage) {
+    println!("  {name}");
+    let (mut within, mut all) = (0, 0);
+    for example in examples::all() {
+        let Some(scene) = scene::compile(&example.source).scene else {
+            println!("    {} has errors", example.name);
+            continue;
+        };
+        let scene = Arc::new(scene);
+        let mut stage = make();
+        let cells = [
+            turning(&mut stage, &scene),
+            dragging(&mut stage, &scene),
+            walking(&mut stage, &scene),
+        ];
+        for times in cells.iter().flatten() {
+            all += 1;
+            within += u32::from(times.median() <= FRAME);
+        }
+        let text = cells.map(|times| {
+            times.map_or_else(
+                || format!("{:>10}", "–"),
+                |times| format!("{:7.1} ms", 1e3 * times.median().as_secs_f64()),
+            )
+        });
+        println!(
+            "    {:16} camera {}   param {}   inside {}",
+            example.name, text[0], text[1], text[2]
+        );
+    }
+    println!("    {within} of {all} within a frame of 16.7 ms");
+}
+
+/// Draws frames, the first of which is not counted. A picture on a GPU counts when it has been drawn.
+fn frames(
+    stage: &mut Stage,
+    scene: &Arc<Scene>,
+    mut next: impl FnMut(f64) -> Option<(Settings, Request)>,
+) -> Option<Times> {
+    let mut times = Vec::new();
+    for frame in 0..=FRAMES {
+        let (settings, request) = next(f64::from(frame) / f64::from(FRAMES))?;
+        let start = Instant::now();
+        let shot = stage.draw(scene, &settings, &request).ok()?;
+        if let (Pixels::Texture(_), Some(gpu)) = (&shot.pixels, stage.gpu()) {
+            gpu.finish().ok()?;
+        }
+        if frame > 0 {
+            times.push(start.elapsed());
+        }
+    }
+    Some(Times::new(times))
+}
+
+fn turning(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
+    let settings = middle(scene);
+    let camera = stage.camera(scene, &settings, &Request::space(SIZE)).ok()?;
+    let [x, y, z] = camera.eye.to_array();
+    let (away, first) = (x.hypot(y), y.atan2(x));
+    frames(stage, scene, |share| {
+        let angle = first + 0.3 * TAU * share;
+        let eye = [away * angle.cos(), away * angle.sin(), z];
+        let mut request = Request::space(SIZE);
+        request.view = View::Space {
+            eye: Some(camera.placement.world(eye)),
+            target: Some(camera.placement.world([0.0; 3])),
+        };
+        Some((settings.clone(), request))
+    })
+}
+
+fn dragging(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
+    let param = scene.params.first()?;
+    frames(stage, scene, |share| {
+        let mut settings = middle(scene);
+        let mut values = settings.param(param).to_vec();
+        let range = param.ranges.first()?;
+        values[0] = range.min + (0.3 + 0.4 * share) * (range.max - range.min);
+        settings.set(scene, &param.name, &values).ok()?;
+        Some((settings, Request::space(SIZE)))
+    })
+}
+
+fn walking(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
+    let settings = middle(scene);
+    let surface = (0..)
+        .zip(&scene.objects)
+        .find(|(_, object)| object.shape.patch().is_some())
+        .map(|(index, _)| ObjectId(index))?;
+    let request = Request::geodesic(surface, SIZE);
+    let inside = render::geodesic_view::Inside::new(scene, &settings, &request).ok()?;
+    frames(stage, scene, |share| {
+        let (ahead, _) = inside
+            .frame
+            .advance(
+                inside.ground().surface(),
+                [0.2 * share, 0.1 * share],
+                &Options::default(),
+            )
+            .ok()?;
+        let mut request = request.clone();
+        if let View::Geodesic { frame, .. } = &mut request.view {
+            *frame = Some(ahead);
+        }
+        Some((settings.clone(), request))
+    })
+}
