@@ -5,13 +5,15 @@
 //! an edit that is sent to its frame in the window; needs a display, such as `xvfb-run` gives), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
 //! (both views of every example), `large` (many samples, many vectors), `stage` (frames of a
 //! window: camera, param, walk), `accuracy` (the geodesic view against the
-//! thesis' method, frames while moving, the sphere from ten thousand places), `stiff` (the stiff list: ours, its bounds, the
+//! thesis' method, frames while moving, the sphere from ten thousand places), `estimates` (what the geodesic view says of
+//! its errors against the truth, over random scenes), `stiff` (the stiff list: ours, its bounds, the
 //! thesis' method). Without a part all are run. Times are medians of several runs with their
 //! least and greatest; a picture is drawn in a process of its own, so that its peak memory is its own and nothing is
 //! warm but the driver's cache on disk.
 
 mod accuracy;
 mod editing;
+mod estimates;
 mod front;
 mod jets;
 mod klein;
@@ -46,6 +48,7 @@ fn main() -> ExitCode {
         ("large", pictures::large),
         ("stage", stage::run),
         ("accuracy", accuracy::run),
+        ("estimates", estimates::run),
         ("stiff", stiff::run),
     ];
     for wanted in &arguments {

@@ -1,7 +1,12 @@
 //! Geodesic views as they open, and seeded random surfaces to look at from inside.
 
+use std::f64::consts::PI;
+
 use geodesic::frame::Frame;
+use geodesic::map::{Map, MapOptions, Method, bring_back, exponential_map};
+use geodesic::reference::Reference;
 use geodesic::surface::Surface;
+use geodesic::trace::Status;
 use render::Request;
 use render::geodesic_view::Inside;
 use scene::scene::{ObjectId, Shape};
@@ -128,4 +133,100 @@ fn waves(random: &mut Random, low: f64, high: f64, names: [&str; 2]) -> String {
         })
         .collect();
     parts.join(" + ")
+}
+
+/// A seeded random view of a [`random_surface`].
+#[derive(Clone, Debug)]
+pub struct RandomView {
+    /// The program.
+    pub program: String,
+    /// What it declares.
+    pub opening: Opening,
+    /// A camera somewhere in the middle three fifths of the domain, with a zoom from a little to several times the
+    /// surface's length.
+    pub frame: Frame,
+    /// A tolerance from a hundredth of a pixel to a pixel.
+    pub tolerance: f64,
+}
+
+/// The view with this number; `None` where no camera can stand there.
+pub fn random_view(number: u64) -> Option<RandomView> {
+    let mut random = Random(0xacc0 + 7919 * number);
+    let (program, length) = random_surface(&mut random);
+    let opening = opening(&crate::draw::scene(&program))?;
+    let surface = opening.surface();
+    let domain = surface.domain();
+    let at = [0, 1].map(|k| {
+        let [low, high] = domain[k];
+        low + random.between(0.2, 0.8) * (high - low)
+    });
+    let angle = random.between(-PI, PI);
+    let zoom = length * random.between(0.3, 4.0);
+    let frame = Frame::new(surface, at, angle, zoom).ok()?;
+    let tolerance = 10_f64.powf(random.between(-2.0, 0.0));
+    Some(RandomView {
+        program,
+        opening,
+        frame,
+        tolerance,
+    })
+}
+
+/// How far off a picture is at most, and what it says of it, in pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Held {
+    /// The largest error of all pixels whose truth is known.
+    pub truth: f64,
+    /// The estimate.
+    pub estimate: f64,
+}
+
+/// Pixels of a picture whose estimate is held to the truth.
+const SIDE: u32 = 96;
+/// How many pixels of it are traced one by one, beside those that a more exact picture shows to be the worst.
+const TRACED: usize = 225;
+/// How many of these.
+const WORST: usize = 16;
+
+/// The fan's estimate for a view against the truth. A far more exact picture shows at which of all the pixels it is off
+/// the most; how much it is there, geodesics traced one by one say. `None` where nearly nothing is seen.
+pub fn held(view: &RandomView) -> Option<Held> {
+    let (surface, frame) = (view.opening.surface(), &view.frame);
+    let size = [SIDE; 2];
+    let map = |tolerance: f64| {
+        let options = MapOptions {
+            method: Method::Fan,
+            tolerance,
+            ..MapOptions::default()
+        };
+        exponential_map(surface, frame, size, &options, &|_| {})
+    };
+    let picture = map(view.tolerance);
+    let exact = map((0.02 * view.tolerance).min(1e-3));
+    let position = |map: &Map, index: usize| {
+        let (uv, _) = bring_back(surface.domain(), surface.sides(), map.uv(index));
+        surface.jet(uv).position
+    };
+    let mut off: Vec<(f64, u32)> = (0..picture.status.len())
+        .filter(|&index| {
+            let complete = [&picture, &exact].map(|map| map.status[index] == Status::Complete);
+            complete == [true; 2]
+        })
+        .map(|index| {
+            let [a, b] = [&picture, &exact].map(|map| position(map, index));
+            let square = [0, 1, 2].map(|k| (a[k] - b[k]) * (a[k] - b[k]));
+            (square.iter().sum(), index as u32)
+        })
+        .collect();
+    if off.len() * 100 < picture.status.len() {
+        return None;
+    }
+    off.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut reference = Reference::new(surface, frame, size, TRACED);
+    reference.suspect(off.iter().take(WORST).map(|(_, index)| *index));
+    let errors = reference.errors(&|index| (picture.uv(index), picture.status[index]));
+    Some(Held {
+        truth: errors.max,
+        estimate: picture.estimate?.max,
+    })
 }

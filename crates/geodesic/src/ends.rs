@@ -130,6 +130,15 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// The estimate for the sum of these errors and others that know nothing of them: neither lie their maxima at one
+    /// place, nor do they point in one direction.
+    pub fn with(self, other: Self) -> Self {
+        Self {
+            max: self.max.hypot(other.max),
+            p99: self.p99.hypot(other.p99),
+        }
+    }
+
     /// The estimate for pixels with these errors; `None` where there are none. A NaN is passed over.
     pub fn of(errors: &mut Vec<f32>) -> Option<Self> {
         errors.retain(|error| !error.is_nan());

@@ -4,14 +4,16 @@
 //! between a few rays.
 //!
 //! ```text
-//! frame ──start.rs──▶ runners ──march.rs (lanes.rs, event.rs)──▶ rays (ray.rs) ──refine.rs, verify.rs──▶ sectors
-//!                                                                                                        │
-//!                                        places in the picture ──polar.rs, sectors.rs, cell.rs──▶ their ends
+//! frame ──start.rs──▶ runners ──march.rs (lanes.rs, event.rs)──▶ rays (ray.rs)
+//! rays ──build.rs, refine.rs, verify.rs (indicate.rs)──▶ sectors
+//! places in the picture ──polar.rs, sectors.rs, cell.rs──▶ their ends
 //! ```
 
+mod build;
 mod cell;
 mod coordinates;
 mod event;
+mod indicate;
 mod lanes;
 mod march;
 mod polar;
@@ -99,7 +101,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         let space = Space::of(surface);
         let start = Start::of(surface, &space, frame, size);
         let sectors = match &start {
-            Some(start) => refine::build(surface, &space, start, options),
+            Some(start) => build::build(surface, &space, start, options),
             None => Sectors::default(),
         };
         let tolerance = start.as_ref().map_or(1e-6, |start| {

@@ -177,11 +177,7 @@ pub fn exponential_map<S: Surface + ?Sized>(
     let patchwork = Patchwork::cut(&fan, size, PATCHWORK_SHARE * options.tolerance);
     let mut map = patchwork.map(options.by_pixel);
     map.work = fan.work();
-    let (rays, patches) = (fan.estimate(), patchwork.estimate);
-    map.estimate = Some(Estimate {
-        max: rays.max + patches.max,
-        p99: rays.p99 + patches.p99,
-    });
+    map.estimate = Some(fan.estimate().with(patchwork.estimate));
     progress(1.0);
     map
 }

@@ -47,6 +47,8 @@ pub struct Reference<'s, S: Surface + ?Sized> {
     size: [u32; 2],
     zoom: f64,
     sample: Vec<u32>,
+    /// Pixels outside of the sample from which the errors are followed uphill, too.
+    suspects: Vec<u32>,
     known: HashMap<u32, Truth>,
     /// Whether points are compared in space.
     embedded: bool,
@@ -107,6 +109,7 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
             size,
             zoom: frame.zoom(surface),
             sample: lattice(size, pixels),
+            suspects: Vec::new(),
             known: HashMap::new(),
             embedded: surface.is_embedded(),
         };
@@ -114,6 +117,14 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
             reference.truth(index);
         }
         reference
+    }
+
+    /// Follows the errors uphill from these pixels, too, by their numbers: where a method may be off in a spot that the
+    /// sample does not meet. They count for [`Errors::max`] alone.
+    pub fn suspect(&mut self, pixels: impl IntoIterator<Item = u32>) {
+        let count = u64::from(self.size[0]) * u64::from(self.size[1]);
+        let known = pixels.into_iter().filter(|index| u64::from(*index) < count);
+        self.suspects.extend(known);
     }
 
     /// A pixel's width on the surface.
@@ -145,7 +156,15 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
         errors.sample.sort_unstable_by(f64::total_cmp);
         worst.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         errors.max = worst.first().map_or(0.0, |(error, _)| *error);
-        for &start in worst.iter().take(CLIMBS) {
+        worst.truncate(CLIMBS);
+        for index in self.suspects.clone() {
+            let verdict = self.verdict(&atlas, index, end(index as usize), &mut looks);
+            if let Verdict::Error(error) = verdict {
+                errors.max = errors.max.max(error);
+                worst.push((error, index));
+            }
+        }
+        for start in worst {
             let (error, _) = self.climb(&atlas, start, end, &mut looks);
             errors.max = errors.max.max(error);
         }

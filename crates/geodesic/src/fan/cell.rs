@@ -154,6 +154,23 @@ fn together(space: &Space, a: Sample, mut b: Sample) -> (Sample, Sample) {
     (convert(space, &a, chart), convert(space, &b, chart))
 }
 
+/// Both rays at an arc length, in common coordinates; `None` where they are not known there.
+pub(super) fn pair(
+    space: &Space,
+    [a, b]: [&Ray; 2],
+    width: f64,
+    s: f64,
+) -> Option<(Sample, Sample)> {
+    let (mut a, mut b) = (a.at(s)?, b.at(s)?);
+    if a.chart.kind != Kind::Plain || b.chart.kind != Kind::Plain {
+        (a, b) = together(space, a, b);
+    }
+    if a.chart.kind == Kind::Plain {
+        lift(&a, &mut b, space.periods(), width);
+    }
+    Some((a, b))
+}
+
 /// Interpolates between rays that are `width` apart in angle, at the share `t` of the way, at the arc length `s`.
 #[inline(always)]
 pub(super) fn between(

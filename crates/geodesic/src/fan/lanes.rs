@@ -89,10 +89,23 @@ impl<S: Surface + ?Sized> Field<'_, S> {
             }
         }
         let [x, y, a, b, m, _, n, _] = error;
+        // Geodesics keep their speed, the method does not: what it has lost shows errors that the pair's difference
+        // misses where a step is too long for it.
+        let before = length(&local.jets, &[start[2], start[3]]);
+        let after = length(&end.jets, &[state[2], state[3]]);
+        let mut direction = length(&local.jets, &[a, b]);
+        for lane in 0..LANES {
+            let lost = (after[lane] - before[lane]).abs();
+            direction[lane] = if lost > direction[lane] {
+                lost
+            } else {
+                direction[lane]
+            };
+        }
         Trial {
             end: state,
             position: length(&local.jets, &[x, y]),
-            direction: length(&local.jets, &[a, b]),
+            direction,
             fields: [n, m],
             local: end,
         }

@@ -34,6 +34,8 @@ pub(super) struct Plan {
     pub(super) first: f64,
     /// The most evaluations for one ray.
     pub(super) limit: u64,
+    /// What the ranges of radius are parts of.
+    pub(super) reach: f64,
 }
 
 /// The most evaluations to find out why steps lead nowhere.
@@ -393,7 +395,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             n * n1 * p + (n * m1 + m * n1) * x + m * m1 * d,
             n1 * n1 * p + 2.0 * n1 * m1 * x + m1 * m1 * d + direction * direction,
         ];
-        runner.worst = runner.worst.max(runner.errors[0]);
+        runner.note_error(s, s + h, self.plan.reach);
         // Steps that have been shrinking, towards something singular, will go on to shrink.
         if h < runner.last && h < 3.0 * self.plan.least {
             runner.h *= (h / runner.last).max(0.5);

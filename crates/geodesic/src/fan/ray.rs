@@ -2,6 +2,7 @@
 //! length out.
 
 use super::coordinates::{Chart, Kind};
+use super::sectors::{BINS, Profile, most};
 use crate::trace::Status;
 
 /// A ray's state at a step's end.
@@ -74,8 +75,9 @@ pub(super) struct Ray {
     /// How much farther than that they may be relied on.
     pub(super) slack: f64,
     pub(super) stop: Option<Stop>,
-    /// The estimated error of its position, but for a factor that is much the same for all rays of a fan.
-    pub(super) error: f64,
+    /// The estimated error of its position in each range of radius, but for a factor that is much the same for all rays
+    /// of a fan.
+    pub(super) off: Profile,
     /// The share of the usual error that it was allowed.
     pub(super) care: f64,
     /// Radii at which to compare it with others.
@@ -93,8 +95,10 @@ pub(super) struct Sample {
     pub(super) normal: [f64; 2],
 }
 
-/// The most radii at which a ray is compared.
+/// The most steps of a ray in which it is compared with others, …
 const PROBES: usize = 24;
+/// … and where in each: a step is so long that between it and those of other rays lies more than one bulge.
+const SHARES: [f64; 4] = [0.125, 0.375, 0.625, 0.875];
 
 impl Ray {
     pub(super) fn new(angle: f64, segments: &[Segment], stop: Option<Stop>) -> Self {
@@ -141,20 +145,23 @@ impl Ray {
             end,
             slack,
             stop,
-            error: 0.0,
+            off: [0.0; BINS],
             care: 1.0,
             probes: Vec::new(),
         };
         let reach = ray.stop.map_or(end, |stop| stop.s.min(end));
         let stride = ray.intervals.len().div_ceil(PROBES).max(1);
-        for (n, interval) in ray.intervals.iter().enumerate() {
-            let middle = interval.from + 0.5 * interval.length;
-            if (n + 1) % stride == 0 && middle < reach {
-                ray.probes.push(middle);
-            }
+        for interval in ray.intervals.iter().skip(stride - 1).step_by(stride) {
+            let probes = SHARES.map(|share| interval.from + share * interval.length);
+            ray.probes.extend(probes.iter().filter(|s| **s < reach));
         }
         ray.probes.push(reach);
         ray
+    }
+
+    /// The estimated error of its position where it is the largest, but for the factor.
+    pub(super) fn error(&self) -> f64 {
+        f64::from(most(&self.off))
     }
 
     /// How far it goes on the surface.

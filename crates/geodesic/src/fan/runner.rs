@@ -2,6 +2,7 @@
 
 use super::coordinates::{Chart, Kind, Space};
 use super::ray::{Knot, Ray, Segment, Stop};
+use super::sectors::{BINS, Profile, bin};
 use crate::trace::Status;
 
 /// A ray on its way.
@@ -33,8 +34,8 @@ pub(super) struct Runner {
     pub(super) done: bool,
     /// The covariance of the steps' errors, carried on by the Jacobi fields: of position, mixed, of direction.
     pub(super) errors: [f64; 3],
-    /// The largest variance of the position on the way.
-    pub(super) worst: f64,
+    /// The largest standard deviation of the position on the way, in each range of radius.
+    pub(super) off: Profile,
 }
 
 impl Runner {
@@ -68,20 +69,22 @@ impl Runner {
             stop: None,
             done: false,
             errors: [0.0; 3],
-            worst: 0.0,
+            off: [0.0; BINS],
         }
     }
 
-    /// The estimated error of its position where it is the largest, but for a factor that is much the same for all
-    /// rays of a fan.
-    pub(super) fn error(&self) -> f64 {
-        self.worst.max(0.0).sqrt()
+    /// Takes note of the error between two arc lengths, the ranges of radius being those within `reach`.
+    pub(super) fn note_error(&mut self, from: f64, to: f64, reach: f64) {
+        let error = self.errors[0].max(0.0).sqrt() as f32;
+        for off in &mut self.off[bin(from, reach)..=bin(to, reach)] {
+            *off = off.max(error);
+        }
     }
 
     /// The ray, once it is done.
     pub(super) fn finish(self) -> Ray {
         let mut ray = Ray::new(self.angle, &self.segments, self.stop);
-        ray.error = self.error();
+        ray.off = self.off;
         ray.care = self.care;
         ray
     }

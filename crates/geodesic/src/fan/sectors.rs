@@ -8,7 +8,7 @@ use super::start::Start;
 use crate::ends::{Estimate, Work};
 
 /// An error is known for each of so many ranges of radius.
-pub(super) const BINS: usize = 16;
+pub(super) const BINS: usize = 32;
 
 /// Errors in pixels by ranges of radius.
 pub(super) type Profile = [f32; BINS];
@@ -27,6 +27,9 @@ pub(super) struct Sector {
     /// [`look_free`](super::cell::look_free)). Told when the fan is complete.
     pub(super) free_until: f64,
     pub(super) errors: Profile,
+    /// The shares of the errors in the sector's middle, of its first and of its second ray that are seen in the picture,
+    /// for each range of radius: towards a corner of the picture only what lies near one of the rays is.
+    pub(super) seen: [Profile; 3],
     /// The error of the edge's place.
     pub(super) edge: f64,
     /// Whether the errors have been told from a wider sector that interpolates in the same way.
@@ -38,6 +41,16 @@ pub(super) struct Sector {
 }
 
 impl Sector {
+    /// The error that the picture shows of a range of radius.
+    pub(super) fn seen_error(&self, range: usize) -> f32 {
+        self.errors[range] * self.seen[0][range]
+    }
+
+    /// The largest error that the picture shows up to a range of radius.
+    pub(super) fn most(&self, last: usize) -> f32 {
+        (0..=last).fold(0.0, |most, n| self.seen_error(n).max(most))
+    }
+
     /// The estimated error in pixels.
     #[inline(always)]
     pub(super) fn error_at(&self, s: f64, reach: f64) -> f64 {
@@ -110,6 +123,7 @@ impl Sectors {
     }
 }
 
+/// The range that an arc length lies in, of those that `reach` is divided into.
 pub(super) fn bin(s: f64, reach: f64) -> usize {
     ((s / reach * BINS as f64) as usize).min(BINS - 1)
 }

@@ -1,9 +1,10 @@
 //! Where a fan starts: a frame and a picture's size in, runners for any direction out.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::coordinates::{Chart, Kind, Space};
 use super::runner::Runner;
+use super::sectors::{BINS, Profile};
 use crate::chart::Atlas;
 use crate::ends::{Coordinates, End};
 use crate::follow;
@@ -104,11 +105,6 @@ impl Start {
     /// The farthest that the picture reaches within `around` of an angle.
     pub(super) fn border(&self, angle: f64, around: f64) -> f64 {
         let [right, up] = self.half;
-        // By symmetry between the axes: from the right to the top.
-        let fold = |angle: f64| {
-            let turned = (angle / PI).fract().abs() * PI;
-            turned.min(PI - turned)
-        };
         let (corner, here) = (up.atan2(right), fold(angle));
         if (here - corner).abs() <= around || here - around <= 0.0 && around >= corner {
             return self.reach;
@@ -121,6 +117,40 @@ impl Start {
         };
         let (sin, cos) = toward.sin_cos();
         (right / cos.abs()).min(up / sin.abs()).min(self.reach)
+    }
+
+    /// What of the errors in the middle of a sector, of its first and of its second ray is seen in the picture, for each
+    /// range of radius: towards a corner of the picture only what lies near one of the rays is. `bulge` says how the
+    /// error changes between them.
+    pub(super) fn seen(&self, angle: f64, width: f64, bulge: fn(f64) -> f64) -> [Profile; 3] {
+        let mut seen = [[1.0; BINS]; 3];
+        let (a, b) = (fold(angle), fold(angle + width));
+        if ((b - a).abs() - width).abs() > 1e-9 {
+            // It reaches over an axis of the picture, and there to its border.
+            return seen;
+        }
+        let [right, up] = self.half;
+        for n in 0..BINS {
+            let s = self.reach * n as f64 / BINS as f64;
+            let low = if s > right { (right / s).acos() } else { 0.0 };
+            let high = if s > up { (up / s).asin() } else { FRAC_PI_2 };
+            let (x, y) = ((low - a) / (b - a), (high - a) / (b - a));
+            let (first, last) = (x.min(y).max(0.0), x.max(y).min(1.0));
+            let shares = if first > last {
+                [0.0; 3]
+            } else {
+                let near = |t: f64| (1.0 + 2.0 * t) * (1.0 - t) * (1.0 - t);
+                [
+                    bulge(0.5_f64.clamp(first, last)),
+                    near(first),
+                    near(1.0 - last),
+                ]
+            };
+            for (seen, share) in seen.iter_mut().zip(shares) {
+                seen[n] = share as f32;
+            }
+        }
+        seen
     }
 
     /// The end of the ray of no length.
@@ -147,4 +177,10 @@ impl Start {
             error: 0.0,
         }
     }
+}
+
+/// A direction by symmetry between the axes, from the right to the top.
+fn fold(angle: f64) -> f64 {
+    let turned = (angle / PI).fract().abs() * PI;
+    turned.min(PI - turned)
 }

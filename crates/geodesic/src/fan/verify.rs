@@ -1,8 +1,9 @@
 //! How exact a fan is: rays that are integrated more exactly measure its errors, where they should be the largest and
 //! in places spread evenly. What they find wrong they mend.
 
+use super::build::{ACROSS, Builder, Wanted};
+use super::indicate;
 use super::march::Plan;
-use super::refine::{ACROSS, Builder, Wanted};
 use super::sectors::{BINS, Sector, bin, most};
 use crate::ends::Estimate;
 use crate::surface::Surface;
@@ -13,12 +14,11 @@ const EXACT: f64 = 0.15;
 const SPREAD: usize = 3;
 /// … so many times, while sectors have to be bisected after it.
 const ROUNDS: usize = 4;
+/// While any other is expected to have more than this share of the largest error that was found, and not many have been
+/// measured, more are.
+const DOUBTFUL: f64 = 0.7;
 /// Predictions that were too low by more than this factor are raised, and looked at again.
 const RAISED: f64 = 1.4;
-/// A few pixels between two rays, where the picture bends most, escape the rays that measure: by so much the estimate
-/// is widened that the truth stays below three times it in all of the random scenes of the tests.
-const WIDENED: f64 = 1.2;
-
 impl<S: Surface + ?Sized> Builder<'_, S> {
     /// Measures errors with rays that are integrated more exactly; where they are too large, these take part.
     pub(super) fn verify(&mut self, sectors: &mut Vec<Sector>) -> Estimate {
@@ -44,10 +44,14 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             for (&n, ray) in chosen.iter().zip(rays) {
                 let sector = sectors[n].clone();
                 let (found, _) = self.seen(self.pair(&sector), sector.width, &ray, 0.5);
-                let worst = f64::from(most(&found[..=self.inside(&sector)]));
                 let predicted = self.worst(&sector);
+                let measured = Sector {
+                    errors: found,
+                    ..sector.clone()
+                };
+                let worst = f64::from(measured.most(self.inside(&sector)));
                 if predicted.is_finite() && predicted > 0.2 * ACROSS * self.options.tolerance {
-                    let across = worst - f64::from(most(&self.along));
+                    let across = worst - f64::from(most(&self.along(&sector)));
                     low = low.max((across / predicted).min(4.0));
                 }
                 if worst > self.options.tolerance && sector.unknown_from.is_infinite() {
@@ -57,8 +61,9 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 } else {
                     sectors[n].errors = found;
                     sectors[n].measured = true;
-                    let wrong = |error: &f32| f64::from(*error) > self.options.tolerance;
-                    if let Some(bin) = found.iter().position(wrong) {
+                    let wrong =
+                        |&bin: &usize| f64::from(measured.seen_error(bin)) > self.options.tolerance;
+                    if let Some(bin) = (0..BINS).find(wrong) {
                         // Less is known of it than was thought.
                         let from = self.start.reach * bin as f64 / BINS as f64;
                         sectors[n].unknown_from = sectors[n].unknown_from.min(from);
@@ -77,22 +82,31 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 }
             }
             self.refine(sectors);
-            if sectors.len() == before && low <= RAISED {
+            if sectors.len() == before && low <= RAISED && !self.is_doubtful(sectors) {
                 break;
             }
         }
-        for sector in sectors.iter_mut().filter(|sector| !sector.measured) {
-            for (error, along) in sector.errors.iter_mut().zip(self.along) {
-                *error += along;
+        let mut max = 0.0_f64;
+        for sector in sectors.iter_mut() {
+            let along = self.along(sector);
+            let last = self.last(sector);
+            for (n, along) in along.into_iter().enumerate() {
+                let both = |across: f32| {
+                    if sector.measured {
+                        across.max(along)
+                    } else {
+                        across.hypot(along)
+                    }
+                };
+                if n <= last {
+                    max = max.max(f64::from(both(sector.seen_error(n))));
+                }
+                sector.errors[n] = both(sector.errors[n]);
             }
         }
-        let max = sectors
-            .iter()
-            .map(|sector| self.worst(sector))
-            .fold(0.0, f64::max);
         Estimate {
-            max: WIDENED * max,
-            p99: WIDENED * self.quantile(sectors).min(max),
+            max,
+            p99: self.quantile(sectors).min(max),
         }
     }
 
@@ -101,12 +115,12 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let mut samples: Vec<(f32, f64)> = Vec::with_capacity(3 * BINS * sectors.len());
         for sector in sectors {
             let known = bin(sector.border.min(sector.unknown_from), self.start.reach);
+            let along = self.along(sector);
             for (k, &error) in sector.errors[..=known].iter().enumerate() {
-                let along = self.along[k];
                 let weight = sector.width * (k as f64 + 0.5);
                 // Between two rays the error is like t²(1−t)².
                 for (share, part) in [(1.0, 0.3), (0.7, 0.3), (0.25, 0.4)] {
-                    samples.push((along.max(error * share), weight * part));
+                    samples.push((along[k].max(error * share), weight * part));
                 }
             }
         }
@@ -120,6 +134,34 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         found.map_or(0.0, |sample| f64::from(sample.0))
     }
 
+    /// Whether sectors that have not been measured may be worse than those that have.
+    fn is_doubtful(&self, sectors: &[Sector]) -> bool {
+        let worst = |measured: bool| {
+            let of = sectors.iter().filter(|sector| sector.measured == measured);
+            of.map(|sector| self.worst(sector)).fold(0.0, f64::max)
+        };
+        let count = sectors.iter().filter(|sector| sector.measured).count();
+        5 * count < 2 * sectors.len() && worst(false) > DOUBTFUL * worst(true)
+    }
+
+    /// The errors to be expected of the sectors, by what their making has shown and by what their rays say.
+    fn indicated(&self, sectors: &[Sector]) -> Vec<f64> {
+        let mut order: Vec<usize> = (0..sectors.len()).collect();
+        order.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
+        let sorted: Vec<&Sector> = order.iter().map(|&n| &sectors[n]).collect();
+        let (reach, pixel) = (self.start.reach, self.start.pixel);
+        let between = indicate::between(self.space, &self.rays, &sorted, reach, pixel);
+        let mut errors = vec![0.0; sectors.len()];
+        for (n, indicated) in order.into_iter().zip(between) {
+            let sector = &sectors[n];
+            let last = self.last(sector);
+            let seen = indicated.iter().zip(&sector.seen[0]).take(last + 1);
+            let most = seen.fold(0.0_f32, |most, (error, share)| most.max(error * share));
+            errors[n] = self.worst(sector).max(f64::from(most));
+        }
+        errors
+    }
+
     /// The sectors whose errors are to be measured: those that should have the largest, and some spread evenly.
     fn doubtful(&self, sectors: &[Sector], spread: bool) -> Vec<usize> {
         let mut known: Vec<usize> = (0..sectors.len())
@@ -130,10 +172,8 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let mut chosen: Vec<usize> = (0..count)
             .map(|n| known[n * known.len() / SPREAD])
             .collect();
-        known.sort_by(|&a, &b| {
-            let [a, b] = [a, b].map(|n| self.worst(&sectors[n]));
-            b.total_cmp(&a)
-        });
+        let told = self.indicated(sectors);
+        known.sort_by(|&a, &b| told[b].total_cmp(&told[a]));
         // In whole groups of eight.
         let worst = (known.len() / 16).min(64).next_multiple_of(8);
         known.truncate(worst.max(8) - if spread { SPREAD } else { 0 });

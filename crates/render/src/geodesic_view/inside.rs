@@ -180,13 +180,9 @@ impl Inside {
         progress(0.5);
         let patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * TOLERANCE);
         progress(1.0);
-        let (rays, patches) = (fan.estimate(), patchwork.estimate);
         Seen::Patchwork {
             work: fan.work(),
-            estimate: Estimate {
-                max: rays.max + patches.max,
-                p99: rays.p99 + patches.p99,
-            },
+            estimate: fan.estimate().with(patchwork.estimate),
             patchwork: Box::new(patchwork),
         }
     }

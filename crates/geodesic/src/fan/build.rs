@@ -1,0 +1,305 @@
+//! A fan is built: a start and a tolerance in, rays and the sectors between them out.
+//!
+//! The first rays show how exact steps have to be; what rays there are between them is told by `refine.rs`, and how far
+//! off the whole is by `verify.rs`.
+
+use std::f64::consts::TAU;
+
+use super::FanOptions;
+use super::cell;
+use super::coordinates::Space;
+use super::march::{self, Plan};
+use super::ray::Ray;
+use super::runner::Runner;
+use super::sectors::{self, Sector, Sectors, most};
+use super::start::Start;
+use crate::ends::Work;
+use crate::surface::Surface;
+
+/// Rays to begin with.
+const BASE: usize = 16;
+/// The share of the tolerance that interpolation between rays may use, …
+pub(super) const ACROSS: f64 = 0.7;
+/// … and the one that the rays' own errors may.
+const ALONG: f64 = 0.3;
+/// How much more exactly the first rays are integrated once more, to see how exact they are.
+const EXACT: f64 = 0.04;
+/// By how much more the others may err where the first ones are found too exact. More would leave knots so far apart
+/// that what lies between them has kinks that cost more squares of a picture than it saves steps.
+const LOOSEST: f64 = 4.0;
+/// The least share of the usual error that a ray is allowed: where even that grows too large, rays are of no use.
+const MOST_CARE: f64 = 2e-2;
+/// The most evaluations for one ray, and the least that one is begun with.
+const ONE_RAY: u64 = 20_000;
+const LEAST: u64 = 50;
+
+/// A ray to be integrated: as long as the picture is within a distance in angle of it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    angle: f64,
+    around: f64,
+    /// The share of the usual error that it is allowed.
+    care: f64,
+}
+
+impl Wanted {
+    fn new(angle: f64, around: f64) -> Self {
+        Self {
+            angle,
+            around,
+            care: 1.0,
+        }
+    }
+
+    /// The ray in the middle of a sector.
+    pub(super) fn middle(sector: &Sector) -> Self {
+        let half = 0.5 * sector.width;
+        Self::new(sector.angle + half, half)
+    }
+
+    /// The same, allowed a share of the usual error.
+    pub(super) fn with_care(self, care: f64) -> Self {
+        Self { care, ..self }
+    }
+}
+
+pub(super) struct Builder<'a, S: Surface + ?Sized> {
+    pub(super) surface: &'a S,
+    pub(super) space: &'a Space,
+    pub(super) start: &'a Start,
+    pub(super) options: &'a FanOptions,
+    pub(super) plan: Plan,
+    pub(super) rays: Vec<Ray>,
+    pub(super) work: Work,
+    pub(super) exhausted: bool,
+    /// Pixels by which a ray is off for each unit of its estimated error.
+    pub(super) factor: f64,
+}
+
+/// Makes a fan.
+pub(super) fn build<S: Surface + ?Sized>(
+    surface: &S,
+    space: &Space,
+    start: &Start,
+    options: &FanOptions,
+) -> Sectors {
+    let tolerance = options.tolerance.clamp(1e-6, 100.0);
+    let options = FanOptions {
+        tolerance,
+        ..*options
+    };
+    let size = space.scale.size;
+    let allowed = ALONG * tolerance * start.pixel;
+    let mut builder = Builder {
+        surface,
+        space,
+        start,
+        options: &options,
+        plan: Plan {
+            rate: allowed / start.reach,
+            least: 0.01 * start.reach,
+            lever: 0.5 * size.min(start.reach),
+            field: 0.05,
+            shortest: (1e-2 * start.pixel).min(1e-4 * size),
+            first: start.reach.min(size) * 0.03,
+            limit: ONE_RAY,
+            reach: start.reach,
+        },
+        rays: Vec::new(),
+        work: Work::default(),
+        exhausted: false,
+        factor: 0.0,
+    };
+    let mut sectors = builder.base();
+    builder.refine(&mut sectors);
+    let estimate = builder.verify(&mut sectors);
+    let mut all = Sectors {
+        rays: builder.rays,
+        sectors,
+        table: Vec::new(),
+        work: builder.work,
+        estimate,
+        follow_within: 0.0,
+    };
+    if !builder.exhausted {
+        let left = options.max_evaluations.saturating_sub(all.work.evaluations);
+        all.follow_within = sectors::affordable(&all, start, left);
+    }
+    all.work.rays = all.rays.len() as u64;
+    all.index();
+    all
+}
+
+impl<S: Surface + ?Sized> Builder<'_, S> {
+    /// Integrates rays. `None` where the evaluations do not suffice for all.
+    pub(super) fn integrate(&mut self, plan: &Plan, wanted: &[Wanted]) -> Option<Vec<Ray>> {
+        let left = self
+            .options
+            .max_evaluations
+            .saturating_sub(self.work.evaluations);
+        // What each may take for sure; no more than a few do more than twice the average.
+        let each = left / wanted.len().max(1) as u64;
+        let average = self.work.evaluations / self.work.rays.max(1);
+        if each < (2 * average).max(LEAST) {
+            self.exhausted = true;
+            return None;
+        }
+        let plan = &Plan {
+            limit: plan.limit.min(each),
+            ..*plan
+        };
+        let runners = wanted
+            .iter()
+            .enumerate()
+            .map(|(id, wanted)| {
+                let mut runner = self.start.runner(wanted.angle, wanted.around, plan.first);
+                runner.id = id;
+                runner.care = wanted.care;
+                runner
+            })
+            .collect();
+        let done = march::march_all(self.surface, self.space, plan, runners);
+        for runner in &done {
+            // Less than what a ray may take had there been no other.
+            self.exhausted |= plan.limit < ONE_RAY && runner.evaluations + LEAST > plan.limit;
+            self.work.rays += 1;
+            self.work.steps += runner.steps;
+            self.work.rejected += runner.rejected;
+            self.work.evaluations += runner.evaluations;
+        }
+        Some(done.into_iter().map(Runner::finish).collect())
+    }
+
+    /// Rays that take part. Where one's own error grows on the way more than that of the others, it is integrated once
+    /// more, so much more exactly.
+    pub(super) fn follow(&mut self, wanted: &[Wanted]) -> Option<Vec<Ray>> {
+        let plan = self.plan;
+        let mut rays = self.integrate(&plan, wanted)?;
+        self.improve(&mut rays, wanted);
+        Some(rays)
+    }
+
+    /// The share of the usual error for the ray in the middle of a sector: what those beside it would have needed.
+    pub(super) fn care(&self, sector: &Sector) -> f64 {
+        let [a, b] = self.pair(sector).map(|ray| ray.error() / ray.care);
+        self.care_for(self.factor * (a * b).sqrt())
+    }
+
+    /// The share of the usual error for a ray that would be off by so many pixels.
+    fn care_for(&self, off: f64) -> f64 {
+        let allowed = ALONG * self.options.tolerance;
+        if off > 1.5 * allowed {
+            (0.5 * allowed / off).max(MOST_CARE)
+        } else {
+            1.0
+        }
+    }
+
+    fn improve(&mut self, rays: &mut [Ray], wanted: &[Wanted]) {
+        let allowed = ALONG * self.options.tolerance;
+        let poor: Vec<usize> = (0..rays.len())
+            .filter(|&n| self.factor * rays[n].error() > 1.5 * allowed)
+            .collect();
+        if poor.is_empty() {
+            return;
+        }
+        let again: Vec<Wanted> = poor
+            .iter()
+            .map(|&n| Wanted {
+                care: self.care_for(self.factor * rays[n].error() / wanted[n].care),
+                ..wanted[n]
+            })
+            .collect();
+        let plan = self.plan;
+        let Some(again) = self.integrate(&plan, &again) else {
+            return;
+        };
+        for (n, ray) in poor.into_iter().zip(again) {
+            rays[n] = ray;
+        }
+    }
+
+    /// The first rays, exact enough, and the sectors between them.
+    fn base(&mut self) -> Vec<Sector> {
+        let step = TAU / BASE as f64;
+        let wanted: Vec<Wanted> = (0..BASE)
+            .map(|n| Wanted::new(n as f64 * step, 2.0 * step))
+            .collect();
+        let mut loose = 1.0;
+        for _ in 0..4 {
+            let plan = self.plan;
+            let Some(rays) = self.integrate(&plan, &wanted) else {
+                return Vec::new();
+            };
+            self.rays = rays;
+            // Every other one again, more exactly: how far off are they?
+            let exact = Plan {
+                rate: EXACT * plan.rate,
+                ..plan
+            };
+            let again: Vec<Wanted> = wanted.iter().copied().skip(1).step_by(2).collect();
+            let Some(again) = self.integrate(&exact, &again) else {
+                break;
+            };
+            let mut worst = 0.0_f32;
+            for (n, exact) in again.iter().enumerate() {
+                let ray = &self.rays[2 * n + 1];
+                let next = &self.rays[(2 * n + 2) % BASE];
+                let (profile, _) = self.seen([ray, next], step, exact, 0.0);
+                worst = worst.max(most(&profile));
+            }
+            let worst = f64::from(worst);
+            let told = self
+                .rays
+                .iter()
+                .skip(1)
+                .step_by(2)
+                .fold(0.0_f64, |told, ray| told.max(ray.error()));
+            self.factor = if told > 0.0 {
+                (worst / told).min(10.0 / self.start.pixel)
+            } else {
+                0.0
+            };
+            let share = worst / (ALONG * self.options.tolerance);
+            if share <= 1.0 {
+                loose = (0.5 / share).clamp(1.0, LOOSEST);
+                break;
+            }
+            self.plan.rate *= (0.5 / share).max(1e-3);
+        }
+        let mut rays = std::mem::take(&mut self.rays);
+        self.improve(&mut rays, &wanted);
+        self.rays = rays;
+        // What the first rays were too exact, the others need not be.
+        self.plan.rate *= loose;
+        for ray in &mut self.rays {
+            ray.care /= loose;
+        }
+        let order = self.order();
+        let stretched =
+            |a: usize, b: usize| cell::is_stretched([&self.rays[a], &self.rays[b % BASE]]);
+        (0..BASE)
+            .map(|n| {
+                // The odd rays are the middles of sectors twice as wide.
+                let pair = n / 2;
+                let [a, middle, b] = [2 * pair, 2 * pair + 1, (2 * pair + 2) % BASE];
+                let rays = [&self.rays[a], &self.rays[b]];
+                let errors = self.profile(rays, 2.0 * step, &self.rays[middle], 0.5);
+                let edge = cell::exit_discrepancy(rays, 2.0 * step, &self.rays[middle]);
+                let mut sector = self.sector(
+                    [n, (n + 1) % BASE],
+                    n as f64 * step,
+                    step,
+                    errors.map(|x| x / order),
+                    edge / f64::from(order),
+                );
+                // (Where rays end at no edge, its slope is not known yet.)
+                let told = [a, b]
+                    .iter()
+                    .all(|&ray| self.rays[ray].stop.is_none_or(|stop| stop.told));
+                sector.proven = told && stretched(n, n + 1) == stretched(a, b);
+                sector
+            })
+            .collect()
+    }
+}
