@@ -245,7 +245,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             for (n, exact) in again.iter().enumerate() {
                 let ray = &self.rays[2 * n + 1];
                 let next = &self.rays[(2 * n + 2) % BASE];
-                let (profile, _) = self.seen([ray, next], step, exact, 0.0);
+                let (profile, _) = self.seen([ray, next], step, exact, 0.0, &[0.5]);
                 worst = worst.max(most(&profile));
             }
             let worst = f64::from(worst);

@@ -7,81 +7,75 @@
 use super::cell;
 use super::coordinates::{Kind, Space};
 use super::ray::Ray;
-use super::sectors::{BINS, Profile, Sector};
+use super::sectors::{BINS, Sector};
 
 /// Sectors are compared whose widths differ by no more than this factor: beside a much narrower one lies what made that
 /// one narrow.
 const ALIKE: f64 = 2.5;
+/// In how many ranges of radius each.
+const STRIDE: usize = 2;
 
-/// The third derivatives by the angle of the cubics of a sector, at the middle of each range of radius, with their
-/// lengths' measure; NaN where there is none.
+/// The third derivatives by the angle of a sector's cubic.
 #[derive(Clone, Copy, Debug)]
 struct Third {
     kind: Kind,
     value: [f64; 2],
-    /// Unit tangent and normal.
+    /// The unit tangent and normal of its second ray.
     axes: [[f64; 2]; 2],
 }
 
-/// The errors in the middle of each sector, in pixels, of sectors in the order of their angles, all around; 0 where
-/// nothing can be told.
+/// The largest errors that the picture shows of each sector, in pixels; 0 where nothing can be told. The sectors are
+/// given in the order of their angles, all around.
 pub(super) fn between(
     space: &Space,
     rays: &[Ray],
     sectors: &[&Sector],
     reach: f64,
     pixel: f64,
-) -> Vec<Profile> {
-    let radius = |n: usize| reach * (n as f64 + 0.5) / BINS as f64;
-    let thirds: Vec<[Option<Third>; BINS]> = sectors
-        .iter()
-        .map(|sector| {
-            let pair = sector.rays.map(|ray| &rays[ray]);
-            std::array::from_fn(|n| {
-                let s = radius(n);
-                if s > sector.border || s > sector.unknown_from {
-                    return None;
-                }
-                let (a, b) = cell::pair(space, pair, sector.width, s)?;
-                let w = sector.width;
-                let value = [0, 1].map(|k| {
-                    (12.0 * (a.at[k] - b.at[k]) / w + 6.0 * (a.jacobi[0][k] + b.jacobi[0][k]))
-                        / (w * w)
-                });
-                Some(Third {
-                    kind: a.chart.kind,
-                    value,
-                    axes: [a.along, a.normal],
-                })
-            })
+) -> Vec<f64> {
+    let third = |sector: &Sector, s: f64| {
+        let pair = sector.rays.map(|ray| &rays[ray]);
+        let (a, b) = cell::pair(space, pair, sector.width, s)?;
+        let w = sector.width;
+        let value = [0, 1].map(|k| {
+            let (chord, slopes) = (a.at[k] - b.at[k], a.jacobi[0][k] + b.jacobi[0][k]);
+            (12.0 * chord / w + 6.0 * slopes) / (w * w)
+        });
+        Some(Third {
+            kind: b.chart.kind,
+            value,
+            axes: [b.along, b.normal],
         })
-        .collect();
-    let mut errors = vec![[0.0_f32; BINS]; sectors.len()];
-    for n in 0..sectors.len() {
-        let next = (n + 1) % sectors.len();
-        let [v, w] = [n, next].map(|n| sectors[n].width);
-        for k in 0..BINS {
-            let (Some(a), Some(b)) = (&thirds[n][k], &thirds[next][k]) else {
+    };
+    let mut errors = vec![0.0_f64; sectors.len()];
+    for range in (STRIDE / 2..BINS).step_by(STRIDE) {
+        let s = reach * (range as f64 + 0.5) / BINS as f64;
+        let known = |sector: &Sector| s < sector.border.min(sector.unknown_from);
+        let thirds: Vec<Option<Third>> = sectors
+            .iter()
+            .map(|sector| known(sector).then(|| third(sector, s))?)
+            .collect();
+        for (n, a) in thirds.iter().enumerate() {
+            let next = (n + 1) % sectors.len();
+            let (Some(a), Some(b)) = (a, &thirds[next]) else {
                 continue;
             };
-            if a.kind != b.kind {
+            let [v, w] = [n, next].map(|n| sectors[n].width);
+            if a.kind != b.kind || v > ALIKE * w || w > ALIKE * v {
                 continue;
             }
             let jump = [0, 1].map(|k| b.value[k] - a.value[k]);
-            let [along, normal] = b.axes;
+            let [along, normal] = a.axes;
             let area = cell::determinant(along, normal);
-            let length =
-                cell::determinant(jump, normal).hypot(cell::determinant(along, jump)) / area.abs();
-            let fourth = length / (0.5 * (v + w)) / pixel;
-            for (m, width, other) in [(n, v, w), (next, w, v)] {
-                if other > ALIKE * width || width > ALIKE * other {
-                    continue;
-                }
-                let error = (fourth * width.powi(4) / 384.0) as f32;
+            let (x, y) = (
+                cell::determinant(jump, normal),
+                cell::determinant(along, jump),
+            );
+            let fourth = (x * x + y * y).sqrt() / area.abs() / (0.5 * (v + w)) / pixel;
+            for (m, width) in [(n, v), (next, w)] {
+                let share = f64::from(sectors[m].seen[0][range]);
                 // (A NaN is no larger.)
-                if error > errors[m][k] {
-                    errors[m][k] = error;
-                }
+                errors[m] = errors[m].max(share * fourth * width.powi(4) / 384.0);
             }
         }
     }

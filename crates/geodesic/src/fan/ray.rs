@@ -80,8 +80,6 @@ pub(super) struct Ray {
     pub(super) off: Profile,
     /// The share of the usual error that it was allowed.
     pub(super) care: f64,
-    /// Radii at which to compare it with others.
-    pub(super) probes: Vec<f64>,
 }
 
 /// A ray at an arc length.
@@ -95,10 +93,8 @@ pub(super) struct Sample {
     pub(super) normal: [f64; 2],
 }
 
-/// The most steps of a ray in which it is compared with others, …
+/// The most steps of a ray in which it is compared with others.
 const PROBES: usize = 24;
-/// … and where in each: a step is so long that between it and those of other rays lies more than one bulge.
-const SHARES: [f64; 4] = [0.125, 0.375, 0.625, 0.875];
 
 impl Ray {
     pub(super) fn new(angle: f64, segments: &[Segment], stop: Option<Stop>) -> Self {
@@ -136,7 +132,7 @@ impl Ray {
             parts.push(n as u32);
         }
         parts.push(intervals.len().saturating_sub(1) as u32);
-        let mut ray = Self {
+        Self {
             parts,
             by_part,
             angle,
@@ -147,16 +143,19 @@ impl Ray {
             stop,
             off: [0.0; BINS],
             care: 1.0,
-            probes: Vec::new(),
-        };
-        let reach = ray.stop.map_or(end, |stop| stop.s.min(end));
-        let stride = ray.intervals.len().div_ceil(PROBES).max(1);
-        for interval in ray.intervals.iter().skip(stride - 1).step_by(stride) {
-            let probes = SHARES.map(|share| interval.from + share * interval.length);
-            ray.probes.extend(probes.iter().filter(|s| **s < reach));
         }
-        ray.probes.push(reach);
-        ray
+    }
+
+    /// Radii at which to compare it with others: these shares of its steps, and its end.
+    pub(super) fn probes(&self, shares: &[f64]) -> impl Iterator<Item = f64> {
+        let reach = self.stop.map_or(self.end, |stop| stop.s.min(self.end));
+        let stride = self.intervals.len().div_ceil(PROBES).max(1);
+        let steps = self.intervals.iter().skip(stride - 1).step_by(stride);
+        let of = |interval: &Interval| (interval.from, interval.length);
+        let inside = steps
+            .map(of)
+            .flat_map(move |(from, length)| shares.iter().map(move |share| from + share * length));
+        inside.filter(move |s| *s < reach).chain([reach])
     }
 
     /// The estimated error of its position where it is the largest, but for the factor.

@@ -63,7 +63,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
 
     /// The errors that a ray shows of the two beside it, in pixels; infinite where it shows nothing.
     pub(super) fn profile(&self, rays: [&Ray; 2], width: f64, middle: &Ray, t: f64) -> Profile {
-        let (mut out, seen) = self.seen(rays, width, middle, t);
+        let (mut out, seen) = self.seen(rays, width, middle, t, &[0.5]);
         if seen < BINS {
             // At an edge that both rays meet it goes on much the same, elsewhere anything may be.
             let both = rays.iter().all(|ray| ray.limit().is_finite());
@@ -81,13 +81,14 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         self.start.border(middle.angle, 0.5 * width)
     }
 
-    /// The errors that a ray shows, and for how many ranges it does.
+    /// The errors that a ray shows at these shares of its steps, and for how many ranges it does.
     pub(super) fn seen(
         &self,
         rays: [&Ray; 2],
         width: f64,
         middle: &Ray,
         t: f64,
+        shares: &[f64],
     ) -> (Profile, usize) {
         let mut out = [0.0_f32; BINS];
         let mut seen = 0;
@@ -99,7 +100,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             limits[0].min(limits[1]).min(border)
         };
         let last = last.min(middle.end);
-        let probes = middle.probes.iter().copied().filter(|s| *s < last);
+        let probes = middle.probes(shares).filter(|s| *s < last);
         for s in probes.chain([last]) {
             let across = self.options.across;
             let Some(error) = cell::discrepancy(self.space, across, rays, width, middle, t, s)

@@ -19,6 +19,9 @@ const ROUNDS: usize = 4;
 const DOUBTFUL: f64 = 0.7;
 /// Predictions that were too low by more than this factor are raised, and looked at again.
 const RAISED: f64 = 1.4;
+/// Where in their steps: a step is so long that between it and those of other rays lies more than one bulge.
+const SHARES: [f64; 2] = [0.25, 0.75];
+
 impl<S: Surface + ?Sized> Builder<'_, S> {
     /// Measures errors with rays that are integrated more exactly; where they are too large, these take part.
     pub(super) fn verify(&mut self, sectors: &mut Vec<Sector>) -> Estimate {
@@ -43,7 +46,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             let mut halves = Vec::new();
             for (&n, ray) in chosen.iter().zip(rays) {
                 let sector = sectors[n].clone();
-                let (found, _) = self.seen(self.pair(&sector), sector.width, &ray, 0.5);
+                let (found, _) = self.seen(self.pair(&sector), sector.width, &ray, 0.5, &SHARES);
                 let predicted = self.worst(&sector);
                 let measured = Sector {
                     errors: found,
@@ -116,7 +119,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         for sector in sectors {
             let known = bin(sector.border.min(sector.unknown_from), self.start.reach);
             let along = self.along(sector);
-            for (k, &error) in sector.errors[..=known].iter().enumerate() {
+            for (k, &error) in sector.errors[..=known].iter().enumerate().step_by(2) {
                 let weight = sector.width * (k as f64 + 0.5);
                 // Between two rays the error is like t²(1−t)².
                 for (share, part) in [(1.0, 0.3), (0.7, 0.3), (0.25, 0.4)] {
@@ -144,39 +147,37 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         5 * count < 2 * sectors.len() && worst(false) > DOUBTFUL * worst(true)
     }
 
-    /// The errors to be expected of the sectors, by what their making has shown and by what their rays say.
-    fn indicated(&self, sectors: &[Sector]) -> Vec<f64> {
-        let mut order: Vec<usize> = (0..sectors.len()).collect();
-        order.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
-        let sorted: Vec<&Sector> = order.iter().map(|&n| &sectors[n]).collect();
-        let (reach, pixel) = (self.start.reach, self.start.pixel);
-        let between = indicate::between(self.space, &self.rays, &sorted, reach, pixel);
-        let mut errors = vec![0.0; sectors.len()];
-        for (n, indicated) in order.into_iter().zip(between) {
-            let sector = &sectors[n];
-            let last = self.last(sector);
-            let seen = indicated.iter().zip(&sector.seen[0]).take(last + 1);
-            let most = seen.fold(0.0_f32, |most, (error, share)| most.max(error * share));
-            errors[n] = self.worst(sector).max(f64::from(most));
+    /// The errors to be expected of the sectors, by what their making has shown and, if so asked, by what their rays say.
+    fn expected(&self, sectors: &[Sector], indicated: bool) -> Vec<f64> {
+        let mut errors: Vec<f64> = sectors.iter().map(|sector| self.worst(sector)).collect();
+        if indicated {
+            let mut order: Vec<usize> = (0..sectors.len()).collect();
+            order.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
+            let sorted: Vec<&Sector> = order.iter().map(|&n| &sectors[n]).collect();
+            let (reach, pixel) = (self.start.reach, self.start.pixel);
+            let between = indicate::between(self.space, &self.rays, &sorted, reach, pixel);
+            for (n, error) in order.into_iter().zip(between) {
+                errors[n] = errors[n].max(error);
+            }
         }
         errors
     }
 
     /// The sectors whose errors are to be measured: those that should have the largest, and some spread evenly.
-    fn doubtful(&self, sectors: &[Sector], spread: bool) -> Vec<usize> {
+    fn doubtful(&self, sectors: &[Sector], first: bool) -> Vec<usize> {
         let mut known: Vec<usize> = (0..sectors.len())
             .filter(|&n| !sectors[n].measured && sectors[n].unknown_from > 0.1 * self.start.reach)
             .collect();
         known.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
-        let count = if spread { SPREAD.min(known.len()) } else { 0 };
+        let count = if first { SPREAD.min(known.len()) } else { 0 };
         let mut chosen: Vec<usize> = (0..count)
             .map(|n| known[n * known.len() / SPREAD])
             .collect();
-        let told = self.indicated(sectors);
+        let told = self.expected(sectors, first);
         known.sort_by(|&a, &b| told[b].total_cmp(&told[a]));
         // In whole groups of eight.
         let worst = (known.len() / 16).min(64).next_multiple_of(8);
-        known.truncate(worst.max(8) - if spread { SPREAD } else { 0 });
+        known.truncate(worst.max(8) - if first { SPREAD } else { 0 });
         chosen.extend(known);
         chosen.sort_unstable();
         chosen.dedup();
