@@ -11,6 +11,10 @@ const DEGREE: u32 = 6u;
 // Kinds of cover.
 const COVER_PATCH: u32 = 0u;
 const COVER_SINGLE: u32 = 1u;
+// The word at which the edges' offsets stand, and the coordinates of a patch that an edge goes through.
+const BOUNDS: u32 = 40u;
+const PLAIN_WITH_EDGE: u32 = 5u;
+const STATUS_LEFT_DOMAIN: u32 = 1u;
 
 @group(0) @binding(0) var<uniform> resolve: Resolve;
 @group(0) @binding(1) var<storage, read> table: array<u32>;
@@ -34,11 +38,23 @@ fn single_at(cover: u32, x: i32, y: i32) -> u32 {
     return table[6] + index * SINGLE_WORDS + 8u * ((u32(y) % 8u) * 8u + u32(x) % 8u);
 }
 
+fn patch_at(cover: u32) -> u32 {
+    return table[5] + (cover & 0x3fffffffu) * PATCH_WORDS;
+}
+
 fn status_at(x: i32, y: i32) -> u32 {
     let cover = cover_at(x, y);
     let kind = cover >> 30u;
     if kind == COVER_PATCH {
-        return STATUS_COMPLETE;
+        let patch_word = patch_at(cover);
+        if table[patch_word + 4u] != PLAIN_WITH_EDGE {
+            return STATUS_COMPLETE;
+        }
+        let at = in_patch(patch_word, x, y).offset;
+        let low = vec2f(number(BOUNDS), number(BOUNDS + 2u));
+        let high = vec2f(number(BOUNDS + 1u), number(BOUNDS + 3u));
+        let left = any(at < low) || any(at > high);
+        return select(STATUS_COMPLETE, STATUS_LEFT_DOMAIN, left);
     }
     if kind == COVER_SINGLE {
         return min(table[single_at(cover, x, y) + 6u], 5u);
@@ -148,10 +164,10 @@ fn end_at(x: i32, y: i32) -> End {
             vec2f(number(word + 2u), number(word + 3u)),
             vec2f(number(word + 4u), number(word + 5u)));
     }
-    let patch_word = table[5] + (cover & 0x3fffffffu) * PATCH_WORDS;
+    let patch_word = patch_at(cover);
     let end = in_patch(patch_word, x, y);
     let coordinates = table[patch_word + 4u];
-    if coordinates == 0u {
+    if coordinates == 0u || coordinates == PLAIN_WITH_EDGE {
         return end;
     }
     return from_apex(end, coordinates - 1u);

@@ -34,7 +34,8 @@ pub struct End {
     /// m/s, the Jacobi field over the arc length (1 at the centre): along the ray the surface is seen at its own
     /// scale, across it at this one, negative behind a conjugate point. NaN where it is not known.
     pub stretch: f64,
-    /// Why it ended; what stands above has a meaning for [`Status::Complete`].
+    /// Why it ended. What stands above has a meaning for [`Status::Complete`], and where it is finite for
+    /// [`Status::LeftDomain`]: where the geodesic would be had the surface gone on.
     pub status: Status,
     /// The estimated error in pixels.
     pub error: f64,
@@ -98,6 +99,11 @@ pub trait Ends: Sync {
     fn in_coordinates(&self, end: &End, coordinates: Coordinates) -> Option<End>;
     /// The coordinate periods that an end may be off its neighbour by, behind a pole: 0 where the axis has none.
     fn periods(&self) -> [f64; 2];
+    /// `[[u min, u max], [v min, v max]]`: a geodesic whose end would lie beyond has left the domain. Infinite where no
+    /// edge is.
+    fn bounds(&self) -> [[f64; 2]; 2] {
+        [[f64::NEG_INFINITY, f64::INFINITY]; 2]
+    }
     /// The coordinates about the apex at an end of an axis, if any end may be in them.
     fn polar(&self, axis: u8, end: u8) -> Option<Polar> {
         let _ = (axis, end);

@@ -171,6 +171,10 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         match cell::look(&self.space, self.options.across, rays, sector.width, t, s) {
             Found::Point(point) => point.end(&self.space, s, sector.error_at(s, start.reach)),
             Found::Ended(status) => self.ended(status),
+            Found::Beyond(point) => End {
+                status: Status::LeftDomain,
+                ..point.end(&self.space, s, 0.0)
+            },
             Found::Unknown => self.follow(start, place, s),
         }
     }
@@ -339,6 +343,10 @@ impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
 
     fn periods(&self) -> [f64; 2] {
         self.space.periods()
+    }
+
+    fn bounds(&self) -> [[f64; 2]; 2] {
+        self.space.bounds()
     }
 
     fn polar(&self, axis: u8, end: u8) -> Option<Polar> {

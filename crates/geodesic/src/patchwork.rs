@@ -5,8 +5,9 @@
 //! ([`Patchwork::map`]) and by a fixed pass on the GPU ([`table`]).
 //!
 //! A square is one polynomial only if all the ends that were looked at in it are complete: at the corners, at the
-//! nodes, on the sides. So a straight line of what is otherwise (an edge, what lies behind a tip) cannot pass through
-//! it unseen; what can is an area that lies wholly between the places looked at, which are at most a quarter of the
+//! nodes, on the sides. Or else all others have left through an edge beyond which the ends say where they would be: then
+//! the polynomial itself says where the edge is. So a straight line of what is otherwise (another edge, what lies behind
+//! a tip) cannot pass through it unseen; what can is an area that lies wholly between the places looked at, which are at most a quarter of the
 //! square's side apart (60 pixels in the largest, less in those that their neighbourhood has made small), and the
 //! outermost pixels of a curve that bends into the square and out again between two of them.
 
@@ -55,6 +56,9 @@ pub struct Patch {
     pub coefficients: [[[f32; DEGREE + 1]; DEGREE + 1]; 2],
     /// The estimated error of the polynomials, in pixels.
     pub error: f32,
+    /// Whether an edge goes through it: a pixel whose value lies beyond [`Patchwork::bounds`] has left the domain. Only in
+    /// plain coordinates.
+    pub edge: bool,
 }
 
 /// A block of pixels that have been evaluated one by one.
@@ -94,6 +98,8 @@ pub struct Patchwork {
     pub singles: Vec<Single>,
     /// `[axis][end]`: the coordinates about apexes, those that patches may be in.
     pub polars: [[Option<Polar>; 2]; 2],
+    /// Offsets from the camera beyond which an end has left the domain, `[axis][end]`: infinite where no edge is.
+    pub bounds: [[f32; 2]; 2],
     /// ∂(u,v) by pixel at the camera's own place, which a picture of odd sizes shows exactly.
     pub centre_by_pixel: [f32; 4],
     /// The polynomials' own error, beside that of the ends.
@@ -117,6 +123,7 @@ impl Patchwork {
             pixel: zoom * per_place,
             per_place,
             zoom,
+            bounds: ends.bounds(),
             fit: Fit::new(),
         };
         let shorter = size[0].min(size[1]);
@@ -142,6 +149,7 @@ impl Patchwork {
             size,
             origin,
             covers: vec![Cover::Nothing(Status::Undefined); across * down],
+            bounds: [0, 1].map(|axis| cutter.bounds[axis].map(|x| (x - origin[axis]) as f32)),
             polars: [0, 1].map(|axis| [0, 1].map(|end| ends.polar(axis, end))),
             ..Self::default()
         };

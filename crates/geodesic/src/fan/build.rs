@@ -33,6 +33,10 @@ const MOST_CARE: f64 = 2e-2;
 const ONE_RAY: u64 = 20_000;
 const LEAST: u64 = 50;
 
+/// How many pixels rays are followed beyond an edge: so that a square of pixels that an edge goes through can be one
+/// polynomial.
+const BEYOND: f64 = 48.0;
+
 /// A ray to be integrated: as long as the picture is within a distance in angle of it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
@@ -104,6 +108,7 @@ pub(super) fn build<S: Surface + ?Sized>(
             first: start.reach.min(size) * 0.03,
             limit: ONE_RAY,
             reach: start.reach,
+            beyond: (BEYOND * start.pixel).min(0.25 * start.reach),
         },
         rays: Vec::new(),
         work: Work::default(),

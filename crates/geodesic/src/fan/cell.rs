@@ -15,6 +15,8 @@ pub(super) enum Found {
     Point(Point),
     /// It ended before.
     Ended(Status),
+    /// It left through an edge, and would have gone on to here.
+    Beyond(Point),
     /// The rays do not say.
     Unknown,
 }
@@ -37,6 +39,16 @@ impl Point {
     #[inline(always)]
     pub(super) fn m(&self) -> f64 {
         determinant(self.along, self.turning) / determinant(self.along, self.normal)
+    }
+
+    #[inline(always)]
+    fn is_finite(&self) -> bool {
+        (self.at[0] + self.at[1] + self.along[0] + self.turning[0]).is_finite()
+    }
+
+    /// Whether it is a point in the plain coordinates.
+    fn is_plain(&self) -> bool {
+        self.chart.kind == Kind::Plain && self.is_finite()
     }
 
     /// As an [`End`] at the arc length `s` > 0.
@@ -276,8 +288,7 @@ pub(super) fn look_free(
     }
     lift(&a, &mut b, periods, width);
     let point = hermite(&a, &b, width, t);
-    let finite = (point.at[0] + point.at[1] + point.along[0] + point.turning[0]).is_finite();
-    (finite && space.beyond_edge(point.at).is_none()).then_some(point)
+    (point.is_finite() && space.beyond_edge(point.at).is_none()).then_some(point)
 }
 
 /// Brings the second sample near the first one: behind a pole the lifts may be periods apart, and the field says where
@@ -368,6 +379,23 @@ fn edge(rays: [&Ray; 2], width: f64, t: f64) -> Option<(f64, Status)> {
     Some((s, status))
 }
 
+/// As far as anything between two rays is on the surface: an edge may bulge out between the places where they leave.
+pub(super) fn farthest(rays: [&Ray; 2], width: f64) -> f64 {
+    let far = rays[0].limit().max(rays[1].limit());
+    let (Some(a), Some(b)) = (rays[0].stop, rays[1].stop) else {
+        return far;
+    };
+    let left = |stop: &Stop| stop.status == Status::LeftDomain;
+    if !left(&a) || !left(&b) {
+        return far;
+    }
+    if a.edge != b.edge {
+        return far.max(rays[0].end.min(rays[1].end));
+    }
+    let between = [0.25, 0.5, 0.75].map(|t| edge(rays, width, t).map_or(far, |(s, _)| s));
+    between.into_iter().fold(far, f64::max)
+}
+
 /// Why both rays have ended before an arc length, if they have.
 #[inline(always)]
 pub(super) fn both_ended(rays: [&Ray; 2], t: f64, s: f64) -> Option<Status> {
@@ -406,7 +434,10 @@ pub(super) fn look(
         && let Some((edge, status)) = edge(rays, width, t)
         && s > edge
     {
-        return Found::Ended(status);
+        return match between(space, across, rays, width, t, s) {
+            Some(point) if status == Status::LeftDomain && point.is_plain() => Found::Beyond(point),
+            _ => Found::Ended(status),
+        };
     }
     let Some(point) = between(space, across, rays, width, t, s) else {
         return match edge(rays, width, t) {
@@ -420,12 +451,13 @@ pub(super) fn look(
     {
         return if space.is_collapsed(axis, end) {
             Found::Ended(Status::ConePoint)
+        } else if point.is_plain() {
+            Found::Beyond(point)
         } else {
             Found::Ended(Status::LeftDomain)
         };
     }
-    let finite = (point.at[0] + point.at[1] + point.along[0] + point.turning[0]).is_finite();
-    if finite {
+    if point.is_finite() {
         Found::Point(point)
     } else {
         Found::Unknown

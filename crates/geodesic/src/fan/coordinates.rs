@@ -274,6 +274,17 @@ impl Space {
         })
     }
 
+    /// Where plain points are beyond a true edge: infinite where there is none.
+    pub(super) fn bounds(&self) -> [[f64; 2]; 2] {
+        [0, 1].map(|axis| {
+            let sides = self.sides.of(axis);
+            [(0, f64::NEG_INFINITY), (1, f64::INFINITY)].map(|(end, none)| {
+                let edge = sides[end] == Side::Edge && !self.is_collapsed(axis, end);
+                if edge { self.domain[axis][end] } else { none }
+            })
+        })
+    }
+
     pub(super) fn has_edges(&self) -> bool {
         self.any_edge
     }

@@ -36,10 +36,15 @@ pub(super) struct Plan {
     pub(super) limit: u64,
     /// What the ranges of radius are parts of.
     pub(super) reach: f64,
+    /// How far a ray is followed beyond an edge, where the surface goes on there: so that the places on both sides of the
+    /// edge are one smooth function, and the edge is where that leaves the domain.
+    pub(super) beyond: f64,
 }
 
 /// The most evaluations to find out why steps lead nowhere.
 const CAREFUL: u64 = 4000;
+/// The most steps beyond an edge.
+const STEPS_BEYOND: u32 = 3;
 /// A cone is unrolled anew when a ray has turned about its tip by this angle.
 const TURN: f64 = 2.0;
 
@@ -162,7 +167,7 @@ fn march<S: Surface + ?Sized>(surface: &S, space: &Space, plan: &Plan, runners: 
             .zip(group.active)
             .filter(|(_, active)| *active)
             .fold(0.0_f64, |most, (runner, _)| {
-                most.max(runner.length - runner.s)
+                most.max(runner.way(plan.beyond))
             });
         // Two steps of equal length rather than a long one and a sliver.
         let tried = if h >= remaining {
@@ -247,6 +252,11 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             }
             runner.evaluations += STAGES;
             let excess = self.excess(runner, &trial, lane, h);
+            if runner.stop.is_some() {
+                // Beyond an edge nothing needs to be found, and nobody waits.
+                self.active[lane] = excess <= 1.0;
+                continue;
+            }
             // Single precision is enough for a factor.
             let factor = 0.9 * f64::from((excess as f32).powf(-0.2));
             // NaN is a failure, too.
@@ -265,7 +275,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
         let least = factors.iter().fold(f64::INFINITY, |least, x| least.min(*x));
         if bad > 0 && (good < bad || least > 0.5) {
             for (lane, runner) in runners.iter_mut().enumerate() {
-                if self.active[lane] {
+                if self.active[lane] && runner.stop.is_none() {
                     runner.rejected += 1;
                     runner.h = h * least;
                     if h * factors[lane] < self.plan.shortest
@@ -285,6 +295,10 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             if !self.active[lane] {
                 continue;
             }
+            if runner.stop.is_some() {
+                self.active[lane] = self.go_beyond(runner, &trial, lane, h, knots[lane]);
+                continue;
+            }
             runner.h = h * factors[lane];
             if failed[lane] {
                 runner.rejected += 1;
@@ -295,24 +309,26 @@ impl<S: Surface + ?Sized> Group<'_, S> {
                 continue;
             }
             self.accept(runner, &trial, lane, h, knots[lane]);
-            if self.active[lane] {
+            if self.active[lane] && runner.stop.is_none() {
                 next = next.min(runner.h);
             }
         }
         // So do those that would hold up the others.
-        let going = self.active.iter().filter(|active| **active).count();
+        let goes = |lane: usize| self.active[lane] && runners[lane].stop.is_none();
+        let going = (0..runners.len()).filter(|&lane| goes(lane)).count();
         let slow = |runner: &Runner| runner.h < 1.5 * next;
         let slower = (0..runners.len())
-            .filter(|&lane| self.active[lane] && slow(&runners[lane]))
+            .filter(|&lane| goes(lane) && slow(&runners[lane]))
             .count();
         let others = runners
             .iter()
-            .zip(self.active)
-            .filter(|(runner, active)| *active && !slow(runner))
-            .fold(f64::INFINITY, |least, (runner, _)| least.min(runner.h));
+            .enumerate()
+            .filter(|(lane, runner)| goes(*lane) && !slow(runner))
+            .map(|(_, runner)| runner)
+            .fold(f64::INFINITY, |least, runner| least.min(runner.h));
         if slower * 2 <= going && others > 2.5 * next {
             for (lane, runner) in runners.iter().enumerate() {
-                if self.active[lane] && slow(runner) {
+                if self.active[lane] && runner.stop.is_none() && slow(runner) {
                     self.active[lane] = false;
                 }
             }
@@ -368,7 +384,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
         excess
     }
 
-    fn accept(&mut self, runner: &mut Runner, trial: &Trial, lane: usize, h: f64, mut knot: Knot) {
+    fn accept(&mut self, runner: &mut Runner, trial: &Trial, lane: usize, h: f64, knot: Knot) {
         let space = self.field.space;
         let from = Motion {
             at: runner.at,
@@ -379,14 +395,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             self.local.acceleration[1][lane],
         ];
         let s = runner.s;
-        let [[n, m], [n1, m1]] = [
-            [trial.end[6][lane], trial.end[4][lane]],
-            [trial.end[7][lane], trial.end[5][lane]],
-        ];
-        runner.m = [
-            n * runner.m[0] + m * runner.m[1],
-            n1 * runner.m[0] + m1 * runner.m[1],
-        ];
+        let [[n, m], [n1, m1]] = fields(trial, lane);
         let [p, x, d] = runner.errors;
         let direction = trial.direction[lane];
         let position = trial.position[lane].max(h * direction);
@@ -401,20 +410,11 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             runner.h *= (h / runner.last).max(0.5);
         }
         runner.last = h;
-        runner.steps += 1;
-        runner.s += h;
-        runner.at = knot.at;
-        runner.velocity = knot.velocity;
-        knot.s = runner.s;
-        knot.m = runner.m;
-        if let Some(segment) = runner.segments.last_mut() {
-            segment.knots.push(knot);
-        }
+        runner.step(h, fields(trial, lane), knot);
         match space.tip(self.field.kind) {
             None => {
                 if let Some((share, edge)) = leaves(space, &from, before, &knot, h) {
-                    self.active[lane] = false;
-                    self.leave(runner, s + share * h, edge);
+                    self.active[lane] = self.leave(runner, s + share * h, edge);
                     return;
                 }
             }
@@ -460,8 +460,28 @@ impl<S: Surface + ?Sized> Group<'_, S> {
         }
     }
 
-    /// Ends a ray at an edge.
-    fn leave(&self, runner: &mut Runner, s: f64, (axis, end): (usize, usize)) {
+    /// Follows a ray beyond an edge; says whether it goes on.
+    fn go_beyond(
+        &self,
+        runner: &mut Runner,
+        trial: &Trial,
+        lane: usize,
+        h: f64,
+        knot: Knot,
+    ) -> bool {
+        runner.step(h, fields(trial, lane), knot);
+        runner.beyond += 1;
+        self.goes_beyond(runner)
+    }
+
+    fn goes_beyond(&self, runner: &Runner) -> bool {
+        runner.beyond < STEPS_BEYOND
+            && runner.way(self.plan.beyond) > 0.0
+            && runner.evaluations + STAGES <= self.plan.limit
+    }
+
+    /// Ends a ray at an edge; says whether it is worth following beyond.
+    fn leave(&self, runner: &mut Runner, s: f64, (axis, end): (usize, usize)) -> bool {
         let collapsed = self.field.space.is_collapsed(axis, end);
         runner.stop(
             s,
@@ -472,6 +492,7 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             },
         );
         runner.aim(axis, end);
+        !collapsed && self.goes_beyond(runner)
     }
 
     /// Where steps lead nowhere, one careful integration says why, and where it ends.
@@ -520,4 +541,12 @@ impl<S: Surface + ?Sized> Group<'_, S> {
             }
         }
     }
+}
+
+/// What a lane's fundamental fields have become in a step, with their derivatives: (n, m), (n', m').
+fn fields(trial: &Trial, lane: usize) -> [[f64; 2]; 2] {
+    [
+        [trial.end[6][lane], trial.end[4][lane]],
+        [trial.end[7][lane], trial.end[5][lane]],
+    ]
 }

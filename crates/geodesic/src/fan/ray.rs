@@ -169,6 +169,15 @@ impl Ray {
         self.stop.map_or(f64::INFINITY, |stop| stop.s)
     }
 
+    /// How far it tells what lies beside it: beyond an edge as far as it was followed.
+    pub(super) fn reach(&self) -> f64 {
+        match &self.stop {
+            None => f64::INFINITY,
+            Some(stop) if stop.status == Status::LeftDomain => stop.s.max(self.end),
+            Some(stop) => stop.s,
+        }
+    }
+
     /// The ray at an arc length; `None` where it is not known.
     #[inline(always)]
     pub(super) fn at(&self, s: f64) -> Option<Sample> {

@@ -97,7 +97,9 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let last = if limits[0].is_finite() && limits[1].is_finite() {
             middle.limit().min(border)
         } else {
-            limits[0].min(limits[1]).min(border)
+            // Beyond an edge that only one of them has left through, it still tells what the other sees.
+            let [a, b] = rays.map(Ray::reach);
+            a.min(b).min(middle.limit()).min(border)
         };
         let last = last.min(middle.end);
         let probes = middle.probes(shares).filter(|s| *s < last);
@@ -144,8 +146,8 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
 
     /// The last range of radius that matters.
     pub(super) fn inside(&self, sector: &Sector) -> usize {
-        let [a, b] = self.pair(sector).map(Ray::limit);
-        bin(sector.border.min(a.max(b)), self.start.reach)
+        let far = cell::farthest(self.pair(sector), sector.width);
+        bin(sector.border.min(far), self.start.reach)
     }
 
     /// The largest error as far as it is known and matters.

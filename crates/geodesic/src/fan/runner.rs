@@ -32,6 +32,8 @@ pub(super) struct Runner {
     pub(super) segments: Vec<Segment>,
     pub(super) stop: Option<Stop>,
     pub(super) done: bool,
+    /// Steps beyond an edge.
+    pub(super) beyond: u32,
     /// The covariance of the steps' errors, carried on by the Jacobi fields: of position, mixed, of direction.
     pub(super) errors: [f64; 3],
     /// The largest standard deviation of the position on the way, in each range of radius.
@@ -68,8 +70,33 @@ impl Runner {
             segments: Vec::new(),
             stop: None,
             done: false,
+            beyond: 0,
             errors: [0.0; 3],
             off: [0.0; BINS],
+        }
+    }
+
+    /// How far it is still to be followed: to its length, or so far `beyond` the edge through which it has left.
+    pub(super) fn way(&self, beyond: f64) -> f64 {
+        let end = match &self.stop {
+            None => self.length,
+            Some(stop) => self.length.min(stop.s + beyond),
+        };
+        end - self.s
+    }
+
+    /// Takes a step of the length `h` to a knot; `fields` is what (1, 0) and (0, 1) have become, [(n, m), (n', m')].
+    pub(super) fn step(&mut self, h: f64, fields: [[f64; 2]; 2], mut knot: Knot) {
+        let [value, rate] = self.m;
+        self.m = fields.map(|[n, m]| n * value + m * rate);
+        self.steps += 1;
+        self.s += h;
+        self.at = knot.at;
+        self.velocity = knot.velocity;
+        knot.s = self.s;
+        knot.m = self.m;
+        if let Some(segment) = self.segments.last_mut() {
+            segment.knots.push(knot);
         }
     }
 

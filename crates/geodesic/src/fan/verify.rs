@@ -139,26 +139,31 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
 
     /// Whether sectors that have not been measured may be worse than those that have.
     fn is_doubtful(&self, sectors: &[Sector]) -> bool {
-        let worst = |measured: bool| {
-            let of = sectors.iter().filter(|sector| sector.measured == measured);
-            of.map(|sector| self.worst(sector)).fold(0.0, f64::max)
-        };
         let count = sectors.iter().filter(|sector| sector.measured).count();
-        5 * count < 2 * sectors.len() && worst(false) > DOUBTFUL * worst(true)
+        if 3 * count >= 2 * sectors.len() {
+            return false;
+        }
+        let (mut known, mut doubtful) = (0.0_f64, 0.0_f64);
+        for (sector, expected) in sectors.iter().zip(self.expected(sectors)) {
+            if sector.measured {
+                known = known.max(self.worst(sector));
+            } else {
+                doubtful = doubtful.max(expected);
+            }
+        }
+        doubtful > DOUBTFUL * known
     }
 
-    /// The errors to be expected of the sectors, by what their making has shown and, if so asked, by what their rays say.
-    fn expected(&self, sectors: &[Sector], indicated: bool) -> Vec<f64> {
+    /// The errors to be expected of the sectors, by what their making has shown and by what their rays say.
+    fn expected(&self, sectors: &[Sector]) -> Vec<f64> {
         let mut errors: Vec<f64> = sectors.iter().map(|sector| self.worst(sector)).collect();
-        if indicated {
-            let mut order: Vec<usize> = (0..sectors.len()).collect();
-            order.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
-            let sorted: Vec<&Sector> = order.iter().map(|&n| &sectors[n]).collect();
-            let (reach, pixel) = (self.start.reach, self.start.pixel);
-            let between = indicate::between(self.space, &self.rays, &sorted, reach, pixel);
-            for (n, error) in order.into_iter().zip(between) {
-                errors[n] = errors[n].max(error);
-            }
+        let mut order: Vec<usize> = (0..sectors.len()).collect();
+        order.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
+        let sorted: Vec<&Sector> = order.iter().map(|&n| &sectors[n]).collect();
+        let (reach, pixel) = (self.start.reach, self.start.pixel);
+        let between = indicate::between(self.space, &self.rays, &sorted, reach, pixel);
+        for (n, error) in order.into_iter().zip(between) {
+            errors[n] = errors[n].max(error);
         }
         errors
     }
@@ -173,7 +178,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let mut chosen: Vec<usize> = (0..count)
             .map(|n| known[n * known.len() / SPREAD])
             .collect();
-        let told = self.expected(sectors, first);
+        let told = self.expected(sectors);
         known.sort_by(|&a, &b| told[b].total_cmp(&told[a]));
         // In whole groups of eight.
         let worst = (known.len() / 16).min(64).next_multiple_of(8);

@@ -21,6 +21,9 @@ const FAR_APEX: f64 = 4.0;
 /// The corners are looked at before all else, as the first places of the check.
 const CORNERS: usize = 4;
 
+/// An end may be taken for one on the other side of an edge that it is so many pixels beside.
+const BESIDE: f64 = 0.2;
+
 /// From a node to the next one that is looked at: without a common divisor with how many there are.
 const STRIDE: usize = 3 * COUNT - 1;
 /// The pixels of the smallest square that are looked at first; where all of them show nothing, the others do neither.
@@ -72,6 +75,8 @@ pub(super) struct Cutter<'e> {
     /// One pixel in units of the picture.
     pub(super) per_place: f64,
     pub(super) zoom: f64,
+    /// [`Ends::bounds`].
+    pub(super) bounds: [[f64; 2]; 2],
     pub(super) fit: Fit,
 }
 
@@ -148,8 +153,21 @@ impl Cutter<'_> {
             return Attempt::Divide(1);
         };
         let first = corners[0];
-        let status = first.status;
-        let unlike = |ends: &[End]| ends.iter().any(|end| end.status != status);
+        let mut status = first.status;
+        // Where an edge goes through it, or may: the others have left, and would be somewhere.
+        let mut edge = false;
+        let goes_on = |end: &End| {
+            let left = end.status == Status::LeftDomain && end.coordinates == Coordinates::Plain;
+            end.status == Status::Complete || left && end.at[0].is_finite()
+        };
+        let mut unlike = |ends: &[End]| {
+            if !edge && ends.iter().all(|end| end.status == status) {
+                return false;
+            }
+            // Also all that have been looked at before.
+            edge = goes_on(&first) && ends.iter().all(goes_on);
+            !edge
+        };
         if unlike(&corners) {
             return Attempt::Divide(1);
         }
@@ -168,6 +186,18 @@ impl Cutter<'_> {
             for ((index, place), end) in indices.into_iter().zip(places).zip(&pieces.seen) {
                 samples[index] = (place, *end);
             }
+        }
+        if edge {
+            if samples
+                .iter()
+                .any(|(_, end)| !goes_on(end) || !self.is_on_its_side(end))
+                || samples
+                    .iter()
+                    .any(|(_, end)| end.coordinates != Coordinates::Plain)
+            {
+                return Attempt::Divide(1);
+            }
+            status = Status::Complete;
         }
         if status != Status::Complete {
             return Attempt::Covered(Piece::Nothing {
@@ -213,7 +243,12 @@ impl Cutter<'_> {
                     reference.at[k] + value(&powers[k], at)
                 });
                 // A NaN is no proof either.
-                if end.status != Status::Complete || error.is_nan() {
+                let like = if edge {
+                    goes_on(end) && self.is_on_its_side(end)
+                } else {
+                    end.status == Status::Complete
+                };
+                if !like || error.is_nan() {
                     return Attempt::Divide(1);
                 }
                 worst = worst.max(WIDENING * error);
@@ -235,7 +270,27 @@ impl Cutter<'_> {
                 rows
             }),
             error: worst as f32,
+            edge,
         })))
+    }
+
+    /// Whether an end lies beyond the edges if it has left through one, and within them if not; a little beside an edge
+    /// it may be either.
+    fn is_on_its_side(&self, end: &End) -> bool {
+        let mut inside = f64::INFINITY;
+        for axis in 0..2 {
+            let mut step = [0.0; 2];
+            step[axis] = 1.0;
+            let length = end.length(step) / self.pixel;
+            let [low, high] = self.bounds[axis];
+            let room = (end.at[axis] - low).min(high - end.at[axis]);
+            inside = inside.min(room * length);
+        }
+        if end.status == Status::Complete {
+            inside > -BESIDE
+        } else {
+            inside < BESIDE
+        }
     }
 
     /// How often a square with this error is to be divided, if it is.

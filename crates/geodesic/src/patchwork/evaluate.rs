@@ -113,6 +113,8 @@ struct Strip {
     start: f32,
     step: f32,
     apex: Option<(usize, About)>,
+    /// [`Patchwork::bounds`], where an edge goes through it.
+    bounds: Option<[[f32; 2]; 2]>,
 }
 
 /// [`Polar`] in single precision, from the camera.
@@ -247,19 +249,29 @@ impl Strip {
             start: ((column - patch.corner[0]) as f32 + 0.5) * step[0] - 1.0,
             step: step[0],
             apex,
+            bounds: patch.edge.then_some(patchwork.bounds),
         }
     }
 
     /// One row. The loops' bodies know nothing of their neighbours, so that the compiler makes vectors of them.
     #[inline(always)]
     fn evaluate(&self, row: usize, rows: &mut Rows<'_>, pixels: std::ops::Range<usize>) {
-        part(rows.status, &pixels).fill(Status::Complete);
+        let status = part(rows.status, &pixels);
+        status.fill(Status::Complete);
         let offset = part(rows.offset, &pixels);
         let by_pixel = part(rows.by_pixel, &pixels);
         match &self.apex {
             None => self.plain(row, offset, by_pixel),
             Some((0, about)) => self.about::<0>(about, row, offset, by_pixel),
             Some((_, about)) => self.about::<1>(about, row, offset, by_pixel),
+        }
+        if let Some([[a, b], [c, d]]) = self.bounds {
+            for (status, [u, v]) in status.iter_mut().zip(offset) {
+                let left = (*u < a) | (*u > b) | (*v < c) | (*v > d);
+                if left {
+                    *status = Status::LeftDomain;
+                }
+            }
         }
     }
 

@@ -9,13 +9,15 @@
 //! | 6 | the word at which the singles begin |
 //! | 7 | how many words there are |
 //! | 8 … 39 | the apexes: [`APEX_WORDS`] for each side, u min, u max, v min, v max |
+//! | 40 … 43 | the offsets of the edges from the camera, u min, u max, v min, v max: ±3·10³⁸ where no edge is |
 //! | then | a cover for each block, row by row from the top; then the patches; then the singles |
 //!
 //! **A cover** is a kind in its two highest bits (0 patch, 1 single, 2 nothing) and below it the index of the patch or
 //! single, or the status ([`code_of`]).
 //!
 //! **A patch** has [`PATCH_WORDS`] words: 0, 1 the first pixel's column and row; 2, 3 its extent in columns and rows;
-//! 4 its coordinates (0 plain, 1 + 2·axis + end about an apex); 5 its estimated error in pixels; 6, 7 its centre: in
+//! 4 its coordinates (0 plain, 1 + 2·axis + end about an apex, 5 plain with an edge through it: what lies beyond the
+//! edges' offsets has left the domain); 5 its estimated error in pixels; 6, 7 its centre: in
 //! plain coordinates less the camera's (u,v), about an apex (a,b) itself; then the coefficients, first all of the first
 //! coordinate, `[j][i]` for X^i Y^j, then those of the second. X = (2n + 1)/extent − 1 for the n-th column, Y likewise
 //! downwards. The value is the centre plus the polynomial; a derivative by pixel is 2/extent times one by X or Y.
@@ -31,7 +33,7 @@ use crate::ends::Coordinates;
 use crate::trace::Status;
 
 /// Words before the covers.
-pub const HEADER_WORDS: usize = 40;
+pub const HEADER_WORDS: usize = 44;
 /// Words of an apex.
 pub const APEX_WORDS: usize = 8;
 /// Words of a patch: a head of eight and the coefficients.
@@ -77,6 +79,8 @@ impl Patchwork {
             words.extend(numbers.map(|x| (x as f32).to_bits()));
             words.extend([u32::from(polar.is_some()), 0, 0]);
         }
+        let bounds = self.bounds.as_flattened();
+        words.extend(bounds.iter().map(|x| x.clamp(-3e38, 3e38).to_bits()));
         words.extend(self.covers.iter().map(|cover| match *cover {
             Cover::Patch(index) => index,
             Cover::Single(index) => 1 << 30 | index,
@@ -86,7 +90,10 @@ impl Patchwork {
             words.extend(patch.corner);
             words.extend(patch.extent);
             let (coordinates, centre) = match patch.coordinates {
-                Coordinates::Plain => (0, [0, 1].map(|k| patch.centre[k] - self.origin[k])),
+                Coordinates::Plain => (
+                    if patch.edge { 5 } else { 0 },
+                    [0, 1].map(|k| patch.centre[k] - self.origin[k]),
+                ),
                 Coordinates::Apex { axis, end } => {
                     (1 + 2 * u32::from(axis) + u32::from(end), patch.centre)
                 }
