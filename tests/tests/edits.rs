@@ -9,11 +9,13 @@ use testing::editor::{Editor, Place};
 
 /// Edits of each session, unless `GEOTRACE_EDITS` tells how many; there is a session for each encoding, and one for an
 /// editor that asks for diagnostics.
-const EDITS: usize = 2500;
+const EDITS: usize = 25_000;
+/// After so many edits the tokens' deltas are applied and compared.
+const TOKENS: usize = 10;
 /// After so many edits every kind of request is asked.
-const ROUND: usize = 6;
+const ROUND: usize = 60;
 /// A text that has grown so long is replaced.
-const LONGEST: usize = 1500;
+const LONGEST: usize = 900;
 
 const START: &str = "\
 # A torus 𝛼é and what it needs.
@@ -120,7 +122,10 @@ impl Mirror {
     }
 
     fn position(&self, offset: usize) -> Value {
-        let starts = self.lines();
+        self.position_among(&self.lines(), offset)
+    }
+
+    fn position_among(&self, starts: &[usize], offset: usize) -> Value {
         let line = starts.iter().rposition(|start| *start <= offset);
         let line = line.expect("the first line starts at 0");
         let column = self.units(&self.text[starts[line]..offset]);
@@ -219,9 +224,10 @@ impl Mirror {
     /// The tokens of a part of the text, from the text alone.
     fn encoded(&self, span: Span) -> Vec<i64> {
         let (mut line, mut column) = (0, 0);
+        let starts = self.lines();
         let mut data = Vec::new();
         for token in semantic_tokens(&Reading::new(self.text.as_str()), span) {
-            let place = self.position(token.span.start as usize);
+            let place = self.position_among(&starts, token.span.start as usize);
             let next = ["line", "character"].map(|key| place[key].as_i64().expect("a number"));
             let down = next[0] - line;
             let right = if down == 0 { next[1] - column } else { next[1] };
@@ -446,7 +452,7 @@ async fn session(encoding: &'static str, pulls: bool, seed: u64) {
             Value::Array(editor.diagnostics(mirror.uri, mirror.version).await)
         };
         assert_eq!(found, mirror.diagnostics(), "{:?}", mirror.text);
-        if count % 3 == 0 {
+        if count % TOKENS == 0 {
             check_tokens(&mut editor, mirror).await;
         }
         if count % ROUND == 0 {

@@ -236,6 +236,7 @@ impl Fault {
             message,
             hint: self.hint,
             related: self.trail,
+            fixes: Vec::new(),
         }
     }
 }

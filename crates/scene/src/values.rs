@@ -5,6 +5,8 @@
 
 use std::fmt;
 
+use syntax::nearest;
+
 use crate::scene::{Grid, GridId, Object, Param, Range, Scene};
 
 /// A value for each param, and for those grids that have been fixed.
@@ -275,53 +277,14 @@ fn check(name: &str, ranges: &[Range], values: &[f64]) -> Result<(), SetError> {
 fn suggestion(scene: &Scene, word: &str) -> Option<String> {
     let params = scene.params.iter().map(|param| param.name.as_str());
     let grids = scene.grids.iter().map(|grid| grid.name.as_str());
-    let allowed = match word.chars().count() {
-        0 => return None,
-        1..=2 => 1,
-        3..=5 => 2,
-        _ => 3,
-    };
-    let distance = |name: &str| {
-        if name.eq_ignore_ascii_case(word) {
-            return 0;
-        }
-        edit_distance(word, name)
-    };
-    params
-        .chain(grids)
-        .map(|name| (distance(name), name))
-        // A suggestion that shares no letter with the word would be a guess.
-        .filter(|&(edits, name)| edits <= allowed && edits < name.len().max(word.len()))
-        .min_by_key(|&(edits, _)| edits)
-        .map(|(_, name)| name.to_owned())
-}
-
-/// How many insertions, deletions and replacements of a character turn one word into the other. Words longer
-/// than any name worth suggesting are as far apart as can be.
-fn edit_distance(a: &str, b: &str) -> usize {
-    const LONGEST: usize = 100;
-    if a.len() > LONGEST || b.len() > LONGEST {
-        return usize::MAX;
-    }
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, &y) in b.iter().enumerate() {
-            let replaced = diagonal + usize::from(x != y);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
+    nearest(word, params.chain(grids))
 }
 
 #[cfg(test)]
 mod tests {
     use syntax::span::Span;
 
-    use super::{SetError, Settings, edit_distance};
+    use super::{SetError, Settings};
     use crate::scene::{Grid, GridId, Object, Param, Range, Sampling, Scene, Shape};
 
     const fn range(min: f64, max: f64) -> Range {
@@ -460,12 +423,5 @@ mod tests {
         assert_eq!(settings, before);
         settings.set(&scene, "alpha", &[2.0]).unwrap();
         assert_eq!(settings.uniforms()[0], 2.0);
-    }
-
-    #[test]
-    fn edit_distances_are_those_of_the_textbook() {
-        assert_eq!(edit_distance("kitten", "sitting"), 3);
-        assert_eq!(edit_distance("", "abc"), 3);
-        assert_eq!(edit_distance("abc", "abc"), 0);
     }
 }

@@ -26,6 +26,19 @@ pub struct Related {
     pub message: String,
 }
 
+/// A change of the text that mends what a diagnostic is about, if it is what was meant.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Fix {
+    /// What it does, as an order: "Write `sin(2x)`".
+    pub title: String,
+    /// What is replaced; empty to insert.
+    pub span: Span,
+    /// What takes its place.
+    pub replacement: String,
+    /// Whether it is the one to take without a thought.
+    pub preferred: bool,
+}
+
 /// One finding in a program.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Diagnostic {
@@ -41,6 +54,40 @@ pub struct Diagnostic {
     pub hint: Option<String>,
     /// Other places that explain it.
     pub related: Vec<Related>,
+    /// Changes of the text that mend it.
+    pub fixes: Vec<Fix>,
+}
+
+impl Fix {
+    /// The fix that puts a word in the place of another.
+    pub(crate) fn change(span: Span, word: &str, preferred: bool) -> Self {
+        Self {
+            title: format!("Change to `{word}`"),
+            span,
+            replacement: word.to_owned(),
+            preferred,
+        }
+    }
+
+    /// The fix that writes something in the place of what was read otherwise.
+    pub(crate) fn write(span: Span, text: &str) -> Self {
+        Self {
+            title: format!("Write `{text}`"),
+            span,
+            replacement: text.to_owned(),
+            preferred: false,
+        }
+    }
+
+    /// The fix that puts something at an offset.
+    pub(crate) fn insert(title: &str, offset: u32, text: &str) -> Self {
+        Self {
+            title: title.to_owned(),
+            span: Span::new(offset, offset),
+            replacement: text.to_owned(),
+            preferred: true,
+        }
+    }
 }
 
 impl Diagnostic {
@@ -53,6 +100,7 @@ impl Diagnostic {
             message: message.into(),
             hint: None,
             related: Vec::new(),
+            fixes: Vec::new(),
         }
     }
 
@@ -76,6 +124,26 @@ impl Diagnostic {
     #[must_use]
     pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
+        self
+    }
+
+    /// The same, with one more change that mends it.
+    #[must_use]
+    pub fn with_fix(mut self, fix: Fix) -> Self {
+        self.fixes.push(fix);
+        self
+    }
+
+    /// The same, with all its places put elsewhere.
+    #[must_use]
+    pub fn mapped(mut self, place: impl Fn(Span) -> Span) -> Self {
+        self.span = place(self.span);
+        for related in &mut self.related {
+            related.span = place(related.span);
+        }
+        for fix in &mut self.fixes {
+            fix.span = place(fix.span);
+        }
         self
     }
 

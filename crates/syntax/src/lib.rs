@@ -46,4 +46,5 @@ pub mod text;
 pub mod token;
 pub mod trie;
 
+pub use parser::suggestions::nearest;
 pub use parser::{parse_expression, parse_program};

@@ -80,6 +80,7 @@ mod tests {
                 message: "`rr` is not defined".into(),
                 hint: None,
                 related: Vec::new(),
+                fixes: Vec::new(),
             }],
         );
         assert_eq!(

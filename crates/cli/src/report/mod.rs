@@ -283,6 +283,7 @@ mod tests {
             message: message.into(),
             hint: None,
             related: Vec::new(),
+            fixes: Vec::new(),
         }
     }
 

@@ -189,20 +189,14 @@ impl Workshop {
         diagnostic: &Diagnostic,
         start: impl Fn(ChunkId) -> u32,
     ) -> Diagnostic {
-        let mut diagnostic = diagnostic.clone();
-        let translate = |span: Span| {
+        diagnostic.clone().mapped(|span| {
             let Some((_, home)) = self.bases.range(..=span.start).next_back() else {
                 return span;
             };
             let start = i64::from(start(home.chunk)) + home.shift;
             let place = |at: u32| u32::try_from(i64::from(at) + start).unwrap_or_default();
             Span::new(place(span.start), place(span.end))
-        };
-        diagnostic.span = translate(diagnostic.span);
-        for related in &mut diagnostic.related {
-            related.span = translate(related.span);
-        }
-        diagnostic
+        })
     }
 
     /// Checks what a chunk declares, with the meanings that the names above have at the moment.

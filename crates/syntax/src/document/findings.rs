@@ -9,7 +9,7 @@ use super::names::NameId;
 use super::open_words::Lookup;
 use super::sequence::{ChunkId, Measure};
 use crate::codes;
-use crate::diagnostic::{Diagnostic, Related};
+use crate::diagnostic::Diagnostic;
 use crate::parser::MAX_DIAGNOSTICS;
 use crate::parser::elsewhere::Surroundings;
 use crate::parser::readings::hidden_split;
@@ -258,11 +258,7 @@ impl Surroundings for Around<'_> {
 
 impl Diagnostic {
     /// The same, so many bytes further down.
-    pub(crate) fn moved(mut self, bytes: u32) -> Self {
-        self.span = self.span.moved(bytes);
-        for Related { span, .. } in &mut self.related {
-            *span = span.moved(bytes);
-        }
-        self
+    pub(crate) fn moved(self, bytes: u32) -> Self {
+        self.mapped(|span| span.moved(bytes))
     }
 }

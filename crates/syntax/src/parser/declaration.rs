@@ -6,6 +6,7 @@ use super::suggestions::nearest_declaring;
 use super::{Parser, State, Stop};
 use crate::actions::{Actions, Declaration, Interval, IntervalKind, Operator};
 use crate::codes;
+use crate::diagnostic::Fix;
 use crate::span::Span;
 use crate::symbols::{Scope, Symbol, SymbolKind};
 use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
@@ -105,8 +106,14 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
             }
         };
         let message = format!("expected a declaration, found {}", self.found());
-        let diagnostic = self.here(codes::EXPECTED_DECLARATION, message);
-        self.reject(diagnostic.with_hint(hint));
+        let mut diagnostic = self
+            .here(codes::EXPECTED_DECLARATION, message)
+            .with_hint(hint);
+        if let Some(guess) = guess {
+            let fix = Fix::change(self.current.span, guess.text(), true);
+            diagnostic = diagnostic.with_fix(fix);
+        }
+        self.reject(diagnostic);
     }
 
     /// The rest of a declaration, from its name (the current token) to behind its `;`.

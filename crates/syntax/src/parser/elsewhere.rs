@@ -6,7 +6,7 @@
 //! does: a line inserted at the top of a text moves every line below.
 
 use super::messages::quote;
-use crate::diagnostic::{Diagnostic, Related};
+use crate::diagnostic::{Diagnostic, Fix, Related};
 use crate::span::Span;
 use crate::token::SymbolId;
 use crate::trie::Trie;
@@ -117,11 +117,18 @@ impl Undefined {
         }
         diagnostic.hint = self.hint.clone();
         if self.hint.is_none() && searches < MAX_SEARCHES {
-            let nearest = |word| around.nearest(self.parameters.as_ref(), word, self.offset);
+            // The rest of a word ends where the whole does, and the diagnostic stands at it.
+            let end = diagnostic.span.end;
             let split = self.word.len() < self.whole.len();
-            diagnostic.hint = nearest(&self.whole)
-                .or_else(|| split.then(|| nearest(&self.word)).flatten())
-                .map(|name| format!("did you mean `{name}`?"));
+            let words = [Some(&self.whole), split.then_some(&self.word)];
+            let found = words.into_iter().flatten().find_map(|word| {
+                let name = around.nearest(self.parameters.as_ref(), word, self.offset)?;
+                Some((Span::new(end - word.len() as u32, end), name))
+            });
+            if let Some((span, name)) = found {
+                diagnostic.hint = Some(format!("did you mean `{name}`?"));
+                diagnostic.fixes.push(Fix::change(span, &name, true));
+            }
         }
     }
 }

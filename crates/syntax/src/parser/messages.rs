@@ -4,7 +4,7 @@ use super::elsewhere::Elsewhere;
 use super::{Parser, Stop};
 use crate::actions::Actions;
 use crate::codes;
-use crate::diagnostic::{Code, Diagnostic};
+use crate::diagnostic::{Code, Diagnostic, Fix};
 use crate::lexer::Fault;
 use crate::span::Span;
 use crate::symbols::Scope;
@@ -209,7 +209,8 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
                         codes::MISSING_SEMICOLON,
                         format!("missing `;` after this declaration, found {found}"),
                     )
-                    .with_related(Span::new(end, end), "the `;` belongs here");
+                    .with_related(Span::new(end, end), "the `;` belongs here")
+                    .with_fix(Fix::insert("Insert `;`", end, ";"));
                 let elsewhere = Elsewhere::Semicolon {
                     after: describe(self.source, self.previous),
                     offset: self.previous.span.start,

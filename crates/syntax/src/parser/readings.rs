@@ -6,7 +6,7 @@ use super::Parser;
 use super::messages::quote;
 use crate::actions::Actions;
 use crate::codes;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Fix};
 use crate::lexer::Word;
 use crate::span::Span;
 use crate::symbols::{Parsed, Scope};
@@ -64,9 +64,12 @@ impl Readings {
 }
 
 impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
-    fn surprising(&mut self, span: Span, message: String, hint: String) {
+    /// `written`: what can be written in the place of what is read otherwise than it looks.
+    fn surprising(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
         if !self.state.silent {
-            let warning = Diagnostic::warning(codes::SURPRISING_READING, span, message);
+            let mut warning = Diagnostic::warning(codes::SURPRISING_READING, span, message);
+            let fixes = written.iter().map(|text| Fix::write(span, text));
+            warning.fixes.extend(fixes);
             self.report(warning.with_hint(hint));
         }
     }
@@ -98,13 +101,23 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         let (name, number) = (function.text(self.source), operand.text(self.source));
         let span = function.to(self.current.span);
         let written = quote(&format!("{name} {number}{next}"));
-        let read = quote(&format!("({name} {number}) {next}"));
-        let meant = quote(&format!("{name}({number}{next})"));
+        let (read, meant) = (
+            format!("({name} {number}) {next}"),
+            format!("{name}({number}{next})"),
+        );
+        // A bracket is not read to its end yet.
+        let fixes = [meant.as_str(), read.as_str()];
+        let fixes = match next.contains('…') {
+            true => &[],
+            false => &fixes[..],
+        };
+        let (read, meant) = (quote(&read), quote(&meant));
         let message = format!("{written} is read as {read}");
         self.surprising(
             span,
             message,
             format!("write {meant}, or {read} if that is meant"),
+            fixes,
         );
     }
 
@@ -129,7 +142,8 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
             quote(&format!("{name}^-1 x")),
             quote(name)
         );
-        self.surprising(function.to(exponent), message, hint);
+        // The operand is yet to be read.
+        self.surprising(function.to(exponent), message, hint, &[]);
     }
 
     /// `sin(x)^y`: the exponent belongs to the operand.
@@ -146,18 +160,26 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         {
             let name = function.text(self.source);
             let (base, power) = (base.text(self.source), exponent.text(self.source));
-            let meant = quote(&format!("({name}{base})^{power}"));
-            let hint = match name.contains('^') {
-                true => format!("write {meant} for the power of the value"),
-                false => {
-                    let short = quote(&format!("{name}^{power} {base}"));
-                    format!("write {meant} or {short} for the power of the value")
-                }
+            let meant = format!("({name}{base})^{power}");
+            let short = format!("{name}^{power} {base}");
+            let quoted = quote(&meant);
+            let (hint, fixes) = match name.contains('^') {
+                true => (
+                    format!("write {quoted} for the power of the value"),
+                    &[meant.as_str()][..],
+                ),
+                false => (
+                    format!(
+                        "write {quoted} or {} for the power of the value",
+                        quote(&short)
+                    ),
+                    &[meant.as_str(), short.as_str()][..],
+                ),
             };
             let written = quote(&format!("{name}{base}^{power}"));
             let read = quote(&format!("{name}({base}^{power})"));
             let message = format!("{written} is read as {read}");
-            self.surprising(function.to(exponent), message, hint);
+            self.surprising(function.to(exponent), message, hint, fixes);
         }
     }
 
@@ -176,10 +198,10 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
             let index = text.get(value_text.len()..).unwrap_or_default();
             let written = quote(&format!("{name}{text}"));
             let read = quote(&format!("{name}({text})"));
-            let meant = quote(&format!("({name}{value_text}){index}"));
+            let meant = format!("({name}{value_text}){index}");
             let message = format!("{written} is read as {read}");
-            let hint = format!("write {meant} for a component of the value");
-            self.surprising(function.to(component), message, hint);
+            let hint = format!("write {} for a component of the value", quote(&meant));
+            self.surprising(function.to(component), message, hint, &[&meant]);
         }
     }
 }
@@ -228,4 +250,9 @@ pub(crate) fn hidden_split(
     Diagnostic::warning(codes::SURPRISING_READING, name_span, message)
         .with_hint(format!("write {reading} above, or choose another name"))
         .with_related(place, format!("here {name} is read as {reading}"))
+        .with_fix(Fix::insert(
+            "Insert a space above",
+            place.start + token as u32,
+            " ",
+        ))
 }

@@ -96,6 +96,11 @@ impl<'w> Search<'w> {
         })
     }
 
+    /// The word in small letters.
+    fn folded_text(&self) -> String {
+        self.word.to_ascii_lowercase()
+    }
+
     /// Considers every name of a trie that is `visible`, in the order of the alphabet.
     pub(crate) fn among<V: Copy>(&mut self, names: &Trie<V>, visible: impl Fn(V) -> bool) {
         // Row k belongs to the first k letters of a name: names with a common front share rows, and where a
@@ -138,6 +143,21 @@ impl<'w> Search<'w> {
     }
 }
 
+/// The name that is spelt most like a word, among those given in their order, if it is near enough to be what was
+/// meant.
+pub fn nearest<'n>(word: &str, names: impl Iterator<Item = &'n str> + Clone) -> Option<String> {
+    if !word.is_ascii() || word.is_empty() {
+        return None;
+    }
+    Search::nearest(word, |search| {
+        let near = names.clone().filter(|name| name.is_ascii());
+        for name in near {
+            let distance = distance(&name.to_ascii_lowercase(), &search.folded_text());
+            search.consider(name, distance, || true);
+        }
+    })
+}
+
 /// The distances between nothing and the fronts of a word.
 fn first_row() -> Row {
     std::array::from_fn(|length| length as u8)
@@ -169,7 +189,7 @@ fn next_row(rows: &[Row], front: &[u8], word: &[u8]) -> Row {
 pub(super) fn nearest_declaring(word: &str) -> Option<DeclareWord> {
     let nearest = Search::nearest(word, |search| {
         for declaring in DeclareWord::ALL.map(DeclareWord::text) {
-            let distance = distance(declaring, &word.to_ascii_lowercase());
+            let distance = distance(declaring, &search.folded_text());
             search.consider(declaring, distance, || true);
         }
     });
