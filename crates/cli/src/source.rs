@@ -41,7 +41,9 @@ impl Source {
         Ok(match text {
             Ok(text) => Self::new(name, text),
             Err(error) => Self {
-                undecodable: syntax::text::decode(error.as_bytes()).err(),
+                undecodable: syntax::text::decode(error.as_bytes())
+                    .err()
+                    .map(|found| *found),
                 ..Self::new(name, String::from_utf8_lossy(error.as_bytes()).into_owned())
             },
         })

@@ -40,8 +40,8 @@ fn a_value_is_put_before_the_intervals_or_in_place_of_the_one_that_is_there() {
         ),
         (
             "define a = 2pi;\nparam r : [-1, 1], [0, a];\npoint p = (r_1, r_2, 0);",
-            &[-0.123_456, 6.28],
-            "define a = 2pi;\nparam r = (-0.1235, 6.28) : [-1, 1], [0, a];\npoint p = (r_1, r_2, 0);",
+            &[-0.123_456, 6.25],
+            "define a = 2pi;\nparam r = (-0.1235, 6.25) : [-1, 1], [0, a];\npoint p = (r_1, r_2, 0);",
         ),
         (
             "define oops = ;\nparam r : [0, 1];",

@@ -256,9 +256,12 @@ struct Easel {
     shares_gpu: bool,
     pilots: BTreeMap<String, Pilot>,
     /// Where everything of a scene is seen from, at the settings and size where it was asked for.
-    home: Option<(Arc<Scene>, Arc<Settings>, [u32; 2], SpaceCamera)>,
+    home: Option<Home>,
     curvatures: Option<Curvatures>,
 }
+
+/// A scene with its params, the size of its picture, and the place from which all of it is seen.
+type Home = (Arc<Scene>, Arc<Settings>, [u32; 2], SpaceCamera);
 
 /// Textures of curvature, of a scene with its params.
 type Curvatures = (Arc<Scene>, Arc<Settings>, Vec<(ObjectId, Arc<Texture>)>);

@@ -10,17 +10,18 @@ use crate::span::Span;
 /// One diagnostic, `invalid-utf8`, at the first byte that is not UTF-8. Its span is a place in the lossy
 /// text ([`String::from_utf8_lossy`]), which agrees with the bytes up to there, so that a
 /// [`LineIndex`](crate::line_index::LineIndex) of the lossy text gives its line and column.
-pub fn decode(bytes: &[u8]) -> Result<&str, Diagnostic> {
+pub fn decode(bytes: &[u8]) -> Result<&str, Box<Diagnostic>> {
     std::str::from_utf8(bytes).map_err(|error| {
         let start = error.valid_up_to();
         let byte = bytes.get(start).copied().unwrap_or_default();
         let start = u32::try_from(start).unwrap_or(u32::MAX - REPLACEMENT_LENGTH);
-        Diagnostic::error(
+        let diagnostic = Diagnostic::error(
             codes::INVALID_UTF8,
             Span::new(start, start + REPLACEMENT_LENGTH),
             format!("this is not UTF-8: the byte 0x{byte:02X} has no meaning here"),
         )
-        .with_hint("save the file with the encoding UTF-8")
+        .with_hint("save the file with the encoding UTF-8");
+        Box::new(diagnostic)
     })
 }
 
