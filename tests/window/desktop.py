@@ -80,6 +80,26 @@ class Screen:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
+class Lines:
+    """The lines of a file that grows."""
+
+    def __init__(self, path):
+        self.path = path
+        self.read = 0
+        self.rest = b""
+
+    def last(self):
+        """The newest line since the last time, if there is one."""
+        if not self.path.exists():
+            return None
+        with open(self.path, "rb") as file:
+            file.seek(self.read)
+            new = file.read()
+        self.read += len(new)
+        *lines, self.rest = (self.rest + new).split(b"\n")
+        return json.loads(lines[-1]) if lines else None
+
+
 class Window:
     """A window on a program of its own."""
 
@@ -94,10 +114,12 @@ class Window:
             self.file.write_text(text)
         self.report = self.folder / "report.jsonl"
         self.errors = self.folder / "stderr"
-        self.read = 0
-        self.rest = b""
+        self.lines = Lines(self.report)
+        self.places = Lines(self.folder / "report.jsonl.controls")
         self.counters = {}
         self.controls = {}
+        for old in self.folder.glob("report.jsonl*"):
+            old.unlink()
         command = [BINARY, "preview", str(self.file), "--report", str(self.report), *arguments]
         with open(self.errors, "wb") as errors:
             self.process = subprocess.Popen(command, env=screen.environment(), stderr=errors)
@@ -118,19 +140,8 @@ class Window:
 
     def take(self):
         """Reads what the window has written since."""
-        if not self.report.exists():
-            return self.counters
-        with open(self.report, "rb") as report:
-            report.seek(self.read)
-            new = report.read()
-        self.read += len(new)
-        *lines, self.rest = (self.rest + new).split(b"\n")
-        for line in lines:
-            line = json.loads(line)
-            if "controls" in line:
-                self.controls = line["controls"]
-            else:
-                self.counters = line
+        self.counters = self.lines.last() or self.counters
+        self.controls = self.places.last() or self.controls
         return self.counters
 
     def until(self, what, holds):

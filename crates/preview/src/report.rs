@@ -1,5 +1,6 @@
-//! For tests of the real window: one JSON object a line, after each time that it has drawn itself. A line is either
-//! what has happened so far ([`Counters`]) or `{"controls": …}`: where everything that has a name is in the window.
+//! For tests of the real window: one JSON object a line, after each time that it has drawn itself. What has happened so
+//! far ([`Counters`]) goes to the file; beside it, to a file with the extension `.controls` more, goes where everything
+//! that has a name is in the window.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -51,17 +52,24 @@ pub struct Counters {
 /// Writes lines.
 #[derive(Clone, Debug)]
 pub(crate) struct Report {
-    file: Arc<Mutex<std::fs::File>>,
+    counters: Lines,
+    controls: Lines,
 }
 
+type Lines = Arc<Mutex<std::fs::File>>;
+
 impl Report {
-    /// Begins a file.
+    /// Begins the files.
     ///
     /// # Errors
     /// The system's.
     pub(crate) fn create(path: &Path) -> std::io::Result<Self> {
+        let mut beside = path.as_os_str().to_owned();
+        beside.push(".controls");
+        let lines = |path: &Path| std::fs::File::create(path).map(|it| Arc::new(Mutex::new(it)));
         Ok(Self {
-            file: Arc::new(Mutex::new(std::fs::File::create(path)?)),
+            counters: lines(path)?,
+            controls: lines(Path::new(&beside))?,
         })
     }
 
@@ -69,35 +77,30 @@ impl Report {
     pub(crate) fn tell_places(&self, context: &Context) {
         context.enable_accesskit();
         context.add_plugin(Places {
-            report: self.clone(),
+            lines: Arc::clone(&self.controls),
             last: BTreeMap::new(),
         });
     }
 
     /// Writes a line; a file that cannot be written does not trouble the window.
     pub(crate) fn write(&self, counters: &Counters) {
-        self.line(counters);
+        write(&self.counters, counters);
     }
+}
 
-    fn line(&self, line: &impl Serialize) {
-        if let Ok(mut line) = serde_json::to_vec(line) {
-            line.push(b'\n');
-            let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-            let _ = file.write_all(&line);
-        }
+fn write(lines: &Lines, line: &impl Serialize) {
+    if let Ok(mut line) = serde_json::to_vec(line) {
+        line.push(b'\n');
+        let mut file = lines.lock().unwrap_or_else(PoisonError::into_inner);
+        let _ = file.write_all(&line);
     }
 }
 
 /// Reads the tree that screen readers get.
 struct Places {
-    report: Report,
-    last: BTreeMap<String, [f64; 4]>,
-}
-
-#[derive(Serialize)]
-struct Controls<'a> {
+    lines: Lines,
     /// By "role: name": left, top, width, height in pixels of the window.
-    controls: &'a BTreeMap<String, [f64; 4]>,
+    last: BTreeMap<String, [f64; 4]>,
 }
 
 impl Plugin for Places {
@@ -129,9 +132,7 @@ impl Plugin for Places {
         }
         if places != self.last {
             self.last = places;
-            self.report.line(&Controls {
-                controls: &self.last,
-            });
+            write(&self.lines, &self.last);
         }
     }
 }
