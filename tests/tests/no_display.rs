@@ -1,0 +1,54 @@
+//! A machine without a display: the window says so, and a newcomer's first command makes pictures instead.
+
+use testing::binary::{Geotrace, geotrace};
+use testing::examples;
+
+fn without_display(arguments: &[&str]) -> Geotrace {
+    geotrace(arguments)
+        .environment("DISPLAY", "")
+        .environment("WAYLAND_DISPLAY", "")
+        .environment("WAYLAND_SOCKET", "")
+}
+
+#[test]
+fn the_window_ends_with_a_sentence_and_status_1() {
+    let run = without_display(&["preview"])
+        .argument(examples::one("torus").path)
+        .run();
+    run.expect_status(1).expect_text("no display");
+    assert!(!run.stderr.contains(".rs:"), "{}", run.stderr);
+    assert_eq!(run.stdout, "");
+}
+
+#[test]
+fn show_makes_both_pictures_instead() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = without_display(&["show"])
+        .argument(examples::one("torus").path)
+        .folder(folder.path())
+        .run();
+    run.expect_status(0).expect_text("no display");
+    for name in ["torus.png", "torus-inside.png"] {
+        let image = image::open(folder.path().join(name)).expect("a picture");
+        assert_eq!(image.to_rgba8().dimensions(), (800, 800), "{name}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_the_program_or_the_file_is_told_all_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let broken = folder.path().join("broken.gtr");
+    std::fs::write(&broken, "define a = sinn 1;").expect("a file");
+    let run = without_display(&["show"])
+        .argument(&broken)
+        .folder(folder.path())
+        .run();
+    run.expect_status(1).expect_text("undefined-name");
+    for command in ["show", "preview"] {
+        without_display(&[command, "/no/such.gtr"])
+            .run()
+            .expect_status(2)
+            .expect_text("/no/such.gtr");
+    }
+    without_display(&["preview", "-"]).run().expect_status(2);
+}
