@@ -2,8 +2,11 @@
 
 import json
 import os
+import shutil
 import subprocess
+import tempfile
 import unittest
+from pathlib import Path
 
 from desktop import BINARY, ROOT, Screen, Window, until
 
@@ -304,19 +307,14 @@ class Faults(OnScreen):
         window.settle()
 
     def test_a_memory_that_is_broken_is_told_and_kept(self):
-        import tempfile
-
-        with tempfile.TemporaryDirectory() as folder:
-            memory = os.path.join(folder, ".program.gtr.geotrace.json")
-            with open(memory, "w", encoding="utf-8") as file:
-                file.write("{ not json")
-            path = os.path.join(folder, "program.gtr")
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(SPHERE)
-            window = self.open(None, folder=folder)
-            window.place("it is kept as")
-            with open(memory + ".unreadable", encoding="utf-8") as kept:
-                self.assertEqual(kept.read(), "{ not json")
+        folder = Path(tempfile.mkdtemp(prefix="geotrace-window-"))
+        self.addCleanup(shutil.rmtree, folder)
+        memory = folder / ".program.gtr.geotrace.json"
+        memory.write_text("{ not json")
+        (folder / "program.gtr").write_text(SPHERE)
+        window = self.open(None, folder=folder)
+        window.place("it is kept as")
+        self.assertEqual(memory.with_name(memory.name + ".unreadable").read_text(), "{ not json")
 
     def test_an_editor_that_goes_is_told_and_the_picture_stays(self):
         environment = self.screen.environment()
@@ -338,6 +336,7 @@ class Faults(OnScreen):
             self.assertEqual((event["version"], event["ok"]), (3, True))
             before = self.screen.pixels()
             window.stdin.close()
+            window.stdin = None
             until("the banner", lambda: self.screen.pixels() != before)
             self.assertIsNone(window.poll())
             self.screen.keep("gone")
