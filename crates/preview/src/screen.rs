@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use eframe::egui_wgpu::RenderState;
-use render::gpu::wgpu::{DeviceType, FilterMode, PollType};
+use render::gpu::wgpu::{Backend as Backends, DeviceType, FilterMode, PollType};
 use render::gpu::{Canvas, Gpu};
 use render::live::Stage;
 
@@ -30,7 +30,9 @@ impl Screen {
     /// The stage that a backend means here, and its name in words. A GPU that is a program on the processor is slower
     /// than the processor's own way, so it is taken only where it is asked for.
     pub(crate) fn stage(&self, backend: Backend) -> (Stage, String) {
-        let is_real = self.state.adapter.get_info().device_type != DeviceType::Cpu;
+        let adapter = self.state.adapter.get_info();
+        // OpenGL can draw the controls, but lacks what the passes need.
+        let is_real = adapter.device_type != DeviceType::Cpu && adapter.backend != Backends::Gl;
         match backend {
             Backend::Gpu => {}
             Backend::Auto if is_real => {}

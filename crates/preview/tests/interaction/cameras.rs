@@ -91,7 +91,12 @@ fn f_frames_everything_and_r_and_home_reset_the_3d_camera() {
         assert!(length(minus(hand.eye().0, first.0)) > 0.01);
         hand.press(Modifiers::NONE, key);
         hand.settle();
-        assert_eq!(hand.eye(), first, "{key:?}");
+        // Where everything is seen from moves a little where a pane's picture has gained or lost a pixel.
+        let back = hand.eye();
+        assert!(
+            length(minus(back.0, first.0)) < 2e-3 && length(minus(back.1, first.1)) < 2e-3,
+            "{key:?}: {back:?} instead of {first:?}"
+        );
     }
 }
 

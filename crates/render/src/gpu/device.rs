@@ -40,6 +40,8 @@ impl Gpu {
     fn find() -> Result<Self, String> {
         let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
         description.flags = wgpu::InstanceFlags::empty();
+        // OpenGL lacks what the passes need; where it is all there is, the software path draws.
+        description.backends = wgpu::Backends::PRIMARY;
         let instance = wgpu::Instance::new(description);
         let options = wgpu::RequestAdapterOptions {
             power_preference: wgpu::PowerPreference::HighPerformance,
