@@ -262,7 +262,8 @@ class Faults(OnScreen):
 
     def test_a_file_that_is_not_there_or_no_text_is_a_sentence(self):
         ended = self.ended("no-such-file.gtr")
-        self.assertEqual(ended.returncode, 1)
+        # What cannot be read is wrong use, as for every command.
+        self.assertEqual(ended.returncode, 2, ended.stderr)
         self.assertIn("no-such-file.gtr", ended.stderr)
         self.assertNotIn("panicked", ended.stderr)
 
