@@ -27,6 +27,11 @@ fn compare(mut hand: Hand, theme: Theme, name: &str) {
     let status = hand.rects("Status: ").into_iter();
     let lowest = status.max_by(|a, b| a.top().total_cmp(&b.top()));
     covered.extend(lowest.map(|rect| Rect::from_min_max(rect.min, screen.max)));
+    if screen.width() < 800.0 {
+        // In a narrow pane the folder's width decides where the program's lines are broken.
+        let pane = Rect::from_min_max(screen.min, egui::pos2(right, screen.max.y));
+        covered.push(pane);
+    }
     for rect in covered {
         hand.harness.mask(rect.expand(3.0));
     }
