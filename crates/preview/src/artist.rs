@@ -41,6 +41,8 @@ pub(crate) enum Answer {
         /// Where a geodesic camera stands there, if it can.
         camera: Option<InsideCamera>,
     },
+    /// Where everything is seen from.
+    Framed(SpaceCamera),
 }
 
 /// A finished picture.
@@ -51,8 +53,6 @@ pub(crate) struct Drawing {
     pub(crate) overlays: Vec<&'static str>,
     /// Of a geodesic view: its cost and how exact it is.
     pub(crate) inside: Option<(Work, Option<Estimate>)>,
-    /// Where everything of the scene is seen from.
-    pub(crate) home: Option<SpaceCamera>,
     /// Where the 3D view is seen from.
     pub(crate) space_camera: Option<SpaceCamera>,
     /// Where the geodesic camera is, and the count of placings that it has heeded.
@@ -100,6 +100,7 @@ struct Desk {
     orders: BTreeMap<PaneKey, (u64, Order)>,
     motions: BTreeMap<String, Vec<Motion>>,
     picks: VecDeque<(Order, [f64; 2], Purpose)>,
+    framings: VecDeque<Order>,
     stage: Option<Stage>,
     turn: u64,
     closed: bool,
@@ -110,6 +111,7 @@ enum Job {
     Move(Box<Stage>),
     Draw(PaneKey, Order, Vec<Motion>),
     Pick(Order, [f64; 2], Purpose),
+    Frame(Order),
 }
 
 impl Artist {
@@ -164,6 +166,11 @@ impl Artist {
         self.with(|desk| desk.picks.push_back((order, at, purpose)));
     }
 
+    /// Asks where everything that an order shows is seen from.
+    pub(crate) fn frame(&self, order: Order) {
+        self.with(|desk| desk.framings.push_back(order));
+    }
+
     fn with(&self, edit: impl FnOnce(&mut Desk)) {
         let (desk, bell) = &*self.desk;
         edit(&mut desk.lock().unwrap_or_else(PoisonError::into_inner));
@@ -184,6 +191,9 @@ impl Desk {
         }
         if let Some((order, at, purpose)) = self.picks.pop_front() {
             return Some(Job::Pick(order, at, purpose));
+        }
+        if let Some(order) = self.framings.pop_front() {
+            return Some(Job::Frame(order));
         }
         let oldest = self.orders.iter().min_by_key(|(_, (turn, _))| *turn);
         let pane = oldest?.0.clone();
@@ -299,6 +309,7 @@ impl Easel {
                     purpose: *purpose,
                 }
             }
+            Job::Frame(order) => Answer::Framed(self.home(order).ok()?),
         })
     }
 
@@ -308,15 +319,13 @@ impl Easel {
         motions: &[Motion],
         start: Instant,
     ) -> Result<Drawing, RenderError> {
-        let mut home = None;
         let mut space_camera = None;
         let mut inside_camera = None;
         let mut request: Request = match &order.look {
             Look::Space { camera, .. } => {
-                home = self.home(order).ok();
                 let seen_from = match camera {
                     Some(camera) => *camera,
-                    None => self.home_now(order)?,
+                    None => self.home(order)?,
                 };
                 space_camera = Some(seen_from);
                 let mut order = order.clone();
@@ -361,23 +370,14 @@ impl Easel {
             notes: shot.notes,
             overlays: shot.overlays,
             inside: shot.inside,
-            home,
             space_camera,
             inside_camera,
             took: start.elapsed(),
         })
     }
 
-    /// Where everything is seen from, with the params as they were when the scene was first seen.
-    fn home(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
-        match &self.home {
-            Some((scene, _, _, camera)) if Arc::ptr_eq(scene, &order.scene) => Ok(*camera),
-            _ => self.home_now(order),
-        }
-    }
-
     /// Where everything is seen from.
-    fn home_now(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
+    fn home(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
         if let Some((scene, settings, size, camera)) = &self.home
             && Arc::ptr_eq(scene, &order.scene)
             && *settings == order.settings

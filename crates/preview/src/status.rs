@@ -22,10 +22,12 @@ pub(crate) fn banners(window: &mut Window, ui: &mut Ui) {
     });
 }
 
-/// The status line.
+/// The status line: one row, so that no sentence moves the pictures; what has no room is told where the pointer rests.
 pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
-    Panel::bottom("status").show(ui, |ui| {
-        ui.horizontal_wrapped(|ui| {
+    let height = ui.spacing().interact_size.y;
+    Panel::bottom("status").exact_size(height).show(ui, |ui| {
+        ui.horizontal_centered(|ui| {
+            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Truncate);
             let colour = if window.model.ok || !window.model.read {
                 ui.visuals().text_color()
             } else {

@@ -64,8 +64,8 @@ pub struct Window {
     /// Panes that were on the screen when the window last drew itself.
     seen: BTreeSet<PaneKey>,
     moving_until: f64,
-    /// Where everything is seen from.
-    pub(crate) home: Option<SpaceCamera>,
+    /// The pixels that the 3D pane had room for when the window last drew itself.
+    space_room: Option<[u32; 2]>,
     pub(crate) said: Option<(bool, String)>,
     pub(crate) painter: highlighting::Painter,
     pub(crate) dialogs: Dialogs,
@@ -189,7 +189,7 @@ impl Window {
             waiting: BTreeSet::new(),
             seen: BTreeSet::new(),
             moving_until: 0.0,
-            home: None,
+            space_room: None,
             said: None,
             painter: highlighting::Painter::default(),
             dialogs: Dialogs::default(),
@@ -430,15 +430,11 @@ impl Window {
         self.model.history.settle();
     }
 
-    /// Puts the 3D camera where everything is seen, from where it looks now.
+    /// Puts the 3D camera where everything is seen, from where it looks now: the artist knows how far that is.
     pub(crate) fn frame_all(&mut self) {
-        let (Some(camera), Some(home)) = (self.model.view.space, self.home) else {
-            return self.reset_space();
-        };
-        let step = Step::new("Frame everything", "");
-        let framed = camera.framed(&home);
-        self.model.change(step, |view| view.space = Some(framed));
-        self.model.history.settle();
+        if let Some(order) = self.sent.get(&PaneKey::Space) {
+            self.artist.frame(order.clone());
+        }
     }
 
     /// Puts a geodesic camera at its first place.
@@ -529,11 +525,9 @@ impl Window {
         self.seen.insert(pane.clone());
         let moving = ui.input(|input| input.time) < self.moving_until;
         let size = self.picture_size(pane, pixels, moving);
-        let resized = self.sent.get(pane).is_some_and(|sent| sent.size != size);
-        let unmoved = self.model.view.space.is_some_and(|camera| !camera.moved);
-        if *pane == PaneKey::Space && !moving && resized && unmoved {
+        if *pane == PaneKey::Space && self.space_room.replace(pixels) != Some(pixels) {
             // A camera that nobody has moved shows everything in a pane of another shape too.
-            self.model.adjust(|view| view.space = None);
+            self.reframe();
         }
         let active = self.active_surface.clone();
         let model = &mut self.model;
@@ -549,6 +543,13 @@ impl Window {
         self.sent.insert(pane.clone(), order.clone());
         self.waiting.insert(pane.clone());
         self.artist.draw(pane.clone(), order);
+    }
+
+    /// Lets the artist put the 3D camera where everything is seen, unless the user has moved it.
+    fn reframe(&mut self) {
+        if self.model.view.space.is_some_and(|camera| !camera.moved) {
+            self.model.adjust(|view| view.space = None);
+        }
     }
 
     /// The size of the picture for a pane: coarser while it moves, if pictures take long.

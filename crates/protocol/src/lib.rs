@@ -18,6 +18,7 @@ pub mod line;
 pub mod mailbox;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
@@ -48,8 +49,8 @@ pub enum Command {
         path: Option<String>,
         /// The editor's number for this text.
         version: i32,
-        /// All of it.
-        text: String,
+        /// All of it; shared, since the server keeps it until the window speaks of it no more.
+        text: Arc<str>,
     },
     /// A view is to be seen: opened if it is not, and brought to the front.
     Show {

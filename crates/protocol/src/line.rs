@@ -218,7 +218,7 @@ mod tests {
                 uri: "file:///a.gtr".to_owned(),
                 path: None,
                 version: -3,
-                text: "# é 𝛼\r\ndefine a = \"\\\";\n\u{2028}".to_owned(),
+                text: "# é 𝛼\r\ndefine a = \"\\\";\n\u{2028}".into(),
             },
             Command::Show { view: None },
             Command::Show {

@@ -149,7 +149,7 @@ mod tests {
             uri: "file:///a.gtr".to_owned(),
             path: None,
             version,
-            text: format!("# {version}"),
+            text: format!("# {version}").into(),
         }
     }
 

@@ -1,5 +1,7 @@
 //! What lies behind the objects of the 3D view, and what sets one of them off, on both backends.
 
+mod scenes;
+
 use image::RgbaImage;
 use render::{Backend, Request, style};
 use scene::scene::{ObjectId, Scene};
@@ -14,10 +16,7 @@ const SCENE: &str = "
 const BACKENDS: [Backend; 2] = [Backend::Software, Backend::Gpu];
 
 fn compiled(text: &str) -> (Scene, Settings) {
-    let compilation = scene::compile(text);
-    let scene = compilation
-        .scene
-        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics));
+    let scene = scenes::scene(text);
     let settings = Settings::opening(&scene);
     (scene, settings)
 }

@@ -1,18 +1,14 @@
 //! The colours of curvature against closed forms.
 
+mod scenes;
+
 use std::sync::Arc;
 
 use render::texture::Texture;
 use render::{Backend, Request, View, render};
+use scene::Settings;
 use scene::scene::ObjectId;
-use scene::{Scene, Settings, compile};
-
-fn scene(source: &str) -> Scene {
-    let compilation = compile(source);
-    compilation
-        .scene
-        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
-}
+use scenes::scene;
 
 fn curvature(source: &str) -> Arc<Texture> {
     let scene = scene(source);

@@ -1,5 +1,7 @@
 //! Exported files, read back by programs that did not write them, against closed forms.
 
+mod scenes;
+
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
@@ -9,7 +11,8 @@ use ply_rs_bw::ply::{DefaultElement, Ply, Property};
 use render::Request;
 use render::export::{ExportError, Format, Geometry, Model, model};
 use render::texture::Texture;
-use scene::{Scene, Settings, compile};
+use scene::Settings;
+use scenes::scene;
 
 const SPHERE: &str = "surface s(u,v) = 2(cosu sinv, sinu sinv, cosv), u : [0,2pi,N], v : [0,pi,N];";
 const TORUS: &str =
@@ -17,13 +20,6 @@ const TORUS: &str =
 const MOBIUS: &str = "surface s(u,v) = ((2+v cos(u/2))cosu, (2+v cos(u/2))sinu, v sin(u/2)), u : [0,2pi,41], v : [-0.5,0.5,11];";
 const KLEIN: &str = "function w(u,v) = 3+cos(u/2)sinv-sin(u/2)sin(2v); \
     surface s(u,v) = (w(u,v)cosu, w(u,v)sinu, sin(u/2)sinv+cos(u/2)sin(2v)), u : [0,2pi,41], v : [0,2pi,40];";
-
-fn scene(source: &str) -> Scene {
-    let compilation = compile(source);
-    compilation
-        .scene
-        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
-}
 
 fn exported(source: &str) -> Model {
     let scene = scene(source);

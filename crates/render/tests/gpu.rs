@@ -1,6 +1,8 @@
 //! The GPU path against f64 and against the software path. These tests need a GPU or software Vulkan
 //! (`mesa-vulkan-drivers` on Debian); without one they fail rather than pass unrun.
 
+mod scenes;
+
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 use render::bounds::{Bounds, Placement};
@@ -21,10 +23,7 @@ const SCENE: &str = "
 ";
 
 fn compiled(text: &str) -> (Scene, Settings) {
-    let compilation = scene::compile(text);
-    let scene = compilation
-        .scene
-        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics));
+    let scene = scenes::scene(text);
     let settings = Settings::opening(&scene);
     (scene, settings)
 }

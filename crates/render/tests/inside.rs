@@ -1,25 +1,21 @@
 //! The geodesic view on the software path, against surfaces whose geodesics are known.
 
+mod scenes;
+
 use geodesic::map::Map;
 use geodesic::trace::Status;
 use glam::DVec3;
 use render::geodesic_view::Inside;
 use render::{Backend, RenderError, Request, View, render};
+use scene::Settings;
 use scene::scene::ObjectId;
-use scene::{Scene, Settings, compile};
 
+use scenes::scene;
 use std::f64::consts::{PI, TAU};
 
 const SPHERE: &str =
     "surface s(u,v) = (sin(piv)cos(2piu), sin(piv)sin(2piu), cos(piv)), u : [0,1], v : [0,1];";
 const PLANE: &str = "surface s(u,v) = (u, v, 0), u : [0,4], v : [0,2];";
-
-fn scene(source: &str) -> Scene {
-    let compilation = compile(source);
-    compilation
-        .scene
-        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
-}
 
 /// A software request for the first object, from `at`, turned by `angle`, with the zoom `zoom`.
 fn request(size: [u32; 2], place: Option<[f64; 2]>, turned: f64, distance: Option<f64>) -> Request {

@@ -2,6 +2,8 @@
 //! GPU. The latter needs one, or software Vulkan (`mesa-vulkan-drivers` on Debian); without it these tests fail rather
 //! than pass unrun.
 
+mod scenes;
+
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -15,10 +17,7 @@ use scene::values::Settings;
 const SIZE: [u32; 2] = [120, 90];
 
 fn compiled(text: &str) -> (Arc<Scene>, Settings) {
-    let compilation = scene::compile(text);
-    let scene = compilation
-        .scene
-        .unwrap_or_else(|| panic!("{text}: {:?}", compilation.diagnostics));
+    let scene = scenes::scene(text);
     let settings = Settings::opening(&scene);
     (Arc::new(scene), settings)
 }

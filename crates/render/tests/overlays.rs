@@ -1,14 +1,17 @@
 //! What is drawn over a picture: nothing unless asked for, and then where closed forms say.
 
+mod scenes;
+
 use image::{Rgba, RgbaImage};
 use render::overlay::{Overlays, Spacing, Standpoint, Trail};
 use render::plan::plan;
 use render::sample::{Samples, sample};
 use render::texture::Texture;
 use render::{Backend, Picture, Request, View, render};
+use scene::Settings;
 use scene::scene::ObjectId;
-use scene::{Scene, Settings, compile};
 
+use scenes::scene;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -16,13 +19,6 @@ const PLANE: &str = "surface s(u,v) = (u, v, 0), u : [-9,9], v : [-9,9];";
 const SPHERE: &str =
     "surface s(u,v) = (cosv cosu, cosv sinu, sinv), u : [-pi,pi], v : [-pi/2,pi/2];";
 const CYLINDER: &str = "surface s(u,v) = (cosu, sinu, v), u : [-pi,pi], v : [-20,20];";
-
-fn scene(source: &str) -> Scene {
-    let compilation = compile(source);
-    compilation
-        .scene
-        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
-}
 
 /// A grey picture of the first object from inside, on the software path.
 fn draw(source: &str, at: [f64; 2], distance: f64, overlays: Overlays) -> Picture {

@@ -1,5 +1,7 @@
 //! What is under a pixel of the 3D view, against closed forms and against what the picture shows.
 
+mod scenes;
+
 use std::sync::Arc;
 
 use render::live::{Hit, Pixels, Stage};
@@ -10,10 +12,7 @@ use scene::values::Settings;
 const SIZE: [u32; 2] = [160, 120];
 
 fn compiled(text: &str) -> (Arc<Scene>, Settings) {
-    let compilation = scene::compile(text);
-    let scene = compilation
-        .scene
-        .unwrap_or_else(|| panic!("{text}: {:?}", compilation.diagnostics));
+    let scene = scenes::scene(text);
     let settings = Settings::opening(&scene);
     (Arc::new(scene), settings)
 }

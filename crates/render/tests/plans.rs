@@ -1,16 +1,12 @@
 //! A picture pays only for what it needs.
 
+mod scenes;
+
 use render::plan::{Built, Painter, Source, plan};
 use render::{Backend, Method, Request, View};
+use scene::Settings;
 use scene::scene::ObjectId;
-use scene::{Scene, Settings, compile};
-
-fn scene(source: &str) -> Scene {
-    let compilation = compile(source);
-    compilation
-        .scene
-        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
-}
+use scenes::scene;
 
 fn built(source: &str, request: &Request) -> Built {
     let scene = scene(source);

@@ -1,5 +1,7 @@
 //! Animations: what moves, and files read back.
 
+mod scenes;
+
 use std::io::Cursor;
 
 use gif::ColorOutput;
@@ -10,18 +12,12 @@ use render::camera::Camera;
 use render::geodesic_view::Inside;
 use render::record::{Change, Clip, Format, Recorder, Script, ScriptError};
 use render::{Request, View};
+use scene::Settings;
 use scene::scene::ObjectId;
-use scene::{Scene, Settings, compile};
+use scenes::scene;
 
 const SPHERE: &str =
     "param r : [1, 3]; surface s(u,v) = r(cosu sinv, sinu sinv, cosv), u : [0,2pi], v : [0,pi];";
-
-fn scene(source: &str) -> Scene {
-    let compilation = compile(source);
-    compilation
-        .scene
-        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
-}
 
 /// Pictures that say their number: a grey, a gradient, a transparent corner.
 fn pictures(count: u8) -> Vec<RgbaImage> {

@@ -1,17 +1,13 @@
 //! Samples and bounds against closed forms.
 
+mod scenes;
+
 use glam::Vec3;
 use render::bounds::Bounds;
 use render::sample::{Samples, sample};
+use scene::Settings;
 use scene::scene::ObjectId;
-use scene::{Scene, Settings, compile};
-
-fn scene(source: &str) -> Scene {
-    let compilation = compile(source);
-    compilation
-        .scene
-        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
-}
+use scenes::scene;
 
 fn samples(source: &str) -> (Bounds, Samples) {
     let scene = scene(source);

@@ -1,19 +1,15 @@
 //! The 3D view on the software path: what is seen is what the program says.
 
+mod scenes;
+
 use std::sync::Arc;
 
 use image::{Rgba, RgbaImage};
 use render::texture::Texture;
 use render::{Backend, Picture, RenderError, Request, View, render, style};
+use scene::Settings;
 use scene::scene::ObjectId;
-use scene::{Scene, Settings, compile};
-
-fn scene(source: &str) -> Scene {
-    let compilation = compile(source);
-    compilation
-        .scene
-        .unwrap_or_else(|| panic!("{:?}", compilation.diagnostics))
-}
+use scenes::scene;
 
 fn picture(source: &str, request: Request) -> Picture {
     let scene = scene(source);

@@ -147,13 +147,13 @@ impl Previews {
         let Some(preview) = self.open.get_mut(&snapshot.uri) else {
             return;
         };
+        let text: Arc<str> = snapshot.reading().text().into();
         let command = Command::Text {
             uri: snapshot.uri.clone(),
             path: preview.path.clone(),
             version: snapshot.version,
-            text: snapshot.reading().text().to_owned(),
+            text: text.clone(),
         };
-        let text = snapshot.reading().text().into();
         preview.sent.put(snapshot.version, text);
         if let Some(Command::Text { version, .. }) = preview.process.tell(command)
             && version != snapshot.version

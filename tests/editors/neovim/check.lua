@@ -1,31 +1,14 @@
 -- What a user of Neovim sees. Each test says what it expects; the exit status is 0 only if all passed.
-local passed, failed = 0, 0
 local root, scratch = vim.env.GEOTRACE_ROOT, vim.env.GEOTRACE_SCRATCH
 
-local function say(text)
-  io.stdout:write(text .. "\n")
-end
+local suite = dofile(root .. "/tests/editors/neovim/suite.lua").new("Neovim", "", 8000, 10)
 
 local function test(name, body)
-  local ok, problem = xpcall(body, debug.traceback)
-  if ok then
-    passed = passed + 1
-    say("ok      " .. name)
-  else
-    failed = failed + 1
-    say("FAILED  " .. name .. "\n" .. problem)
-  end
+  suite:test(name, body)
 end
 
--- Waits until the condition gives a value.
 local function eventually(what, condition)
-  local value
-  local ok = vim.wait(8000, function()
-    value = condition()
-    return value
-  end, 10)
-  assert(ok, "never came: " .. what)
-  return value
+  return suite:eventually(what, condition)
 end
 
 local function equal(one, other, what)
@@ -236,5 +219,4 @@ test("restarting gives a new server and the diagnostics again", function()
   end)
 end)
 
-say(("Neovim: %d passed, %d failed"):format(passed, failed))
-vim.cmd((failed > 0 or passed == 0) and "cquit! 1" or "qall!")
+suite:finish()

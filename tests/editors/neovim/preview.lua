@@ -2,33 +2,17 @@
 -- at by screenshots. The exit status is 0 only if all passed.
 --
 -- GEOTRACE_REPORT is where the window leaves its counters, GEOTRACE_SCRATCH a folder for files and screenshots.
-local passed, failed = 0, 0
 local scratch, report_file = vim.env.GEOTRACE_SCRATCH, vim.env.GEOTRACE_REPORT
 
-local function say(text)
-  io.stdout:write(text .. "\n")
-end
+-- The first frame may take a software driver long.
+local suite = dofile(vim.env.GEOTRACE_ROOT .. "/tests/editors/neovim/suite.lua").new("Neovim's preview", "Neovim: ", 60000, 20)
 
 local function test(name, body)
-  local ok, problem = xpcall(body, debug.traceback)
-  if ok then
-    passed = passed + 1
-    say("ok      Neovim: " .. name)
-  else
-    failed = failed + 1
-    say("FAILED  Neovim: " .. name .. "\n" .. problem)
-  end
+  suite:test(name, body)
 end
 
--- Waits until the condition gives a value: the first frame may take a software driver long.
 local function eventually(what, condition)
-  local value
-  local ok = vim.wait(60000, function()
-    value = condition()
-    return value
-  end, 20)
-  assert(ok, "never came: " .. what)
-  return value
+  return suite:eventually(what, condition)
 end
 
 local function run(...)
@@ -211,5 +195,4 @@ test("the window closes with the editor's goodbye", function()
   end)
 end)
 
-say(("Neovim's preview: %d passed, %d failed"):format(passed, failed))
-vim.cmd.cquit({ count = failed == 0 and passed > 0 and 0 or 1 })
+suite:finish()

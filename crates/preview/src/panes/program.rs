@@ -56,10 +56,14 @@ fn bar(window: &mut Window, ui: &mut Ui) -> bool {
             .add_enabled(editor.is_changed(), egui::Button::new("Save"))
             .on_hover_text("Ctrl+S")
             .clicked();
-        ui.label(editor.path.display().to_string());
         if editor.is_changed() {
             ui.weak("not saved");
         }
+        // The name alone: a folder's would decide how wide the text is.
+        let name = editor.path.file_name().unwrap_or_default();
+        let name = egui::Label::new(name.to_string_lossy()).truncate();
+        ui.add(name)
+            .on_hover_text(editor.path.display().to_string());
     });
     if save {
         window.save_text();

@@ -61,7 +61,7 @@ fn params(window: &mut Window, ui: &mut Ui) {
         ui.add_space(4.0);
     }
     let mut write = window.model.view.preferences.write_on_release;
-    let text = "Write values into the text when a slider is let go";
+    let text = "Write values when a slider is let go";
     if ui.checkbox(&mut write, text).changed() {
         window
             .model
@@ -79,6 +79,9 @@ fn slider(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, values: &[f
     };
     let range = param.ranges[k];
     let mut value = values[k];
+    // Beside it stand the box that animates, the number and the name.
+    let beside = 165.0 + 8.0 * name.chars().count() as f32;
+    ui.spacing_mut().slider_width = (ui.available_width() - beside).clamp(50.0, 150.0);
     ui.horizontal(|ui| {
         let mut on = window
             .model
@@ -277,7 +280,8 @@ fn textures(window: &mut Window, ui: &mut Ui) {
     ui.horizontal(|ui| {
         let label = ui.label("Image file");
         let path = &mut window.dialogs.texture_path;
-        let edit = egui::TextEdit::singleline(path).desired_width(150.0);
+        let room = (ui.available_width() - 50.0).clamp(60.0, 150.0);
+        let edit = egui::TextEdit::singleline(path).desired_width(room);
         let edit = ui.add(edit).labelled_by(label.id);
         let entered = edit.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         if ui.button("Add").clicked() || entered {
@@ -366,21 +370,16 @@ fn views(window: &mut Window, ui: &mut Ui) {
             .labelled_by(label.id);
             ui.end_row();
             let label = ui.label("Size of controls");
-            let mut scale = preferences.scale;
-            ui.horizontal(|ui| {
-                for (value, name) in [
-                    (0.8, "80 %"),
-                    (1.0, "100 %"),
-                    (1.25, "125 %"),
-                    (1.5, "150 %"),
-                    (2.0, "200 %"),
-                ] {
-                    ui.selectable_value(&mut scale, value, name);
-                }
-            })
-            .response
-            .labelled_by(label.id);
-            preferences.scale = scale;
+            let percent = |scale: f32| format!("{:.0} %", 100.0 * scale);
+            ComboBox::from_id_salt("scale")
+                .selected_text(percent(preferences.scale))
+                .show_ui(ui, |ui| {
+                    for scale in [0.8, 1.0, 1.25, 1.5, 2.0] {
+                        ui.selectable_value(&mut preferences.scale, scale, percent(scale));
+                    }
+                })
+                .response
+                .labelled_by(label.id);
             ui.end_row();
         });
     if preferences != before {

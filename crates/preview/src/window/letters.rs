@@ -50,12 +50,7 @@ impl Window {
             return;
         }
         // A camera that nobody has moved shows everything of a new scene too.
-        self.model.adjust(|view| {
-            if view.space.is_some_and(|camera| !camera.moved) {
-                view.space = None;
-            }
-        });
-        self.home = None;
+        self.reframe();
         let surfaces = self.model.surfaces();
         let known = |name: &String| surfaces.contains(name);
         if !self.active_surface.as_ref().is_some_and(known) {
@@ -103,6 +98,14 @@ impl Window {
                 camera,
             } => self.take_hit(&scene, &hit, purpose, camera),
             Answer::Picked { hit: None, .. } => {}
+            Answer::Framed(home) => {
+                if let Some(camera) = self.model.view.space {
+                    let step = Step::new("Frame everything", "");
+                    let framed = camera.framed(&home);
+                    self.model.change(step, |view| view.space = Some(framed));
+                    self.model.history.settle();
+                }
+            }
         }
     }
 
@@ -164,19 +167,20 @@ impl Window {
 
     fn take_drawing(&mut self, pane: PaneKey, drawing: Drawing, order: &Order) {
         if let Some(camera) = drawing.space_camera
-            && matches!(&order.look, Look::Space { camera: None, .. })
             && self.model.view.space.is_none()
+            && let Some(sent) = self.sent.get_mut(&pane)
+            && Arc::ptr_eq(&sent.scene, &order.scene)
+            && sent.size == order.size
         {
-            // The first place of a scene: from now on it stays, whatever the params do.
-            self.model.adjust(|view| view.space = Some(camera));
-            if let Some(sent) = self.sent.get_mut(&pane) {
-                let same = sent.is_like(order);
-                if let Look::Space { camera: asked, .. } = &mut sent.look
-                    && same
-                {
-                    *asked = Some(camera);
-                }
+            // The first place of a scene: from now on it stays, whatever the params do. One for a scene or a pane that has
+            // become another meanwhile does not count.
+            let same = sent.is_like(order);
+            if let Look::Space { camera: asked, .. } = &mut sent.look
+                && same
+            {
+                *asked = Some(camera);
             }
+            self.model.adjust(|view| view.space = Some(camera));
         }
         if let (Some((camera, placed)), PaneKey::Inside(name)) = (drawing.inside_camera, &pane)
             && placed == self.model.placed
@@ -184,9 +188,6 @@ impl Window {
             self.model.adjust(|view| {
                 view.inside.insert(name.clone(), camera);
             });
-        }
-        if drawing.home.is_some() {
-            self.home = drawing.home;
         }
         let pixels = drawing.pixels.pixels();
         let picture = self.picture(pane, order);
@@ -236,7 +237,7 @@ impl Window {
                         self.remember(path);
                     }
                 }
-                self.compiler.compile(version, text.into());
+                self.compiler.compile(version, text);
             }
             Command::Show { view } => {
                 match view {

@@ -55,7 +55,7 @@ impl Desk {
             uri: "file:///nowhere/a.gtr".to_owned(),
             path: None,
             version,
-            text: text.to_owned(),
+            text: text.into(),
         });
     }
 

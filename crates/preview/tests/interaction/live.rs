@@ -65,6 +65,7 @@ fn a_broken_text_keeps_the_picture_marks_it_stale_and_a_mended_one_takes_the_mar
     let mut hand = Hand::on(SPHERE);
     assert!(hand.shows("Status: OK") && !hand.shows("stale"));
     let pictures = hand.window().counters().pictures;
+    let (eye, panes) = (hand.eye(), hand.window().counters().panes.clone());
     hand.window_mut().set_text(SPHERE.replace("r + 1", "r + "));
     hand.until("the error is shown", |hand| {
         hand.window().model().is_stale()
@@ -74,9 +75,30 @@ fn a_broken_text_keeps_the_picture_marks_it_stale_and_a_mended_one_takes_the_mar
     // In the same frame, and with the picture still there.
     assert!(hand.shows("3D view of 2 objects"), "{:?}", hand.names());
     assert!(hand.window().counters().pictures >= pictures);
+    assert_eq!(
+        hand.window().counters().panes,
+        panes,
+        "a sentence moves no pane"
+    );
     hand.window_mut().set_text(SPHERE.to_owned());
     hand.until("the mark goes", |hand| !hand.window().model().is_stale());
     assert!(hand.shows("Status: OK") && !hand.shows("stale"));
+    hand.settle();
+    assert_eq!(hand.eye(), eye);
+    assert_eq!(hand.window().counters().panes, panes);
+}
+
+#[test]
+fn no_sentence_moves_the_pictures_even_in_a_narrow_window() {
+    let mut hand = Hand::with(SPHERE, |builder| builder.with_size([480.0, 320.0]));
+    let panes = hand.window().counters().panes.clone();
+    let broken = SPHERE.replace("r + 1", "nothing_of_this_name_is_there + nor_of_this_one");
+    hand.window_mut().set_text(broken);
+    hand.until("the error is shown", |hand| {
+        hand.window().model().is_stale()
+    });
+    hand.settle();
+    assert_eq!(hand.window().counters().panes, panes);
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! A few pictures of the whole window, drawn by a software driver: light, dark, dense, small, stale. What differs from
-//! run to run (times, the folder of the test) is covered before they are compared.
+//! run to run (times) is covered before they are compared.
 
 use egui::{Rect, Theme};
 use egui_kittest::SnapshotOptions;
@@ -19,19 +19,11 @@ fn compare(mut hand: Hand, theme: Theme, name: &str) {
     hand.settle();
     // A bar to scroll with fades away.
     hand.harness.run_steps(90);
-    // The program's pane has the folder of this run, and the status line times: what is beside them moves with them.
-    let right = hand.space().left() - 8.0;
+    // The status line has times: what stands behind them moves with them.
     let screen = hand.harness.ctx.content_rect();
-    let paths = hand.rects("program.gtr").into_iter();
-    let mut covered: Vec<Rect> = paths.map(|rect| rect.with_max_x(right)).collect();
     let status = hand.rects("Status: ").into_iter();
     let lowest = status.max_by(|a, b| a.top().total_cmp(&b.top()));
-    covered.extend(lowest.map(|rect| Rect::from_min_max(rect.min, screen.max)));
-    if screen.width() < 800.0 {
-        // In a narrow pane the folder's width decides where the program's lines are broken.
-        let pane = Rect::from_min_max(screen.min, egui::pos2(right, screen.max.y));
-        covered.push(pane);
-    }
+    let covered = lowest.map(|rect| Rect::from_min_max(rect.min, screen.max));
     for rect in covered {
         hand.harness.mask(rect.expand(3.0));
     }
