@@ -1,8 +1,9 @@
 //! The preview as an editor meets it: the binary as language server, and the window that it starts.
 //!
 //! A time is that from the moment before an edit is written to the server to the moment after it has told that the
-//! window has handed over the frame: three processes, their pipes and whatever else the machine does are part of it. The
-//! window's own share, from reading the text on, is printed beside it.
+//! window shows the pictures of that text: three processes, their pipes and whatever else the machine does are part of
+//! it. The window's own share, from reading the text on, is printed beside it, and what a frame of the window takes to be
+//! laid out and handed to the driver: that of the pictures is still before it when it is told.
 
 use std::time::{Duration, Instant};
 
@@ -49,8 +50,8 @@ fn opened(text: &str) -> std::io::Result<(Session, Duration)> {
     Ok((session, start.elapsed()))
 }
 
-/// Waits for the frame of the current version; the window's own share of the time, in milliseconds.
-fn shown(session: &mut Session) -> std::io::Result<f64> {
+/// Waits for the frame of the current version; the window's own share of the time and what a frame takes, in milliseconds.
+fn shown(session: &mut Session) -> std::io::Result<[f64; 2]> {
     let version = format!("\"version\":{},", session.version());
     let other = format!("\"version\":{}}}", session.version());
     loop {
@@ -59,9 +60,11 @@ fn shown(session: &mut Session) -> std::io::Result<f64> {
             return Err(std::io::Error::other(told));
         }
         if told.contains("geotrace/shown") && (told.contains(&version) || told.contains(&other)) {
-            let milliseconds = told.split("\"milliseconds\":").nth(1);
-            let digits = milliseconds.map(|rest| rest.split([',', '}']).next().unwrap_or_default());
-            return Ok(digits.and_then(|d| d.parse().ok()).unwrap_or(f64::NAN));
+            return Ok(["\"milliseconds\":", "\"painting\":"].map(|key| {
+                let rest = told.split(key).nth(1);
+                let digits = rest.and_then(|rest| rest.split([',', '}']).next());
+                digits.and_then(|d| d.parse().ok()).unwrap_or(f64::NAN)
+            }));
         }
     }
 }
@@ -80,14 +83,20 @@ fn edits(session: &mut Session, what: &str, at: [usize; 2], inserted: &str) {
         own.push(shown(session)?);
         Ok(start.elapsed())
     });
-    own.sort_unstable_by(f64::total_cmp);
-    let at = |share: f64| own.get((own.len() as f64 * share) as usize).copied();
-    println!(
-        "    {:<44} p50 {:>9.3} ms   p99 {:>9.3} ms",
-        "  the window's share",
-        at(0.5).unwrap_or(f64::NAN),
-        at(0.99).unwrap_or(f64::NAN)
-    );
+    for (k, what) in ["  the window's share", "  a frame of the window"]
+        .into_iter()
+        .enumerate()
+    {
+        let mut times: Vec<f64> = own.iter().map(|it| it[k]).collect();
+        times.sort_unstable_by(f64::total_cmp);
+        let at = |share: f64| times.get((times.len() as f64 * share) as usize).copied();
+        println!(
+            "    {:<44} p50 {:>9.3} ms   p99 {:>9.3} ms",
+            what,
+            at(0.5).unwrap_or(f64::NAN),
+            at(0.99).unwrap_or(f64::NAN)
+        );
+    }
 }
 
 fn measure() -> std::io::Result<()> {

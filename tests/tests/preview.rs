@@ -116,10 +116,11 @@ async fn a_window_is_told_the_text_and_every_edit() {
 
         // What is shown is told to an editor that wants to hear it.
         window
-            .say(json!({ "type": "shown", "version": 3, "ok": true, "milliseconds": 1.5 }))
+            .say(json!({ "type": "shown", "version": 3, "ok": true, "milliseconds": 1.5, "painting": 2.5 }))
             .await;
         let told = editor.notified("geotrace/shown", |_| true).await;
-        let wanted = json!({ "uri": URI, "version": 3, "ok": true, "milliseconds": 1.5 });
+        let wanted =
+            json!({ "uri": URI, "version": 3, "ok": true, "milliseconds": 1.5, "painting": 2.5 });
         assert_eq!(told, wanted);
 
         // With its document the window closes.
@@ -157,7 +158,7 @@ async fn the_cursor_is_a_place_in_the_bytes_of_the_text() {
     assert!(window.hears_nothing().await);
     // The window may have compiled the text only now: it is told once more.
     window
-        .say(json!({ "type": "shown", "version": 1, "ok": true, "milliseconds": 1.0 }))
+        .say(json!({ "type": "shown", "version": 1, "ok": true, "milliseconds": 1.0, "painting": 0.0 }))
         .await;
     let told = window.hear().await.expect("the cursor");
     assert_eq!(

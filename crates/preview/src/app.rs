@@ -43,6 +43,7 @@ fn open(options: Options, loses: Option<Duration>) -> Result<(), Failure> {
     if options.source == Source::Attached {
         // Before a display or a device is looked for, which may take its time: the server waits for a word.
         crate::link::greet(&mut std::io::stdout());
+        yield_to_the_editor();
     }
     let options = Rc::new(options);
     // The window outlives its screens.
@@ -70,6 +71,12 @@ fn open(options: Options, loses: Option<Duration>) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Makes this process one that waits where the processor is short: what an editor asks is answered before a picture.
+fn yield_to_the_editor() {
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::nice(5);
+}
+
 /// Where the window is.
 type Slot = Rc<RefCell<Option<Window>>>;
 
@@ -81,6 +88,8 @@ fn native() -> NativeOptions {
             .with_inner_size([1280.0, 800.0])
             .with_min_inner_size([480.0, 320.0])
             .with_drag_and_drop(true),
+        // Pictures are shown as they were drawn.
+        dithering: false,
         ..NativeOptions::default()
     }
 }
@@ -175,7 +184,7 @@ fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> 
 }
 
 impl App for Preview {
-    fn ui(&mut self, ui: &mut Ui, _frame: &mut Frame) {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut Frame) {
         let mut slot = self.slot.borrow_mut();
         let Some(window) = &mut *slot else {
             return;
@@ -192,6 +201,8 @@ impl App for Preview {
             context.send_viewport_cmd(ViewportCommand::Close);
             return;
         }
+        let painting = f64::from(frame.info().cpu_usage.unwrap_or_default());
+        window.painting = Duration::try_from_secs_f64(painting).unwrap_or_default();
         window.show(ui);
         let title = window.title();
         if title != self.title {
@@ -210,6 +221,11 @@ impl App for Preview {
         } else if window.closing && !asked {
             context.send_viewport_cmd(ViewportCommand::Close);
         }
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        // What is behind the panes: no rectangle is painted for it.
+        visuals.panel_fill.to_normalized_gamma_f32()
     }
 
     fn on_exit(&mut self) {

@@ -20,7 +20,7 @@ use scene::values::Settings;
 use crate::mail::{Letter, Mail};
 use crate::model::{InsideCamera, SpaceCamera};
 use crate::motion::{Motion, push};
-use crate::orders::{Look, Order, PaneKey};
+use crate::orders::{Look, Order, PaneKey, Standing};
 use crate::pilot::{Flight, Pilot};
 
 /// What the artist has finished.
@@ -55,8 +55,9 @@ pub(crate) struct Drawing {
     pub(crate) inside: Option<(Work, Option<Estimate>)>,
     /// Where the 3D view is seen from.
     pub(crate) space_camera: Option<SpaceCamera>,
-    /// Where the geodesic camera is, and the count of placings that it has heeded.
-    pub(crate) inside_camera: Option<(InsideCamera, u64)>,
+    /// The surface and the place of the geodesic camera that it is seen with or that it shows, and the count of placings
+    /// that it has heeded.
+    pub(crate) inside_camera: Option<(String, InsideCamera, u64)>,
     pub(crate) took: Duration,
 }
 
@@ -87,6 +88,9 @@ pub(crate) enum Purpose {
     /// Its declaration is to be shown.
     Open,
 }
+
+/// The longest time for which a finished picture waits for another one, so that the window draws itself once for both.
+const TOGETHER: Duration = Duration::from_millis(16);
 
 /// Hands orders to the thread.
 #[derive(Debug)]
@@ -195,14 +199,19 @@ impl Desk {
         if let Some(order) = self.framings.pop_front() {
             return Some(Job::Frame(order));
         }
-        let oldest = self.orders.iter().min_by_key(|(_, (turn, _))| *turn);
-        let pane = oldest?.0.clone();
+        let pane = self.next_pane()?.clone();
         let (_, order) = self.orders.remove(&pane)?;
         let motions = match &pane {
             PaneKey::Inside(name) => self.motions.remove(name).unwrap_or_default(),
             PaneKey::Space => Vec::new(),
         };
         Some(Job::Draw(pane, order, motions))
+    }
+
+    /// The pane whose order has waited longest.
+    fn next_pane(&self) -> Option<&PaneKey> {
+        let oldest = self.orders.iter().min_by_key(|(_, (turn, _))| *turn);
+        Some(oldest?.0)
     }
 }
 
@@ -214,6 +223,7 @@ fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail, stage: Stage) {
         pilots: BTreeMap::new(),
         home: None,
         curvatures: None,
+        took: BTreeMap::new(),
     };
     loop {
         let job = {
@@ -253,7 +263,18 @@ fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail, stage: Stage) {
                 }
             }
         };
-        if !mail.send(Letter::Artist(Box::new(answer))) {
+        let wakes = {
+            let desk = desk.lock().unwrap_or_else(PoisonError::into_inner);
+            let next = desk.next_pane().and_then(|pane| easel.took.get(pane));
+            next.is_none_or(|took| *took >= TOGETHER)
+        };
+        let letter = Letter::Artist(Box::new(answer));
+        let sent = if wakes {
+            mail.send(letter)
+        } else {
+            mail.leave(letter)
+        };
+        if !sent {
             return;
         }
     }
@@ -268,6 +289,8 @@ struct Easel {
     /// Where everything of a scene is seen from, at the settings and size where it was asked for.
     home: Option<Home>,
     curvatures: Option<Curvatures>,
+    /// How long the last picture of each pane took.
+    took: BTreeMap<PaneKey, Duration>,
 }
 
 /// A scene with its params, the size of its picture, and the place from which all of it is seen.
@@ -289,6 +312,7 @@ impl Easel {
                     self.shares_gpu = false;
                     picture = self.draw(order, &[], start);
                 }
+                self.took.insert(pane.clone(), start.elapsed());
                 Answer::Drawn {
                     pane: pane.clone(),
                     picture: picture.map(Box::new).map_err(|error| error.to_string()),
@@ -320,18 +344,27 @@ impl Easel {
         start: Instant,
     ) -> Result<Drawing, RenderError> {
         let mut space_camera = None;
-        let mut inside_camera = None;
+        let inside_camera;
         let mut request: Request = match &order.look {
-            Look::Space { camera, .. } => {
+            Look::Space {
+                camera, standpoint, ..
+            } => {
                 let seen_from = match camera {
                     Some(camera) => *camera,
                     None => self.home(order)?,
                 };
                 space_camera = Some(seen_from);
+                // Where the scene is another one, so is the camera that stands in it: its own picture may come later.
+                let shown = standpoint.as_ref().and_then(|it| self.standing(order, it));
                 let mut order = order.clone();
-                if let Look::Space { camera, .. } = &mut order.look {
+                if let Look::Space {
+                    camera, standpoint, ..
+                } = &mut order.look
+                {
                     *camera = Some(seen_from);
+                    standpoint.clone_from(&shown);
                 }
+                inside_camera = shown.and_then(|it| Some((it.name, it.camera?, it.placed)));
                 order.request(None)
             }
             Look::Inside {
@@ -349,7 +382,7 @@ impl Easel {
                     camera: *camera,
                     motions,
                 })?;
-                inside_camera = Some((camera, *placed));
+                inside_camera = Some((name.clone(), camera, *placed));
                 order.request(Some(camera))
             }
         };
@@ -373,6 +406,23 @@ impl Easel {
             space_camera,
             inside_camera,
             took: start.elapsed(),
+        })
+    }
+
+    /// A geodesic camera as it is now.
+    fn standing(&mut self, order: &Order, told: &Standing) -> Option<Standing> {
+        let pilot = self.pilots.entry(told.name.clone()).or_default();
+        let camera = pilot.fly(&Flight {
+            scene: &order.scene,
+            settings: &order.settings,
+            surface: told.surface,
+            placed: told.placed,
+            camera: told.camera,
+            motions: &[],
+        });
+        Some(Standing {
+            camera: Some(camera.ok()?),
+            ..told.clone()
         })
     }
 

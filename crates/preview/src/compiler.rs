@@ -50,11 +50,15 @@ pub struct Finding {
     pub hint: Option<String>,
 }
 
-/// Hands texts to the thread.
-#[derive(Debug)]
+/// Hands texts to the thread, which ends with the last of the hands; cheap to clone.
+#[derive(Clone, Debug)]
 pub(crate) struct Compiler {
-    desk: Arc<(Mutex<Desk>, Condvar)>,
+    desk: Arc<Shared>,
 }
+
+/// What the hands share. The thread has the desk alone, so that it does not keep itself alive.
+#[derive(Debug)]
+struct Shared(Arc<(Mutex<Desk>, Condvar)>);
 
 #[derive(Debug, Default)]
 struct Desk {
@@ -75,12 +79,14 @@ impl Compiler {
         let desk = Arc::new((Mutex::new(Desk::default()), Condvar::new()));
         let own = Arc::clone(&desk);
         std::thread::spawn(move || work(&own, &mail));
-        Self { desk }
+        Self {
+            desk: Arc::new(Shared(desk)),
+        }
     }
 
     /// A text to be compiled, in the place of any that has not been begun.
     pub(crate) fn compile(&self, version: i32, text: Arc<str>) {
-        let (desk, bell) = &*self.desk;
+        let (desk, bell) = &*self.desk.0;
         let mut desk = desk.lock().unwrap_or_else(PoisonError::into_inner);
         // What is overtaken has waited since it arrived, and so has what takes its place.
         let arrived = desk.next.take().map_or_else(Instant::now, |it| it.arrived);
@@ -93,9 +99,9 @@ impl Compiler {
     }
 }
 
-impl Drop for Compiler {
+impl Drop for Shared {
     fn drop(&mut self) {
-        let (desk, bell) = &*self.desk;
+        let (desk, bell) = &*self.0;
         desk.lock().unwrap_or_else(PoisonError::into_inner).closed = true;
         bell.notify_one();
     }

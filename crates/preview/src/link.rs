@@ -10,6 +10,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use protocol::line::{self, ReadError};
 use protocol::{Command, Event, Hello, handshake};
 
+use crate::compiler::Compiler;
 use crate::mail::{Letter, Mail};
 
 /// The conversation with a server.
@@ -33,6 +34,7 @@ impl Link {
     /// Starts the conversation, behind [`greet`]: listens, and says what it is given.
     pub(crate) fn start(
         mail: Mail,
+        compiler: Compiler,
         input: impl Read + Send + 'static,
         output: impl Write + Send + 'static,
     ) -> Self {
@@ -42,7 +44,7 @@ impl Link {
         let outbox = Arc::clone(&link.outbox);
         std::thread::spawn(move || write(&outbox, output));
         let outbox = Arc::clone(&link.outbox);
-        std::thread::spawn(move || read(&mail, input, &outbox));
+        std::thread::spawn(move || read(&mail, &compiler, input, &outbox));
         link
     }
 
@@ -98,9 +100,10 @@ fn write(outbox: &(Mutex<Outbox>, Condvar), mut output: impl Write) {
     }
 }
 
-fn read(mail: &Mail, input: impl Read, outbox: &(Mutex<Outbox>, Condvar)) {
+fn read(mail: &Mail, compiler: &Compiler, input: impl Read, outbox: &(Mutex<Outbox>, Condvar)) {
     let mut reader = line::Reader::<_, Command>::new(BufReader::new(input));
     let mut greeted = false;
+    let mut document = None;
     loop {
         let command = match reader.read() {
             Ok(Some(command)) => command,
@@ -130,6 +133,25 @@ fn read(mail: &Mail, input: impl Read, outbox: &(Mutex<Outbox>, Condvar)) {
                 return;
             }
             greeted = true;
+            continue;
+        }
+        if let Command::Text {
+            uri,
+            path,
+            version,
+            text,
+        } = &command
+        {
+            // Compiled without waiting for the window, which is told only of a document that is another one.
+            let (version, text) = (*version, text.clone());
+            let same = document.as_ref() == Some(&(uri.clone(), path.clone()));
+            if !same {
+                document = Some((uri.clone(), path.clone()));
+                if !mail.send(Letter::Server(command)) {
+                    return;
+                }
+            }
+            compiler.compile(version, text);
             continue;
         }
         if !mail.send(Letter::Server(command)) {

@@ -66,6 +66,11 @@ impl Mail {
         sent
     }
 
+    /// Sends a letter that may wait for the next one to wake the window; false where it is no more.
+    pub(crate) fn leave(&self, letter: Letter) -> bool {
+        self.sender.send(letter).is_ok()
+    }
+
     /// From now on letters wake another window.
     pub(crate) fn readdress(&self, context: egui::Context) {
         *self.context.lock().unwrap_or_else(PoisonError::into_inner) = context;

@@ -46,7 +46,7 @@ pub(crate) enum Look {
         /// None: from where everything is seen.
         camera: Option<SpaceCamera>,
         /// A geodesic camera to be shown.
-        standpoint: Option<(ObjectId, InsideCamera)>,
+        standpoint: Option<Standing>,
         /// An object to be told apart.
         highlight: Option<ObjectId>,
         /// Behind everything, sRGB.
@@ -59,6 +59,15 @@ pub(crate) enum Look {
         placed: u64,
         camera: Option<InsideCamera>,
     },
+}
+
+/// A geodesic camera as it was last told. Its pilot knows where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Standing {
+    pub(crate) surface: ObjectId,
+    pub(crate) name: String,
+    pub(crate) placed: u64,
+    pub(crate) camera: Option<InsideCamera>,
 }
 
 impl Order {
@@ -148,12 +157,16 @@ impl Order {
                     eye: camera.map(|it| it.eye),
                     target: camera.map(|it| it.target),
                 };
-                request.show_camera = standpoint.map(|(surface, camera)| Standpoint {
-                    surface,
-                    at: None,
-                    angle: 0.0,
-                    zoom: Some(camera.zoom),
-                    frame: Some(camera.frame()),
+                let standing = standpoint.as_ref();
+                request.show_camera = standing.and_then(|it| {
+                    let camera = it.camera?;
+                    Some(Standpoint {
+                        surface: it.surface,
+                        at: None,
+                        angle: 0.0,
+                        zoom: Some(camera.zoom),
+                        frame: Some(camera.frame()),
+                    })
                 });
                 request
             }
@@ -223,8 +236,13 @@ pub(crate) fn order(
             let standpoint = active
                 .filter(|_| view.preferences.marks.cameras)
                 .and_then(|name| {
-                    let (id, _) = model.object(name)?;
-                    Some((id, camera_of(name)?))
+                    let (surface, _) = model.object(name)?;
+                    Some(Standing {
+                        surface,
+                        name: name.to_owned(),
+                        placed: model.placed,
+                        camera: camera_of(name),
+                    })
                 });
             let highlighted = model.highlighted.as_deref();
             Look::Space {

@@ -164,7 +164,8 @@ fn tabs(tiles: &mut Tiles<Pane>, pane: TileId) -> TileId {
 pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     let empty = Tree::empty(egui::Id::unique("no panes"));
     let mut tree = std::mem::replace(&mut window.panes.tree, empty);
-    let frame = egui::Frame::central_panel(ui.style()).inner_margin(0.0);
+    // No rectangle behind pictures that cover it: a driver without a GPU paints each pixel of it.
+    let frame = egui::Frame::NONE;
     let mut closed = Vec::new();
     egui::CentralPanel::default().frame(frame).show(ui, |ui| {
         let mut drawer = Drawer {
@@ -189,6 +190,13 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     }
 }
 
+/// A pane of words, on a ground of its own.
+fn written(ui: &mut Ui, show: impl FnOnce(&mut Ui)) {
+    let fill = ui.visuals().panel_fill;
+    ui.painter().rect_filled(ui.max_rect(), 0.0, fill);
+    show(ui);
+}
+
 struct Drawer<'a> {
     window: &'a mut Window,
     closed: &'a mut Vec<Pane>,
@@ -199,8 +207,8 @@ impl Behavior<Pane> for Drawer<'_> {
         match pane {
             Pane::Space => space::show(self.window, ui),
             Pane::Inside(name) => inside::show(self.window, ui, name),
-            Pane::Settings => settings::show(self.window, ui),
-            Pane::Program => program::show(self.window, ui),
+            Pane::Settings => written(ui, |ui| settings::show(self.window, ui)),
+            Pane::Program => written(ui, |ui| program::show(self.window, ui)),
         }
         UiResponse::None
     }

@@ -73,6 +73,8 @@ pub struct Window {
     pub(crate) screen: Option<Screen>,
     keeper: Option<Keeper>,
     shown: Option<(i32, bool, Instant)>,
+    /// What the frame before this one took.
+    pub(crate) painting: Duration,
     told_values: BTreeMap<String, Vec<f64>>,
     pub(crate) counters: Counters,
     report: Option<Report>,
@@ -150,7 +152,8 @@ impl Window {
             editor: Box::new(Editor::new(path.clone(), text.clone())),
             _watch: watch,
         };
-        let mut window = Self::new(mail, letters, origin);
+        let compiler = Compiler::start(mail.clone());
+        let mut window = Self::new(mail, letters, compiler, origin);
         window.remember(path);
         window.said = said.or(window.said);
         window.compile(text.into());
@@ -164,21 +167,22 @@ impl Window {
         output: impl std::io::Write + Send + 'static,
     ) -> Self {
         let (mail, letters) = Mail::new(context.clone());
-        let link = Link::start(mail.clone(), input, output);
+        let compiler = Compiler::start(mail.clone());
+        let link = Link::start(mail.clone(), compiler.clone(), input, output);
         let origin = Origin::Attached {
             link,
             uri: String::new(),
             path: None,
             gone: None,
         };
-        Self::new(mail, letters, origin)
+        Self::new(mail, letters, compiler, origin)
     }
 
-    fn new(mail: Mail, letters: Receiver<Letter>, origin: Origin) -> Self {
+    fn new(mail: Mail, letters: Receiver<Letter>, compiler: Compiler, origin: Origin) -> Self {
         let edits = matches!(origin, Origin::File { .. });
         Self {
             model: Model::default(),
-            compiler: Compiler::start(mail.clone()),
+            compiler,
             artist: Artist::start(mail.clone(), Stage::software()),
             library: Library::new(mail.clone()),
             panes: Panes::new(edits),
@@ -197,6 +201,7 @@ impl Window {
             screen: None,
             keeper: None,
             shown: None,
+            painting: Duration::ZERO,
             told_values: BTreeMap::new(),
             counters: Counters::default(),
             report: None,
@@ -638,6 +643,7 @@ impl Window {
                 version,
                 ok,
                 milliseconds: arrived.elapsed().as_secs_f64() * 1e3,
+                painting: self.painting.as_secs_f64() * 1e3,
             });
         }
         if matches!(self.origin, Origin::Attached { .. })

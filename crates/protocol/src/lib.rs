@@ -95,8 +95,11 @@ pub enum Event {
         version: i32,
         /// Whether it compiled.
         ok: bool,
-        /// From reading the text to handing the frame over, in milliseconds.
+        /// From reading the text to the layout of the frame that shows it, in milliseconds.
         milliseconds: f64,
+        /// What laying out the frame before this one and handing it to the driver took, in milliseconds: what this one
+        /// still has before it when it is told.
+        painting: f64,
     },
     /// A declaration is to be shown in the editor.
     Open {

@@ -251,6 +251,7 @@ mod tests {
                 version: 2,
                 ok: false,
                 milliseconds: 1.25,
+                painting: 0.5,
             },
             Event::Open {
                 version: 2,

@@ -46,12 +46,11 @@ fn activate(window: &mut Window, pane: &PaneKey) {
 
 fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
     let painter = ui.painter_at(rect);
-    let [r, g, b] = render::style::BACKGROUND;
-    painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
     let stale = window.model.is_stale();
     let lines = window.model.errors().count();
     let empty = window.model.scene.is_none() && window.model.read;
     let mut error = None;
+    let mut covered = false;
     if let Some(picture) = window.pictures.get_mut(pane) {
         match picture.fresh.take() {
             Some(Painted::Image(image)) => {
@@ -84,8 +83,13 @@ fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
                 Color32::WHITE
             };
             painter.image(id, rect, all, tint);
+            covered = true;
         }
         error.clone_from(&picture.error);
+    }
+    if !covered {
+        let [r, g, b] = render::style::BACKGROUND;
+        painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
     }
     if stale {
         let some = if lines == 1 { "an error" } else { "errors" };

@@ -166,29 +166,7 @@ impl Window {
     }
 
     fn take_drawing(&mut self, pane: PaneKey, drawing: Drawing, order: &Order) {
-        if let Some(camera) = drawing.space_camera
-            && self.model.view.space.is_none()
-            && let Some(sent) = self.sent.get_mut(&pane)
-            && Arc::ptr_eq(&sent.scene, &order.scene)
-            && sent.size == order.size
-        {
-            // The first place of a scene: from now on it stays, whatever the params do. One for a scene or a pane that has
-            // become another meanwhile does not count.
-            let same = sent.is_like(order);
-            if let Look::Space { camera: asked, .. } = &mut sent.look
-                && same
-            {
-                *asked = Some(camera);
-            }
-            self.model.adjust(|view| view.space = Some(camera));
-        }
-        if let (Some((camera, placed)), PaneKey::Inside(name)) = (drawing.inside_camera, &pane)
-            && placed == self.model.placed
-        {
-            self.model.adjust(|view| {
-                view.inside.insert(name.clone(), camera);
-            });
-        }
+        self.take_cameras(&pane, &drawing, order);
         let pixels = drawing.pixels.pixels();
         let picture = self.picture(pane, order);
         picture.fresh = Some(drawing.pixels);
@@ -200,6 +178,42 @@ impl Window {
         picture.error = None;
         picture.version = order.version;
         picture.scene = Arc::clone(&order.scene);
+    }
+
+    /// Takes over where a picture is seen from, where nobody has said it.
+    fn take_cameras(&mut self, pane: &PaneKey, drawing: &Drawing, order: &Order) {
+        let placed = self.model.placed;
+        let inside = drawing.inside_camera.clone();
+        let inside = inside.filter(|(_, _, heeded)| *heeded == placed);
+        let mut first = None;
+        if let Some(sent) = self.sent.get_mut(pane) {
+            let same = sent.is_like(order);
+            let fits = Arc::ptr_eq(&sent.scene, &order.scene) && sent.size == order.size;
+            if let Look::Space {
+                camera, standpoint, ..
+            } = &mut sent.look
+            {
+                // The first place of a scene: from now on it stays, whatever the params do. One for a scene or a pane
+                // that has become another meanwhile does not count.
+                first = drawing
+                    .space_camera
+                    .filter(|_| fits && self.model.view.space.is_none());
+                if same {
+                    *camera = first.or(*camera);
+                    if let (Some(standing), Some((_, camera, _))) = (standpoint, &inside) {
+                        standing.camera = Some(*camera);
+                    }
+                }
+            }
+        }
+        if let Some(camera) = first {
+            self.model.adjust(|view| view.space = Some(camera));
+        }
+        if let Some((name, camera, _)) = inside {
+            self.model.adjust(|view| {
+                view.inside.insert(name, camera);
+            });
+        }
     }
 
     fn take_changed(&mut self, text: Result<String, String>) {
@@ -224,8 +238,7 @@ impl Window {
             Command::Text {
                 uri: new,
                 path: place,
-                version,
-                text,
+                ..
             } => {
                 let Origin::Attached { uri, path, .. } = &mut self.origin else {
                     return;
@@ -237,7 +250,6 @@ impl Window {
                         self.remember(path);
                     }
                 }
-                self.compiler.compile(version, text);
             }
             Command::Show { view } => {
                 match view {

@@ -24,7 +24,7 @@ fn compare(mut hand: Hand, theme: Theme, name: &str) {
     let status = hand.rects("Status: ").into_iter();
     let lowest = status.max_by(|a, b| a.top().total_cmp(&b.top()));
     let covered = lowest.map(|rect| Rect::from_min_max(rect.min, screen.max));
-    for rect in covered {
+    if let Some(rect) = covered {
         hand.harness.mask(rect.expand(3.0));
     }
     let picture = hand.harness.render().expect("a driver");

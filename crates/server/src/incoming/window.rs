@@ -95,6 +95,7 @@ struct ShownParams {
     version: i32,
     ok: bool,
     milliseconds: f64,
+    painting: f64,
 }
 
 impl lsp::notification::Notification for Shown {
@@ -316,6 +317,7 @@ impl Window {
                 version,
                 ok,
                 milliseconds,
+                painting,
             } => {
                 let told = {
                     let mut session = lock(&self.session);
@@ -330,6 +332,7 @@ impl Window {
                         version,
                         ok,
                         milliseconds,
+                        painting,
                     };
                     self.client.send_notification::<Shown>(params).await;
                 }
