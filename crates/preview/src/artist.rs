@@ -22,6 +22,7 @@ use crate::model::{InsideCamera, SpaceCamera};
 use crate::motion::{Motion, push};
 use crate::orders::{Look, Order, PaneKey, Standing};
 use crate::pilot::{Flight, Pilot};
+use crate::walked::Walked;
 
 /// What the artist has finished.
 #[derive(Debug)]
@@ -58,6 +59,8 @@ pub(crate) struct Drawing {
     /// The surface and the place of the geodesic camera that it is seen with or that it shows, and the count of placings
     /// that it has heeded.
     pub(crate) inside_camera: Option<(String, InsideCamera, u64)>,
+    /// The way that the geodesic camera has gone, where it leaves a trail.
+    pub(crate) walked: Option<Arc<Walked>>,
     pub(crate) took: Duration,
 }
 
@@ -345,6 +348,7 @@ impl Easel {
     ) -> Result<Drawing, RenderError> {
         let mut space_camera = None;
         let inside_camera;
+        let mut walked = None;
         let mut request: Request = match &order.look {
             Look::Space {
                 camera, standpoint, ..
@@ -372,6 +376,7 @@ impl Easel {
                 name,
                 placed,
                 camera,
+                trail,
             } => {
                 let pilot = self.pilots.entry(name.clone()).or_default();
                 let camera = pilot.fly(&Flight {
@@ -381,9 +386,14 @@ impl Easel {
                     placed: *placed,
                     camera: *camera,
                     motions,
+                    trail: *trail,
                 })?;
                 inside_camera = Some((name.clone(), camera, *placed));
-                order.request(Some(camera))
+                walked = pilot.walked().cloned();
+                let mut request = order.request(Some(camera));
+                let trail = walked.iter().map(|it| Arc::clone(&it.trail));
+                request.trails.extend(trail);
+                request
             }
         };
         request.textures.extend(self.curvatures(order));
@@ -405,6 +415,7 @@ impl Easel {
             inside: shot.inside,
             space_camera,
             inside_camera,
+            walked,
             took: start.elapsed(),
         })
     }
@@ -412,6 +423,7 @@ impl Easel {
     /// A geodesic camera as it is now.
     fn standing(&mut self, order: &Order, told: &Standing) -> Option<Standing> {
         let pilot = self.pilots.entry(told.name.clone()).or_default();
+        let trail = pilot.trail();
         let camera = pilot.fly(&Flight {
             scene: &order.scene,
             settings: &order.settings,
@@ -419,6 +431,8 @@ impl Easel {
             placed: told.placed,
             camera: told.camera,
             motions: &[],
+            // It is left where it is seen from inside.
+            trail,
         });
         Some(Standing {
             camera: Some(camera.ok()?),

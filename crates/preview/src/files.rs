@@ -30,19 +30,27 @@ pub(crate) fn choose_images(mail: Mail, folder: Option<PathBuf>) {
 pub(crate) fn choose_target(
     mail: Mail,
     title: &'static str,
-    name: String,
-    folder: Option<PathBuf>,
+    proposed: PathBuf,
     write: impl FnOnce(&Path) -> Result<String, String> + Send + 'static,
 ) {
-    std::thread::spawn(move || {
-        let mut dialog = rfd::FileDialog::new().set_title(title).set_file_name(name);
-        if let Some(folder) = folder {
-            dialog = dialog.set_directory(folder);
-        }
-        if let Some(path) = dialog.save_file() {
-            tell(&mail, write(&path));
-        }
+    std::thread::spawn(move || match ask_target(title, &proposed) {
+        Ok(Some(path)) => tell(&mail, write(&path)),
+        Ok(None) => {}
+        Err(sentence) => tell(&mail, Err(sentence)),
     });
+}
+
+/// Lets the user choose where a file is written, and waits; nothing if that was called off.
+///
+/// # Errors
+/// A sentence where no dialog can be opened.
+pub(crate) fn ask_target(title: &str, proposed: &Path) -> Result<Option<PathBuf>, String> {
+    let name = proposed.file_name().unwrap_or_default().to_string_lossy();
+    let mut dialog = rfd::FileDialog::new().set_title(title).set_file_name(name);
+    if let Some(folder) = proposed.parent() {
+        dialog = dialog.set_directory(folder);
+    }
+    Ok(dialog.save_file())
 }
 
 /// Writes to a place that is known, on a thread.

@@ -27,11 +27,13 @@ mod motion;
 mod orders;
 mod panes;
 mod pilot;
+mod recording;
 mod report;
 mod saving;
 mod screen;
 mod status;
 mod textures;
+mod walked;
 mod watch;
 mod window;
 

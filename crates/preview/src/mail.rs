@@ -61,9 +61,14 @@ impl Mail {
     /// Sends a letter and wakes the window; false where it is no more.
     pub(crate) fn send(&self, letter: Letter) -> bool {
         let sent = self.sender.send(letter).is_ok();
+        self.wake();
+        sent
+    }
+
+    /// Wakes the window, which has something to look at.
+    pub(crate) fn wake(&self) {
         let context = self.context.lock().unwrap_or_else(PoisonError::into_inner);
         context.request_repaint();
-        sent
     }
 
     /// Sends a letter that may wait for the next one to wake the window; false where it is no more.

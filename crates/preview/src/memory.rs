@@ -94,19 +94,35 @@ pub(crate) fn save(program: &Path, view: &View) -> Result<(), String> {
 /// # Errors
 /// The system's; the old file stands.
 pub(crate) fn write_whole(place: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    write_whole_with(place, |file| file.write_all(bytes))
+}
+
+/// What a file is called while it is made: in the same folder, so that renaming stays within one file system.
+pub(crate) fn beside(place: &Path) -> PathBuf {
+    let name = place.file_name().unwrap_or_default().to_string_lossy();
+    place.with_file_name(format!(".{name}.{}.part", std::process::id()))
+}
+
+/// Writes a file beside its place, piece by piece, and renames it.
+///
+/// # Errors
+/// The system's and those of `write`; the old file stands, and nothing else is left.
+pub(crate) fn write_whole_with<E: From<std::io::Error>>(
+    place: &Path,
+    write: impl FnOnce(&mut std::fs::File) -> Result<(), E>,
+) -> Result<(), E> {
     // A link is followed, so that what it points to is written and not the link.
     let place = std::fs::canonicalize(place).unwrap_or_else(|_| place.to_owned());
-    let name = place.file_name().unwrap_or_default().to_string_lossy();
-    let beside = place.with_file_name(format!(".{name}.{}.part", std::process::id()));
+    let beside = beside(&place);
     let written = (|| {
         let mut file = std::fs::File::create(&beside)?;
-        file.write_all(bytes)?;
+        write(&mut file)?;
         file.sync_all()?;
         if let Ok(old) = std::fs::metadata(&place) {
             file.set_permissions(old.permissions())?;
         }
         drop(file);
-        std::fs::rename(&beside, &place)
+        Ok(std::fs::rename(&beside, &place)?)
     })();
     if written.is_err() {
         let _ = std::fs::remove_file(&beside);

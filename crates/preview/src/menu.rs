@@ -6,6 +6,7 @@ use crate::files;
 use crate::model::{Marks, Step, WAVEFRONTS};
 use crate::orders::PaneKey;
 use crate::panes::Pane;
+use crate::recording::{self, RecordDialog, Recording};
 use crate::saving::{self, PictureDialog};
 use crate::window::{Origin, Window};
 
@@ -18,6 +19,10 @@ pub(crate) struct Dialogs {
     pub(crate) picture: Option<PictureDialog>,
     /// A mesh is to be written: its file.
     pub(crate) mesh: Option<String>,
+    /// An animation is to be recorded.
+    pub(crate) record: Option<RecordDialog>,
+    /// An animation is being recorded.
+    pub(crate) recording: Option<Recording>,
     /// The window was asked to close with a text that is not saved.
     pub(crate) leaving: bool,
     /// What stands in the field for a texture's file.
@@ -27,7 +32,7 @@ pub(crate) struct Dialogs {
 impl Dialogs {
     /// Whether keys belong to a dialog.
     pub(crate) fn is_open(&self) -> bool {
-        self.picture.is_some() || self.mesh.is_some() || self.leaving
+        self.picture.is_some() || self.mesh.is_some() || self.record.is_some() || self.leaving
     }
 }
 
@@ -74,6 +79,13 @@ fn file(window: &mut Window, ui: &mut Ui) {
         .clicked()
     {
         saving::copy_picture(window, ui);
+    }
+    let free = window.dialogs.recording.is_none();
+    if ui
+        .add_enabled(has_picture && free, egui::Button::new("Record…"))
+        .clicked()
+    {
+        recording::ask(window);
     }
     if ui
         .add_enabled(has_picture, egui::Button::new("Export mesh…"))
@@ -140,7 +152,7 @@ fn view(window: &mut Window, ui: &mut Ui) {
 fn overlays(window: &mut Window, ui: &mut Ui) {
     let mut marks = window.model.view.preferences.marks;
     let before = marks;
-    let entries: [(&mut bool, &str); 7] = {
+    let entries: [(&mut bool, &str); 8] = {
         let Marks {
             legend,
             wavefronts,
@@ -149,6 +161,7 @@ fn overlays(window: &mut Window, ui: &mut Ui) {
             error,
             centre,
             cameras,
+            trail,
         } = &mut marks;
         [
             (wavefronts, WAVEFRONTS),
@@ -158,10 +171,17 @@ fn overlays(window: &mut Window, ui: &mut Ui) {
             (legend, "Legend"),
             (centre, "Ring at the centre"),
             (cameras, "Geodesic camera in the 3D view"),
+            (trail, "Trail of the walk"),
         ]
     };
     for (on, title) in entries {
         ui.checkbox(on, title);
+    }
+    let walked = &window.model.walked;
+    let any = walked.values().any(|way| way.trail.points.len() > 1);
+    let clear = egui::Button::new("Clear the trail");
+    if ui.add_enabled(any, clear).clicked() {
+        window.model.trails_begun += 1;
     }
     if marks != before {
         let step = Step::new("Change the overlays", "");
@@ -178,6 +198,7 @@ pub(crate) fn dialogs(window: &mut Window, ui: &mut Ui) {
         shortcuts(window, ui);
     }
     saving::show(window, ui);
+    recording::show(window, ui);
     if window.dialogs.leaving {
         leaving(window, ui);
     }

@@ -11,7 +11,7 @@ mod camera;
 mod history;
 mod view;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use scene::scene::{Object, ObjectId, Scene, Shape};
@@ -23,6 +23,7 @@ pub use history::{History, Step};
 pub use view::{Animation, Choice, Look, Marks, Preferences, Theme, View, WAVEFRONTS};
 
 use crate::compiler::Compiled;
+pub use crate::walked::Walked;
 
 /// The window's state.
 #[derive(Debug, Default)]
@@ -51,6 +52,10 @@ pub struct Model {
     pub highlighted: Option<String>,
     /// Counts the times that geodesic cameras were put somewhere by other means than walking.
     pub placed: u64,
+    /// The ways that geodesic cameras have gone, by their surfaces' names, where they leave trails.
+    pub walked: BTreeMap<String, Arc<Walked>>,
+    /// Counts the times that trails were begun anew.
+    pub trails_begun: u64,
     settings: Option<Arc<Settings>>,
     /// The scene without what is hidden, of which scene, and what that is.
     drawn: Option<(Arc<Scene>, Vec<String>, Arc<Scene>)>,

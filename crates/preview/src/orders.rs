@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use render::overlay::{Overlays, Spacing, Standpoint};
+use render::overlay::{Overlays, Spacing, Standpoint, Trail};
 use render::request::{Request, View};
 use render::texture::Texture;
 use scene::scene::{ObjectId, Scene};
@@ -10,6 +10,7 @@ use scene::values::Settings;
 
 use crate::model::{Choice, InsideCamera, Marks, Model, SpaceCamera};
 use crate::textures::Library;
+use crate::walked::Walked;
 
 /// A pane with a picture.
 #[derive(Clone, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
@@ -51,6 +52,8 @@ pub(crate) enum Look {
         highlight: Option<ObjectId>,
         /// Behind everything, sRGB.
         background: [u8; 3],
+        /// The ways whose trails are shown, with the surfaces that they are on.
+        ways: Vec<(ObjectId, Arc<Walked>)>,
     },
     /// A geodesic view. Its pilot knows where the camera is, unless it has been put somewhere.
     Inside {
@@ -58,6 +61,8 @@ pub(crate) enum Look {
         name: String,
         placed: u64,
         camera: Option<InsideCamera>,
+        /// The number of the trail that the camera leaves, if it does.
+        trail: Option<u64>,
     },
 }
 
@@ -80,12 +85,14 @@ impl Order {
                     standpoint,
                     highlight,
                     background,
+                    ways,
                 },
                 Look::Space {
                     camera: camera2,
                     standpoint: standpoint2,
                     highlight: highlight2,
                     background: background2,
+                    ways: ways2,
                 },
             ) => {
                 let place = |camera: &Option<SpaceCamera>| camera.map(|it| (it.eye, it.target));
@@ -93,18 +100,27 @@ impl Order {
                     && standpoint == standpoint2
                     && highlight == highlight2
                     && background == background2
+                    && ways.len() == ways2.len()
+                    && ways
+                        .iter()
+                        .zip(ways2)
+                        .all(|(a, b)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1))
             }
             // The camera comes back with each picture: only its placing is news.
             (
                 Look::Inside {
-                    surface, placed, ..
+                    surface,
+                    placed,
+                    trail,
+                    ..
                 },
                 Look::Inside {
                     surface: surface2,
                     placed: placed2,
+                    trail: trail2,
                     ..
                 },
-            ) => surface == surface2 && placed == placed2,
+            ) => surface == surface2 && placed == placed2 && trail == trail2,
             _ => false,
         };
         let same_textures = self.textures.len() == other.textures.len()
@@ -149,6 +165,7 @@ impl Order {
                 standpoint,
                 highlight,
                 background: [r, g, b],
+                ways,
             } => {
                 let mut request = Request::space(self.size);
                 request.highlight = *highlight;
@@ -168,6 +185,7 @@ impl Order {
                         frame: Some(camera.frame()),
                     })
                 });
+                request.trails = ways.iter().map(|(id, way)| trail_on(*id, way)).collect();
                 request
             }
             Look::Inside { surface, .. } => {
@@ -190,6 +208,16 @@ impl Order {
         };
         request
     }
+}
+
+/// The trail of a way, on a surface that may stand elsewhere among the objects that are drawn.
+fn trail_on(surface: ObjectId, way: &Walked) -> Arc<Trail> {
+    if way.trail.surface == surface {
+        return Arc::clone(&way.trail);
+    }
+    let mut trail = (*way.trail).clone();
+    trail.surface = surface;
+    Arc::new(trail)
 }
 
 /// The order of a pane, of so many pixels; none where there is nothing to be seen.
@@ -236,14 +264,15 @@ pub(crate) fn order(
             let standpoint = active
                 .filter(|_| view.preferences.marks.cameras)
                 .and_then(|name| {
-                    let (surface, _) = model.object(name)?;
                     Some(Standing {
-                        surface,
+                        surface: id_of(name)?,
                         name: name.to_owned(),
                         placed: model.placed,
                         camera: camera_of(name),
                     })
                 });
+            let walked = model.walked.iter().filter(|_| view.preferences.marks.trail);
+            let ways = walked.filter_map(|(name, way)| Some((id_of(name)?, Arc::clone(way))));
             let highlighted = model.highlighted.as_deref();
             Look::Space {
                 camera: view.space,
@@ -253,6 +282,7 @@ pub(crate) fn order(
                     .preferences
                     .background
                     .unwrap_or(render::style::BACKGROUND),
+                ways: ways.collect(),
             }
         }
         PaneKey::Inside(name) => Look::Inside {
@@ -260,6 +290,7 @@ pub(crate) fn order(
             name: name.clone(),
             placed: model.placed,
             camera: camera_of(name),
+            trail: view.preferences.marks.trail.then_some(model.trails_begun),
         },
     };
     Some(Order {

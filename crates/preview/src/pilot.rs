@@ -4,15 +4,17 @@ use std::sync::Arc;
 
 use geodesic::frame::Frame;
 use geodesic::surface::Surface;
-use geodesic::trace::{Options, Status};
+use geodesic::trace::{Options, Status, Trace, TraceError};
 use render::geodesic_view::Inside;
 use render::ground::Ground;
+use render::overlay::Trail;
 use render::{RenderError, Request};
 use scene::scene::{ObjectId, Scene};
 use scene::values::Settings;
 
 use crate::model::InsideCamera;
 use crate::motion::Motion;
+use crate::walked::Walked;
 
 /// A camera on its surface.
 #[derive(Debug, Default)]
@@ -21,6 +23,9 @@ pub(crate) struct Pilot {
     placed: Option<u64>,
     camera: Option<InsideCamera>,
     stand: Option<Stand>,
+    /// The number of the trail that is left, and the way since it began; nothing where none is wanted.
+    trail: Option<u64>,
+    walked: Option<Arc<Walked>>,
 }
 
 /// What the camera stands on.
@@ -42,6 +47,8 @@ pub(crate) struct Flight<'a> {
     pub(crate) placed: u64,
     pub(crate) camera: Option<InsideCamera>,
     pub(crate) motions: &'a [Motion],
+    /// The number of the trail that is to be left, if one is: another number begins another trail.
+    pub(crate) trail: Option<u64>,
 }
 
 impl Pilot {
@@ -53,6 +60,11 @@ impl Pilot {
         if self.placed != Some(flight.placed) {
             self.placed = Some(flight.placed);
             self.camera = flight.camera;
+            self.walked = None;
+        }
+        if self.trail != flight.trail {
+            self.trail = flight.trail;
+            self.walked = None;
         }
         let changed = self.step_on(flight)?;
         let Some(stand) = &self.stand else {
@@ -71,11 +83,34 @@ impl Pilot {
                 first(flight)?
             }
         };
-        for motion in flight.motions {
-            camera = moved(surface, camera, *motion);
+        let mut way = self.trail.and_then(|_| {
+            let begun = self.walked.take().filter(|way| way.ends_at(camera.at));
+            Some(begun.unwrap_or_else(|| {
+                Arc::new(Walked::new(Trail::new(flight.surface, camera.at), camera))
+            }))
+        });
+        if let Some(way) = &mut way
+            && way.trail.surface != flight.surface
+        {
+            // Other declarations stand above its own now.
+            Arc::make_mut(&mut Arc::make_mut(way).trail).surface = flight.surface;
         }
+        for motion in flight.motions {
+            camera = moved(&stand.ground, camera, *motion, way.as_mut());
+        }
+        self.walked = way;
         self.camera = Some(camera);
         Ok(camera)
+    }
+
+    /// The number of the trail that is left, if one is.
+    pub(crate) fn trail(&self) -> Option<u64> {
+        self.trail
+    }
+
+    /// The way since the trail began, if one is left.
+    pub(crate) fn walked(&self) -> Option<&Arc<Walked>> {
+        self.walked.as_ref()
     }
 
     /// Where the camera is.
@@ -98,12 +133,19 @@ impl Pilot {
             return Err(RenderError::NoSurface { name: None });
         };
         let uniforms = flight.settings.first_instance(flight.scene, object);
+        let ground = Ground::new(flight.scene, flight.surface, &uniforms)?;
         let first = self.stand.is_none();
+        if let (Some(stand), Some(walked)) = (&self.stand, &self.walked)
+            && !walked.fits(stand.ground.surface(), ground.surface())
+        {
+            // It is no geodesic's path any more, and has another length.
+            self.walked = None;
+        }
         self.stand = Some(Stand {
             scene: Arc::clone(flight.scene),
             settings: Arc::clone(flight.settings),
             surface: flight.surface,
-            ground: Ground::new(flight.scene, flight.surface, &uniforms)?,
+            ground,
         });
         Ok(match (first, same_scene) {
             // What was remembered is where the user left it.
@@ -150,13 +192,19 @@ fn settled(surface: &dyn Surface, camera: &InsideCamera) -> Option<InsideCamera>
     (settled.is_sane() && works.is_ok()).then_some(settled)
 }
 
-/// The camera after a motion; where it cannot be made, as it was.
-fn moved(surface: &dyn Surface, camera: InsideCamera, motion: Motion) -> InsideCamera {
+/// The camera after a motion; where it cannot be made, as it was. What was made is noted in the way.
+fn moved(
+    ground: &Ground,
+    camera: InsideCamera,
+    motion: Motion,
+    way: Option<&mut Arc<Walked>>,
+) -> InsideCamera {
     let frame = camera.frame();
+    let mut way = way.map(Arc::make_mut);
     let (frame, zoom): (Frame, f64) = match motion {
         Motion::Turn(angle) => (frame.turned(angle), camera.zoom),
         Motion::Zoom(factor) => (frame.zoomed(factor), camera.zoom * factor),
-        Motion::Walk(step) => match frame.advance(surface, step, &Options::default()) {
+        Motion::Walk(step) => match walk(ground, &frame, step, way.as_deref_mut()) {
             Ok((frame, trace)) if trace.status == Status::Complete || trace.length > 0.0 => {
                 (frame, camera.zoom)
             }
@@ -164,13 +212,33 @@ fn moved(surface: &dyn Surface, camera: InsideCamera, motion: Motion) -> InsideC
         },
     };
     let next = InsideCamera::of(&frame, zoom, true);
-    if next.is_sane() { next } else { camera }
+    if !next.is_sane() {
+        return camera;
+    }
+    if let Some(way) = way {
+        way.note(motion);
+    }
+    next
+}
+
+/// Moves a frame, and draws its trail where one is left.
+fn walk(
+    ground: &Ground,
+    frame: &Frame,
+    step: [f64; 2],
+    way: Option<&mut Walked>,
+) -> Result<(Frame, Trace), TraceError> {
+    match way {
+        Some(way) => Arc::make_mut(&mut way.trail).walk(ground, frame, step),
+        None => frame.advance(ground.surface(), step, &Options::default()),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::{Flight, Pilot};
     use crate::motion::Motion;
+    use crate::walked::between;
     use scene::scene::{ObjectId, Scene};
     use scene::values::Settings;
     use std::sync::Arc;
@@ -196,6 +264,7 @@ mod tests {
             placed: 0,
             camera: None,
             motions,
+            trail: None,
         };
         pilot.fly(&flight).expect("a place to stand")
     }
@@ -218,6 +287,65 @@ mod tests {
                 "{end:?} is not {start:?}"
             );
         }
+    }
+
+    #[test]
+    fn a_way_that_is_walked_again_in_parts_ends_where_it_ended() {
+        fn flight<'a>(
+            (scene, settings): &'a (Arc<Scene>, Arc<Settings>),
+            motions: &'a [Motion],
+        ) -> Flight<'a> {
+            Flight {
+                scene,
+                settings,
+                surface: ObjectId(0),
+                placed: 0,
+                camera: None,
+                motions,
+                trail: Some(0),
+            }
+        }
+        let world = scene(SPHERE);
+        let motions = [
+            Motion::Walk([0.3, 0.4]),
+            Motion::Turn(0.7),
+            Motion::Zoom(1.5),
+            Motion::Walk([0.0, -0.6]),
+        ];
+        let mut pilot = Pilot::default();
+        let end = pilot
+            .fly(&flight(&world, &motions))
+            .expect("a place to stand");
+        let way = pilot.walked().expect("a trail").clone();
+        // A walk is as long as its step times the length of X and Y: 1.5 times as long behind the zoom.
+        let expected = way.start.zoom * (0.5 + 1.5 * 0.6);
+        assert!((way.trail.length - expected).abs() < 1e-9 * expected);
+        let mut again = Pilot::default();
+        let mut flown = end;
+        for k in 0..5 {
+            let shares = [f64::from(k) / 5.0, f64::from(k + 1) / 5.0];
+            let parts = between(way.motions(), shares);
+            let flight = Flight {
+                camera: Some(way.start),
+                ..flight(&world, &parts)
+            };
+            flown = again.fly(&flight).expect("a place to stand");
+        }
+        let close = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < 1e-7);
+        assert!(
+            close(flown.at, end.at) && close(flown.x, end.x) && close(flown.y, end.y),
+            "{flown:?} is not {end:?}"
+        );
+        let length = again.walked().expect("a trail").trail.length;
+        assert!((length - way.trail.length).abs() < 1e-8, "{length}");
+        // Without a trail nothing is kept.
+        let mut pilot = Pilot::default();
+        let flight = Flight {
+            trail: None,
+            ..flight(&world, &motions)
+        };
+        pilot.fly(&flight).expect("a place to stand");
+        assert!(pilot.walked().is_none());
     }
 
     #[test]

@@ -45,6 +45,8 @@ pub struct Counters {
     pub eye: Option<[f64; 3]>,
     /// Where the geodesic cameras stand.
     pub inside: BTreeMap<String, [f64; 2]>,
+    /// The lengths of the trails that geodesic cameras have left.
+    pub trails: BTreeMap<String, f64>,
     /// Where the pictures of panes are in the window, in points: left, top, width, height.
     pub panes: BTreeMap<String, [f32; 4]>,
 }

@@ -26,7 +26,7 @@ pub(crate) struct PictureDialog {
 
 /// What a dialog was left with.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-enum Decision {
+pub(crate) enum Decision {
     Stay,
     Save,
     Choose,
@@ -55,7 +55,8 @@ pub(crate) fn ask_for_mesh(window: &mut Window) {
     window.dialogs.mesh = Some(in_folder(window, "scene.glb"));
 }
 
-fn in_folder(window: &Window, name: &str) -> String {
+/// A name in the program's folder.
+pub(crate) fn in_folder(window: &Window, name: &str) -> String {
     let folder = window.folder().unwrap_or_default();
     folder.join(name).display().to_string()
 }
@@ -109,7 +110,7 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
 }
 
 fn picture(dialog: &mut PictureDialog, ui: &Ui) -> Decision {
-    modal(ui, "Save picture", |ui| {
+    modal(ui, "Save picture", "Save", |ui| {
         let mut choose = false;
         Grid::new("picture").num_columns(2).show(ui, |ui| {
             let sides = 1..=render::request::MAX_SIDE;
@@ -124,23 +125,25 @@ fn picture(dialog: &mut PictureDialog, ui: &Ui) -> Decision {
         if dialog.pane == PaneKey::Space {
             ui.checkbox(&mut dialog.transparent, "Transparent background");
         }
+        replaced(ui, Path::new(&dialog.path));
         choose
     })
 }
 
 fn mesh(path: &mut String, ui: &Ui) -> Decision {
-    modal(ui, "Export mesh", |ui| {
+    modal(ui, "Export mesh", "Save", |ui| {
         let mut choose = false;
         Grid::new("mesh").num_columns(2).show(ui, |ui| {
             choose = file(ui, path);
         });
         ui.label("The extension says which format: obj, ply, stl, gltf or glb.");
+        replaced(ui, Path::new(path));
         choose
     })
 }
 
 /// A field for a file; whether it is to be chosen in the desktop's dialog.
-fn file(ui: &mut Ui, path: &mut String) -> bool {
+pub(crate) fn file(ui: &mut Ui, path: &mut String) -> bool {
     let label = ui.label("File");
     let choose = ui
         .horizontal(|ui| {
@@ -153,7 +156,23 @@ fn file(ui: &mut Ui, path: &mut String) -> bool {
     choose
 }
 
-fn modal(ui: &Ui, title: &str, content: impl FnOnce(&mut Ui) -> bool) -> Decision {
+/// Says that a file will be replaced, if there is one.
+pub(crate) fn replaced(ui: &mut Ui, path: &Path) {
+    if path.is_file() {
+        ui.colored_label(
+            ui.visuals().warn_fg_color,
+            "There is such a file: it will be replaced.",
+        );
+    }
+}
+
+/// A dialog with `content`, which says whether a file is to be chosen, and a button that does what `verb` says.
+pub(crate) fn modal(
+    ui: &Ui,
+    title: &str,
+    verb: &str,
+    content: impl FnOnce(&mut Ui) -> bool,
+) -> Decision {
     let mut decision = Decision::Stay;
     let modal = egui::Modal::new(egui::Id::unique(title)).show(ui.ctx(), |ui| {
         ui.heading(title);
@@ -161,7 +180,7 @@ fn modal(ui: &Ui, title: &str, content: impl FnOnce(&mut Ui) -> bool) -> Decisio
             decision = Decision::Choose;
         }
         ui.horizontal(|ui| {
-            if ui.button("Save").clicked() {
+            if ui.button(verb).clicked() {
                 decision = Decision::Save;
             }
             if ui.button("Cancel").clicked() {
@@ -189,10 +208,7 @@ fn write(
         files::write_to(mail, path, work);
         return;
     }
-    let name = path.file_name().unwrap_or_default();
-    let name = name.to_string_lossy().into_owned();
-    let folder = path.parent().map(PathBuf::from);
-    files::choose_target(mail, title, name, folder, work);
+    files::choose_target(mail, title, path, work);
 }
 
 fn write_picture(window: &Window, dialog: &PictureDialog, decision: Decision) {

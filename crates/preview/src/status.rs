@@ -73,6 +73,16 @@ fn numbers(window: &Window, ui: &mut Ui) {
             work.steps, work.evaluations
         ));
     }
+    let surface = match &window.active {
+        PaneKey::Inside(name) => Some(name),
+        PaneKey::Space => window.active_surface.as_ref(),
+    };
+    let leaves = window.model.view.preferences.marks.trail;
+    let way = surface.and_then(|name| window.model.walked.get(name));
+    if let Some(way) = way.filter(|_| leaves) {
+        ui.separator();
+        ui.label(format!("trail of length {:.4}", way.trail.length));
+    }
     ui.separator();
 }
 

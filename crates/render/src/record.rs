@@ -10,6 +10,7 @@ mod palette;
 
 use std::fmt;
 use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
 use gif::Repeat;
 use image::RgbaImage;
@@ -33,6 +34,11 @@ pub struct Script {
     /// Whether the walk leaves a trail.
     pub trail: bool,
 }
+
+/// Pictures of an animation unless it says otherwise.
+pub const FRAMES: u32 = 60;
+/// Pictures a second unless it says otherwise.
+pub const RATE: f64 = 25.0;
 
 /// How many pictures of an animation a camera that stands still is placed by.
 const LOOKS: u32 = 9;
@@ -183,6 +189,16 @@ impl Script {
         }
         Ok(())
     }
+}
+
+/// The file of one of `frames` pictures that are numbered: `OUT-0001.png` for the frame 0 of `OUT.png`, with as many
+/// digits as the last one needs, at least four.
+pub fn numbered(path: &Path, frame: u32, frames: u32) -> PathBuf {
+    let digits = frames.to_string().len().max(4);
+    let stem = path.file_stem().unwrap_or_default();
+    let number = frame + 1;
+    let name = format!("{}-{number:0digits$}.png", stem.to_string_lossy());
+    path.with_file_name(name)
 }
 
 /// A file format for many pictures.
@@ -380,5 +396,18 @@ impl From<png::EncodingError> for RecordError {
             png::EncodingError::IoError(error) => Self::Write(error),
             other => Self::Format(other.to_string()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::numbered;
+    use std::path::Path;
+
+    #[test]
+    fn numbered_files_stand_beside_the_name_and_sort() {
+        let name = |path: &str, frame, frames| numbered(Path::new(path), frame, frames);
+        assert_eq!(name("a/out.png", 6, 60), Path::new("a/out-0007.png"));
+        assert_eq!(name("out", 12_344, 99_999), Path::new("out-12345.png"));
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use render::Picture;
-use render::record::{Change, Clip, Format, RecordError, Recorder, Script, ScriptError};
+use render::record::{self, Change, Clip, Format, RecordError, Recorder, Script, ScriptError};
 use scene::values::Settings;
 
 use super::render::{failure as render_failure, png};
@@ -14,10 +14,6 @@ use crate::output::{self, Fault, Series, Target};
 use crate::program::Program;
 use crate::progress::Progress;
 
-/// Pictures of an animation unless it says otherwise.
-const FRAMES: u32 = 60;
-/// Pictures a second unless it says otherwise.
-const RATE: f64 = 25.0;
 /// GIF counts hundredths of a second, and viewers take one of them for ten.
 const FASTEST_GIF: f64 = 50.0;
 /// Extensions of what is neither a picture nor an animation that can be written.
@@ -154,8 +150,8 @@ impl Arguments {
         Ok(Some(Film {
             output: output.to_owned(),
             format,
-            frames: self.frames.unwrap_or(FRAMES),
-            rate: self.fps.unwrap_or(RATE),
+            frames: self.frames.unwrap_or(record::FRAMES),
+            rate: self.fps.unwrap_or(record::RATE),
         }))
     }
 }
@@ -198,10 +194,13 @@ impl Film {
             }
             None => {
                 // Whether files can be written there shows before anything is drawn.
-                Target::new(&self.numbered(0))?;
+                Target::new(&record::numbered(&self.output, 0, self.frames))?;
                 let mut series = Series::new();
                 for number in 0..self.frames {
-                    series.add(self.numbered(number), &png(&frame(number)?)?)?;
+                    series.add(
+                        record::numbered(&self.output, number, self.frames),
+                        &png(&frame(number)?)?,
+                    )?;
                 }
                 series.finish()?;
             }
@@ -230,17 +229,10 @@ impl Film {
     fn name(&self) -> String {
         match self.format {
             Some(_) => self.output.display().to_string(),
-            None => self.numbered(0).display().to_string(),
+            None => record::numbered(&self.output, 0, self.frames)
+                .display()
+                .to_string(),
         }
-    }
-
-    /// `OUT-0001.png` for the frame 0, with as many digits as the last one needs, at least four.
-    fn numbered(&self, frame: u32) -> PathBuf {
-        let digits = self.frames.to_string().len().max(4);
-        let stem = self.output.file_stem().unwrap_or_default();
-        let number = frame + 1;
-        let name = format!("{}-{number:0digits$}.png", stem.to_string_lossy());
-        self.output.with_file_name(name)
     }
 }
 
@@ -259,25 +251,5 @@ pub(super) fn failure(error: ScriptError) -> Failure {
     match error {
         ScriptError::Set(error) => Failure::usage(format!("--animate: {error}")),
         ScriptError::Camera(error) => render_failure(error),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbered_files_stand_beside_the_name_and_sort() {
-        let name = |path: &str, frame, frames| {
-            let film = Film {
-                output: path.into(),
-                format: None,
-                frames,
-                rate: 1.0,
-            };
-            film.numbered(frame)
-        };
-        assert_eq!(name("a/out.png", 6, 60), Path::new("a/out-0007.png"));
-        assert_eq!(name("out", 12_344, 99_999), Path::new("out-12345.png"));
     }
 }

@@ -109,6 +109,8 @@ pub struct Marks {
     pub centre: bool,
     /// The geodesic cameras in the 3D view.
     pub cameras: bool,
+    /// The paths that geodesic cameras have walked, in both views.
+    pub trail: bool,
 }
 
 impl Default for Marks {
@@ -121,6 +123,7 @@ impl Default for Marks {
             error: false,
             centre: true,
             cameras: true,
+            trail: false,
         }
     }
 }

@@ -167,6 +167,12 @@ impl Window {
 
     fn take_drawing(&mut self, pane: PaneKey, drawing: Drawing, order: &Order) {
         self.take_cameras(&pane, &drawing, order);
+        if let PaneKey::Inside(name) = &pane {
+            match drawing.walked {
+                Some(way) => self.model.walked.insert(name.clone(), way),
+                None => self.model.walked.remove(name),
+            };
+        }
         let pixels = drawing.pixels.pixels();
         let picture = self.picture(pane, order);
         picture.fresh = Some(drawing.pixels);

@@ -80,6 +80,40 @@ impl Hand {
         })
     }
 
+    /// Closes the window; its folder is removed when it is dropped.
+    pub(crate) fn close(mut self) -> TempDir {
+        let folder = self.folder.take();
+        drop(self);
+        folder.expect("kept")
+    }
+
+    /// Writes another text into the field whose text ends so.
+    pub(crate) fn enter(&mut self, end: &str, text: &str) {
+        let fields = self.harness.get_all_by_role(Role::TextInput);
+        let has_end = |node: &Node<'_>| node.value().is_some_and(|it| it.ends_with(end));
+        let field = fields.into_iter().find(has_end);
+        field.expect("there is such a field").focus();
+        self.harness.run_steps(2);
+        self.press(Modifiers::COMMAND, Key::A);
+        self.harness.event(Event::Text(text.to_owned()));
+        self.harness.run_steps(3);
+    }
+
+    /// Clicks on a place.
+    pub(crate) fn click_at(&mut self, at: Pos2) {
+        for pressed in [true, false] {
+            self.harness.hover_at(at);
+            self.harness.event(Event::PointerButton {
+                pos: at,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+            self.harness.step();
+        }
+        self.harness.run_steps(2);
+    }
+
     pub(crate) fn window(&self) -> &Window {
         self.harness.state().as_ref().expect("it has been drawn")
     }

@@ -8,6 +8,8 @@ mod cameras;
 mod faults;
 mod hand;
 mod live;
+mod recording;
 mod remembered;
 mod settings;
 mod snapshots;
+mod trail;

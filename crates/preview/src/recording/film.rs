@@ -1,0 +1,297 @@
+//! The pictures of a recording, one after the other, and the files that hold them.
+//!
+//! ```text
+//! Film: order, camera, what moves ──share of the whole──▶ settings, camera ──software path──▶ picture ──▶ Reel
+//!                                                                    Reel: one file, or a file for each picture
+//! ```
+//!
+//! The processor draws, so that neither the window's GPU nor its loss has anything to do with it.
+
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use image::RgbaImage;
+use render::Request;
+use render::live::Stage;
+use render::record::{self, Change, Clip, Recorder, Script};
+use render::request::View;
+use scene::scene::ObjectId;
+use scene::values::Settings;
+
+use crate::files;
+use crate::memory;
+use crate::model::InsideCamera;
+use crate::motion::Motion;
+use crate::orders::{Look, Order, Standing};
+use crate::pilot::{Flight, Pilot};
+use crate::walked::between;
+
+/// What is recorded.
+#[derive(Debug)]
+pub(crate) struct Film {
+    /// The picture of the view as it is.
+    pub(crate) order: Order,
+    /// The geodesic camera that is looked through, or that the 3D view shows.
+    pub(crate) camera: Option<(ObjectId, InsideCamera)>,
+    /// A param that runs from one value to another.
+    pub(crate) change: Option<Change>,
+    /// What the geodesic camera does.
+    pub(crate) motions: Vec<Motion>,
+    /// Whether its path is drawn.
+    pub(crate) trail: bool,
+    pub(crate) transparent: bool,
+    pub(crate) clip: Clip,
+}
+
+/// How a recording ended without its file.
+#[derive(Debug)]
+pub(crate) enum Ended {
+    /// It was called off.
+    Cancelled,
+    /// A picture could not be drawn, or the file's name makes no sense: a sentence.
+    Failed(String),
+    /// The file could not be written: why.
+    Unwritten(String),
+}
+
+impl From<std::io::Error> for Ended {
+    fn from(error: std::io::Error) -> Self {
+        Self::Unwritten(error.to_string())
+    }
+}
+
+impl From<record::RecordError> for Ended {
+    fn from(error: record::RecordError) -> Self {
+        Self::Unwritten(error.to_string())
+    }
+}
+
+/// What a file's name says of the format.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Kind {
+    /// One file with all pictures.
+    Film(record::Format),
+    /// A PNG file for each picture.
+    Series,
+}
+
+impl Kind {
+    /// The kinds and their extensions, in the order of a menu.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+        (Self::Film(record::Format::Gif), "GIF", "gif"),
+        (Self::Film(record::Format::Apng), "APNG", "apng"),
+        (Self::Series, "PNG sequence", "png"),
+    ];
+
+    /// The kind that a file's extension means.
+    pub(crate) fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_string_lossy().to_lowercase();
+        let mut all = Self::ALL.into_iter();
+        all.find(|(_, _, known)| *known == extension)
+            .map(|(kind, _, _)| kind)
+    }
+}
+
+impl Film {
+    /// Draws all pictures and writes them; `next` is called before each with its number, and says whether to go on.
+    ///
+    /// # Errors
+    /// See [`Ended`]; nothing is left behind then.
+    pub(crate) fn shoot(self, path: &Path, next: &dyn Fn(u32) -> bool) -> Result<String, Ended> {
+        let kind = Kind::of(path).ok_or_else(|| {
+            Ended::Failed(format!(
+                "`{}` does not end in gif, apng or png",
+                path.display()
+            ))
+        })?;
+        let clip = self.clip;
+        let frames = clip.frames;
+        let mut pictures = Pictures::new(self)?;
+        let mut picture = |number: u32| -> Result<RgbaImage, Ended> {
+            if !next(number) {
+                return Err(Ended::Cancelled);
+            }
+            pictures.draw(number)
+        };
+        let cannot = |error: Ended| match error {
+            Ended::Unwritten(reason) => {
+                Ended::Failed(format!("cannot write `{}`: {reason}", path.display()))
+            }
+            other => other,
+        };
+        match kind {
+            Kind::Film(format) => {
+                memory::write_whole_with(path, |file| -> Result<(), Ended> {
+                    let mut out = BufWriter::new(file);
+                    let mut recorder = Recorder::new(format, clip, &mut out)?;
+                    for number in 0..frames {
+                        recorder.add(&picture(number)?)?;
+                    }
+                    recorder.finish()?;
+                    Ok(out.flush()?)
+                })
+                .map_err(cannot)?;
+                let seconds = f64::from(frames) / clip.rate;
+                Ok(format!(
+                    "{frames} pictures in {seconds:.2} s are in `{}`",
+                    path.display()
+                ))
+            }
+            Kind::Series => {
+                let mut series = Series::default();
+                for number in 0..frames {
+                    let bytes = files::png(&picture(number)?).map_err(Ended::Failed)?;
+                    let place = record::numbered(path, number, frames);
+                    series.add(place, &bytes).map_err(cannot)?;
+                }
+                series.finish().map_err(cannot)?;
+                let first = record::numbered(path, 0, frames);
+                Ok(format!(
+                    "{frames} pictures: `{}` and so on",
+                    first.display()
+                ))
+            }
+        }
+    }
+}
+
+/// Files that get their names together, when all are whole.
+#[derive(Debug, Default)]
+struct Series {
+    /// As each is called while it is made, and in the end.
+    files: Vec<[PathBuf; 2]>,
+}
+
+impl Series {
+    fn add(&mut self, place: PathBuf, bytes: &[u8]) -> Result<(), Ended> {
+        let part = memory::beside(&place);
+        let mut file = std::fs::File::create(&part)?;
+        self.files.push([part, place]);
+        file.write_all(bytes)?;
+        Ok(file.sync_all()?)
+    }
+
+    fn finish(mut self) -> Result<(), Ended> {
+        self.files.reverse();
+        while let Some([part, place]) = self.files.last() {
+            std::fs::rename(part, place)?;
+            self.files.pop();
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Series {
+    fn drop(&mut self) {
+        for [part, _] in &self.files {
+            let _ = std::fs::remove_file(part);
+        }
+    }
+}
+
+/// Draws pictures in their order.
+struct Pictures {
+    film: Film,
+    script: Script,
+    /// Where the 3D view is seen from, for the whole animation.
+    base: Request,
+    pilot: Pilot,
+    stage: Stage,
+    textures: Option<Textures>,
+    done: f64,
+}
+
+/// The settings and the textures of curvature that belong to them.
+type Textures = (
+    Arc<Settings>,
+    Vec<(ObjectId, Arc<render::texture::Texture>)>,
+);
+
+impl Pictures {
+    fn new(film: Film) -> Result<Self, Ended> {
+        let script = Script {
+            changes: film.change.iter().cloned().collect(),
+            ..Script::default()
+        };
+        let mut request = film.order.request(film.camera.map(|(_, camera)| camera));
+        request.size = film.clip.size;
+        let base = script
+            .steady(&film.order.scene, &film.order.settings, &request)
+            .map_err(|error| Ended::Failed(error.to_string()))?;
+        Ok(Self {
+            film,
+            script,
+            base,
+            pilot: Pilot::default(),
+            stage: Stage::software(),
+            textures: None,
+            done: 0.0,
+        })
+    }
+
+    fn draw(&mut self, number: u32) -> Result<RgbaImage, Ended> {
+        let failed = |error: String| Ended::Failed(error);
+        let film = &self.film;
+        let scene = &film.order.scene;
+        let share = Script::share(number, film.clip.frames);
+        let at = self
+            .script
+            .at(scene, &film.order.settings, &self.base, share);
+        let (settings, _) = at.map_err(|error| failed(error.to_string()))?;
+        let mut order = film.order.clone();
+        order.settings = Arc::new(settings);
+        if let Some((surface, start)) = film.camera {
+            let motions = between(&film.motions, [self.done, share]);
+            self.done = share;
+            let camera = self.pilot.fly(&Flight {
+                scene,
+                settings: &order.settings,
+                surface,
+                placed: 0,
+                camera: Some(start),
+                motions: &motions,
+                trail: film.trail.then_some(0),
+            });
+            let camera = camera.map_err(|error| failed(error.to_string()))?;
+            match &mut order.look {
+                Look::Space { standpoint, .. } => {
+                    *standpoint = Some(Standing {
+                        surface,
+                        name: String::new(),
+                        placed: 0,
+                        camera: Some(camera),
+                    });
+                }
+                Look::Inside { camera: own, .. } => *own = Some(camera),
+            }
+        }
+        let inside = match &order.look {
+            Look::Inside { camera, .. } => *camera,
+            Look::Space { .. } => None,
+        };
+        let mut request = order.request(inside);
+        if let View::Space { .. } = request.view {
+            request.view = self.base.view.clone();
+        }
+        request.size = film.clip.size;
+        request.highlight = None;
+        request.trails = self
+            .pilot
+            .walked()
+            .iter()
+            .map(|way| Arc::clone(&way.trail))
+            .collect();
+        if film.transparent {
+            request.background = Some([0; 4]);
+        }
+        if !matches!(&self.textures, Some((known, _)) if *known == order.settings) {
+            self.textures = Some((Arc::clone(&order.settings), order.curvatures()));
+        }
+        let curved = self.textures.iter().flat_map(|(_, textures)| textures);
+        request.textures.extend(curved.cloned());
+        let shot = self.stage.draw(scene, &order.settings, &request);
+        let image = shot.and_then(|shot| self.stage.read(shot.pixels));
+        image.map_err(|error| failed(error.to_string()))
+    }
+}

@@ -1,0 +1,115 @@
+//! The trail that a geodesic camera leaves: only where it is asked for, as long as the walk, and gone where it is no
+//! longer true.
+
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, PointerButton, vec2};
+use egui_kittest::kittest::Queryable;
+
+use crate::hand::{Hand, SPHERE};
+
+/// Switches the trail on, and gives the keys to the geodesic view.
+fn with_trail() -> Hand {
+    let mut hand = Hand::on(SPHERE);
+    let at = hand.inside("s").center();
+    hand.click_at(at);
+    hand.click("Overlays");
+    hand.click("Trail of the walk");
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    hand
+}
+
+/// The length of the trail on the sphere.
+fn length(hand: &Hand) -> f64 {
+    hand.window().model().walked["s"].trail.length
+}
+
+#[test]
+fn no_trail_is_kept_until_it_is_asked_for() {
+    let mut hand = Hand::on(SPHERE);
+    let at = hand.inside("s").center();
+    hand.click_at(at);
+    hand.hold(Key::W, 6);
+    assert!(hand.window().model().walked.is_empty());
+    assert!(!hand.shows("trail of length"));
+}
+
+#[test]
+fn a_trail_is_as_long_as_the_arc_that_was_walked() {
+    let mut hand = with_trail();
+    let place = |hand: &Hand| {
+        let [u, v] = hand.camera("s").at;
+        [v.cos() * u.cos(), v.cos() * u.sin(), v.sin()]
+    };
+    let from = place(&hand);
+    hand.hold(Key::W, 8);
+    let to = place(&hand);
+    // A great circle of the unit sphere: its length is the angle between its ends.
+    let cos: f64 = (0..3).map(|k| from[k] * to[k]).sum();
+    let walked = length(&hand);
+    assert!(walked > 0.01, "{walked}");
+    assert!(
+        (walked - cos.acos()).abs() < 1e-6,
+        "{walked} is not {}",
+        cos.acos()
+    );
+    assert!(hand.shows(&format!("trail of length {walked:.4}")));
+    // Turning and zooming is no way; going back is.
+    hand.hold(Key::Q, 4);
+    hand.hold(Key::Z, 4);
+    assert_eq!(length(&hand), walked);
+    hand.hold(Key::S, 4);
+    assert!(length(&hand) > walked);
+}
+
+#[test]
+fn a_trail_is_cleared_reset_and_switched_off() {
+    let mut hand = with_trail();
+    hand.hold(Key::W, 5);
+    assert!(length(&hand) > 0.0);
+    let camera = hand.camera("s");
+    hand.click("Overlays");
+    hand.click("Clear the trail");
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    assert_eq!(length(&hand), 0.0);
+    assert_eq!(hand.camera("s"), camera, "the camera stays where it is");
+    hand.hold(Key::W, 5);
+    assert!(length(&hand) > 0.0);
+    hand.press(Modifiers::NONE, Key::R);
+    hand.settle();
+    assert_eq!(length(&hand), 0.0);
+    hand.hold(Key::W, 5);
+    hand.click("Overlays");
+    hand.click("Trail of the walk");
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    assert!(hand.window().model().walked.is_empty());
+    assert!(!hand.shows("trail of length"));
+}
+
+#[test]
+fn a_trail_stays_through_edits_elsewhere_and_goes_with_its_surface() {
+    let mut hand = with_trail();
+    hand.hold(Key::W, 5);
+    let walked = length(&hand);
+    hand.window_mut()
+        .set_text(format!("point q = (1, 1, 1);\n{SPHERE}"));
+    hand.until("it is compiled", |hand| {
+        hand.window().model().object("q").is_some()
+    });
+    hand.settle();
+    assert_eq!(length(&hand), walked);
+    hand.hold(Key::W, 5);
+    let longer = length(&hand);
+    assert!(longer > walked);
+    // A larger sphere: the same (u, v) are another path there.
+    let slider = hand.harness.get_by_role_and_label(Role::Slider, "r").rect();
+    hand.drag(
+        slider.left_center() + vec2(6.0, 0.0),
+        vec2(50.0, 0.0),
+        PointerButton::Primary,
+        Modifiers::NONE,
+    );
+    assert_eq!(length(&hand), 0.0);
+}
