@@ -83,11 +83,11 @@ impl Pilot {
                 first(flight)?
             }
         };
-        let mut way = self.trail.and_then(|_| {
+        let mut way = self.trail.map(|_| {
             let begun = self.walked.take().filter(|way| way.ends_at(camera.at));
-            Some(begun.unwrap_or_else(|| {
+            begun.unwrap_or_else(|| {
                 Arc::new(Walked::new(Trail::new(flight.surface, camera.at), camera))
-            }))
+            })
         });
         if let Some(way) = &mut way
             && way.trail.surface != flight.surface

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use egui::{DragValue, Grid, Ui};
 use render::Request;
 use render::export::{self, Format};
+use render::overlay::Trail;
 use scene::scene::Scene;
 use scene::values::Settings;
 
@@ -66,9 +67,11 @@ pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
     let Some((order, camera)) = ordered(window, &window.active) else {
         return;
     };
+    let trails = trails(window, &window.active);
     let context = ui.ctx().clone();
     files::write_to(window.mail.clone(), PathBuf::new(), move |_| {
-        let request = order.whole_request(camera);
+        let mut request = order.whole_request(camera);
+        request.trails.extend(trails);
         let picture = render::render(&order.scene, &order.settings, &request, &|_| {});
         let image = picture.map_err(|error| error.to_string())?.image;
         let size = [image.width() as usize, image.height() as usize];
@@ -89,6 +92,16 @@ fn ordered(window: &Window, pane: &PaneKey) -> Option<(Order, Option<InsideCamer
         PaneKey::Space => None,
     };
     Some((order, camera))
+}
+
+/// The trail in a geodesic view's picture; an order for the 3D view has its own.
+fn trails(window: &Window, pane: &PaneKey) -> Vec<Arc<Trail>> {
+    let way = match pane {
+        PaneKey::Inside(name) => window.model.walked.get(name),
+        PaneKey::Space => None,
+    };
+    let shown = way.filter(|_| window.model.view.preferences.marks.trail);
+    shown.iter().map(|way| Arc::clone(&way.trail)).collect()
 }
 
 /// The dialogs that are open.
@@ -216,6 +229,7 @@ fn write_picture(window: &Window, dialog: &PictureDialog, decision: Decision) {
         return;
     };
     let mut request = order.request(camera);
+    request.trails.extend(trails(window, &dialog.pane));
     request.size = dialog.size;
     request.highlight = None;
     if dialog.transparent {
@@ -226,7 +240,11 @@ fn write_picture(window: &Window, dialog: &PictureDialog, decision: Decision) {
         "Save picture",
         &dialog.path,
         decision,
-        move |path| files::save_picture(path, &order.scene, &order.settings, &request),
+        move |path| {
+            // They take their time to make, and this thread has it.
+            request.textures.extend(order.curvatures());
+            files::save_picture(path, &order.scene, &order.settings, &request)
+        },
     );
 }
 
