@@ -69,7 +69,11 @@ fn a_param_is_recorded_in_as_many_pictures_as_were_asked_for() {
     set(&mut hand, "To", 1.4);
     record(&mut hand);
     let target = hand.path.with_file_name("3d.gif");
-    assert_eq!(files(&hand.path), [target.clone()], "and no other file");
+    assert_eq!(
+        files(&hand.path),
+        std::slice::from_ref(&target),
+        "and no other file"
+    );
     let frames = gif(&target);
     assert_eq!(frames.len(), 5);
     assert!(frames.iter().all(|it| (it.width, it.height) == (64, 48)));
