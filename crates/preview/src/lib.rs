@@ -27,6 +27,7 @@ mod motion;
 mod orders;
 mod panes;
 mod pilot;
+mod pointer;
 mod recording;
 mod report;
 mod saving;

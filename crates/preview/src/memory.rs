@@ -1,9 +1,10 @@
 //! What the window remembers between runs: a small JSON file beside the program's.
 //!
-//! `dir/name.gtr` has `dir/.name.gtr.geotrace.json`. The file holds a [`View`] and a format number. What it does not
+//! `dir/name.gtr` has `dir/.name.gtr.geotrace.json`. The file holds a [`View`], the places of the panes, and a format number. What it does not
 //! have is at its default, what is not known is passed by, and what makes no sense is left out; a file that cannot be
 //! read is kept under another name before it is written over.
 
+use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
@@ -11,9 +12,11 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 
 use crate::mail::{Letter, Mail};
 use crate::model::View;
+use crate::panes::layout::Layout;
 
 /// The number of the format that is written.
 const FORMAT: u32 = 1;
@@ -21,7 +24,18 @@ const FORMAT: u32 = 1;
 #[derive(Debug, Deserialize, Serialize)]
 struct Remembered {
     format: u32,
-    view: View,
+    #[serde(flatten)]
+    known: Known,
+}
+
+/// What is remembered of a program.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+pub(crate) struct Known {
+    /// What the user has chosen to see.
+    pub(crate) view: View,
+    /// Where the panes are, for a window alone and for one beside an editor.
+    #[serde(default)]
+    pub(crate) layouts: BTreeMap<String, Value>,
 }
 
 /// Where a program's view is remembered.
@@ -31,30 +45,36 @@ pub(crate) fn place(program: &Path) -> Option<PathBuf> {
 }
 
 /// What was remembered, or the default, with a sentence where that was not to be read.
-pub(crate) fn load(program: &Path) -> (View, Option<String>) {
+pub(crate) fn load(program: &Path) -> (Known, Option<String>) {
     let Some(place) = place(program) else {
-        return (View::default(), None);
+        return (Known::default(), None);
     };
     let bytes = match std::fs::read(&place) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            return (View::default(), None);
+            return (Known::default(), None);
         }
         Err(error) => {
             let sentence = format!(
                 "the view that was remembered cannot be read (`{}`: {error})",
                 place.display()
             );
-            return (View::default(), Some(sentence));
+            return (Known::default(), Some(sentence));
         }
     };
     match serde_json::from_slice::<Remembered>(&bytes) {
-        Ok(remembered) if remembered.format <= FORMAT => (remembered.view.sane(), None),
+        Ok(Remembered { format, known }) if format <= FORMAT => {
+            let view = known.view.sane();
+            (Known { view, ..known }, None)
+        }
         Ok(_) => (
-            View::default(),
+            Known::default(),
             Some(set_aside(&place, "it is of a later version")),
         ),
-        Err(error) => (View::default(), Some(set_aside(&place, &error.to_string()))),
+        Err(error) => (
+            Known::default(),
+            Some(set_aside(&place, &error.to_string())),
+        ),
     }
 }
 
@@ -72,13 +92,13 @@ fn set_aside(place: &Path, reason: &str) -> String {
 ///
 /// # Errors
 /// A sentence; what was remembered before still is.
-pub(crate) fn save(program: &Path, view: &View) -> Result<(), String> {
+pub(crate) fn save(program: &Path, known: &Known) -> Result<(), String> {
     let Some(place) = place(program) else {
         return Ok(());
     };
     let remembered = Remembered {
         format: FORMAT,
-        view: view.clone(),
+        known: known.clone(),
     };
     let text = serde_json::to_vec_pretty(&remembered).map_err(|error| error.to_string())?;
     write_whole(&place, &text).map_err(|error| {
@@ -138,16 +158,19 @@ const LONGEST: Duration = Duration::from_secs(5);
 /// Writes the view when it has changed, on a thread of its own; and once more, if need be, when it is dropped.
 #[derive(Debug)]
 pub(crate) struct Keeper {
-    last: View,
-    sender: Option<Sender<View>>,
+    last: Known,
+    sender: Option<Sender<Known>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Keeper {
     /// Starts to keep the view of a program; `known` is what is remembered already.
-    pub(crate) fn start(program: PathBuf, known: View, mail: Mail) -> Self {
-        let (sender, views) = channel::<View>();
-        let mut written = kept(&known);
+    pub(crate) fn start(program: PathBuf, known: Known, mail: Mail) -> Self {
+        let (sender, views) = channel::<Known>();
+        let mut written = Known {
+            view: kept(&known.view),
+            ..known
+        };
         let last = written.clone();
         let thread = std::thread::spawn(move || {
             while let Ok(mut view) = views.recv() {
@@ -182,15 +205,21 @@ impl Keeper {
         }
     }
 
-    /// Takes a view to be remembered, without waiting.
-    pub(crate) fn keep(&mut self, view: &View) {
-        let view = kept(view);
-        if view == self.last {
+    /// Takes a view to be remembered, and the panes' places in a kind of window if they were arranged, without waiting.
+    pub(crate) fn keep(&mut self, view: &View, window: &str, layout: Option<&Layout>) {
+        let mut next = Known {
+            view: kept(view),
+            layouts: self.last.layouts.clone(),
+        };
+        if let Some(Ok(layout)) = layout.map(serde_json::to_value) {
+            next.layouts.insert(window.to_owned(), layout);
+        }
+        if next == self.last {
             return;
         }
-        self.last = view.clone();
+        self.last = next.clone();
         if let Some(sender) = &self.sender {
-            let _ = sender.send(view);
+            let _ = sender.send(next);
         }
     }
 }
@@ -214,10 +243,10 @@ fn kept(view: &View) -> View {
 
 #[cfg(test)]
 mod tests {
-    use super::{load, place, save};
+    use super::{Known, load, place, save};
     use crate::model::{Choice, Look, View};
 
-    fn view() -> View {
+    fn known() -> Known {
         let mut view = View::default();
         view.params.insert("a".into(), vec![0.5, 0.1]);
         let look = Look {
@@ -226,16 +255,20 @@ mod tests {
             hidden: true,
         };
         view.looks.insert("s".into(), look);
-        view
+        let layouts = [("alone".to_owned(), serde_json::json!({"pane": "space"}))];
+        Known {
+            view,
+            layouts: layouts.into(),
+        }
     }
 
     #[test]
     fn a_view_comes_back_as_it_was() {
         let folder = tempfile::tempdir().expect("a folder");
         let program = folder.path().join("a.gtr");
-        assert_eq!(load(&program), (View::default(), None));
-        save(&program, &view()).expect("written");
-        assert_eq!(load(&program), (view(), None));
+        assert_eq!(load(&program), (Known::default(), None));
+        save(&program, &known()).expect("written");
+        assert_eq!(load(&program), (known(), None));
         let files = std::fs::read_dir(folder.path()).expect("a folder").count();
         assert_eq!(files, 1, "nothing but the file is left behind");
     }
@@ -247,9 +280,9 @@ mod tests {
         let beside = place(&program).expect("a name");
         std::fs::write(&beside, "{ not json").expect("written");
         let (loaded, sentence) = load(&program);
-        assert_eq!(loaded, View::default());
+        assert_eq!(loaded, Known::default());
         assert!(sentence.expect("told").contains("it is kept as"));
-        save(&program, &view()).expect("written");
+        save(&program, &known()).expect("written");
         let kept = beside.with_extension("json.unreadable");
         assert_eq!(std::fs::read_to_string(kept).expect("kept"), "{ not json");
     }

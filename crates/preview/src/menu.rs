@@ -123,6 +123,7 @@ fn view(window: &mut Window, ui: &mut Ui) {
     for (pane, title) in panes {
         let mut open = window.panes.is_open(&pane);
         if ui.checkbox(&mut open, title).changed() {
+            window.panes.arranged = true;
             match (&pane, open) {
                 (Pane::Inside(name), true) => window.open_inside(name),
                 (_, true) => window.panes.bring_forward(&pane),

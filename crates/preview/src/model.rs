@@ -191,6 +191,13 @@ impl Model {
             .find(|(_, it)| it.name == name)
     }
 
+    /// Whether there are metrics and nothing else: no object has a place in space.
+    pub fn has_only_metrics(&self) -> bool {
+        let objects = self.scene.as_ref().map_or(&[][..], |scene| &scene.objects);
+        let metric = |object: &Object| matches!(object.shape, Shape::Metric { .. });
+        !objects.is_empty() && objects.iter().all(metric)
+    }
+
     /// The names of the surfaces and metrics, in the order of the text.
     pub fn surfaces(&self) -> Vec<String> {
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);

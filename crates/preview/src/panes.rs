@@ -2,6 +2,7 @@
 
 pub(crate) mod editor;
 mod inside;
+pub(crate) mod layout;
 mod picture;
 mod program;
 mod settings;
@@ -11,14 +12,17 @@ use std::collections::BTreeSet;
 
 use egui::{Ui, WidgetText};
 use egui_tiles::{
-    Behavior, Container, Linear, LinearDir, SimplificationOptions, TabState, Tile, TileId, Tiles,
-    Tree, UiResponse,
+    Behavior, Container, EditAction, Linear, LinearDir, SimplificationOptions, TabState, Tile,
+    TileId, Tiles, Tree, UiResponse,
 };
+use serde::{Deserialize, Serialize};
 
 use crate::window::Window;
+use layout::Layout;
 
 /// A pane.
-#[derive(Clone, Debug, Eq, PartialEq)]
+#[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
 pub(crate) enum Pane {
     /// The 3D view.
     Space,
@@ -39,6 +43,10 @@ const OPENED: usize = 8;
 #[derive(Debug)]
 pub(crate) struct Panes {
     tree: Tree<Pane>,
+    /// The user has arranged them.
+    pub(crate) arranged: bool,
+    /// The 3D view was left out, since nothing had a place in it.
+    without_space: bool,
 }
 
 impl Panes {
@@ -63,6 +71,39 @@ impl Panes {
         let root = tiles.insert_container(Container::Linear(row));
         Self {
             tree: Tree::new(egui::Id::unique("panes"), root, tiles),
+            arranged: false,
+            without_space: false,
+        }
+    }
+
+    /// The panes' places, where the user has arranged them.
+    pub(crate) fn layout(&self) -> Option<Layout> {
+        let arranged = self.arranged.then(|| Layout::of(&self.tree));
+        arranged.flatten()
+    }
+
+    /// Puts the panes where they were; whether there were any.
+    pub(crate) fn arrange(&mut self, layout: &Layout) -> bool {
+        let Some(tree) = layout.tree(egui::Id::unique("panes")) else {
+            return false;
+        };
+        self.tree = tree;
+        self.arranged = true;
+        true
+    }
+
+    /// Leaves the 3D view out of the first layout, until something has a place in it.
+    pub(crate) fn leave_out_space(&mut self) {
+        if !self.arranged && self.is_open(&Pane::Space) {
+            self.close(&Pane::Space);
+            self.without_space = true;
+        }
+    }
+
+    /// Opens the 3D view where it was left out.
+    pub(crate) fn bring_back_space(&mut self) {
+        if std::mem::take(&mut self.without_space) && !self.arranged {
+            self.open(&Pane::Space);
         }
     }
 
@@ -133,14 +174,15 @@ impl Panes {
         }
     }
 
-    /// Opens the views of new surfaces, and closes those of surfaces that are no more.
-    pub(crate) fn follow(&mut self, surfaces: &[String], closed: &BTreeSet<String>) {
+    /// Opens the views of new surfaces, and closes those of surfaces that are no more; a text with errors may only miss
+    /// them.
+    pub(crate) fn follow(&mut self, surfaces: &[String], closed: &BTreeSet<String>, ok: bool) {
         let gone: Vec<Pane> = self
             .tree
             .tiles
             .tiles()
             .filter_map(|tile| match tile {
-                Tile::Pane(pane @ Pane::Inside(name)) if !surfaces.contains(name) => {
+                Tile::Pane(pane @ Pane::Inside(name)) if ok && !surfaces.contains(name) => {
                     Some(pane.clone())
                 }
                 _ => None,
@@ -226,6 +268,13 @@ impl Behavior<Pane> for Drawer<'_> {
         true
     }
 
+    fn on_edit(&mut self, action: EditAction) {
+        // A tab may come to the front by itself.
+        if matches!(action, EditAction::TileDropped | EditAction::TileResized) {
+            self.window.panes.arranged = true;
+        }
+    }
+
     fn close_button_outer_size(&self) -> f32 {
         16.0
     }
@@ -233,6 +282,7 @@ impl Behavior<Pane> for Drawer<'_> {
     fn on_tab_close(&mut self, tiles: &mut Tiles<Pane>, tile: TileId) -> bool {
         if let Some(Tile::Pane(pane)) = tiles.get(tile) {
             self.closed.push(pane.clone());
+            self.window.panes.arranged = true;
         }
         true
     }

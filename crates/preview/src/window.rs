@@ -32,7 +32,9 @@ use crate::model::{Model, SpaceCamera, Step, Theme};
 use crate::motion;
 use crate::orders::{Order, PaneKey};
 use crate::panes::editor::Editor;
+use crate::panes::layout::Layout;
 use crate::panes::{Pane, Panes};
+use crate::pointer::Trickle;
 use crate::report::{Counters, Report};
 use crate::screen::Screen;
 use crate::textures::Library;
@@ -244,16 +246,28 @@ impl Window {
 
     /// Takes over what was remembered of a program, and remembers on.
     fn remember(&mut self, program: PathBuf) {
-        let (view, trouble) = crate::memory::load(&program);
-        self.model.view = view;
+        let (known, mut trouble) = crate::memory::load(&program);
+        self.model.view = known.view.clone();
+        if let Some(layout) = known.layouts.get(self.kind()) {
+            let layout = serde_json::from_value::<Layout>(layout.clone());
+            if !layout.is_ok_and(|layout| self.panes.arrange(&layout)) {
+                let sentence =
+                    "the places of the panes that were remembered make no sense, and are not used";
+                trouble.get_or_insert_with(|| sentence.to_owned());
+            }
+        }
         if let Some(sentence) = trouble {
             self.said = Some((true, sentence));
         }
-        self.keeper = Some(Keeper::start(
-            program,
-            self.model.view.clone(),
-            self.mail.clone(),
-        ));
+        self.keeper = Some(Keeper::start(program, known, self.mail.clone()));
+    }
+
+    /// The kind of window whose panes are remembered together.
+    fn kind(&self) -> &'static str {
+        match self.origin {
+            Origin::File { .. } => "alone",
+            Origin::Attached { .. } => "attached",
+        }
     }
 
     /// The state that is shown, for tests and assistive tools.
@@ -336,6 +350,8 @@ impl Window {
             return;
         }
         self.style = Some(style);
+        // Each context takes it once.
+        context.add_plugin(Trickle::default());
         context.set_theme(match style.0 {
             Theme::System => egui::ThemePreference::System,
             Theme::Light => egui::ThemePreference::Light,
@@ -597,8 +613,10 @@ impl Window {
         if idle {
             self.model.history.settle();
         }
+        let kind = self.kind();
         if let Some(keeper) = &mut self.keeper {
-            keeper.keep(&self.model.view);
+            let layout = self.panes.layout();
+            keeper.keep(&self.model.view, kind, layout.as_ref());
         }
         self.tell();
         self.counters.frames += 1;

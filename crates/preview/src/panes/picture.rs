@@ -48,7 +48,6 @@ fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
     let painter = ui.painter_at(rect);
     let stale = window.model.is_stale();
     let lines = window.model.errors().count();
-    let empty = window.model.scene.is_none() && window.model.read;
     let mut error = None;
     let mut covered = false;
     if let Some(picture) = window.pictures.get_mut(pane) {
@@ -100,18 +99,25 @@ fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
             &text,
             Color32::from_rgb(176, 32, 24),
         );
-    } else if empty {
-        badge(
-            &painter,
-            rect.left_top() + egui::vec2(8.0, 8.0),
-            "Nothing to show",
-            Color32::from_gray(70),
-        );
+    } else if let Some(words) = nothing(window, pane) {
+        let place = rect.left_top() + egui::vec2(8.0, 8.0);
+        badge(&painter, place, words, Color32::from_gray(70));
     }
     if let Some(error) = error {
         let place = rect.left_bottom() + egui::vec2(8.0, -34.0);
         badge(&painter, place, &error, Color32::from_rgb(120, 60, 0));
     }
+}
+
+/// Why a view is empty, if it is.
+fn nothing(window: &Window, pane: &PaneKey) -> Option<&'static str> {
+    let model = &window.model;
+    let scene = model.scene.as_ref();
+    if model.read && scene.is_none_or(|scene| scene.objects.is_empty()) {
+        return Some("Nothing to show");
+    }
+    let only = *pane == PaneKey::Space && model.has_only_metrics();
+    only.then_some("A metric has no place in space: see its geodesic view")
 }
 
 /// A sentence on a plate, readable over any picture.
@@ -163,6 +169,10 @@ fn words(window: &Window, pane: &PaneKey) -> String {
             format!("Geodesic view of {name}{place}")
         }
     };
+    if let Some(nothing) = nothing(window, pane) {
+        words.push_str("; ");
+        words.push_str(nothing);
+    }
     if window.model.is_stale() {
         words.push_str("; stale: the program has errors");
     }

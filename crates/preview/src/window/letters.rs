@@ -45,6 +45,7 @@ impl Window {
         self.painter.mark(&compiled.findings);
         self.shown = Some((compiled.version, compiled.ok, compiled.arrived));
         let fresh = compiled.scene.is_some();
+        let first = self.model.scene.is_none();
         self.model.take(compiled);
         if !fresh {
             return;
@@ -61,7 +62,19 @@ impl Window {
         {
             self.active = PaneKey::Space;
         }
-        self.panes.follow(&surfaces, &self.model.view.closed);
+        let (closed, ok) = (&self.model.view.closed, self.model.ok);
+        self.panes.follow(&surfaces, closed, ok);
+        if !self.model.has_only_metrics() {
+            self.panes.bring_back_space();
+        } else if first {
+            // What a scene does not need is not shown.
+            self.panes.leave_out_space();
+            if let Some(name) = surfaces.into_iter().next()
+                && !self.panes.is_open(&Pane::Space)
+            {
+                self.active = PaneKey::Inside(name);
+            }
+        }
     }
 
     fn take_answer(&mut self, answer: Answer) {

@@ -75,9 +75,12 @@ impl Hand {
         let (path, folder) = (self.path.clone(), self.folder.take());
         // What is to be remembered is written at the latest when the window goes.
         drop(self);
-        Self::open(path, folder.expect("kept"), |builder| {
-            builder.with_size([1200.0, 800.0])
-        })
+        Self::opened(path, folder.expect("kept"))
+    }
+
+    /// The window on a file that is there.
+    pub(crate) fn opened(path: PathBuf, folder: TempDir) -> Self {
+        Self::open(path, folder, |builder| builder.with_size([1200.0, 800.0]))
     }
 
     /// Closes the window; its folder is removed when it is dropped.

@@ -92,3 +92,72 @@ fn what_was_chosen_is_there_again_when_the_window_is_opened_again() {
         );
     }
 }
+
+#[test]
+fn a_window_that_was_only_looked_at_remembers_nothing() {
+    let mut hand = Hand::on(SPHERE);
+    hand.settle();
+    let path = hand.path.clone();
+    let folder = hand.close();
+    let files = std::fs::read_dir(path.parent().expect("a folder")).expect("readable");
+    assert_eq!(files.count(), 1, "nothing but the program is there");
+    drop(folder);
+}
+
+#[test]
+fn the_panes_are_where_they_were_when_the_window_is_opened_again() {
+    let two = format!("{SPHERE}surface t(u,v) = (u, v, 2), u : [0, 1], v : [0, 1];\n");
+    let mut hand = Hand::on(&two);
+    // The line between what is written and the pictures.
+    let at = hand.space().left_center() - vec2(2.0, 0.0);
+    let before = hand.space().left();
+    hand.drag(
+        at,
+        vec2(-120.0, 0.0),
+        PointerButton::Primary,
+        Modifiers::NONE,
+    );
+    assert!((hand.space().left() - (before - 120.0)).abs() < 3.0);
+    hand.click("View");
+    hand.click_on(Role::CheckBox, "Settings");
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    let places = |hand: &Hand| [hand.space(), hand.inside("s")];
+    let rects = places(&hand);
+    let mut hand = hand.again();
+    for (now, then) in places(&hand).into_iter().zip(rects) {
+        let off = (now.min - then.min).length() + (now.max - then.max).length();
+        assert!(off < 2.0, "{now:?} is not {then:?}");
+    }
+    assert!(!hand.shows("Camera speed"), "the settings are closed");
+    // A surface that is no more takes its pane with it, and the others stay.
+    let path = hand.path.clone();
+    std::fs::write(&path, SPHERE).expect("written");
+    hand.until("it is read", |hand| {
+        hand.window().model().object("t").is_none()
+    });
+    hand.settle();
+    let hand = hand.again();
+    assert!(hand.shows("Geodesic view of s") && !hand.shows("Geodesic view of t"));
+    assert!((hand.space().left() - rects[0].left()).abs() < 2.0);
+}
+
+#[test]
+fn a_layout_that_makes_no_sense_is_told_and_the_view_is_kept() {
+    for layout in [r#"42"#, r#"{"row": []}"#, r#"{"pane": {"cellar": 1}}"#] {
+        let mut hand = Hand::on(SPHERE);
+        hand.click("Show p");
+        let beside = hand.path.with_file_name(".program.gtr.geotrace.json");
+        hand.until("it is remembered", |_| beside.exists());
+        let path = hand.path.clone();
+        let folder = hand.close();
+        let text = std::fs::read_to_string(&beside).expect("written");
+        let mut known: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        known["layouts"]["alone"] = serde_json::from_str(layout).expect("JSON");
+        std::fs::write(&beside, known.to_string()).expect("written");
+        let hand = Hand::opened(path, folder);
+        assert!(hand.shows("make no sense"), "{layout}: {:?}", hand.names());
+        assert!(hand.window().model().view.look("p").hidden);
+        assert!(hand.shows("3D view of") && hand.shows("Camera speed"));
+    }
+}

@@ -235,3 +235,79 @@ fn a_picture_is_saved_at_any_size_with_a_transparent_background() {
         "the sphere is not"
     );
 }
+
+#[test]
+fn a_drag_within_one_slow_frame_is_a_drag() {
+    let mut hand = Hand::on(SPHERE);
+    let start = hand.eye();
+    let from = hand.space().center();
+    let by = vec2(60.0, 20.0);
+    hand.drag(from, by, PointerButton::Primary, Modifiers::NONE);
+    let slow = hand.eye();
+    assert_ne!(slow, start);
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(hand.eye(), start);
+    // All of it comes between two frames, and where it begins there is another pane.
+    let slider = hand.harness.get_by_role_and_label(Role::Slider, "r").rect();
+    hand.harness.hover_at(slider.center());
+    hand.harness.step();
+    quick_drag(&mut hand, from, by);
+    let same = |(eye, target): ([f64; 3], [f64; 3])| {
+        let pairs = eye.iter().zip(slow.0).chain(target.iter().zip(slow.1));
+        pairs.into_iter().all(|(a, b)| (a - b).abs() < 1e-9)
+    };
+    assert!(same(hand.eye()), "{:?} is not {slow:?}", hand.eye());
+    assert_eq!(hand.param("r"), 1.0);
+    quick_drag(
+        &mut hand,
+        slider.left_center() + vec2(6.0, 0.0),
+        vec2(60.0, 0.0),
+    );
+    let value = hand.param("r");
+    assert!(value > 1.2 && value < 2.8, "{value}");
+    assert!(same(hand.eye()));
+}
+
+/// Presses, moves and releases the pointer before the window draws itself again.
+fn quick_drag(hand: &mut Hand, from: egui::Pos2, by: egui::Vec2) {
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    // Events that are queued would have a frame each.
+    hand.harness.input_mut().events.extend([
+        egui::Event::PointerMoved(from),
+        button(from, true),
+        egui::Event::PointerMoved(from + 0.5 * by),
+        egui::Event::PointerMoved(from + by),
+        button(from + by, false),
+    ]);
+    hand.harness.run_steps(4);
+    hand.settle();
+}
+
+#[test]
+fn a_scene_of_metrics_alone_is_seen_from_inside_alone() {
+    let metric = "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-1, 1], v : [0.5, 2];\n";
+    let mut hand = Hand::on(metric);
+    assert!(hand.shows("Geodesic view of h") && !hand.shows("3D view of"));
+    // It has the keys, and fills what the 3D view would have had.
+    hand.hold(Key::W, 5);
+    assert!(hand.camera("h").moved);
+    hand.click("View");
+    hand.click_on(Role::CheckBox, "3D view");
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    assert!(hand.shows("A metric has no place in space: see its geodesic view"));
+
+    let mut hand = Hand::on(metric);
+    hand.window_mut()
+        .set_text(format!("{metric}point p = (0, 0, 0);\n"));
+    hand.until("what has a place in space is seen there", |hand| {
+        hand.shows("3D view of 2 objects")
+    });
+    assert!(!hand.shows("A metric has no place"));
+}
