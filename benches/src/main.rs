@@ -47,6 +47,7 @@ fn main() -> ExitCode {
         ("render", pictures::examples),
         ("large", pictures::large),
         ("stage", stage::run),
+        ("walk", stage::walk),
         ("accuracy", accuracy::run),
         ("estimates", estimates::run),
         ("stiff", stiff::run),

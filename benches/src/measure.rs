@@ -69,7 +69,16 @@ pub(crate) fn processor_time<T>(mut work: impl FnMut() -> T) -> Duration {
 
 /// What this thread has spent on a processor.
 fn thread_clock() -> Duration {
-    let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    clock(rustix::time::ClockId::ThreadCPUTime)
+}
+
+/// What all threads of this process have spent on processors.
+pub(crate) fn process_clock() -> Duration {
+    clock(rustix::time::ClockId::ProcessCPUTime)
+}
+
+fn clock(id: rustix::time::ClockId) -> Duration {
+    let now = rustix::time::clock_gettime(id);
     Duration::new(now.tv_sec.unsigned_abs(), now.tv_nsec as u32)
 }
 

@@ -14,11 +14,15 @@ use scene::values::Settings;
 use testing::draw::middle;
 use testing::examples;
 
-use crate::measure::Times;
+use crate::measure::{Times, process_clock};
 
 const SIZE: [u32; 2] = [800, 600];
 /// Pictures of a table's cell, after a first one.
 const FRAMES: u32 = 12;
+/// Pictures of a walk, after a first one.
+const STEPS: u32 = 40;
+/// What a frame of a walk may take.
+const TARGET: Duration = Duration::from_millis(16);
 /// A frame of a screen that shows sixty a second.
 const FRAME: Duration = Duration::from_micros(16_667);
 
@@ -38,6 +42,41 @@ pub(crate) fn run() {
     }
 }
 
+/// Prints how long the frames of a walk take in software, example by example, and what of it processors were busy.
+pub(crate) fn walk() {
+    println!(
+        "A being walks inside, {} × {} pixels, software, {} threads: {STEPS} frames each",
+        SIZE[0],
+        SIZE[1],
+        rayon::current_num_threads()
+    );
+    let mut over = Vec::new();
+    for example in examples::all() {
+        let Some(scene) = scene::compile(&example.source).scene.map(Arc::new) else {
+            println!("    {} has errors", example.name);
+            continue;
+        };
+        let mut stage = Stage::software();
+        let busy = process_clock();
+        let Some(times) = walking(&mut stage, &scene, STEPS) else {
+            continue;
+        };
+        let busy = (process_clock().saturating_sub(busy)).as_secs_f64() / f64::from(STEPS + 1);
+        println!(
+            "    {:16} {times}   {:6.1} ms of processor time",
+            example.name,
+            1e3 * busy
+        );
+        if times.median() > TARGET {
+            over.push(example.name);
+        }
+    }
+    match over.len() {
+        0 => println!("    all within {TARGET:?}"),
+        count => println!("    {count} not within {TARGET:?}: {}", over.join(", ")),
+    }
+}
+
 fn stage(name: &str, make: impl Fn() -> Stage) {
     println!("  {name}");
     let (mut within, mut all) = (0, 0);
@@ -51,7 +90,7 @@ fn stage(name: &str, make: impl Fn() -> Stage) {
         let cells = [
             turning(&mut stage, &scene),
             dragging(&mut stage, &scene),
-            walking(&mut stage, &scene),
+            walking(&mut stage, &scene, FRAMES),
         ];
         for times in cells.iter().flatten() {
             all += 1;
@@ -73,13 +112,14 @@ fn stage(name: &str, make: impl Fn() -> Stage) {
 
 /// Draws frames, the first of which is not counted. A picture on a GPU counts when it has been drawn.
 fn frames(
+    count: u32,
     stage: &mut Stage,
     scene: &Arc<Scene>,
     mut next: impl FnMut(f64) -> Option<(Settings, Request)>,
 ) -> Option<Times> {
     let mut times = Vec::new();
-    for frame in 0..=FRAMES {
-        let (settings, request) = next(f64::from(frame) / f64::from(FRAMES))?;
+    for frame in 0..=count {
+        let (settings, request) = next(f64::from(frame) / f64::from(count))?;
         let start = Instant::now();
         let shot = stage.draw(scene, &settings, &request).ok()?;
         if let (Pixels::Texture(_), Some(gpu)) = (&shot.pixels, stage.gpu()) {
@@ -97,7 +137,7 @@ fn turning(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
     let camera = stage.camera(scene, &settings, &Request::space(SIZE)).ok()?;
     let [x, y, z] = camera.eye.to_array();
     let (away, first) = (x.hypot(y), y.atan2(x));
-    frames(stage, scene, |share| {
+    frames(FRAMES, stage, scene, |share| {
         let angle = first + 0.3 * TAU * share;
         let eye = [away * angle.cos(), away * angle.sin(), z];
         let mut request = Request::space(SIZE);
@@ -111,7 +151,7 @@ fn turning(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
 
 fn dragging(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
     let param = scene.params.first()?;
-    frames(stage, scene, |share| {
+    frames(FRAMES, stage, scene, |share| {
         let mut settings = middle(scene);
         let mut values = settings.param(param).to_vec();
         let range = param.ranges.first()?;
@@ -121,7 +161,7 @@ fn dragging(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
     })
 }
 
-fn walking(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
+fn walking(stage: &mut Stage, scene: &Arc<Scene>, steps: u32) -> Option<Times> {
     let settings = middle(scene);
     let surface = (0..)
         .zip(&scene.objects)
@@ -129,7 +169,7 @@ fn walking(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
         .map(|(index, _)| ObjectId(index))?;
     let request = Request::geodesic(surface, SIZE);
     let inside = render::geodesic_view::Inside::new(scene, &settings, &request).ok()?;
-    frames(stage, scene, |share| {
+    frames(steps, stage, scene, |share| {
         let (ahead, _) = inside
             .frame
             .advance(

@@ -2,6 +2,10 @@
 //!
 //! Each point is reached from the one before it; where that cannot be gone on from (in a pole), from the start.
 
+mod polylines;
+
+pub(crate) use polylines::{Line, Polyline, Polylines};
+
 use geodesic::frame::Frame;
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status, Trace, TraceError, trace};

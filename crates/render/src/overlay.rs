@@ -23,14 +23,13 @@ pub use trail::Trail;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use geodesic::map::Map;
 use geodesic::trace::Status;
 use image::RgbaImage;
 use rayon::prelude::*;
 use scene::scene::{Object, ObjectId, Scene, Shape};
 use scene::values::Settings;
 
-use crate::geodesic_view::Inside;
+use crate::geodesic_view::{Inside, Seen};
 use crate::plan::Painter;
 use crate::request::{RenderError, Request};
 use crate::style;
@@ -129,7 +128,7 @@ mod ink {
     pub(super) const TRAIL: [u8; 3] = [150, 130, 255];
 }
 
-/// Draws what lies over a geodesic picture. `map` gives the pixels' ends and is called only if something needs them.
+/// Draws what lies over a geodesic picture. `seen` gives the pixels' ends and is called only if something needs them.
 /// Gives what a reader should know, and the names of what was drawn.
 pub(crate) fn over_inside<'m>(
     image: &mut RgbaImage,
@@ -138,28 +137,57 @@ pub(crate) fn over_inside<'m>(
     request: &Request,
     inside: &Inside,
     surface: ObjectId,
-    map: impl FnOnce() -> Cow<'m, Map>,
+    seen: impl FnOnce() -> Cow<'m, Seen>,
 ) -> (Vec<String>, Vec<&'static str>) {
     let overlays = &request.overlays;
     let (mut notes, mut drawn) = (Vec::new(), Vec::new());
-    let worn = worn::lines(scene, settings, request, inside, surface);
+    let mut worn = worn::lines(scene, settings, request, inside, surface);
     let trails: Vec<&Trail> = trails_on(request, surface).collect();
     if !overlays.any() && worn.is_empty() && trails.is_empty() {
         return (notes, drawn);
     }
-    let map = map();
+    let seen = seen();
     let mut key = legend::Key::default();
     if !worn.is_empty() {
         drawn.push("geodesics");
         for line in &worn {
             notes.extend(line.notes.iter().cloned());
-            line.draw(image, &map, inside);
             key.line(line.colour, &format!("geodesic {}", line.name));
         }
     }
-    for trail in &trails {
-        worn::trail(trail, inside).draw(image, &map, inside);
+    worn.extend(trails.iter().map(|trail| worn::trail(trail, inside)));
+    worn::lay(image, &worn, &seen, inside);
+    if overlays.any() {
+        let (over, names) = measured(image, scene, request, inside, surface, &seen, &mut key);
+        notes.extend(over);
+        drawn.extend(names);
     }
+    if !overlays.legend {
+        // A trail is drawn with its length.
+        key = legend::Key::default();
+    }
+    for trail in trails {
+        drawn.push("trail");
+        key.line(ink::TRAIL, &trail_words(trail));
+    }
+    key.draw(image);
+    (notes, drawn)
+}
+
+/// Draws what has been asked for and follows from the pixels' ends themselves. Gives what a reader should know, and the
+/// names of what was drawn.
+fn measured(
+    image: &mut RgbaImage,
+    scene: &Scene,
+    request: &Request,
+    inside: &Inside,
+    surface: ObjectId,
+    seen: &Seen,
+    key: &mut legend::Key,
+) -> (Vec<String>, Vec<&'static str>) {
+    let overlays = &request.overlays;
+    let (mut notes, mut drawn) = (Vec::new(), Vec::new());
+    let map = seen.map();
     if overlays.error {
         drawn.push("error");
         match lines::error(image, inside) {
@@ -203,15 +231,7 @@ pub(crate) fn over_inside<'m>(
                 key.hatching(status);
             }
         }
-    } else {
-        // A trail is drawn with its length.
-        key = legend::Key::default();
     }
-    for trail in trails {
-        drawn.push("trail");
-        key.line(ink::TRAIL, &trail_words(trail));
-    }
-    key.draw(image);
     (notes, drawn)
 }
 
@@ -281,30 +301,46 @@ fn name_of(scene: &Scene, object: ObjectId) -> String {
     object.map(|object| object.name.clone()).unwrap_or_default()
 }
 
-/// Half the width of a line over a picture, in pixels.
-fn half_width(size: [u32; 2]) -> f32 {
-    (1.1 * style::pixel_unit(size)).max(0.7)
+/// How lines over pictures of a size are inked: each has a dark rim, so that it is seen on anything.
+#[derive(Clone, Copy, Debug)]
+struct Pen {
+    /// Half a line's width in pixels, …
+    half: f32,
+    /// … and that of its rim.
+    rim: f32,
 }
 
-/// Lays lines over a picture: `distance` gives how far a pixel (by its index) is from the nearest line, in pixels. Each
-/// has a dark rim, so that it is seen on anything.
+impl Pen {
+    fn of(size: [u32; 2]) -> Self {
+        let unit = style::pixel_unit(size);
+        let half = (1.1 * unit).max(0.7);
+        Self {
+            half,
+            rim: half + 0.8 * unit.max(0.8),
+        }
+    }
+
+    /// Lays the line of a colour (linear light) over a pixel's bytes, so many pixels from its middle.
+    fn ink(&self, pixel: &mut [u8], colour: [f32; 3], distance: f32) {
+        let dark = 0.55 * (self.rim - distance + 0.5).clamp(0.0, 1.0);
+        let line = (self.half - distance + 0.5).clamp(0.0, 1.0);
+        if dark > 0.0 {
+            blend(pixel, [0.0; 3], dark);
+            blend(pixel, colour, line);
+        }
+    }
+}
+
+/// Lays lines over a picture: `distance` gives how far a pixel (by its index) is from the nearest line, in pixels.
 fn stroke(image: &mut RgbaImage, colour: [u8; 3], distance: impl Fn(usize) -> Option<f32> + Sync) {
-    let size = [image.width(), image.height()];
-    let half = half_width(size);
-    let rim = half + 0.8 * style::pixel_unit(size).max(0.8);
+    let pen = Pen::of([image.width(), image.height()]);
     let colour = style::linear(colour);
     image
         .par_chunks_mut(4)
         .enumerate()
         .for_each(|(index, pixel)| {
-            let Some(distance) = distance(index) else {
-                return;
-            };
-            let dark = 0.55 * (rim - distance + 0.5).clamp(0.0, 1.0);
-            let line = (half - distance + 0.5).clamp(0.0, 1.0);
-            if dark > 0.0 {
-                blend(pixel, [0.0; 3], dark);
-                blend(pixel, colour, line);
+            if let Some(distance) = distance(index) {
+                pen.ink(pixel, colour, distance);
             }
         });
 }

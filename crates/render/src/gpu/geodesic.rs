@@ -143,9 +143,9 @@ pub(crate) fn render(
         &inside,
         view.surface,
         || match &source.seen {
-            Some(seen) => seen.map(),
+            Some(seen) => Cow::Borrowed(seen),
             // The kernel keeps no derivatives: what lies over its picture comes from the fan.
-            None => Cow::Owned(inside.clone().by(Method::Fan).map(&|_| {})),
+            None => Cow::Owned(inside.clone().by(Method::Fan).look(&|_| {})),
         },
     );
     notes.extend(over);

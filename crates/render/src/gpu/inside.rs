@@ -141,7 +141,6 @@ impl Insides {
                     to.copy_from_slice(&from[..to.len()]);
                 }
             })?;
-            let map = || -> Cow<'_, _> { seen.map() };
             let (over, overlays) = overlay::over_inside(
                 &mut picture,
                 scene,
@@ -149,7 +148,7 @@ impl Insides {
                 request,
                 inside,
                 *surface,
-                map,
+                || Cow::Borrowed(seen),
             );
             notes.extend(over);
             return Ok(Some(Coloured {

@@ -4,7 +4,7 @@ use geodesic::trace::Status;
 use image::RgbaImage;
 
 use super::lines::SCALE;
-use super::{cover, half_width, lettering};
+use super::{Pen, cover, lettering};
 use crate::geodesic_view::stripes;
 use crate::style;
 use crate::texture::CurvatureScale;
@@ -92,7 +92,7 @@ impl Key {
     }
 
     fn swatch(&self, image: &mut RgbaImage, mark: Mark, at: [f32; 2], size: [f32; 2], unit: f32) {
-        let half = half_width([image.width(), image.height()]);
+        let half = Pen::of([image.width(), image.height()]).half;
         let middle = at[1] + 0.5 * size[1];
         for y in at[1] as u32..(at[1] + size[1]) as u32 {
             for x in at[0] as u32..(at[0] + size[0]) as u32 {

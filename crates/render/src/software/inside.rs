@@ -1,5 +1,7 @@
 //! The geodesic view on the CPU: the map by crate `geodesic`, the colours by [`crate::geodesic_view`].
 
+use std::borrow::Cow;
+
 use scene::scene::{Scene, Shape};
 use scene::values::Settings;
 
@@ -51,7 +53,7 @@ pub(crate) fn paint(
         request,
         inside,
         surface,
-        || seen.map(),
+        || Cow::Borrowed(seen),
     );
     let count = |kind| status.iter().filter(|&&s| s == kind).count();
     let mut notes = notes(status.len(), count, &seen.work(), seen.estimate());

@@ -1,0 +1,280 @@
+//! The pieces of all lines, found by where they are in the chart.
+//!
+//! Pieces flow in, and then boxes of the chart; the pieces that may go through a box flow out. Whether there are any, as
+//! there are not for most of a picture, is told by one sum.
+
+use geodesic::surface::{Side, Sides};
+
+use super::Worn;
+use crate::geodesic_view::Inside;
+
+/// Cells of the table along each axis.
+const CELLS: usize = 256;
+/// A box that is wider than this share of a period may meet a piece in several repetitions.
+const ROUND: f64 = 0.25;
+
+/// A straight piece in the chart, of one of the lines.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    pub(super) line: usize,
+    pub(super) from: [f64; 2],
+    pub(super) step: [f64; 2],
+}
+
+/// The pieces by the cells of the chart that they may go through.
+pub(super) struct Table {
+    domain: [[f64; 2]; 2],
+    sides: Sides,
+    wraps: [bool; 2],
+    period: [f64; 2],
+    pieces: Vec<Piece>,
+    /// Where the pieces of a cell begin in `numbers`, row by row; one more than there are cells.
+    begins: Vec<u32>,
+    /// Numbers of pieces.
+    numbers: Vec<u32>,
+    /// How many numbers stand in the cells below and to the left of each corner of a cell.
+    sums: Vec<u32>,
+}
+
+/// The pieces that may go through a box.
+#[derive(Debug, PartialEq)]
+pub(super) enum Near {
+    Nothing,
+    /// They are in the list, in the box's own coordinates.
+    Some,
+    /// The box lies on both sides of a seam that turns the chart over, or reaches far round the chart: no one list will
+    /// do for all of it.
+    Unclear,
+}
+
+impl Table {
+    pub(super) fn new(lines: &[Worn], inside: &Inside) -> Self {
+        let (domain, sides) = (inside.domain(), inside.sides());
+        let pieces = |(line, worn): (usize, &Worn)| {
+            let piece = move |&[from, to]: &[[f64; 2]; 2]| Piece {
+                line,
+                from,
+                step: [to[0] - from[0], to[1] - from[1]],
+            };
+            worn.pieces.iter().map(piece).collect::<Vec<_>>()
+        };
+        let mut table = Self {
+            domain,
+            sides,
+            wraps: [0, 1].map(|k| sides.of(k)[0] == Side::Wrap),
+            period: domain.map(|[low, high]| high - low),
+            pieces: lines.iter().enumerate().flat_map(pieces).collect(),
+            begins: Vec::new(),
+            numbers: Vec::new(),
+            sums: Vec::new(),
+        };
+        table.enter();
+        table
+    }
+
+    /// Cells per unit of each coordinate.
+    pub(super) fn cells_per_unit(&self) -> [f64; 2] {
+        self.period.map(|period| CELLS as f64 / period)
+    }
+
+    /// The pieces that may go through a box (lowest and highest (u,v), which may lie beyond sides that wrap), in its own
+    /// coordinates. A box about one point is never unclear: it is taken to be where its middle is.
+    pub(super) fn near(&self, bounds: [[f64; 2]; 2], point: bool, found: &mut Vec<Piece>) -> Near {
+        found.clear();
+        let Some(Turned {
+            bounds,
+            signs,
+            shift,
+        }) = self.turned(bounds, point)
+        else {
+            return Near::Unclear;
+        };
+        let [low, high] = bounds;
+        let ranges = [0, 1].map(|axis| self.ranges(axis, low[axis], high[axis]));
+        let [Some(columns), Some(rows)] = ranges else {
+            return Near::Nothing;
+        };
+        if !self.any(&columns, &rows) {
+            return Near::Nothing;
+        }
+        let far = |k: usize| self.wraps[k] && high[k] - low[k] > ROUND * self.period[k];
+        if !point && (far(0) || far(1)) {
+            return Near::Unclear;
+        }
+        let mut numbers = Vec::new();
+        for row in rows.iter().flat_map(|&[from, to]| from..to) {
+            for column in columns.iter().flat_map(|&[from, to]| from..to) {
+                numbers.extend_from_slice(self.in_cell(column, row));
+            }
+        }
+        numbers.sort_unstable();
+        numbers.dedup();
+        let middle = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
+        for number in numbers {
+            let Piece {
+                line,
+                mut from,
+                step,
+            } = self.pieces[number as usize];
+            for (k, from) in from.iter_mut().enumerate() {
+                if self.wraps[k] {
+                    let period = self.period[k];
+                    *from += period * ((middle[k] - *from) / period).round();
+                }
+            }
+            let meets = |k: usize| {
+                let to = from[k] + step[k];
+                from[k].min(to) <= high[k] && from[k].max(to) >= low[k]
+            };
+            if meets(0) && meets(1) {
+                found.push(Piece {
+                    line,
+                    from: [0, 1].map(|k| signs[k] * (from[k] - shift[k])),
+                    step: [0, 1].map(|k| signs[k] * step[k]),
+                });
+            }
+        }
+        match found.is_empty() {
+            true => Near::Nothing,
+            false => Near::Some,
+        }
+    }
+
+    /// A box turned over through the sides that flip, so that it lies in the domain; `None` where it lies on both sides of
+    /// one of them.
+    fn turned(&self, bounds: [[f64; 2]; 2], point: bool) -> Option<Turned> {
+        let mut turned = Turned {
+            bounds,
+            signs: [1.0; 2],
+            shift: [0.0; 2],
+        };
+        let Turned {
+            bounds: [low, high],
+            signs,
+            shift,
+        } = &mut turned;
+        for axis in 0..2 {
+            if self.sides.of(axis)[0] != Side::WrapFlip {
+                continue;
+            }
+            let period = self.period[axis];
+            let turns = |x: f64| ((x - self.domain[axis][0]) / period).floor();
+            let here = turns(0.5 * (low[axis] + high[axis]));
+            if !point && (turns(low[axis]) != here || turns(high[axis]) != here) {
+                return None;
+            }
+            low[axis] -= here * period;
+            high[axis] -= here * period;
+            shift[axis] -= here * period;
+            if here.rem_euclid(2.0) == 1.0 {
+                let other = 1 - axis;
+                let both = self.domain[other][0] + self.domain[other][1];
+                (low[other], high[other]) = (both - high[other], both - low[other]);
+                signs[other] = -signs[other];
+                shift[other] = both - shift[other];
+            }
+        }
+        Some(turned)
+    }
+
+    /// Whether any piece is entered in some columns and rows of cells.
+    fn any(&self, columns: &[[usize; 2]; 2], rows: &[[usize; 2]; 2]) -> bool {
+        let sum = |i: usize, j: usize| self.sums[j * (CELLS + 1) + i];
+        columns.iter().any(|&[i0, i1]| {
+            rows.iter()
+                .any(|&[j0, j1]| sum(i1, j1) + sum(i0, j0) != sum(i0, j1) + sum(i1, j0))
+        })
+    }
+
+    /// The cells between two numbers, and one more on both sides for what rounding does: one or two ranges without their
+    /// ends.
+    fn ranges(&self, axis: usize, low: f64, high: f64) -> Option<[[usize; 2]; 2]> {
+        let n = CELLS as i64;
+        let [low, high] = [low, high].map(|x| self.cell(axis, x));
+        if !(low.is_finite() && high.is_finite()) {
+            return None;
+        }
+        let from = (low.floor() as i64).saturating_sub(1);
+        let to = (high.floor() as i64).saturating_add(2);
+        if !self.wraps[axis] {
+            let kept = |cell: i64| cell.clamp(0, n) as usize;
+            return Some([[kept(from), kept(to)], [0, 0]]);
+        }
+        if to.saturating_sub(from) >= n {
+            return Some([[0, CELLS], [0, 0]]);
+        }
+        let first = from.rem_euclid(n);
+        let end = first + (to - from);
+        Some([
+            [first as usize, end.min(n) as usize],
+            [0, (end - n).max(0) as usize],
+        ])
+    }
+
+    fn cell(&self, axis: usize, x: f64) -> f64 {
+        (x - self.domain[axis][0]) / self.period[axis] * CELLS as f64
+    }
+
+    fn in_cell(&self, column: usize, row: usize) -> &[u32] {
+        let cell = row * CELLS + column;
+        &self.numbers[self.begins[cell] as usize..self.begins[cell + 1] as usize]
+    }
+
+    /// Enters the pieces: first how many each cell has, then which.
+    fn enter(&mut self) {
+        let n = CELLS as i64;
+        let bounded = |axis: usize, cell: i64| -> Option<usize> {
+            if (0..n).contains(&cell) {
+                Some(cell as usize)
+            } else {
+                self.wraps[axis].then(|| cell.rem_euclid(n) as usize)
+            }
+        };
+        let mut entries: Vec<[u32; 2]> = Vec::new();
+        for (number, piece) in self.pieces.iter().enumerate() {
+            let range = |k: usize| {
+                let ends = [piece.from[k], piece.from[k] + piece.step[k]];
+                let [from, to] = ends.map(|x| self.cell(k, x));
+                from.min(to).floor() as i64..=from.max(to).floor() as i64
+            };
+            for row in range(1) {
+                for column in range(0) {
+                    if let (Some(column), Some(row)) = (bounded(0, column), bounded(1, row)) {
+                        entries.push([(row * CELLS + column) as u32, number as u32]);
+                    }
+                }
+            }
+        }
+        let mut begins = vec![0_u32; CELLS * CELLS + 1];
+        for [cell, _] in &entries {
+            begins[*cell as usize + 1] += 1;
+        }
+        let corners = CELLS + 1;
+        let mut sums = vec![0_u32; corners * corners];
+        for row in 0..CELLS {
+            let mut left = 0;
+            for column in 0..CELLS {
+                left += begins[row * CELLS + column + 1];
+                sums[(row + 1) * corners + column + 1] = sums[row * corners + column + 1] + left;
+            }
+        }
+        for cell in 0..CELLS * CELLS {
+            begins[cell + 1] += begins[cell];
+        }
+        let mut next = begins.clone();
+        let mut numbers = vec![0; entries.len()];
+        for [cell, number] in entries {
+            let next = &mut next[cell as usize];
+            numbers[*next as usize] = number;
+            *next += 1;
+        }
+        (self.begins, self.numbers, self.sums) = (begins, numbers, sums);
+    }
+}
+
+/// A box in the domain: its coordinates are those that it had times `signs`, and then `shift` more.
+struct Turned {
+    bounds: [[f64; 2]; 2],
+    signs: [f64; 2],
+    shift: [f64; 2],
+}
