@@ -167,7 +167,8 @@ fn walking(stage: &mut Stage, scene: &Arc<Scene>, steps: u32) -> Option<Times> {
         .zip(&scene.objects)
         .find(|(_, object)| object.shape.patch().is_some())
         .map(|(index, _)| ObjectId(index))?;
-    let request = Request::geodesic(surface, SIZE);
+    let mut request = Request::geodesic(surface, SIZE);
+    request.moving = true;
     let inside = render::geodesic_view::Inside::new(scene, &settings, &request).ok()?;
     frames(steps, stage, scene, |share| {
         let (ahead, _) = inside

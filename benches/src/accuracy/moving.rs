@@ -35,7 +35,7 @@ pub(super) fn run() {
         let Some(opening) = view(&example) else {
             continue;
         };
-        let mut inside = opening.inside;
+        let mut inside = opening.inside.moving();
         let ground = inside.ground().clone();
         let surface = ground.surface();
         let paint = Paint {
@@ -44,6 +44,7 @@ pub(super) fn run() {
             domain: surface.domain(),
             sides: surface.sides(),
             mark_centre: true,
+            coarse: true,
         };
         let mut times: Vec<[Duration; 3]> = Vec::new();
         for _ in 0..FRAMES {

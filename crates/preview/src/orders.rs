@@ -197,6 +197,7 @@ impl Order {
                 request
             }
         };
+        request.moving = self.moving;
         request.textures = self.textures.clone();
         request.colours = self.colours.clone();
         request.overlays = Overlays {

@@ -5,7 +5,7 @@
 mod inside;
 mod resolve;
 
-pub use inside::{Inside, Seen};
+pub use inside::{Inside, MOVING_TOLERANCE, Seen, TOLERANCE};
 pub(crate) use resolve::{Cover, stripes};
 pub use resolve::{Paint, resolve, resolve_patchwork};
 

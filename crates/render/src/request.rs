@@ -36,6 +36,10 @@ pub struct Request {
     /// What lies behind the objects of the 3D view: sRGB and an alpha that is not multiplied into it;
     /// [`crate::style::BACKGROUND`] if not given. Geodesic pictures have no background.
     pub background: Option<[u8; 4]>,
+    /// Whether the view moves, and a picture at once is worth more than a fine one: then a geodesic view may be off by
+    /// [`MOVING_TOLERANCE`](crate::geodesic_view::MOVING_TOLERANCE) pixels, and the software path blurs what it sees at
+    /// a flat angle.
+    pub moving: bool,
     /// An object that the 3D view sets off, by mixing [`crate::style::EMPHASIS_COLOUR`] into it.
     pub highlight: Option<ObjectId>,
 }
@@ -203,6 +207,7 @@ impl Request {
             show_camera: None,
             trails: Vec::new(),
             background: None,
+            moving: false,
             highlight: None,
         }
     }

@@ -283,6 +283,50 @@ fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
 }
 
 #[test]
+fn a_view_that_moves_is_coarse_and_at_rest_as_fine_as_if_it_never_had() {
+    let text = "surface s(u,v) = ((1 + 0.4cos v) cos u, (1 + 0.4cos v) sin u, 0.4sin v), \
+                u : [0, 2pi], v : [0, 2pi];\n\
+                geodesic g(t) : s = (1, 0.3) @ (1, 1), t : [0, 9];\n";
+    let (scene, settings) = compiled(text);
+    let fine = Request::geodesic(ObjectId(0), SIZE);
+    let coarse = Request {
+        moving: true,
+        ..fine.clone()
+    };
+    let mut stage = Stage::software();
+    let mut draw = |request: &Request| {
+        let shot = stage
+            .draw(&scene, &settings, request)
+            .expect("it can be drawn");
+        let (work, estimate) = shot.inside.expect("it is a geodesic view");
+        let Pixels::Image(image) = shot.pixels else {
+            panic!("the software path draws in memory");
+        };
+        (
+            image,
+            work.evaluations,
+            estimate.expect("a fan tells its error").max,
+        )
+    };
+    let (moving, few, far) = draw(&coarse);
+    let (resting, many, near) = draw(&fine);
+    assert!(few < many, "{few} evaluations, at rest {many}");
+    assert!(far <= 0.5 && near <= 0.1, "{far} pixels, at rest {near}");
+    assert!(moving != resting, "coarse and fine are the same picture");
+    // Neither takes the other's place among what is kept.
+    assert_eq!(draw(&coarse).0, moving);
+    assert_eq!(draw(&fine).0, resting);
+    let mut other = Stage::software();
+    let alone = other
+        .draw(&scene, &settings, &fine)
+        .expect("it can be drawn");
+    let Pixels::Image(alone) = alone.pixels else {
+        panic!("the software path draws in memory");
+    };
+    assert_eq!(alone, resting);
+}
+
+#[test]
 fn the_first_camera_stays_while_the_scene_moves_a_little_and_follows_when_it_leaves() {
     let text = "param a : [0, 100];
         surface s(u, v) = (u + 0.01 a, v, 0.1 u v), u : [0, 1, 12], v : [0, 1, 12];

@@ -34,6 +34,7 @@ fn paint(texture: &Arc<Texture>) -> Paint<'_> {
         domain: UNIT,
         sides: WRAPPED,
         mark_centre: false,
+        coarse: false,
     }
 }
 
@@ -161,6 +162,7 @@ fn the_mark_is_an_open_ring_that_leaves_the_centre_as_it_is() {
             &ends,
             &Paint {
                 mark_centre: true,
+                coarse: false,
                 ..paint(&texture)
             },
         );

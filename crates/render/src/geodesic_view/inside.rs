@@ -39,7 +39,9 @@ const FIRST_ZOOM: f64 = 0.55;
 const RK4_STEPS: u32 = 128;
 
 /// The error allowed at a pixel, in pixels.
-const TOLERANCE: f64 = 0.1;
+pub const TOLERANCE: f64 = 0.1;
+/// The same in a picture of a view that moves.
+pub const MOVING_TOLERANCE: f64 = 0.5;
 /// The share of it that polynomials between the rays may add.
 const PATCHWORK_SHARE: f64 = 0.25;
 /// The error that the integrator of a single ray is asked for, in pixels: on its way to the end it grows a few times.
@@ -57,6 +59,8 @@ pub struct Inside {
     pub uniforms: Vec<f64>,
     /// How geodesics are followed.
     pub method: Method,
+    /// The error allowed at a pixel, in pixels.
+    tolerance: f64,
     size: [u32; 2],
 }
 
@@ -99,6 +103,11 @@ impl Inside {
             .get(surface.0 as usize)
             .ok_or(RenderError::NoSurface { name: None })?;
         let name = || object.name.clone();
+        let tolerance = if request.moving {
+            MOVING_TOLERANCE
+        } else {
+            TOLERANCE
+        };
         let uniforms = settings.first_instance(scene, object);
         let ground = ground(surface, &uniforms)?;
         let surface = ground.surface();
@@ -126,6 +135,7 @@ impl Inside {
                 zoom,
                 uniforms,
                 method,
+                tolerance,
                 size: request.size,
                 ground,
             });
@@ -149,6 +159,7 @@ impl Inside {
             zoom,
             uniforms,
             method,
+            tolerance,
             size: request.size,
             ground,
         })
@@ -178,7 +189,7 @@ impl Inside {
         };
         let fan = self.fan(across);
         progress(0.5);
-        let patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * TOLERANCE);
+        let patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * self.tolerance);
         progress(1.0);
         Seen::Patchwork {
             work: fan.work(),
@@ -190,8 +201,8 @@ impl Inside {
     /// The ends of all pixels' geodesics, in f64 on all cores. `progress` is told the share that is done.
     pub fn map(&self, progress: &(dyn Fn(f32) + Sync)) -> Map {
         let (method, tolerance) = match self.method {
-            Method::Auto | Method::Fan => (map::Method::Fan, TOLERANCE),
-            Method::FanLinear => (map::Method::FanLinear, TOLERANCE),
+            Method::Auto | Method::Fan => (map::Method::Fan, self.tolerance),
+            Method::FanLinear => (map::Method::FanLinear, self.tolerance),
             Method::Adaptive => (map::Method::Adaptive, RAY_TOLERANCE),
             Method::Rk4Pixel => {
                 let rk4 = map::Method::Rk4 {
@@ -236,7 +247,7 @@ impl Inside {
 
     fn fan(&self, across: Across) -> Fan<'_, dyn Surface + '_> {
         let options = FanOptions {
-            tolerance: TOLERANCE,
+            tolerance: self.tolerance,
             across,
             max_evaluations: FanOptions::default()
                 .max_evaluations
@@ -266,6 +277,14 @@ impl Inside {
         MapOptions::default()
             .max_evaluations
             .min(pixels.saturating_mul(map::MOST_FOR_PIXEL))
+    }
+
+    /// The same camera, with the error that is allowed where a view moves.
+    pub fn moving(self) -> Self {
+        Self {
+            tolerance: MOVING_TOLERANCE,
+            ..self
+        }
     }
 
     /// The same camera, by another method.

@@ -33,6 +33,8 @@ pub struct Paint<'a> {
     pub sides: Sides,
     /// Whether the centre is marked by an open ring.
     pub mark_centre: bool,
+    /// Whether a picture at once is worth more than a fine one: what is seen at a flat angle is then blurred.
+    pub coarse: bool,
 }
 
 /// Colours a map, on all cores.
@@ -43,7 +45,7 @@ pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
         return image;
     }
     let cover = Cover::new(paint.texture, paint.domain, paint.sides);
-    let sampler = cover.sampler(map.origin);
+    let sampler = cover.sampler(map.origin, paint.coarse);
     let (cover, sampler) = (&cover, &sampler);
     let processor = Processor::here();
     image
@@ -77,7 +79,7 @@ pub fn resolve_patchwork(patchwork: &Patchwork, paint: &Paint) -> (RgbaImage, Ve
         return (image, status);
     }
     let cover = Cover::new(paint.texture, paint.domain, paint.sides);
-    let sampler = cover.sampler(patchwork.origin);
+    let sampler = cover.sampler(patchwork.origin, paint.coarse);
     let (cover, sampler) = (&cover, &sampler);
     let processor = Processor::here();
     let band = BLOCK as usize * width;
@@ -170,9 +172,10 @@ impl Cover {
     }
 
     /// The image about a point, in units of (u,v).
-    fn sampler(&self, origin: [f64; 2]) -> Sampler<'_> {
+    fn sampler(&self, origin: [f64; 2], coarse: bool) -> Sampler<'_> {
         let unit = self.period.map(|period| 1.0 / period);
-        Sampler::new(&self.texture, self.share(origin), unit, self.repeats)
+        let sampler = Sampler::new(&self.texture, self.share(origin), unit, self.repeats);
+        if coarse { sampler.coarse() } else { sampler }
     }
 }
 

@@ -30,6 +30,8 @@ struct Standing {
     ground: Content,
     view: View,
     size: [u32; 2],
+    /// A coarse look is none for a view at rest, nor a fine one what a moving view waits for.
+    moving: bool,
 }
 
 /// Grounds and looks.
@@ -72,6 +74,7 @@ impl Looks {
             ground: ground_content(scene, settings, structures, surface, on),
             view: request.view.clone(),
             size: request.size,
+            moving: request.moving,
         };
         if let Some(at) = self.looks.iter().position(|(key, _)| *key == standing) {
             let known = self.looks.remove(at);

@@ -44,6 +44,7 @@ pub(crate) fn paint(
         domain: inside.domain(),
         sides: inside.sides(),
         mark_centre: request.mark_centre,
+        coarse: request.moving,
     };
     let (mut image, status) = seen.resolve(&paint);
     let (over, overlays) = overlay::over_inside(

@@ -8,6 +8,8 @@ use crate::style::decode;
 
 /// How many times a footprint may be longer than wide before it is blurred across.
 const MAX_ANISOTROPY: f32 = 8.0;
+/// The same where time is short.
+const COARSE_ANISOTROPY: f32 = 2.0;
 /// A footprint that is so many times longer than wide still has one probe, on a coarser level.
 const ROUND: f32 = 0.5;
 /// Probes overlap: each is this much of its share of the footprint's length, at least.
@@ -28,6 +30,8 @@ pub struct Sampler<'a> {
     /// Texels of the first level per unit of an offset.
     texels: [f32; 2],
     last: f32,
+    /// One over how many times a footprint may be longer than wide.
+    narrowest: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -86,6 +90,15 @@ impl<'a> Sampler<'a> {
             texels: levels[0].scale,
             last: (levels.len() - 1) as f32,
             levels,
+            narrowest: 1.0 / MAX_ANISOTROPY,
+        }
+    }
+
+    /// The same, with fewer probes where a footprint is long: a little blurred there.
+    pub(crate) fn coarse(self) -> Self {
+        Self {
+            narrowest: 1.0 / COARSE_ANISOTROPY,
+            ..self
         }
     }
 
@@ -109,7 +122,7 @@ impl<'a> Sampler<'a> {
         let spread = (half * half + xy * xy).sqrt();
         let major = (mean + spread).sqrt();
         let minor = (mean - spread).max(0.0).sqrt();
-        let minor = minor.max(major * (1.0 / MAX_ANISOTROPY)).max(1.0);
+        let minor = minor.max(major * self.narrowest).max(1.0);
         let probes = (major / minor + (1.0 - ROUND)).floor().max(1.0);
         let level = log2(minor.max(OVERLAP * major / probes));
         // Half the angle of (half, xy), without an arc tangent: the axis of the larger singular value.

@@ -278,3 +278,109 @@ struct Turned {
     signs: [f64; 2],
     shift: [f64; 2],
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers from 0 to 1 without a pattern.
+    fn numbers() -> impl FnMut() -> f64 {
+        let mut state = 7_u64;
+        move || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        }
+    }
+
+    /// All repetitions, within two turns, of a piece of a chart whose u wraps: by turns of it, turned over by each one
+    /// where it flips.
+    fn repeated(table: &Table, piece: &Piece, flips: bool) -> Vec<Piece> {
+        let turn = |turn: i32| {
+            let over = flips && turn % 2 != 0;
+            let sign = if over { -1.0 } else { 1.0 };
+            let both = table.domain[1][0] + table.domain[1][1];
+            let v = if over {
+                both - piece.from[1]
+            } else {
+                piece.from[1]
+            };
+            Piece {
+                line: piece.line,
+                from: [piece.from[0] + f64::from(turn) * table.period[0], v],
+                step: [piece.step[0], sign * piece.step[1]],
+            }
+        };
+        (-2..=2).map(turn).collect()
+    }
+
+    fn agrees(side: Side) -> [usize; 3] {
+        let sides = Sides {
+            u: [side; 2],
+            v: [Side::Edge; 2],
+        };
+        let domain = [[-1.0, 2.0], [0.5, 1.5]];
+        let mut number = numbers();
+        let pieces = (0..300).map(|line| Piece {
+            line,
+            from: [-1.0 + 2.95 * number(), 0.5 + 0.95 * number()],
+            step: [0.04 * number(), 0.04 * number()],
+        });
+        let mut table = Table {
+            domain,
+            sides,
+            wraps: [side == Side::Wrap, false],
+            period: domain.map(|[low, high]| high - low),
+            pieces: pieces.collect(),
+            begins: Vec::new(),
+            numbers: Vec::new(),
+            sums: Vec::new(),
+        };
+        table.enter();
+        let mut counts = [0; 3];
+        let mut found = Vec::new();
+        for _ in 0..2000 {
+            let low = [-6.0 + 12.0 * number(), 0.5 + 0.9 * number()];
+            let size = [0.3 * number() * number(), 0.1 * number()];
+            let high = [low[0] + size[0], low[1] + size[1]];
+            let near = table.near([low, high], false, &mut found);
+            if near == Near::Unclear {
+                counts[2] += 1;
+                continue;
+            }
+            let meets = |piece: &Piece| {
+                (0..2).all(|k| {
+                    piece.from[k].max(piece.from[k] + piece.step[k]) >= low[k]
+                        && piece.from[k].min(piece.from[k] + piece.step[k]) <= high[k]
+                })
+            };
+            let mut wanted: Vec<usize> = table
+                .pieces
+                .iter()
+                .flat_map(|piece| repeated(&table, piece, side == Side::WrapFlip))
+                .filter(meets)
+                .map(|piece| piece.line)
+                .collect();
+            wanted.sort_unstable();
+            wanted.dedup();
+            let mut lines: Vec<usize> = found.iter().map(|piece| piece.line).collect();
+            lines.sort_unstable();
+            assert_eq!(lines, wanted, "{low:?} {high:?}");
+            assert!(found.iter().all(meets), "{found:?} {low:?} {high:?}");
+            counts[usize::from(near == Near::Some)] += 1;
+        }
+        counts
+    }
+
+    #[test]
+    fn a_box_finds_the_pieces_that_go_through_it_on_every_turn_of_the_chart() {
+        for side in [Side::Wrap, Side::WrapFlip] {
+            let [nothing, some, unclear] = agrees(side);
+            assert!(
+                nothing > 100 && some > 100 && unclear < 200,
+                "{nothing} {some} {unclear}"
+            );
+        }
+    }
+}
