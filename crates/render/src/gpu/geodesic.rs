@@ -6,7 +6,7 @@
 
 use std::borrow::Cow;
 
-use geodesic::ends::{Estimate, Work};
+use geodesic::ends::{Coordinates, Estimate, Work};
 use geodesic::frame::Frame;
 use geodesic::map::Map;
 use geodesic::patchwork::table::code_of;
@@ -66,12 +66,12 @@ pub(crate) fn render(
     );
     let sampler = workshop.sampler(cover.repeats);
     let image = workshop.texture(&cover.texture);
-    let unit = match &source.ends {
-        Ends::Map(_, chart) => chart.scale,
-        Ends::Table(_) => [1.0; 2],
+    let (origin, unit) = match &source.ends {
+        Ends::Map(map, chart) => (map.origin(chart), chart.scale),
+        Ends::Table(_) => (inside.frame.uv, [1.0; 2]),
     };
     let colour = request.colour(view.surface, &object.shape);
-    let mut resolve = description(request, &cover, inside.frame.uv, unit, colour);
+    let mut resolve = description(request, &cover, origin, unit, colour);
     let halo = resolve.reach as u32 + 1;
     let slab = (SLAB_PIXELS / width)
         .saturating_sub(2 * halo)
@@ -257,7 +257,7 @@ pub(crate) fn description(
 }
 
 /// The map of a geodesic view as a generated kernel computes it, in one piece: for comparing it with f64. `None` if
-/// the surface's derivatives are too large for a shader.
+/// the surface's derivatives are too large for a shader, or the camera stands at a pole.
 pub(crate) fn map(
     workshop: &mut Workshop<'_>,
     scene: &Scene,
@@ -285,7 +285,8 @@ enum MapSource {
     Blocks(Box<Map>),
 }
 
-/// The generated kernel; `None` if it would be too large for a shader: f64 takes any expression.
+/// The generated kernel; `None` if it would be too large for a shader, or if the camera stands so near a pole that it has
+/// coordinates of its own there, which single precision's (u,v) cannot tell apart: f64 takes any of them.
 fn kernel_source(
     workshop: &mut Workshop<'_>,
     scene: &Scene,
@@ -295,6 +296,9 @@ fn kernel_source(
     let Shape::Surface { position, .. } = &scene.objects[surface.0 as usize].shape else {
         return Err(RenderError::NoSurface { name: None });
     };
+    if inside.frame.coordinates != Coordinates::Plain {
+        return Ok(None);
+    }
     match wgsl::kernel::geodesic(&scene.graph, *position) {
         Ok(kernel) => Ok(Some(MapSource::kernel(workshop, &kernel, &inside.uniforms))),
         Err(error) => internal(error).map_or(Ok(None), Err),
@@ -312,6 +316,14 @@ impl MapSource {
         let uniforms =
             (!row.is_empty()).then(|| workshop.gpu.storage("uniforms", bytemuck::cast_slice(&row)));
         Self::Kernel { pipeline, uniforms }
+    }
+
+    /// Where its offsets count from.
+    fn origin(&self, chart: &Chart) -> [f64; 2] {
+        match self {
+            Self::Kernel { .. } => chart.at,
+            Self::Blocks(map) => map.origin,
+        }
     }
 
     /// The whole map, read back.

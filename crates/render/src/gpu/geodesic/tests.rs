@@ -109,6 +109,51 @@ fn the_whole_sphere_is_seen_through_its_poles() {
     assert!(worst < 0.2, "{worst} pixels");
 }
 
+/// The camera of the sphere so far from its pole, and what the kernel makes of it.
+fn beside_the_pole(from_pole: f64) -> (geodesic_view::Inside, Option<Map>) {
+    let scene = scene::compile(SPHERE).scene.expect("no errors");
+    let settings = Settings::opening(&scene);
+    let mut request = Request::geodesic(ObjectId(0), [48, 48]);
+    if let View::Geodesic { at, zoom, .. } = &mut request.view {
+        *at = Some([0.3, std::f64::consts::FRAC_PI_2 - from_pole]);
+        *zoom = Some(1.0);
+    }
+    let gpu = device::open().expect("a GPU or software Vulkan");
+    let inside = geodesic_view::Inside::new(&scene, &settings, &request).expect("a camera");
+    let kernel = gpu.guarded(|| {
+        let mut workshop = Workshop::new(gpu);
+        super::map(&mut workshop, &scene, &settings, &request)
+    });
+    (inside, kernel.expect("a device"))
+}
+
+#[test]
+fn a_camera_beside_a_pole_sees_the_same_by_the_kernel_as_by_the_fan() {
+    for from_pole in [0.3, 0.1, 1e-2] {
+        let (inside, kernel) = beside_the_pole(from_pole);
+        let kernel = kernel.expect("a small kernel");
+        let fan = inside.map(&|_| {});
+        let place = |[u, v]: [f64; 2]| [u.cos() * v.cos(), u.sin() * v.cos(), v.sin()];
+        let mut worst = 0.0_f64;
+        for (index, _, uv) in pixels(&kernel) {
+            assert_eq!(kernel.status[index], Status::Complete, "pixel {index}");
+            let pairs = place(uv).into_iter().zip(place(fan.uv(index)));
+            let square: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
+            worst = worst.max(24.0 * square.sqrt());
+        }
+        assert!(worst < 0.1, "{from_pole} from the pole: {worst} pixels");
+    }
+}
+
+#[test]
+fn at_a_pole_the_kernel_leaves_the_picture_to_what_has_coordinates_there() {
+    for from_pole in [0.0, 1e-9, 1e-3] {
+        let (inside, kernel) = beside_the_pole(from_pole);
+        assert!(inside.frame.coordinates != Coordinates::Plain);
+        assert!(kernel.is_none(), "{from_pole} from the pole");
+    }
+}
+
 #[test]
 fn a_sphere_of_any_size_and_chart_gives_the_same_picture() {
     let sides = [WRAP, WRAP, POLE, POLE];
