@@ -17,6 +17,7 @@ from pathlib import Path
 PATIENCE = 60.0
 ROOT = Path(__file__).resolve().parents[2]
 BINARY = os.environ.get("GEOTRACE_BIN", "geotrace")
+FAULTY = Path(BINARY).resolve().parent / "examples/window"
 
 
 def until(what, holds, patience=PATIENCE):
@@ -103,7 +104,7 @@ class Lines:
 class Window:
     """A window on a program of its own."""
 
-    def __init__(self, screen, text, *arguments, name="program.gtr", folder=None):
+    def __init__(self, screen, text, *arguments, name="program.gtr", folder=None, faults=None):
         self.screen = screen
         self.own = folder is None
         self.folder = Path(folder or tempfile.mkdtemp(prefix="geotrace-window-"))
@@ -121,15 +122,23 @@ class Window:
         for old in self.folder.glob("report.jsonl*"):
             old.unlink()
         command = [BINARY, "preview", str(self.file), "--report", str(self.report), *arguments]
+        if faults:
+            # The window as a program of its own, whose GPU goes wrong.
+            command = [str(FAULTY), str(self.file), str(self.report), "gpu", *faults(self.folder)]
         with open(self.errors, "wb") as errors:
             self.process = subprocess.Popen(command, env=screen.environment(), stderr=errors)
         self.until("the window has drawn itself", lambda now: now.get("frames", 0) > 0)
-        found = lambda: screen.run("xdotool", "search", "--onlyvisible", "--pid", str(self.process.pid)).split()
-        self.id = until("the window is on the screen", lambda: self.ids(found))
-        self.xdotool("windowsize", self.id, *screen.size)
-        self.xdotool("windowfocus", self.id)
+        self.find()
         if text is not None:
             self.settle()
+
+    def find(self):
+        """Finds the window on the screen, and gives it all of that and the keys."""
+        pid = str(self.process.pid)
+        found = lambda: self.screen.run("xdotool", "search", "--onlyvisible", "--pid", pid).split()
+        self.id = until("the window is on the screen", lambda: self.ids(found))
+        self.xdotool("windowsize", self.id, *self.screen.size)
+        self.xdotool("windowfocus", self.id)
 
     @staticmethod
     def ids(found):
@@ -237,6 +246,13 @@ class Window:
 
     def key(self, *keys):
         self.does("key", *keys)
+
+    def enter(self, field, text):
+        """Puts a text in the place of a field's."""
+        self.click(field)
+        self.key("ctrl+a")
+        self.xdotool("type", "--delay", "10", text)
+        self.settle()
 
     def pane(self, name):
         return self.take()["panes"][name]

@@ -236,6 +236,188 @@ class Controls(OnScreen):
         self.assertEqual(now["eye"], chosen["eye"])
 
 
+class Files(OnScreen):
+    """What the menus write and read: without a desktop's dialogs, which are not there."""
+
+    def menu(self, window, entry, menu="Button: File"):
+        window.click(menu)
+        window.click(entry)
+        window.settle()
+
+    def test_a_picture_is_saved_and_the_field_takes_the_dialogs_place(self):
+        window = self.open(SPHERE)
+        self.menu(window, "Save picture…")
+        window.click("Button: Choose…")
+        window.place("No dialog for files can be opened here")
+        self.screen.keep("no-dialog")
+        target = window.folder / "out.png"
+        window.enter("TextInput: File", str(target))
+        window.click("CheckBox: Transparent background")
+        window.click("Button: Save")
+        until("the picture is there", target.exists)
+        window.place(f"are in `{target}`")
+        left, top, width, height = window.pane("3d")
+        told = window.screen.run("identify", "-format", "%w %h %[opaque]", str(target)).decode().split()
+        self.assertEqual([int(side) for side in told[:2]], [round(width), round(height)])
+        self.assertEqual(told[2].lower(), "false", "the background is transparent")
+        # A place where nothing can be written is a sentence, and nothing is there.
+        self.menu(window, "Save picture…")
+        window.enter("TextInput: File", str(window.folder / "no/such/out.png"))
+        window.click("Button: Save")
+        window.place("cannot write")
+
+    def test_a_picture_that_is_copied_can_be_pasted_elsewhere(self):
+        window = self.open(SPHERE)
+        self.menu(window, "Copy picture")
+        window.place("was copied")
+        clipboard = ["xclip", "-selection", "clipboard", "-o", "-t"]
+        until("it is a picture", lambda: b"image/png" in self.asked(*clipboard, "TARGETS"))
+        pasted = window.folder / "pasted.png"
+        pasted.write_bytes(self.screen.run(*clipboard, "image/png"))
+        _, _, width, height = window.pane("3d")
+        told = window.screen.run("identify", "-format", "%w %h %k", str(pasted)).decode().split()
+        self.assertEqual([int(side) for side in told[:2]], [round(width), round(height)])
+        self.assertGreater(int(told[2]), 100, "colours")
+
+    def asked(self, *command):
+        """What a program says, or nothing where it fails."""
+        try:
+            return self.screen.run(*command)
+        except subprocess.CalledProcessError:
+            return b""
+
+    def test_a_mesh_is_exported_in_the_format_of_its_name(self):
+        window = self.open(SPHERE)
+        for extension, begins in {"obj": b"", "ply": b"ply", "glb": b"glTF"}.items():
+            target = window.folder / f"mesh.{extension}"
+            self.menu(window, "Export mesh…")
+            window.enter("TextInput: File", str(target))
+            window.click("Button: Save")
+            until("the mesh is there", target.exists)
+            self.assertTrue(target.read_bytes().startswith(begins))
+        vertices = [line for line in (window.folder / "mesh.obj").read_text().splitlines() if line.startswith("v ")]
+        self.assertGreater(len(vertices), 100)
+        self.menu(window, "Export mesh…")
+        window.enter("TextInput: File", str(window.folder / "mesh.doc"))
+        window.click("Button: Save")
+        window.place("does not end in one of")
+
+    def test_textures_are_opened_from_the_field_where_there_is_no_dialog(self):
+        window = self.open(SPHERE)
+        window.screen.run("convert", "-size", "64x32", "gradient:red-blue", str(window.folder / "map.png"))
+        self.menu(window, "Open textures…")
+        window.place("No dialog for files can be opened here")
+        # The field has the keys.
+        window.settle()
+        window.xdotool("type", "--delay", "20", "map.png")
+        window.key("Return")
+        window.place("Remove map.png")
+
+    def test_an_animation_is_recorded_and_called_off(self):
+        window = self.open(SPHERE)
+        target = window.folder / "3d.gif"
+        self.menu(window, "Record…")
+        self.screen.keep("record")
+        for field, number in {"Frames": 6, "Width": 80, "Height": 60}.items():
+            window.enter(f"SpinButton: {field}", f"{number}\n")
+        window.click("Button: Record")
+        until("the animation is there", target.exists)
+        window.place(f"are in `{target}`")
+        sizes = window.screen.run("identify", "-format", "%Wx%H ", str(target)).decode().split()
+        self.assertEqual(sizes, ["80x60"] * 6)
+        target.unlink()
+        self.menu(window, "Record…")
+        window.enter("SpinButton: Frames", "100000\n")
+        window.click("Button: Record")
+        self.screen.keep("recording")
+        window.click("Button: Cancel the recording")
+        window.place("was called off")
+        left = sorted(path.name for path in window.folder.iterdir() if ".gif" in path.name)
+        self.assertEqual(left, [])
+
+    def test_a_trail_is_drawn_in_both_views_until_it_is_cleared(self):
+        window = self.open(SPHERE)
+        window.click("Image: Geodesic view of s")
+        window.click("Button: Overlays")
+        window.click("CheckBox: Trail of the walk")
+        window.key("Escape")
+        window.settle()
+        window.hold("w")
+        window.hold("d")
+        length = window.settle()["trails"]["s"]
+        self.assertGreater(length, 0)
+        window.place(f"trail of length {length:.4f}")
+        self.screen.keep("trail")
+        space, inside, at = window.pixels("3d"), window.pixels("geodesic:s"), window.take()["inside"]["s"]
+        window.click("Button: Overlays")
+        window.click("Button: Clear the trail")
+        window.key("Escape")
+        window.until("it is cleared", lambda now: now["trails"]["s"] == 0)
+        window.settle()
+        self.assertEqual(window.take()["inside"]["s"], at)
+        self.assertNotEqual(window.pixels("3d"), space)
+        self.assertNotEqual(window.pixels("geodesic:s"), inside)
+
+
+class Gpu(OnScreen):
+    """A GPU that fails: a software driver stands for it."""
+
+    def test_a_window_whose_gpu_is_lost_is_opened_again_as_it_was(self):
+        signs = []
+
+        def loses(folder):
+            signs.append(folder / "lose-it-now")
+            return [f"lose={signs[0]}"]
+
+        window = self.open(SPHERE, faults=loses)
+        window.hold("w")
+        window.click("Program text")
+        window.key("ctrl+End")
+        window.xdotool("type", "--delay", "30", "point q = (1, 1, 1);")
+        window.until("it is read", lambda now: now["version"] > 1 and not now["stale"])
+        before = window.settle()
+        self.assertIn("Image: 3D view of 3 objects", "".join(window.controls))
+        first = window.id
+        signs[0].touch()
+        # Another window of the same process takes its place.
+        window.place("the GPU was lost; the window was opened again")
+        until("the old one is gone", lambda: not self.is_there(first))
+        window.find()
+        after = window.settle()
+        self.screen.keep("gpu-lost")
+        for kept in ("eye", "params", "status", "version"):
+            self.assertEqual(after[kept], before[kept], kept)
+        self.assertEqual(window.file.read_text(), SPHERE, "what was not saved is not written")
+        # Text, pictures and keys are those of the window as it was.
+        self.assertIn("Image: 3D view of 3 objects", "".join(window.controls))
+        self.assertGreater(self.colours(window, "3d"), 100)
+        self.assertGreater(self.colours(window, "geodesic:s"), 100)
+        window.key("ctrl+s")
+        until("the text was kept", lambda: window.file.read_text() == SPHERE + "point q = (1, 1, 1);")
+        self.assertIsNone(window.process.poll())
+
+    def is_there(self, window):
+        try:
+            return bool(self.screen.run("xdotool", "getwindowname", window))
+        except subprocess.CalledProcessError:
+            return False
+
+    def colours(self, window, pane):
+        pixels = window.pixels(pane)
+        return len({pixels[k : k + 3] for k in range(0, len(pixels), 3)})
+
+    def test_an_object_whose_shader_is_refused_is_computed_by_the_processor_with_a_note(self):
+        text = "surface s(u,v) = (u, v, 0.2 sin(3u) cos(2v)), u : [-1, 1, 300], v : [-1, 1, 300];\n"
+        window = self.open(text, faults=lambda _folder: ["refuse"])
+        # The note comes with the first picture behind the refusal.
+        begun = window.settle()["pictures"]
+        window.hold("w")
+        window.until("a new picture", lambda now: now["pictures"] > begun)
+        window.place("the GPU has refused the shader of `s`, which is computed without it")
+        self.screen.keep("refused")
+        self.assertGreater(self.colours(window, "3d"), 100)
+
+
 class Faults(OnScreen):
     """What can go wrong: a sentence, no panic, nothing lost."""
 

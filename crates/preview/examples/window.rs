@@ -1,11 +1,10 @@
-//! Opens the window: `cargo run -p geotrace-preview --example window FILE [REPORT] [BACKEND] [SECONDS]`. The file `-`
-//! stands for a server on standard input and output. Counters go to REPORT, one JSON object a line; the GPU is given up
-//! after some seconds.
+//! Opens the window: `cargo run -p geotrace-preview --example window FILE [REPORT [BACKEND [FAULT…]]]`. The file `-`
+//! stands for a server on standard input and output. Counters go to REPORT, one JSON object a line. A FAULT of the GPU is
+//! `lose=SIGN`: it is given up when there is a file SIGN; or `refuse`: it refuses the shaders of samples.
 
 use std::process::ExitCode;
-use std::time::Duration;
 
-use preview::{Backend, Options, Source};
+use preview::{Backend, Faults, Options, Source};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -26,12 +25,18 @@ fn main() -> ExitCode {
         },
         report: given(1).map(Into::into),
     };
-    let loses = given(3).and_then(|seconds| seconds.parse().ok());
-    let result = match loses.map(Duration::from_secs) {
-        Some(after) => preview::run_and_lose_gpu(options, after),
-        None => preview::run(options),
-    };
-    match result {
+    let mut faults = Faults::default();
+    for fault in arguments.iter().skip(3) {
+        match fault.split_once('=') {
+            Some(("lose", sign)) => faults.loses_gpu = Some(sign.into()),
+            None if fault == "refuse" => faults.refuses_samples = true,
+            _ => {
+                eprintln!("`{fault}` is no fault");
+                return ExitCode::from(2);
+            }
+        }
+    }
+    match preview::run_with_faults(options, &faults) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("{failure}");

@@ -3,7 +3,9 @@
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::rc::Rc;
-use std::time::{Duration, Instant};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use eframe::{App, CreationContext, Frame, NativeOptions};
 use egui::{Ui, ViewportCommand};
@@ -11,7 +13,7 @@ use egui::{Ui, ViewportCommand};
 use crate::report::Report;
 use crate::screen::Screen;
 use crate::window::Window;
-use crate::{Failure, Options, Source};
+use crate::{Failure, Faults, Options, Source};
 
 /// How often a lost GPU is replaced before the window gives up.
 const REVIVALS: u32 = 3;
@@ -21,18 +23,18 @@ const REVIVALS: u32 = 3;
 /// # Errors
 /// See [`Failure`].
 pub fn run(options: Options) -> Result<(), Failure> {
-    open(options, None)
+    open(options, &Faults::default())
 }
 
-/// As [`run`], but the window's GPU is given up after some time, as though it were lost: for tests of what happens then.
+/// As [`run`], but with faults of the window's GPU: for tests of what happens then.
 ///
 /// # Errors
 /// See [`Failure`].
-pub fn run_and_lose_gpu(options: Options, after: Duration) -> Result<(), Failure> {
-    open(options, Some(after))
+pub fn run_with_faults(options: Options, faults: &Faults) -> Result<(), Failure> {
+    open(options, faults)
 }
 
-fn open(options: Options, loses: Option<Duration>) -> Result<(), Failure> {
+fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
     // Read before anything is opened: a file that is not there needs no window.
     if let Source::File(path) = &options.source {
         crate::watch::read(path).map_err(|reason| Failure::Unreadable {
@@ -50,9 +52,10 @@ fn open(options: Options, loses: Option<Duration>) -> Result<(), Failure> {
     let slot: Slot = Rc::default();
     for screen in 0..=REVIVALS {
         let (own, kept) = (Rc::clone(&options), Rc::clone(&slot));
+        let mut faults = faults.clone();
+        faults.loses_gpu = faults.loses_gpu.filter(|_| screen == 0);
         let create = move |context: &CreationContext<'_>| -> Result<Box<dyn App>, Box<dyn std::error::Error + Send + Sync>> {
-            let loses = loses.filter(|_| screen == 0);
-            Ok(Box::new(Preview::new(context, &own, kept, loses)?))
+            Ok(Box::new(Preview::new(context, &own, kept, &faults)?))
         };
         let run = || eframe::run_native("geotrace", native(), Box::new(create));
         // Whoever draws the controls may meet the loss first, and gives up: the window does not.
@@ -125,8 +128,8 @@ fn in_words(reason: &str) -> &str {
 struct Preview {
     slot: Slot,
     title: String,
-    /// When the GPU is to be given up, for a test.
-    loses: Option<Instant>,
+    /// Whether the GPU is to be given up now, for a test.
+    loses: Arc<AtomicBool>,
 }
 
 impl Preview {
@@ -134,7 +137,7 @@ impl Preview {
         creation: &CreationContext<'_>,
         options: &Options,
         slot: Slot,
-        loses: Option<Duration>,
+        faults: &Faults,
     ) -> Result<Self, Failure> {
         let context = &creation.egui_ctx;
         let mut kept = slot.borrow_mut();
@@ -142,22 +145,30 @@ impl Preview {
             Some(window) => {
                 let sentence = "the GPU was lost; the window was opened again";
                 window.said = Some((true, sentence.to_owned()));
+                window.report_from(context);
                 window
             }
             empty => empty.insert(first(context, options)?),
         };
         if let Some(state) = creation.wgpu_render_state.clone() {
-            window.move_to(Screen::new(state), options.backend, context);
+            let screen = Screen::new(state);
+            if faults.refuses_samples {
+                screen.refuse_samples();
+            }
+            window.move_to(screen, options.backend, context);
         }
         drop(kept);
-        let loses = loses.map(|after| {
-            let waker = context.clone();
+        let loses = Arc::new(AtomicBool::new(false));
+        if let Some(sign) = faults.loses_gpu.clone() {
+            let (waker, loses) = (context.clone(), Arc::clone(&loses));
             std::thread::spawn(move || {
-                std::thread::sleep(after);
+                while !sign.exists() {
+                    std::thread::sleep(Duration::from_millis(20));
+                }
+                loses.store(true, Ordering::Relaxed);
                 waker.request_repaint();
             });
-            Instant::now() + after
-        });
+        }
         Ok(Self {
             slot,
             title: String::new(),
@@ -177,8 +188,8 @@ fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> 
             path: path.clone(),
             reason: error.to_string(),
         })?;
-        report.tell_places(context);
         window.report_to(report);
+        window.report_from(context);
     }
     Ok(window)
 }
@@ -190,11 +201,10 @@ impl App for Preview {
             return;
         };
         let context = ui.ctx().clone();
-        if self.loses.is_some_and(|at| Instant::now() >= at) {
-            self.loses = None;
-            if let Some(screen) = &window.screen {
-                screen.lose();
-            }
+        if self.loses.swap(false, Ordering::Relaxed)
+            && let Some(screen) = &window.screen
+        {
+            screen.lose();
         }
         if window.has_lost_its_screen() {
             // Nothing can be drawn here any more.

@@ -15,6 +15,7 @@
 mod app;
 mod artist;
 mod compiler;
+mod desktop;
 mod files;
 mod highlighting;
 mod link;
@@ -41,7 +42,7 @@ mod window;
 use std::fmt;
 use std::path::PathBuf;
 
-pub use app::{run, run_and_lose_gpu};
+pub use app::{run, run_with_faults};
 pub use report::Counters;
 pub use window::Window;
 
@@ -55,6 +56,15 @@ pub struct Options {
     /// Where counters go, one JSON object a line, each time the window has drawn itself: for tests of the real
     /// window. See [`Counters`].
     pub report: Option<PathBuf>,
+}
+
+/// What goes wrong with a window's GPU: for tests of the real window.
+#[derive(Clone, Debug, Default)]
+pub struct Faults {
+    /// It is given up, once, as though it were lost, when there is a file of this name.
+    pub loses_gpu: Option<PathBuf>,
+    /// It refuses shaders of samples.
+    pub refuses_samples: bool,
 }
 
 /// Where a window's text comes from.

@@ -34,6 +34,10 @@ pub(crate) enum Letter {
     },
     /// The user has chosen image files in a dialog.
     Images(Vec<PathBuf>),
+    /// The user has chosen in a dialog where a file is to be written.
+    Chosen(PathBuf),
+    /// No dialog can be opened in which images could be chosen.
+    NoDialogForImages,
     /// A sentence for the status line.
     Say {
         /// Whether it is an error.

@@ -1,8 +1,9 @@
 //! The menu bar and the dialogs it opens.
 
+use std::path::Path;
+
 use egui::{Grid, MenuBar, Panel, Ui};
 
-use crate::files;
 use crate::model::{Marks, Step, WAVEFRONTS};
 use crate::orders::PaneKey;
 use crate::panes::Pane;
@@ -27,9 +28,23 @@ pub(crate) struct Dialogs {
     pub(crate) leaving: bool,
     /// What stands in the field for a texture's file.
     pub(crate) texture_path: String,
+    /// That field is to have the keys.
+    pub(crate) wants_image: bool,
 }
 
 impl Dialogs {
+    /// The dialog that is open has a file now.
+    pub(crate) fn take_path(&mut self, path: &Path) {
+        let path = path.display().to_string();
+        if let Some(dialog) = &mut self.picture {
+            dialog.path = path;
+        } else if let Some(mesh) = &mut self.mesh {
+            *mesh = path;
+        } else if let Some(dialog) = &mut self.record {
+            dialog.path = path;
+        }
+    }
+
     /// Whether keys belong to a dialog.
     pub(crate) fn is_open(&self) -> bool {
         self.picture.is_some() || self.mesh.is_some() || self.record.is_some() || self.leaving
@@ -64,7 +79,7 @@ fn file(window: &mut Window, ui: &mut Ui) {
         }
     }
     if ui.button("Open textures…").clicked() {
-        files::choose_images(window.mail.clone(), window.folder());
+        crate::desktop::choose_images(window.mail.clone(), window.folder());
     }
     ui.separator();
     let has_picture = window.sent(&window.active).is_some();

@@ -1,6 +1,7 @@
 //! The panes: docked side by side or in tabs, moved by dragging their titles.
 
 pub(crate) mod editor;
+mod handles;
 mod inside;
 pub(crate) mod layout;
 mod picture;
@@ -10,7 +11,7 @@ mod space;
 
 use std::collections::BTreeSet;
 
-use egui::{Ui, WidgetText};
+use egui::{Response, Ui, WidgetText};
 use egui_tiles::{
     Behavior, Container, EditAction, Linear, LinearDir, SimplificationOptions, TabState, Tile,
     TileId, Tiles, Tree, UiResponse,
@@ -213,8 +214,11 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
         let mut drawer = Drawer {
             window,
             closed: &mut closed,
+            tabs: Vec::new(),
         };
         tree.ui(&mut drawer, ui);
+        let tabs = drawer.tabs;
+        handles::pass_on(ui, &tabs);
     });
     // What was asked for while the panes were drawn went to the empty tree's place.
     let asked = std::mem::replace(&mut window.panes.tree, tree);
@@ -242,6 +246,7 @@ fn written(ui: &mut Ui, show: impl FnOnce(&mut Ui)) {
 struct Drawer<'a> {
     window: &'a mut Window,
     closed: &'a mut Vec<Pane>,
+    tabs: Vec<Response>,
 }
 
 impl Behavior<Pane> for Drawer<'_> {
@@ -277,6 +282,16 @@ impl Behavior<Pane> for Drawer<'_> {
 
     fn close_button_outer_size(&self) -> f32 {
         16.0
+    }
+
+    fn on_tab_button(
+        &mut self,
+        _tiles: &mut Tiles<Pane>,
+        _tile: TileId,
+        button: Response,
+    ) -> Response {
+        self.tabs.push(button.clone());
+        button
     }
 
     fn on_tab_close(&mut self, tiles: &mut Tiles<Pane>, tile: TileId) -> bool {

@@ -2,15 +2,29 @@
 //!
 //! What comes between two frames is handed over in one go, and egui then knows where the pointer is at the end, not where
 //! it was pressed, and takes what is pressed and released within a frame for no drag. So a press, the motion behind it,
-//! and the release behind that have a frame each, as though the frames had been quick.
+//! and the release behind that have a frame each, as though the frames had been quick; and what is typed behind a click
+//! has one, since what was clicked on has the keys only then.
 
-use egui::{Context, Event, Plugin, RawInput};
+use egui::{Context, Event, Id, Key, Modifiers, Plugin, RawInput};
 
 /// Hands over events in parts.
 #[derive(Debug, Default)]
 pub(crate) struct Trickle {
     /// Events that come in the next frame, or later.
     later: Vec<Event>,
+}
+
+impl Trickle {
+    /// Has the key Tab pressed once more in the next frame, with Shift where that is held.
+    pub(crate) fn press_tab(context: &Context) {
+        let modifiers = context.input(|input| input.modifiers);
+        context.data_mut(|data| data.insert_temp(Self::again(), modifiers));
+        context.request_repaint();
+    }
+
+    fn again() -> Id {
+        Id::unique("press Tab again")
+    }
 }
 
 impl Plugin for Trickle {
@@ -20,6 +34,16 @@ impl Plugin for Trickle {
 
     fn input_hook(&mut self, context: &Context, input: &mut RawInput) {
         let mut events = std::mem::take(&mut self.later);
+        let again = context.data_mut(|data| data.remove_temp::<Modifiers>(Self::again()));
+        if let Some(modifiers) = again {
+            events.extend([true, false].map(|pressed| Event::Key {
+                key: Key::Tab,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers,
+            }));
+        }
         events.append(&mut input.events);
         self.later = events.split_off(first_part(&events));
         input.events = events;
@@ -31,7 +55,7 @@ impl Plugin for Trickle {
 
 /// How many events one frame can take.
 fn first_part(events: &[Event]) -> usize {
-    let (mut pressed, mut moved) = (false, false);
+    let (mut pressed, mut moved, mut clicked) = (false, false, false);
     for (at, event) in events.iter().enumerate() {
         match event {
             Event::PointerMoved(_) if pressed => return at,
@@ -39,8 +63,13 @@ fn first_part(events: &[Event]) -> usize {
             Event::PointerButton { pressed: true, .. } => pressed = true,
             // A release where the pointer was pressed, without any motion, is a click.
             Event::PointerButton { pressed: false, .. } if moved && !pressed => return at,
+            // What is typed belongs to what was clicked on, which has the keys in the next frame.
+            Event::Key { .. } | Event::Text(_) | Event::Paste(_) | Event::Ime(_) if clicked => {
+                return at;
+            }
             _ => {}
         }
+        clicked |= matches!(event, Event::PointerButton { .. });
     }
     events.len()
 }
@@ -80,6 +109,7 @@ mod tests {
         assert_eq!(parts("mpmmr"), ["mp", "mm", "r"]);
         assert_eq!(parts("mmr"), ["mm", "r"]);
         assert_eq!(parts("pmtrmp"), ["p", "mt", "rmp"]);
+        assert_eq!(parts("mprttm"), ["mpr", "ttm"]);
     }
 
     #[test]

@@ -11,7 +11,6 @@ use egui::{Align2, ComboBox, DragValue, Grid, ProgressBar, Ui};
 use render::record::{self, Change, Clip};
 use scene::scene::ObjectId;
 
-use crate::files;
 use crate::mail::{Letter, Mail};
 use crate::model::InsideCamera;
 use crate::motion::Motion;
@@ -34,7 +33,7 @@ pub(crate) struct RecordDialog {
     trail: bool,
     transparent: bool,
     clip: Clip,
-    path: String,
+    pub(crate) path: String,
 }
 
 /// What moves.
@@ -135,10 +134,16 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
     match decision {
         Decision::Stay => window.dialogs.record = Some(dialog),
         Decision::Cancel => {}
-        _ if dialog.moves.is_empty() || Kind::of(Path::new(&dialog.path)).is_none() => {
+        Decision::Choose => {
+            saving::choose(window, "Record", &dialog.path);
             window.dialogs.record = Some(dialog);
         }
-        decision => begin(window, &dialog, decision),
+        Decision::Save
+            if dialog.moves.is_empty() || Kind::of(Path::new(&dialog.path)).is_none() =>
+        {
+            window.dialogs.record = Some(dialog);
+        }
+        Decision::Save => begin(window, &dialog),
     }
 }
 
@@ -239,7 +244,7 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
 }
 
 /// Begins to record what a dialog was left with.
-fn begin(window: &mut Window, dialog: &RecordDialog, decision: Decision) {
+fn begin(window: &mut Window, dialog: &RecordDialog) {
     let Some(mut order) = window.sent(&dialog.pane).cloned() else {
         return;
     };
@@ -287,8 +292,7 @@ fn begin(window: &mut Window, dialog: &RecordDialog, decision: Decision) {
         clip: dialog.clip,
     };
     let path = PathBuf::from(&dialog.path);
-    let chooses = decision == Decision::Choose;
-    window.dialogs.recording = Some(Recording::start(window.mail.clone(), film, path, chooses));
+    window.dialogs.recording = Some(Recording::start(window.mail.clone(), film, path));
 }
 
 /// A recording that runs. Dropped, it is called off, and leaves nothing behind.
@@ -308,7 +312,7 @@ struct Shared {
 }
 
 impl Recording {
-    fn start(mail: Mail, film: Film, path: PathBuf, chooses: bool) -> Self {
+    fn start(mail: Mail, film: Film, path: PathBuf) -> Self {
         let shared = Arc::new(Shared {
             frames: film.clip.frames,
             now: AtomicU32::new(0),
@@ -317,19 +321,11 @@ impl Recording {
         });
         let own = Arc::clone(&shared);
         let work = move || {
-            let path = match chooses {
-                true => files::ask_target("Record", &path),
-                false => Ok(Some(path)),
-            };
-            let result = match path {
-                Ok(Some(path)) => film.shoot(&path, &|number| {
-                    own.now.store(number + 1, Ordering::Relaxed);
-                    mail.wake();
-                    !own.cancelled.load(Ordering::Relaxed)
-                }),
-                Ok(None) => Err(Ended::Cancelled),
-                Err(sentence) => Err(Ended::Failed(sentence)),
-            };
+            let result = film.shoot(&path, &|number| {
+                own.now.store(number + 1, Ordering::Relaxed);
+                mail.wake();
+                !own.cancelled.load(Ordering::Relaxed)
+            });
             own.ended.store(true, Ordering::Release);
             let (error, text) = match result {
                 Ok(text) => (false, text),
@@ -357,9 +353,8 @@ impl Recording {
 impl Drop for Recording {
     fn drop(&mut self) {
         self.shared.cancelled.store(true, Ordering::Relaxed);
-        // A dialog of the desktop may stay open for ever: nothing has been written then.
-        let draws = self.shared.now.load(Ordering::Relaxed) > 0;
-        if let Some(thread) = self.thread.take().filter(|_| draws) {
+        // It ends with the picture that it draws now.
+        if let Some(thread) = self.thread.take() {
             let _ = thread.join();
         }
     }
@@ -375,10 +370,7 @@ fn progress(recording: &Recording, ui: &Ui) {
         .show(ui.ctx(), |ui| {
             let now = shared.now.load(Ordering::Relaxed);
             let done = now.saturating_sub(1) as f32 / shared.frames.max(1) as f32;
-            let words = match now {
-                0 => "waiting for the file's name".to_owned(),
-                now => format!("picture {now} of {}", shared.frames),
-            };
+            let words = format!("picture {} of {}", now.max(1), shared.frames);
             ui.add(ProgressBar::new(done).desired_width(220.0).text(words));
             if ui.button("Cancel the recording").clicked() {
                 shared.cancelled.store(true, Ordering::Relaxed);

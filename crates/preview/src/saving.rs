@@ -22,7 +22,7 @@ pub(crate) struct PictureDialog {
     pane: PaneKey,
     size: [u32; 2],
     transparent: bool,
-    path: String,
+    pub(crate) path: String,
 }
 
 /// What a dialog was left with.
@@ -110,14 +110,22 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
         match picture(&mut dialog, ui) {
             Decision::Stay => window.dialogs.picture = Some(dialog),
             Decision::Cancel => {}
-            decision => write_picture(window, &dialog, decision),
+            Decision::Choose => {
+                choose(window, "Save picture", &dialog.path);
+                window.dialogs.picture = Some(dialog);
+            }
+            Decision::Save => write_picture(window, &dialog),
         }
     }
     if let Some(mut path) = window.dialogs.mesh.take() {
         match mesh(&mut path, ui) {
             Decision::Stay => window.dialogs.mesh = Some(path),
             Decision::Cancel => {}
-            decision => write_mesh(window, &path, decision),
+            Decision::Choose => {
+                choose(window, "Export mesh", &path);
+                window.dialogs.mesh = Some(path);
+            }
+            Decision::Save => write_mesh(window, &path),
         }
     }
 }
@@ -162,10 +170,17 @@ pub(crate) fn file(ui: &mut Ui, path: &mut String) -> bool {
         .horizontal(|ui| {
             let edit = egui::TextEdit::singleline(path).desired_width(320.0);
             ui.add(edit).labelled_by(label.id);
-            ui.button("Choose…").clicked()
+            let choose = egui::Button::new("Choose…");
+            ui.add_enabled(crate::desktop::has_dialogs(), choose)
+                .clicked()
         })
         .inner;
     ui.end_row();
+    if !crate::desktop::has_dialogs() {
+        ui.label("");
+        ui.label(crate::desktop::NO_DIALOG);
+        ui.end_row();
+    }
     choose
 }
 
@@ -207,24 +222,12 @@ pub(crate) fn modal(
     decision
 }
 
-/// Writes where the dialog says, or where the desktop's dialog will say.
-fn write(
-    window: &Window,
-    title: &'static str,
-    path: &str,
-    decision: Decision,
-    work: impl FnOnce(&Path) -> Result<String, String> + Send + 'static,
-) {
-    let mail = window.mail.clone();
-    let path = PathBuf::from(path);
-    if decision == Decision::Save {
-        files::write_to(mail, path, work);
-        return;
-    }
-    files::choose_target(mail, title, path, work);
+/// Lets the user choose the file in the desktop's dialog.
+pub(crate) fn choose(window: &Window, title: &str, path: &str) {
+    crate::desktop::choose_target(window.mail.clone(), title.to_owned(), PathBuf::from(path));
 }
 
-fn write_picture(window: &Window, dialog: &PictureDialog, decision: Decision) {
+fn write_picture(window: &Window, dialog: &PictureDialog) {
     let Some((order, camera)) = ordered(window, &dialog.pane) else {
         return;
     };
@@ -235,20 +238,15 @@ fn write_picture(window: &Window, dialog: &PictureDialog, decision: Decision) {
     if dialog.transparent {
         request.background = Some([0; 4]);
     }
-    write(
-        window,
-        "Save picture",
-        &dialog.path,
-        decision,
-        move |path| {
-            // They take their time to make, and this thread has it.
-            request.textures.extend(order.curvatures());
-            files::save_picture(path, &order.scene, &order.settings, &request)
-        },
-    );
+    let path = PathBuf::from(&dialog.path);
+    files::write_to(window.mail.clone(), path, move |path| {
+        // They take their time to make, and this thread has it.
+        request.textures.extend(order.curvatures());
+        files::save_picture(path, &order.scene, &order.settings, &request)
+    });
 }
 
-fn write_mesh(window: &Window, path: &str, decision: Decision) {
+fn write_mesh(window: &Window, path: &str) {
     // Colours and textures are the 3D view's.
     let order = window
         .sent(&PaneKey::Space)
@@ -256,7 +254,7 @@ fn write_mesh(window: &Window, path: &str, decision: Decision) {
     let Some(order) = order.cloned() else {
         return;
     };
-    write(window, "Export mesh", path, decision, move |path| {
+    files::write_to(window.mail.clone(), PathBuf::from(path), move |path| {
         let request = order.whole_request(None);
         save_mesh(path, &order.scene, &order.settings, &request)
     });

@@ -49,6 +49,11 @@ impl Screen {
         self.gpu.is_lost()
     }
 
+    /// Has its driver refuse shaders of samples.
+    pub(crate) fn refuse_samples(&self) {
+        self.gpu.refuse_samples();
+    }
+
     /// Gives the device up, as if it were lost.
     pub(crate) fn lose(&self) {
         self.gpu.destroy();

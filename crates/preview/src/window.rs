@@ -221,6 +221,13 @@ impl Window {
         self.report = Some(report);
     }
 
+    /// Tells where the controls of a screen are, if it reports at all.
+    pub(crate) fn report_from(&self, context: &egui::Context) {
+        if let Some(report) = &self.report {
+            report.tell_places(context);
+        }
+    }
+
     /// Shows itself on a screen from now on, and draws on its GPU if that is wanted. All pictures are asked for anew.
     pub(crate) fn move_to(
         &mut self,
@@ -230,6 +237,8 @@ impl Window {
     ) {
         self.mail.readdress(context.clone());
         self.style = None;
+        // A new context counts its time from the beginning.
+        self.moving_until = 0.0;
         self.pictures.clear();
         self.sent.clear();
         self.waiting.clear();

@@ -274,7 +274,7 @@ fn textures(window: &mut Window, ui: &mut Ui) {
         }
         if ui.button("Open Texture…").clicked() {
             let folder = window.folder();
-            crate::files::choose_images(window.mail.clone(), folder);
+            crate::desktop::choose_images(window.mail.clone(), folder);
         }
     });
     ui.horizontal(|ui| {
@@ -283,6 +283,10 @@ fn textures(window: &mut Window, ui: &mut Ui) {
         let room = (ui.available_width() - 50.0).clamp(60.0, 150.0);
         let edit = egui::TextEdit::singleline(path).desired_width(room);
         let edit = ui.add(edit).labelled_by(label.id);
+        if std::mem::take(&mut window.dialogs.wants_image) {
+            edit.request_focus();
+            edit.scroll_to_me(None);
+        }
         let entered = edit.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
         if ui.button("Add").clicked() || entered {
             let given = std::mem::take(&mut window.dialogs.texture_path);

@@ -35,6 +35,12 @@ impl Window {
                     self.library.take(path, texture);
                 }
                 Letter::Images(paths) => self.open_images(paths),
+                Letter::Chosen(path) => self.dialogs.take_path(&path),
+                Letter::NoDialogForImages => {
+                    self.said = Some((true, crate::desktop::NO_DIALOG.to_owned()));
+                    self.panes.bring_forward(&Pane::Settings);
+                    self.dialogs.wants_image = true;
+                }
                 Letter::Say { error, text } => self.said = Some((error, text)),
             }
         }
@@ -273,6 +279,8 @@ impl Window {
             Command::Show { view } => {
                 match view {
                     Some(View::Geodesic { surface }) => self.open_inside(&surface),
+                    // A scene of metrics alone is shown without it.
+                    None if !self.panes.is_open(&Pane::Space) => {}
                     Some(View::Space) | None => self.panes.bring_forward(&Pane::Space),
                 }
                 self.raise = true;

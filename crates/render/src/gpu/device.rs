@@ -21,6 +21,8 @@ struct Faults {
     /// The first error that has not been reported yet.
     stray: Mutex<Option<String>>,
     lost: AtomicBool,
+    /// Shaders of samples are refused, for tests.
+    refuses: AtomicBool,
 }
 
 /// The process's device.
@@ -78,6 +80,16 @@ impl Gpu {
     /// Gives the device up, for everybody who uses it: as if it were lost.
     pub fn destroy(&self) {
         self.device.destroy();
+    }
+
+    /// From now on its driver refuses the shaders of samples: for tests of what happens then.
+    pub fn refuse_samples(&self) {
+        self.faults.refuses.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether shaders of samples are to be refused.
+    pub(crate) fn refuses_samples(&self) -> bool {
+        self.faults.refuses.load(Ordering::Relaxed)
     }
 
     /// A device that somebody else has opened, such as a window, with its adapter's name. From now on its errors and its

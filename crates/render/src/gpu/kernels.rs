@@ -86,8 +86,14 @@ impl Kernels {
             scene, structure, ..
         } = *wanted;
         let samples = plan::samples(scene, wanted.settings, wanted.object);
+        // Where kernels are refused for a test, they are asked for at once.
+        let pays = if gpu.refuses_samples() {
+            1
+        } else {
+            KERNEL_PAYS
+        };
         // Nothing that a shader may hold would pay.
-        if samples.saturating_mul(wgsl::kernel::OPERATION_LIMIT as u64) < KERNEL_PAYS {
+        if samples.saturating_mul(wgsl::kernel::OPERATION_LIMIT as u64) < pays {
             return Ok(Found::Blocks(None));
         }
         if self.states.len() >= MOST && !self.states.contains_key(structure.words()) {
@@ -100,7 +106,7 @@ impl Kernels {
                 operations: plan::operations(scene, wanted.object),
                 kernel: None,
             });
-        if samples.saturating_mul(state.operations) < KERNEL_PAYS {
+        if samples.saturating_mul(state.operations) < pays {
             return Ok(Found::Blocks(None));
         }
         let kernel = state
@@ -109,10 +115,7 @@ impl Kernels {
         let object = &scene.objects[wanted.object.0 as usize];
         match kernel.get() {
             None | Some(Made::TooLarge) => Ok(Found::Blocks(None)),
-            Some(Made::Refused(message)) => Ok(Found::Blocks(Some(format!(
-                "the GPU has refused the shader of `{}`, which is computed without it: {message}",
-                object.name
-            )))),
+            Some(Made::Refused(message)) => Ok(Found::Blocks(Some(refused(&object.name, message)))),
             Some(Made::Ready(ready)) => {
                 let slots: Vec<u32> = ready
                     .slots
@@ -134,10 +137,23 @@ impl Kernels {
         }
     }
 
+    /// What is to be told of an object whose kernel has been refused.
+    pub(crate) fn refusal(&self, structure: &Structure, name: &str) -> Option<String> {
+        let kernel = self.states.get(structure.words())?.kernel.as_ref()?;
+        match kernel.get()? {
+            Made::Refused(message) => Some(refused(name, message)),
+            _ => None,
+        }
+    }
+
     /// How many have been built so far.
     pub(crate) fn built(&self) -> u64 {
         self.built.load(Ordering::Relaxed)
     }
+}
+
+fn refused(name: &str, message: &str) -> String {
+    format!("the GPU has refused the shader of `{name}`, which is computed without it: {message}")
 }
 
 /// Begins to make the kernel of an object, on a thread of its own.

@@ -215,6 +215,8 @@ impl Studio {
         let sampled = store.get(space.scene, space.settings, id, content, placement);
         notes.extend(sampled.notes(object));
         if let Some(known) = known {
+            let structure = &space.structures[id.0 as usize];
+            notes.extend(self.kernels.refusal(structure, &object.name));
             return Ok(known.buffer);
         }
         let buffer = samples::upload_samples(&self.gpu, &sampled.samples, Vec::new())?;

@@ -42,7 +42,9 @@ impl<'a> Workshop<'a> {
     /// A generated kernel that fills samples.
     pub(crate) fn sample_kernel(&mut self, kernel: &Kernel) -> wgpu::ComputePipeline {
         self.built.sample_kernels += 1;
-        self.compute(kernel.entry_point(), kernel.joined())
+        // A name that no entry point has is what a driver refuses.
+        let refused = self.gpu.refuses_samples().then_some("refused");
+        self.compute_from(kernel.entry_point(), kernel.joined(), refused)
     }
 
     /// A generated kernel of a geodesic view.
@@ -59,6 +61,15 @@ impl<'a> Workshop<'a> {
 
     /// A kernel that no picture needs.
     pub(crate) fn compute(&self, label: &str, joined: &Joined) -> wgpu::ComputePipeline {
+        self.compute_from(label, joined, None)
+    }
+
+    fn compute_from(
+        &self,
+        label: &str,
+        joined: &Joined,
+        entry_point: Option<&str>,
+    ) -> wgpu::ComputePipeline {
         let module = self.module(label, joined);
         self.gpu
             .device
@@ -66,7 +77,7 @@ impl<'a> Workshop<'a> {
                 label: Some(label),
                 layout: None,
                 module: &module,
-                entry_point: None,
+                entry_point,
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
             })
