@@ -337,7 +337,7 @@ class Files(OnScreen):
 
     def test_a_trail_is_drawn_in_both_views_until_it_is_cleared(self):
         window = self.open(SPHERE)
-        window.click("Image: Geodesic view of s")
+        window.click_at(*window.middle("Image: Geodesic view of s"))
         window.click("Button: Overlays")
         window.click("CheckBox: Trail of the walk")
         window.key("Escape")
