@@ -4,7 +4,8 @@
 //! tree-sitter), `latency` (the language server, from an edit that is sent to its diagnostics), `preview` (from
 //! an edit that is sent to its frame in the window; needs a display, such as `xvfb-run` gives), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
 //! (both views of every example), `large` (many samples, many vectors), `stage` (frames of a
-//! window: camera, param, walk), `accuracy` (the geodesic view against the
+//! window: camera, param, walk), `walk` (frames of a being that walks inside each example, with the
+//! processors' time, and which are over 16 ms), `accuracy` (the geodesic view against the
 //! thesis' method, frames while moving, the sphere from ten thousand places), `estimates` (what the geodesic view says of
 //! its errors against the truth, over random scenes), `stiff` (the stiff list: ours, its bounds, the
 //! thesis' method). Without a part all are run. Times are medians of several runs with their
