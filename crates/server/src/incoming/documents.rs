@@ -1,0 +1,168 @@
+//! Documents are opened, changed and closed; what is wrong with them is sent, or asked for.
+
+use tower_lsp::jsonrpc::Result;
+use tower_lsp::ls_types as lsp;
+
+use super::work::not_open;
+use super::{Backend, places, window};
+use crate::documents::{Change, Open};
+use crate::outgoing;
+
+pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentParams) {
+    let document = params.text_document;
+    let uri = document.uri;
+    let (opened, preview) = {
+        let mut session = server.session();
+        session.pulled.remove(uri.as_str());
+        session.tokens.remove(uri.as_str());
+        let documents = &mut session.documents;
+        let opened = documents
+            .open(uri.as_str(), document.version, &document.text)
+            .map(|open| Findings::of(open, &uri));
+        session.preview(uri.as_str());
+        (opened, session.settings.preview_on_open)
+    };
+    if preview && opened.is_ok() && is_previewed(&uri) {
+        window::open(&server.session, &server.client, &uri, None);
+    }
+    match opened {
+        Ok(findings) => server.publish(uri, findings).await,
+        Err(error) => server.refuse(&uri, error).await,
+    }
+}
+
+pub(super) async fn did_change(server: &Backend, params: lsp::DidChangeTextDocumentParams) {
+    let uri = params.text_document.uri;
+    let changes = params.content_changes.into_iter();
+    let changes = changes.map(|change| Change {
+        range: change.range.map(places),
+        text: change.text,
+    });
+    let version = params.text_document.version;
+    let (changed, pulled) = {
+        let mut session = server.session();
+        let pulled = session.pulled.contains(uri.as_str());
+        let changed = session
+            .documents
+            .change(uri.as_str(), version, changes.collect());
+        let changed = changed.map(|open| {
+            // Who asks for what is wrong is not told unasked.
+            open.map(|open| (!pulled).then(|| Findings::of(open, &uri)))
+        });
+        session.preview(uri.as_str());
+        (changed, pulled)
+    };
+    match changed {
+        Some(Ok(Some(findings))) if !pulled => server.publish(uri, findings).await,
+        Some(Err(error)) => server.refuse(&uri, error).await,
+        _ => {}
+    }
+}
+
+pub(super) async fn did_close(server: &Backend, params: lsp::DidCloseTextDocumentParams) {
+    let uri = params.text_document.uri;
+    {
+        let mut session = server.session();
+        session.documents.close(uri.as_str());
+        session.previews.close(uri.as_str());
+        session.tokens.remove(uri.as_str());
+        session.pulled.remove(uri.as_str());
+    }
+    let _turn = server.publishing.lock().await;
+    server
+        .client
+        .publish_diagnostics(uri, Vec::new(), None)
+        .await;
+}
+
+pub(super) async fn diagnostic(
+    server: &Backend,
+    params: lsp::DocumentDiagnosticParams,
+) -> Result<lsp::DocumentDiagnosticReportResult> {
+    let uri = params.text_document.uri;
+    let first = server.session().pulled.insert(uri.as_str().to_owned());
+    if first {
+        // What was sent unasked is taken back: else the editor would show everything twice.
+        let (client, uri) = (server.client.clone(), uri.clone());
+        let publishing = server.publishing.clone();
+        tokio::spawn(async move {
+            let _turn = publishing.lock().await;
+            client.publish_diagnostics(uri, Vec::new(), None).await;
+        });
+    }
+    let session = server.session();
+    let Some(open) = session.documents.get(uri.as_str()) else {
+        return Err(not_open(&uri));
+    };
+    let name = open.revision.to_string();
+    let report = if params.previous_result_id.as_ref() == Some(&name) {
+        lsp::DocumentDiagnosticReport::Unchanged(lsp::RelatedUnchangedDocumentDiagnosticReport {
+            related_documents: None,
+            unchanged_document_diagnostic_report: lsp::UnchangedDocumentDiagnosticReport {
+                result_id: name,
+            },
+        })
+    } else {
+        lsp::DocumentDiagnosticReport::Full(lsp::RelatedFullDocumentDiagnosticReport {
+            related_documents: None,
+            full_document_diagnostic_report: lsp::FullDocumentDiagnosticReport {
+                result_id: Some(name),
+                items: outgoing::diagnostics(open, &uri),
+            },
+        })
+    };
+    Ok(lsp::DocumentDiagnosticReportResult::Report(report))
+}
+
+/// Whether a document's preview opens by itself: not that of an older version which an editor shows beside it.
+pub(super) fn is_previewed(uri: &lsp::Uri) -> bool {
+    ["file:", "untitled:"]
+        .iter()
+        .any(|scheme| uri.as_str().starts_with(scheme))
+}
+
+/// What is wrong with a document, at a revision of it.
+struct Findings {
+    revision: u64,
+    version: i32,
+    found: Vec<lsp::Diagnostic>,
+}
+
+impl Findings {
+    fn of(open: &Open, uri: &lsp::Uri) -> Self {
+        Self {
+            revision: open.revision,
+            version: open.version,
+            found: outgoing::diagnostics(open, uri),
+        }
+    }
+}
+
+impl Backend {
+    /// Sends what was wrong with a document at a revision, unless it has changed meanwhile.
+    async fn publish(&self, uri: lsp::Uri, findings: Findings) {
+        let Findings {
+            revision,
+            version,
+            found,
+        } = findings;
+        let _turn = self.publishing.lock().await;
+        let is_current = {
+            let session = self.session();
+            session.documents.is_current(uri.as_str(), revision)
+        };
+        if is_current {
+            self.client
+                .publish_diagnostics(uri, found, Some(version))
+                .await;
+        }
+    }
+
+    /// Tells the user that a document is too large to be read.
+    async fn refuse(&self, uri: &lsp::Uri, error: syntax::document::EditError) {
+        let message = format!("{}: {error}", uri.as_str());
+        self.client
+            .show_message(lsp::MessageType::ERROR, message)
+            .await;
+    }
+}

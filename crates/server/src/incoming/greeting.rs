@@ -1,0 +1,127 @@
+//! The first words and the last: what the editor offers, what the server can do, and the end.
+
+use std::time::Duration;
+
+use tower_lsp::jsonrpc::Result;
+use tower_lsp::ls_types as lsp;
+
+use super::workspace::set;
+use super::{Backend, window};
+use crate::encoding::Encoding;
+use crate::outgoing;
+use crate::session::Editor;
+
+/// How long windows may take to hear that they are to close when the editor says goodbye.
+const PATIENCE_FAREWELL: Duration = Duration::from_millis(500);
+
+pub(super) async fn initialize(
+    server: &Backend,
+    params: lsp::InitializeParams,
+) -> Result<lsp::InitializeResult> {
+    let encoding = encoding(&params.capabilities);
+    {
+        let mut session = server.session();
+        session.editor = editor(&params.capabilities);
+        session.documents.encoding = encoding;
+        if let Some(options) = &params.initialization_options {
+            session.settings = session.settings.with(options);
+        }
+        let folders = params.workspace_folders.iter().flatten();
+        session.folders = folders
+            .filter_map(|folder| folder.uri.to_file_path())
+            .map(|path| path.into_owned())
+            .collect();
+    }
+    if let Some(process) = params.process_id {
+        let end = server.end.clone();
+        crate::parent::when_gone(process, move || end.now());
+    }
+    Ok(lsp::InitializeResult {
+        capabilities: outgoing::capabilities(encoding),
+        server_info: Some(lsp::ServerInfo {
+            name: "geotrace".to_owned(),
+            version: Some(env!("CARGO_PKG_VERSION").to_owned()),
+        }),
+        ..lsp::InitializeResult::default()
+    })
+}
+
+pub(super) async fn initialized(server: &Backend, _: lsp::InitializedParams) {
+    if server.session().editor.configuration {
+        let (client, session) = (server.client.clone(), server.session.clone());
+        tokio::spawn(async move {
+            let item = lsp::ConfigurationItem {
+                scope_uri: None,
+                section: Some("geotrace".to_owned()),
+            };
+            if let Ok(answers) = client.configuration(vec![item]).await
+                && let Some(settings) = answers.first()
+            {
+                set(&session, &client, settings);
+            }
+        });
+    }
+}
+
+pub(super) async fn shutdown(server: &Backend) -> Result<()> {
+    server.end.was_asked_for();
+    window::close_all(&server.session, PATIENCE_FAREWELL).await;
+    Ok(())
+}
+
+/// What the editor offers.
+fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
+    let text = capabilities.text_document.as_ref();
+    let workspace = capabilities.workspace.as_ref();
+    let markdown = |formats: Option<&Vec<lsp::MarkupKind>>| {
+        formats.is_some_and(|formats| formats.contains(&lsp::MarkupKind::Markdown))
+    };
+    let completion = text
+        .and_then(|text| text.completion.as_ref())
+        .and_then(|completion| completion.completion_item.as_ref());
+    let hover = text.and_then(|text| text.hover.as_ref());
+    let symbols = text.and_then(|text| text.document_symbol.as_ref());
+    let edit = workspace.and_then(|workspace| workspace.workspace_edit.as_ref());
+    let hints = workspace.and_then(|workspace| workspace.inlay_hint.as_ref());
+    let lenses = workspace.and_then(|workspace| workspace.code_lens.as_ref());
+    let window = capabilities.window.as_ref();
+    let experimental = capabilities.experimental.as_ref();
+    Editor {
+        markdown: markdown(hover.and_then(|hover| hover.content_format.as_ref())),
+        documentation: completion
+            .and_then(|c| c.documentation_format.as_ref())
+            .map(|formats| formats.contains(&lsp::MarkupKind::Markdown)),
+        snippets: completion.and_then(|c| c.snippet_support).unwrap_or(false),
+        versioned_edits: edit.and_then(|edit| edit.document_changes).unwrap_or(false),
+        configuration: workspace.and_then(|w| w.configuration).unwrap_or(false),
+        hierarchical_symbols: symbols
+            .and_then(|symbols| symbols.hierarchical_document_symbol_support)
+            .unwrap_or(false),
+        refreshes_hints: hints.and_then(|h| h.refresh_support).unwrap_or(false),
+        refreshes_lenses: lenses.and_then(|l| l.refresh_support).unwrap_or(false),
+        shows_documents: window
+            .and_then(|window| window.show_document.as_ref())
+            .is_some_and(|show| show.support),
+        applies_edits: workspace.and_then(|w| w.apply_edit).unwrap_or(false),
+        hears_shown: experimental
+            .and_then(|own| own.get("geotrace")?.get("shown")?.as_bool())
+            .unwrap_or(false),
+    }
+}
+
+/// The encoding of positions: of those that the editor offers, the one that it prefers. It names that first.
+fn encoding(capabilities: &lsp::ClientCapabilities) -> Encoding {
+    let offered = capabilities
+        .general
+        .as_ref()
+        .and_then(|general| general.position_encodings.as_ref());
+    let known = |kind: &lsp::PositionEncodingKind| match kind.as_str() {
+        "utf-8" => Some(Encoding::Utf8),
+        "utf-16" => Some(Encoding::Utf16),
+        "utf-32" => Some(Encoding::Utf32),
+        _ => None,
+    };
+    offered
+        .and_then(|offered| offered.iter().find_map(known))
+        .unwrap_or_default()
+}

@@ -1,0 +1,219 @@
+//! What is asked at a place of a document: hover, completion, definition, rename, …
+
+use ide::{completion, format, navigate, outline, rename, signature};
+use tower_lsp::jsonrpc::{ErrorCode, Result};
+use tower_lsp::ls_types as lsp;
+
+use super::work::failed;
+use super::{Backend, place};
+use crate::documents::Open;
+use crate::outgoing;
+
+/// The protocol's code for a request that failed for a reason that the user should read.
+const REQUEST_FAILED: i64 = -32803;
+
+pub(super) async fn hover(
+    server: &Backend,
+    params: lsp::HoverParams,
+) -> Result<Option<lsp::Hover>> {
+    let at = params.text_document_position_params;
+    let markdown = server.session().editor.markdown;
+    server
+        .ask(&at.text_document.uri, move |snapshot| {
+            outgoing::hover(snapshot, snapshot.offset(place(at.position)), markdown)
+        })
+        .await
+}
+
+pub(super) async fn completion(
+    server: &Backend,
+    params: lsp::CompletionParams,
+) -> Result<Option<lsp::CompletionResponse>> {
+    let at = params.text_document_position;
+    let snippets = server.session().editor.snippets;
+    server
+        .ask(&at.text_document.uri, move |snapshot| {
+            let offset = snapshot.offset(place(at.position));
+            let (range, list) = completion::completions(snapshot.reading(), offset, snippets);
+            let items = list
+                .into_iter()
+                .map(|completion| outgoing::completion(snapshot, range, completion));
+            Some(lsp::CompletionResponse::Array(items.collect()))
+        })
+        .await
+}
+
+pub(super) async fn completion_resolve(
+    server: &Backend,
+    mut item: lsp::CompletionItem,
+) -> Result<lsp::CompletionItem> {
+    let data = item.data.clone().unwrap_or_default();
+    let uri = data.get("uri").and_then(serde_json::Value::as_str);
+    let offset = data.get("offset").and_then(serde_json::Value::as_u64);
+    let (Some(uri), Some(offset)) = (uri, offset) else {
+        return Ok(item);
+    };
+    let format = server.session().editor.documentation;
+    // A document that has been closed meanwhile has nothing more to tell.
+    let Some(snapshot) = server.session().documents.get(uri).map(Open::snapshot) else {
+        return Ok(item);
+    };
+    let label = item.label.clone();
+    let described = server.work(move || {
+        let offset = u32::try_from(offset)
+            .unwrap_or(u32::MAX)
+            .min(snapshot.reading().len());
+        completion::describe(snapshot.reading(), offset, &label)
+    });
+    if let Some(description) = described.await? {
+        item.documentation = Some(outgoing::documentation(&description, format));
+    }
+    Ok(item)
+}
+
+pub(super) async fn signature_help(
+    server: &Backend,
+    params: lsp::SignatureHelpParams,
+) -> Result<Option<lsp::SignatureHelp>> {
+    let at = params.text_document_position_params;
+    server
+        .ask(&at.text_document.uri, move |snapshot| {
+            let offset = snapshot.offset(place(at.position));
+            let found = signature::signature(snapshot.reading(), offset)?;
+            Some(outgoing::signature(&found))
+        })
+        .await
+}
+
+pub(super) async fn goto_definition(
+    server: &Backend,
+    params: lsp::GotoDefinitionParams,
+) -> Result<Option<lsp::GotoDefinitionResponse>> {
+    let at = params.text_document_position_params;
+    let uri = at.text_document.uri;
+    server
+        .ask(&uri.clone(), move |snapshot| {
+            let offset = snapshot.offset(place(at.position));
+            let (_, declared) = navigate::definition(snapshot.reading(), offset)?;
+            let location = lsp::Location::new(uri, outgoing::range(snapshot, declared));
+            Some(lsp::GotoDefinitionResponse::Scalar(location))
+        })
+        .await
+}
+
+pub(super) async fn references(
+    server: &Backend,
+    params: lsp::ReferenceParams,
+) -> Result<Option<Vec<lsp::Location>>> {
+    let at = params.text_document_position;
+    let uri = at.text_document.uri;
+    let declaration = params.context.include_declaration;
+    server
+        .ask(&uri.clone(), move |snapshot| {
+            let offset = snapshot.offset(place(at.position));
+            let found = navigate::occurrences(snapshot.reading(), offset).into_iter();
+            let wanted = found.filter(|occurrence| declaration || !occurrence.introduces);
+            let locations = wanted.map(|occurrence| {
+                lsp::Location::new(uri.clone(), outgoing::range(snapshot, occurrence.span))
+            });
+            Some(locations.collect())
+        })
+        .await
+}
+
+pub(super) async fn document_highlight(
+    server: &Backend,
+    params: lsp::DocumentHighlightParams,
+) -> Result<Option<Vec<lsp::DocumentHighlight>>> {
+    let at = params.text_document_position_params;
+    // Editors ask for this where the cursor stands.
+    server.point_at(&at);
+    server
+        .ask(&at.text_document.uri, move |snapshot| {
+            let offset = snapshot.offset(place(at.position));
+            let found = navigate::occurrences(snapshot.reading(), offset).into_iter();
+            let highlights = found.map(|occurrence| lsp::DocumentHighlight {
+                range: outgoing::range(snapshot, occurrence.span),
+                kind: Some(if occurrence.introduces {
+                    lsp::DocumentHighlightKind::WRITE
+                } else {
+                    lsp::DocumentHighlightKind::READ
+                }),
+            });
+            Some(highlights.collect())
+        })
+        .await
+}
+
+pub(super) async fn prepare_rename(
+    server: &Backend,
+    params: lsp::TextDocumentPositionParams,
+) -> Result<Option<lsp::PrepareRenameResponse>> {
+    let uri = params.text_document.uri;
+    server
+        .ask(&uri, move |snapshot| {
+            let offset = snapshot.offset(place(params.position));
+            let (span, name) = rename::prepare(snapshot.reading(), offset).map_err(|error| {
+                failed(ErrorCode::ServerError(REQUEST_FAILED), error.to_string())
+            })?;
+            Ok(Some(lsp::PrepareRenameResponse::RangeWithPlaceholder {
+                range: outgoing::range(snapshot, span),
+                placeholder: name,
+            }))
+        })
+        .await?
+}
+
+pub(super) async fn rename(
+    server: &Backend,
+    params: lsp::RenameParams,
+) -> Result<Option<lsp::WorkspaceEdit>> {
+    let at = params.text_document_position;
+    let uri = at.text_document.uri;
+    let versioned = server.session().editor.versioned_edits;
+    server
+        .ask(&uri.clone(), move |snapshot| {
+            let offset = snapshot.offset(place(at.position));
+            let edits =
+                rename::rename(snapshot.reading(), offset, &params.new_name).map_err(|error| {
+                    failed(ErrorCode::ServerError(REQUEST_FAILED), error.to_string())
+                })?;
+            Ok(Some(outgoing::workspace_edit(
+                snapshot, &uri, &edits, versioned,
+            )))
+        })
+        .await?
+}
+
+pub(super) async fn selection_range(
+    server: &Backend,
+    params: lsp::SelectionRangeParams,
+) -> Result<Option<Vec<lsp::SelectionRange>>> {
+    server
+        .ask(&params.text_document.uri, move |snapshot| {
+            let ranges = params.positions.iter().map(|position| {
+                let offset = snapshot.offset(place(*position));
+                let chain = outline::selection(snapshot.reading(), offset);
+                outgoing::selection(snapshot, &chain)
+            });
+            Some(ranges.collect())
+        })
+        .await
+}
+
+pub(super) async fn on_type_formatting(
+    server: &Backend,
+    params: lsp::DocumentOnTypeFormattingParams,
+) -> Result<Option<Vec<lsp::TextEdit>>> {
+    let at = params.text_document_position;
+    server
+        .ask(&at.text_document.uri, move |snapshot| {
+            // The declaration that the `;` before the cursor has ended.
+            let offset = snapshot.offset(place(at.position)).saturating_sub(1);
+            let reading = snapshot.reading();
+            let item = reading.item_at(offset)?;
+            let edits = format::format(reading, Some(item.span));
+            Some(outgoing::text_edits(snapshot, &edits))
+        })
+        .await
+}

@@ -1,0 +1,150 @@
+//! What a window wishes of the editor: that a declaration is shown, that a value is written into the text.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use ide::write;
+use syntax::span::Span;
+use tokio::sync::mpsc::Receiver;
+use tokio::time::timeout;
+use tower_lsp::ls_types as lsp;
+
+use super::{Window, lock, name};
+use crate::documents::{Open, Snapshot};
+use crate::outgoing;
+use crate::preview::moved;
+
+/// How long the editor may take for one thing; the next is asked then.
+const PATIENCE_EDITOR: Duration = Duration::from_secs(30);
+
+/// What is to be asked of the editor.
+#[derive(Debug)]
+pub(super) enum Wish {
+    /// A declaration is to be shown: its range in the text of a version.
+    Open { version: i32, range: [u32; 2] },
+    /// A param's value is to be written into the text.
+    Write { param: String, value: Vec<f64> },
+}
+
+/// Asks the editor what a window wishes, one thing after the other.
+pub(super) async fn ask(window: Arc<Window>, mut wishes: Receiver<Wish>) {
+    while let Some(wish) = wishes.recv().await {
+        let asked = async {
+            match wish {
+                Wish::Open { version, range } => window.show_declaration(version, range).await,
+                Wish::Write { param, value } => window.write_value(&param, &value).await,
+            }
+        };
+        // An editor that asks its user first may take its time, but others are not kept waiting for ever.
+        let _ = timeout(PATIENCE_EDITOR, asked).await;
+    }
+}
+
+impl Window {
+    async fn show_declaration(&self, version: i32, range: [u32; 2]) {
+        let Some(snapshot) = self.snapshot() else {
+            return;
+        };
+        let (text, can) = {
+            let mut session = lock(&self.session);
+            let can = session.editor.shows_documents;
+            let preview = session.previews.of(self.uri.as_str(), self.id);
+            (preview.and_then(|p| p.sent.text(version).cloned()), can)
+        };
+        // Of a text that nobody knows any more no place can be found; the document is shown all the same.
+        let span = text.map(|text| {
+            let [start, end] = range;
+            moved(
+                &text,
+                snapshot.reading().text(),
+                Span::new(start.min(end), start.max(end)),
+            )
+        });
+        let selection = span.map(|span| outgoing::range(&*snapshot, span));
+        if !can {
+            let place = selection.map_or_else(String::new, |range| {
+                let start = range.start;
+                format!(", line {}, column {}", start.line + 1, start.character + 1)
+            });
+            let message = format!("{}{place}", name(&self.uri));
+            self.tell(lsp::MessageType::INFO, message).await;
+            return;
+        }
+        let params = lsp::ShowDocumentParams {
+            uri: self.uri.clone(),
+            external: None,
+            take_focus: Some(true),
+            selection,
+        };
+        if let Ok(false) | Err(_) = self.client.show_document(params).await {
+            let message = format!("The editor does not show {}.", name(&self.uri));
+            self.tell(lsp::MessageType::WARNING, message).await;
+        }
+    }
+
+    async fn write_value(&self, param: &str, value: &[f64]) {
+        if let Err(reason) = self.try_to_write(param, value).await {
+            let message = format!(
+                "The value of `{param}` was not written into {}: {reason}",
+                name(&self.uri)
+            );
+            self.tell(lsp::MessageType::WARNING, message).await;
+        }
+    }
+
+    async fn try_to_write(&self, param: &str, value: &[f64]) -> Result<(), String> {
+        let editor = lock(&self.session).editor;
+        if !editor.applies_edits {
+            return Err("this editor takes no edits from its language server".to_owned());
+        }
+        let mut reason = None;
+        // The user may have typed meanwhile: then the edit is made once more, of the text as it is now.
+        for _ in 0..2 {
+            let Some(snapshot) = self.snapshot() else {
+                return Err("it is not open any more".to_owned());
+            };
+            let edit = {
+                let (snapshot, param, value) =
+                    (snapshot.clone(), param.to_owned(), value.to_owned());
+                let write = move || write::value(snapshot.reading(), &param, &value);
+                let made = tokio::task::spawn_blocking(write).await;
+                let made = made.map_err(|_| "a fault of the server".to_owned())?;
+                made.map_err(|refusal| refusal.to_string())?
+            };
+            if edit.span.text(snapshot.reading().text()) == edit.text {
+                return Ok(());
+            }
+            let edit =
+                outgoing::workspace_edit(&snapshot, &self.uri, &[edit], editor.versioned_edits);
+            let params = lsp::ApplyWorkspaceEditParams {
+                label: Some(format!("Set {param}")),
+                edit,
+            };
+            let asked = self
+                .client
+                .send_request::<lsp::request::ApplyWorkspaceEdit>(params);
+            match asked.await {
+                Ok(answer) if answer.applied => return Ok(()),
+                Ok(answer) => reason = answer.failure_reason,
+                Err(error) => reason = Some(error.message.into_owned()),
+            }
+            if self
+                .snapshot()
+                .is_some_and(|now| now.version == snapshot.version)
+            {
+                break;
+            }
+        }
+        Err(reason.unwrap_or_else(|| "the editor has refused the edit".to_owned()))
+    }
+
+    async fn tell(&self, kind: lsp::MessageType, message: String) {
+        self.client.show_message(kind, message).await;
+    }
+
+    /// The document as it is now, if it is still open.
+    fn snapshot(&self) -> Option<Arc<Snapshot>> {
+        let session = lock(&self.session);
+        session.documents.get(self.uri.as_str()).map(Open::snapshot)
+    }
+}

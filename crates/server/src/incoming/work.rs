@@ -1,0 +1,75 @@
+//! What is asked of a document runs on a worker, over the document as it was when it was asked.
+
+use std::sync::Arc;
+
+use tower_lsp::jsonrpc::{Error, ErrorCode, Result};
+use tower_lsp::ls_types as lsp;
+
+use super::Backend;
+use crate::documents::{Open, Snapshot};
+
+impl Backend {
+    /// The document as it is now.
+    pub(super) fn snapshot(&self, uri: &lsp::Uri) -> Result<Arc<Snapshot>> {
+        let session = self.session();
+        let open = session.documents.get(uri.as_str());
+        open.map(Open::snapshot).ok_or_else(|| not_open(uri))
+    }
+
+    /// Runs a feature on a worker, over a document as it is now. A panic in it is an error of this request alone.
+    pub(super) async fn ask<T: Send + 'static>(
+        &self,
+        uri: &lsp::Uri,
+        feature: impl FnOnce(&Snapshot) -> T + Send + 'static,
+    ) -> Result<T> {
+        let snapshot = self.snapshot(uri)?;
+        self.work(move || feature(&snapshot)).await
+    }
+
+    /// Runs something on a worker when there is a place. A request that is cancelled while it waits is never begun.
+    pub(super) async fn work<T: Send + 'static>(
+        &self,
+        feature: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<T> {
+        let place = self.places.clone().acquire_owned().await;
+        let worker = Worker(tokio::task::spawn_blocking(move || {
+            // Held until the work is done, whether anyone waits for it or not.
+            let _place = place;
+            feature()
+        }));
+        worker.result().await
+    }
+}
+
+/// A task on a worker that is given up when nobody waits for it any more.
+struct Worker<T>(tokio::task::JoinHandle<T>);
+
+impl<T> Worker<T> {
+    async fn result(mut self) -> Result<T> {
+        (&mut self.0).await.map_err(|_| {
+            failed(
+                ErrorCode::InternalError,
+                "this request ran into a fault of the server; others go on",
+            )
+        })
+    }
+}
+
+impl<T> Drop for Worker<T> {
+    fn drop(&mut self) {
+        self.0.abort();
+    }
+}
+
+pub(super) fn failed(code: ErrorCode, message: impl Into<String>) -> Error {
+    Error {
+        code,
+        message: message.into().into(),
+        data: None,
+    }
+}
+
+pub(super) fn not_open(uri: &lsp::Uri) -> Error {
+    let message = format!("the document {} is not open", uri.as_str());
+    failed(ErrorCode::InvalidParams, message)
+}

@@ -1,0 +1,200 @@
+//! What concerns no document alone: settings, folders, symbols of all programs, commands.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use ide::outline;
+use protocol::View;
+use tower_lsp::Client;
+use tower_lsp::jsonrpc::{ErrorCode, Result};
+use tower_lsp::ls_types as lsp;
+
+use super::documents::is_previewed;
+use super::work::failed;
+use super::{Backend, window};
+use crate::documents::Snapshot;
+use crate::outgoing;
+use crate::preview;
+use crate::session::Session;
+use crate::workspace;
+
+/// The most symbols that a search in the workspace gives.
+const MOST_SYMBOLS: usize = 1000;
+
+pub(super) async fn did_change_configuration(
+    server: &Backend,
+    params: lsp::DidChangeConfigurationParams,
+) {
+    set(&server.session, &server.client, &params.settings);
+}
+
+pub(super) async fn did_change_workspace_folders(
+    server: &Backend,
+    params: lsp::DidChangeWorkspaceFoldersParams,
+) {
+    let path = |folder: &lsp::WorkspaceFolder| folder.uri.to_file_path().map(|p| p.into_owned());
+    let mut session = server.session();
+    let removed: Vec<_> = params.event.removed.iter().filter_map(path).collect();
+    session.folders.retain(|folder| !removed.contains(folder));
+    session
+        .folders
+        .extend(params.event.added.iter().filter_map(path));
+}
+
+pub(super) async fn symbol(
+    server: &Backend,
+    params: lsp::WorkspaceSymbolParams,
+) -> Result<Option<lsp::WorkspaceSymbolResponse>> {
+    let (open, folders, encoding) = {
+        let session = server.session();
+        let documents = &session.documents;
+        (
+            documents.snapshots(),
+            session.folders.clone(),
+            documents.encoding,
+        )
+    };
+    let query = params.query;
+    let progress = match params.work_done_progress_params.work_done_token {
+        Some(token) => Some(Progress::begin(&server.client, token, "Reading the workspace").await),
+        None => None,
+    };
+    let searched = server.work(move || {
+        let mut found = Vec::new();
+        let mut names: Vec<String> = Vec::new();
+        for snapshot in &open {
+            names.push(snapshot.uri.clone());
+            matching(snapshot, &query, &mut found);
+        }
+        for path in workspace::programs(&folders) {
+            let Some(uri) = lsp::Uri::from_file_path(&path) else {
+                continue;
+            };
+            if found.len() >= MOST_SYMBOLS || names.iter().any(|name| name == uri.as_str()) {
+                continue;
+            }
+            if let Ok(text) = std::fs::read_to_string(&path) {
+                let snapshot = Snapshot::new(uri.as_str(), 0, text, encoding);
+                matching(&snapshot, &query, &mut found);
+            }
+        }
+        found.truncate(MOST_SYMBOLS);
+        found
+    });
+    let found = searched.await;
+    if let Some(progress) = progress {
+        progress.end().await;
+    }
+    Ok(Some(lsp::WorkspaceSymbolResponse::Flat(found?)))
+}
+
+pub(super) async fn execute_command(
+    server: &Backend,
+    params: lsp::ExecuteCommandParams,
+) -> Result<Option<lsp::LSPAny>> {
+    if params.command != preview::COMMAND {
+        let message = format!("there is no command {}", params.command);
+        return Err(failed(ErrorCode::InvalidParams, message));
+    }
+    let mut arguments = params.arguments.into_iter();
+    let Some(lsp::LSPAny::String(uri)) = arguments.next() else {
+        let message = format!("{} needs the URI of a document", preview::COMMAND);
+        return Err(failed(ErrorCode::InvalidParams, message));
+    };
+    let view = arguments.next().unwrap_or_default();
+    let text = |key: &str| view.get(key).and_then(serde_json::Value::as_str);
+    let view = match (text("view"), text("surface")) {
+        (Some("geodesic"), Some(surface)) => Some(View::Geodesic {
+            surface: surface.to_owned(),
+        }),
+        (Some("3d"), _) => Some(View::Space),
+        _ => None,
+    };
+    let Ok(uri) = uri.parse::<lsp::Uri>() else {
+        let message = format!("{uri} is not the URI of a document");
+        return Err(failed(ErrorCode::InvalidParams, message));
+    };
+    window::open(&server.session, &server.client, &uri, view);
+    Ok(None)
+}
+
+/// Takes new settings, and has the editor ask again for what they change.
+pub(super) fn set(session: &Arc<Mutex<Session>>, client: &Client, json: &serde_json::Value) {
+    let (before, after, editor) = {
+        let mut session = session.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = session.settings;
+        session.settings = before.with(json);
+        (before, session.settings, session.editor)
+    };
+    let client = client.clone();
+    if after.preview_on_open && !before.preview_on_open {
+        let open = {
+            let session = session.lock().unwrap_or_else(PoisonError::into_inner);
+            session.documents.snapshots()
+        };
+        let uris = open.iter().filter_map(|snapshot| snapshot.uri.parse().ok());
+        for uri in uris.filter(is_previewed) {
+            window::open(session, &client, &uri, None);
+        }
+    }
+    let hints = (before.splits, before.values) != (after.splits, after.values);
+    let lenses = before.lenses != after.lenses;
+    // Requests to the editor are never waited for within a handler.
+    tokio::spawn(async move {
+        if hints && editor.refreshes_hints {
+            let _ = client.inlay_hint_refresh().await;
+        }
+        if lenses && editor.refreshes_lenses {
+            let _ = client.code_lens_refresh().await;
+        }
+    });
+}
+
+/// The symbols of a document whose names hold the letters of the query in their order.
+fn matching(snapshot: &Snapshot, query: &str, found: &mut Vec<lsp::SymbolInformation>) {
+    let Ok(uri) = snapshot.uri.parse::<lsp::Uri>() else {
+        return;
+    };
+    let fits = |name: &str| {
+        let mut letters = name.chars();
+        query
+            .chars()
+            .all(|wanted| letters.any(|letter| letter.eq_ignore_ascii_case(&wanted)))
+    };
+    let entries = outline::outline(snapshot.reading());
+    let entries = entries.iter().filter(|entry| fits(&entry.name));
+    found.extend(entries.map(|entry| outgoing::symbol_information(snapshot, &uri, entry)));
+}
+
+/// A progress bar that the editor has offered with a request.
+struct Progress<'c> {
+    client: &'c Client,
+    token: lsp::ProgressToken,
+}
+
+impl<'c> Progress<'c> {
+    async fn begin(client: &'c Client, token: lsp::ProgressToken, title: &str) -> Self {
+        let progress = Self { client, token };
+        let begin = lsp::WorkDoneProgressBegin {
+            title: title.to_owned(),
+            cancellable: Some(true),
+            ..lsp::WorkDoneProgressBegin::default()
+        };
+        progress.send(lsp::WorkDoneProgress::Begin(begin)).await;
+        progress
+    }
+
+    async fn end(self) {
+        let end = lsp::WorkDoneProgress::End(lsp::WorkDoneProgressEnd::default());
+        self.send(end).await;
+    }
+
+    async fn send(&self, value: lsp::WorkDoneProgress) {
+        let params = lsp::ProgressParams {
+            token: self.token.clone(),
+            value: lsp::ProgressParamsValue::WorkDone(value),
+        };
+        self.client
+            .send_notification::<lsp::notification::Progress>(params)
+            .await;
+    }
+}
