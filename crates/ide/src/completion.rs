@@ -1,13 +1,14 @@
 //! What can be written at a place.
 
 use syntax::span::Span;
-use syntax::symbols::SymbolKind;
+use syntax::symbols::{Symbol, SymbolKind};
 use syntax::token::{DeclareWord, TokenKind};
 
 use crate::describe::{self, Description};
 use crate::item::Item;
 use crate::outline::parameters;
 use crate::reading::Reading;
+use crate::visible::Visible;
 
 /// One thing that can be written.
 #[derive(Clone, Debug, Eq, PartialEq)]
@@ -36,9 +37,28 @@ pub enum CompletionKind {
     Parameter,
 }
 
-/// What can be written at a place, and the range that it takes the place of: what is left of the word before it.
-pub fn completions(reading: &Reading, offset: u32, snippets: bool) -> (Span, Vec<Completion>) {
+/// What can be written at a place.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Completions {
+    /// What it takes the place of: what is left of the word before the place.
+    pub range: Span,
+    /// What can be written.
+    pub list: Vec<Completion>,
+    /// Whether that is all: of a long text some names are listed, and others when more of the word has been written.
+    pub is_complete: bool,
+}
+
+/// Where more declarations stand above, the list holds so many of their names: those that go on from what is written.
+const MOST_NAMES: usize = 256;
+
+/// What can be written at a place.
+pub fn completions(reading: &Reading, offset: u32, snippets: bool) -> Completions {
     let place = Place::of(reading, offset);
+    let names = Names {
+        visible: Visible::at(reading, offset),
+        written: reading.slice(place.range),
+    };
+    let mut is_complete = true;
     let list = match place.wanted {
         Wanted::Nothing => Vec::new(),
         Wanted::Declaration => DeclareWord::ALL
@@ -46,18 +66,31 @@ pub fn completions(reading: &Reading, offset: u32, snippets: bool) -> (Span, Vec
             .to_vec(),
         Wanted::Parameter(item) => own_parameters(reading, item),
         Wanted::ParameterOf(item) => own_parameters(reading, item),
-        Wanted::Surface => symbols(reading, offset, |word| {
-            matches!(word, Some(DeclareWord::Surface | DeclareWord::Metric))
-        }),
+        Wanted::Surface => {
+            is_complete = names.are_few();
+            let all = names.list(reading).into_iter();
+            let is_surface = |symbol: &&Symbol| {
+                matches!(
+                    symbol.word,
+                    Some(DeclareWord::Surface | DeclareWord::Metric)
+                )
+            };
+            all.filter(is_surface).map(of_symbol).collect()
+        }
         Wanted::Operand(item) => {
             let mut list = item
                 .map(|item| own_parameters(reading, item))
                 .unwrap_or_default();
-            list.extend(symbols(reading, offset, |_| true));
+            is_complete = names.are_few();
+            list.extend(names.list(reading).into_iter().map(of_symbol));
             list
         }
     };
-    (place.range, list)
+    Completions {
+        range: place.range,
+        list,
+        is_complete,
+    }
 }
 
 /// More about a completion, told when it is chosen from the list.
@@ -68,8 +101,7 @@ pub fn describe(reading: &Reading, offset: u32, label: &str) -> Option<Descripti
             text: vec![purpose(word).to_owned()],
         });
     }
-    let mut visible = reading.visible(offset);
-    let (id, _) = visible.find(|(_, symbol)| symbol.name == label)?;
+    let id = Visible::at(reading, offset).named(label)?;
     describe::of_symbol(reading, id)
 }
 
@@ -160,13 +192,11 @@ fn word_start(reading: &Reading, offset: u32) -> u32 {
     let tokens = reading.tokens(reading.tokens_in(Span::new(start, offset)));
     let seams = tokens.map(|t| t.span.start).filter(|&at| at >= start);
     let item = reading.item_at(offset);
+    let visible = Visible::at(reading, offset);
     let goes_on = |at: &u32| {
         let written = &word[(*at - from) as usize..];
         let mut parameters = item.iter().flat_map(|item| item.parameters());
-        reading
-            .visible(offset)
-            .any(|(_, symbol)| symbol.name.starts_with(written))
-            || parameters.any(|(name, _)| name.starts_with(written))
+        visible.begins(written) || parameters.any(|(name, _)| name.starts_with(written))
     };
     let mut last = start;
     for at in seams {
@@ -237,33 +267,49 @@ fn own_parameters(reading: &Reading, item: usize) -> Vec<Completion> {
         .collect()
 }
 
-fn symbols(
-    reading: &Reading,
-    offset: u32,
-    wanted: impl Fn(Option<DeclareWord>) -> bool,
-) -> Vec<Completion> {
-    let visible = reading
-        .visible(offset)
-        .filter(|(_, symbol)| wanted(symbol.word));
-    visible
-        .map(|(_, symbol)| {
-            let kind = match (symbol.word, symbol.kind) {
-                (Some(DeclareWord::Surface | DeclareWord::Metric), _) => CompletionKind::Surface,
-                (Some(DeclareWord::Curve | DeclareWord::Geodesic), _) => CompletionKind::Curve,
-                (_, SymbolKind::Function) => CompletionKind::Function,
-                (_, SymbolKind::Constant) => CompletionKind::Constant,
-            };
-            let word = symbol.word.map_or("builtin", DeclareWord::text);
-            let names = symbol.parameters.iter().map(|p| p.name.as_str());
-            Completion {
-                label: symbol.name.clone(),
-                kind,
-                detail: format!("{word} {}{}", symbol.name, parameters(names)),
-                insert: symbol.name.clone(),
-                snippet: false,
-            }
-        })
-        .collect()
+/// The names that can be written as operands.
+struct Names<'r> {
+    visible: Visible<'r>,
+    /// What is written of one.
+    written: String,
+}
+
+impl<'r> Names<'r> {
+    /// Whether all of them are listed.
+    fn are_few(&self) -> bool {
+        self.visible.above() <= MOST_NAMES
+    }
+
+    /// The builtins first. Of many, those nearest above, or those that go on from what is written.
+    fn list(&self, reading: &'r Reading) -> Vec<&'r Symbol> {
+        let mut list: Vec<&Symbol> = self.visible.builtins().map(|(_, symbol)| symbol).collect();
+        if self.are_few() || self.written.is_empty() {
+            let nearest = self.visible.nearest(MOST_NAMES);
+            list.extend(nearest.map(|(_, symbol)| symbol));
+        } else {
+            let found = self.visible.beginning(&self.written, MOST_NAMES);
+            list.extend(found.into_iter().filter_map(|id| reading.symbol(id)));
+        }
+        list
+    }
+}
+
+fn of_symbol(symbol: &Symbol) -> Completion {
+    let kind = match (symbol.word, symbol.kind) {
+        (Some(DeclareWord::Surface | DeclareWord::Metric), _) => CompletionKind::Surface,
+        (Some(DeclareWord::Curve | DeclareWord::Geodesic), _) => CompletionKind::Curve,
+        (_, SymbolKind::Function) => CompletionKind::Function,
+        (_, SymbolKind::Constant) => CompletionKind::Constant,
+    };
+    let word = symbol.word.map_or("builtin", DeclareWord::text);
+    let names = symbol.parameters.iter().map(|p| p.name.as_str());
+    Completion {
+        label: symbol.name.clone(),
+        kind,
+        detail: format!("{word} {}{}", symbol.name, parameters(names)),
+        insert: symbol.name.clone(),
+        snippet: false,
+    }
 }
 
 fn declaring(word: DeclareWord, snippets: bool) -> Completion {

@@ -28,6 +28,7 @@ pub mod reading;
 pub mod rename;
 pub mod semantic;
 pub mod signature;
+mod visible;
 pub mod write;
 
 pub use item::Item;

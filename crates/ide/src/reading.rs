@@ -429,18 +429,6 @@ impl Reading {
         }
         found
     }
-
-    /// The symbols that may be used at a place, with their identifiers: the builtins and what is declared above.
-    pub fn visible(&self, offset: u32) -> impl Iterator<Item = (SymbolId, &Symbol)> {
-        let limit = self.item_at(offset).map_or(offset, |item| item.span.start);
-        let builtins = (0..scene::builtin_count()).map(SymbolId);
-        let declared = self.items().take_while(move |item| item.span.start < limit);
-        builtins
-            .chain(declared.filter_map(|item| item.symbol))
-            .filter_map(|id| Some((id, self.symbol(id)?)))
-            // A name that was not free is no name.
-            .filter(|(_, symbol)| !symbol.name.is_empty())
-    }
 }
 
 /// The declaration in a piece that holds a place of it, or ends there.

@@ -16,7 +16,7 @@ fn marked(text: &str) -> (Reading, u32) {
 
 fn labels(text: &str) -> Vec<String> {
     let (reading, offset) = marked(text);
-    let (_, list) = completions(&reading, offset, true);
+    let list = completions(&reading, offset, true).list;
     list.into_iter().map(|c| c.label).collect()
 }
 
@@ -142,7 +142,7 @@ fn every_feature_answers_at_every_place_of_any_text() {
             hints::hints(&reading, Span::new(offset, end));
             semantic::semantic_tokens(&reading, Span::new(offset, offset));
             format::format(&reading, Some(Span::new(offset, offset)));
-            let (range, _) = completions(&reading, offset, true);
+            let range = completions(&reading, offset, true).range;
             assert!(range.end == offset && range.start <= offset, "{text:?}");
             let chain = outline::selection(&reading, offset);
             assert_eq!(chain.last(), Some(&whole), "{text:?} at {offset}");

@@ -18,9 +18,10 @@ fn whole(reading: &Reading) -> Span {
 
 fn labels(text: &str) -> (String, Vec<String>) {
     let (reading, offset) = marked(text);
-    let (range, list) = completions(&reading, offset, true);
-    let labels = list.into_iter().map(|c| c.label).collect();
-    (range.text(reading.text()).to_owned(), labels)
+    let found = completions(&reading, offset, true);
+    assert!(found.is_complete, "of a short text everything is listed");
+    let labels = found.list.into_iter().map(|c| c.label).collect();
+    (found.range.text(reading.text()).to_owned(), labels)
 }
 
 #[test]
@@ -170,6 +171,50 @@ fn completed_words_are_split_where_the_word_already_is() {
     let (range, list) = labels("define vel = 1;\nfunction f(v) = 2pive|");
     assert!(list.contains(&"vel".to_owned()));
     assert_eq!(range, "ve");
+}
+
+#[test]
+fn completion_in_a_long_text_lists_the_names_that_go_on_from_what_is_written() {
+    let mut text = String::new();
+    for k in 0..3_000 {
+        text.push_str(&format!("define a{k} = {k};\ndefine b{k} = a{k} + 1;\n"));
+    }
+    let middle = text.find("define b1499").expect("a declaration");
+    let ask = |written: &str| {
+        let mut text = text.clone();
+        text.insert_str(middle, &format!("define new = 2{written};\n"));
+        let reading = Reading::new(&text);
+        let offset = (middle + "define new = 2".len() + written.len()) as u32;
+        let found = completions(&reading, offset, true);
+        assert_eq!(found.range.text(&text), written);
+        assert!(!found.is_complete);
+        let labels = found.list.into_iter().map(|c| c.label);
+        labels.collect::<Vec<_>>()
+    };
+    let builtins = scene::builtin_count() as usize;
+    // Nothing is written: what has just been declared is near.
+    let near = ask("");
+    assert_eq!(near.len(), builtins + 256);
+    assert_eq!(near.last().map(String::as_str), Some("a1499"));
+    // Too many begin so: some of them. They all stand above.
+    let some = ask("b1");
+    assert_eq!(some.len(), builtins + 256);
+    let declared = &some[builtins..];
+    let number = |name: &String| name[1..].parse::<u32>().expect("a number");
+    assert!(
+        declared
+            .iter()
+            .all(|name| name.starts_with("b1") && number(name) < 1_499)
+    );
+    // All of those that go on; what stands below is not known yet.
+    let mut wanted: Vec<String> = (140..=149).map(|k| format!("a{k}")).collect();
+    wanted.extend((1_400..1_500).map(|k| format!("a{k}")));
+    wanted.push("a14".to_owned());
+    wanted.sort();
+    let mut found = ask("a14")[builtins..].to_vec();
+    found.sort();
+    assert_eq!(found, wanted);
+    assert_eq!(ask("a1499")[builtins..], ["a1499"]);
 }
 
 #[test]

@@ -245,7 +245,7 @@ impl Document {
         }
     }
 
-    fn keep(&mut self, chunk: ChunkId, checked: Checked) {
+    fn keep(&mut self, chunk: ChunkId, mut checked: Checked) {
         self.work.checked += 1;
         self.work.lowered += u64::from(checked.lowered);
         self.totals.samples += checked.samples;
@@ -259,7 +259,12 @@ impl Document {
         }
         if checked.diagnostics.iter().any(|found| !found.is_empty()) {
             self.found.insert(chunk);
+        } else {
+            checked.diagnostics = Vec::new();
         }
+        // Who was to be told of it has been told.
+        checked.changed = Vec::new();
+        checked.moved = Vec::new();
         self.checked.insert(chunk, checked);
     }
 

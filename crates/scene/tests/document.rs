@@ -401,6 +401,28 @@ fn only_what_can_notice_an_edit_is_checked_again() {
 }
 
 #[test]
+fn what_is_not_in_use_any_more_does_not_pile_up() {
+    let mut text = String::from("function f(x) = x^2;\n");
+    for k in 0..40 {
+        let _ = writeln!(text, "curve c{k}(t) = (f t, {k}, t), t : [0, 1];");
+    }
+    let mut document = Document::new(&text).expect("a small text");
+    let at = text.find("x^2").expect("the body") as u32;
+    // Each edit gives 41 symbols new meanings.
+    for k in 0..2_000 {
+        let (end, inserted) = if k % 2 == 0 { (at, "3") } else { (at + 1, "") };
+        let range = Span::new(at, end);
+        document.edit(range, inserted).expect("an edit");
+    }
+    let renewed = document.work().renewed;
+    assert!(
+        (5..100).contains(&renewed),
+        "everything was checked anew {renewed} times"
+    );
+    check(&document, &text);
+}
+
+#[test]
 fn limits_of_the_whole_program_are_those_of_compiling_it() {
     let mut text = String::from("grid k : [0, 1, 900];\n");
     for name in ["r", "s", "t"] {

@@ -1,6 +1,6 @@
 //! From plain data to the protocol's types.
 
-use ide::completion::{Completion, CompletionKind};
+use ide::completion::{Completion, CompletionKind, Completions};
 use ide::edit::Edit;
 use ide::fix::Fix;
 use ide::hints::Hint;
@@ -184,11 +184,22 @@ pub(crate) fn later(uri: &str, offset: u32) -> serde_json::Value {
     serde_json::json!({ "uri": uri, "offset": offset })
 }
 
-pub(crate) fn completion(
-    snapshot: &Snapshot,
-    replaced: Span,
-    completion: Completion,
-) -> lsp::CompletionItem {
+/// A list that is not complete is asked for again when more has been written.
+pub(crate) fn completions(snapshot: &Snapshot, found: Completions) -> lsp::CompletionResponse {
+    let list = found.list.into_iter();
+    let items = list.map(|it| completion(snapshot, found.range, it));
+    let items = items.collect();
+    match found.is_complete {
+        true => lsp::CompletionResponse::Array(items),
+        false => lsp::CompletionResponse::List(lsp::CompletionList {
+            is_incomplete: true,
+            items,
+            ..lsp::CompletionList::default()
+        }),
+    }
+}
+
+fn completion(snapshot: &Snapshot, replaced: Span, completion: Completion) -> lsp::CompletionItem {
     let kind = match completion.kind {
         CompletionKind::Keyword => lsp::CompletionItemKind::KEYWORD,
         CompletionKind::Function => lsp::CompletionItemKind::FUNCTION,

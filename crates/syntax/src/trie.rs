@@ -92,11 +92,31 @@ impl<V: Copy> Trie<V> {
     }
 
     /// Visits every name with its value, in the order of the alphabet `a-z A-Z 0-9`, until told to break.
-    pub fn each(&self, mut visit: impl FnMut(&str, V) -> ControlFlow<()>) {
-        let mut name = String::new();
+    pub fn each(&self, visit: impl FnMut(&str, V) -> ControlFlow<()>) {
+        self.each_from("", visit);
+    }
+
+    /// Visits the names that begin with `prefix`, it among them, as [`each`](Self::each) does; others cost nothing.
+    pub fn each_from(&self, prefix: &str, mut visit: impl FnMut(&str, V) -> ControlFlow<()>) {
         let Some(root) = &self.root else { return };
+        let mut node = &**root;
+        let (mut name, mut above) = (String::new(), 0);
+        while let Some(rest) = prefix.as_bytes().get(name.len()..)
+            && let Some(first) = rest.first()
+        {
+            let Some(slot) = slot(*first).filter(|slot| node.has(*slot)) else {
+                return;
+            };
+            node = &node.children[node.index(slot)];
+            let label = node.label.bytes();
+            if shared_length(label, rest) < label.len().min(rest.len()) {
+                return;
+            }
+            above = name.len();
+            name.extend(label.iter().map(|byte| char::from(*byte)));
+        }
         // What is still to be visited, with the length of the name above it. Labels are ASCII.
-        let mut stack = vec![(&**root, 0)];
+        let mut stack = vec![(node, above)];
         while let Some((node, above)) = stack.pop() {
             name.truncate(above);
             name.extend(node.label.bytes().iter().map(|byte| char::from(*byte)));

@@ -108,8 +108,10 @@ pub(super) struct Checked {
     pub(super) is_limited: bool,
 }
 
-/// How much more than what is in use may be kept.
-const SLACK: usize = 200_000;
+/// How many more expressions than are in use may be kept, and bytes of text that no place is in any more, …
+const SLACK: usize = 50_000;
+/// … and how many more symbols: each has steps, places and a meaning, half a kilobyte as a rule.
+const SLACK_SYMBOLS: usize = 4_000;
 
 /// The symbol of what has no meaning.
 const MEANINGLESS: SymbolId = SymbolId(u32::MAX);
@@ -142,10 +144,11 @@ impl Workshop {
     /// Most of what it holds is not in use.
     pub(super) fn is_worn(&self) -> bool {
         let (now, fresh) = (self.size(), self.fresh);
-        let worn = |now: usize, fresh: usize| now > 2 * fresh + SLACK;
-        worn(now.nodes, fresh.nodes)
-            || worn(now.symbols, fresh.symbols)
-            || worn(now.places / 64, fresh.places / 64)
+        // A quarter as much again, so that being rid of it costs an edit no more in a long program than in a short one.
+        let worn = |now: usize, fresh: usize, slack: usize| now > fresh + fresh / 4 + slack;
+        worn(now.nodes, fresh.nodes, SLACK)
+            || worn(now.symbols, fresh.symbols, SLACK_SYMBOLS)
+            || worn(now.places / 64, fresh.places / 64, SLACK)
     }
 
     /// There is no room for more expressions, and what has been found since is not to be trusted.

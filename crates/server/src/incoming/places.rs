@@ -34,11 +34,8 @@ pub(super) async fn completion(
     server
         .ask(&at.text_document.uri, move |snapshot| {
             let offset = snapshot.offset(place(at.position));
-            let (range, list) = completion::completions(snapshot.reading(), offset, snippets);
-            let items = list
-                .into_iter()
-                .map(|completion| outgoing::completion(snapshot, range, completion));
-            Some(lsp::CompletionResponse::Array(items.collect()))
+            let found = completion::completions(snapshot.reading(), offset, snippets);
+            Some(outgoing::completions(snapshot, found))
         })
         .await
 }

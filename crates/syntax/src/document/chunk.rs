@@ -86,8 +86,8 @@ pub(super) struct Chunk {
     /// What was asked of the names above.
     pub(super) lookups: Box<[Lookup]>,
     /// The symbols it declares, in order.
-    pub(super) defines: Vec<SymbolId>,
-    pub(super) declared: Vec<Declared>,
+    pub(super) defines: Box<[SymbolId]>,
+    pub(super) declared: Box<[Declared]>,
     /// The version of the document since which it is read so.
     pub(super) version: u64,
 }
@@ -126,7 +126,7 @@ impl Chunk {
         // The last of each name.
         declared.sort_by(|a, b| (&a.name, b.offset).cmp(&(&b.name, a.offset)));
         declared.dedup_by(|later, first| later.name == first.name);
-        self.declared = declared;
+        self.declared = declared.into_boxed_slice();
     }
 }
 

@@ -3,6 +3,7 @@
 //! What flows in: the symbols that a chunk declares, and the names it reads. What flows out: what a word means
 //! at a place (the names defined above it, in one trie for all places), and the chunks that read a name.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use crate::parser::suggestions::Search;
@@ -167,6 +168,21 @@ impl Names {
     pub(super) fn named(&self, name: &str) -> Option<SymbolId> {
         let name = self.trie.get(name)?;
         self.entries[name.0 as usize].definers.first().copied()
+    }
+
+    /// Visits the symbols that names which begin with `prefix` stand for below all chunks.
+    pub(super) fn each_named(
+        &self,
+        prefix: &str,
+        mut visit: impl FnMut(SymbolId, &Defined) -> ControlFlow<()>,
+    ) {
+        self.trie.each_from(prefix, |_, name| {
+            let id = self.entries[name.0 as usize].definers.first().copied();
+            match id.and_then(|id| Some((id, self.get(id)?))) {
+                Some((id, defined)) => visit(id, defined),
+                None => ControlFlow::Continue(()),
+            }
+        });
     }
 
     /// A chunk declares a symbol.

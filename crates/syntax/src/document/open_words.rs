@@ -51,6 +51,8 @@ impl OpenWords {
             None => {
                 let mut chunks = ChunkSet::default();
                 chunks.insert(chunk);
+                // As a rule it stays the only one: a list that grows by itself starts with four places.
+                groups.reserve_exact(1);
                 groups.push(Group {
                     length,
                     is_split,

@@ -3,6 +3,7 @@
 //! Its parts are shared with the document that it is of, and copied by that only where an edit changes them: it
 //! costs next to nothing to take, and stays as it is.
 
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use crate::line_index::Position;
@@ -203,6 +204,17 @@ impl Snapshot {
     /// The symbol of a name at the end of the text: a builtin, or declared.
     pub fn named(&self, name: &str) -> Option<SymbolId> {
         self.names.named(name)
+    }
+
+    /// Visits the symbols that stand at the end of the text for the names that begin with `prefix`, in the order of
+    /// the alphabet, until told to break.
+    pub fn each_named(
+        &self,
+        prefix: &str,
+        mut visit: impl FnMut(SymbolId, &Symbol) -> ControlFlow<()>,
+    ) {
+        self.names
+            .each_named(prefix, |id, defined| visit(id, &defined.symbol));
     }
 
     /// Where the run of letters and digits begins that ends at an offset; the offset where there is none.

@@ -1,0 +1,106 @@
+//! Which names may be used at a place: the builtins and what is declared above it.
+//!
+//! What is asked at each key costs what it answers, however long the text is: names are looked up in the document's
+//! trie, and only then is it asked where they are declared.
+
+use std::ops::{ControlFlow, Range};
+
+use syntax::symbols::Symbol;
+use syntax::token::SymbolId;
+
+use crate::reading::Reading;
+
+/// The names that may be used at a place.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Visible<'r> {
+    reading: &'r Reading,
+    /// What is declared before this offset is known.
+    limit: u32,
+    /// How many declarations stand above.
+    above: usize,
+}
+
+impl<'r> Visible<'r> {
+    /// The names that may be used at an offset.
+    pub(crate) fn at(reading: &'r Reading, offset: u32) -> Self {
+        let item = reading.item_at(offset);
+        let begun = reading.document().declarations_begun(offset) as usize;
+        match item {
+            Some(item) => Self {
+                reading,
+                limit: item.span.start,
+                above: item.index,
+            },
+            None => Self {
+                reading,
+                limit: offset,
+                above: begun.min(reading.item_count()),
+            },
+        }
+    }
+
+    /// How many declarations stand above the place.
+    pub(crate) fn above(self) -> usize {
+        self.above
+    }
+
+    /// The builtins.
+    pub(crate) fn builtins(self) -> impl Iterator<Item = (SymbolId, &'r Symbol)> {
+        let all = (0..scene::builtin_count()).map(SymbolId);
+        let all = all.filter_map(move |id| Some((id, self.reading.symbol(id)?)));
+        all.filter(|(_, symbol)| !symbol.name.is_empty())
+    }
+
+    /// What the last `most` declarations above declare, in the order of the text.
+    pub(crate) fn nearest(self, most: usize) -> impl Iterator<Item = (SymbolId, &'r Symbol)> {
+        let numbers: Range<usize> = self.above.saturating_sub(most)..self.above;
+        let items = self.reading.items_from(numbers.start).take(numbers.len());
+        let symbols = items.filter_map(|item| item.symbol);
+        symbols
+            .filter_map(move |id| Some((id, self.reading.symbol(id)?)))
+            // A name that was not free is no name.
+            .filter(|(_, symbol)| !symbol.name.is_empty())
+    }
+
+    /// The first `most` declared names that begin with `prefix`, in the order of the alphabet.
+    pub(crate) fn beginning(self, prefix: &str, most: usize) -> Vec<SymbolId> {
+        let mut found = Vec::new();
+        self.reading.document().each_named(prefix, |id, symbol| {
+            if symbol.word.is_some() && self.has(id) {
+                found.push(id);
+            }
+            match found.len() < most {
+                true => ControlFlow::Continue(()),
+                false => ControlFlow::Break(()),
+            }
+        });
+        found
+    }
+
+    /// Whether a name, builtin or declared, begins so.
+    pub(crate) fn begins(self, prefix: &str) -> bool {
+        let mut found = false;
+        self.reading.document().each_named(prefix, |id, _| {
+            found = self.has(id);
+            match found {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
+            }
+        });
+        found
+    }
+
+    /// What a name stands for.
+    pub(crate) fn named(self, name: &str) -> Option<SymbolId> {
+        let id = self.reading.document().named(name)?;
+        self.has(id).then_some(id)
+    }
+
+    /// Whether a symbol is builtin, or declared above.
+    fn has(self, id: SymbolId) -> bool {
+        let place = self.reading.place(id);
+        place.map_or(id.0 < scene::builtin_count(), |place| {
+            place.start < self.limit
+        })
+    }
+}
