@@ -129,11 +129,24 @@ pub fn surface_light(normal: [f32; 3], to_eye: [f32; 3]) -> (f32, f32) {
     let to_eye = glam::Vec3::from(to_eye);
     let key = glam::Vec3::from(KEY_DIRECTION);
     let diffuse = AMBIENT + FILL * normal.dot(to_eye).max(0.0) + KEY * normal.dot(key).max(0.0);
-    let half = (key + to_eye).normalize_or_zero();
-    (
-        diffuse,
-        HIGHLIGHT * normal.dot(half).max(0.0).powi(HIGHLIGHT_POWER),
-    )
+    let half = key + to_eye;
+    // Zero also where the two are opposite and there is no half way.
+    let cosine = (normal.dot(half) / half.length()).max(0.0);
+    (diffuse, HIGHLIGHT * power(cosine, HIGHLIGHT_POWER))
+}
+
+/// A power by squaring, without a branch once the exponent is known: loops over many places are loops over vectors.
+#[inline(always)]
+fn power(mut x: f32, mut exponent: i32) -> f32 {
+    let mut product = 1.0;
+    while exponent > 0 {
+        if exponent & 1 == 1 {
+            product *= x;
+        }
+        x *= x;
+        exponent >>= 1;
+    }
+    product
 }
 
 /// A colour in linear light with a share of [`EMPHASIS_COLOUR`].

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::mesh::{Corner, Eye, Mesh, SUBPIXEL};
-use super::raster::{self, Edges, NONE, SAMPLES, TILE, Tile};
+use super::raster::{self, Edges, Layer, SAMPLES, TILE, Tile};
 use super::space::{Job, Painted, batches, jobs, meshes};
 use crate::camera::Camera;
 use crate::sample::{PositionSample, Samples};
@@ -151,19 +151,20 @@ impl Window {
                 })
                 .collect();
             for tile in &mut tiles {
-                let mut seen = vec![[NONE; 4]; TILE * TILE];
+                let mut layer = Layer::new();
                 for (id, &(job, mesh, triangle)) in (0..).zip(&list) {
                     let mesh = &near[job][mesh].0;
                     let triangle = &mesh.triangles[triangle as usize];
-                    raster::cover(tile, &mut seen, corners(mesh, triangle), id);
+                    raster::cover(tile, &mut layer, corners(mesh, triangle), id);
                 }
                 for pixel in self.pixels() {
                     let Some(index) = tile.index(pixel) else {
                         continue;
                     };
+                    let (seen, depth) = (layer.seen(index), tile.depth(index));
                     let places = &mut all[self.index(pixel)];
                     for (s, place) in places.iter_mut().enumerate() {
-                        let Some(&(job, mesh, triangle)) = list.get(seen[index][s] as usize) else {
+                        let Some(&(job, mesh, triangle)) = list.get(seen[s] as usize) else {
                             continue;
                         };
                         let drawn = &near[job][mesh].0;
@@ -173,7 +174,7 @@ impl Window {
                             mesh,
                             triangle,
                             corners: corners(drawn, ids).map(|corner| *corner),
-                            depth: tile.depth(index)[s],
+                            depth: depth[s],
                         });
                     }
                 }

@@ -1,0 +1,296 @@
+//! Samples: the depth and light of a tile's pixels, and which triangles they see.
+
+use crate::style::Encoder;
+
+/// Pixels along a tile's side.
+pub(in crate::software) const TILE: usize = 64;
+/// Pixels of a tile.
+pub(super) const AREA: usize = TILE * TILE;
+/// Pixels beside one another that are tested at once.
+pub(super) const LANES: usize = 8;
+/// Their samples: what is known of them lies together, first that of all pixels' first samples.
+pub(super) const GROUP: usize = 4 * LANES;
+/// Sees no triangle of the current batch.
+pub(super) const NONE: u32 = u32::MAX;
+/// All samples of the pixel see something, and have one light.
+const WHOLE: u16 = u16::MAX;
+/// None of them sees anything.
+const EMPTY: u16 = WHOLE - 1;
+
+/// One tile's samples.
+pub(in crate::software) struct Tile {
+    /// Of the top left pixel.
+    origin: [usize; 2],
+    /// By groups; 0 where nothing but the background is seen.
+    pub(super) depth: Vec<f32>,
+    /// For each pixel its light, linear, or what its samples had in common before they were split; means nothing where
+    /// nothing has been seen.
+    light: Vec<[f32; 3]>,
+    /// For each pixel [`WHOLE`], [`EMPTY`], or where in `splits` the light of its samples is.
+    split: Vec<u16>,
+    splits: Vec<[[f32; 3]; 4]>,
+    /// The pixels that may see anything.
+    rows: Rows,
+    /// In linear light, with its alpha.
+    background: [f32; 4],
+    /// What a pixel of it is.
+    empty: [u8; 4],
+    encoder: Encoder,
+}
+
+/// Which triangles of a batch a tile's samples see.
+pub(in crate::software) struct Layer {
+    /// By groups.
+    pub(super) ids: Vec<u32>,
+    /// The pixels that may see any.
+    pub(super) rows: Rows,
+}
+
+/// In each row of a tile, the first pixel that matters and the one after the last, by whole groups.
+#[derive(Clone, Copy)]
+pub(super) struct Rows([[u8; 2]; TILE]);
+
+impl Tile {
+    /// A tile of background.
+    pub(in crate::software) fn new(origin: [usize; 2], background: [f32; 4]) -> Self {
+        Self {
+            origin,
+            depth: vec![0.0; 4 * AREA],
+            light: vec![[0.0; 3]; AREA],
+            split: vec![EMPTY; AREA],
+            splits: Vec::new(),
+            rows: Rows::none(),
+            background,
+            empty: {
+                let [r, g, b, alpha] = background;
+                let [r, g, b] = [r, g, b].map(crate::style::encode);
+                let alpha = (255.0 * alpha).round() as u8;
+                if alpha == 0 { [0; 4] } else { [r, g, b, alpha] }
+            },
+            encoder: Encoder::get(),
+        }
+    }
+
+    /// The tile as if new, at another place.
+    pub(super) fn reset(&mut self, origin: [usize; 2]) {
+        self.origin = origin;
+        for (y, row) in self.rows.each() {
+            let pixels = y * TILE + row.start..y * TILE + row.end;
+            self.depth[4 * pixels.start..4 * pixels.end].fill(0.0);
+            self.split[pixels].fill(EMPTY);
+        }
+        self.splits.clear();
+        self.rows = Rows::none();
+    }
+
+    /// The top left pixel's place in the picture.
+    pub(super) fn origin(&self) -> [usize; 2] {
+        self.origin
+    }
+
+    /// Where a pixel of the picture stands in the tile.
+    pub(in crate::software) fn index(&self, [x, y]: [usize; 2]) -> Option<usize> {
+        let [left, top] = self.origin;
+        let inside = (left..left + TILE).contains(&x) && (top..top + TILE).contains(&y);
+        inside.then(|| (y - top) * TILE + x - left)
+    }
+
+    /// The depths of a pixel's samples; 0 where nothing is seen.
+    #[inline(always)]
+    pub(in crate::software) fn depth(&self, index: usize) -> [f32; 4] {
+        samples(&self.depth, index)
+    }
+
+    /// Also these pixels may see something.
+    pub(super) fn touch(&mut self, rows: &Rows) {
+        for (y, row) in rows.each() {
+            self.rows.extend(y, [row.start, row.end]);
+        }
+    }
+
+    /// Lights the samples of a pixel whose bits are set in `samples`.
+    #[inline(always)]
+    pub(super) fn put(&mut self, index: usize, samples: u8, light: [f32; 3]) {
+        if samples == 0b1111 {
+            self.light[index] = light;
+            self.split[index] = WHOLE;
+            return;
+        }
+        if self.split[index] >= EMPTY {
+            // There are no more splits than pixels, unless pixels become whole again in between.
+            if self.splits.len() >= AREA {
+                self.gather();
+            }
+            self.split[index] = self.splits.len() as u16;
+            self.splits.push([self.light[index]; 4]);
+        }
+        for (s, own) in self.splits[usize::from(self.split[index])]
+            .iter_mut()
+            .enumerate()
+        {
+            if samples >> s & 1 == 1 {
+                *own = light;
+            }
+        }
+    }
+
+    /// Gives up splits that no pixel has any more.
+    #[cold]
+    fn gather(&mut self) {
+        let mut kept = Vec::with_capacity(AREA);
+        for split in self.split.iter_mut().filter(|split| **split < EMPTY) {
+            let samples = self.splits[usize::from(*split)];
+            *split = kept.len() as u16;
+            kept.push(samples);
+        }
+        self.splits = kept;
+    }
+
+    /// The means of all pixels' samples, sRGB.
+    #[inline(always)]
+    pub(super) fn pixels(&self) -> Vec<[u8; 4]> {
+        let mut pixels = vec![self.empty; AREA];
+        for (y, row) in self.rows.each() {
+            for index in y * TILE + row.start..y * TILE + row.end {
+                pixels[index] = self.mean(index);
+            }
+        }
+        pixels
+    }
+
+    /// The mean of a pixel's samples, sRGB; the pixel is the picture's.
+    pub(in crate::software) fn pixel(&self, x: usize, y: usize) -> [u8; 4] {
+        self.mean((y - self.origin[1]) * TILE + x - self.origin[0])
+    }
+
+    #[inline(always)]
+    fn mean(&self, index: usize) -> [u8; 4] {
+        match self.split[index] {
+            EMPTY => self.empty,
+            WHOLE => {
+                let [r, g, b] = self.light[index];
+                let encoder = self.encoder;
+                [encoder.encode(r), encoder.encode(g), encoder.encode(b), 255]
+            }
+            split => {
+                let seen = self.depth(index).map(|depth| depth > 0.0);
+                self.mixed(self.splits[usize::from(split)], seen)
+            }
+        }
+    }
+
+    /// The mean of samples, some of which see the background.
+    fn mixed(&self, mut samples: [[f32; 3]; 4], seen: [bool; 4]) -> [u8; 4] {
+        let [r, g, b, alpha] = self.background;
+        for (sample, seen) in samples.iter_mut().zip(seen) {
+            if !seen {
+                *sample = [r, g, b];
+            }
+        }
+        if alpha == 1.0 {
+            let sum = |k: usize| samples.iter().map(|light| light[k]).sum::<f32>();
+            let mean = |k: usize| self.encoder.encode(0.25 * sum(k));
+            return [mean(0), mean(1), mean(2), 255];
+        }
+        let alphas = seen.map(|seen| if seen { 1.0 } else { alpha });
+        let sum: f32 = alphas.iter().sum();
+        if sum == 0.0 {
+            return [0; 4];
+        }
+        let mean = |k: usize| {
+            let weighted = samples.iter().zip(alphas).map(|(light, a)| a * light[k]);
+            self.encoder.encode(weighted.sum::<f32>() / sum)
+        };
+        let alpha = (0.25 * 255.0 * sum).round() as u8;
+        [mean(0), mean(1), mean(2), alpha]
+    }
+}
+
+impl Layer {
+    /// Nothing is seen.
+    pub(in crate::software) fn new() -> Self {
+        Self {
+            ids: vec![NONE; 4 * AREA],
+            rows: Rows::none(),
+        }
+    }
+
+    /// As if new.
+    pub(super) fn clear(&mut self) {
+        for (y, row) in self.rows.each() {
+            let first = y * TILE;
+            self.ids[4 * (first + row.start)..4 * (first + row.end)].fill(NONE);
+        }
+        self.rows = Rows::none();
+    }
+
+    /// What the samples of the group that begins with a pixel see.
+    #[inline(always)]
+    pub(super) fn group(&self, index: usize) -> &[u32; GROUP] {
+        const NOTHING: &[u32; GROUP] = &[NONE; GROUP];
+        let group = self.ids[4 * index..].first_chunk();
+        group.unwrap_or(NOTHING)
+    }
+
+    /// What a pixel's samples see.
+    #[inline(always)]
+    pub(in crate::software) fn seen(&self, index: usize) -> [u32; 4] {
+        samples(&self.ids, index)
+    }
+}
+
+/// What is known of a pixel's samples.
+#[inline(always)]
+fn samples<T: Copy + Default>(of: &[T], index: usize) -> [T; 4] {
+    let first = index / LANES * GROUP + index % LANES;
+    match of[first..].first_chunk::<{ 3 * LANES + 1 }>() {
+        Some(group) => [group[0], group[LANES], group[2 * LANES], group[3 * LANES]],
+        None => [T::default(); 4],
+    }
+}
+
+impl Rows {
+    fn none() -> Self {
+        Self([[TILE as u8, 0]; TILE])
+    }
+
+    #[inline(always)]
+    pub(super) fn extend(&mut self, y: usize, [first, end]: [usize; 2]) {
+        let row = &mut self.0[y];
+        *row = [row[0].min(first as u8), row[1].max(end as u8)];
+    }
+
+    /// The rows in which any pixel matters.
+    pub(super) fn each(&self) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + use<> {
+        let rows = self.0.into_iter().enumerate();
+        rows.map(|(y, [first, end])| (y, usize::from(first)..usize::from(end)))
+            .filter(|(_, row)| !row.is_empty())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_that_is_split_and_made_whole_again_and_again_keeps_its_samples() {
+        let mut tile = Tile::new([0; 2], [0.0, 0.0, 0.0, 1.0]);
+        let index = 70;
+        tile.depth[index / LANES * GROUP..][..GROUP].fill(1.0);
+        for _ in 0..3 * AREA {
+            tile.put(index, 0b1111, [1.0; 3]);
+            tile.put(index, 0b0011, [0.0; 3]);
+        }
+        let half = crate::style::encode(0.5);
+        assert_eq!(tile.pixel(6, 1), [half, half, half, 255]);
+        assert!(tile.splits.len() <= AREA);
+        // A tile that is used again has forgotten everything.
+        tile.touch(&{
+            let mut rows = Rows::none();
+            rows.extend(1, [0, 8]);
+            rows
+        });
+        tile.reset([0; 2]);
+        assert_eq!(tile.pixel(6, 1), [0, 0, 0, 255]);
+    }
+}
