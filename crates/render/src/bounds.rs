@@ -5,9 +5,10 @@
 
 use expr::NodeId;
 use expr::tape::Tape;
-use scene::scene::{Object, Scene, Shape};
+use scene::scene::{Object, ObjectId, Scene, Shape};
 use scene::values::Settings;
 
+use crate::request::Request;
 use crate::sample::{Resolution, Sampler};
 
 /// Coarse samples of one object.
@@ -52,8 +53,19 @@ pub struct Bounds {
 impl Bounds {
     /// The bounds of what is defined; a scene where nothing is has the unit ball.
     pub fn of(scene: &Scene, settings: &Settings) -> Self {
-        let objects = scene.objects.iter();
-        let cloud = objects.flat_map(|object| object_cloud(scene, settings, object));
+        Self::of_some(scene, settings, |_| true)
+    }
+
+    /// The same, of those objects that the 3D view of a request leaves room for.
+    pub fn shown(scene: &Scene, settings: &Settings, request: &Request) -> Self {
+        Self::of_some(scene, settings, |id| request.leaves_room(scene, id))
+    }
+
+    fn of_some(scene: &Scene, settings: &Settings, counts: impl Fn(ObjectId) -> bool) -> Self {
+        let objects = (0..).map(ObjectId).zip(&scene.objects);
+        let cloud = objects
+            .filter(|(id, _)| counts(*id))
+            .flat_map(|(_, object)| object_cloud(scene, settings, object));
         Self::around(cloud.collect())
     }
 

@@ -142,8 +142,8 @@ impl Format {
     }
 }
 
-/// Builds what a file holds: of all objects, or of those that are listed. Of the request, the colours and the textures
-/// matter.
+/// Builds what a file holds: of all objects that the request does not hide, or of those that are listed. Of the request,
+/// also the colours and the textures matter.
 pub fn model(
     scene: &Scene,
     settings: &Settings,
@@ -154,7 +154,7 @@ pub fn model(
     let mut model = Model::default();
     for (index, object) in scene.objects.iter().enumerate() {
         let id = ObjectId(index as u32);
-        if objects.is_some_and(|objects| !objects.contains(&id)) {
+        if !objects.map_or(request.shows(id), |objects| objects.contains(&id)) {
             continue;
         }
         let (geometry, notes) = geometry(scene, settings, request, id, object, &placement);

@@ -46,12 +46,24 @@ pub struct Stage {
     samples: SampleStore,
     looks: Looks,
     extras: Option<(ExtrasKey, Arc<[Extra]>)>,
+    /// The last pictures of space and from inside.
+    last: [Option<Last>; 2],
     /// What draws on a GPU; without it the software path does.
     studio: Option<Box<Studio>>,
 }
 
-/// A picture of a view.
+/// A picture that has been drawn, and what it was drawn of.
 #[derive(Debug)]
+struct Last {
+    scene: Arc<Scene>,
+    settings: Settings,
+    request: Request,
+    bounds: Option<Arc<Bounds>>,
+    shot: Shot,
+}
+
+/// A picture of a view.
+#[derive(Clone, Debug)]
 pub struct Shot {
     /// The picture.
     pub pixels: Pixels,
@@ -66,7 +78,7 @@ pub struct Shot {
 }
 
 /// Where a picture's pixels are.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub enum Pixels {
     /// sRGB, top row first, in memory: drawn by the software path.
     Image(RgbaImage),
@@ -77,7 +89,7 @@ pub enum Pixels {
 /// What has been made so far, counted; nothing is ever taken back.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct Counters {
-    /// Pictures.
+    /// Pictures that have been drawn.
     pub pictures: u64,
     /// Pipelines of painters and passes, and kernels: whatever a driver compiles.
     pub pipelines: u64,
@@ -142,6 +154,8 @@ impl Stage {
     /// was given until a scene has outgrown them (see [`Stage::bounds`]): while params move and declarations change, the
     /// first camera stays where it is.
     ///
+    /// What has been drawn last of space, or from inside, is not drawn again: who asks for it gets the same pixels.
+    ///
     /// # Errors
     /// As [`crate::render`].
     pub fn draw(
@@ -155,15 +169,51 @@ impl Stage {
         if self.is_lost() {
             return Err(RenderError::Gpu("the device was lost".to_owned()));
         }
-        let drawn = match request.view {
+        let last = usize::from(matches!(request.view, View::Geodesic { .. }));
+        if let Some(last) = &self.last[last]
+            && last.is_of(scene, settings, request, self.bounds().as_ref())
+        {
+            let mut shot = last.shot.clone();
+            if let Some(gpu) = self.gpu() {
+                gpu.answers()?;
+            }
+            shot.took = start.elapsed();
+            return Ok(shot);
+        }
+        let mut shot = match request.view {
             View::Space { eye, target } => self.space(scene, settings, request, [eye, target])?,
             View::Geodesic { .. } => self.inside(scene, settings, request)?,
         };
         self.pictures += 1;
-        Ok(Shot {
-            took: start.elapsed(),
-            ..drawn
-        })
+        self.last[last] = Some(Last {
+            scene: scene.clone(),
+            settings: settings.clone(),
+            request: request.clone(),
+            bounds: self.bounds(),
+            shot: self.copied(last, &shot),
+        });
+        shot.took = start.elapsed();
+        Ok(shot)
+    }
+
+    /// A copy of a picture, in the memory of the one that was kept before.
+    fn copied(&mut self, last: usize, shot: &Shot) -> Shot {
+        let before = self.last[last].take().map(|last| last.shot.pixels);
+        let pixels = match (before, &shot.pixels) {
+            (Some(Pixels::Image(mut before)), Pixels::Image(image))
+                if before.dimensions() == image.dimensions() =>
+            {
+                before.copy_from_slice(image);
+                Pixels::Image(before)
+            }
+            (_, pixels) => pixels.clone(),
+        };
+        Shot {
+            pixels,
+            notes: shot.notes.clone(),
+            overlays: shot.overlays.clone(),
+            ..*shot
+        }
     }
 
     /// A picture of this stage in memory. Waits for the GPU if it is there.
@@ -195,7 +245,7 @@ impl Stage {
     ) -> Result<Option<Hit>, RenderError> {
         let camera = self.camera(scene, settings, request)?;
         let structures = self.structures.of(scene);
-        let placed = self.place.of(scene, settings, &structures);
+        let placed = self.place.of(scene, settings, &structures, request);
         let (painted, _) = self.painted(scene, settings, request, &placed);
         let picked = software::pick(&camera, &painted, at);
         Ok(picked.map(|picked| Hit {
@@ -222,7 +272,7 @@ impl Stage {
             return Err(RenderError::Camera(sentence.to_owned()));
         };
         let structures = self.structures.of(scene);
-        let placed = self.place.of(scene, settings, &structures);
+        let placed = self.place.of(scene, settings, &structures, request);
         placed.camera(eye, target, request.size)
     }
 
@@ -259,7 +309,7 @@ impl Stage {
         [eye, target]: [Option<[f64; 3]>; 2],
     ) -> Result<Shot, RenderError> {
         let structures = self.structures.of(scene);
-        let placed = self.place.of(scene, settings, &structures);
+        let placed = self.place.of(scene, settings, &structures, request);
         let camera = placed.camera(eye, target, request.size)?;
         let mut extras = self.extras(scene, settings, request, &camera.placement)?;
         let trails = overlay::trail_extras(scene, settings, request, &camera.placement);
@@ -349,6 +399,11 @@ impl Stage {
         let placement = placed.bounds.placement;
         for ((index, object), content) in scene.objects.iter().enumerate().zip(placed.contents()) {
             let id = ObjectId(index as u32);
+            if !request.shows(id) {
+                // It keeps its number.
+                painted.push(Painted::nothing());
+                continue;
+            }
             let sampled = self.samples.get(scene, settings, id, content, &placement);
             notes.extend(sampled.notes(object));
             let is_surface = matches!(object.shape, Shape::Surface { .. });
@@ -390,6 +445,27 @@ impl Stage {
             overlay::camera_extras(scene, settings, request, placement)?.into();
         self.extras = Some((key, extras.clone()));
         Ok(extras)
+    }
+}
+
+impl Last {
+    /// Whether the same is asked for: then the same would be drawn.
+    fn is_of(
+        &self,
+        scene: &Arc<Scene>,
+        settings: &Settings,
+        request: &Request,
+        bounds: Option<&Arc<Bounds>>,
+    ) -> bool {
+        let same_bounds = match (&self.bounds, bounds) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        };
+        same_bounds
+            && Arc::ptr_eq(&self.scene, scene)
+            && self.settings == *settings
+            && self.request.is_like(request)
     }
 }
 

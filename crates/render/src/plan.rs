@@ -128,6 +128,9 @@ pub fn plan(scene: &Scene, settings: &Settings, request: &Request) -> Plan {
             plan.overlays = overlay::painters(scene, request);
             for (index, object) in scene.objects.iter().enumerate() {
                 let id = ObjectId(index as u32);
+                if !request.shows(id) {
+                    continue;
+                }
                 if matches!(object.shape, Shape::Surface { .. }) {
                     textured.push(id);
                 }

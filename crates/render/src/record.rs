@@ -122,11 +122,15 @@ impl Script {
             walk: None,
             ..self.clone()
         };
-        let plain = Request::space(request.size);
+        let plain = Request {
+            hidden: request.hidden.clone(),
+            show_camera: request.show_camera,
+            ..Request::space(request.size)
+        };
         let mut cloud = Vec::new();
         for step in 0..LOOKS {
             let (settings, _) = params.at(scene, settings, &plain, Self::share(step, LOOKS))?;
-            let bounds = Bounds::of(scene, &settings);
+            let bounds = Bounds::shown(scene, &settings, &plain);
             let places = bounds.cloud.iter();
             cloud.extend(places.map(|&place| bounds.placement.world(place)));
         }

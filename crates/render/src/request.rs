@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use geodesic::frame::Frame;
-use scene::scene::{ObjectId, Scene, Shape};
+use scene::scene::{Object, ObjectId, Scene, Shape};
 
 use crate::overlay::{Overlays, Standpoint, Trail};
 use crate::texture::Texture;
@@ -42,6 +42,8 @@ pub struct Request {
     pub moving: bool,
     /// An object that the 3D view sets off, by mixing [`crate::style::EMPHASIS_COLOUR`] into it.
     pub highlight: Option<ObjectId>,
+    /// Objects that the 3D view leaves out. What lies on them is drawn, and they are seen from inside as ever.
+    pub hidden: Vec<ObjectId>,
 }
 
 /// A view of the scene.
@@ -209,6 +211,7 @@ impl Request {
             background: None,
             moving: false,
             highlight: None,
+            hidden: Vec::new(),
         }
     }
 
@@ -239,6 +242,63 @@ impl Request {
         } else {
             0.0
         }
+    }
+
+    /// Whether another request asks for the same picture of the same scene from the same backend. Textures that only
+    /// look alike count as different ones.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        // Taken apart: a field that is added is not forgotten here.
+        let Self {
+            view,
+            size,
+            backend: _,
+            textures,
+            colours,
+            mark_centre,
+            overlays,
+            show_camera,
+            trails,
+            background,
+            moving,
+            highlight,
+            hidden,
+        } = self;
+        let same_textures = textures.len() == other.textures.len()
+            && textures
+                .iter()
+                .zip(&other.textures)
+                .all(|(a, b)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1));
+        same_textures
+            && *view == other.view
+            && *size == other.size
+            && *colours == other.colours
+            && *mark_centre == other.mark_centre
+            && *overlays == other.overlays
+            && *show_camera == other.show_camera
+            && *trails == other.trails
+            && *background == other.background
+            && *moving == other.moving
+            && *highlight == other.highlight
+            && *hidden == other.hidden
+    }
+
+    /// Whether the 3D view draws an object.
+    pub fn shows(&self, object: ObjectId) -> bool {
+        !self.hidden.contains(&object)
+    }
+
+    /// Whether the 3D view leaves room for an object: also for one that is hidden, where something lies on it.
+    pub fn leaves_room(&self, scene: &Scene, object: ObjectId) -> bool {
+        let lies_there = |(id, other): (ObjectId, &Object)| match other.shape {
+            Shape::Geodesic { surface, .. } => surface == object && self.shows(id),
+            _ => false,
+        };
+        self.shows(object)
+            || (0..).map(ObjectId).zip(&scene.objects).any(lies_there)
+            || self
+                .show_camera
+                .is_some_and(|camera| camera.surface == object)
+            || self.trails.iter().any(|trail| trail.surface == object)
     }
 
     /// Refuses what cannot be drawn, whatever the backend.

@@ -163,6 +163,17 @@ impl Gpu {
         }
     }
 
+    /// Asks the device for something small: one that is gone says so only when it is asked.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if it is gone.
+    pub(crate) fn answers(&self) -> Result<(), RenderError> {
+        self.guarded(|| {
+            self.uniform("question", &[0_u32; 4]);
+            Ok(())
+        })
+    }
+
     /// A buffer with the given bytes; never empty, since a binding may not be.
     pub(crate) fn buffer(
         &self,

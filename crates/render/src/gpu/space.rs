@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 use rayon::prelude::*;
-use scene::{scene::Scene, values::Settings};
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
 
 use crate::bounds::Bounds;
 use crate::camera::Camera;
@@ -59,7 +60,7 @@ pub(crate) fn render(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Drawn, RenderError> {
     let gpu = workshop.gpu;
-    let bounds = Bounds::of(scene, settings);
+    let bounds = Bounds::shown(scene, settings, request);
     let camera = Camera::new(&bounds, eye, target, request.size)?;
     let view = gpu.uniform("view", &View::new(&camera, [0, 0], request.size));
 
@@ -82,7 +83,9 @@ pub(crate) fn render(
         progress(0.5 * (index + 1) as f32 / steps);
     }
 
-    notes.extend(scene.objects.iter().filter_map(sample::left_out));
+    let shown = (0..).map(ObjectId).zip(&scene.objects);
+    let shown = shown.filter(|(id, _)| request.shows(*id));
+    notes.extend(shown.filter_map(|(_, object)| sample::left_out(object)));
     for extra in &extras {
         let samples = samples::upload_samples(workshop.gpu, &extra.samples, Vec::new())?;
         let colour = (extra.colour, 0.0);

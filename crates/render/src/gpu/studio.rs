@@ -138,6 +138,9 @@ impl Studio {
         let mut draws: Vec<Draw> = Vec::new();
         for (index, object) in space.scene.objects.iter().enumerate() {
             let id = ObjectId(index as u32);
+            if !space.request.shows(id) {
+                continue;
+            }
             let Some(painter) = painter(space.scene, id) else {
                 notes.extend(sample::left_out(object));
                 continue;

@@ -5,13 +5,13 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use scene::scene::Scene;
+use scene::scene::{ObjectId, Scene};
 use scene::values::Settings;
 
 use super::content::{Content, Structure};
 use crate::bounds::{Bounds, object_cloud};
 use crate::camera::Camera;
-use crate::request::RenderError;
+use crate::request::{RenderError, Request};
 
 /// The bounds are kept while the scene stays in a ball of so many of their radii …
 const OUTGROWN: f64 = 1.6;
@@ -31,6 +31,8 @@ pub(super) struct Place {
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     contents: Arc<[Content]>,
+    /// Which of them the view leaves room for.
+    counts: Arc<[bool]>,
     /// The bounds that are kept.
     pub(super) bounds: Arc<Bounds>,
     /// The scene's points now, in the drawing units of these bounds.
@@ -44,6 +46,7 @@ impl Place {
         scene: &Scene,
         settings: &Settings,
         structures: &[Structure],
+        request: &Request,
     ) -> Placed {
         let contents: Arc<[Content]> = scene
             .objects
@@ -51,8 +54,14 @@ impl Place {
             .zip(structures)
             .map(|(object, structure)| structure.instances(scene, settings, object))
             .collect();
+        let counts: Arc<[bool]> = (0..)
+            .map(ObjectId)
+            .zip(&scene.objects)
+            .map(|(id, _)| request.leaves_room(scene, id))
+            .collect();
         if let (Some(last), true) = (&self.last, self.kept.is_some())
             && last.contents == contents
+            && last.counts == counts
         {
             return last.clone();
         }
@@ -69,7 +78,13 @@ impl Place {
             });
         let clouds: Vec<Arc<Vec<[f64; 3]>>> = clouds.into_iter().flatten().collect();
         self.clouds = contents.iter().cloned().zip(clouds.clone()).collect();
-        let all = || clouds.iter().flat_map(|cloud| cloud.iter().copied());
+        let shown = || {
+            clouds
+                .iter()
+                .zip(counts.iter())
+                .filter(|(_, counts)| **counts)
+        };
+        let all = || shown().flat_map(|(cloud, _)| cloud.iter().copied());
         let now = Bounds::around(all().collect());
         let bounds = match &self.kept {
             Some(kept) if still_fits(kept, &now) => kept.clone(),
@@ -82,6 +97,7 @@ impl Place {
         };
         let placed = Placed {
             contents,
+            counts,
             bounds,
             cloud: Arc::new(cloud),
         };

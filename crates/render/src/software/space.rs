@@ -47,6 +47,18 @@ pub struct Painted {
     pub texture: Option<Arc<Texture>>,
 }
 
+impl Painted {
+    /// Nothing is drawn.
+    pub(crate) fn nothing() -> Self {
+        Self {
+            samples: Arc::new(Samples::Points(Vec::new())),
+            colour: [0.0; 3],
+            emphasis: 0.0,
+            texture: None,
+        }
+    }
+}
+
 pub(super) fn render(
     scene: &Scene,
     settings: &Settings,
@@ -55,12 +67,15 @@ pub(super) fn render(
     target: Option<[f64; 3]>,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Picture, RenderError> {
-    let bounds = Bounds::of(scene, settings);
+    let bounds = Bounds::shown(scene, settings, request);
     let camera = Camera::new(&bounds, eye, target, request.size)?;
     let mut painted = Vec::new();
     let mut notes = Vec::new();
     for (index, object) in scene.objects.iter().enumerate() {
         let id = ObjectId(index as u32);
+        if !request.shows(id) {
+            continue;
+        }
         let (samples, told) = sample_with_notes(scene, settings, id, &camera.placement);
         notes.extend(told);
         let colour = request.colour(id, &object.shape);

@@ -1,0 +1,182 @@
+//! What a view shows, and when it is drawn: objects that are hidden while what lies on them is seen, and pictures that are
+//! there already. On a GPU, or software Vulkan (`mesa-vulkan-drivers` on Debian), as well as by the software path.
+
+mod scenes;
+
+use std::sync::Arc;
+
+use image::RgbaImage;
+use render::gpu::Gpu;
+use render::live::{Pixels, Stage};
+use render::overlay::Standpoint;
+use render::{Backend, Request, View, style};
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
+
+const SIZE: [u32; 2] = [120, 90];
+/// From above, x to the right and y up.
+const ABOVE: View = View::Space {
+    eye: Some([0.0, -0.01, 8.0]),
+    target: Some([0.0; 3]),
+};
+/// A floor, a way across it, and a point far from both.
+const FLOOR: &str = "surface s(u, v) = (u, v, 0), u : [-1, 1, 9], v : [-1, 1, 9];
+    geodesic g(t) : s = (1, 0) @ (-0.9, 0), t : [0, 1.8];
+    point p = (1.5, 0, 0);";
+const FLOOR_ID: ObjectId = ObjectId(0);
+
+fn stages() -> [Stage; 2] {
+    let gpu = Gpu::shared().expect("a GPU or software Vulkan");
+    [Stage::software(), Stage::on(gpu)]
+}
+
+fn drawn(stage: &mut Stage, scene: &Arc<Scene>, settings: &Settings, of: &Request) -> RgbaImage {
+    let shot = stage.draw(scene, settings, of).expect("a picture");
+    stage.read(shot.pixels).expect("the device is there")
+}
+
+fn is_background(image: &RgbaImage, x: u32, y: u32) -> bool {
+    let [r, g, b, _] = image.get_pixel(x, y).0;
+    [r, g, b] == style::BACKGROUND
+}
+
+fn compiled(text: &str) -> (Arc<Scene>, Settings) {
+    let scene = scenes::scene(text);
+    let settings = Settings::opening(&scene);
+    (Arc::new(scene), settings)
+}
+
+#[test]
+fn a_surface_is_hidden_while_its_geodesics_and_cameras_are_seen() {
+    let (scene, settings) = compiled(FLOOR);
+    let whole = Request {
+        view: ABOVE,
+        ..Request::space(SIZE)
+    };
+    let bare = Request {
+        hidden: vec![FLOOR_ID],
+        ..whole.clone()
+    };
+    let with_camera = Request {
+        show_camera: Some(Standpoint {
+            surface: FLOOR_ID,
+            at: Some([0.5, 0.5]),
+            angle: 0.0,
+            zoom: Some(0.3),
+            frame: None,
+        }),
+        ..bare.clone()
+    };
+    for mut stage in stages() {
+        let full = drawn(&mut stage, &scene, &settings, &whole);
+        let empty = drawn(&mut stage, &scene, &settings, &bare);
+        let camera = drawn(&mut stage, &scene, &settings, &with_camera);
+        // In the middle runs the geodesic; everything below it is floor.
+        let seen = |y: &u32| !is_background(&empty, 60, *y);
+        let middle = (30..60).find(seen).expect("a line");
+        let redness = |image: &RgbaImage, y: u32| {
+            let [r, g, _, _] = image.get_pixel(60, y).0;
+            i32::from(r) - i32::from(g)
+        };
+        assert!(redness(&empty, middle) > 40, "{}", redness(&empty, middle));
+        assert!(!is_background(&full, 60, middle + 10) && is_background(&empty, 60, middle + 10));
+        let different = empty.pixels().zip(camera.pixels()).filter(|(a, b)| a != b);
+        assert!(
+            different.count() > 20,
+            "the camera is seen without its floor"
+        );
+        // Objects keep their numbers, and what is not seen is not found.
+        let at = |y: u32| [60.5, f64::from(y) + 0.5];
+        let mut found = |request, y| {
+            let hit = stage.pick(&scene, &settings, request, at(y));
+            hit.expect("a view of space").map(|hit| hit.object)
+        };
+        assert_eq!(found(&bare, middle), Some(ObjectId(1)));
+        assert_eq!(found(&bare, middle + 12), None);
+        assert_eq!(found(&whole, middle + 12), Some(FLOOR_ID));
+    }
+}
+
+#[test]
+fn what_is_hidden_is_neither_sampled_nor_planned_and_both_ways_of_drawing_agree() {
+    let (scene, settings) = compiled(FLOOR);
+    for (mut stage, backend) in stages().into_iter().zip([Backend::Software, Backend::Gpu]) {
+        let request = Request {
+            hidden: vec![FLOOR_ID],
+            backend,
+            ..Request::space(SIZE)
+        };
+        let live = drawn(&mut stage, &scene, &settings, &request);
+        assert_eq!(stage.counters().sampled, 2, "the geodesic and the point");
+        let alone = render::render(&scene, &settings, &request, &|_| {}).expect("a picture");
+        assert!(live == alone.image, "{backend:?}");
+        let plan = render::plan::plan(&scene, &settings, &request);
+        let planned: Vec<u32> = plan.objects.iter().map(|object| object.object.0).collect();
+        assert_eq!((planned, plan.textures), (vec![1, 2], 0));
+    }
+}
+
+#[test]
+fn a_hidden_object_takes_room_only_where_something_lies_on_it() {
+    let (scene, settings) = compiled(FLOOR);
+    let centre = |hidden: &[u32]| {
+        let request = Request {
+            hidden: hidden.iter().map(|&id| ObjectId(id)).collect(),
+            ..Request::space(SIZE)
+        };
+        let mut stage = Stage::software();
+        let camera = stage.camera(&scene, &settings, &request);
+        camera.expect("a view of space").placement.centre[0]
+    };
+    assert_eq!(centre(&[]), 0.25, "from the floor's left to the point");
+    assert_eq!(centre(&[0]), 0.25, "the geodesic still lies on the floor");
+    assert_eq!(centre(&[0, 1]), 1.5, "the point alone");
+    assert_eq!(centre(&[2]), 0.0, "the floor alone");
+}
+
+#[test]
+fn the_same_request_again_draws_nothing_and_gives_the_same_pixels() {
+    let (scene, settings) = compiled(FLOOR);
+    for mut stage in stages() {
+        let space = Request::space(SIZE);
+        let inside = Request::geodesic(FLOOR_ID, [40, 30]);
+        let first = [&space, &inside].map(|it| drawn(&mut stage, &scene, &settings, it));
+        let before = stage.counters();
+        assert_eq!(before.pictures, 2);
+        for _ in 0..3 {
+            let again = [&space, &inside].map(|it| drawn(&mut stage, &scene, &settings, it));
+            assert!(again == first);
+        }
+        assert_eq!(stage.counters(), before);
+        // Whatever a picture depends on has it drawn again.
+        let highlighted = Request {
+            highlight: Some(FLOOR_ID),
+            ..space.clone()
+        };
+        let picture = drawn(&mut stage, &scene, &settings, &highlighted);
+        assert!(picture != first[0]);
+        assert_eq!(stage.counters().pictures, 3);
+        assert!(drawn(&mut stage, &scene, &settings, &space) == first[0]);
+        assert_eq!(stage.counters().pictures, 4);
+        let (other, _) = compiled(FLOOR);
+        assert!(drawn(&mut stage, &other, &settings, &space) == first[0]);
+        assert_eq!(stage.counters().pictures, 5);
+        stage.set_bounds(None);
+        assert!(drawn(&mut stage, &other, &settings, &space) == first[0]);
+        assert_eq!(stage.counters().pictures, 6);
+    }
+}
+
+#[test]
+fn a_picture_that_is_given_again_is_its_own() {
+    let (scene, settings) = compiled(FLOOR);
+    let mut stage = Stage::software();
+    let request = Request::space(SIZE);
+    let first = drawn(&mut stage, &scene, &settings, &request);
+    let shot = stage.draw(&scene, &settings, &request).expect("a picture");
+    let Pixels::Image(mut image) = shot.pixels else {
+        panic!("the software path draws into memory");
+    };
+    image.fill(7);
+    assert!(drawn(&mut stage, &scene, &settings, &request) == first);
+}
