@@ -296,8 +296,14 @@ struct Easel {
     took: BTreeMap<PaneKey, Duration>,
 }
 
-/// A scene with its params, the size of its picture, and the place from which all of it is seen.
-type Home = (Arc<Scene>, Arc<Settings>, [u32; 2], SpaceCamera);
+/// A scene with its params, the size of its picture, what is hidden, and the place from which all of the rest is seen.
+type Home = (
+    Arc<Scene>,
+    Arc<Settings>,
+    [u32; 2],
+    Vec<ObjectId>,
+    SpaceCamera,
+);
 
 /// Textures of curvature, of a scene with its params.
 type Curvatures = (Arc<Scene>, Arc<Settings>, Vec<(ObjectId, Arc<Texture>)>);
@@ -442,14 +448,16 @@ impl Easel {
 
     /// Where everything is seen from.
     fn home(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
-        if let Some((scene, settings, size, camera)) = &self.home
+        let request = order.request(None);
+        if let Some((scene, settings, size, hidden, camera)) = &self.home
             && Arc::ptr_eq(scene, &order.scene)
             && *settings == order.settings
             && *size == order.size
+            && *hidden == request.hidden
         {
             return Ok(*camera);
         }
-        let bounds = Bounds::of(&order.scene, &order.settings);
+        let bounds = Bounds::shown(&order.scene, &order.settings, &request);
         let camera = Camera::new(&bounds, None, None, order.size)?;
         let (centre, radius) = (
             DVec3::from(bounds.placement.centre),
@@ -467,6 +475,7 @@ impl Easel {
             Arc::clone(&order.scene),
             Arc::clone(&order.settings),
             order.size,
+            request.hidden,
             camera,
         ));
         Ok(camera)

@@ -57,8 +57,6 @@ pub struct Model {
     /// Counts the times that trails were begun anew.
     pub trails_begun: u64,
     settings: Option<Arc<Settings>>,
-    /// The scene without what is hidden, of which scene, and what that is.
-    drawn: Option<(Arc<Scene>, Vec<String>, Arc<Scene>)>,
 }
 
 impl Model {
@@ -160,26 +158,12 @@ impl Model {
         Some(Arc::clone(settings))
     }
 
-    /// The scene without the objects that are hidden in space.
-    pub fn drawn(&mut self) -> Option<Arc<Scene>> {
-        let scene = self.scene.clone()?;
-        let looks = self.view.looks.iter();
-        let hidden: Vec<String> = looks
-            .filter(|(name, look)| look.hidden && can_be_hidden(&scene, &self.view, name))
-            .map(|(name, _)| name.clone())
-            .collect();
-        if hidden.is_empty() {
-            return Some(scene);
-        }
-        if let Some((of, known, drawn)) = &self.drawn
-            && Arc::ptr_eq(of, &scene)
-            && *known == hidden
-        {
-            return Some(Arc::clone(drawn));
-        }
-        let drawn = Arc::new(without(&scene, &hidden));
-        self.drawn = Some((scene, hidden, Arc::clone(&drawn)));
-        Some(drawn)
+    /// The objects of the scene that are hidden in space.
+    pub fn hidden(&self) -> Vec<ObjectId> {
+        let objects = self.scene.iter().flat_map(|scene| &scene.objects);
+        let numbered = (0..).map(ObjectId).zip(objects);
+        let hidden = numbered.filter(|(_, object)| self.view.look(&object.name).hidden);
+        hidden.map(|(id, _)| id).collect()
     }
 
     /// The object of a name.
@@ -296,42 +280,6 @@ impl Model {
             })
             .any(|on| on)
     }
-}
-
-/// Whether an object can be left out of the 3D view: what a geodesic that is shown lies on cannot.
-pub fn can_be_hidden(scene: &Scene, view: &View, name: &str) -> bool {
-    let shown = scene
-        .objects
-        .iter()
-        .filter(|it| !view.look(&it.name).hidden);
-    !shown.into_iter().any(|object| match object.shape {
-        Shape::Geodesic { surface, .. } => {
-            let under = scene.objects.get(surface.0 as usize);
-            under.is_some_and(|it| it.name == name)
-        }
-        _ => false,
-    })
-}
-
-/// A scene without some objects, on which nothing else lies.
-fn without(scene: &Scene, hidden: &[String]) -> Scene {
-    let mut drawn = scene.clone();
-    let keeps: Vec<bool> = scene
-        .objects
-        .iter()
-        .map(|object| !hidden.contains(&object.name))
-        .collect();
-    let mut kept = keeps.iter();
-    drawn
-        .objects
-        .retain(|_| kept.next().copied().unwrap_or(true));
-    for object in &mut drawn.objects {
-        if let Shape::Geodesic { surface, .. } = &mut object.shape {
-            let before = keeps.iter().take(surface.0 as usize);
-            surface.0 = before.filter(|keep| **keep).count() as u32;
-        }
-    }
-    drawn
 }
 
 /// A value that has grown by a step and begins anew at the least when it passes the greatest.

@@ -54,6 +54,8 @@ pub(crate) enum Look {
         background: [u8; 3],
         /// The ways whose trails are shown, with the surfaces that they are on.
         ways: Vec<(ObjectId, Arc<Walked>)>,
+        /// What is not drawn.
+        hidden: Vec<ObjectId>,
     },
     /// A geodesic view. Its pilot knows where the camera is, unless it has been put somewhere.
     Inside {
@@ -86,6 +88,7 @@ impl Order {
                     highlight,
                     background,
                     ways,
+                    hidden,
                 },
                 Look::Space {
                     camera: camera2,
@@ -93,6 +96,7 @@ impl Order {
                     highlight: highlight2,
                     background: background2,
                     ways: ways2,
+                    hidden: hidden2,
                 },
             ) => {
                 let place = |camera: &Option<SpaceCamera>| camera.map(|it| (it.eye, it.target));
@@ -100,6 +104,7 @@ impl Order {
                     && standpoint == standpoint2
                     && highlight == highlight2
                     && background == background2
+                    && hidden == hidden2
                     && ways.len() == ways2.len()
                     && ways
                         .iter()
@@ -166,8 +171,10 @@ impl Order {
                 highlight,
                 background: [r, g, b],
                 ways,
+                hidden,
             } => {
                 let mut request = Request::space(self.size);
+                request.hidden = hidden.clone();
                 request.highlight = *highlight;
                 request.background = Some([*r, *g, *b, 255]);
                 request.view = View::Space {
@@ -230,11 +237,12 @@ pub(crate) fn order(
     active: Option<&str>,
     moving: bool,
 ) -> Option<Order> {
-    let scene = match pane {
-        PaneKey::Space => model.drawn()?,
-        PaneKey::Inside(_) => model.scene.clone()?,
-    };
+    let scene = model.scene.clone()?;
     let settings = model.settings()?;
+    let hidden = match pane {
+        PaneKey::Space => model.hidden(),
+        PaneKey::Inside(_) => Vec::new(),
+    };
     let view = &model.view;
     let id_of = |name: &str| {
         let mut objects = (0..).map(ObjectId).zip(&scene.objects);
@@ -244,6 +252,9 @@ pub(crate) fn order(
     let mut curved = Vec::new();
     let mut colours = Vec::new();
     for (id, object) in (0..).map(ObjectId).zip(&scene.objects) {
+        if hidden.contains(&id) {
+            continue;
+        }
         if let Some(colour) = view.looks.get(&object.name).and_then(|look| look.colour) {
             colours.push((id, colour));
         }
@@ -284,6 +295,7 @@ pub(crate) fn order(
                     .background
                     .unwrap_or(render::style::BACKGROUND),
                 ways: ways.collect(),
+                hidden,
             }
         }
         PaneKey::Inside(name) => Look::Inside {

@@ -60,25 +60,19 @@ fn a_value_that_the_text_gives_anew_takes_the_place_of_the_sliders() {
 }
 
 #[test]
-fn what_is_hidden_is_left_out_and_geodesics_still_know_their_surface() {
+fn what_is_hidden_is_known_by_its_place_in_the_scene_also_where_a_geodesic_lies_on_it() {
     let mut model = model(
         "point p = (1,1,1); surface s(u,v) = (u,v,0), u : [0,1], v : [0,1];
          geodesic g(t) : s = (1,0) @ (0.5,0.5), t : [0, 0.2];",
     );
     let hide = |model: &mut Model, name: &str| {
         model.adjust(|view| view.looks.entry(name.into()).or_default().hidden = true);
-        let drawn = model.drawn().expect("a scene");
-        let names = drawn.objects.iter().map(|it| it.name.clone());
-        (names.collect::<Vec<_>>().join(" "), drawn)
+        model.hidden().iter().map(|id| id.0).collect::<Vec<_>>()
     };
-    assert_eq!(hide(&mut model, "s").0, "p s g", "g lies on s");
-    let (names, drawn) = hide(&mut model, "p");
-    assert_eq!(names, "s g");
-    let scene::scene::Shape::Geodesic { surface, .. } = drawn.objects[1].shape else {
-        panic!("g is a geodesic");
-    };
-    assert_eq!(surface.0, 0);
-    assert_eq!(hide(&mut model, "g").0, "");
+    assert_eq!(hide(&mut model, "s"), [1]);
+    assert_eq!(hide(&mut model, "p"), [0, 1]);
+    assert_eq!(hide(&mut model, "another"), [0, 1]);
+    assert_eq!(hide(&mut model, "g"), [0, 1, 2]);
 }
 
 #[test]

@@ -158,16 +158,10 @@ fn objects(window: &mut Window, ui: &mut Ui) {
 fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
     let name = &object.name;
     let look = window.model.view.look(name);
-    let free = window.model.scene.as_ref().is_none_or(|scene| {
-        let view = &window.model.view;
-        crate::model::can_be_hidden(scene, view, name)
-    });
-    let drawn = !matches!(object.shape, Shape::Metric { .. }) && free;
+    let drawn = !matches!(object.shape, Shape::Metric { .. });
     let mut shown = !look.hidden;
     let show = ui.add_enabled(drawn, egui::Checkbox::without_text(&mut shown));
-    let show = show.on_disabled_hover_text(
-        "A metric has no place in space; what a geodesic lies on is shown with it",
-    );
+    let show = show.on_disabled_hover_text("A metric has no place in space");
     if show.accessible_name(format!("Show {name}")).changed() {
         window
             .model
