@@ -194,7 +194,6 @@ pub(crate) fn completions(snapshot: &Snapshot, found: Completions) -> lsp::Compl
         false => lsp::CompletionResponse::List(lsp::CompletionList {
             is_incomplete: true,
             items,
-            ..lsp::CompletionList::default()
         }),
     }
 }
