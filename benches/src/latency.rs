@@ -282,13 +282,30 @@ fn lengths() -> std::io::Result<()> {
             &text,
             &format!("function f{}(x, y) = ", near(declarations / 2)),
         );
+        let place = |line: usize, column: usize| {
+            format!(
+                r#"{{"textDocument":{{"uri":"{URI}"}},"position":{{"line":{line},"character":{column}}}}}"#
+            )
+        };
+        let [last, body] = behind(
+            &text,
+            &format!("function f{}(x, y) = ", near(declarations - 10)),
+        );
         for (what, method, params) in [
             (
                 "a hover behind an edit",
                 "textDocument/hover",
-                format!(
-                    r#"{{"textDocument":{{"uri":"{URI}"}},"position":{{"line":{line},"character":{column}}}}}"#
-                ),
+                place(line, column),
+            ),
+            (
+                "completion at the end behind an edit",
+                "textDocument/completion",
+                place(last, body),
+            ),
+            (
+                "the outline behind an edit",
+                "textDocument/documentSymbol",
+                format!(r#"{{"textDocument":{{"uri":"{URI}"}}}}"#),
             ),
             (
                 "all tokens behind an edit",

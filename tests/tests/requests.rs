@@ -1,0 +1,148 @@
+//! Requests to the language server that take more than one short document: a folder of programs, a long list, a range.
+
+use serde_json::{Value, json};
+use testing::editor::{Editor, PLACES, Place};
+
+const URI: &str = "file:///a.gtr";
+
+async fn started(place: Place, name: &str, folders: Value) -> Editor {
+    let mut editor = Editor::start(place, name);
+    let params = json!({
+        "processId": null,
+        "rootUri": null,
+        "capabilities": { "window": { "workDoneProgress": true } },
+        "workspaceFolders": folders,
+    });
+    editor.initialize_with(params).await;
+    editor
+}
+
+fn names(symbols: &Value) -> Vec<&str> {
+    let symbols = symbols.as_array().expect("a list").iter();
+    symbols.filter_map(|it| it["name"].as_str()).collect()
+}
+
+#[tokio::test]
+async fn a_search_finds_programs_that_are_not_open_and_tells_its_progress() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    std::fs::create_dir(path.join(".hidden")).expect("a folder");
+    for (name, text) in [
+        ("one.gtr", "define alpha = 1;\n"),
+        ("two.gtr", "define alp = 1;\ndefine beta = 2;\n"),
+        (".hidden/three.gtr", "define alphabet = 3;\n"),
+        ("four.txt", "define alphas = 4;\n"),
+    ] {
+        std::fs::write(path.join(name), text).expect("a file");
+    }
+    let uri = format!("file://{}", path.display());
+    for place in PLACES {
+        let folders = json!([{ "uri": uri, "name": "programs" }]);
+        let mut editor = started(place, "workspace", folders).await;
+        let query = |token: &str| json!({ "query": "al", "workDoneToken": token });
+        let found = editor.ask("workspace/symbol", query("first")).await;
+        let mut found = names(&found);
+        found.sort_unstable();
+        assert_eq!(found, ["alp", "alpha"]);
+        for kind in ["begin", "end"] {
+            editor
+                .notified("$/progress", |it| {
+                    it["token"] == "first" && it["value"]["kind"] == kind
+                })
+                .await;
+        }
+
+        // An open document is what the editor has of it, not what is on the disk.
+        editor
+            .open(&format!("{uri}/one.gtr"), "define also = 1;\n")
+            .await;
+        let found = editor.ask("workspace/symbol", query("second")).await;
+        let mut found = names(&found);
+        found.sort_unstable();
+        assert_eq!(found, ["alp", "also"]);
+
+        let event =
+            json!({ "event": { "removed": [{ "uri": uri, "name": "programs" }], "added": [] } });
+        editor
+            .tell("workspace/didChangeWorkspaceFolders", event)
+            .await;
+        let found = editor.ask("workspace/symbol", query("third")).await;
+        assert_eq!(names(&found), ["also"]);
+        assert_eq!(editor.quit().await, 0);
+    }
+}
+
+#[tokio::test]
+async fn a_list_that_leaves_names_out_says_so_and_is_asked_for_again() {
+    let mut text = String::new();
+    for k in 0..1_000 {
+        text.push_str(&format!("define a{k} = {k};\n"));
+    }
+    text.push_str("define last = 2a77;\n");
+    for place in PLACES {
+        let mut editor = started(place, "long list", Value::Null).await;
+        editor.open(URI, &text).await;
+        let at = |character: u32| json!({ "textDocument": { "uri": URI }, "position": { "line": 1_000, "character": character } });
+        let list = editor.ask("textDocument/completion", at(17)).await;
+        assert_eq!(list["isIncomplete"], true);
+        let labels = |list: &Value| -> Vec<String> {
+            let items = list["items"].as_array().expect("items").iter();
+            items
+                .filter_map(|it| it["label"].as_str())
+                .map(str::to_owned)
+                .collect()
+        };
+        assert!(labels(&list).len() < 400, "{} names", labels(&list).len());
+        // Behind `a77`: what goes on from there.
+        let list = editor.ask("textDocument/completion", at(18)).await;
+        let found = labels(&list);
+        let mut found: Vec<&str> = found
+            .iter()
+            .filter(|it| it.starts_with("a7"))
+            .map(String::as_str)
+            .collect();
+        found.sort_unstable();
+        assert_eq!(
+            found,
+            [
+                "a77", "a770", "a771", "a772", "a773", "a774", "a775", "a776", "a777", "a778",
+                "a779"
+            ]
+        );
+        assert_eq!(editor.quit().await, 0);
+    }
+}
+
+#[tokio::test]
+async fn a_range_is_laid_out_alone_and_so_is_what_a_semicolon_ends() {
+    let text = "define a=1 ;\ndefine b=2 ;\ndefine c=3 ;\n";
+    let options = json!({ "tabSize": 4, "insertSpaces": true });
+    let laid_out = |edits: &Value| -> Vec<u64> {
+        let edits = edits.as_array().expect("edits").iter();
+        let mut lines: Vec<u64> = edits
+            .filter_map(|it| it["range"]["start"]["line"].as_u64())
+            .collect();
+        lines.dedup();
+        lines
+    };
+    for place in PLACES {
+        let mut editor = started(place, "a range", Value::Null).await;
+        editor.open(URI, text).await;
+        let params = json!({
+            "textDocument": { "uri": URI },
+            "range": { "start": { "line": 1, "character": 0 }, "end": { "line": 1, "character": 12 } },
+            "options": options,
+        });
+        let edits = editor.ask("textDocument/rangeFormatting", params).await;
+        assert_eq!(laid_out(&edits), [1]);
+        let params = json!({
+            "textDocument": { "uri": URI },
+            "position": { "line": 2, "character": 12 },
+            "ch": ";",
+            "options": options,
+        });
+        let edits = editor.ask("textDocument/onTypeFormatting", params).await;
+        assert_eq!(laid_out(&edits), [2]);
+        assert_eq!(editor.quit().await, 0);
+    }
+}
