@@ -1,12 +1,17 @@
 //! The window: what it knows, and what it does each time it draws itself.
 //!
 //! ```text
-//! letters.rs  what the threads have told      shortcuts, keys, animation
+//! letters.rs  what the threads have told      hands.rs  shortcuts, keys, animation
 //!        └────────────▶ model ◀────────────────────────┘
-//! menu.rs, status.rs, panes.rs draw it; each pane asks the artist for the picture it has room for
+//! menu.rs, status.rs, panes.rs draw it; pictures.rs asks the artist for what has changed; telling.rs tells the server
 //! ```
 
+mod hands;
 mod letters;
+mod pictures;
+mod telling;
+
+pub(crate) use pictures::Picture;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -14,36 +19,27 @@ use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
-use egui::{Key, KeyboardShortcut, Modifiers, Ui};
-use geodesic::ends::{Estimate, Work};
-use protocol::Event;
-use render::gpu::Canvas;
+use egui::Ui;
 use render::live::Stage;
-use scene::scene::Scene;
 
-use crate::artist::{Artist, Painted};
+use crate::artist::Artist;
 use crate::compiler::Compiler;
 use crate::highlighting;
 use crate::link::Link;
 use crate::mail::{Letter, Mail};
 use crate::memory::Keeper;
 use crate::menu::Dialogs;
-use crate::model::{Model, SpaceCamera, Step, Theme};
+use crate::model::{Model, Theme};
 use crate::motion;
 use crate::orders::{Order, PaneKey};
 use crate::panes::editor::Editor;
 use crate::panes::layout::Layout;
-use crate::panes::{Pane, Panes};
+use crate::panes::Panes;
 use crate::pointer::Trickle;
 use crate::report::{Counters, Report};
 use crate::screen::Screen;
 use crate::textures::Library;
 use crate::watch::Watch;
-
-/// For how long after its last motion a view counts as moving: the pause between two turns of a wheel.
-const MOTION_PAUSE: f64 = 0.18;
-/// The time that a picture of a moving view should take.
-const MOVING_PICTURE: f64 = 0.022;
 
 /// Everything that the window is.
 pub struct Window {
@@ -102,25 +98,6 @@ pub(crate) enum Origin {
         /// The server is gone; why, if it is known.
         gone: Option<String>,
     },
-}
-
-/// A picture that is on the screen.
-pub(crate) struct Picture {
-    /// Newly arrived, to be handed to the GPU.
-    pub(crate) fresh: Option<Painted>,
-    pub(crate) texture: Option<egui::TextureHandle>,
-    /// The canvas that is shown, and as what: kept for as long as it is.
-    pub(crate) canvas: Option<(Canvas, egui::TextureId)>,
-    pub(crate) notes: Vec<String>,
-    pub(crate) overlays: Vec<&'static str>,
-    pub(crate) inside: Option<(Work, Option<Estimate>)>,
-    pub(crate) took: Duration,
-    /// Seconds a pixel took.
-    rate: f64,
-    /// Why there is no newer one.
-    pub(crate) error: Option<String>,
-    pub(crate) version: i32,
-    scene: Arc<Scene>,
 }
 
 impl Window {
@@ -375,147 +352,6 @@ impl Window {
         });
     }
 
-    fn animate(&mut self, ui: &Ui) {
-        if !self.model.is_animated() {
-            return;
-        }
-        let seconds = ui
-            .input(|input| f64::from(input.unstable_dt))
-            .clamp(0.0, 0.1);
-        self.model.animate(seconds);
-        self.has_moved(ui);
-        ui.ctx().request_repaint();
-    }
-
-    /// A view or a param is moving.
-    pub(crate) fn has_moved(&mut self, ui: &Ui) {
-        self.moving_until = ui.input(|input| input.time) + MOTION_PAUSE;
-        let pause = Duration::from_secs_f64(MOTION_PAUSE + 0.01);
-        ui.ctx().request_repaint_after(pause);
-    }
-
-    /// Held keys move the camera of the active pane, unless a text is being written.
-    fn keys(&mut self, ui: &Ui) {
-        if ui.ctx().text_edit_focused() || self.dialogs.is_open() {
-            return;
-        }
-        let speed = self.model.view.preferences.camera_speed;
-        match self.active.clone() {
-            PaneKey::Space => {
-                self.space_shortcuts(ui);
-                let Some(camera) = self.model.view.space else {
-                    return;
-                };
-                let next = ui.input(|input| motion::space_keys(input, camera, speed));
-                if next != camera {
-                    self.move_space("keys", next, ui);
-                }
-            }
-            PaneKey::Inside(name) => {
-                if ui.input(|input| input.key_pressed(Key::R) && input.modifiers.is_none())
-                    || ui.input(|input| input.key_pressed(Key::Home))
-                {
-                    self.reset_inside(&name);
-                }
-                let motions = ui.input(|input| motion::inside_keys(input, speed));
-                for motion in motions {
-                    self.walk(&name, motion, ui);
-                }
-            }
-        }
-        if ui.input(motion::any_held) {
-            ui.ctx().request_repaint();
-        }
-    }
-
-    fn space_shortcuts(&mut self, ui: &Ui) {
-        let pressed = |key| ui.input(|input| input.key_pressed(key) && input.modifiers.is_none());
-        if pressed(Key::R) || pressed(Key::Home) {
-            self.reset_space();
-        }
-        if pressed(Key::F) {
-            self.frame_all();
-        }
-    }
-
-    /// Moves the 3D camera, as one step with what else `hand` does in one go.
-    pub(crate) fn move_space(&mut self, hand: &str, camera: SpaceCamera, ui: &Ui) {
-        let step = Step::new("Move the 3D camera", hand);
-        self.model.change(step, |view| view.space = Some(camera));
-        self.has_moved(ui);
-    }
-
-    /// Moves a geodesic camera.
-    pub(crate) fn walk(&mut self, surface: &str, motion: motion::Motion, ui: &Ui) {
-        let step = Step::new("Move the geodesic camera", surface);
-        self.model.begin(step);
-        self.artist.walk(surface, motion);
-        self.has_moved(ui);
-    }
-
-    /// Puts the 3D camera where everything is seen, from the first direction.
-    pub(crate) fn reset_space(&mut self) {
-        let step = Step::new("Reset the 3D camera", "");
-        self.model.change(step, |view| view.space = None);
-        self.model.history.settle();
-    }
-
-    /// Puts the 3D camera where everything is seen, from where it looks now: the artist knows how far that is.
-    pub(crate) fn frame_all(&mut self) {
-        if let Some(order) = self.sent.get(&PaneKey::Space) {
-            self.artist.frame(order.clone());
-        }
-    }
-
-    /// Puts a geodesic camera at its first place.
-    pub(crate) fn reset_inside(&mut self, surface: &str) {
-        let step = Step::new("Reset the geodesic camera", surface);
-        self.model.change(step, |view| {
-            view.inside.remove(surface);
-        });
-        self.model.history.settle();
-        self.model.placed += 1;
-    }
-
-    fn shortcuts(&mut self, ui: &Ui) {
-        let pressed = |modifiers: Modifiers, key: Key| {
-            let shortcut = KeyboardShortcut::new(modifiers, key);
-            ui.input_mut(|input| input.consume_shortcut(&shortcut))
-        };
-        if pressed(Modifiers::COMMAND, Key::S) {
-            self.save_text();
-        }
-        if pressed(Modifiers::NONE, Key::F1) {
-            self.dialogs.shortcuts = true;
-        }
-        // In a text, these belong to the text.
-        if !ui.ctx().text_edit_focused() {
-            let redo = pressed(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
-                || pressed(Modifiers::COMMAND, Key::Y);
-            if redo {
-                self.redo();
-            } else if pressed(Modifiers::COMMAND, Key::Z) {
-                self.undo();
-            }
-        }
-    }
-
-    /// Takes the last change of the view back.
-    pub fn undo(&mut self) {
-        self.said = self
-            .model
-            .undo()
-            .map(|title| (false, format!("Undone: {title}")));
-    }
-
-    /// Does the last change of the view again.
-    pub fn redo(&mut self) {
-        self.said = self
-            .model
-            .redo()
-            .map(|title| (false, format!("Done again: {title}")));
-    }
-
     /// Writes the own text to its file.
     pub(crate) fn save_text(&mut self) {
         if let Origin::File { editor, .. } = &mut self.origin {
@@ -524,85 +360,6 @@ impl Window {
                 Err(sentence) => (true, sentence),
             });
         }
-    }
-
-    fn take_drops(&mut self, ui: &Ui) {
-        let paths: Vec<PathBuf> = ui.input(|input| {
-            let files = input.raw.dropped_files.iter();
-            files.map(|file| file.path().to_owned()).collect()
-        });
-        if !paths.is_empty() {
-            self.open_images(paths);
-        }
-    }
-
-    /// Adds image files to the list of textures; the last one is what the active surface shows.
-    pub(crate) fn open_images(&mut self, paths: Vec<PathBuf>) {
-        for path in &paths {
-            self.library.read(path.clone());
-        }
-        self.model.change(Step::new("Open textures", ""), |view| {
-            for path in paths {
-                if !view.textures.contains(&path) {
-                    view.textures.push(path);
-                }
-            }
-        });
-    }
-
-    /// The picture that a pane has room for: asks for it if it is not on its way.
-    pub(crate) fn want(&mut self, pane: &PaneKey, pixels: [u32; 2], ui: &Ui) {
-        self.seen.insert(pane.clone());
-        let moving = ui.input(|input| input.time) < self.moving_until;
-        let size = self.picture_size(pane, pixels, moving);
-        if *pane == PaneKey::Space && self.space_room.replace(pixels) != Some(pixels) {
-            // A camera that nobody has moved shows everything in a pane of another shape too.
-            self.reframe();
-        }
-        let active = self.active_surface.clone();
-        let model = &mut self.model;
-        let library = &mut self.library;
-        let order = crate::orders::order(model, library, pane, size, active.as_deref(), moving);
-        let Some(order) = order else {
-            return;
-        };
-        let walks = matches!(pane, PaneKey::Inside(name) if self.artist.has_motions(name));
-        if !walks && self.sent.get(pane).is_some_and(|sent| sent.is_like(&order)) {
-            return;
-        }
-        self.sent.insert(pane.clone(), order.clone());
-        self.waiting.insert(pane.clone());
-        self.artist.draw(pane.clone(), order);
-    }
-
-    /// Lets the artist put the 3D camera where everything is seen, unless the user has moved it.
-    fn reframe(&mut self) {
-        if self.model.view.space.is_some_and(|camera| !camera.moved) {
-            self.model.adjust(|view| view.space = None);
-        }
-    }
-
-    /// The size of the picture for a pane: coarser while it moves, if pictures take long.
-    fn picture_size(&self, pane: &PaneKey, pixels: [u32; 2], moving: bool) -> [u32; 2] {
-        let preferences = &self.model.view.preferences;
-        let wanted = match pane {
-            PaneKey::Space => preferences.space_size,
-            PaneKey::Inside(_) => preferences.inside_size,
-        };
-        let shorter = f64::from(pixels[0].min(pixels[1]).max(1));
-        let mut scale = wanted.map_or(1.0, |side| f64::from(side) / shorter);
-        if moving && let Some(picture) = self.pictures.get(pane) {
-            let all = f64::from(pixels[0]) * f64::from(pixels[1]) * scale * scale;
-            let share = (MOVING_PICTURE / (picture.rate * all).max(1e-9)).sqrt();
-            // In steps, so that the size does not change with every picture.
-            scale *= ((share * 8.0).floor() / 8.0).clamp(0.25, 1.0);
-        }
-        pixels.map(|side| ((f64::from(side) * scale).round() as u32).clamp(16, 4096))
-    }
-
-    /// The order that a pane's picture was asked for by.
-    pub(crate) fn sent(&self, pane: &PaneKey) -> Option<&Order> {
-        self.sent.get(pane)
     }
 
     /// What is done when everything has been drawn.
@@ -654,92 +411,6 @@ impl Window {
             .map(|(name, way)| (name.clone(), way.trail.length))
             .collect();
         self.counters.inside = inside.map(|(name, it)| (name.clone(), it.at)).collect();
-    }
-
-    /// Tells the server what is on the screen now.
-    fn tell(&mut self) {
-        let on_screen = |pane: &PaneKey, version: i32| {
-            !self.waiting.contains(pane)
-                || self
-                    .pictures
-                    .get(pane)
-                    .is_some_and(|it| it.version >= version)
-        };
-        if let Some((version, ok, arrived)) = self.shown
-            && (!ok || self.seen.iter().all(|pane| on_screen(pane, version)))
-        {
-            self.shown = None;
-            self.counters.version = version;
-            self.say(Event::Shown {
-                version,
-                ok,
-                milliseconds: arrived.elapsed().as_secs_f64() * 1e3,
-                painting: self.painting.as_secs_f64() * 1e3,
-            });
-        }
-        if matches!(self.origin, Origin::Attached { .. })
-            && let (Some(scene), Some(settings)) = (self.model.scene.clone(), self.model.settings())
-        {
-            let params = scene.params.iter();
-            let values: BTreeMap<String, Vec<f64>> = params
-                .map(|param| (param.name.clone(), settings.param(param).to_vec()))
-                .collect();
-            if values != self.told_values {
-                self.told_values.clone_from(&values);
-                self.say(Event::Values {
-                    version: self.model.version,
-                    values,
-                });
-            }
-        }
-    }
-
-    /// Tells the server something, if there is one.
-    pub(crate) fn say(&self, event: Event) {
-        if let Origin::Attached {
-            link, gone: None, ..
-        } = &self.origin
-        {
-            link.say(event);
-        }
-    }
-
-    /// A param's value is to stand in the text.
-    pub(crate) fn write_param(&mut self, name: &str) {
-        let (Some(scene), Some(settings)) = (self.model.scene.clone(), self.model.settings())
-        else {
-            return;
-        };
-        let Some(param) = scene.params.iter().find(|param| param.name == name) else {
-            return;
-        };
-        let value = settings.param(param).to_vec();
-        match &mut self.origin {
-            Origin::Attached { .. } => self.say(Event::Write {
-                version: self.model.version,
-                param: name.to_owned(),
-                value,
-            }),
-            Origin::File { editor, .. } => match editor.write_param(name, &value) {
-                Ok(true) => self.compile_own(),
-                Ok(false) => {}
-                Err(sentence) => self.said = Some((true, sentence)),
-            },
-        }
-    }
-
-    /// A place of the text is to be shown to the user.
-    pub(crate) fn open_place(&mut self, span: syntax::span::Span) {
-        match &mut self.origin {
-            Origin::Attached { .. } => self.say(Event::Open {
-                version: self.model.version,
-                range: [span.start, span.end],
-            }),
-            Origin::File { editor, .. } => {
-                editor.jump = Some(span);
-                self.panes.bring_forward(&Pane::Program);
-            }
-        }
     }
 
     /// The folder that dialogs begin in.

@@ -1,17 +1,16 @@
 //! What the threads have told the window.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use protocol::{Command, View};
 use scene::scene::Scene;
 
-use super::{Origin, Picture, Window};
-use crate::artist::{Answer, Drawing, Purpose};
+use super::{Origin, Window};
+use crate::artist::{Answer, Purpose};
 use crate::compiler::Compiled;
 use crate::mail::Letter;
 use crate::model::{InsideCamera, Step};
-use crate::orders::{Look, Order, PaneKey};
+use crate::orders::PaneKey;
 use crate::panes::Pane;
 use render::live::Hit;
 
@@ -165,80 +164,6 @@ impl Window {
         self.model.history.settle();
         self.model.placed += 1;
         self.open_inside(&name);
-    }
-
-    /// The picture of a pane; an empty one at first.
-    fn picture(&mut self, pane: PaneKey, order: &Order) -> &mut Picture {
-        self.pictures.entry(pane).or_insert_with(|| Picture {
-            fresh: None,
-            texture: None,
-            canvas: None,
-            notes: Vec::new(),
-            overlays: Vec::new(),
-            inside: None,
-            took: std::time::Duration::ZERO,
-            rate: 0.0,
-            error: None,
-            version: order.version,
-            scene: Arc::clone(&order.scene),
-        })
-    }
-
-    fn take_drawing(&mut self, pane: PaneKey, drawing: Drawing, order: &Order) {
-        self.take_cameras(&pane, &drawing, order);
-        if let PaneKey::Inside(name) = &pane {
-            match drawing.walked {
-                Some(way) => self.model.walked.insert(name.clone(), way),
-                None => self.model.walked.remove(name),
-            };
-        }
-        let pixels = drawing.pixels.pixels();
-        let picture = self.picture(pane, order);
-        picture.fresh = Some(drawing.pixels);
-        picture.notes = drawing.notes;
-        picture.overlays = drawing.overlays;
-        picture.inside = drawing.inside.or(picture.inside);
-        picture.took = drawing.took;
-        picture.rate = drawing.took.as_secs_f64() / pixels.max(1) as f64;
-        picture.error = None;
-        picture.version = order.version;
-        picture.scene = Arc::clone(&order.scene);
-    }
-
-    /// Takes over where a picture is seen from, where nobody has said it.
-    fn take_cameras(&mut self, pane: &PaneKey, drawing: &Drawing, order: &Order) {
-        let placed = self.model.placed;
-        let inside = drawing.inside_camera.clone();
-        let inside = inside.filter(|(_, _, heeded)| *heeded == placed);
-        let mut first = None;
-        if let Some(sent) = self.sent.get_mut(pane) {
-            let same = sent.is_like(order);
-            let fits = Arc::ptr_eq(&sent.scene, &order.scene) && sent.size == order.size;
-            if let Look::Space {
-                camera, standpoint, ..
-            } = &mut sent.look
-            {
-                // The first place of a scene: from now on it stays, whatever the params do. One for a scene or a pane
-                // that has become another meanwhile does not count.
-                first = drawing
-                    .space_camera
-                    .filter(|_| fits && self.model.view.space.is_none());
-                if same {
-                    *camera = first.or(*camera);
-                    if let (Some(standing), Some((_, camera, _))) = (standpoint, &inside) {
-                        standing.camera = Some(*camera);
-                    }
-                }
-            }
-        }
-        if let Some(camera) = first {
-            self.model.adjust(|view| view.space = Some(camera));
-        }
-        if let Some((name, camera, _)) = inside {
-            self.model.adjust(|view| {
-                view.inside.insert(name, camera);
-            });
-        }
     }
 
     fn take_changed(&mut self, text: Result<String, String>) {

@@ -254,9 +254,8 @@ impl<I: Whole> Run<I> {
             run.down[k] = b * step;
             run.along[k] = a * wide;
             run.reach[k] = I::new(edge.a.max(0)) * wide + I::new(edge.b.max(0)) * step;
-            for n in 0..GROUP {
-                run.samples[k][n] =
-                    a * I::new(i64::from(PLACES[0][n])) + b * I::new(i64::from(PLACES[1][n]));
+            for ((sample, x), y) in run.samples[k].iter_mut().zip(PLACES[0]).zip(PLACES[1]) {
+                *sample = a * I::new(i64::from(x)) + b * I::new(i64::from(y));
             }
         }
         run

@@ -151,8 +151,10 @@ impl Tile {
     pub(super) fn pixels(&self) -> Vec<[u8; 4]> {
         let mut pixels = vec![self.empty; AREA];
         for (y, row) in self.rows.each() {
-            for index in y * TILE + row.start..y * TILE + row.end {
-                pixels[index] = self.mean(index);
+            let first = y * TILE;
+            let own = first + row.start..first + row.end;
+            for (pixel, index) in pixels[own.clone()].iter_mut().zip(own) {
+                *pixel = self.mean(index);
             }
         }
         pixels

@@ -1,0 +1,166 @@
+//! The panes' pictures: asked for where they differ from what is there, taken over when they come.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use egui::Ui;
+use geodesic::ends::{Estimate, Work};
+use render::gpu::Canvas;
+use scene::scene::Scene;
+
+use super::Window;
+use crate::artist::{Drawing, Painted};
+use crate::orders::{Look, Order, PaneKey};
+
+/// The time that a picture of a moving view should take.
+const MOVING_PICTURE: f64 = 0.022;
+
+/// A picture that is on the screen.
+pub(crate) struct Picture {
+    /// Newly arrived, to be handed to the GPU.
+    pub(crate) fresh: Option<Painted>,
+    pub(crate) texture: Option<egui::TextureHandle>,
+    /// The canvas that is shown, and as what: kept for as long as it is.
+    pub(crate) canvas: Option<(Canvas, egui::TextureId)>,
+    pub(crate) notes: Vec<String>,
+    pub(crate) overlays: Vec<&'static str>,
+    pub(crate) inside: Option<(Work, Option<Estimate>)>,
+    pub(crate) took: Duration,
+    /// Seconds a pixel took.
+    rate: f64,
+    /// Why there is no newer one.
+    pub(crate) error: Option<String>,
+    pub(crate) version: i32,
+    scene: Arc<Scene>,
+}
+
+impl Window {
+    /// The picture that a pane has room for: asks for it if it is not on its way.
+    pub(crate) fn want(&mut self, pane: &PaneKey, pixels: [u32; 2], ui: &Ui) {
+        self.seen.insert(pane.clone());
+        let moving = ui.input(|input| input.time) < self.moving_until;
+        let size = self.picture_size(pane, pixels, moving);
+        if *pane == PaneKey::Space && self.space_room.replace(pixels) != Some(pixels) {
+            // A camera that nobody has moved shows everything in a pane of another shape too.
+            self.reframe();
+        }
+        let active = self.active_surface.clone();
+        let model = &mut self.model;
+        let library = &mut self.library;
+        let order = crate::orders::order(model, library, pane, size, active.as_deref(), moving);
+        let Some(order) = order else {
+            return;
+        };
+        let walks = matches!(pane, PaneKey::Inside(name) if self.artist.has_motions(name));
+        if !walks && self.sent.get(pane).is_some_and(|sent| sent.is_like(&order)) {
+            return;
+        }
+        self.sent.insert(pane.clone(), order.clone());
+        self.waiting.insert(pane.clone());
+        self.artist.draw(pane.clone(), order);
+    }
+
+    /// Lets the artist put the 3D camera where everything is seen, unless the user has moved it.
+    pub(super) fn reframe(&mut self) {
+        if self.model.view.space.is_some_and(|camera| !camera.moved) {
+            self.model.adjust(|view| view.space = None);
+        }
+    }
+
+    /// The size of the picture for a pane: coarser while it moves, if pictures take long.
+    fn picture_size(&self, pane: &PaneKey, pixels: [u32; 2], moving: bool) -> [u32; 2] {
+        let preferences = &self.model.view.preferences;
+        let wanted = match pane {
+            PaneKey::Space => preferences.space_size,
+            PaneKey::Inside(_) => preferences.inside_size,
+        };
+        let shorter = f64::from(pixels[0].min(pixels[1]).max(1));
+        let mut scale = wanted.map_or(1.0, |side| f64::from(side) / shorter);
+        if moving && let Some(picture) = self.pictures.get(pane) {
+            let all = f64::from(pixels[0]) * f64::from(pixels[1]) * scale * scale;
+            let share = (MOVING_PICTURE / (picture.rate * all).max(1e-9)).sqrt();
+            // In steps, so that the size does not change with every picture.
+            scale *= ((share * 8.0).floor() / 8.0).clamp(0.25, 1.0);
+        }
+        pixels.map(|side| ((f64::from(side) * scale).round() as u32).clamp(16, 4096))
+    }
+
+    /// The order that a pane's picture was asked for by.
+    pub(crate) fn sent(&self, pane: &PaneKey) -> Option<&Order> {
+        self.sent.get(pane)
+    }
+
+    /// The picture of a pane; an empty one at first.
+    pub(super) fn picture(&mut self, pane: PaneKey, order: &Order) -> &mut Picture {
+        self.pictures.entry(pane).or_insert_with(|| Picture {
+            fresh: None,
+            texture: None,
+            canvas: None,
+            notes: Vec::new(),
+            overlays: Vec::new(),
+            inside: None,
+            took: std::time::Duration::ZERO,
+            rate: 0.0,
+            error: None,
+            version: order.version,
+            scene: Arc::clone(&order.scene),
+        })
+    }
+
+    pub(super) fn take_drawing(&mut self, pane: PaneKey, drawing: Drawing, order: &Order) {
+        self.take_cameras(&pane, &drawing, order);
+        if let PaneKey::Inside(name) = &pane {
+            match drawing.walked {
+                Some(way) => self.model.walked.insert(name.clone(), way),
+                None => self.model.walked.remove(name),
+            };
+        }
+        let pixels = drawing.pixels.pixels();
+        let picture = self.picture(pane, order);
+        picture.fresh = Some(drawing.pixels);
+        picture.notes = drawing.notes;
+        picture.overlays = drawing.overlays;
+        picture.inside = drawing.inside.or(picture.inside);
+        picture.took = drawing.took;
+        picture.rate = drawing.took.as_secs_f64() / pixels.max(1) as f64;
+        picture.error = None;
+        picture.version = order.version;
+        picture.scene = Arc::clone(&order.scene);
+    }
+
+    /// Takes over where a picture is seen from, where nobody has said it.
+    fn take_cameras(&mut self, pane: &PaneKey, drawing: &Drawing, order: &Order) {
+        let placed = self.model.placed;
+        let inside = drawing.inside_camera.clone();
+        let inside = inside.filter(|(_, _, heeded)| *heeded == placed);
+        let mut first = None;
+        if let Some(sent) = self.sent.get_mut(pane) {
+            let same = sent.is_like(order);
+            let fits = Arc::ptr_eq(&sent.scene, &order.scene) && sent.size == order.size;
+            if let Look::Space {
+                camera, standpoint, ..
+            } = &mut sent.look
+            {
+                // The first place of a scene: from now on it stays, whatever the params do. One for a scene or a pane
+                // that has become another meanwhile does not count.
+                first = drawing
+                    .space_camera
+                    .filter(|_| fits && self.model.view.space.is_none());
+                if same {
+                    *camera = first.or(*camera);
+                    if let (Some(standing), Some((_, camera, _))) = (standpoint, &inside) {
+                        standing.camera = Some(*camera);
+                    }
+                }
+            }
+        }
+        if let Some(camera) = first {
+            self.model.adjust(|view| view.space = Some(camera));
+        }
+        if let Some((name, camera, _)) = inside {
+            self.model.adjust(|view| {
+                view.inside.insert(name, camera);
+            });
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! What the window tells the server, and what it asks of the text.
+
+use std::collections::BTreeMap;
+
+use protocol::Event;
+
+use super::{Origin, Window};
+use crate::orders::PaneKey;
+use crate::panes::Pane;
+
+impl Window {
+    /// Tells the server what is on the screen now.
+    pub(super) fn tell(&mut self) {
+        let on_screen = |pane: &PaneKey, version: i32| {
+            !self.waiting.contains(pane)
+                || self
+                    .pictures
+                    .get(pane)
+                    .is_some_and(|it| it.version >= version)
+        };
+        if let Some((version, ok, arrived)) = self.shown
+            && (!ok || self.seen.iter().all(|pane| on_screen(pane, version)))
+        {
+            self.shown = None;
+            self.counters.version = version;
+            self.say(Event::Shown {
+                version,
+                ok,
+                milliseconds: arrived.elapsed().as_secs_f64() * 1e3,
+                painting: self.painting.as_secs_f64() * 1e3,
+            });
+        }
+        if matches!(self.origin, Origin::Attached { .. })
+            && let (Some(scene), Some(settings)) = (self.model.scene.clone(), self.model.settings())
+        {
+            let params = scene.params.iter();
+            let values: BTreeMap<String, Vec<f64>> = params
+                .map(|param| (param.name.clone(), settings.param(param).to_vec()))
+                .collect();
+            if values != self.told_values {
+                self.told_values.clone_from(&values);
+                self.say(Event::Values {
+                    version: self.model.version,
+                    values,
+                });
+            }
+        }
+    }
+
+    /// Tells the server something, if there is one.
+    pub(crate) fn say(&self, event: Event) {
+        if let Origin::Attached {
+            link, gone: None, ..
+        } = &self.origin
+        {
+            link.say(event);
+        }
+    }
+
+    /// A param's value is to stand in the text.
+    pub(crate) fn write_param(&mut self, name: &str) {
+        let (Some(scene), Some(settings)) = (self.model.scene.clone(), self.model.settings())
+        else {
+            return;
+        };
+        let Some(param) = scene.params.iter().find(|param| param.name == name) else {
+            return;
+        };
+        let value = settings.param(param).to_vec();
+        match &mut self.origin {
+            Origin::Attached { .. } => self.say(Event::Write {
+                version: self.model.version,
+                param: name.to_owned(),
+                value,
+            }),
+            Origin::File { editor, .. } => match editor.write_param(name, &value) {
+                Ok(true) => self.compile_own(),
+                Ok(false) => {}
+                Err(sentence) => self.said = Some((true, sentence)),
+            },
+        }
+    }
+
+    /// A place of the text is to be shown to the user.
+    pub(crate) fn open_place(&mut self, span: syntax::span::Span) {
+        match &mut self.origin {
+            Origin::Attached { .. } => self.say(Event::Open {
+                version: self.model.version,
+                range: [span.start, span.end],
+            }),
+            Origin::File { editor, .. } => {
+                editor.jump = Some(span);
+                self.panes.bring_forward(&Pane::Program);
+            }
+        }
+    }
+}
