@@ -46,7 +46,7 @@ export interface Notifications {
     "$/progress": { token: p.ProgressToken; value: p.WorkDoneProgressBegin | p.WorkDoneProgressReport | p.WorkDoneProgressEnd };
     "$/logTrace": p.LogTraceParams;
     /** Of our own; only for an editor that declares `experimental.geotrace.shown`. */
-    "geotrace/shown": { uri: p.URI; version: p.integer; ok: boolean; milliseconds: number };
+    "geotrace/shown": { uri: p.URI; version: p.integer; ok: boolean; milliseconds: number; painting: number };
 }
 
 /** The params of requests to the client. */
