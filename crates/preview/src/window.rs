@@ -370,6 +370,10 @@ impl Window {
             .filter(|pane| !self.seen.contains(*pane))
             .cloned()
             .collect();
+        if !unseen.is_empty() {
+            // A finished picture may have waited for one of these, and nobody else would wake the window for it.
+            ui.ctx().request_repaint();
+        }
         for pane in unseen {
             self.artist.forget(&pane);
             self.sent.remove(&pane);
