@@ -175,11 +175,17 @@ impl Model {
             .find(|(_, it)| it.name == name)
     }
 
-    /// Whether there are metrics and nothing else: no object has a place in space.
+    /// Whether there are metrics, geodesics on them, and nothing else: no object has a place in space.
     pub fn has_only_metrics(&self) -> bool {
         let objects = self.scene.as_ref().map_or(&[][..], |scene| &scene.objects);
-        let metric = |object: &Object| matches!(object.shape, Shape::Metric { .. });
-        !objects.is_empty() && objects.iter().all(metric)
+        let is_metric = |object: &Object| matches!(object.shape, Shape::Metric { .. });
+        let placeless = |object: &Object| match &object.shape {
+            Shape::Geodesic { surface, .. } => {
+                objects.get(surface.0 as usize).is_some_and(is_metric)
+            }
+            _ => is_metric(object),
+        };
+        !objects.is_empty() && objects.iter().all(placeless)
     }
 
     /// The names of the surfaces and metrics, in the order of the text.

@@ -291,7 +291,8 @@ fn quick_drag(hand: &mut Hand, from: egui::Pos2, by: egui::Vec2) {
 
 #[test]
 fn a_scene_of_metrics_alone_is_seen_from_inside_alone() {
-    let metric = "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-1, 1], v : [0.5, 2];\n";
+    let metric = "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-1, 1], v : [0.5, 2];
+geodesic g(t) : h = (1, 0) @ (0, 1), t : [0, 0.5];\n";
     let mut hand = Hand::on(metric);
     assert!(hand.shows("Geodesic view of h") && !hand.shows("3D view of"));
     // It has the keys, and fills what the 3D view would have had.
@@ -307,7 +308,7 @@ fn a_scene_of_metrics_alone_is_seen_from_inside_alone() {
     hand.window_mut()
         .set_text(format!("{metric}point p = (0, 0, 0);\n"));
     hand.until("what has a place in space is seen there", |hand| {
-        hand.shows("3D view of 2 objects")
+        hand.shows("3D view of 3 objects")
     });
     assert!(!hand.shows("A metric has no place"));
 }
