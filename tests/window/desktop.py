@@ -249,7 +249,10 @@ class Window:
 
     def enter(self, field, text):
         """Puts a text in the place of a field's."""
+        # What a dialog or its absence still does to the field comes first.
+        self.settle()
         self.click(field)
+        self.settle()
         self.key("ctrl+a")
         self.xdotool("type", "--delay", "10", text)
         self.settle()

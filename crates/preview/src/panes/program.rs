@@ -54,6 +54,8 @@ fn bar(window: &mut Window, ui: &mut Ui) -> bool {
     ui.horizontal(|ui| {
         save = ui
             .add_enabled(editor.is_changed(), egui::Button::new("Save"))
+            // Dialogs have a button of this name too.
+            .accessible_name("Save program")
             .on_hover_text("Ctrl+S")
             .clicked();
         if editor.is_changed() {
