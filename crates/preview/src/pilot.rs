@@ -252,20 +252,28 @@ mod tests {
         (Arc::new(scene), Arc::new(settings))
     }
 
-    fn fly(
-        pilot: &mut Pilot,
-        (scene, settings): &(Arc<Scene>, Arc<Settings>),
-        motions: &[Motion],
-    ) -> crate::model::InsideCamera {
-        let flight = Flight {
+    fn flight<'a>(
+        (scene, settings): &'a (Arc<Scene>, Arc<Settings>),
+        motions: &'a [Motion],
+        trail: Option<u64>,
+    ) -> Flight<'a> {
+        Flight {
             scene,
             settings,
             surface: ObjectId(0),
             placed: 0,
             camera: None,
             motions,
-            trail: None,
-        };
+            trail,
+        }
+    }
+
+    fn fly(
+        pilot: &mut Pilot,
+        world: &(Arc<Scene>, Arc<Settings>),
+        motions: &[Motion],
+    ) -> crate::model::InsideCamera {
+        let flight = flight(world, motions, None);
         pilot.fly(&flight).expect("a place to stand")
     }
 
@@ -291,20 +299,6 @@ mod tests {
 
     #[test]
     fn a_way_that_is_walked_again_in_parts_ends_where_it_ended() {
-        fn flight<'a>(
-            (scene, settings): &'a (Arc<Scene>, Arc<Settings>),
-            motions: &'a [Motion],
-        ) -> Flight<'a> {
-            Flight {
-                scene,
-                settings,
-                surface: ObjectId(0),
-                placed: 0,
-                camera: None,
-                motions,
-                trail: Some(0),
-            }
-        }
         let world = scene(SPHERE);
         let motions = [
             Motion::Walk([0.3, 0.4]),
@@ -314,7 +308,7 @@ mod tests {
         ];
         let mut pilot = Pilot::default();
         let end = pilot
-            .fly(&flight(&world, &motions))
+            .fly(&flight(&world, &motions, Some(0)))
             .expect("a place to stand");
         let way = pilot.walked().expect("a trail").clone();
         // A walk is as long as its step times the length of X and Y: 1.5 times as long behind the zoom.
@@ -327,7 +321,7 @@ mod tests {
             let parts = between(way.motions(), shares);
             let flight = Flight {
                 camera: Some(way.start),
-                ..flight(&world, &parts)
+                ..flight(&world, &parts, Some(0))
             };
             flown = again.fly(&flight).expect("a place to stand");
         }
@@ -340,11 +334,7 @@ mod tests {
         assert!((length - way.trail.length).abs() < 1e-8, "{length}");
         // Without a trail nothing is kept.
         let mut pilot = Pilot::default();
-        let flight = Flight {
-            trail: None,
-            ..flight(&world, &motions)
-        };
-        pilot.fly(&flight).expect("a place to stand");
+        fly(&mut pilot, &world, &motions);
         assert!(pilot.walked().is_none());
     }
 

@@ -232,6 +232,14 @@ impl Hand {
         found.map(|node| node.rect()).collect()
     }
 
+    /// Drags a slider from its left end by so many points.
+    pub(crate) fn slide(&mut self, name: &str, by: f32) {
+        let slider = self.harness.get_by_role_and_label(Role::Slider, name);
+        let from = slider.rect().left_center() + Vec2::new(6.0, 0.0);
+        let way = Vec2::new(by, 0.0);
+        self.drag(from, way, PointerButton::Primary, Modifiers::NONE);
+    }
+
     /// Drags with a button from a place by a way, in steps.
     pub(crate) fn drag(
         &mut self,

@@ -13,14 +13,7 @@ use crate::hand::{Hand, SPHERE};
 fn a_slider_moves_its_param_and_compiles_and_builds_nothing() {
     let mut hand = Hand::on(SPHERE);
     let before = hand.window().counters().clone();
-    let slider = hand.harness.get_by_role_and_label(Role::Slider, "r").rect();
-    let from = slider.left_center() + vec2(6.0, 0.0);
-    hand.drag(
-        from,
-        vec2(60.0, 0.0),
-        PointerButton::Primary,
-        Modifiers::NONE,
-    );
+    hand.slide("r", 60.0);
     let value = hand.param("r");
     assert!(value > 1.2 && value < 2.8, "{value}");
     let after = hand.window().counters().clone();

@@ -1,9 +1,7 @@
 //! The trail that a geodesic camera leaves: only where it is asked for, as long as the walk, and gone where it is no
 //! longer true.
 
-use egui::accesskit::Role;
-use egui::{Key, Modifiers, PointerButton, vec2};
-use egui_kittest::kittest::Queryable;
+use egui::{Key, Modifiers};
 
 use crate::hand::{Hand, SPHERE};
 
@@ -104,12 +102,6 @@ fn a_trail_stays_through_edits_elsewhere_and_goes_with_its_surface() {
     let longer = length(&hand);
     assert!(longer > walked);
     // A larger sphere: the same (u, v) are another path there.
-    let slider = hand.harness.get_by_role_and_label(Role::Slider, "r").rect();
-    hand.drag(
-        slider.left_center() + vec2(6.0, 0.0),
-        vec2(50.0, 0.0),
-        PointerButton::Primary,
-        Modifiers::NONE,
-    );
+    hand.slide("r", 50.0);
     assert_eq!(length(&hand), 0.0);
 }
