@@ -188,21 +188,21 @@ const TRACED: usize = 225;
 /// How many of these.
 const WORST: usize = 16;
 
-/// The fan's estimate for a view against the truth. A far more exact picture shows at which of all the pixels it is off
+/// A method's estimate for a view against the truth. A far more exact picture shows at which of all the pixels it is off
 /// the most; how much it is there, geodesics traced one by one say. `None` where nearly nothing is seen.
-pub fn held(view: &RandomView) -> Option<Held> {
+pub fn held(view: &RandomView, method: Method) -> Option<Held> {
     let (surface, frame) = (view.opening.surface(), &view.frame);
     let size = [SIDE; 2];
-    let map = |tolerance: f64| {
+    let map = |method: Method, tolerance: f64| {
         let options = MapOptions {
-            method: Method::Fan,
+            method,
             tolerance,
             ..MapOptions::default()
         };
         exponential_map(surface, frame, size, &options, &|_| {})
     };
-    let picture = map(view.tolerance);
-    let exact = map((0.02 * view.tolerance).min(1e-3));
+    let picture = map(method, view.tolerance);
+    let exact = map(Method::Fan, (0.02 * view.tolerance).min(1e-3));
     let position = |map: &Map, index: usize| {
         let (uv, _) = bring_back(surface.domain(), surface.sides(), map.uv(index));
         surface.jet(uv).position

@@ -185,7 +185,7 @@ impl fmt::Display for TraceError {
 impl std::error::Error for TraceError {}
 
 /// Looser tolerances than this are the cheaper pair's.
-const LOOSE: f64 = 1e-6;
+pub(crate) const LOOSE: f64 = 1e-6;
 /// The tightest tolerance: beneath it rounding keeps the error control from ever being content.
 const TIGHTEST: f64 = 50.0 * f64::EPSILON;
 /// By what a run that another is compared with is more exact.

@@ -295,3 +295,38 @@ fn the_fan_s_picture_is_true_to_the_tolerance_and_says_how_true() {
         assert!(map.work.evaluations < pixels, "{:?}", map.work);
     }
 }
+
+#[test]
+fn each_pixel_by_itself_is_as_true_as_is_asked() {
+    // Where geodesics part, what the first steps are off grows on the way.
+    let cases: [(&dyn Surface, [f64; 2], f64, f64); 9] = [
+        (&torus(0.4), [0.3, 1.2], 2.0, 0.1),
+        (&torus(0.4), [0.0, 3.1], 5.0, 0.1),
+        (&torus(0.4), [0.0, 3.1], 5.0, 0.01),
+        (&torus(0.4), [0.0, 3.1], 5.0, 1.0),
+        (&catenoid(), [0.1, 0.2], 4.0, 0.1),
+        (&bumps(), [0.1, 0.2], 0.3, 0.1),
+        (&half_plane(), [0.0, 1.0], 4.0, 0.1),
+        (&klein(TAU), [1.0, 0.9], 1.0, 0.1),
+        (&spheroid(1.0, 0.5), [1.0, 1.3], 6.0, 0.1),
+    ];
+    for (s, at, zoom, tolerance) in cases {
+        let frame = Frame::new(s, at, 0.3, zoom).expect("a frame");
+        let size = [72, 72];
+        let options = MapOptions {
+            method: Method::Adaptive,
+            tolerance,
+            ..MapOptions::default()
+        };
+        let map = exponential_map(s, &frame, size, &options, &|_| {});
+        let mut reference = Reference::new(s, &frame, size, 400);
+        let errors = reference.errors(&|k| (map.uv(k), map.status[k]));
+        let estimate = map.estimate.expect("the method estimates its error");
+        assert_eq!(errors.unlike, 0, "{errors} at {at:?}");
+        assert!(
+            errors.max <= tolerance,
+            "{errors} at {at:?} with {tolerance}"
+        );
+        assert!(errors.max <= estimate.max, "{errors}, {estimate:?}");
+    }
+}

@@ -3,9 +3,9 @@
 use super::{Arithmetic, MOST_FOR_PIXEL, MapOptions, Method, bring_back, pixel_place, rk4};
 use crate::chart::{Atlas, Motion};
 use crate::ends::{Coordinates, End, Work};
-use crate::follow::{self, Plan, Start};
+use crate::follow::{self, Noting, Plan, Start};
 use crate::frame::Frame;
-use crate::integrate::DOPRI5;
+use crate::integrate::{DOP853, DOPRI5};
 use crate::metric::Metric;
 use crate::surface::{LANES, Side, Surface};
 use crate::trace::{self, Status};
@@ -37,6 +37,37 @@ struct Pixel {
     length: f64,
     start: Start,
 }
+
+/// What the geodesic of one pixel tells the next one's.
+#[derive(Clone, Copy, Debug)]
+struct Pace {
+    /// The first step.
+    step: Option<f64>,
+    /// The share of the error allowed at the end that the steps may make.
+    share: f64,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self {
+            step: None,
+            share: 1.0,
+        }
+    }
+}
+
+/// How often a geodesic is followed again whose estimated error is above the one allowed.
+const REPETITIONS: u32 = 2;
+/// The share of the error allowed that the next geodesic's estimate is to be.
+const AIM: f64 = 0.3;
+/// What the estimate of a few long steps is multiplied by: each is as long as its own estimate just allows, so those
+/// that are too small by chance have the say.
+const CAUTION: f64 = 6.0;
+/// The error of a step, over its length, is to be below this, however coarse the pixels are: beyond, a pair's two
+/// orders agree by chance, and its estimate says nothing.
+const LOOSEST: f64 = 1e-3;
+/// Nor does rounding let it be below this.
+const TIGHTEST: f64 = 1e-13;
 
 /// A row, counted from the top. It depends on no other row.
 pub(super) fn row<S: Surface + ?Sized>(
@@ -110,26 +141,14 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
         out: &mut Row,
     ) {
         let mirrored = self.frame.is_mirrored(self.surface);
-        let mut step = None;
+        let mut pace = Pace::default();
         for place in places {
             let Some(pixel) = self.pixel(place, options.by_pixel, out) else {
                 continue;
             };
             out.work.followed += 1;
             let length = pixel.length;
-            let plan = Plan {
-                tableau: &DOPRI5,
-                tolerance: Some((options.tolerance * self.pixel / length).clamp(1e-13, 1e-2)),
-                step: step.unwrap_or_else(|| trace::first_step(self.atlas, length)),
-                limit: self.atlas.evaluations().saturating_add(share),
-                charts: true,
-                keep_path: false,
-            };
-            let end = follow::follow(self.atlas, pixel.start, length, plan);
-            // The neighbour's geodesic is much the same.
-            step = (end.status == Status::Complete).then_some(end.step);
-            out.work.steps += end.steps as u64;
-            out.work.rejected += end.rejected as u64;
+            let end = self.follow(pixel, options.tolerance * self.pixel, share, &mut pace, out);
             let (offset, lifted) = nearest_repetition(self.atlas, self.frame.uv, end.motion.at);
             let mut by_place = [[0.0; 2]; 2];
             if end.status == Status::Complete {
@@ -153,6 +172,74 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
             let by_place = options.by_pixel.then_some(by_place);
             out.push(offset, by_place, self.per_place, end.status);
         }
+    }
+
+    /// Follows one pixel's geodesic, once more with less error in each step where its end may be off by more than
+    /// `allowed`: what a step leaves is carried on by the Jacobi field, and nothing knows how far before it is there.
+    fn follow(
+        &self,
+        pixel: Pixel,
+        allowed: f64,
+        share: usize,
+        pace: &mut Pace,
+        out: &mut Row,
+    ) -> follow::End {
+        let limit = self.atlas.evaluations().saturating_add(share);
+        let mut best = self.attempt(&pixel, allowed, limit, pace, out);
+        for _ in 0..REPETITIONS {
+            if best.status != Status::Complete || best.error <= allowed {
+                break;
+            }
+            let end = self.attempt(&pixel, allowed, limit, pace, out);
+            // Where the evaluations are used up, what was found before is more.
+            if end.status == Status::Complete && end.error < best.error {
+                best = end;
+            }
+        }
+        best
+    }
+
+    /// Follows it once.
+    fn attempt(
+        &self,
+        pixel: &Pixel,
+        allowed: f64,
+        limit: usize,
+        pace: &mut Pace,
+        out: &mut Row,
+    ) -> follow::End {
+        let length = pixel.length;
+        let tolerance = (pace.share * allowed / length).clamp(TIGHTEST, LOOSEST);
+        let first_step = || trace::first_step(self.atlas, length);
+        let plan = Plan {
+            tableau: if tolerance < trace::LOOSE {
+                &DOP853
+            } else {
+                &DOPRI5
+            },
+            tolerance: Some(tolerance),
+            step: pace.step.unwrap_or_else(first_step),
+            limit,
+            charts: true,
+            keep_path: false,
+        };
+        // Jacobi fields tell of the curvature between a step's stages what the point alone does not.
+        let noting = Noting {
+            fields: true,
+            conjugates: false,
+        };
+        let mut end = follow::follow_noting(self.atlas, pixel.start, length, plan, noting);
+        end.error *= CAUTION;
+        out.work.steps += end.steps as u64;
+        out.work.rejected += end.rejected as u64;
+        // The neighbour's geodesic is much the same.
+        pace.step = None;
+        if end.status == Status::Complete {
+            pace.step = Some(end.step);
+            let change = (AIM * allowed / end.error).clamp(1e-3, 2.0);
+            pace.share = (pace.share * change).min(1.0);
+        }
+        end
     }
 
     fn rk4(

@@ -44,8 +44,6 @@ pub const TOLERANCE: f64 = 0.1;
 pub const MOVING_TOLERANCE: f64 = 0.5;
 /// The share of it that polynomials between the rays may add.
 const PATCHWORK_SHARE: f64 = 0.25;
-/// The error that the integrator of a single ray is asked for, in pixels: on its way to the end it grows a few times.
-const RAY_TOLERANCE: f64 = 0.03;
 
 /// A surface with a camera on it.
 #[derive(Clone, Debug)]
@@ -203,13 +201,13 @@ impl Inside {
         let (method, tolerance) = match self.method {
             Method::Auto | Method::Fan => (map::Method::Fan, self.tolerance),
             Method::FanLinear => (map::Method::FanLinear, self.tolerance),
-            Method::Adaptive => (map::Method::Adaptive, RAY_TOLERANCE),
+            Method::Adaptive => (map::Method::Adaptive, self.tolerance),
             Method::Rk4Pixel => {
                 let rk4 = map::Method::Rk4 {
                     steps: RK4_STEPS,
                     arithmetic: Arithmetic::F64,
                 };
-                (rk4, RAY_TOLERANCE)
+                (rk4, self.tolerance)
             }
         };
         let options = MapOptions {
