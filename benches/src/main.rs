@@ -2,13 +2,14 @@
 //!
 //! Parts: `front` (checking and parsing), `editing` (keystrokes in long programs, beside
 //! tree-sitter), `latency` (the language server, from an edit that is sent to its diagnostics), `preview` (from
-//! an edit that is sent to its frame in the window; needs a display, such as `xvfb-run` gives), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
+//! an edit that is sent to its frame in the window; needs a display, such as `xvfb-run` gives), `growth` (the window's
+//! memory over ten thousand edits; likewise), `jets` (positions with derivatives), `klein` (derivatives and WGSL), `render`
 //! (both views of every example), `large` (many samples, many vectors), `stage` (frames of a
 //! window: camera, param, walk), `walk` (frames of a being that walks inside each example, with the
 //! processors' time, and which are over 16 ms), `accuracy` (the geodesic view against the
 //! thesis' method, frames while moving, the sphere from ten thousand places), `estimates` (what the geodesic view says of
 //! its errors against the truth, over random scenes), `stiff` (the stiff list: ours, its bounds, the
-//! thesis' method). Without a part all are run. Times are medians of several runs with their
+//! thesis' method). Without a part all but `growth` are run. Times are medians of several runs with their
 //! least and greatest; a picture is drawn in a process of its own, so that its peak memory is its own and nothing is
 //! warm but the driver's cache on disk.
 
@@ -43,6 +44,7 @@ fn main() -> ExitCode {
         ("editing", editing::run),
         ("latency", latency::run),
         ("preview", preview::run),
+        ("growth", preview::growth),
         ("jets", jets::run),
         ("klein", klein::run),
         ("render", pictures::examples),
@@ -61,7 +63,9 @@ fn main() -> ExitCode {
         }
     }
     for (name, run) in parts {
-        if arguments.is_empty() || arguments.iter().any(|wanted| wanted == name) {
+        if arguments.is_empty() && *name != "growth"
+            || arguments.iter().any(|wanted| wanted == name)
+        {
             run();
             println!();
         }

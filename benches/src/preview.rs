@@ -14,10 +14,10 @@ use crate::measure::megabytes;
 const EDITS: usize = 200;
 /// Hovers while the window has more to do than it can.
 const HOVERS: usize = 200;
-/// Edits after which memory is compared.
-const MANY: [usize; 2] = [1_000, 10_000];
-/// For at most how long these are made.
-const ENOUGH: Duration = Duration::from_secs(120);
+/// Edits after which memory is read.
+const MANY: [usize; 6] = [10, 100, 1_000, 2_000, 5_000, MOST];
+/// Edits in all.
+const MOST: usize = 10_000;
 /// An editor that wants to hear of each picture.
 const CAPABILITIES: &str = r#"{"experimental":{"geotrace":{"shown":true}}}"#;
 
@@ -146,44 +146,58 @@ fn measure() -> std::io::Result<()> {
         session.ask("textDocument/hover", &hover)?;
         Ok(start.elapsed())
     });
+    session.quit()
+}
 
+/// Edits one of twenty surfaces, each time to a text that was not there before, and waits for each frame.
+fn grow() -> std::io::Result<()> {
+    let text = waves(20);
+    let (mut session, _) = opened(&text)?;
+    let [line, column] = behind(&text, "v, 7 + 0.2");
     let window = session.children().first().copied();
     let Some(window) = window else {
         return Err(std::io::Error::other("the window's process is not known"));
     };
     let start = Instant::now();
-    let mut made = 0;
-    let mut first = 0;
-    while made < MANY[1] && start.elapsed() < ENOUGH {
-        session.change(line, [column, column], "1")?;
+    let mut digits = 0;
+    for made in 1..=MOST {
+        let next = format!("{made:05}");
+        session.change(line, [column, column + digits], &next)?;
+        digits = next.len();
         shown(&mut session)?;
-        session.change(line, [column, column + 1], "")?;
-        shown(&mut session)?;
-        made += 2;
-        if made == MANY[0] {
-            [first, _] = memory_of(window);
+        if MANY.contains(&made) {
+            let [now, most] = memory_of(window);
+            println!(
+                "    after {made:>6} edits {:>7.1} MB, at most {:.1} MB, {:.0} s",
+                megabytes(now),
+                megabytes(most),
+                start.elapsed().as_secs_f64()
+            );
         }
     }
-    let [last, _] = memory_of(window);
-    println!(
-        "    the window's memory: {:.1} MB after {} edits, {:.1} MB after {made}",
-        megabytes(first),
-        MANY[0],
-        megabytes(last)
-    );
     session.quit()
 }
 
-/// Prints the table.
+/// Prints the table of times.
 pub(crate) fn run() {
     println!("The preview, from an edit that is sent to its frame in the window");
+    with_display(measure);
+}
+
+/// Prints how the window's memory grows.
+pub(crate) fn growth() {
+    println!("The window's memory, each of so many edits shown (takes half an hour without a GPU)");
+    with_display(grow);
+}
+
+fn with_display(run: impl FnOnce() -> std::io::Result<()>) {
     if std::env::var_os("DISPLAY").is_none() && std::env::var_os("WAYLAND_DISPLAY").is_none() {
         println!(
             "  there is no display; `xvfb-run -a cargo run --release -p geotrace-benches preview` makes one"
         );
         return;
     }
-    if let Err(error) = measure() {
+    if let Err(error) = run() {
         println!("  it has ended: {error}");
     }
 }

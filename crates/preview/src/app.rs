@@ -212,7 +212,8 @@ impl App for Preview {
             return;
         }
         let painting = f64::from(frame.info().cpu_usage.unwrap_or_default());
-        window.painting = Duration::try_from_secs_f64(painting).unwrap_or_default();
+        let painting = Duration::try_from_secs_f64(painting).unwrap_or_default();
+        window.painting = painting.saturating_sub(window.waited);
         window.show(ui);
         let title = window.title();
         if title != self.title {

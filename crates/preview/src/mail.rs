@@ -1,6 +1,7 @@
 //! How the threads reach the window: each letter wakes it.
 
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -52,6 +53,8 @@ pub(crate) enum Letter {
 pub(crate) struct Mail {
     sender: Sender<Letter>,
     context: Arc<Mutex<egui::Context>>,
+    /// The window waits for letters, and need not be woken.
+    listens: Arc<AtomicBool>,
 }
 
 impl Mail {
@@ -59,14 +62,27 @@ impl Mail {
     pub(crate) fn new(context: egui::Context) -> (Self, Receiver<Letter>) {
         let (sender, receiver) = channel();
         let context = Arc::new(Mutex::new(context));
-        (Self { sender, context }, receiver)
+        let mail = Self {
+            sender,
+            context,
+            listens: Arc::default(),
+        };
+        (mail, receiver)
     }
 
     /// Sends a letter and wakes the window; false where it is no more.
     pub(crate) fn send(&self, letter: Letter) -> bool {
         let sent = self.sender.send(letter).is_ok();
-        self.wake();
+        if !self.listens.load(Ordering::SeqCst) {
+            self.wake();
+        }
         sent
+    }
+
+    /// Whether the window waits for letters from now on. Where it does no longer, it looks once more: what was sent
+    /// before that has not woken it.
+    pub(crate) fn listen(&self, listens: bool) {
+        self.listens.store(listens, Ordering::SeqCst);
     }
 
     /// Wakes the window, which has something to look at.

@@ -1,6 +1,7 @@
 //! The window's own GPU: the one that draws its controls can draw its pictures too, and then they never leave it.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use eframe::egui_wgpu::RenderState;
 use render::gpu::wgpu::{Backend as Backends, DeviceType, FilterMode, PollType};
@@ -40,6 +41,16 @@ impl Screen {
             Backend::Software => return (Stage::software(), "software, as asked for".to_owned()),
         }
         (Stage::on(Arc::clone(&self.gpu)), self.gpu.name().to_owned())
+    }
+
+    /// For how long a frame of the window may wait for its pictures: less than a frame of the screen, unless a frame is
+    /// drawn by the processor and takes longer than that.
+    pub(crate) fn patience(&self) -> Duration {
+        if self.state.adapter.get_info().device_type == DeviceType::Cpu {
+            Duration::from_millis(50)
+        } else {
+            Duration::from_millis(12)
+        }
     }
 
     /// Whether the device is gone.

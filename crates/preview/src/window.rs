@@ -59,8 +59,12 @@ pub struct Window {
     sent: BTreeMap<PaneKey, Order>,
     /// Panes whose last order has not been answered.
     waiting: BTreeSet<PaneKey>,
-    /// Panes that were on the screen when the window last drew itself.
-    seen: BTreeSet<PaneKey>,
+    /// Panes that were on the screen when the window last drew itself, each with the pixels it had room for.
+    seen: BTreeMap<PaneKey, [u32; 2]>,
+    /// For how long a frame waits for its pictures.
+    patience: Duration,
+    /// For how long this one has waited.
+    pub(crate) waited: Duration,
     moving_until: f64,
     /// The pixels that the 3D pane had room for when the window last drew itself.
     space_room: Option<[u32; 2]>,
@@ -170,7 +174,9 @@ impl Window {
             pictures: BTreeMap::new(),
             sent: BTreeMap::new(),
             waiting: BTreeSet::new(),
-            seen: BTreeSet::new(),
+            seen: BTreeMap::new(),
+            patience: Duration::ZERO,
+            waited: Duration::ZERO,
             moving_until: 0.0,
             space_room: None,
             said: None,
@@ -221,6 +227,7 @@ impl Window {
         self.waiting.clear();
         let (stage, words) = screen.stage(backend);
         self.backend = words;
+        self.be_patient(screen.patience());
         self.artist.take_stage(stage);
         self.screen = Some(screen);
     }
@@ -316,17 +323,24 @@ impl Window {
         let context = ui.ctx().clone();
         self.dress(&context);
         self.read_letters();
-        self.shortcuts(ui);
-        self.take_drops(ui);
-        self.animate(ui);
-        self.keys(ui);
+        // A frame that is laid out once more has been moved by hands already.
+        if context.current_pass_index() == 0 {
+            self.shortcuts(ui);
+            self.take_drops(ui);
+            self.animate(ui);
+            self.keys(ui);
+        }
         self.seen.clear();
         crate::menu::bar(self, ui);
         crate::status::banners(self, ui);
         crate::status::line(self, ui);
         crate::panes::show(self, ui);
         crate::menu::dialogs(self, ui);
-        self.after(ui);
+        self.ask(ui);
+        self.await_pictures(&context);
+        if !context.will_discard() {
+            self.after(ui);
+        }
     }
 
     fn dress(&mut self, context: &egui::Context) {
@@ -338,6 +352,12 @@ impl Window {
         self.style = Some(style);
         // Each context takes it once.
         context.add_plugin(Trickle::default());
+        context.options_mut(|options| {
+            let input = &mut options.input_options;
+            // A slow hand, or a slow machine, presses a button as well as a quick one.
+            input.max_click_duration = f64::INFINITY;
+            input.max_double_click_delay = 0.5;
+        });
         context.set_theme(match style.0 {
             Theme::System => egui::ThemePreference::System,
             Theme::Light => egui::ThemePreference::Light,
@@ -367,7 +387,7 @@ impl Window {
         let unseen: Vec<PaneKey> = self
             .sent
             .keys()
-            .filter(|pane| !self.seen.contains(*pane))
+            .filter(|pane| !self.seen.contains_key(*pane))
             .cloned()
             .collect();
         if !unseen.is_empty() {

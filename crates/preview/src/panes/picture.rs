@@ -8,13 +8,13 @@ use crate::artist::Painted;
 use crate::orders::PaneKey;
 use crate::window::Window;
 
-/// Draws a pane's newest picture, and asks for the one it has room for.
+/// Draws a pane's newest picture, and says for which one it has room.
 pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &PaneKey) -> Response {
     let room = ui.available_size().max(egui::vec2(16.0, 16.0));
     let (rect, response) = ui.allocate_exact_size(room, Sense::click_and_drag());
     let scale = ui.pixels_per_point();
     let pixels = [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32);
-    window.want(pane, pixels, ui);
+    window.make_room(pane, pixels);
     let name = words(window, pane);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
     if response.clicked() || response.drag_started() || response.gained_focus() {

@@ -15,33 +15,41 @@ use crate::panes::Pane;
 use render::live::Hit;
 
 impl Window {
-    pub(super) fn read_letters(&mut self) {
+    /// Reads all that has come; whether there was any.
+    pub(super) fn read_letters(&mut self) -> bool {
+        let mut any = false;
         while let Ok(letter) = self.letters.try_recv() {
-            match letter {
-                Letter::Compiled(compiled) => self.take_compiled(compiled),
-                Letter::Artist(answer) => self.take_answer(*answer),
-                Letter::Changed { text } => self.take_changed(text),
-                Letter::Server(command) => self.obey(command),
-                Letter::ServerGone(reason) => {
-                    if let Origin::Attached { gone, .. } = &mut self.origin {
-                        *gone = Some(reason.unwrap_or_default());
-                    }
+            self.read_letter(letter);
+            any = true;
+        }
+        any
+    }
+
+    pub(super) fn read_letter(&mut self, letter: Letter) {
+        match letter {
+            Letter::Compiled(compiled) => self.take_compiled(compiled),
+            Letter::Artist(answer) => self.take_answer(*answer),
+            Letter::Changed { text } => self.take_changed(text),
+            Letter::Server(command) => self.obey(command),
+            Letter::ServerGone(reason) => {
+                if let Origin::Attached { gone, .. } = &mut self.origin {
+                    *gone = Some(reason.unwrap_or_default());
                 }
-                Letter::Texture { path, texture } => {
-                    if let Err(sentence) = &texture {
-                        self.said = Some((true, sentence.clone()));
-                    }
-                    self.library.take(path, texture);
-                }
-                Letter::Images(paths) => self.open_images(paths),
-                Letter::Chosen(path) => self.dialogs.take_path(&path),
-                Letter::NoDialogForImages => {
-                    self.said = Some((true, crate::desktop::NO_DIALOG.to_owned()));
-                    self.panes.bring_forward(&Pane::Settings);
-                    self.dialogs.wants_image = true;
-                }
-                Letter::Say { error, text } => self.said = Some((error, text)),
             }
+            Letter::Texture { path, texture } => {
+                if let Err(sentence) = &texture {
+                    self.said = Some((true, sentence.clone()));
+                }
+                self.library.take(path, texture);
+            }
+            Letter::Images(paths) => self.open_images(paths),
+            Letter::Chosen(path) => self.dialogs.take_path(&path),
+            Letter::NoDialogForImages => {
+                self.said = Some((true, crate::desktop::NO_DIALOG.to_owned()));
+                self.panes.bring_forward(&Pane::Settings);
+                self.dialogs.wants_image = true;
+            }
+            Letter::Say { error, text } => self.said = Some((error, text)),
         }
     }
 

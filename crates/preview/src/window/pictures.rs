@@ -1,7 +1,7 @@
 //! The panes' pictures: asked for where they differ from what is there, taken over when they come.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use egui::Ui;
 use geodesic::ends::{Estimate, Work};
@@ -35,15 +35,36 @@ pub(crate) struct Picture {
 }
 
 impl Window {
-    /// The picture that a pane has room for: asks for it if it is not on its way.
-    pub(crate) fn want(&mut self, pane: &PaneKey, pixels: [u32; 2], ui: &Ui) {
-        self.seen.insert(pane.clone());
-        let moving = ui.input(|input| input.time) < self.moving_until;
-        let size = self.picture_size(pane, pixels, moving);
+    /// For how long a frame may wait for the pictures that it asks for, where they are expected within that time. None at
+    /// first; a screen knows what is right for it.
+    pub fn be_patient(&mut self, patience: Duration) {
+        self.patience = patience;
+    }
+
+    /// A pane is on the screen and has room for so many pixels.
+    pub(crate) fn make_room(&mut self, pane: &PaneKey, pixels: [u32; 2]) {
+        self.seen.insert(pane.clone(), pixels);
         if *pane == PaneKey::Space && self.space_room.replace(pixels) != Some(pixels) {
             // A camera that nobody has moved shows everything in a pane of another shape too.
             self.reframe();
         }
+    }
+
+    /// Asks for the pictures that the panes on the screen have room for, as far as they are not on their way.
+    pub(super) fn ask(&mut self, ui: &Ui) {
+        let moving = ui.input(|input| input.time) < self.moving_until;
+        let again = ui.ctx().current_pass_index() > 0;
+        for (pane, pixels) in self.seen.clone() {
+            self.want(&pane, pixels, moving, again);
+        }
+    }
+
+    fn want(&mut self, pane: &PaneKey, pixels: [u32; 2], moving: bool, again: bool) {
+        let size = match self.sent.get(pane) {
+            // A picture that has just come is not replaced by one of a size that would have been quicker.
+            Some(sent) if moving && again => sent.size,
+            _ => self.picture_size(pane, pixels, moving),
+        };
         let active = self.active_surface.clone();
         let model = &mut self.model;
         let library = &mut self.library;
@@ -58,6 +79,38 @@ impl Window {
         self.sent.insert(pane.clone(), order.clone());
         self.waiting.insert(pane.clone());
         self.artist.draw(pane.clone(), order);
+    }
+
+    /// Waits for the pictures that are on their way, if they are expected soon: then they are part of this frame, and
+    /// no frame is drawn without them.
+    pub(super) fn await_pictures(&mut self, context: &egui::Context) {
+        self.waited = Duration::ZERO;
+        if self.waiting.is_empty() || context.current_pass_index() > 0 {
+            return;
+        }
+        let took = |pane| self.pictures.get(pane).map(|it| it.took);
+        let expected: Option<Duration> = self.waiting.iter().map(took).sum();
+        if expected.is_none_or(|expected| expected > self.patience) {
+            return;
+        }
+        let start = Instant::now();
+        self.mail.listen(true);
+        let mut came = false;
+        while !self.waiting.is_empty() {
+            let left = self.patience.saturating_sub(start.elapsed());
+            let Ok(letter) = self.letters.recv_timeout(left) else {
+                break;
+            };
+            self.read_letter(letter);
+            came = true;
+        }
+        self.mail.listen(false);
+        // What came between the last look and now has woken nobody.
+        came |= self.read_letters();
+        self.waited = start.elapsed();
+        if came {
+            context.request_discard("pictures have come");
+        }
     }
 
     /// Lets the artist put the 3D camera where everything is seen, unless the user has moved it.

@@ -19,7 +19,7 @@ impl Window {
                     .is_some_and(|it| it.version >= version)
         };
         if let Some((version, ok, arrived)) = self.shown
-            && (!ok || self.seen.iter().all(|pane| on_screen(pane, version)))
+            && (!ok || self.seen.keys().all(|pane| on_screen(pane, version)))
         {
             self.shown = None;
             self.counters.version = version;

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use egui::{Key, Modifiers, PointerButton, accesskit::Role, vec2};
 use egui_kittest::kittest::Queryable;
@@ -260,6 +261,45 @@ fn a_drag_within_one_slow_frame_is_a_drag() {
     let value = hand.param("r");
     assert!(value > 1.2 && value < 2.8, "{value}");
     assert!(same(hand.eye()));
+}
+
+#[test]
+fn a_picture_that_comes_soon_is_part_of_the_frame_that_asked_for_it() {
+    let mut hand = Hand::on(SPHERE);
+    hand.window_mut().be_patient(Duration::from_secs(60));
+    let slider = hand.harness.get_by_role_and_label(Role::Slider, "r");
+    slider.focus();
+    hand.settle();
+    let before = hand.window().counters().clone();
+    hand.harness.key_down(Key::ArrowRight);
+    hand.harness.step();
+    assert!(hand.param("r") > 1.0);
+    assert!(hand.window().is_settled());
+    let now = hand.window().counters();
+    assert_eq!(now.frames, before.frames + 1);
+    assert_eq!(now.pictures, before.pictures + 2, "one of each view");
+}
+
+#[test]
+fn a_slow_click_is_a_click() {
+    let mut hand = Hand::on(SPHERE);
+    let at = hand
+        .harness
+        .get_by_role_and_label(Role::Button, "File")
+        .rect();
+    let pos = at.center();
+    hand.harness.hover_at(pos);
+    for pressed in [true, false] {
+        hand.harness.event(egui::Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+        // More than a second.
+        hand.harness.run_steps(90);
+    }
+    assert!(hand.shows("Save picture…"));
 }
 
 /// Presses, moves and releases the pointer before the window draws itself again.
