@@ -1,6 +1,6 @@
 //! A declaration as it stands in the text.
 
-use syntax::document::{Event, ReadDeclaration};
+use syntax::document::{Event, Events, Parameters, ReadDeclaration};
 use syntax::span::Span;
 use syntax::token::{DeclareWord, SymbolId};
 
@@ -22,8 +22,8 @@ pub struct Item<'r> {
     /// Whether an error lies in it.
     pub faulty: bool,
     start: u32,
-    read: &'r ReadDeclaration,
-    events: &'r [Event],
+    parameters: Parameters<'r>,
+    events: Events<'r>,
 }
 
 impl<'r> Item<'r> {
@@ -31,19 +31,19 @@ impl<'r> Item<'r> {
     pub(crate) fn new(
         index: usize,
         start: u32,
-        read: &'r ReadDeclaration,
-        events: &'r [Event],
+        read: ReadDeclaration<'r>,
+        events: Events<'r>,
     ) -> Self {
         Self {
             index,
             word: read.word,
             span: read.span.moved(start),
-            name: &read.name,
+            name: read.name,
             name_span: read.name_span.moved(start),
             symbol: read.symbol,
             faulty: read.faulty,
             start,
-            read,
+            parameters: read.parameters,
             events,
         }
     }
@@ -51,8 +51,8 @@ impl<'r> Item<'r> {
     /// Its parameters, each with its place.
     pub fn parameters(&self) -> impl ExactSizeIterator<Item = (&'r str, Span)> + use<'r> {
         let start = self.start;
-        let parameters = self.read.parameters.iter();
-        parameters.map(move |parameter| (parameter.name.as_str(), parameter.span.moved(start)))
+        self.parameters
+            .map(move |(name, span)| (name, span.moved(start)))
     }
 
     /// Whether a parameter stands at a place.
@@ -63,7 +63,7 @@ impl<'r> Item<'r> {
     /// Its intervals, from `[` to `]`.
     pub fn intervals(&self) -> impl Iterator<Item = Span> + use<'r> {
         let start = self.start;
-        self.events.iter().filter_map(move |event| match event {
+        self.events.filter_map(move |event| match event {
             Event::Interval(interval) => Some(interval.span.moved(start)),
             _ => None,
         })
@@ -72,7 +72,7 @@ impl<'r> Item<'r> {
     /// The operands and operations of its expressions, in no order.
     pub fn operands(&self) -> impl Iterator<Item = Span> + use<'r> {
         let start = self.start;
-        self.events.iter().filter_map(move |event| match event {
+        self.events.filter_map(move |event| match event {
             Event::Operator(_, span) => Some(span.moved(start)),
             _ => None,
         })

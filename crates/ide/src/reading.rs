@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use scene::Compilation;
 use syntax::diagnostic::{Diagnostic, Severity};
-use syntax::document::{Document, Piece, Snapshot};
+use syntax::document::{Document, Piece, Snapshot, Tokens};
 use syntax::span::Span;
 use syntax::symbols::Symbol;
 use syntax::token::{DeclareWord, SymbolId, Token, TokenKind};
@@ -111,7 +111,7 @@ impl Reading {
     /// A token by its number, from 0.
     pub fn token(&self, token: usize) -> Option<Lexeme<'_>> {
         let (piece, index) = self.document.piece_of_token(u32::try_from(token).ok()?)?;
-        Some(lexeme(piece, piece.tokens[index]))
+        Some(lexeme(piece, piece.tokens.get(index)?))
     }
 
     /// Tokens by their numbers, in the order of the text.
@@ -120,7 +120,7 @@ impl Reading {
         let first = first.and_then(|first| self.document.piece_of_token(first));
         let skipped = first.map_or(0, |(_, index)| index);
         let pieces = self.document.pieces_from(first.map(|(piece, _)| piece));
-        let all = pieces.flat_map(|piece| piece.tokens.iter().map(move |it| lexeme(piece, *it)));
+        let all = pieces.flat_map(|piece| piece.tokens.iter().map(move |it| lexeme(piece, it)));
         all.skip(skipped).take(range.len())
     }
 
@@ -310,7 +310,7 @@ impl Reading {
 
     /// What a token of a piece stands for.
     pub(crate) fn target_in(&self, piece: Piece<'_>, index: usize) -> Option<Target> {
-        let Token { kind, span } = piece.tokens[index];
+        let Token { kind, span } = piece.tokens.get(index)?;
         match kind {
             TokenKind::Constant(id) | TokenKind::Function(id) => {
                 // Where a name that is taken is declared again, the word is no use of it.
@@ -321,7 +321,7 @@ impl Reading {
             }
             TokenKind::Variable(position) => {
                 let position = position as usize;
-                let item = match derived_function(&piece.tokens[..index]) {
+                let item = match derived_function(piece.tokens, index) {
                     Some(function) => self.item_of(function)?,
                     None => item_in(piece, span.start)?.index,
                 };
@@ -390,7 +390,10 @@ impl Reading {
             let tokens = 0..piece.tokens.len();
             tokens
                 // The text is compared before the meaning is looked for.
-                .filter(move |&k| piece.tokens[k].span.text(piece.text) == name)
+                .filter(move |&k| {
+                    let span = piece.tokens.span(k);
+                    span.is_some_and(|span| span.text(piece.text) == name)
+                })
                 .filter(move |&k| self.target_in(piece, k) == Some(target))
                 .map(move |k| piece.first_token as usize + k)
         });
@@ -442,19 +445,21 @@ fn item_in(piece: Piece<'_>, offset: u32) -> Option<Item<'_>> {
 
 /// Whether a token of a piece introduces a name.
 pub(crate) fn introduces_in(piece: Piece<'_>, index: usize) -> bool {
-    let span = piece.tokens[index].span;
-    item_in(piece, span.start).is_some_and(|item| {
-        item.name_span == span && item.symbol.is_some() || item.has_parameter(span)
+    let span = piece.tokens.span(index);
+    span.is_some_and(|span| {
+        item_in(piece, span.start).is_some_and(|item| {
+            item.name_span == span && item.symbol.is_some() || item.has_parameter(span)
+        })
     })
 }
 
-/// The function whose parameter the token behind these names: `f_u`, `f_u_v`, `f'_u`.
-fn derived_function(before: &[Token]) -> Option<SymbolId> {
-    let (last, before) = before.split_last()?;
-    if last.kind != TokenKind::Underscore {
+/// The function whose parameter a token names: `f_u`, `f_u_v`, `f'_u`.
+fn derived_function(tokens: Tokens<'_>, index: usize) -> Option<SymbolId> {
+    let mut before = (0..index).rev().filter_map(|k| tokens.get(k));
+    if before.next()?.kind != TokenKind::Underscore {
         return None;
     }
-    for token in before.iter().rev() {
+    for token in before {
         match token.kind {
             TokenKind::Function(id) => return Some(id),
             TokenKind::Variable(_) | TokenKind::Underscore | TokenKind::Prime => {}

@@ -108,7 +108,7 @@ pub fn semantic_tokens(reading: &Reading, range: Span) -> Vec<SemanticToken> {
 }
 
 fn token(reading: &Reading, piece: Piece<'_>, index: usize) -> Option<SemanticToken> {
-    let token = lexeme(piece, piece.tokens[index]);
+    let token = lexeme(piece, piece.tokens.get(index)?);
     let span = token.span;
     let plain = |token_type| (token_type, Modifiers::default());
     let (token_type, modifiers) = match token.kind {

@@ -20,7 +20,7 @@ mod workshop;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::OnceLock;
 
-use syntax::actions::{self, Actions, Operator, Parameter};
+use syntax::actions::{self, Actions, Operator};
 use syntax::diagnostic::Diagnostic;
 use syntax::document::{Change, ChunkId, EditError, Event};
 use syntax::span::Span;
@@ -312,7 +312,7 @@ impl Document {
                 };
                 match event {
                     Event::Operator(operator, span) => {
-                        let operator = match *operator {
+                        let operator = match operator {
                             Operator::Constant(symbol) => Operator::Constant(own(symbol)),
                             Operator::Function(symbol) => Operator::Function(own(symbol)),
                             other => other,
@@ -331,17 +331,12 @@ impl Document {
                             next += 1;
                             own
                         });
-                        let moved = |parameter: &Parameter| Parameter {
-                            name: parameter.name.clone(),
-                            span: parameter.span.moved(start),
-                        };
-                        let parameters: Vec<_> = read.parameters.iter().map(moved).collect();
+                        let parameters = read.parameters.moved(start);
                         compiler.act_declaration(&actions::Declaration {
                             symbol,
                             span: read.span.moved(start),
                             name_span: read.name_span.moved(start),
-                            parameters: &parameters,
-                            ..read.as_declaration()
+                            ..read.as_declaration(&parameters)
                         });
                     }
                     Event::Open(..) | Event::Finding => {}

@@ -3,6 +3,7 @@
 //! ```text
 //! edit ──▶ edit.rs       which chunks are cut anew, and who reads again what has changed
 //!          chunk.rs      cuts the text behind each `;`: a chunk is a declaration with what stands before it
+//!          record.rs     what was read of a chunk, packed
 //!          sequence.rs   the chunks in order, with sums: offsets and lines in logarithmic time
 //!          names.rs      what a word means at a place; who reads a name
 //!          open_words.rs who would read a name if it were defined
@@ -28,6 +29,7 @@ mod findings;
 mod names;
 mod open_words;
 mod pieces;
+mod record;
 mod sequence;
 mod shelf;
 mod snapshot;
@@ -50,6 +52,7 @@ use shelf::Shelf;
 
 pub use chunk::{Event, ReadDeclaration};
 pub use pieces::Piece;
+pub use record::{Events, Parameters, Tokens};
 pub use sequence::ChunkId;
 pub use snapshot::Snapshot;
 

@@ -191,6 +191,15 @@ fn line_length(bytes: &[u8]) -> usize {
     }
 }
 
+/// The value of a number that has been read as one: of a text that is just that.
+pub(crate) fn literal(text: &str) -> f64 {
+    match number(text.as_bytes()) {
+        (_, Ok(value)) => value,
+        // One that is nearer to 0 than all others was read as 0.
+        (_, Err(_)) => 0.0,
+    }
+}
+
 /// The longest decimal literal that `bytes`, starting with a digit or a `.`, begins with: its length and
 /// its value, correctly rounded.
 fn number(bytes: &[u8]) -> (usize, Result<f64, Fault>) {

@@ -39,8 +39,8 @@ pub struct Symbol {
     pub parameters: Vec<Parameter>,
     /// Its declaration holds an error, which has been reported: uses of it are to be silent.
     pub faulty: bool,
-    /// The parameters again, by name: after `f_` the longest one that fits is taken.
-    pub(crate) parameter_trie: Trie<u32>,
+    /// The parameters again, by name, where they are too many to go through.
+    parameter_trie: Trie<u32>,
     /// The builtin that undoes this builtin, where there is one.
     pub(crate) inverse: Option<String>,
 }
@@ -126,6 +126,53 @@ impl Vocabulary {
             parsed.define(symbol.clone());
         }
         parsed
+    }
+}
+
+/// So many parameters are gone through: a trie takes more room, and is no faster.
+const FEW_PARAMETERS: usize = 8;
+
+impl Symbol {
+    /// A symbol that a declaration introduces. `trie` holds its parameters by name, of equal ones the first.
+    pub(crate) fn declared(
+        name: &str,
+        word: DeclareWord,
+        name_span: Span,
+        parameters: Vec<Parameter>,
+        trie: Trie<u32>,
+        faulty: bool,
+    ) -> Self {
+        let kind = match word.declares_function() {
+            true => SymbolKind::Function,
+            false => SymbolKind::Constant,
+        };
+        let is_long = parameters.len() > FEW_PARAMETERS;
+        Self {
+            name: name.to_owned(),
+            kind,
+            word: Some(word),
+            name_span: Some(name_span),
+            parameters,
+            faulty,
+            parameter_trie: if is_long { trie } else { Trie::default() },
+            inverse: None,
+        }
+    }
+
+    /// The longest parameter that a word begins with, of equal ones the first: its length in bytes and its position.
+    pub(crate) fn longest_parameter(&self, word: &str) -> Option<(usize, u32)> {
+        if self.parameters.len() > FEW_PARAMETERS {
+            return self.parameter_trie.longest_prefix(word);
+        }
+        let mut longest = None;
+        for (parameter, position) in self.parameters.iter().zip(0..) {
+            let length = parameter.name.len();
+            let known = longest.map_or(0, |(length, _)| length);
+            if length > known && word.starts_with(&parameter.name) {
+                longest = Some((length, position));
+            }
+        }
+        longest
     }
 }
 

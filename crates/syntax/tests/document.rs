@@ -22,7 +22,7 @@ fn vocabulary() -> Vocabulary {
 struct Transcript {
     lines: Vec<String>,
     tokens: Vec<Token>,
-    events: Vec<Event>,
+    events: Vec<Event<'static>>,
     diagnostics: Vec<Diagnostic>,
 }
 
@@ -37,7 +37,7 @@ impl Actions for Transcript {
         self.events.push(Event::Operator(operator, span));
     }
     fn act_interval(&mut self, interval: Interval) {
-        self.events.push(Event::Interval(Box::new(interval)));
+        self.events.push(Event::Interval(interval));
     }
     fn act_declaration(&mut self, d: &Declaration<'_>) {
         let mut line = format!("{:?} {:?} {} {:?}", d.word, d.span, d.name, d.name_span);
@@ -82,17 +82,17 @@ fn tokens(all: impl Iterator<Item = Token>, name: impl Fn(SymbolId) -> String) -
 }
 
 fn steps<'e>(
-    events: impl Iterator<Item = (u32, &'e Event)>,
+    events: impl Iterator<Item = (u32, Event<'e>)>,
     name: impl Fn(SymbolId) -> String,
 ) -> Vec<String> {
     events
         .filter_map(|(start, event)| {
             Some(match event {
                 Event::Operator(Operator::Constant(id), span) => {
-                    format!("{:?} {}", span.moved(start), name(*id))
+                    format!("{:?} {}", span.moved(start), name(id))
                 }
                 Event::Operator(Operator::Function(id), span) => {
-                    format!("{:?} {}", span.moved(start), name(*id))
+                    format!("{:?} {}", span.moved(start), name(id))
                 }
                 Event::Operator(operator, span) => format!("{:?} {operator:?}", span.moved(start)),
                 Event::Open(word, span) => format!("{:?} {word:?}", span.moved(start)),
@@ -130,23 +130,17 @@ fn check(document: &Document, text: &str) {
 
     let events = document.chunks().flat_map(|chunk| {
         let start = document.start(chunk);
-        document
-            .events(chunk)
-            .iter()
-            .map(move |event| (start, event))
+        document.events(chunk).map(move |event| (start, event))
     });
     let found = steps(events, by_handle);
-    let expected = steps(whole.events.iter().map(|event| (0, event)), by_id);
+    let expected = steps(whole.events.iter().map(|event| (0, *event)), by_id);
     assert_eq!(found, expected, "{text:?}");
 
     let found: Vec<String> = document
         .declarations()
         .map(|(chunk, d)| {
             let start = document.start(chunk);
-            let mut parameters = d.parameters.clone();
-            for parameter in &mut parameters {
-                parameter.span = parameter.span.moved(start);
-            }
+            let parameters = d.parameters.moved(start);
             let name_span = match d.name.is_empty() {
                 true => d.name_span,
                 false => d.name_span.moved(start),

@@ -14,7 +14,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use syntax::actions::{self, Declaration, Operator, Parameter};
+use syntax::actions::{self, Declaration, Operator};
 use syntax::diagnostic::{Code, Diagnostic};
 use syntax::document::{ChunkId, Event, ReadDeclaration};
 use syntax::span::Span;
@@ -219,7 +219,7 @@ impl Workshop {
         for event in document.events(chunk) {
             match event {
                 Event::Operator(operator, span) => {
-                    let operator = self.own_operator(*operator);
+                    let operator = self.own_operator(operator);
                     let code = &mut self.declarations.lowerer.code;
                     code.push(operator, span.moved(base));
                 }
@@ -257,7 +257,7 @@ impl Workshop {
 
     fn declare(
         &mut self,
-        read: &ReadDeclaration,
+        read: ReadDeclaration<'_>,
         chunk: ChunkId,
         rank: u32,
         base: u32,
@@ -278,21 +278,14 @@ impl Workshop {
             declarations.scene.params.len(),
             declarations.scene.grids.len(),
         );
-        let parameters: Vec<Parameter> = read
-            .parameters
-            .iter()
-            .map(|parameter| Parameter {
-                name: parameter.name.clone(),
-                span: parameter.span.moved(base),
-            })
-            .collect();
+        let parameters = read.parameters.moved(base);
         // A source that is new gets its place before anyone reads it.
         let sources = declarations.lowerer.reads.source_count();
         declarations.declare(&Declaration {
             word: read.word,
             span: read.span.moved(base),
             symbol: read.symbol.map(|_| own),
-            name: &read.name,
+            name: read.name,
             name_span: read.name_span.moved(base),
             parameters: &parameters,
             faulty: read.faulty,

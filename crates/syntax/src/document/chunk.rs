@@ -10,26 +10,27 @@ use crate::span::Span;
 use crate::token::{DeclareWord, SymbolId, Token};
 
 use super::open_words::Lookup;
+use super::record::{EventRecorder, Events, Parameters, Records, Tokens};
 use super::sequence::Measure;
 
 /// What was read of a chunk, in the order in which the hooks are called.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Event {
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'d> {
     /// A declaration opens.
     Open(DeclareWord, Span),
     /// A step of an expression.
     Operator(Operator, Span),
     /// An interval.
-    Interval(Box<Interval>),
+    Interval(Interval),
     /// A declaration has been read.
-    Declaration(Box<ReadDeclaration>),
+    Declaration(ReadDeclaration<'d>),
     /// A diagnostic: the next one of the chunk's.
     Finding,
 }
 
 /// A [`Declaration`] that is kept.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReadDeclaration {
+#[derive(Clone, Copy, Debug)]
+pub struct ReadDeclaration<'d> {
     /// The word that opens it.
     pub word: DeclareWord,
     /// From the word to the `;`.
@@ -37,25 +38,28 @@ pub struct ReadDeclaration {
     /// What it declares, unless its name was not read or not free.
     pub symbol: Option<SymbolId>,
     /// The name as it is written; empty where it was not read.
-    pub name: String,
+    pub name: &'d str,
     /// Where the name stands; empty where it was not read.
     pub name_span: Span,
     /// The parameters, for what is applied.
-    pub parameters: Vec<Parameter>,
+    pub parameters: Parameters<'d>,
     /// An error lies in it.
     pub faulty: bool,
 }
 
-impl ReadDeclaration {
-    /// As the hooks take it.
-    pub fn as_declaration(&self) -> Declaration<'_> {
+impl<'d> ReadDeclaration<'d> {
+    /// As the hooks take it, with its parameters as they take those.
+    pub fn as_declaration<'a>(&self, parameters: &'a [Parameter]) -> Declaration<'a>
+    where
+        'd: 'a,
+    {
         Declaration {
             word: self.word,
             span: self.span,
             symbol: self.symbol,
-            name: &self.name,
+            name: self.name,
             name_span: self.name_span,
-            parameters: &self.parameters,
+            parameters,
             faulty: self.faulty,
         }
     }
@@ -80,8 +84,8 @@ pub(super) struct Declared {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chunk {
     pub(super) text: Box<str>,
-    pub(super) tokens: Box<[Token]>,
-    pub(super) events: Box<[Event]>,
+    pub(super) tokens: Records,
+    pub(super) events: Records,
     pub(super) findings: Vec<Finding>,
     /// What was asked of the names above.
     pub(super) lookups: Box<[Lookup]>,
@@ -109,11 +113,19 @@ impl Chunk {
     }
 
     /// The declarations, in order.
-    pub(super) fn declarations(&self) -> impl Iterator<Item = &ReadDeclaration> {
-        self.events.iter().filter_map(|event| match event {
-            Event::Declaration(declaration) => Some(&**declaration),
-            _ => None,
-        })
+    pub(super) fn declarations(&self) -> impl Iterator<Item = ReadDeclaration<'_>> {
+        self.events()
+            .declarations()
+            .map(|(declaration, _)| declaration)
+    }
+
+    pub(super) fn events(&self) -> Events<'_> {
+        Events::new(&self.events, &self.text)
+    }
+
+    /// The tokens, in order.
+    pub(super) fn tokens(&self) -> Tokens<'_> {
+        Tokens::new(&self.tokens, &self.text)
     }
 
     /// Notes the names behind declaring words.
@@ -134,8 +146,10 @@ impl Chunk {
 #[derive(Debug, Default)]
 pub(super) struct Recorder {
     pub(super) tokens: Vec<Token>,
-    pub(super) events: Vec<Event>,
+    pub(super) events: EventRecorder,
     pub(super) diagnostics: Vec<Diagnostic>,
+    /// The symbols that are declared, in order, each with where it is known from.
+    pub(super) declared: Vec<(SymbolId, u32)>,
 }
 
 impl Actions for Recorder {
@@ -144,32 +158,26 @@ impl Actions for Recorder {
     }
 
     fn act_open(&mut self, word: DeclareWord, span: Span) {
-        self.events.push(Event::Open(word, span));
+        self.events.open(word, span);
     }
 
     fn act_operator(&mut self, operator: Operator, span: Span) {
-        self.events.push(Event::Operator(operator, span));
+        self.events.operator(operator, span);
     }
 
     fn act_interval(&mut self, interval: Interval) {
-        self.events.push(Event::Interval(Box::new(interval)));
+        self.events.interval(interval);
     }
 
     fn act_declaration(&mut self, declaration: &Declaration<'_>) {
-        let read = ReadDeclaration {
-            word: declaration.word,
-            span: declaration.span,
-            symbol: declaration.symbol,
-            name: declaration.name.to_owned(),
-            name_span: declaration.name_span,
-            parameters: declaration.parameters.to_vec(),
-            faulty: declaration.faulty,
-        };
-        self.events.push(Event::Declaration(Box::new(read)));
+        self.events.declaration(declaration);
+        let known_from = declaration.span.end;
+        let declared = declaration.symbol.map(|symbol| (symbol, known_from));
+        self.declared.extend(declared);
     }
 
     fn act_error(&mut self, diagnostic: Diagnostic) {
-        self.events.push(Event::Finding);
+        self.events.finding();
         self.diagnostics.push(diagnostic);
     }
 }

@@ -9,10 +9,11 @@ use crate::token::SymbolId;
 
 use super::Document;
 use super::above::Above;
-use super::chunk::{Chunk, Event, Finding, Recorder, cut};
+use super::chunk::{Chunk, Finding, Recorder, cut};
 use super::chunk_set::ChunkSet;
 use super::names::{NameId, Signature};
 use super::open_words::Lookup;
+use super::record::Records;
 use super::sequence::ChunkId;
 
 /// What is known while an edit goes on.
@@ -281,17 +282,13 @@ impl Document {
                 .map(|(_, elsewhere)| elsewhere),
         });
         let findings = findings.collect();
-        let mut known_from: HashMap<SymbolId, u32> = HashMap::new();
-        for event in &recorder.events {
-            if let Event::Declaration(declaration) = event
-                && let Some(symbol) = declaration.symbol
-            {
-                known_from.insert(symbol, declaration.span.end);
-            }
-        }
+        let text = &chunk.text;
+        let tokens = Records::of_tokens(&recorder.tokens, text);
+        let events = recorder.events.finish(text);
+        let known_from: HashMap<SymbolId, u32> = recorder.declared.into_iter().collect();
         let chunk = self.chunk_mut(id);
-        chunk.tokens = recorder.tokens.into_boxed_slice();
-        chunk.events = recorder.events.into_boxed_slice();
+        chunk.tokens = tokens;
+        chunk.events = events;
         chunk.findings = findings;
         chunk.lookups = lookups.into_boxed_slice();
         chunk.defines = symbols.iter().map(|(symbol, _)| *symbol).collect();

@@ -186,8 +186,16 @@ impl Names {
     }
 
     /// A chunk declares a symbol.
-    pub(super) fn define(&mut self, id: SymbolId, symbol: Symbol, home: ChunkId, known_from: u32) {
+    pub(super) fn define(
+        &mut self,
+        id: SymbolId,
+        mut symbol: Symbol,
+        home: ChunkId,
+        known_from: u32,
+    ) {
         let name = self.name(&symbol.name);
+        // A list that grew by itself has room for four.
+        symbol.parameters.shrink_to_fit();
         let index = id.0 as usize;
         // Fresh identifiers are taken from the end of the list, in order.
         if self.free.last() == Some(&id) {

@@ -4,9 +4,10 @@
 //! in logarithmic time.
 
 use crate::span::Span;
-use crate::token::{SymbolId, Token};
+use crate::token::SymbolId;
 
-use super::chunk::{Event, ReadDeclaration};
+use super::chunk::ReadDeclaration;
+use super::record::{Events, Tokens};
 use super::sequence::{ChunkId, Measure};
 use super::snapshot::Snapshot;
 
@@ -24,26 +25,17 @@ pub struct Piece<'d> {
     /// Its text.
     pub text: &'d str,
     /// Its tokens, comments too.
-    pub tokens: &'d [Token],
+    pub tokens: Tokens<'d>,
     /// What was read of it, in order.
-    pub events: &'d [Event],
+    pub events: Events<'d>,
 }
 
 impl<'d> Piece<'d> {
     /// The declarations in order, each with what was read of it: its steps and intervals.
     pub fn declarations(
         &self,
-    ) -> impl Iterator<Item = (&'d ReadDeclaration, &'d [Event])> + use<'d> {
-        let events = self.events;
-        let mut first = 0;
-        events.iter().enumerate().filter_map(move |(k, event)| {
-            let Event::Declaration(declaration) = event else {
-                return None;
-            };
-            let own = &events[first..k];
-            first = k + 1;
-            Some((&**declaration, own))
-        })
+    ) -> impl Iterator<Item = (ReadDeclaration<'d>, Events<'d>)> + use<'d> {
+        self.events.declarations()
     }
 }
 
@@ -97,8 +89,8 @@ impl Snapshot {
                 first_token: piece.first_token + piece.tokens.len() as u32,
                 first_declaration: piece.first_declaration + piece.declarations().count() as u32,
                 text: &read.text,
-                tokens: &read.tokens,
-                events: &read.events,
+                tokens: read.tokens(),
+                events: read.events(),
             })
         })
     }
@@ -118,7 +110,7 @@ impl Snapshot {
         self.piece_at(offset).map_or(0, |piece| {
             let inside = offset - piece.start;
             let tokens = piece.tokens;
-            let count = tokens.partition_point(|token| holds(token.span, inside));
+            let count = tokens.partition_point(|span| holds(span, inside));
             piece.first_token + count as u32
         })
     }
@@ -159,8 +151,8 @@ impl Snapshot {
             first_token: before.tokens,
             first_declaration: before.declarations,
             text: &read.text,
-            tokens: &read.tokens,
-            events: &read.events,
+            tokens: read.tokens(),
+            events: read.events(),
         }
     }
 }

@@ -11,8 +11,9 @@ use crate::span::Span;
 use crate::symbols::{Parsed, Symbol};
 use crate::token::{SymbolId, Token};
 
-use super::chunk::{Chunk, Event, ReadDeclaration};
+use super::chunk::{Chunk, ReadDeclaration};
 use super::names::Names;
+use super::record::Events;
 use super::sequence::{ChunkId, Sequence};
 use super::shelf::Shelf;
 
@@ -162,15 +163,15 @@ impl Snapshot {
     }
 
     /// What was read of a chunk; places count from its start.
-    pub fn events(&self, chunk: ChunkId) -> &[Event] {
-        &self.chunk(chunk).events
+    pub fn events(&self, chunk: ChunkId) -> Events<'_> {
+        self.chunk(chunk).events()
     }
 
     /// The tokens that a range touches, comments too, in order; places are those of the text.
     pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
         let chunks = self.chunks_in(range);
         chunks.flat_map(move |(chunk, start)| {
-            let tokens = self.chunk(chunk).tokens.iter();
+            let tokens = self.chunk(chunk).tokens().iter();
             let moved = tokens.map(move |token| Token {
                 kind: token.kind,
                 span: token.span.moved(start),
@@ -181,13 +182,10 @@ impl Snapshot {
     }
 
     /// The declarations in order, each with its chunk; places count from the chunk's start.
-    pub fn declarations(&self) -> impl Iterator<Item = (ChunkId, &ReadDeclaration)> {
+    pub fn declarations(&self) -> impl Iterator<Item = (ChunkId, ReadDeclaration<'_>)> {
         self.chunks().flat_map(|chunk| {
-            let events = self.chunk(chunk).events.iter();
-            events.filter_map(move |event| match event {
-                Event::Declaration(declaration) => Some((chunk, &**declaration)),
-                _ => None,
-            })
+            let declarations = self.chunk(chunk).declarations();
+            declarations.map(move |declaration| (chunk, declaration))
         })
     }
 

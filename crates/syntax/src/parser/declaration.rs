@@ -8,7 +8,7 @@ use crate::actions::{Actions, Declaration, Interval, IntervalKind, Operator};
 use crate::codes;
 use crate::diagnostic::Fix;
 use crate::span::Span;
-use crate::symbols::{Scope, Symbol, SymbolKind};
+use crate::symbols::{Scope, Symbol};
 use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
 
 /// An interval's tag: the position of the parameter that it names, if it names one, and its place.
@@ -154,20 +154,14 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         if !self.state.name_is_free {
             return None;
         }
-        let kind = match word.declares_function() {
-            true => SymbolKind::Function,
-            false => SymbolKind::Constant,
-        };
-        Some(self.parsed.define(Symbol {
-            name: self.state.name.to_owned(),
-            kind,
-            word: Some(word),
-            name_span: Some(self.state.name_span),
-            parameters: std::mem::take(&mut self.state.parameters),
-            faulty: self.state.faulty,
-            parameter_trie: std::mem::take(&mut self.state.parameter_trie),
-            inverse: None,
-        }))
+        Some(self.parsed.define(Symbol::declared(
+            self.state.name,
+            word,
+            self.state.name_span,
+            std::mem::take(&mut self.state.parameters),
+            std::mem::take(&mut self.state.parameter_trie),
+            self.state.faulty,
+        )))
     }
 
     /// `DECL` after its word, up to its `;`.

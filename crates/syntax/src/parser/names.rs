@@ -62,8 +62,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
                 None => declaring_or(word, TokenKind::Undefined),
             },
             Mode::ParameterOf(function) => {
-                let parameters = &parsed.symbol(function).parameter_trie;
-                match parameters.longest_prefix(word.rest) {
+                match parsed.symbol(function).longest_parameter(word.rest) {
                     Some((length, parameter)) => (length, TokenKind::Variable(parameter)),
                     None => declaring_or(word, TokenKind::Undefined),
                 }

@@ -1,0 +1,607 @@
+//! What was read of a chunk, packed: eight bytes for a token, and for a step of an expression.
+//!
+//! What flows in: tokens and events as the hooks are told them, places counted from the chunk's start. What flows
+//! out: the same again, by their number or in their order. What the text itself says (the value of a number, a name)
+//! is read from it again and not kept. A chunk of 64 KiB or more, or with a number that has no room, has sixteen bytes for
+//! each.
+
+use crate::actions::{Interval, IntervalKind, Operator, Parameter};
+use crate::lexer::literal;
+use crate::span::Span;
+use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
+
+use super::chunk::{Event, ReadDeclaration};
+
+/// A list of entries.
+#[derive(Clone, Debug)]
+pub(super) enum Records {
+    /// Start, end, tag with the upper bits of the number, and its lower bits.
+    Narrow(Box<[[u16; 4]]>),
+    Wide(Box<[Entry]>),
+}
+
+/// A place, what stands there, and a number whose meaning that tells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Entry {
+    span: Span,
+    tag: u8,
+    number: u32,
+}
+
+/// The tokens of a chunk, in order.
+#[derive(Clone, Copy, Debug)]
+pub struct Tokens<'d> {
+    records: &'d Records,
+    text: &'d str,
+}
+
+/// What was read of a chunk, or a stretch of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Events<'d> {
+    records: &'d Records,
+    text: &'d str,
+    next: usize,
+    end: usize,
+}
+
+/// The parameters of a declaration that was read.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameters<'d> {
+    records: &'d Records,
+    text: &'d str,
+    next: usize,
+    end: usize,
+}
+
+impl Default for Records {
+    fn default() -> Self {
+        Self::Narrow(Box::default())
+    }
+}
+
+impl Records {
+    /// Packs entries whose places end at `length` or before it.
+    fn new(entries: &[Entry], length: usize) -> Self {
+        let fits = |entry: &Entry| entry.number >> 24 == 0;
+        if length > usize::from(u16::MAX) || !entries.iter().all(fits) {
+            return Self::Wide(entries.into());
+        }
+        let narrow = entries.iter().map(|entry| {
+            let [_, upper, lower @ ..] = entry.number.to_be_bytes();
+            [
+                entry.span.start as u16,
+                entry.span.end as u16,
+                u16::from_be_bytes([entry.tag, upper]),
+                u16::from_be_bytes(lower),
+            ]
+        });
+        Self::Narrow(narrow.collect())
+    }
+
+    /// Packs the tokens of a text.
+    pub(super) fn of_tokens(tokens: &[Token], text: &str) -> Self {
+        let entries: Vec<Entry> = tokens.iter().map(|token| of_token(*token)).collect();
+        Self::new(&entries, text.len())
+    }
+
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Narrow(entries) => entries.len(),
+            Self::Wide(entries) => entries.len(),
+        }
+    }
+
+    fn get(&self, index: usize) -> Option<Entry> {
+        match self {
+            Self::Narrow(entries) => entries.get(index).map(|&[start, end, tag, lower]| {
+                let [tag, upper] = tag.to_be_bytes();
+                Entry {
+                    span: Span::new(u32::from(start), u32::from(end)),
+                    tag,
+                    number: u32::from(upper) << 16 | u32::from(lower),
+                }
+            }),
+            Self::Wide(entries) => entries.get(index).copied(),
+        }
+    }
+}
+
+impl<'d> Tokens<'d> {
+    pub(super) fn new(records: &'d Records, text: &'d str) -> Self {
+        Self { records, text }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// A token by its number, from 0.
+    pub fn get(&self, index: usize) -> Option<Token> {
+        let Entry { span, tag, number } = self.records.get(index)?;
+        Some(Token {
+            kind: token_kind(tag, number, span.text(self.text)),
+            span,
+        })
+    }
+
+    /// Where a token stands: cheaper than the whole token.
+    pub fn span(&self, index: usize) -> Option<Span> {
+        Some(self.records.get(index)?.span)
+    }
+
+    /// All of them, in order.
+    pub fn iter(self) -> impl DoubleEndedIterator<Item = Token> + use<'d> {
+        (0..self.len()).filter_map(move |index| self.get(index))
+    }
+
+    /// How many at the start satisfy what holds of the places of none behind the first for which it fails.
+    pub fn partition_point(&self, holds: impl Fn(Span) -> bool) -> usize {
+        let (mut low, mut high) = (0, self.len());
+        while low < high {
+            let middle = low.midpoint(high);
+            match self.span(middle).is_some_and(&holds) {
+                true => low = middle + 1,
+                false => high = middle,
+            }
+        }
+        low
+    }
+}
+
+/// Collects what is read of a chunk.
+#[derive(Debug, Default)]
+pub(super) struct EventRecorder(Vec<Entry>);
+
+impl EventRecorder {
+    fn push(&mut self, tag: u8, span: Span, number: u32) {
+        self.0.push(Entry { span, tag, number });
+    }
+
+    pub(super) fn open(&mut self, word: DeclareWord, span: Span) {
+        self.push(OPEN + word_index(word), span, 0);
+    }
+
+    pub(super) fn operator(&mut self, operator: Operator, span: Span) {
+        let (tag, number) = of_operator(operator);
+        self.push(tag, span, number);
+    }
+
+    pub(super) fn interval(&mut self, interval: Interval) {
+        let is_grid = u8::from(interval.kind == IntervalKind::Grid);
+        let Some((parameter, span)) = interval.tag else {
+            return self.push(INTERVAL + is_grid, interval.span, 0);
+        };
+        self.push(TAGGED_INTERVAL + is_grid, interval.span, 0);
+        match parameter {
+            Some(parameter) => self.push(SOME, span, parameter),
+            None => self.push(NONE, span, 0),
+        }
+    }
+
+    pub(super) fn finding(&mut self) {
+        self.push(FINDING, Span::default(), 0);
+    }
+
+    pub(super) fn declaration(&mut self, declaration: &crate::actions::Declaration<'_>) {
+        let parameters = declaration.parameters;
+        let tag = match declaration.faulty {
+            true => FAULTY_DECLARATION,
+            false => DECLARATION,
+        };
+        let tag = tag + word_index(declaration.word);
+        self.push(tag, declaration.span, parameters.len() as u32);
+        match declaration.symbol {
+            Some(symbol) => self.push(SOME, declaration.name_span, symbol.0),
+            None => self.push(NONE, declaration.name_span, 0),
+        }
+        for parameter in parameters {
+            self.push(NONE, parameter.span, 0);
+        }
+    }
+
+    /// Packs what was read of a text.
+    pub(super) fn finish(self, text: &str) -> Records {
+        Records::new(&self.0, text.len())
+    }
+}
+
+impl<'d> Events<'d> {
+    pub(super) fn new(records: &'d Records, text: &'d str) -> Self {
+        Self {
+            records,
+            text,
+            next: 0,
+            end: records.len(),
+        }
+    }
+
+    /// The declarations in order, each with what was read of it: its steps and intervals.
+    pub fn declarations(self) -> impl Iterator<Item = (ReadDeclaration<'d>, Events<'d>)> + use<'d> {
+        let mut own = self;
+        let mut rest = self;
+        std::iter::from_fn(move || {
+            loop {
+                let at = rest.next;
+                // What lies behind the first entry of an event begins no declaration.
+                let tag = rest.records.get(at).filter(|_| at < rest.end)?.tag;
+                if tag < DECLARATION {
+                    rest.next += 1;
+                    continue;
+                }
+                if let Some(Event::Declaration(declaration)) = rest.next() {
+                    own.end = at;
+                    let found = (declaration, own);
+                    own = rest;
+                    return Some(found);
+                }
+            }
+        })
+    }
+
+    fn entry(&mut self) -> Option<Entry> {
+        let entry = self.records.get(self.next).filter(|_| self.next < self.end);
+        self.next += usize::from(entry.is_some());
+        entry
+    }
+}
+
+impl<'d> Iterator for Events<'d> {
+    type Item = Event<'d>;
+
+    fn next(&mut self) -> Option<Event<'d>> {
+        let Entry { span, tag, number } = self.entry()?;
+        Some(match tag {
+            ..OPEN => Event::Operator(operator(tag, number, span.text(self.text)), span),
+            OPEN..INTERVAL => Event::Open(word(tag - OPEN), span),
+            INTERVAL..FINDING => {
+                let kind = match tag {
+                    INTERVAL | TAGGED_INTERVAL => IntervalKind::Range,
+                    _ => IntervalKind::Grid,
+                };
+                let mut tagged = None;
+                if tag >= TAGGED_INTERVAL {
+                    let entry = self.entry()?;
+                    tagged = Some(((entry.tag == SOME).then_some(entry.number), entry.span));
+                }
+                Event::Interval(Interval {
+                    kind,
+                    span,
+                    tag: tagged,
+                })
+            }
+            FINDING..DECLARATION => Event::Finding,
+            DECLARATION.. => {
+                let faulty = tag >= FAULTY_DECLARATION;
+                let first = if faulty {
+                    FAULTY_DECLARATION
+                } else {
+                    DECLARATION
+                };
+                let name = self.entry()?;
+                let parameters = self.next;
+                self.next += number as usize;
+                Event::Declaration(ReadDeclaration {
+                    word: word(tag - first),
+                    span,
+                    symbol: (name.tag == SOME).then_some(SymbolId(name.number)),
+                    name: name.span.text(self.text),
+                    name_span: name.span,
+                    parameters: Parameters {
+                        records: self.records,
+                        text: self.text,
+                        next: parameters,
+                        end: self.next,
+                    },
+                    faulty,
+                })
+            }
+        })
+    }
+}
+
+impl<'d> Iterator for Parameters<'d> {
+    type Item = (&'d str, Span);
+
+    fn next(&mut self) -> Option<(&'d str, Span)> {
+        let entry = self
+            .records
+            .get(self.next)
+            .filter(|_| self.next < self.end)?;
+        self.next += 1;
+        Some((entry.span.text(self.text), entry.span))
+    }
+
+    fn size_hint(&self) -> (usize, Option<usize>) {
+        (self.end - self.next, Some(self.end - self.next))
+    }
+}
+
+impl ExactSizeIterator for Parameters<'_> {}
+
+impl Parameters<'_> {
+    /// As the hooks take them, so many bytes further down.
+    pub fn moved(self, bytes: u32) -> Vec<Parameter> {
+        self.map(|(name, span)| Parameter {
+            name: name.to_owned(),
+            span: span.moved(bytes),
+        })
+        .collect()
+    }
+}
+
+// The tags of events; those of operators stand below `OPEN`.
+const OPEN: u8 = 32;
+const INTERVAL: u8 = 48;
+const TAGGED_INTERVAL: u8 = 50;
+const FINDING: u8 = 52;
+const DECLARATION: u8 = 64;
+const FAULTY_DECLARATION: u8 = 80;
+// Those of the second and further entries of an event, below all that begin a declaration.
+const NONE: u8 = 0;
+const SOME: u8 = 1;
+
+fn word_index(word: DeclareWord) -> u8 {
+    let index = DeclareWord::ALL.iter().position(|other| *other == word);
+    index.unwrap_or_default() as u8
+}
+
+fn word(index: u8) -> DeclareWord {
+    let word = DeclareWord::ALL.get(usize::from(index)).copied();
+    word.unwrap_or(DeclareWord::Define)
+}
+
+/// The kinds of token that are nothing but themselves; a tag is a position.
+const PLAIN: [TokenKind; 22] = [
+    TokenKind::Comma,
+    TokenKind::ParenOpen,
+    TokenKind::ParenClose,
+    TokenKind::Plus,
+    TokenKind::Minus,
+    TokenKind::Slash,
+    TokenKind::Semicolon,
+    TokenKind::Equals,
+    TokenKind::BracketOpen,
+    TokenKind::BracketClose,
+    TokenKind::Colon,
+    TokenKind::Caret,
+    TokenKind::Underscore,
+    TokenKind::Prime,
+    TokenKind::Star,
+    TokenKind::At,
+    TokenKind::Comment,
+    TokenKind::Undefined,
+    TokenKind::BraceOpen,
+    TokenKind::BraceClose,
+    TokenKind::Error,
+    TokenKind::Eoi,
+];
+// The tags of the others.
+const NUMBER: u8 = 22;
+const DECLARE: u8 = 23;
+const CONSTANT: u8 = 24;
+const FUNCTION: u8 = 25;
+const VARIABLE: u8 = 26;
+
+fn of_token(token: Token) -> Entry {
+    let (tag, number) = match token.kind {
+        TokenKind::Number(_) => (NUMBER, 0),
+        TokenKind::Declare(word) => (DECLARE, u32::from(word_index(word))),
+        TokenKind::Constant(id) => (CONSTANT, id.0),
+        TokenKind::Function(id) => (FUNCTION, id.0),
+        TokenKind::Variable(position) => (VARIABLE, position),
+        kind => {
+            let tag = PLAIN.iter().position(|plain| *plain == kind);
+            (tag.unwrap_or_default() as u8, 0)
+        }
+    };
+    Entry {
+        span: token.span,
+        tag,
+        number,
+    }
+}
+
+fn token_kind(tag: u8, number: u32, text: &str) -> TokenKind {
+    match tag {
+        NUMBER => TokenKind::Number(literal(text)),
+        DECLARE => TokenKind::Declare(word(number as u8)),
+        CONSTANT => TokenKind::Constant(SymbolId(number)),
+        FUNCTION => TokenKind::Function(SymbolId(number)),
+        VARIABLE => TokenKind::Variable(number),
+        plain => PLAIN[usize::from(plain)],
+    }
+}
+
+/// The operators that are nothing but themselves; a tag is a position.
+const STEPS: [Operator; 13] = [
+    Operator::Apply,
+    Operator::Add,
+    Operator::Subtract,
+    Operator::Juxtapose,
+    Operator::Multiply,
+    Operator::Divide,
+    Operator::Power,
+    Operator::Plus,
+    Operator::Negate,
+    Operator::Square,
+    Operator::Reciprocal,
+    Operator::Total,
+    Operator::FunctionPower,
+];
+// The tags of the others, which are all below `OPEN`.
+const PUSH_NUMBER: u8 = 13;
+const PUSH_CONSTANT: u8 = 14;
+const PUSH_VARIABLE: u8 = 15;
+const PUSH_FUNCTION: u8 = 16;
+const PARTIAL: u8 = 17;
+const COMPONENT: u8 = 18;
+const TUPLE: u8 = 19;
+
+fn of_operator(operator: Operator) -> (u8, u32) {
+    match operator {
+        // It is pushed where it stands.
+        Operator::Number(_) => (PUSH_NUMBER, 0),
+        Operator::Constant(id) => (PUSH_CONSTANT, id.0),
+        Operator::Variable(position) => (PUSH_VARIABLE, position),
+        Operator::Function(id) => (PUSH_FUNCTION, id.0),
+        Operator::Partial(position) => (PARTIAL, position),
+        Operator::Component(number) => (COMPONENT, number),
+        Operator::Tuple(count) => (TUPLE, count),
+        step => {
+            let tag = STEPS.iter().position(|other| *other == step);
+            (tag.unwrap_or_default() as u8, 0)
+        }
+    }
+}
+
+fn operator(tag: u8, number: u32, text: &str) -> Operator {
+    match tag {
+        PUSH_NUMBER => Operator::Number(literal(text)),
+        PUSH_CONSTANT => Operator::Constant(SymbolId(number)),
+        PUSH_VARIABLE => Operator::Variable(number),
+        PUSH_FUNCTION => Operator::Function(SymbolId(number)),
+        PARTIAL => Operator::Partial(number),
+        COMPONENT => Operator::Component(number),
+        TUPLE => Operator::Tuple(number),
+        step => STEPS[usize::from(step)],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Entry, EventRecorder, Events, PLAIN, Records, STEPS, Tokens};
+    use crate::actions::{Declaration, Interval, IntervalKind, Operator, Parameter};
+    use crate::document::Event;
+    use crate::span::Span;
+    use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
+
+    /// A text of so many bytes that begins with a number.
+    fn text(length: usize) -> String {
+        format!("2.5e1{}", "x".repeat(length - 5))
+    }
+
+    #[test]
+    fn tokens_come_back_as_they_were_in_short_texts_and_long_ones_and_under_large_numbers() {
+        for (length, id) in [(300, 7), (300, 1 << 24), (70_000, 7)] {
+            let text = text(length);
+            let span = |k: usize| Span::new(k as u32, length as u32);
+            let mut kinds = PLAIN.to_vec();
+            kinds.extend(DeclareWord::ALL.map(TokenKind::Declare));
+            kinds.push(TokenKind::Constant(SymbolId(id)));
+            kinds.push(TokenKind::Function(SymbolId(id)));
+            kinds.push(TokenKind::Variable(id));
+            let mut tokens = vec![Token {
+                kind: TokenKind::Number(25.0),
+                span: Span::new(0, 5),
+            }];
+            let others = kinds.into_iter().enumerate();
+            tokens.extend(others.map(|(k, kind)| Token {
+                kind,
+                span: span(k + 5),
+            }));
+            let records = Records::of_tokens(&tokens, &text);
+            let is_narrow = matches!(records, Records::Narrow(_));
+            assert_eq!(is_narrow, length < 1 << 16 && id < 1 << 24);
+            let found = Tokens::new(&records, &text);
+            assert_eq!(found.iter().collect::<Vec<_>>(), tokens);
+            assert_eq!(found.get(3), Some(tokens[3]));
+            assert_eq!(found.get(tokens.len()), None);
+            assert_eq!(found.partition_point(|span| span.start < 9), 5);
+        }
+        assert_eq!(size_of::<Entry>(), 16);
+    }
+
+    #[test]
+    fn events_come_back_as_they_were_and_each_declaration_with_its_own() {
+        for length in [300, 70_000] {
+            let text = text(length);
+            let span = |k: u32| Span::new(k, k + 3);
+            let mut operators = STEPS.to_vec();
+            operators.extend([3, 1 << 20].map(|n| Operator::Constant(SymbolId(n))));
+            operators.extend([3, 1 << 20].map(|n| Operator::Function(SymbolId(n))));
+            operators.extend([Operator::Variable(2), Operator::Partial(3)]);
+            operators.extend([Operator::Component(9), Operator::Tuple(100)]);
+            let intervals = [None, Some((None, span(8))), Some((Some(1), span(9)))];
+            let intervals = intervals.map(|tag| {
+                [IntervalKind::Range, IntervalKind::Grid].map(|kind| Interval {
+                    kind,
+                    span: span(7),
+                    tag,
+                })
+            });
+            let intervals = intervals.concat();
+            let mut recorder = EventRecorder::default();
+            let parameter = |k: u32| Parameter {
+                name: span(k).text(&text).to_owned(),
+                span: span(k),
+            };
+            let parameters = [parameter(12), parameter(15)];
+            let declared = |symbol, faulty, count: usize| Declaration {
+                word: DeclareWord::Geodesic,
+                span: Span::new(6, 30),
+                symbol,
+                name: span(10).text(&text),
+                name_span: span(10),
+                parameters: &parameters[..count],
+                faulty,
+            };
+            recorder.open(DeclareWord::Param, span(6));
+            recorder.operator(Operator::Number(25.0), Span::new(0, 5));
+            recorder.finding();
+            for operator in &operators {
+                recorder.operator(*operator, span(6));
+            }
+            recorder.declaration(&declared(Some(SymbolId(77)), false, 2));
+            for interval in &intervals {
+                recorder.interval(*interval);
+            }
+            recorder.declaration(&declared(None, true, 0));
+            recorder.open(DeclareWord::Geodesic, span(6));
+            let records = recorder.finish(&text);
+
+            let told = |event: Event<'_>| match event {
+                Event::Declaration(read) => {
+                    let parameters = read.parameters.moved(0);
+                    format!("{:?}", read.as_declaration(&parameters))
+                }
+                other => format!("{other:?}"),
+            };
+            let expected = |events: &[Operator]| -> Vec<String> {
+                let steps = events.iter().map(|it| Event::Operator(*it, span(6)));
+                steps.map(told).collect()
+            };
+            let number = Event::Operator(Operator::Number(25.0), Span::new(0, 5));
+            let mut first = vec![told(Event::Open(DeclareWord::Param, span(6)))];
+            first.extend([told(number), told(Event::Finding)]);
+            first.extend(expected(&operators));
+            let second: Vec<_> = intervals
+                .iter()
+                .map(|it| told(Event::Interval(*it)))
+                .collect();
+            let all = Events::new(&records, &text);
+            let found: Vec<_> = all.declarations().collect();
+            let declarations = [
+                declared(Some(SymbolId(77)), false, 2),
+                declared(None, true, 0),
+            ];
+            assert_eq!(found.len(), 2);
+            for (((read, events), expected), own) in
+                found.iter().zip(declarations).zip([&first, &second])
+            {
+                let parameters = read.parameters.moved(0);
+                assert_eq!(read.as_declaration(&parameters), expected);
+                assert_eq!(read.parameters.len(), expected.parameters.len());
+                assert_eq!(&events.map(told).collect::<Vec<_>>(), own);
+            }
+            let last = told(Event::Open(DeclareWord::Geodesic, span(6)));
+            assert_eq!(all.map(told).last(), Some(last));
+            assert_eq!(all.count(), first.len() + second.len() + 3);
+        }
+    }
+}
