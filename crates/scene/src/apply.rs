@@ -60,9 +60,9 @@ pub(crate) struct Applications {
     /// The derivatives of bodies, each by the body that it is taken of: a row of primes costs one entry each.
     derived: FxHashMap<(BodyId, Derivation), BodyId>,
     bodies: Vec<BodyOutcome>,
-    /// The value of a body for the components of its arguments: an application is written out once, however
+    /// The components of a body's value for those of its arguments: an application is written out once, however
     /// often it stands in the text.
-    values: FxHashMap<(BodyId, Vec<NodeId>), Value>,
+    values: FxHashMap<(BodyId, Box<[NodeId]>), Box<[NodeId]>>,
 }
 
 impl Applications {
@@ -313,13 +313,13 @@ impl Lowerer {
         let BodyOutcome::Ready { value, .. } = self.applications.body(id).clone() else {
             return None;
         };
-        let replacements: Vec<NodeId> = arguments
+        let replacements: Box<[NodeId]> = arguments
             .iter()
             .flat_map(|argument| argument.components().iter().copied())
             .collect();
         let application = (id, replacements);
         if let Some(known) = self.applications.values.get(&application) {
-            return Some(known.clone());
+            return Some(like(&value, known.to_vec()));
         }
         let replacements = &application.1;
         let replace = |input| match input {
@@ -327,9 +327,9 @@ impl Lowerer {
             Input::Uniform(_) => None,
         };
         let nodes = self.graph.substitute(value.components(), &replace).ok()?;
-        let result = like(&value, nodes);
-        self.applications.values.insert(application, result.clone());
-        Some(result)
+        let components = nodes.as_slice().into();
+        self.applications.values.insert(application, components);
+        Some(like(&value, nodes))
     }
 }
 

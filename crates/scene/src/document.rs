@@ -39,7 +39,7 @@ use workshop::{Checked, Workshop};
 pub struct Document {
     text: syntax::document::Document,
     workshop: Workshop,
-    checked: HashMap<ChunkId, Checked>,
+    checked: HashMap<ChunkId, Kept>,
     /// The chunks with diagnostics beyond those of the parser.
     found: HashSet<ChunkId>,
     /// The chunks to be checked again where the intervals of a param or a grid change.
@@ -48,6 +48,56 @@ pub struct Document {
     totals: Totals,
     work: Work,
     compilation: OnceLock<Compilation>,
+}
+
+/// What is kept of a check.
+#[derive(Clone, Debug)]
+struct Kept {
+    samples: u64,
+    components: u32,
+    /// Where the chunk's places lie; others of them are among the rest.
+    base: u32,
+    /// What most chunks have none of.
+    rest: Option<Box<Rest>>,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Rest {
+    /// The diagnostics of each declaration; empty where none has any.
+    diagnostics: Vec<Vec<Diagnostic>>,
+    watches: Vec<SymbolId>,
+    watches_all: bool,
+    is_limited: bool,
+    bases: Vec<u32>,
+}
+
+impl Kept {
+    fn new(checked: Checked) -> Self {
+        let mut bases = checked.bases;
+        let base = bases.pop().unwrap_or_default();
+        let mut diagnostics = checked.diagnostics;
+        if diagnostics.iter().all(Vec::is_empty) {
+            diagnostics = Vec::new();
+        }
+        let rest = Rest {
+            diagnostics,
+            watches: checked.watches,
+            watches_all: checked.watches_all,
+            is_limited: checked.is_limited,
+            bases,
+        };
+        Self {
+            samples: checked.samples,
+            components: checked.components,
+            base,
+            rest: (rest != Rest::default()).then(|| Box::new(rest)),
+        }
+    }
+
+    /// The diagnostics of each declaration; none where none has any.
+    fn diagnostics(&self) -> &[Vec<Diagnostic>] {
+        self.rest.as_ref().map_or(&[], |rest| &rest.diagnostics)
+    }
 }
 
 /// What is limited for a program as a whole.
@@ -185,7 +235,7 @@ impl Document {
     pub fn diagnostics_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
         let mut findings = self.text.findings_of(chunk).into_iter();
         let checked = self.checked.get(&chunk);
-        let mut of_declarations = checked.into_iter().flat_map(|it| &it.diagnostics);
+        let mut of_declarations = checked.into_iter().flat_map(Kept::diagnostics);
         let mut all = Vec::new();
         for event in self.text.events(chunk) {
             match event {
@@ -245,27 +295,25 @@ impl Document {
         }
     }
 
-    fn keep(&mut self, chunk: ChunkId, mut checked: Checked) {
+    fn keep(&mut self, chunk: ChunkId, checked: Checked) {
         self.work.checked += 1;
         self.work.lowered += u64::from(checked.lowered);
-        self.totals.samples += checked.samples;
-        self.totals.components += u64::from(checked.components);
-        self.totals.limited += usize::from(checked.is_limited);
-        for symbol in &checked.watches {
-            self.watchers.entry(*symbol).or_default().insert(chunk);
+        let kept = Kept::new(checked);
+        self.totals.samples += kept.samples;
+        self.totals.components += u64::from(kept.components);
+        if let Some(rest) = &kept.rest {
+            self.totals.limited += usize::from(rest.is_limited);
+            for symbol in &rest.watches {
+                self.watchers.entry(*symbol).or_default().insert(chunk);
+            }
+            if rest.watches_all {
+                self.watchers_of_all.insert(chunk);
+            }
+            if !rest.diagnostics.is_empty() {
+                self.found.insert(chunk);
+            }
         }
-        if checked.watches_all {
-            self.watchers_of_all.insert(chunk);
-        }
-        if checked.diagnostics.iter().any(|found| !found.is_empty()) {
-            self.found.insert(chunk);
-        } else {
-            checked.diagnostics = Vec::new();
-        }
-        // Who was to be told of it has been told.
-        checked.changed = Vec::new();
-        checked.moved = Vec::new();
-        self.checked.insert(chunk, checked);
+        self.checked.insert(chunk, kept);
     }
 
     fn drop_checked(&mut self, chunk: ChunkId) {
@@ -279,18 +327,23 @@ impl Document {
         };
         self.totals.samples -= checked.samples;
         self.totals.components -= u64::from(checked.components);
-        self.totals.limited -= usize::from(checked.is_limited);
-        for symbol in &checked.watches {
-            if let Some(watchers) = self.watchers.get_mut(symbol) {
-                watchers.remove(&chunk);
-                if watchers.is_empty() {
-                    self.watchers.remove(symbol);
+        let mut bases = vec![checked.base];
+        if let Some(rest) = checked.rest {
+            self.totals.limited -= usize::from(rest.is_limited);
+            for symbol in &rest.watches {
+                if let Some(watchers) = self.watchers.get_mut(symbol) {
+                    watchers.remove(&chunk);
+                    if watchers.is_empty() {
+                        self.watchers.remove(symbol);
+                    }
                 }
             }
+            if rest.watches_all {
+                self.watchers_of_all.remove(&chunk);
+            }
+            self.found.remove(&chunk);
+            bases.extend(rest.bases);
         }
-        self.watchers_of_all.remove(&chunk);
-        self.found.remove(&chunk);
-        let mut bases = checked.bases;
         bases.retain(|base| !kept.contains(base));
         self.workshop.release(&bases);
     }

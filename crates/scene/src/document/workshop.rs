@@ -57,15 +57,32 @@ struct Known {
     chunk: ChunkId,
     /// Where the chunk was put when its body was kept.
     base: u32,
-    uniforms: Option<Uniforms>,
-    /// The intervals of a param or a grid, and the value that a param opens with.
-    data: Option<Data>,
+    /// For a param or a grid; few symbols are.
+    source: Option<Box<KnownSource>>,
 }
 
+/// A param or a grid of the document.
+#[derive(Clone, Debug)]
+struct KnownSource {
+    uniforms: Option<Uniforms>,
+    data: Data,
+}
+
+/// The intervals of a param or a grid, and the value that a param opens with.
 #[derive(Clone, Debug, PartialEq)]
 enum Data {
     Param(Vec<Range>, Vec<f64>),
     Grid(Vec<Sampling>),
+}
+
+impl Known {
+    fn uniforms(&self) -> Option<Uniforms> {
+        self.source.as_ref()?.uniforms
+    }
+
+    fn data(&self) -> Option<&Data> {
+        Some(&self.source.as_ref()?.data)
+    }
 }
 
 /// What lies in a stretch of the space of places.
@@ -272,7 +289,7 @@ impl Workshop {
         declarations.kept = before
             .as_ref()
             .filter(|before| before.word == read.word && before.chunk == chunk)
-            .and_then(|before| before.uniforms);
+            .and_then(Known::uniforms);
         let objects = declarations.scene.objects.len();
         let (params, grids) = (
             declarations.scene.params.len(),
@@ -298,9 +315,18 @@ impl Workshop {
         checked.diagnostics.push(diagnostics);
         checked.samples += declarations.samples;
         checked.lowered += u32::from(!read.faulty);
+        let scene = &mut declarations.scene;
+        if let Some(object) = scene.objects.get(objects) {
+            if read.symbol.is_some() {
+                watch(object, &self.params, &self.grids, checked);
+            }
+            // Only what geodesics may lie on is asked for again.
+            if object.shape.patch().is_none() {
+                scene.objects.truncate(objects);
+            }
+        }
         let Some(symbol) = read.symbol else { return };
 
-        let scene = &declarations.scene;
         let data = if scene.params.len() > params {
             self.params.push(symbol);
             let last = scene.params.last();
@@ -311,26 +337,23 @@ impl Workshop {
         } else {
             None
         };
-        if let Some(object) = scene.objects.get(objects) {
-            watch(object, &self.params, &self.grids, checked);
-        }
         if self.declarations.lowerer.reads.source_count() > sources {
             self.sources.push(symbol);
             self.declarations.lowerer.reads.place_next(rank);
         }
-        let uniforms = data
-            .as_ref()
-            .and_then(|_| self.uniforms(own, before.as_ref()));
-        checked.components += uniforms.map_or(0, |uniforms| uniforms.count);
+        let source = data.map(|data| {
+            let uniforms = self.uniforms(own, before.as_ref());
+            Box::new(KnownSource { uniforms, data })
+        });
 
         let mut known = Known {
             word: read.word,
             own,
             chunk,
             base,
-            uniforms,
-            data,
+            source,
         };
+        checked.components += known.uniforms().map_or(0, |uniforms| uniforms.count);
         let same = before
             .as_ref()
             .and_then(|before| self.same(before, &known, checked));
@@ -344,7 +367,7 @@ impl Workshop {
                         checked.bases.push(before.base);
                     }
                 }
-                if before.data != known.data {
+                if before.data() != known.data() {
                     checked.moved.push(symbol);
                 }
             }
@@ -359,7 +382,7 @@ impl Workshop {
         let Meaning::Constant(Constant { value, reads }) = lowerer.symbols.meaning(own) else {
             return None;
         };
-        if let Some(kept) = before.and_then(|before| before.uniforms)
+        if let Some(kept) = before.and_then(Known::uniforms)
             && kept.reads == *reads
         {
             return Some(kept);
