@@ -304,10 +304,10 @@ fn of_symbol(symbol: &Symbol) -> Completion {
     let word = symbol.word.map_or("builtin", DeclareWord::text);
     let names = symbol.parameters.iter().map(|p| p.name.as_str());
     Completion {
-        label: symbol.name.clone(),
+        label: symbol.name.to_string(),
         kind,
         detail: format!("{word} {}{}", symbol.name, parameters(names)),
-        insert: symbol.name.clone(),
+        insert: symbol.name.to_string(),
         snippet: false,
     }
 }

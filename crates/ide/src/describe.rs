@@ -190,13 +190,13 @@ fn comment_above(reading: &Reading, item: &Item<'_>) -> Option<String> {
 
 /// A name that every program starts with.
 fn builtin(symbol: &Symbol) -> Option<Description> {
-    let name = &symbol.name;
+    let name = &*symbol.name;
     if symbol.kind == SymbolKind::Constant {
         let (_, _, doc) = ops::CONSTANTS
             .into_iter()
-            .find(|(known, ..)| known == name)?;
+            .find(|(known, ..)| **known == *name)?;
         return Some(Description {
-            code: name.clone(),
+            code: name.to_owned(),
             text: vec![doc.to_owned()],
         });
     }

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use scene::Document;
 use scene::scene::Scene;
 use syntax::diagnostic::{Diagnostic, Severity};
-use syntax::document::{ChunkId, Event};
+use syntax::document::ChunkId;
 use syntax::span::Span;
 
 /// How often declarations are left out before the whole scene is given up: each round can only bring out errors of
@@ -193,13 +193,10 @@ fn has_error(diagnostics: &[Diagnostic], place: Span) -> bool {
 
 /// What a chunk declares: the name that was read, or that stands behind its first word.
 fn name_of(document: &Document, chunk: ChunkId) -> Option<String> {
-    let events = document.text().events(chunk).iter();
-    let read = events.rev().find_map(|event| match event {
-        Event::Declaration(read) if !read.name.is_empty() => Some(read.name.clone()),
-        _ => None,
-    });
-    if read.is_some() {
-        return read;
+    let events = document.text().events(chunk);
+    let names = events.declarations().map(|(read, _)| read.name);
+    if let Some(read) = names.filter(|name| !name.is_empty()).last() {
+        return Some(read.to_owned());
     }
     let text = document.text().chunk_text(chunk);
     let code = text

@@ -42,7 +42,6 @@ use crate::symbols::Vocabulary;
 use crate::token::SymbolId;
 
 use chunk::cut;
-use chunk_set::ChunkSet;
 use edit::Pass;
 use findings::HiddenSplit;
 use names::Names;
@@ -62,8 +61,6 @@ pub struct Document {
     snapshot: Snapshot,
     free: Vec<ChunkId>,
     open: OpenWords,
-    /// The chunks in which a name stands behind a declaring word.
-    declared: HashMap<Box<str>, ChunkSet>,
     /// The symbols whose letters are split above them.
     hidden: HashMap<SymbolId, HiddenSplit>,
     version: u64,
@@ -143,7 +140,6 @@ impl Document {
             },
             free: Vec::new(),
             open: OpenWords::default(),
-            declared: HashMap::new(),
             hidden: HashMap::new(),
             version: 0,
             journal: VecDeque::new(),

@@ -1,5 +1,7 @@
 //! What names mean: the builtins that are handed in, and what the declarations of a text add to them.
 
+use std::sync::Arc;
+
 use crate::actions::Parameter;
 use crate::parser::suggestions::Search;
 use crate::span::Span;
@@ -28,7 +30,7 @@ pub enum SymbolKind {
 #[derive(Clone, Debug)]
 pub struct Symbol {
     /// The name.
-    pub name: String,
+    pub name: Arc<str>,
     /// How it is used.
     pub kind: SymbolKind,
     /// The word that declares it; `None` for a builtin.
@@ -42,7 +44,7 @@ pub struct Symbol {
     /// The parameters again, by name, where they are too many to go through.
     parameter_trie: Trie<u32>,
     /// The builtin that undoes this builtin, where there is one.
-    pub(crate) inverse: Option<String>,
+    pub(crate) inverse: Option<Box<str>>,
 }
 
 /// Every symbol of a text, the builtins first.
@@ -95,7 +97,7 @@ impl Vocabulary {
         let constants = constants.iter().map(|name| (name, SymbolKind::Constant));
         let functions = functions.iter().map(|name| (name, SymbolKind::Function));
         let builtins = constants.chain(functions).map(|(name, kind)| Symbol {
-            name: (*name).to_owned(),
+            name: Arc::from(*name),
             kind,
             word: None,
             name_span: None,
@@ -112,8 +114,8 @@ impl Vocabulary {
     #[must_use]
     pub fn with_inverse(mut self, function: &str, inverse: &str) -> Self {
         for builtin in &mut self.builtins {
-            if builtin.name == function {
-                builtin.inverse = Some(inverse.to_owned());
+            if *builtin.name == *function {
+                builtin.inverse = Some(inverse.into());
             }
         }
         self
@@ -148,7 +150,7 @@ impl Symbol {
         };
         let is_long = parameters.len() > FEW_PARAMETERS;
         Self {
-            name: name.to_owned(),
+            name: name.into(),
             kind,
             word: Some(word),
             name_span: Some(name_span),

@@ -502,7 +502,7 @@ fn a_symbol_keeps_its_identifier_while_its_declaration_stays() {
     let find = |document: &Document, name: &str| {
         let mut symbols = document.symbols();
         symbols
-            .find(|(_, symbol)| symbol.name == name)
+            .find(|(_, symbol)| *symbol.name == *name)
             .map(|it| it.0)
     };
     let (a, b) = (find(&document, "a"), find(&document, "b"));

@@ -195,7 +195,7 @@ fn symbols_count_up_from_the_builtins() {
         .symbols
         .iter()
         .skip(16)
-        .map(|(_, s)| s.name.as_str())
+        .map(|(_, s)| &*s.name)
         .collect();
     assert_eq!(names, ["a", "f", "p"]);
     let ids: Vec<Option<u32>> = recorder

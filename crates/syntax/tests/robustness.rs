@@ -53,7 +53,7 @@ fn check_invariants(source: &str) {
         let name = declared.name_span.text(source);
         assert_eq!(name, declared.name);
         if let Some(id) = declared.symbol {
-            assert_eq!(parsed.symbols[id].name, declared.name);
+            assert_eq!(*parsed.symbols[id].name, *declared.name);
             assert_eq!(parsed.symbols[id].faulty, declared.faulty);
             assert_eq!(parsed.trie.get(name), Some(id));
         }

@@ -1,6 +1,7 @@
 //! The names as the parser sees them that reads a chunk, and what it asks of them.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use crate::parser::suggestions::Search;
 use crate::symbols::{Scope, Symbol};
@@ -19,7 +20,7 @@ pub(super) struct Above<'d> {
     /// How many chunks stand above; none where all that have been read do.
     rank: Option<u32>,
     /// Identifiers to be used again, by name.
-    pool: &'d mut HashMap<String, SymbolId>,
+    pool: &'d mut HashMap<Arc<str>, SymbolId>,
     fresh: usize,
     own: HashMap<SymbolId, Symbol>,
     own_trie: Option<Trie<SymbolId>>,
@@ -33,7 +34,7 @@ impl<'d> Above<'d> {
         names: &'d Names,
         sequence: &'d Sequence,
         rank: Option<u32>,
-        pool: &'d mut HashMap<String, SymbolId>,
+        pool: &'d mut HashMap<Arc<str>, SymbolId>,
     ) -> Self {
         Self {
             names,

@@ -72,12 +72,11 @@ pub(super) struct Finding {
     pub(super) elsewhere: Option<Elsewhere>,
 }
 
-/// A name that stands behind a declaring word.
-#[derive(Clone, Debug)]
+/// A name that stands behind a declaring word: where it does last.
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Declared {
-    pub(super) name: Box<str>,
-    /// Where it does last.
-    pub(super) offset: u32,
+    pub(super) start: u32,
+    pub(super) end: u32,
 }
 
 /// A piece of the text and what it was read as.
@@ -86,11 +85,9 @@ pub(super) struct Chunk {
     pub(super) text: Box<str>,
     pub(super) tokens: Records,
     pub(super) events: Records,
-    pub(super) findings: Vec<Finding>,
+    pub(super) findings: Box<[Finding]>,
     /// What was asked of the names above.
     pub(super) lookups: Box<[Lookup]>,
-    /// The symbols it declares, in order.
-    pub(super) defines: Box<[SymbolId]>,
     pub(super) declared: Box<[Declared]>,
     /// The version of the document since which it is read so.
     pub(super) version: u64,
@@ -119,6 +116,18 @@ impl Chunk {
             .map(|(declaration, _)| declaration)
     }
 
+    /// The symbols it declares, in order.
+    pub(super) fn defines(&self) -> impl Iterator<Item = SymbolId> {
+        self.declarations()
+            .filter_map(|declaration| declaration.symbol)
+    }
+
+    /// The names that stand behind declaring words, each with where it does last.
+    pub(super) fn declared(&self) -> impl Iterator<Item = (&str, u32)> {
+        let declared = self.declared.iter();
+        declared.map(|it| (&self.text[it.start as usize..it.end as usize], it.start))
+    }
+
     pub(super) fn events(&self) -> Events<'_> {
         Events::new(&self.events, &self.text)
     }
@@ -130,15 +139,16 @@ impl Chunk {
 
     /// Notes the names behind declaring words.
     pub(super) fn scan(&mut self) {
-        let mut declared: Vec<Declared> = Vec::new();
-        each_declared(&self.text, |name, offset| {
-            let name = name.into();
-            declared.push(Declared { name, offset });
-        });
+        let mut declared: Vec<(&str, u32)> = Vec::new();
+        each_declared(&self.text, |name, start| declared.push((name, start)));
         // The last of each name.
-        declared.sort_by(|a, b| (&a.name, b.offset).cmp(&(&b.name, a.offset)));
-        declared.dedup_by(|later, first| later.name == first.name);
-        self.declared = declared.into_boxed_slice();
+        declared.sort_by(|(a, at), (b, other)| (a, other).cmp(&(b, at)));
+        declared.dedup_by_key(|(name, _)| *name);
+        let places = declared.into_iter().map(|(name, start)| Declared {
+            start,
+            end: start + name.len() as u32,
+        });
+        self.declared = places.collect();
     }
 }
 

@@ -7,32 +7,57 @@ use super::sequence::ChunkId;
 /// Chunks without an order. A clone costs next to nothing, and so does the first change after it.
 #[derive(Clone, Debug)]
 pub(super) enum ChunkSet {
-    Few(Vec<ChunkId>),
+    /// As many as `count`, held where the set is.
+    Few {
+        count: u8,
+        chunks: [ChunkId; MAX_FEW],
+    },
     /// Sorted, in blocks of which none is empty.
-    Many(Vec<Arc<Vec<ChunkId>>>),
+    Many(Box<Blocks>),
 }
 
-/// The most chunks in a plain list.
-const MAX_FEW: usize = 16;
+/// Stretches of a sorted list.
+type Blocks = Vec<Arc<Vec<ChunkId>>>;
+
+/// So many take no more room than the handle of a list.
+const MAX_FEW: usize = 5;
 /// The most chunks in a block.
 const MAX_BLOCK: usize = 128;
 
 impl Default for ChunkSet {
     fn default() -> Self {
-        Self::Few(Vec::new())
+        Self::few(&[])
     }
 }
 
 impl ChunkSet {
+    /// A set of some chunks, at most [`MAX_FEW`].
+    fn few(some: &[ChunkId]) -> Self {
+        let mut chunks = [ChunkId(0); MAX_FEW];
+        let count = some.len().min(MAX_FEW);
+        chunks[..count].copy_from_slice(&some[..count]);
+        Self::Few {
+            count: count as u8,
+            chunks,
+        }
+    }
+
     pub(super) fn insert(&mut self, chunk: ChunkId) {
         match self {
-            Self::Few(chunks) if chunks.contains(&chunk) => {}
-            Self::Few(chunks) if chunks.len() < MAX_FEW => chunks.push(chunk),
-            Self::Few(chunks) => {
-                let mut all = std::mem::take(chunks);
+            Self::Few { count, chunks } => {
+                let known = &chunks[..usize::from(*count)];
+                if known.contains(&chunk) {
+                    return;
+                }
+                if let Some(place) = chunks.get_mut(usize::from(*count)) {
+                    *place = chunk;
+                    *count += 1;
+                    return;
+                }
+                let mut all = chunks.to_vec();
                 all.push(chunk);
                 all.sort_unstable();
-                *self = Self::Many(vec![Arc::new(all)]);
+                *self = Self::Many(Box::new(vec![Arc::new(all)]));
             }
             Self::Many(blocks) => {
                 let index = block_of(blocks, chunk);
@@ -59,7 +84,16 @@ impl ChunkSet {
 
     pub(super) fn remove(&mut self, chunk: ChunkId) {
         match self {
-            Self::Few(chunks) => chunks.retain(|other| *other != chunk),
+            Self::Few { count, chunks } => {
+                let known = &mut chunks[..usize::from(*count)];
+                if let (Some(place), Some(last)) = (
+                    known.iter().position(|other| *other == chunk),
+                    known.len().checked_sub(1),
+                ) {
+                    known.swap(place, last);
+                    *count -= 1;
+                }
+            }
             Self::Many(blocks) => {
                 let index = block_of(blocks, chunk);
                 let Some(block) = blocks.get_mut(index) else {
@@ -74,9 +108,9 @@ impl ChunkSet {
                     blocks.remove(index);
                 }
                 if let [only] = &blocks[..]
-                    && only.len() < MAX_FEW / 2
+                    && only.len() <= MAX_FEW / 2
                 {
-                    *self = Self::Few(only.to_vec());
+                    *self = Self::few(only);
                 }
             }
         }
@@ -88,11 +122,13 @@ impl ChunkSet {
 
     pub(super) fn iter(&self) -> impl Iterator<Item = ChunkId> + '_ {
         let (few, many) = match self {
-            Self::Few(chunks) => (Some(chunks), None),
-            Self::Many(blocks) => (None, Some(blocks)),
+            Self::Few { count, chunks } => (&chunks[..usize::from(*count)], None),
+            Self::Many(blocks) => (&[][..], Some(blocks)),
         };
-        let many = many.into_iter().flatten().flat_map(|block| block.iter());
-        few.into_iter().flatten().chain(many).copied()
+        let many = many.into_iter().flat_map(|blocks| blocks.iter());
+        few.iter()
+            .chain(many.flat_map(|block| block.iter()))
+            .copied()
     }
 }
 

@@ -10,11 +10,11 @@ use crate::token::SymbolId;
 use super::Document;
 use super::above::Above;
 use super::chunk::{Chunk, Finding, Recorder, cut};
-use super::chunk_set::ChunkSet;
 use super::names::{NameId, Signature};
 use super::open_words::Lookup;
 use super::record::Records;
 use super::sequence::ChunkId;
+use super::snapshot::Snapshot;
 
 /// What is known while an edit goes on.
 #[derive(Debug, Default)]
@@ -22,7 +22,7 @@ pub(super) struct Pass {
     /// What the chunks declared that are being read, by name.
     before: HashMap<NameId, (SymbolId, Signature)>,
     /// The symbols that are not declared at the moment, by name.
-    pub(super) pool: HashMap<String, SymbolId>,
+    pub(super) pool: HashMap<Arc<str>, SymbolId>,
     /// The names for whose letters splits are to be looked for.
     pub(super) touched: BTreeSet<NameId>,
     /// The chunks to be read again, from top to bottom.
@@ -56,27 +56,18 @@ impl Document {
     }
 
     fn enter_declared(&mut self, id: ChunkId) {
-        let chunk = self.snapshot.chunk(id);
-        for declared in &chunk.declared {
-            if !self.declared.contains_key(&declared.name) {
-                let name = declared.name.clone();
-                self.declared.insert(name, ChunkSet::default());
-            }
-            if let Some(chunks) = self.declared.get_mut(&declared.name) {
-                chunks.insert(id);
-            }
+        let Snapshot { chunks, names, .. } = &mut self.snapshot;
+        let chunk = chunks.get(id.0 as usize).and_then(Option::as_deref);
+        for (name, _) in chunk.into_iter().flat_map(Chunk::declared) {
+            names.enter_declared(name, id);
         }
     }
 
     fn strike_declared(&mut self, id: ChunkId) {
-        let chunk = self.snapshot.chunk(id);
-        for declared in &chunk.declared {
-            if let Some(chunks) = self.declared.get_mut(&declared.name) {
-                chunks.remove(id);
-                if chunks.is_empty() {
-                    self.declared.remove(&declared.name);
-                }
-            }
+        let Snapshot { chunks, names, .. } = &mut self.snapshot;
+        let chunk = chunks.get(id.0 as usize).and_then(Option::as_deref);
+        for (name, _) in chunk.into_iter().flat_map(Chunk::declared) {
+            names.strike_declared(name, id);
         }
     }
 
@@ -219,10 +210,10 @@ impl Document {
             }
         }
         let names = &mut self.snapshot.names;
-        for &symbol in &chunk.defines {
+        for symbol in chunk.defines() {
             if let (Some(signature), Some(defined)) = (names.signature(symbol), names.get(symbol)) {
                 let name = defined.name();
-                let text = defined.symbol.name.clone();
+                let text = Arc::clone(&defined.symbol.name);
                 pass.before.insert(name, (symbol, signature));
                 pass.pool.insert(text, symbol);
                 names.withdraw(symbol);
@@ -260,7 +251,7 @@ impl Document {
         &mut self,
         id: ChunkId,
         rank: Option<u32>,
-        pool: &mut HashMap<String, SymbolId>,
+        pool: &mut HashMap<Arc<str>, SymbolId>,
         touched: &mut BTreeSet<NameId>,
     ) {
         let is_first = match rank {
@@ -291,7 +282,6 @@ impl Document {
         chunk.events = events;
         chunk.findings = findings;
         chunk.lookups = lookups.into_boxed_slice();
-        chunk.defines = symbols.iter().map(|(symbol, _)| *symbol).collect();
         chunk.version = version;
         let names = &mut self.snapshot.names;
         for (symbol, meaning) in symbols {
@@ -348,7 +338,7 @@ impl Document {
         let mut before = std::mem::take(&mut pass.before);
         let mut changed: Vec<(NameId, bool)> = Vec::new();
         for chunk in chunks {
-            for &symbol in &self.chunk(*chunk).defines {
+            for symbol in self.chunk(*chunk).defines() {
                 let Some(name) = self.names.name_of(symbol) else {
                     continue;
                 };

@@ -100,9 +100,9 @@ impl Document {
         if self.hidden.is_empty() {
             return Vec::new();
         }
-        let symbols = self.chunk(chunk).defines.iter();
+        let symbols = self.chunk(chunk).defines();
         symbols
-            .filter_map(|symbol| self.hidden_warning(*symbol))
+            .filter_map(|symbol| self.hidden_warning(symbol))
             .collect()
     }
 
@@ -230,18 +230,18 @@ impl Surroundings for Around<'_> {
 
     fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)> {
         let document = self.document;
-        let chunks = document.declared.get(name)?;
-        let ranked = chunks
-            .iter()
+        let ranked = document
+            .names
+            .declaring(name)
             .map(|chunk| (document.sequence.before(chunk), chunk));
         let (before, chunk) = ranked.max_by_key(|(before, _)| before.chunks)?;
         let read = document.chunk(chunk);
-        let last = read.declared.iter().find(|last| &*last.name == name)?;
-        let start = before.bytes + last.offset;
+        let (_, last) = read.declared().find(|(declared, _)| *declared == name)?;
+        let start = before.bytes + last;
         if start <= self.before.bytes + offset {
             return None;
         }
-        let line = before.lines + count_lines(&read.text[..last.offset as usize]) + 1;
+        let line = before.lines + count_lines(&read.text[..last as usize]) + 1;
         Some((Span::new(start, start + name.len() as u32), line))
     }
 

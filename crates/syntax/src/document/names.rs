@@ -32,10 +32,12 @@ pub(super) struct Names {
 
 #[derive(Clone, Debug)]
 struct Entry {
-    name: Box<str>,
+    name: Arc<str>,
     /// Those who declare it; but while an edit goes on, one. A builtin stays the only one.
     definers: Vec<SymbolId>,
     uses: ChunkSet,
+    /// The chunks in which it stands behind a declaring word.
+    declared: ChunkSet,
 }
 
 /// A symbol and where it is declared.
@@ -133,6 +135,7 @@ impl Names {
             name: name.into(),
             definers: Vec::new(),
             uses: ChunkSet::default(),
+            declared: ChunkSet::default(),
         }));
         // What is no name is never found by the lexer either.
         let _ = self.trie.insert(name, id);
@@ -194,8 +197,9 @@ impl Names {
         known_from: u32,
     ) {
         let name = self.name(&symbol.name);
-        // A list that grew by itself has room for four.
+        // A list that grew by itself has room for four; the name is there already.
         symbol.parameters.shrink_to_fit();
+        symbol.name = Arc::clone(&self.entries[name.0 as usize].name);
         let index = id.0 as usize;
         // Fresh identifiers are taken from the end of the list, in order.
         if self.free.last() == Some(&id) {
@@ -223,6 +227,24 @@ impl Names {
     pub(super) fn free(&mut self, id: SymbolId) {
         self.symbols.set(id.0 as usize, None, None);
         self.free.push(id);
+    }
+
+    /// A name stands behind a declaring word of a chunk.
+    pub(super) fn enter_declared(&mut self, name: &str, chunk: ChunkId) {
+        let name = self.name(name);
+        self.entry_mut(name).declared.insert(chunk);
+    }
+
+    /// A name stands behind no declaring word of a chunk any more.
+    pub(super) fn strike_declared(&mut self, name: &str, chunk: ChunkId) {
+        let name = self.name(name);
+        self.entry_mut(name).declared.remove(chunk);
+    }
+
+    /// The chunks in which a name stands behind a declaring word.
+    pub(super) fn declaring(&self, name: &str) -> impl Iterator<Item = ChunkId> + '_ {
+        let name = self.trie.get(name).into_iter();
+        name.flat_map(|name| self.entries[name.0 as usize].declared.iter())
     }
 
     /// A token of a chunk is this name.

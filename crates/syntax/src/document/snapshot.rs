@@ -259,7 +259,7 @@ impl Snapshot {
         let mut start = 0;
         for chunk in self.chunks() {
             let chunk = self.chunk(chunk);
-            for defined in chunk.defines.iter().filter_map(|id| self.names.get(*id)) {
+            for defined in chunk.defines().filter_map(|id| self.names.get(id)) {
                 let mut symbol = defined.symbol.clone();
                 symbol.name_span = symbol.name_span.map(|span| span.moved(start));
                 for parameter in &mut symbol.parameters {

@@ -131,7 +131,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         let symbol = self.parsed.symbol(id);
         let name = function.text(self.source);
         let reciprocal = quote(&format!("1/{name} x"));
-        let hint = match symbol.inverse.as_deref().filter(|_| symbol.name == name) {
+        let hint = match symbol.inverse.as_deref().filter(|_| *symbol.name == *name) {
             Some(inverse) => {
                 format!("write `{inverse} x` for the inverse, {reciprocal} if that is meant")
             }

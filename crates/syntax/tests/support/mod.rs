@@ -121,7 +121,7 @@ pub fn program_findings(source: &str) -> Vec<String> {
 pub fn postfix(steps: &[(Operator, Span)], parsed: &Parsed, parameters: &[String]) -> String {
     let show = |(operator, _): &(Operator, Span)| match operator {
         Operator::Number(value) => value.to_string(),
-        Operator::Constant(id) | Operator::Function(id) => parsed.symbols[*id].name.clone(),
+        Operator::Constant(id) | Operator::Function(id) => parsed.symbols[*id].name.to_string(),
         Operator::Variable(k) => parameters[*k as usize].clone(),
         Operator::Partial(k) => format!("∂{k}"),
         Operator::Total => "′".to_owned(),
