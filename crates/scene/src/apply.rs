@@ -53,6 +53,9 @@ pub(crate) enum BodyOutcome {
     Silent,
 }
 
+/// The numbers of some values, one after the other.
+type Components = Box<[NodeId]>;
+
 /// The bodies that have been lowered, and the applications that have been made.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Applications {
@@ -62,7 +65,7 @@ pub(crate) struct Applications {
     bodies: Vec<BodyOutcome>,
     /// The components of a body's value for those of its arguments: an application is written out once, however
     /// often it stands in the text.
-    values: FxHashMap<(BodyId, Box<[NodeId]>), Box<[NodeId]>>,
+    values: FxHashMap<(BodyId, Components), Components>,
 }
 
 impl Applications {
@@ -313,7 +316,7 @@ impl Lowerer {
         let BodyOutcome::Ready { value, .. } = self.applications.body(id).clone() else {
             return None;
         };
-        let replacements: Box<[NodeId]> = arguments
+        let replacements: Components = arguments
             .iter()
             .flat_map(|argument| argument.components().iter().copied())
             .collect();
