@@ -177,6 +177,7 @@ fn all_methods_find_the_same_ends() {
         (rk4(Arithmetic::F64), 0.1, 0.05),
         (rk4(Arithmetic::F32), 0.1, 0.05),
         (rk4(Arithmetic::F64Lanes), 0.1, 0.05),
+        (rk4(Arithmetic::F32Lanes), 0.1, 0.05),
     ];
     for name in ["torus", "monkey", "klein", "halfplane"] {
         let Some(example) = examples::all()
@@ -348,6 +349,7 @@ fn the_command_measures_every_method_and_draws_a_diagram() {
         "rk4-pixel f64",
         "rk4-pixel f32",
         "rk4-pixel f64 SIMD",
+        "rk4-pixel f32 SIMD",
         "adaptive",
         "fan-linear",
         "fan",

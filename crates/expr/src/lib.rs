@@ -5,12 +5,12 @@
 //!                                                      │
 //!                  graph.rs (the arena), simplify.rs (its constructors), ops.rs (the one table of operations)
 //!                                                      │
-//!   jets.rs (f64 with derivatives, lanes)   tape.rs (f64, blocks)   print.rs (text)   statistics.rs   crate wgsl (shaders)
+//!   jets.rs (with derivatives, lanes)       tape.rs (f64, blocks)   print.rs (text)   statistics.rs   crate wgsl (shaders)
 //! ```
 //!
 //! This crate knows no syntax and no GPU: the WGSL column of the table is text. Every evaluator of these
-//! expressions, here or elsewhere, is held to the cases of [`conformance`]. `elementary.rs` and `processor.rs` are what
-//! jets, and other loops over lanes, are fast by.
+//! expressions, here or elsewhere, is held to the cases of [`conformance`]. `elementary.rs`, `real.rs` and `processor.rs` are
+//! what jets, and other loops over lanes, are fast by.
 //!
 //! ```
 //! use expr::tape::{Registers, Tape};
@@ -35,6 +35,7 @@ pub mod number;
 pub mod ops;
 pub mod print;
 pub mod processor;
+pub mod real;
 mod rewrite;
 mod simplify;
 pub mod statistics;

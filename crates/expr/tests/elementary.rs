@@ -178,3 +178,82 @@ fn lanes_do_not_touch_each_other() {
         assert!(same(log[lane], elementary::log(&one)[0]));
     }
 }
+
+/// The greatest distance of a function in f32 from the true value, in units in the last place of f32, at most `bound`.
+#[track_caller]
+fn check_single(
+    what: &str,
+    bound: f64,
+    arguments: &[f64],
+    f: impl Fn(f32) -> f32,
+    g: impl Fn(f64) -> f64,
+) {
+    let mut worst = (0.0, f32::NAN);
+    for &x in arguments {
+        let x = x as f32;
+        let (is, should) = (f(x), g(f64::from(x)));
+        if is.is_nan() && should.is_nan() || is == should as f32 {
+            continue;
+        }
+        let size = (should as f32).abs();
+        let unit = f64::from(size.next_up() - size).max(f64::from(f32::MIN_POSITIVE));
+        let error = (f64::from(is) - should).abs() / unit;
+        assert!(!error.is_nan(), "{what}({x:?}): {is:?}, not {should:?}");
+        if error > worst.0 {
+            worst = (error, x);
+        }
+    }
+    println!("{what}: {worst:?}");
+    assert!(
+        worst.0 <= bound,
+        "{what}({:?}) is off by {} units",
+        worst.1,
+        worst.0
+    );
+}
+
+#[test]
+fn functions_in_single_precision_are_those_of_double_precision() {
+    use elementary::single;
+    let mut angles = arguments(-40.0, 40.0);
+    angles.extend(arguments(-400.0, 400.0));
+    check_single(
+        "sin",
+        2.0,
+        &angles,
+        |x| single::sin_cos(&[x]).0[0],
+        f64::sin,
+    );
+    check_single(
+        "cos",
+        2.0,
+        &angles,
+        |x| single::sin_cos(&[x]).1[0],
+        f64::cos,
+    );
+    check_single("tan", 4.0, &angles, |x| single::tan(&[x])[0], f64::tan);
+    let mut all = arguments(-100.0, 90.0);
+    all.extend([88.722, 88.73, -87.3, -87.4, -103.9, -104.1]);
+    check_single("exp", 2.0, &all, |x| single::exp(&[x])[0], f64::exp);
+    let mut all = arguments(0.0, 4.0);
+    all.extend(arguments(0.99, 1.01));
+    all.extend([1e-40, 1e-45, 1e38]);
+    check_single("log", 2.0, &all, |x| single::log(&[x])[0], f64::ln);
+    let mut all = arguments(-90.0, 90.0);
+    all.extend(arguments(-2.0, 2.0));
+    check_single(
+        "sinh",
+        4.0,
+        &all,
+        |x| single::sinh_cosh(&[x]).0[0],
+        f64::sinh,
+    );
+    check_single(
+        "cosh",
+        4.0,
+        &all,
+        |x| single::sinh_cosh(&[x]).1[0],
+        f64::cosh,
+    );
+    check_single("tanh", 4.0, &all, |x| single::tanh(&[x])[0], f64::tanh);
+}

@@ -9,10 +9,12 @@ use std::cell::RefCell;
 
 use expr::graph::TooLarge;
 use expr::jets::{Fixed, JetRegisters, JetTape, Order};
+use expr::real::Real;
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 
-use crate::surface::{Jet, JetBlock, Lanes, Scale, Sides, Surface};
+use crate::accelerations;
+use crate::surface::{Jet, JetBlock, Lanes, Scale, Sides, Singles, Surface};
 use crate::topology::{Apex, Topology, at};
 
 /// E, F, G and their first derivatives at a point: `by_u[0]` is ∂E/∂u.
@@ -40,6 +42,9 @@ pub struct MetricSurface {
     /// E, F, G with their derivatives, for several points at once.
     jets: JetTape,
     fixed: Fixed,
+    /// The same with the first derivatives alone, which accelerations need.
+    slopes: JetTape,
+    fixed_slopes: Fixed,
     domain: [[f64; 2]; 2],
     topology: Topology,
     scale: Scale,
@@ -58,6 +63,10 @@ thread_local! {
     static SCRATCH: RefCell<(Registers, Vec<f64>)> = RefCell::default();
     /// The same for several points at once.
     static BLOCK: RefCell<JetRegisters> = RefCell::default();
+    /// The same for first derivatives, at one point and at several.
+    static SLOPES: RefCell<[JetRegisters; 2]> = RefCell::default();
+    /// And in single precision.
+    static SINGLE_SLOPES: RefCell<JetRegisters<f32>> = RefCell::default();
 }
 
 impl MetricSurface {
@@ -79,7 +88,12 @@ impl MetricSurface {
             Input::Variable(_) => f64::NAN,
             Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
         };
-        let fixed = jets.fix(&jets.uniforms().iter().map(value).collect::<Vec<f64>>());
+        let slopes = JetTape::new(&graph, &form, variables, Order::First)?;
+        let fix = |tape: &JetTape| {
+            let values: Vec<f64> = tape.uniforms().iter().map(value).collect();
+            tape.fix(&values)
+        };
+        let (fixed, fixed_slopes) = (fix(&jets), fix(&slopes));
         let by_u = graph.derivatives(&form, Input::Variable(0))?;
         let by_v = graph.derivatives(&form, Input::Variable(1))?;
         let seconds = [
@@ -106,6 +120,8 @@ impl MetricSurface {
             inputs,
             jets,
             fixed,
+            slopes,
+            fixed_slopes,
             domain,
             topology: Topology::default(),
             scale: Scale {
@@ -126,6 +142,19 @@ impl MetricSurface {
     /// What was found beyond the sides.
     pub fn topology(&self) -> &Topology {
         &self.topology
+    }
+
+    fn accelerations_in<T: Real, const N: usize>(
+        &self,
+        registers: &mut JetRegisters<T>,
+        at: &[[T; N]; 2],
+        velocity: &[[T; N]; 2],
+        out: &mut [[T; N]; 2],
+    ) {
+        let mut form = [[[T::nearest(f64::NAN); N]; 3]; 3];
+        self.slopes
+            .eval(registers, &self.fixed_slopes, at, form.as_flattened_mut());
+        accelerations::intrinsic(&form, velocity, out);
     }
 
     fn form(&self, uv: [f64; 2]) -> Form {
@@ -170,6 +199,32 @@ impl Surface for MetricSurface {
             };
             out.set(lane, &jet_of(&form, [u, v]));
         }
+    }
+
+    fn acceleration(&self, at: [f64; 2], velocity: [f64; 2]) -> [f64; 2] {
+        let mut out = [[f64::NAN]; 2];
+        SLOPES.with_borrow_mut(|[registers, _]| {
+            let [at, velocity] = [at, velocity].map(|x| x.map(|x| [x]));
+            self.accelerations_in(registers, &at, &velocity, &mut out);
+        });
+        out.map(|[x]| x)
+    }
+
+    fn accelerations(&self, at: &[Lanes; 2], velocity: &[Lanes; 2], out: &mut [Lanes; 2]) {
+        SLOPES.with_borrow_mut(|[_, registers]| {
+            self.accelerations_in(registers, at, velocity, out);
+        });
+    }
+
+    fn accelerations_single(
+        &self,
+        at: &[Singles; 2],
+        velocity: &[Singles; 2],
+        out: &mut [Singles; 2],
+    ) {
+        SINGLE_SLOPES.with_borrow_mut(|registers| {
+            self.accelerations_in(registers, at, velocity, out);
+        });
     }
 
     fn is_embedded(&self) -> bool {

@@ -12,8 +12,12 @@
 //!                                                     reference.rs: how far they are off
 //! ```
 //!
+//! Beside them stand `accelerations.rs`, several geodesics at once for the thesis' method, and `moved.rs`, coordinates that
+//! count from the camera, for deep zooms.
+//!
 //! No GPU, no syntax. Lengths are in the surface's own units, angles in radians, `u`, `v` in the chart's units.
 
+mod accelerations;
 mod chart;
 pub mod ends;
 pub mod fan;
@@ -23,6 +27,7 @@ mod integrate;
 pub mod intrinsic;
 pub mod map;
 pub mod metric;
+pub mod moved;
 pub mod patchwork;
 pub mod reference;
 pub mod surface;

@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use crate::ends::{Estimate, Work};
 use crate::fan::{Across, Fan, FanOptions};
 use crate::frame::Frame;
+use crate::moved::Moved;
 use crate::patchwork::Patchwork;
 use crate::surface::{Side, Sides, Surface};
 use crate::trace::Status;
@@ -55,6 +56,8 @@ pub enum Arithmetic {
     F32,
     /// Eight pixels at a time in f64.
     F64Lanes,
+    /// Sixteen pixels at a time in f32, the surface too: as fast as the method gets on a processor.
+    F32Lanes,
 }
 
 /// How a map is made.
@@ -149,6 +152,23 @@ pub fn bring_back(domain: [[f64; 2]; 2], sides: Sides, mut at: [f64; 2]) -> ([f6
 /// The whole map, on all cores of the current rayon pool; it does not depend on how many they are. `progress` is told
 /// the share that is done.
 pub fn exponential_map<S: Surface + ?Sized>(
+    surface: &S,
+    frame: &Frame,
+    size: [u32; 2],
+    options: &MapOptions,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Map {
+    if !matches!(options.method, Method::Rk4 { .. })
+        && let Some((moved, camera)) = Moved::for_camera(surface, frame, size)
+    {
+        let mut map = by_method(&moved, &camera, size, options, progress);
+        map.origin = frame.uv;
+        return map;
+    }
+    by_method(surface, frame, size, options, progress)
+}
+
+fn by_method<S: Surface + ?Sized>(
     surface: &S,
     frame: &Frame,
     size: [u32; 2],

@@ -88,8 +88,11 @@ pub enum Cover {
 pub struct Patchwork {
     /// Pixels: width, height.
     pub size: [u32; 2],
-    /// The camera's (u, v), from which offsets count.
+    /// The camera's (u, v), from which offsets count. To be set anew where the ends were those of a
+    /// [`Moved`](crate::moved::Moved) surface.
     pub origin: [f64; 2],
+    /// The same in the coordinates of the ends, in which patches are.
+    base: [f64; 2],
     /// What covers each block, row by row from the top.
     pub covers: Vec<Cover>,
     /// The polynomials.
@@ -148,6 +151,7 @@ impl Patchwork {
         let mut patchwork = Self {
             size,
             origin,
+            base: origin,
             covers: vec![Cover::Nothing(Status::Undefined); across * down],
             bounds: [0, 1].map(|axis| cutter.bounds[axis].map(|x| (x - origin[axis]) as f32)),
             polars: [0, 1].map(|axis| [0, 1].map(|end| ends.polar(axis, end))),

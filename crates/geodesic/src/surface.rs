@@ -6,6 +6,7 @@ use expr::graph::TooLarge;
 use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::{Graph, Input, NodeId};
 
+use crate::accelerations;
 use crate::topology::{Apex, Topology};
 
 /// Position and partial derivatives up to order two at a point of the chart, in R³.
@@ -25,6 +26,12 @@ pub const LANES: usize = expr::jets::LANES;
 
 /// One number for each lane.
 pub type Lanes = [f64; LANES];
+
+/// How many points are worked on at once in single precision: as wide as [`LANES`] in double.
+pub const SINGLES: usize = 2 * LANES;
+
+/// One number in single precision for each lane.
+pub type Singles = [f32; SINGLES];
 
 /// The jets at [`LANES`] points, component by component: `du[k][lane]` is the k-th component of σu at a lane's point.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -95,6 +102,32 @@ pub trait Surface: Sync {
         let [us, vs] = at;
         for (lane, (&u, &v)) in us.iter().zip(vs).enumerate() {
             out.set(lane, &self.jet([u, v]));
+        }
+    }
+    /// The acceleration (u'', v'') of the geodesic at a point with this velocity: all that the thesis' method asks for,
+    /// see [`crate::map::Method::Rk4`].
+    fn acceleration(&self, at: [f64; 2], velocity: [f64; 2]) -> [f64; 2] {
+        crate::metric::acceleration(&self.jet(at), velocity)
+    }
+    /// The same at [`LANES`] points.
+    fn accelerations(&self, at: &[Lanes; 2], velocity: &[Lanes; 2], out: &mut [Lanes; 2]) {
+        let mut jets = JetBlock::default();
+        self.jets(at, &mut jets);
+        accelerations::embedded(bytemuck::cast_ref(&jets), velocity, out);
+    }
+    /// The same at [`SINGLES`] points in single precision. Without an implementation of its own only rounded to it.
+    fn accelerations_single(
+        &self,
+        at: &[Singles; 2],
+        velocity: &[Singles; 2],
+        out: &mut [Singles; 2],
+    ) {
+        for lane in 0..SINGLES {
+            let [at, velocity] = [at, velocity].map(|x| x.map(|x| f64::from(x[lane])));
+            let exact = self.acceleration(at, velocity);
+            for (out, exact) in out.iter_mut().zip(exact) {
+                out[lane] = exact as f32;
+            }
         }
     }
     /// Whether positions are places in space. A metric without an embedding gives jets in a frame of its own at each
@@ -223,6 +256,8 @@ thread_local! {
     /// Registers, one set per thread for single points and one for lanes, so that none allocates and neither
     /// displaces the other's constants.
     static REGISTERS: RefCell<[JetRegisters; 2]> = RefCell::default();
+    /// The same in single precision.
+    static SINGLE: RefCell<JetRegisters<f32>> = RefCell::default();
 }
 
 impl ParametricSurface {
@@ -294,6 +329,20 @@ impl Surface for ParametricSurface {
             let out: &mut [Lanes; 18] = bytemuck::cast_mut(out);
             self.tape.eval(registers, &self.fixed, at, out);
         });
+    }
+
+    fn accelerations_single(
+        &self,
+        at: &[Singles; 2],
+        velocity: &[Singles; 2],
+        out: &mut [Singles; 2],
+    ) {
+        let mut derivatives = [[[f32::NAN; SINGLES]; 3]; 6];
+        SINGLE.with_borrow_mut(|registers| {
+            let derivatives = derivatives.as_flattened_mut();
+            self.tape.eval(registers, &self.fixed, at, derivatives);
+        });
+        accelerations::embedded(&derivatives, velocity, out);
     }
 
     fn domain(&self) -> [[f64; 2]; 2] {

@@ -223,25 +223,31 @@ fn pixels_share_a_picture_s_work() {
 }
 
 #[test]
-fn eight_geodesics_at_once_end_where_each_by_itself_does() {
-    let cases: [(&dyn Surface, [f64; 2], f64); 3] = [
+fn several_geodesics_at_once_end_where_each_by_itself_does() {
+    let cases: [(&dyn Surface, [f64; 2], f64); 4] = [
         (&torus(0.4), [6.2, 0.1], 1.2),
         (&moebius(0.0), [6.1, 0.1], 1.5),
         (&catenoid(), [0.1, 0.2], 4.0),
+        (&half_plane(), [0.1, 1.0], 2.0),
     ];
     for (s, at, zoom) in cases {
         let frame = Frame::new(s, at, 0.5, zoom).expect("a frame");
-        let [one, eight, single] =
-            [Arithmetic::F64, Arithmetic::F64Lanes, Arithmetic::F32].map(|arithmetic| {
-                let options = MapOptions {
-                    method: Method::Rk4 {
-                        steps: 32,
-                        arithmetic,
-                    },
-                    ..MapOptions::default()
-                };
-                exponential_map(s, &frame, [27, 11], &options, &|_| {})
-            });
+        let arithmetics = [
+            Arithmetic::F64,
+            Arithmetic::F64Lanes,
+            Arithmetic::F32,
+            Arithmetic::F32Lanes,
+        ];
+        let [one, eight, single, sixteen] = arithmetics.map(|arithmetic| {
+            let options = MapOptions {
+                method: Method::Rk4 {
+                    steps: 32,
+                    arithmetic,
+                },
+                ..MapOptions::default()
+            };
+            exponential_map(s, &frame, [27, 11], &options, &|_| {})
+        });
         assert_eq!(one.status, eight.status);
         assert_eq!(one.work, eight.work);
         assert!(one.work.evaluations <= 4 * 32 * 27 * 11);
@@ -254,6 +260,12 @@ fn eight_geodesics_at_once_end_where_each_by_itself_does() {
         let off = (0..one.offset.len()).filter(|&k| {
             let [a, b] = [one.uv(k), single.uv(k)];
             one.status[k] == single.status[k] && (0..2).any(|n| (a[n] - b[n]).abs() > 1e-2)
+        });
+        assert!(off.count() < 10);
+        assert_ne!(single.offset, sixteen.offset);
+        let off = (0..one.offset.len()).filter(|&k| {
+            let [a, b] = [single.uv(k), sixteen.uv(k)];
+            single.status[k] != sixteen.status[k] || (0..2).any(|n| (a[n] - b[n]).abs() > 1e-2)
         });
         assert!(off.count() < 10);
         // Where nothing ends before its time, both are what the adaptive method finds.

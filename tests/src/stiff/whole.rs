@@ -1,10 +1,12 @@
-//! What is to hold on all of these surfaces alike: V1, V3, V4.
+//! What is to hold on all of these surfaces alike: V1 to V4.
 
 use super::shapes::*;
 use super::{Case, Measured, Random, complete, go, worst};
 use geodesic::frame::Frame;
+use geodesic::map::{self, Arithmetic, MapOptions, exponential_map, pixel_place};
+use geodesic::metric::{acceleration, speed};
 use geodesic::surface::Surface;
-use geodesic::trace::{Options, Status};
+use geodesic::trace::{Method, Options, Status};
 
 pub(super) fn cases() -> Vec<Case> {
     vec![
@@ -14,6 +16,20 @@ pub(super) fn cases() -> Vec<Case> {
             "return/(condition · 10⁻¹³)",
             1.0,
             return_home,
+        ),
+        Case::new(
+            "V2",
+            "pictures of 512 pixels, z=10⁻⁶",
+            "px",
+            0.02,
+            |options| deep(1e-6, options),
+        ),
+        Case::new(
+            "V2",
+            "pictures of 512 pixels, z=10⁻¹²",
+            "px",
+            0.02,
+            |options| deep(1e-12, options),
         ),
         Case::new(
             "V3",
@@ -86,6 +102,55 @@ fn return_home(options: &Options) -> Measured {
             let [m, m1] = there.jacobi;
             let condition = (1.0 + length) * m.abs().max(m1.abs()).max(1.0);
             complete(&back, |_| gap / (condition * 1e-13))
+        })
+    }))
+}
+
+/// Pictures that are so deep that nothing is curved: against the exponential map to second order. The thesis' method
+/// in single precision, as it is there. Evaluations are a whole picture's.
+fn deep(zoom: f64, options: &Options) -> Measured {
+    let surfaces: Vec<(Box<dyn Surface>, [f64; 2])> = vec![
+        (Box::new(spheroid(1.0, 1.0)), [1.0, 0.9]),
+        (Box::new(torus(0.4)), [5.3, 1.2]),
+        // Across the seam.
+        (Box::new(torus(0.4)), [1e-13, 1.2]),
+        (Box::new(klein(TAU)), [1.0, 0.9]),
+        (Box::new(half_plane()), [0.7, 1.0]),
+    ];
+    // Some rows of a square picture.
+    let size = [512, 4];
+    let unit = zoom * 4.0 / 512.0;
+    let method = match options.method {
+        Method::Adaptive => map::Method::Fan,
+        Method::Rk4 { steps } => map::Method::Rk4 {
+            steps,
+            arithmetic: Arithmetic::F32Lanes,
+        },
+    };
+    let options = MapOptions {
+        method,
+        ..MapOptions::default()
+    };
+    worst(surfaces.iter().flat_map(|(surface, at)| {
+        let surface = surface.as_ref();
+        let frame = Frame::new(surface, *at, 0.3, unit).unwrap_or_else(|error| panic!("{error}"));
+        let map = exponential_map(surface, &frame, size, &options, &|_| {});
+        let jet = surface.jet(*at);
+        let evaluations = map.work.evaluations as usize;
+        (0..map.offset.len()).map(move |index| {
+            let place = pixel_place(size, index as u32 % size[0], index as u32 / size[0]);
+            let velocity = frame.velocity(place);
+            let bend = acceleration(&jet, velocity);
+            let off =
+                [0, 1].map(|k| f64::from(map.offset[index][k]) - (velocity[k] + 0.5 * bend[k]));
+            Measured {
+                value: if map.status[index] == Status::Complete {
+                    speed(&jet, off) / (2.0 * zoom / 512.0)
+                } else {
+                    f64::NAN
+                },
+                evaluations,
+            }
         })
     }))
 }

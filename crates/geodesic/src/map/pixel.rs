@@ -7,7 +7,7 @@ use crate::follow::{self, Noting, Plan, Start};
 use crate::frame::Frame;
 use crate::integrate::{DOP853, DOPRI5};
 use crate::metric::Metric;
-use crate::surface::{LANES, Side, Surface};
+use crate::surface::{LANES, SINGLES, Side, Surface};
 use crate::trace::{self, Status};
 
 /// One row of a map; what its parts mean is told by [`Map`](super::Map).
@@ -250,54 +250,75 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
         limited: bool,
         out: &mut Row,
     ) {
-        let finish = |end: rk4::End, out: &mut Row| {
-            out.work.followed += 1;
-            out.work.steps += end.evaluations / 4;
-            out.work.evaluations += end.evaluations;
-            let (offset, _) = nearest_repetition(self.atlas, self.frame.uv, end.at);
-            let status = match end.status {
-                Status::Complete if limited => Status::WorkLimit,
-                status => status,
-            };
-            out.push(offset, None, self.per_place, status);
-        };
-        let mut waiting: Vec<Motion> = Vec::with_capacity(LANES);
-        let eight = |waiting: &mut Vec<Motion>, out: &mut Row| {
+        match arithmetic {
+            Arithmetic::F64Lanes => self.several::<f64, LANES>(places, steps, limited, out),
+            Arithmetic::F32Lanes => self.several::<f32, SINGLES>(places, steps, limited, out),
+            Arithmetic::F64 | Arithmetic::F32 => {
+                for place in places {
+                    if let Some(start) = self.whole(place, out) {
+                        let single = arithmetic == Arithmetic::F32;
+                        let end = rk4::one(self.atlas, self.surface, start, steps, single);
+                        self.put(end, limited, out);
+                    }
+                }
+            }
+        }
+    }
+
+    fn several<T: rk4::Precision<N>, const N: usize>(
+        &self,
+        places: impl Iterator<Item = [f64; 2]>,
+        steps: u32,
+        limited: bool,
+        out: &mut Row,
+    ) {
+        let mut waiting: Vec<Motion> = Vec::with_capacity(N);
+        let follow = |waiting: &mut Vec<Motion>, out: &mut Row| {
             let count = waiting.len();
             if let Some(&last) = waiting.last() {
-                waiting.resize(LANES, last);
+                waiting.resize(N, last);
                 let starts = std::array::from_fn(|lane| waiting[lane]);
-                let ends = rk4::eight(self.atlas, self.surface, starts, steps);
-                ends.into_iter()
-                    .take(count)
-                    .for_each(|end| finish(end, out));
+                let ends = rk4::several::<T, N, S>(self.atlas, self.surface, starts, steps);
+                for end in ends.into_iter().take(count) {
+                    self.put(end, limited, out);
+                }
                 waiting.clear();
             }
         };
         for place in places {
             // What needs no geodesic is put down at once: in its turn.
             if place == [0.0; 2] {
-                eight(&mut waiting, out);
+                follow(&mut waiting, out);
             }
-            let Some(pixel) = self.pixel(place, false, out) else {
-                continue;
-            };
-            let mut start = match pixel.start {
-                Start::Plain(motion) => motion,
-                Start::About(chart, motion) => chart.leave(motion),
-            };
-            start.velocity = start.velocity.map(|x| x * pixel.length);
-            if arithmetic == Arithmetic::F64Lanes {
-                waiting.push(start);
-                if waiting.len() == LANES {
-                    eight(&mut waiting, out);
-                }
-            } else {
-                let single = arithmetic == Arithmetic::F32;
-                finish(rk4::one(self.atlas, start, steps, single), out);
+            waiting.extend(self.whole(place, out));
+            if waiting.len() == N {
+                follow(&mut waiting, out);
             }
         }
-        eight(&mut waiting, out);
+        follow(&mut waiting, out);
+    }
+
+    /// A pixel's start in (u,v), with a velocity that takes it to its end in the time 1.
+    fn whole(&self, place: [f64; 2], out: &mut Row) -> Option<Motion> {
+        let pixel = self.pixel(place, false, out)?;
+        let mut start = match pixel.start {
+            Start::Plain(motion) => motion,
+            Start::About(chart, motion) => chart.leave(motion),
+        };
+        start.velocity = start.velocity.map(|x| x * pixel.length);
+        Some(start)
+    }
+
+    fn put(&self, end: rk4::End, limited: bool, out: &mut Row) {
+        out.work.followed += 1;
+        out.work.steps += end.evaluations / 4;
+        out.work.evaluations += end.evaluations;
+        let (offset, _) = nearest_repetition(self.atlas, self.frame.uv, end.at);
+        let status = match end.status {
+            Status::Complete if limited => Status::WorkLimit,
+            status => status,
+        };
+        out.push(offset, None, self.per_place, status);
     }
 }
 

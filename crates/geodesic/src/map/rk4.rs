@@ -1,14 +1,15 @@
 //! The thesis' method at its best: the classical Runge–Kutta method in (u,v), with steps of equal length and nothing
-//! else, a pixel at a time or eight.
+//! else, a pixel at a time or several.
 //!
 //! In: starts in (u,v) with velocities, whose geodesics are wanted at the time 1. Out: where they end, beyond sides
 //! that wrap brought back, and why. Poles are passed as (u,v) pass them, edges are looked for at the steps' ends.
 
 use expr::processor::{Processor, Work};
+use expr::real::Real;
 
+use crate::accelerations::Pair;
 use crate::chart::{Atlas, Motion};
-use crate::metric;
-use crate::surface::{JetBlock, LANES, Lanes, Side, Surface};
+use crate::surface::{LANES, SINGLES, Side, Surface};
 use crate::trace::Status;
 
 /// A geodesic's end, and what it took.
@@ -47,14 +48,15 @@ fn ended<S: Surface + ?Sized>(
 /// One geodesic, in f64 or with everything but the surface's own expressions rounded to f32.
 pub(super) fn one<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
+    surface: &S,
     start: Motion,
     steps: u32,
     single: bool,
 ) -> End {
     if single {
-        follow::<true, S>(atlas, start, steps)
+        follow::<true, S>(atlas, surface, start, steps)
     } else {
-        follow::<false, S>(atlas, start, steps)
+        follow::<false, S>(atlas, surface, start, steps)
     }
 }
 
@@ -68,6 +70,7 @@ fn rounded<const SINGLE: bool>(x: [f64; 2]) -> [f64; 2] {
 
 fn follow<const SINGLE: bool, S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
+    surface: &S,
     start: Motion,
     steps: u32,
 ) -> End {
@@ -76,8 +79,11 @@ fn follow<const SINGLE: bool, S: Surface + ?Sized>(
     let mut velocity = rounded::<SINGLE>(start.velocity);
     let along =
         |x: [f64; 2], s: f64, y: [f64; 2]| rounded::<SINGLE>([x[0] + s * y[0], x[1] + s * y[1]]);
-    let acceleration = |at: [f64; 2], velocity: [f64; 2]| {
-        rounded::<SINGLE>(metric::acceleration(&atlas.jet(at), velocity))
+    let acceleration = |mut at: [f64; 2], velocity: [f64; 2]| {
+        let signs = atlas.bring_back(&mut at).signs;
+        let turned = [0, 1].map(|k| signs[k] * velocity[k]);
+        let acceleration = surface.acceleration(at, turned);
+        rounded::<SINGLE>([0, 1].map(|k| signs[k] * acceleration[k]))
     };
     let mut evaluations = 0;
     for _ in 0..steps {
@@ -111,66 +117,103 @@ fn follow<const SINGLE: bool, S: Surface + ?Sized>(
     }
 }
 
-/// Eight geodesics side by side.
-pub(super) fn eight<S: Surface + ?Sized>(
+/// A precision, in vectors of `N` lanes.
+pub(super) trait Precision<const N: usize>: Real {
+    /// [`Surface::accelerations`] in it.
+    fn accelerations<S: Surface + ?Sized>(
+        surface: &S,
+        at: &Pair<Self, N>,
+        velocity: &Pair<Self, N>,
+        out: &mut Pair<Self, N>,
+    );
+}
+
+impl Precision<LANES> for f64 {
+    #[inline(always)]
+    fn accelerations<S: Surface + ?Sized>(
+        surface: &S,
+        at: &Pair<Self, LANES>,
+        velocity: &Pair<Self, LANES>,
+        out: &mut Pair<Self, LANES>,
+    ) {
+        surface.accelerations(at, velocity, out);
+    }
+}
+
+impl Precision<SINGLES> for f32 {
+    #[inline(always)]
+    fn accelerations<S: Surface + ?Sized>(
+        surface: &S,
+        at: &Pair<Self, SINGLES>,
+        velocity: &Pair<Self, SINGLES>,
+        out: &mut Pair<Self, SINGLES>,
+    ) {
+        surface.accelerations_single(at, velocity, out);
+    }
+}
+
+/// Several geodesics side by side.
+pub(super) fn several<T: Precision<N>, const N: usize, S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
     surface: &S,
-    starts: [Motion; LANES],
+    starts: [Motion; N],
     steps: u32,
-) -> [End; LANES] {
-    Processor::here().run(Eight {
+) -> [End; N] {
+    let work = Several::<T, N, S> {
         atlas,
         surface,
+        domain: atlas.domain.map(|ends| ends.map(T::nearest)),
         starts,
         steps,
-    })
+    };
+    Processor::here().run(work)
 }
 
-struct Eight<'a, 's, S: Surface + ?Sized> {
+struct Several<'a, 's, T, const N: usize, S: Surface + ?Sized> {
     atlas: &'a Atlas<'s, S>,
     surface: &'a S,
-    starts: [Motion; LANES],
+    domain: [[T; 2]; 2],
+    starts: [Motion; N],
     steps: u32,
 }
 
-type Pair = [Lanes; 2];
-
-impl<S: Surface + ?Sized> Work for Eight<'_, '_, S> {
-    type Output = [End; LANES];
+impl<T: Precision<N>, const N: usize, S: Surface + ?Sized> Work for Several<'_, '_, T, N, S> {
+    type Output = [End; N];
 
     #[inline(always)]
     fn run(self) -> Self::Output {
         let h = 1.0 / f64::from(self.steps);
-        let (mut at, mut velocity) = ([[0.0; LANES]; 2], [[0.0; LANES]; 2]);
-        let mut status = [None; LANES];
-        let mut evaluations = [0; LANES];
+        let (whole, half) = (T::nearest(h), T::nearest(0.5 * h));
+        let (mut at, mut velocity) = ([[T::default(); N]; 2], [[T::default(); N]; 2]);
+        let mut status = [None; N];
+        let mut evaluations = [0; N];
         for (lane, start) in self.starts.iter().enumerate() {
             for k in 0..2 {
-                at[k][lane] = start.at[k];
-                velocity[k][lane] = start.velocity[k];
+                at[k][lane] = T::nearest(start.at[k]);
+                velocity[k][lane] = T::nearest(start.velocity[k]);
             }
         }
-        let mut jets = JetBlock::default();
         for _ in 0..self.steps {
-            for lane in 0..LANES {
+            for lane in 0..N {
                 evaluations[lane] += if status[lane].is_none() { 4 } else { 0 };
             }
             let before = at;
-            let a1 = self.acceleration(&at, &velocity, &mut jets);
-            let v2 = along(&velocity, 0.5 * h, &a1);
-            let a2 = self.acceleration(&along(&at, 0.5 * h, &velocity), &v2, &mut jets);
-            let v3 = along(&velocity, 0.5 * h, &a2);
-            let a3 = self.acceleration(&along(&at, 0.5 * h, &v2), &v3, &mut jets);
-            let v4 = along(&velocity, h, &a3);
-            let a4 = self.acceleration(&along(&at, h, &v3), &v4, &mut jets);
-            at = along(&at, h, &mean(&velocity, &v2, &v3, &v4));
-            velocity = along(&velocity, h, &mean(&a1, &a2, &a3, &a4));
+            let a1 = self.acceleration(&at, &velocity);
+            let v2 = along(&velocity, half, &a1);
+            let a2 = self.acceleration(&along(&at, half, &velocity), &v2);
+            let v3 = along(&velocity, half, &a2);
+            let a3 = self.acceleration(&along(&at, half, &v2), &v3);
+            let v4 = along(&velocity, whole, &a3);
+            let a4 = self.acceleration(&along(&at, whole, &v3), &v4);
+            at = along(&at, whole, &mean(&velocity, &v2, &v3, &v4));
+            velocity = along(&velocity, whole, &mean(&a1, &a2, &a3, &a4));
             if self.all_inside(&at) {
                 continue;
             }
             let mut running = false;
-            for lane in 0..LANES {
-                let [was, is] = [before, at].map(|at| [at[0][lane], at[1][lane]]);
+            for lane in 0..N {
+                let [was, is]: [[f64; 2]; 2] =
+                    [before, at].map(|at| [at[0][lane].into(), at[1][lane].into()]);
                 let ending = match status[lane] {
                     Some(status) => Some(status),
                     None => ended(self.atlas, was, is),
@@ -182,8 +225,8 @@ impl<S: Surface + ?Sized> Work for Eight<'_, '_, S> {
                     signs = self.atlas.bring_back(&mut next).signs;
                 }
                 for k in 0..2 {
-                    at[k][lane] = next[k];
-                    velocity[k][lane] *= signs[k];
+                    at[k][lane] = T::nearest(next[k]);
+                    velocity[k][lane] = velocity[k][lane] * T::nearest(signs[k]);
                 }
                 status[lane] = ending;
                 running |= ending.is_none();
@@ -193,7 +236,7 @@ impl<S: Surface + ?Sized> Work for Eight<'_, '_, S> {
             }
         }
         std::array::from_fn(|lane| {
-            let mut end = [at[0][lane], at[1][lane]];
+            let mut end = [at[0][lane].into(), at[1][lane].into()];
             self.atlas.bring_back(&mut end);
             End {
                 at: end,
@@ -204,10 +247,10 @@ impl<S: Surface + ?Sized> Work for Eight<'_, '_, S> {
     }
 }
 
-impl<S: Surface + ?Sized> Eight<'_, '_, S> {
+impl<T: Precision<N>, const N: usize, S: Surface + ?Sized> Several<'_, '_, T, N, S> {
     #[inline(always)]
-    fn all_inside(&self, at: &Pair) -> bool {
-        let [[a, b], [c, d]] = self.atlas.domain;
+    fn all_inside(&self, at: &Pair<T, N>) -> bool {
+        let [[a, b], [c, d]] = self.domain;
         let mut inside = true;
         for (u, v) in at[0].iter().zip(&at[1]) {
             inside &= (*u >= a) & (*u <= b) & (*v >= c) & (*v <= d);
@@ -215,66 +258,59 @@ impl<S: Surface + ?Sized> Eight<'_, '_, S> {
         inside
     }
 
-    /// See [`metric::acceleration`].
+    /// See [`Surface::accelerations`].
     #[inline(always)]
-    fn acceleration(&self, at: &Pair, velocity: &Pair, jets: &mut JetBlock) -> Pair {
-        let mut signs = [[1.0; LANES]; 2];
+    fn acceleration(&self, at: &Pair<T, N>, velocity: &Pair<T, N>) -> Pair<T, N> {
+        let mut out = [[T::default(); N]; 2];
         if self.all_inside(at) {
-            self.surface.jets(at, jets);
-        } else {
-            let mut back = *at;
-            for lane in 0..LANES {
-                let mut point = [back[0][lane], back[1][lane]];
-                let turned = self.atlas.bring_back(&mut point).signs;
-                for k in 0..2 {
-                    back[k][lane] = point[k];
-                    signs[k][lane] = turned[k];
-                }
-            }
-            self.surface.jets(&back, jets);
+            T::accelerations(self.surface, at, velocity, &mut out);
+            return out;
         }
-        let mut out = [[0.0; LANES]; 2];
-        for lane in 0..LANES {
-            let [s, t] = [signs[0][lane], signs[1][lane]];
-            let [x, y] = [s * velocity[0][lane], t * velocity[1][lane]];
-            let (xx, xy, yy) = (x * x, 2.0 * x * y, y * y);
-            let (mut e, mut f, mut g) = (0.0, 0.0, 0.0);
-            let (mut along_u, mut along_v) = (0.0, 0.0);
-            for k in 0..3 {
-                let (du, dv) = (jets.du[k][lane], jets.dv[k][lane]);
-                let bent = xx * jets.duu[k][lane] + xy * jets.duv[k][lane] + yy * jets.dvv[k][lane];
-                e += du * du;
-                f += du * dv;
-                g += dv * dv;
-                along_u += du * bent;
-                along_v += dv * bent;
+        let (mut back, mut turned) = (*at, *velocity);
+        let mut signs = [[T::ONE; N]; 2];
+        for lane in 0..N {
+            let mut point = [back[0][lane].into(), back[1][lane].into()];
+            let turn = self.atlas.bring_back(&mut point).signs;
+            for k in 0..2 {
+                back[k][lane] = T::nearest(point[k]);
+                signs[k][lane] = T::nearest(turn[k]);
+                turned[k][lane] = turned[k][lane] * signs[k][lane];
             }
-            let r = 1.0 / (e * g - f * f);
-            out[0][lane] = s * r * (f * along_v - g * along_u);
-            out[1][lane] = t * r * (f * along_u - e * along_v);
+        }
+        T::accelerations(self.surface, &back, &turned, &mut out);
+        for k in 0..2 {
+            for lane in 0..N {
+                out[k][lane] = out[k][lane] * signs[k][lane];
+            }
         }
         out
     }
 }
 
 #[inline(always)]
-fn along(x: &Pair, s: f64, y: &Pair) -> Pair {
+fn along<T: Real, const N: usize>(x: &Pair<T, N>, s: T, y: &Pair<T, N>) -> Pair<T, N> {
     let mut out = *x;
     for k in 0..2 {
-        for lane in 0..LANES {
-            out[k][lane] += s * y[k][lane];
+        for lane in 0..N {
+            out[k][lane] = x[k][lane] + s * y[k][lane];
         }
     }
     out
 }
 
 #[inline(always)]
-fn mean(a: &Pair, b: &Pair, c: &Pair, d: &Pair) -> Pair {
+fn mean<T: Real, const N: usize>(
+    a: &Pair<T, N>,
+    b: &Pair<T, N>,
+    c: &Pair<T, N>,
+    d: &Pair<T, N>,
+) -> Pair<T, N> {
+    let sixth = T::nearest(1.0 / 6.0);
     let mut out = *a;
     for k in 0..2 {
-        for lane in 0..LANES {
-            let middle = 2.0 * (b[k][lane] + c[k][lane]);
-            out[k][lane] = (a[k][lane] + middle + d[k][lane]) / 6.0;
+        for lane in 0..N {
+            let middle = b[k][lane] + c[k][lane];
+            out[k][lane] = sixth * (a[k][lane] + (middle + middle) + d[k][lane]);
         }
     }
     out

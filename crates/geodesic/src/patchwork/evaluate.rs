@@ -225,7 +225,7 @@ impl Strip {
                 }
             }
         }
-        let origin = patchwork.origin;
+        let origin = patchwork.base;
         let (apex, centre) = match patch.coordinates {
             Coordinates::Plain => {
                 let [a, b] = patch.centre;

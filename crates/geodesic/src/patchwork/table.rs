@@ -68,9 +68,9 @@ impl Patchwork {
             let axis = side / 2;
             let numbers = match polar {
                 Some(polar) => [
-                    polar.base - self.origin[axis],
+                    polar.base - self.base[axis],
                     polar.sign,
-                    polar.low - self.origin[1 - axis],
+                    polar.low - self.base[1 - axis],
                     1.0 / polar.rate,
                     polar.power,
                 ],
@@ -92,7 +92,7 @@ impl Patchwork {
             let (coordinates, centre) = match patch.coordinates {
                 Coordinates::Plain => (
                     if patch.edge { 5 } else { 0 },
-                    [0, 1].map(|k| patch.centre[k] - self.origin[k]),
+                    [0, 1].map(|k| patch.centre[k] - self.base[k]),
                 ),
                 Coordinates::Apex { axis, end } => {
                     (1 + 2 * u32::from(axis) + u32::from(end), patch.centre)

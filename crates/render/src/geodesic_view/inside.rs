@@ -8,6 +8,7 @@ use geodesic::ends::{Coordinates, Ends, Estimate, Work};
 use geodesic::fan::{Across, Fan, FanOptions};
 use geodesic::frame::Frame;
 use geodesic::map::{self, Arithmetic, Map, MapOptions, exponential_map};
+use geodesic::moved::Moved;
 use geodesic::patchwork::Patchwork;
 use geodesic::surface::{Sides, Surface};
 use geodesic::topology::Apex;
@@ -185,9 +186,15 @@ impl Inside {
             Method::FanLinear => Across::Linear,
             Method::Adaptive | Method::Rk4Pixel => return Seen::Map(self.map(progress)),
         };
-        let fan = self.fan(across);
+        let surface = self.ground.surface();
+        let deep = Moved::for_camera(surface, &self.frame, self.size);
+        let fan = match &deep {
+            Some((moved, camera)) => self.fan(moved, camera, across),
+            None => self.fan(surface, &self.frame, across),
+        };
         progress(0.5);
-        let patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * self.tolerance);
+        let mut patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * self.tolerance);
+        patchwork.origin = self.frame.uv;
         progress(1.0);
         Seen::Patchwork {
             work: fan.work(),
@@ -228,7 +235,7 @@ impl Inside {
             Method::FanLinear => Across::Linear,
             Method::Adaptive | Method::Rk4Pixel => return None,
         };
-        let fan = self.fan(across);
+        let fan = self.fan(self.ground.surface(), &self.frame, across);
         let [columns, rows] = self.size.map(|side| side.div_ceil(step));
         let error = |index: u32| {
             let [x, y] = [index % columns, index / columns].map(|n| n * step + step / 2);
@@ -243,7 +250,12 @@ impl Inside {
         Some((0..columns * rows).into_par_iter().map(error).collect())
     }
 
-    fn fan(&self, across: Across) -> Fan<'_, dyn Surface + '_> {
+    fn fan<'s>(
+        &self,
+        surface: &'s (dyn Surface + 's),
+        frame: &Frame,
+        across: Across,
+    ) -> Fan<'s, dyn Surface + 's> {
         let options = FanOptions {
             tolerance: self.tolerance,
             across,
@@ -251,7 +263,7 @@ impl Inside {
                 .max_evaluations
                 .min(self.most_evaluations()),
         };
-        Fan::build(self.ground.surface(), &self.frame, self.size, &options)
+        Fan::build(surface, frame, self.size, &options)
     }
 
     /// The uniforms that an object's shape reads, by their numbers.

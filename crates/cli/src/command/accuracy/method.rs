@@ -34,7 +34,7 @@ pub(super) enum Kind {
 }
 
 /// All methods, the thesis' first.
-pub(super) const SERIES: [Series; 6] = [
+pub(super) const SERIES: [Series; 7] = [
     Series {
         name: "rk4-pixel f64",
         kind: Kind::Rk4(Arithmetic::F64),
@@ -46,6 +46,10 @@ pub(super) const SERIES: [Series; 6] = [
     Series {
         name: "rk4-pixel f64 SIMD",
         kind: Kind::Rk4(Arithmetic::F64Lanes),
+    },
+    Series {
+        name: "rk4-pixel f32 SIMD",
+        kind: Kind::Rk4(Arithmetic::F32Lanes),
     },
     Series {
         name: "adaptive",

@@ -1,0 +1,117 @@
+//! Deep zooms: a surface and a camera in; the same surface in coordinates that count from the camera out.
+//!
+//! At a zoom of 10⁻¹² neighbouring pixels' u and v differ by a few units in their last place. Counted from the camera
+//! they keep all their digits; only where the surface is evaluated are they added up, and there the rounding is as good
+//! as none.
+
+use crate::ends::Coordinates;
+use crate::frame::Frame;
+use crate::metric::speed;
+use crate::surface::{Jet, JetBlock, Lanes, Scale, Sides, Singles, Surface};
+use crate::topology::Apex;
+
+/// A surface σ(u₀ + u, v₀ + v), as a function of (u, v).
+#[derive(Clone, Copy, Debug)]
+pub struct Moved<'s, S: ?Sized> {
+    surface: &'s S,
+    by: [f64; 2],
+    /// `[axis][end]`: those apexes that the picture comes near to.
+    apexes: [[Option<Apex>; 2]; 2],
+}
+
+/// The share of a pixel from which on the rounding of u and v is not to be put up with.
+const NOTICEABLE: f64 = 1e-3;
+/// An apex that is so many times farther off than the picture reaches needs no coordinates of its own: about it those
+/// of the picture's points would have no more digits than u and v have.
+const FAR: f64 = 1e3;
+
+impl<'s, S: Surface + ?Sized> Moved<'s, S> {
+    /// The surface in the camera's coordinates, and the camera in them, at (0, 0), where a picture of this size is so
+    /// deep that it needs them; else `None`.
+    pub fn for_camera(surface: &'s S, frame: &Frame, size: [u32; 2]) -> Option<(Self, Frame)> {
+        let shorter = f64::from(size[0].min(size[1]).max(1));
+        let zoom = frame.zoom(surface);
+        let pixel = 2.0 * zoom / shorter;
+        let jet = surface.jet(frame.uv);
+        let rounding = speed(&jet, frame.uv.map(|x| x.abs() * f64::EPSILON));
+        let deep = rounding > NOTICEABLE * pixel && frame.coordinates == Coordinates::Plain;
+        deep.then(|| {
+            let by = frame.uv;
+            let reach = zoom * f64::from(size[0]).hypot(f64::from(size[1])) / shorter;
+            let domain = surface.domain();
+            let apexes = [0, 1].map(|axis| {
+                [0, 1].map(|end| {
+                    let mut way = [0.0; 2];
+                    way[axis] = domain[axis][end] - by[axis];
+                    let near = speed(&jet, way) <= FAR * reach;
+                    surface.apex(axis, end).filter(|_| near)
+                })
+            });
+            let frame = Frame {
+                uv: [0.0; 2],
+                ..*frame
+            };
+            let moved = Self {
+                surface,
+                by,
+                apexes,
+            };
+            (moved, frame)
+        })
+    }
+
+    fn there(&self, uv: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| self.by[k] + uv[k])
+    }
+}
+
+impl<S: Surface + ?Sized> Surface for Moved<'_, S> {
+    fn jet(&self, uv: [f64; 2]) -> Jet {
+        self.surface.jet(self.there(uv))
+    }
+
+    fn jets(&self, at: &[Lanes; 2], out: &mut JetBlock) {
+        let at = [0, 1].map(|k| at[k].map(|x| self.by[k] + x));
+        self.surface.jets(&at, out);
+    }
+
+    fn acceleration(&self, at: [f64; 2], velocity: [f64; 2]) -> [f64; 2] {
+        self.surface.acceleration(self.there(at), velocity)
+    }
+
+    fn accelerations(&self, at: &[Lanes; 2], velocity: &[Lanes; 2], out: &mut [Lanes; 2]) {
+        let at = [0, 1].map(|k| at[k].map(|x| self.by[k] + x));
+        self.surface.accelerations(&at, velocity, out);
+    }
+
+    fn accelerations_single(
+        &self,
+        at: &[Singles; 2],
+        velocity: &[Singles; 2],
+        out: &mut [Singles; 2],
+    ) {
+        let at = [0, 1].map(|k| at[k].map(|x| self.by[k] as f32 + x));
+        self.surface.accelerations_single(&at, velocity, out);
+    }
+
+    fn is_embedded(&self) -> bool {
+        self.surface.is_embedded()
+    }
+
+    fn domain(&self) -> [[f64; 2]; 2] {
+        let domain = self.surface.domain();
+        [0, 1].map(|k| domain[k].map(|x| x - self.by[k]))
+    }
+
+    fn sides(&self) -> Sides {
+        self.surface.sides()
+    }
+
+    fn apex(&self, axis: usize, end: usize) -> Option<Apex> {
+        self.apexes[axis][end]
+    }
+
+    fn scale(&self) -> Scale {
+        self.surface.scale()
+    }
+}
