@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use render::texture::Texture;
 
@@ -88,7 +89,8 @@ impl Mail {
     /// Wakes the window, which has something to look at.
     pub(crate) fn wake(&self) {
         let context = self.context.lock().unwrap_or_else(PoisonError::into_inner);
-        context.request_repaint();
+        // At once, but once: without any delay it would be drawn twice.
+        context.request_repaint_after(Duration::from_nanos(1));
     }
 
     /// Sends a letter that may wait for the next one to wake the window; false where it is no more.

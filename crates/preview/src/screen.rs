@@ -43,11 +43,11 @@ impl Screen {
         (Stage::on(Arc::clone(&self.gpu)), self.gpu.name().to_owned())
     }
 
-    /// For how long a frame of the window may wait for its pictures: less than a frame of the screen, unless a frame is
-    /// drawn by the processor and takes longer than that.
+    /// For how long a frame of the window may wait for its pictures: less than a frame of the screen, or where frames are
+    /// drawn by the processor, about as long as one takes.
     pub(crate) fn patience(&self) -> Duration {
         if self.state.adapter.get_info().device_type == DeviceType::Cpu {
-            Duration::from_millis(50)
+            Duration::from_millis(100)
         } else {
             Duration::from_millis(12)
         }
