@@ -22,6 +22,14 @@ fn names(symbols: &Value) -> Vec<&str> {
     symbols.filter_map(|it| it["name"].as_str()).collect()
 }
 
+/// What has been heard of a progress.
+fn progress(editor: &Editor, token: &str) -> Vec<String> {
+    let heard = editor.heard().filter(|it| it["method"] == "$/progress");
+    let own = heard.filter(|it| it["params"]["token"] == token);
+    let kinds = own.map(|it| it["params"]["value"]["kind"].as_str());
+    kinds.flatten().map(str::to_owned).collect()
+}
+
 #[tokio::test]
 async fn a_search_finds_programs_that_are_not_open_and_tells_its_progress() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -44,13 +52,8 @@ async fn a_search_finds_programs_that_are_not_open_and_tells_its_progress() {
         let mut found = names(&found);
         found.sort_unstable();
         assert_eq!(found, ["alp", "alpha"]);
-        for kind in ["begin", "end"] {
-            editor
-                .notified("$/progress", |it| {
-                    it["token"] == "first" && it["value"]["kind"] == kind
-                })
-                .await;
-        }
+        // All of it is told before the answer.
+        assert_eq!(progress(&editor, "first"), ["begin", "end"]);
 
         // An open document is what the editor has of it, not what is on the disk.
         editor
@@ -68,6 +71,16 @@ async fn a_search_finds_programs_that_are_not_open_and_tells_its_progress() {
             .await;
         let found = editor.ask("workspace/symbol", query("third")).await;
         assert_eq!(names(&found), ["also"]);
+
+        // Whether it is cancelled in time or not, what has begun ends.
+        for k in 0..20 {
+            let token = format!("cancelled {k}");
+            let id = editor.post("workspace/symbol", query(&token)).await;
+            editor.tell("$/cancelRequest", json!({ "id": id })).await;
+            let _ = editor.answer(id).await;
+            let told = progress(&editor, &token);
+            assert!(told.is_empty() || told == ["begin", "end"], "{told:?}");
+        }
         assert_eq!(editor.quit().await, 0);
     }
 }

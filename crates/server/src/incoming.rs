@@ -25,8 +25,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::Semaphore;
 use tower_lsp::jsonrpc::Result;
 use tower_lsp::ls_types as lsp;
-use tower_lsp::{Client, LanguageServer};
+use tower_lsp::{Client, LanguageServer, LspServiceBuilder};
 
+use crate::direct::{self, Outlet};
 use crate::documents::Open;
 use crate::encoding::Place;
 use crate::session::Session;
@@ -46,12 +47,37 @@ pub(crate) struct Backend {
     /// The places for features that are at work at once.
     places: Arc<Semaphore>,
     end: Arc<crate::End>,
+    /// Where messages go past the protocol.
+    outlet: Outlet,
+}
+
+/// Adds the methods that answer with text to those of the protocol.
+pub(crate) fn with_texts(builder: LspServiceBuilder<Backend>) -> LspServiceBuilder<Backend> {
+    builder
+        .custom_method(direct::CODE_LENS, ranges::code_lens)
+        .custom_method(direct::COMPLETION, places::completion)
+        .custom_method(direct::DIAGNOSTIC, documents::diagnostic)
+        .custom_method(direct::DOCUMENT_SYMBOL, ranges::document_symbol)
+        .custom_method(direct::FOLDING_RANGE, ranges::folding_range)
+        .custom_method(direct::FORMATTING, ranges::formatting)
+        .custom_method(direct::INLAY_HINT, ranges::inlay_hint)
+        .custom_method(direct::REFERENCES, places::references)
+        .custom_method(direct::SYMBOL, workspace::symbol)
+        .custom_method(direct::TOKENS, ranges::semantic_tokens_full)
+        .custom_method(direct::TOKENS_DELTA, ranges::semantic_tokens_full_delta)
+        .custom_method(direct::TOKENS_RANGE, ranges::semantic_tokens_range)
 }
 
 impl Backend {
-    pub(crate) fn new(client: Client, end: Arc<crate::End>, session: Arc<Mutex<Session>>) -> Self {
+    pub(crate) fn new(
+        client: Client,
+        end: Arc<crate::End>,
+        session: Arc<Mutex<Session>>,
+        outlet: Outlet,
+    ) -> Self {
         Self {
             client,
+            outlet,
             session,
             publishing: Arc::default(),
             places: Arc::new(Semaphore::new(MOST_AT_WORK)),
@@ -116,22 +142,8 @@ impl LanguageServer for Backend {
         workspace::did_change_workspace_folders(self, params).await
     }
 
-    async fn diagnostic(
-        &self,
-        params: lsp::DocumentDiagnosticParams,
-    ) -> Result<lsp::DocumentDiagnosticReportResult> {
-        documents::diagnostic(self, params).await
-    }
-
     async fn hover(&self, params: lsp::HoverParams) -> Result<Option<lsp::Hover>> {
         places::hover(self, params).await
-    }
-
-    async fn completion(
-        &self,
-        params: lsp::CompletionParams,
-    ) -> Result<Option<lsp::CompletionResponse>> {
-        places::completion(self, params).await
     }
 
     async fn completion_resolve(&self, item: lsp::CompletionItem) -> Result<lsp::CompletionItem> {
@@ -152,10 +164,6 @@ impl LanguageServer for Backend {
         places::goto_definition(self, params).await
     }
 
-    async fn references(&self, params: lsp::ReferenceParams) -> Result<Option<Vec<lsp::Location>>> {
-        places::references(self, params).await
-    }
-
     async fn document_highlight(
         &self,
         params: lsp::DocumentHighlightParams,
@@ -174,27 +182,6 @@ impl LanguageServer for Backend {
         places::rename(self, params).await
     }
 
-    async fn document_symbol(
-        &self,
-        params: lsp::DocumentSymbolParams,
-    ) -> Result<Option<lsp::DocumentSymbolResponse>> {
-        ranges::document_symbol(self, params).await
-    }
-
-    async fn symbol(
-        &self,
-        params: lsp::WorkspaceSymbolParams,
-    ) -> Result<Option<lsp::WorkspaceSymbolResponse>> {
-        workspace::symbol(self, params).await
-    }
-
-    async fn folding_range(
-        &self,
-        params: lsp::FoldingRangeParams,
-    ) -> Result<Option<Vec<lsp::FoldingRange>>> {
-        ranges::folding_range(self, params).await
-    }
-
     async fn selection_range(
         &self,
         params: lsp::SelectionRangeParams,
@@ -202,50 +189,11 @@ impl LanguageServer for Backend {
         places::selection_range(self, params).await
     }
 
-    async fn semantic_tokens_full(
-        &self,
-        params: lsp::SemanticTokensParams,
-    ) -> Result<Option<lsp::SemanticTokensResult>> {
-        ranges::semantic_tokens_full(self, params).await
-    }
-
-    async fn semantic_tokens_full_delta(
-        &self,
-        params: lsp::SemanticTokensDeltaParams,
-    ) -> Result<Option<lsp::SemanticTokensFullDeltaResult>> {
-        ranges::semantic_tokens_full_delta(self, params).await
-    }
-
-    async fn semantic_tokens_range(
-        &self,
-        params: lsp::SemanticTokensRangeParams,
-    ) -> Result<Option<lsp::SemanticTokensRangeResult>> {
-        ranges::semantic_tokens_range(self, params).await
-    }
-
-    async fn inlay_hint(
-        &self,
-        params: lsp::InlayHintParams,
-    ) -> Result<Option<Vec<lsp::InlayHint>>> {
-        ranges::inlay_hint(self, params).await
-    }
-
-    async fn code_lens(&self, params: lsp::CodeLensParams) -> Result<Option<Vec<lsp::CodeLens>>> {
-        ranges::code_lens(self, params).await
-    }
-
     async fn code_action(
         &self,
         params: lsp::CodeActionParams,
     ) -> Result<Option<lsp::CodeActionResponse>> {
         ranges::code_action(self, params).await
-    }
-
-    async fn formatting(
-        &self,
-        params: lsp::DocumentFormattingParams,
-    ) -> Result<Option<Vec<lsp::TextEdit>>> {
-        ranges::formatting(self, params).await
     }
 
     async fn range_formatting(

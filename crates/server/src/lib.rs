@@ -5,6 +5,7 @@
 //!                                   │            │ snapshots
 //!                                   ▼            ▼
 //!                              workers: ide, scene ──outgoing──▶ tower-lsp ──frames──▶ bytes
+//!                                                        └──────── direct ────────▲
 //! ```
 //!
 //! A preview window is a process of its own beside each document that has one (`preview`).
@@ -12,6 +13,7 @@
 //! The protocol's types live in `incoming` and `outgoing`. Nothing a client sends ends the server but `exit`, the end of
 //! its input, and the death of the process that started it.
 
+mod direct;
 mod documents;
 mod encoding;
 mod frames;
@@ -30,6 +32,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt};
 use tower_lsp::{LspService, Server};
 
+use direct::{Direct, Message, Outlet};
 use frames::{Frame, FrameReader};
 use incoming::Backend;
 pub use preview::WindowProgram;
@@ -84,13 +87,16 @@ where
 {
     let end = Arc::new(End::default());
     let session = Arc::new(Mutex::new(Session::new(window)));
-    let (service, socket) =
-        LspService::build(|client| Backend::new(client, end.clone(), session.clone()))
-            .custom_method(incoming::CURSOR, Backend::cursor)
-            .finish();
+    let (outlet, mut direct) = Outlet::new();
+    let faults = outlet.clone();
+    let service = LspService::build(|client| {
+        Backend::new(client, end.clone(), session.clone(), outlet.clone())
+    });
+    let service = service.custom_method(incoming::CURSOR, Backend::cursor);
+    let (service, socket) = incoming::with_texts(service).finish();
+    let service = Direct::new(service, outlet);
     let (mut to_protocol, from_editor) = tokio::io::duplex(BUFFER);
     let (to_editor, from_protocol) = tokio::io::duplex(BUFFER);
-    let (fault, mut faults) = tokio::sync::mpsc::unbounded_channel::<Vec<u8>>();
 
     let reading = tokio::spawn(async move {
         let mut frames = FrameReader::new(input);
@@ -103,12 +109,11 @@ where
                 }
                 // Answered below; the editor is not left without a word.
                 Frame::Bad(reason) => {
-                    let _ =
-                        fault.send(error(PARSE_ERROR, &format!("this is no message: {reason}")));
+                    faults.send(error(PARSE_ERROR, &format!("this is no message: {reason}")));
                 }
                 Frame::Invalid => {
                     let message = "this is JSON, but neither a request nor an answer";
-                    let _ = fault.send(error(INVALID_REQUEST, message));
+                    faults.send(error(INVALID_REQUEST, message));
                 }
             }
         }
@@ -116,17 +121,30 @@ where
     let mut writing = tokio::spawn(async move {
         let mut output = output;
         let mut frames = FrameReader::of_own(from_protocol);
-        loop {
-            let body = tokio::select! {
+        let mut goes_on = true;
+        while goes_on {
+            let message = tokio::select! {
+                // What was sent past the protocol first, so that its order with answers that go there is kept.
+                biased;
+                Some(message) = direct.recv() => Some(message),
                 frame = frames.next() => match frame {
-                    Some(Frame::Message(body)) => body,
-                    Some(Frame::Bad(_) | Frame::Invalid) => continue,
-                    None => return,
+                    Some(Frame::Message(body)) => Some(Message::from(body)),
+                    Some(Frame::Bad(_) | Frame::Invalid) => None,
+                    None => {
+                        goes_on = false;
+                        None
+                    }
                 },
-                Some(error) = faults.recv() => error,
             };
-            let written = output.write_all(&frames::framed(&body)).await;
-            if written.is_err() || output.flush().await.is_err() {
+            if let Some(message) = message
+                && write(&mut output, &message.body).await.is_err()
+            {
+                return;
+            }
+        }
+        // What has been said is still written.
+        while let Ok(message) = direct.try_recv() {
+            if write(&mut output, &message.body).await.is_err() {
                 return;
             }
         }
@@ -147,6 +165,12 @@ where
     reading.abort();
     writing.abort();
     end.asked_for.load(Ordering::SeqCst)
+}
+
+/// Writes a message with its header.
+async fn write(output: &mut (impl AsyncWrite + Unpin), body: &[u8]) -> std::io::Result<()> {
+    output.write_all(&frames::framed(body)).await?;
+    output.flush().await
 }
 
 /// JSON-RPC 2.0, section 5.1: what was read is no JSON, …

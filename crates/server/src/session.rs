@@ -47,7 +47,7 @@ pub(crate) struct Session {
     /// The folders of the workspace.
     pub(crate) folders: Vec<std::path::PathBuf>,
     /// The tokens sent last for each document, and under which name.
-    pub(crate) tokens: HashMap<String, (String, Vec<Encoded>)>,
+    pub(crate) tokens: HashMap<String, (String, Arc<[Encoded]>)>,
     /// The documents whose diagnostics the editor asks for: they are not sent unasked.
     pub(crate) pulled: HashSet<String>,
     pub(crate) counter: u64,

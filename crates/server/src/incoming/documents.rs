@@ -5,6 +5,7 @@ use tower_lsp::ls_types as lsp;
 
 use super::work::not_open;
 use super::{Backend, places, window};
+use crate::direct::{Answer, answer};
 use crate::documents::{Change, Open};
 use crate::outgoing;
 
@@ -78,7 +79,7 @@ pub(super) async fn did_close(server: &Backend, params: lsp::DidCloseTextDocumen
 pub(super) async fn diagnostic(
     server: &Backend,
     params: lsp::DocumentDiagnosticParams,
-) -> Result<lsp::DocumentDiagnosticReportResult> {
+) -> Result<Answer> {
     let uri = params.text_document.uri;
     let first = server.session().pulled.insert(uri.as_str().to_owned());
     if first {
@@ -111,7 +112,7 @@ pub(super) async fn diagnostic(
             },
         })
     };
-    Ok(lsp::DocumentDiagnosticReportResult::Report(report))
+    answer(&report)
 }
 
 /// Whether a document's preview opens by itself: not that of an older version which an editor shows beside it.

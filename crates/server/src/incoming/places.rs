@@ -6,6 +6,7 @@ use tower_lsp::ls_types as lsp;
 
 use super::work::failed;
 use super::{Backend, place};
+use crate::direct::Answer;
 use crate::documents::Open;
 use crate::outgoing;
 
@@ -25,17 +26,14 @@ pub(super) async fn hover(
         .await
 }
 
-pub(super) async fn completion(
-    server: &Backend,
-    params: lsp::CompletionParams,
-) -> Result<Option<lsp::CompletionResponse>> {
+pub(super) async fn completion(server: &Backend, params: lsp::CompletionParams) -> Result<Answer> {
     let at = params.text_document_position;
     let snippets = server.session().editor.snippets;
     server
-        .ask(&at.text_document.uri, move |snapshot| {
+        .answer(&at.text_document.uri, move |snapshot| {
             let offset = snapshot.offset(place(at.position));
             let found = completion::completions(snapshot.reading(), offset, snippets);
-            Some(outgoing::completions(snapshot, found))
+            outgoing::completions(snapshot, found)
         })
         .await
 }
@@ -98,22 +96,19 @@ pub(super) async fn goto_definition(
         .await
 }
 
-pub(super) async fn references(
-    server: &Backend,
-    params: lsp::ReferenceParams,
-) -> Result<Option<Vec<lsp::Location>>> {
+pub(super) async fn references(server: &Backend, params: lsp::ReferenceParams) -> Result<Answer> {
     let at = params.text_document_position;
     let uri = at.text_document.uri;
     let declaration = params.context.include_declaration;
     server
-        .ask(&uri.clone(), move |snapshot| {
+        .answer(&uri.clone(), move |snapshot| {
             let offset = snapshot.offset(place(at.position));
             let found = navigate::occurrences(snapshot.reading(), offset).into_iter();
             let wanted = found.filter(|occurrence| declaration || !occurrence.introduces);
             let locations = wanted.map(|occurrence| {
                 lsp::Location::new(uri.clone(), outgoing::range(snapshot, occurrence.span))
             });
-            Some(locations.collect())
+            locations.collect::<Vec<_>>()
         })
         .await
 }

@@ -1,33 +1,36 @@
 //! What is asked of a range of a document, or of all of it: symbols, tokens, hints, lenses, formatting, …
 
+use std::sync::Arc;
+
 use ide::{fix, format, hints, lens, live, outline};
 use syntax::span::Span;
 use tower_lsp::jsonrpc::Result;
 use tower_lsp::ls_types as lsp;
 
 use super::{Backend, places};
+use crate::direct::{Answer, answer};
 use crate::documents::Snapshot;
 use crate::outgoing;
-use crate::tokens;
+use crate::tokens::{self, Encoded};
 
 pub(super) async fn document_symbol(
     server: &Backend,
     params: lsp::DocumentSymbolParams,
-) -> Result<Option<lsp::DocumentSymbolResponse>> {
+) -> Result<Answer> {
     let uri = params.text_document.uri;
     let hierarchical = server.session().editor.hierarchical_symbols;
     server
-        .ask(&uri.clone(), move |snapshot| {
+        .answer(&uri.clone(), move |snapshot| {
             let entries = outline::outline(snapshot.reading());
             let entries = entries.iter();
-            Some(if hierarchical {
+            if hierarchical {
                 let symbols = entries.map(|entry| outgoing::document_symbol(snapshot, entry));
                 lsp::DocumentSymbolResponse::Nested(symbols.collect())
             } else {
                 let symbols =
                     entries.map(|entry| outgoing::symbol_information(snapshot, &uri, entry));
                 lsp::DocumentSymbolResponse::Flat(symbols.collect())
-            })
+            }
         })
         .await
 }
@@ -35,16 +38,12 @@ pub(super) async fn document_symbol(
 pub(super) async fn folding_range(
     server: &Backend,
     params: lsp::FoldingRangeParams,
-) -> Result<Option<Vec<lsp::FoldingRange>>> {
+) -> Result<Answer> {
     server
-        .ask(&params.text_document.uri, |snapshot| {
+        .answer(&params.text_document.uri, |snapshot| {
             let folds = outline::folds(snapshot.reading());
-            Some(
-                folds
-                    .iter()
-                    .map(|fold| outgoing::fold(snapshot, fold))
-                    .collect(),
-            )
+            let folds = folds.iter().map(|fold| outgoing::fold(snapshot, fold));
+            folds.collect::<Vec<_>>()
         })
         .await
 }
@@ -52,87 +51,81 @@ pub(super) async fn folding_range(
 pub(super) async fn semantic_tokens_full(
     server: &Backend,
     params: lsp::SemanticTokensParams,
-) -> Result<Option<lsp::SemanticTokensResult>> {
-    let uri = params.text_document.uri;
-    let encoded = server
-        .ask(&uri, |snapshot| tokens::encode(snapshot, None))
-        .await?;
-    let data = outgoing::tokens(&encoded);
-    let mut session = server.session();
-    let name = session.fresh_name();
-    session
-        .tokens
-        .insert(uri.as_str().to_owned(), (name.clone(), encoded));
-    Ok(Some(lsp::SemanticTokensResult::Tokens(
-        lsp::SemanticTokens {
-            result_id: Some(name),
-            data,
-        },
-    )))
+) -> Result<Answer> {
+    tokens_since(server, params.text_document.uri, None).await
 }
 
 pub(super) async fn semantic_tokens_full_delta(
     server: &Backend,
     params: lsp::SemanticTokensDeltaParams,
-) -> Result<Option<lsp::SemanticTokensFullDeltaResult>> {
-    let uri = params.text_document.uri;
-    let encoded = server
-        .ask(&uri, |snapshot| tokens::encode(snapshot, None))
-        .await?;
-    let mut session = server.session();
-    let name = session.fresh_name();
-    let key = uri.as_str().to_owned();
-    let old = session.tokens.insert(key, (name.clone(), encoded.clone()));
-    let Some((_, old)) = old.filter(|(known, _)| *known == params.previous_result_id) else {
-        return Ok(Some(lsp::SemanticTokensFullDeltaResult::Tokens(
-            lsp::SemanticTokens {
-                result_id: Some(name),
-                data: outgoing::tokens(&encoded),
-            },
-        )));
+) -> Result<Answer> {
+    let known = params.previous_result_id;
+    tokens_since(server, params.text_document.uri, Some(known)).await
+}
+
+/// All tokens, or how they differ from those that the editor knows by a name, where those were sent last.
+async fn tokens_since(server: &Backend, uri: lsp::Uri, known: Option<String>) -> Result<Answer> {
+    let (name, old) = {
+        let mut session = server.session();
+        let sent = session.tokens.get(uri.as_str());
+        let sent = sent.filter(|(name, _)| known.as_ref() == Some(name));
+        let old = sent.map(|(_, encoded)| encoded.clone());
+        (session.fresh_name(), old)
     };
-    let edits = tokens::difference(&old, &encoded).into_iter();
-    let edits = edits.map(|(start, gone, come)| lsp::SemanticTokensEdit {
-        start: 5 * start as u32,
-        delete_count: 5 * gone as u32,
-        data: Some(outgoing::tokens(&come)),
+    let own_name = name.clone();
+    let answered = server.ask(&uri, move |snapshot| {
+        let encoded: Arc<[Encoded]> = tokens::encode(snapshot, None).into();
+        let result_id = Some(own_name);
+        let answer = match old {
+            None => answer(&lsp::SemanticTokens {
+                result_id,
+                data: outgoing::tokens(&encoded),
+            }),
+            Some(old) => {
+                let edits = tokens::difference(&old, &encoded).into_iter();
+                let edits = edits.map(|(start, gone, come)| lsp::SemanticTokensEdit {
+                    start: 5 * start as u32,
+                    delete_count: 5 * gone as u32,
+                    data: Some(outgoing::tokens(&come)),
+                });
+                answer(&lsp::SemanticTokensDelta {
+                    result_id,
+                    edits: edits.collect(),
+                })
+            }
+        };
+        (answer, encoded)
     });
-    Ok(Some(lsp::SemanticTokensFullDeltaResult::TokensDelta(
-        lsp::SemanticTokensDelta {
-            result_id: Some(name),
-            edits: edits.collect(),
-        },
-    )))
+    let (answer, encoded) = answered.await?;
+    let mut session = server.session();
+    let sent = (name, encoded);
+    session.tokens.insert(uri.as_str().to_owned(), sent);
+    answer
 }
 
 pub(super) async fn semantic_tokens_range(
     server: &Backend,
     params: lsp::SemanticTokensRangeParams,
-) -> Result<Option<lsp::SemanticTokensRangeResult>> {
-    let encoded = server
-        .ask(&params.text_document.uri, move |snapshot| {
-            tokens::encode(snapshot, Some(places(params.range)))
+) -> Result<Answer> {
+    server
+        .answer(&params.text_document.uri, move |snapshot| {
+            let encoded = tokens::encode(snapshot, Some(places(params.range)));
+            lsp::SemanticTokens {
+                result_id: None,
+                data: outgoing::tokens(&encoded),
+            }
         })
-        .await?;
-    Ok(Some(lsp::SemanticTokensRangeResult::Tokens(
-        lsp::SemanticTokens {
-            result_id: None,
-            data: outgoing::tokens(&encoded),
-        },
-    )))
+        .await
 }
 
-pub(super) async fn inlay_hint(
-    server: &Backend,
-    params: lsp::InlayHintParams,
-) -> Result<Option<Vec<lsp::InlayHint>>> {
+pub(super) async fn inlay_hint(server: &Backend, params: lsp::InlayHintParams) -> Result<Answer> {
     let (settings, values) = {
         let session = server.session();
         let live = session.previews.live(params.text_document.uri.as_str());
         (session.settings, live.cloned())
     };
     server
-        .ask(&params.text_document.uri, move |snapshot| {
+        .answer(&params.text_document.uri, move |snapshot| {
             let range = span(snapshot, params.range);
             let mut found = hints::hints(snapshot.reading(), range);
             if let Some(values) = values {
@@ -147,27 +140,21 @@ pub(super) async fn inlay_hint(
                     settings.splits
                 }
             });
-            Some(wanted.map(|hint| outgoing::hint(snapshot, hint)).collect())
+            let wanted = wanted.map(|hint| outgoing::hint(snapshot, hint));
+            wanted.collect::<Vec<_>>()
         })
         .await
 }
 
-pub(super) async fn code_lens(
-    server: &Backend,
-    params: lsp::CodeLensParams,
-) -> Result<Option<Vec<lsp::CodeLens>>> {
+pub(super) async fn code_lens(server: &Backend, params: lsp::CodeLensParams) -> Result<Answer> {
     if !server.session().settings.lenses {
-        return Ok(Some(Vec::new()));
+        return answer(&[(); 0]);
     }
     server
-        .ask(&params.text_document.uri, |snapshot| {
+        .answer(&params.text_document.uri, |snapshot| {
             let lenses = lens::lenses(snapshot.reading());
-            Some(
-                lenses
-                    .iter()
-                    .map(|lens| outgoing::lens(snapshot, lens))
-                    .collect(),
-            )
+            let lenses = lenses.iter().map(|lens| outgoing::lens(snapshot, lens));
+            lenses.collect::<Vec<_>>()
         })
         .await
 }
@@ -202,11 +189,11 @@ pub(super) async fn code_action(
 pub(super) async fn formatting(
     server: &Backend,
     params: lsp::DocumentFormattingParams,
-) -> Result<Option<Vec<lsp::TextEdit>>> {
+) -> Result<Answer> {
     server
-        .ask(&params.text_document.uri, |snapshot| {
+        .answer(&params.text_document.uri, |snapshot| {
             let edits = format::format(snapshot.reading(), None);
-            Some(outgoing::text_edits(snapshot, &edits))
+            outgoing::text_edits(snapshot, &edits)
         })
         .await
 }

@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
+use serde::Serialize;
 use tower_lsp::jsonrpc::{Error, ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
 
 use super::Backend;
+use crate::direct::{Answer, answer};
 use crate::documents::{Open, Snapshot};
 
 impl Backend {
@@ -24,6 +26,15 @@ impl Backend {
     ) -> Result<T> {
         let snapshot = self.snapshot(uri)?;
         self.work(move || feature(&snapshot)).await
+    }
+
+    /// The same, for a large answer: it is written on the worker too.
+    pub(super) async fn answer<T: Serialize>(
+        &self,
+        uri: &lsp::Uri,
+        feature: impl FnOnce(&Snapshot) -> T + Send + 'static,
+    ) -> Result<Answer> {
+        self.ask(uri, |snapshot| answer(&feature(snapshot))).await?
     }
 
     /// Runs something on a worker when there is a place. A request that is cancelled while it waits is never begun.

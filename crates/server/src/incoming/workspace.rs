@@ -7,10 +7,12 @@ use protocol::View;
 use tower_lsp::Client;
 use tower_lsp::jsonrpc::{ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
+use tower_lsp::ls_types::notification::Notification as _;
 
 use super::documents::is_previewed;
 use super::work::failed;
 use super::{Backend, window};
+use crate::direct::{Answer, Outlet, answer};
 use crate::documents::Snapshot;
 use crate::outgoing;
 use crate::preview;
@@ -40,10 +42,7 @@ pub(super) async fn did_change_workspace_folders(
         .extend(params.event.added.iter().filter_map(path));
 }
 
-pub(super) async fn symbol(
-    server: &Backend,
-    params: lsp::WorkspaceSymbolParams,
-) -> Result<Option<lsp::WorkspaceSymbolResponse>> {
+pub(super) async fn symbol(server: &Backend, params: lsp::WorkspaceSymbolParams) -> Result<Answer> {
     let (open, folders, encoding) = {
         let session = server.session();
         let documents = &session.documents;
@@ -54,10 +53,9 @@ pub(super) async fn symbol(
         )
     };
     let query = params.query;
-    let progress = match params.work_done_progress_params.work_done_token {
-        Some(token) => Some(Progress::begin(&server.client, token, "Reading the workspace").await),
-        None => None,
-    };
+    let token = params.work_done_progress_params.work_done_token;
+    let progress =
+        token.map(|token| Progress::begin(&server.outlet, token, "Reading the workspace"));
     let searched = server.work(move || {
         let mut found = Vec::new();
         let mut names: Vec<String> = Vec::new();
@@ -78,13 +76,12 @@ pub(super) async fn symbol(
             }
         }
         found.truncate(MOST_SYMBOLS);
-        found
+        answer(&found)
     });
     let found = searched.await;
-    if let Some(progress) = progress {
-        progress.end().await;
-    }
-    Ok(Some(lsp::WorkspaceSymbolResponse::Flat(found?)))
+    // The answer comes behind it.
+    drop(progress);
+    found?
 }
 
 pub(super) async fn execute_command(
@@ -165,36 +162,43 @@ fn matching(snapshot: &Snapshot, query: &str, found: &mut Vec<lsp::SymbolInforma
     found.extend(entries.map(|entry| outgoing::symbol_information(snapshot, &uri, entry)));
 }
 
-/// A progress bar that the editor has offered with a request.
-struct Progress<'c> {
-    client: &'c Client,
+/// A progress bar that the editor has offered with a request: from the first to the last that is said of it. It goes the
+/// way of the answers, so that it ends before they come.
+struct Progress<'o> {
+    outlet: &'o Outlet,
     token: lsp::ProgressToken,
 }
 
-impl<'c> Progress<'c> {
-    async fn begin(client: &'c Client, token: lsp::ProgressToken, title: &str) -> Self {
-        let progress = Self { client, token };
+impl<'o> Progress<'o> {
+    fn begin(outlet: &'o Outlet, token: lsp::ProgressToken, title: &str) -> Self {
+        let progress = Self { outlet, token };
         let begin = lsp::WorkDoneProgressBegin {
             title: title.to_owned(),
             cancellable: Some(true),
             ..lsp::WorkDoneProgressBegin::default()
         };
-        progress.send(lsp::WorkDoneProgress::Begin(begin)).await;
+        progress.send(lsp::WorkDoneProgress::Begin(begin));
         progress
     }
 
-    async fn end(self) {
-        let end = lsp::WorkDoneProgress::End(lsp::WorkDoneProgressEnd::default());
-        self.send(end).await;
-    }
-
-    async fn send(&self, value: lsp::WorkDoneProgress) {
+    fn send(&self, value: lsp::WorkDoneProgress) {
         let params = lsp::ProgressParams {
             token: self.token.clone(),
             value: lsp::ProgressParamsValue::WorkDone(value),
         };
-        self.client
-            .send_notification::<lsp::notification::Progress>(params)
-            .await;
+        let message = serde_json::json!({
+            "jsonrpc": "2.0",
+            "method": lsp::notification::Progress::METHOD,
+            "params": params,
+        });
+        self.outlet.send(message.to_string().into_bytes());
+    }
+}
+
+/// Where the request is cancelled too.
+impl Drop for Progress<'_> {
+    fn drop(&mut self) {
+        let end = lsp::WorkDoneProgressEnd::default();
+        self.send(lsp::WorkDoneProgress::End(end));
     }
 }

@@ -1,0 +1,174 @@
+//! Large answers: written as text where they are made, and sent past the protocol's own way, which would first build a
+//! tree of all their values.
+//!
+//! What flows in: requests, and for some of them an answer that is JSON already. What flows out: whole messages for the
+//! writer, in their order, beside those that the protocol writes. State, cancellation and errors stay the protocol's
+//! business: a request is only given the name of a method that answers with text.
+
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+
+use serde::Serialize;
+use tokio::sync::mpsc::{UnboundedReceiver, UnboundedSender, unbounded_channel};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tower_lsp::jsonrpc::{Error, Id, Request, Response, Result};
+use tower_lsp::ls_types::LSPAny;
+use tower_service::Service;
+
+/// The methods that answer with text, by the protocol's names and by ours.
+macro_rules! methods {
+    ($($name:ident = $method:literal;)*) => {
+        $(pub(crate) const $name: &str = concat!("text:", $method);)*
+
+        /// Our name for a method of the protocol that answers with text.
+        fn named(method: &str) -> Option<&'static str> {
+            match method {
+                $($method => Some($name),)*
+                _ => None,
+            }
+        }
+    };
+}
+
+methods! {
+    CODE_LENS = "textDocument/codeLens";
+    COMPLETION = "textDocument/completion";
+    DIAGNOSTIC = "textDocument/diagnostic";
+    DOCUMENT_SYMBOL = "textDocument/documentSymbol";
+    FOLDING_RANGE = "textDocument/foldingRange";
+    FORMATTING = "textDocument/formatting";
+    INLAY_HINT = "textDocument/inlayHint";
+    REFERENCES = "textDocument/references";
+    SYMBOL = "workspace/symbol";
+    TOKENS = "textDocument/semanticTokens/full";
+    TOKENS_DELTA = "textDocument/semanticTokens/full/delta";
+    TOKENS_RANGE = "textDocument/semanticTokens/range";
+}
+
+/// How many large answers may wait for the editor to read them: while they do, their requests are not done.
+const MOST_WAITING: usize = 8;
+
+/// An answer as JSON.
+#[derive(Debug)]
+pub(crate) struct Answer(String);
+
+/// It passes the protocol as one string.
+impl Serialize for Answer {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> std::result::Result<S::Ok, S::Error> {
+        to.serialize_str(&self.0)
+    }
+}
+
+/// Writes an answer.
+///
+/// # Errors
+/// An internal error; the protocol's types can all be written.
+pub(crate) fn answer(value: &impl Serialize) -> Result<Answer> {
+    serde_json::to_string(value)
+        .map(Answer)
+        .map_err(|_| Error::internal_error())
+}
+
+/// A whole message, without its header.
+#[derive(Debug)]
+pub(crate) struct Message {
+    pub(crate) body: Vec<u8>,
+    /// Given back when the message has been written.
+    _room: Option<OwnedSemaphorePermit>,
+}
+
+impl From<Vec<u8>> for Message {
+    fn from(body: Vec<u8>) -> Self {
+        Self { body, _room: None }
+    }
+}
+
+/// Takes messages for the editor, from the first to the last.
+#[derive(Clone, Debug)]
+pub(crate) struct Outlet {
+    messages: UnboundedSender<Message>,
+    room: Arc<Semaphore>,
+}
+
+impl Outlet {
+    /// An outlet, and where its messages come out.
+    pub(crate) fn new() -> (Self, UnboundedReceiver<Message>) {
+        let (messages, out) = unbounded_channel();
+        let room = Arc::new(Semaphore::new(MOST_WAITING));
+        (Self { messages, room }, out)
+    }
+
+    /// Sends a small message.
+    pub(crate) fn send(&self, body: Vec<u8>) {
+        let _ = self.messages.send(body.into());
+    }
+
+    /// Sends an answer once there is room for it.
+    async fn answer(&self, id: &Id, text: &str) {
+        let room = self.room.clone().acquire_owned().await.ok();
+        let id = serde_json::to_string(id).unwrap_or_else(|_| "null".to_owned());
+        let parts = [r#"{"jsonrpc":"2.0","id":"#, &id, r#","result":"#, text, "}"];
+        let _ = self.messages.send(Message {
+            body: parts.concat().into_bytes(),
+            _room: room,
+        });
+    }
+}
+
+/// The protocol's service, past which some answers go.
+#[derive(Debug)]
+pub(crate) struct Direct<S> {
+    inner: S,
+    outlet: Outlet,
+}
+
+impl<S> Direct<S> {
+    pub(crate) fn new(inner: S, outlet: Outlet) -> Self {
+        Self { inner, outlet }
+    }
+}
+
+impl<S> Service<Request> for Direct<S>
+where
+    S: Service<Request, Response = Option<Response>>,
+    S::Future: Send + 'static,
+    S::Error: Send,
+{
+    type Response = Option<Response>;
+    type Error = S::Error;
+    type Future =
+        Pin<Box<dyn Future<Output = std::result::Result<Option<Response>, S::Error>> + Send>>;
+
+    fn poll_ready(&mut self, cx: &mut Context<'_>) -> Poll<std::result::Result<(), S::Error>> {
+        self.inner.poll_ready(cx)
+    }
+
+    fn call(&mut self, request: Request) -> Self::Future {
+        let Some(name) = named(request.method()) else {
+            return Box::pin(self.inner.call(request));
+        };
+        let (_, id, params) = request.into_parts();
+        let mut request = Request::build(name);
+        if let Some(id) = id {
+            request = request.id(id);
+        }
+        if let Some(params) = params {
+            request = request.params(params);
+        }
+        let answered = self.inner.call(request.finish());
+        let outlet = self.outlet.clone();
+        Box::pin(async move {
+            let Some(response) = answered.await? else {
+                return Ok(None);
+            };
+            match response.into_parts() {
+                (id, Ok(LSPAny::String(text))) => {
+                    outlet.answer(&id, &text).await;
+                    Ok(None)
+                }
+                (id, other) => Ok(Some(Response::from_parts(id, other))),
+            }
+        })
+    }
+}
