@@ -324,3 +324,42 @@ fn a_deep_zoom_sees_the_texel_that_it_stands_in_from_edge_to_edge() {
     let centre = nearer.get_pixel(0, 0);
     assert!(nearer.pixels().all(|pixel| pixel == centre));
 }
+
+#[test]
+fn a_coarse_picture_takes_one_of_two_levels_as_often_as_a_fine_one_blends_them() {
+    // Black and white on the first level, grey on all others.
+    let checker = RgbaImage::from_fn(64, 64, |x, y| {
+        let light = if (x + y) % 2 == 0 { 255 } else { 0 };
+        Rgba([light, light, light, 255])
+    });
+    let texture = image_of(checker);
+    for footprint in [1.1_f32, 1.3, 1.4, 1.5, 1.6, 1.9] {
+        let texel = 1.0 / 64.0;
+        let centres = map(64, |x, y| {
+            let at = [x, y].map(|side| (side as f32 + 0.5) * texel);
+            (at, Status::Complete)
+        });
+        let centres = Map {
+            by_pixel: vec![[footprint * texel, 0.0, 0.0, footprint * texel]; 64 * 64],
+            ..centres
+        };
+        // How far a pixel is from grey.
+        let contrasts = |coarse| -> Vec<f32> {
+            let paint = Paint {
+                coarse,
+                ..paint(&texture)
+            };
+            let picture = resolve(&centres, &paint);
+            let contrast = |pixel: &Rgba<u8>| 2.0 * (style::decode(pixel.0[0]) - 0.5).abs();
+            picture.pixels().map(contrast).collect()
+        };
+        let mean = |contrasts: &[f32]| contrasts.iter().sum::<f32>() / contrasts.len() as f32;
+        let (fine, coarse) = (contrasts(false), contrasts(true));
+        assert!(coarse.iter().all(|&it| it < 0.02 || it > 0.98));
+        let (fine, coarse) = (mean(&fine), mean(&coarse));
+        assert!(
+            (fine - coarse).abs() < 1.0 / 16.0,
+            "{footprint}: {fine} and {coarse}"
+        );
+    }
+}

@@ -3,7 +3,7 @@
 //! A pixel shows the image's own colour times the surface's: no light, no gamma change. Its footprint in the image is
 //! what the map knows of its derivative; where it knows none, the difference to the pixel's neighbours.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use expr::processor::{Processor, Work};
 use geodesic::map::Map;
@@ -120,6 +120,7 @@ pub fn resolve_patchwork(patchwork: &Patchwork, paint: &Paint) -> (RgbaImage, Ve
 fn finish(image: &mut RgbaImage, status: &[Status], paint: &Paint) {
     let size = [image.width(), image.height()];
     let width = size[0] as usize;
+    let hatchings: OnceLock<Vec<(Status, Hatching)>> = OnceLock::new();
     image
         .par_chunks_mut(4 * width)
         .enumerate()
@@ -128,11 +129,15 @@ fn finish(image: &mut RgbaImage, status: &[Status], paint: &Paint) {
             if row.iter().all(|&status| status == Status::Complete) {
                 return;
             }
+            let hatchings = hatchings.get_or_init(|| {
+                let of = |status| (status, Hatching::new(status, size));
+                UNSEEN.map(of).into()
+            });
             for (x, pixel) in pixels.chunks_exact_mut(4).enumerate() {
-                if row[x] != Status::Complete {
-                    let [r, g, b] = hatched(size, status, x as u32, y as u32, row[x]);
-                    let colour = [r, g, b].map(style::encode);
-                    pixel.copy_from_slice(&[colour[0], colour[1], colour[2], 255]);
+                let found = hatchings.iter().find(|(status, _)| *status == row[x]);
+                if let Some((_, hatching)) = found {
+                    let border = is_border(size, status, [x, y]);
+                    pixel.copy_from_slice(&hatching.at(border, x + y));
                 }
             }
         });
@@ -227,6 +232,7 @@ impl Work for Row<'_> {
             for (footprint, derivative) in footprints.iter_mut().zip(&derivatives) {
                 *footprint = sampler.footprint(*derivative);
             }
+            sampler.dither(y, &mut footprints);
             for k in 0..count {
                 if status[first + k] == Status::Complete {
                     let [r, g, b] = sampler.averaged(offset[first + k], footprints[k]);
@@ -292,22 +298,59 @@ impl Row<'_> {
     }
 }
 
-/// The hatching of a pixel that shows nothing of the surface; darker along its border to what is seen.
-fn hatched(size: [u32; 2], all: &[Status], x: u32, y: u32, status: Status) -> [f32; 3] {
+/// What a pixel has that shows nothing of the surface.
+const UNSEEN: [Status; 5] = [
+    Status::LeftDomain,
+    Status::ConePoint,
+    Status::Degenerate,
+    Status::Undefined,
+    Status::WorkLimit,
+];
+
+/// The colours of pixels that show nothing of the surface for one reason.
+struct Hatching {
+    /// Beside what is seen.
+    border: [u8; 4],
+    /// Elsewhere, by the sum of column and row.
+    stripes: Vec<[u8; 4]>,
+}
+
+impl Hatching {
+    fn new(status: Status, size: [u32; 2]) -> Self {
+        let opaque = |colour: [f32; 3]| {
+            let [r, g, b] = colour.map(style::encode);
+            [r, g, b, 255]
+        };
+        let unit = style::pixel_unit(size).max(0.4);
+        let places = 0..size[0] + size[1];
+        Self {
+            border: opaque(style::linear(hatching(status)[1]).map(|c| 0.45 * c)),
+            stripes: places
+                .map(|place| opaque(stripes(status, place as f32 + 1.0, unit)))
+                .collect(),
+        }
+    }
+
+    fn at(&self, border: bool, place: usize) -> [u8; 4] {
+        if border {
+            return self.border;
+        }
+        self.stripes.get(place).copied().unwrap_or(self.border)
+    }
+}
+
+/// Whether something of the surface is seen beside a pixel that shows nothing of it.
+fn is_border(size: [u32; 2], all: &[Status], [x, y]: [usize; 2]) -> bool {
     let [width, height] = size;
     let unit = style::pixel_unit(size).max(0.4);
     let seen = |dx: i64, dy: i64| {
-        let (x, y) = (i64::from(x) + dx, i64::from(y) + dy);
+        let (x, y) = (x as i64 + dx, y as i64 + dy);
         let inside = (0..i64::from(width)).contains(&x) && (0..i64::from(height)).contains(&y);
         inside && all[y as usize * width as usize + x as usize] == Status::Complete
     };
     let reach = (unit.round() as i64).max(1);
-    let border = (-reach..=reach)
-        .any(|dy| (-reach..=reach).any(|dx| dx * dx + dy * dy <= reach * reach && seen(dx, dy)));
-    if border {
-        return style::linear(hatching(status)[1]).map(|c| 0.45 * c);
-    }
-    stripes(status, x as f32 + y as f32 + 1.0, unit)
+    (-reach..=reach)
+        .any(|dy| (-reach..=reach).any(|dx| dx * dx + dy * dy <= reach * reach && seen(dx, dy)))
 }
 
 /// The hatching itself: stripes at 45°, their edges softened over a pixel. `place` is the sum of a pixel's column and

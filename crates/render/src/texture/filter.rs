@@ -18,6 +18,19 @@ const OVERLAP: f32 = 0.8;
 /// Levels blend into one another between this share of the way and as much before its end; outside of it one is enough.
 const BLEND_FROM: f32 = 0.25;
 
+/// Where time is short, of two levels that would be blended one is taken, by these thresholds over 4 × 4 pixels: the mean
+/// over them is the blend. (The recursive order of B. E. Bayer, 1973, in 32nds.)
+const THRESHOLDS: [[f32; 4]; 4] = {
+    const ORDER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
+    let mut thresholds = [[0.0; 4]; 4];
+    let mut k = 0;
+    while k < 16 {
+        thresholds[k / 4][k % 4] = (2 * ORDER[k / 4][k % 4] + 1) as f32 / 32.0;
+        k += 1;
+    }
+    thresholds
+};
+
 /// One level in linear light, 65535 for 1. The fourth channel is 1 everywhere: it adds up the weights, and four channels
 /// go through one vector register.
 pub(super) type Light = Vec<[u16; 4]>;
@@ -32,6 +45,8 @@ pub struct Sampler<'a> {
     last: f32,
     /// One over how many times a footprint may be longer than wide.
     narrowest: f32,
+    /// Whether levels are not blended but dithered.
+    dithers: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -91,14 +106,31 @@ impl<'a> Sampler<'a> {
             last: (levels.len() - 1) as f32,
             levels,
             narrowest: 1.0 / MAX_ANISOTROPY,
+            dithers: false,
         }
     }
 
-    /// The same, with fewer probes where a footprint is long: a little blurred there.
+    /// The same, with fewer probes where a footprint is long, a little blurred there, and each on one level.
     pub(crate) fn coarse(self) -> Self {
         Self {
             narrowest: 1.0 / COARSE_ANISOTROPY,
+            dithers: true,
             ..self
+        }
+    }
+
+    /// Takes one level for each of the footprints of pixels in a row, the first of them at a multiple of four columns, if
+    /// levels are not blended.
+    #[inline(always)]
+    pub(crate) fn dither(&self, row: usize, footprints: &mut [Footprint]) {
+        if !self.dithers {
+            return;
+        }
+        let thresholds = THRESHOLDS[row % 4];
+        for (column, footprint) in footprints.iter_mut().enumerate() {
+            // The share of the upper level, in `trilinear`, is above the threshold.
+            let up = 1.0 - BLEND_FROM - (1.0 - 2.0 * BLEND_FROM) * thresholds[column % 4];
+            footprint.level = (footprint.level + up).floor().min(self.last);
         }
     }
 
