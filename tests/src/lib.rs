@@ -3,7 +3,7 @@
 //! ```text
 //! cases/language/*.cases ──cases.rs──▶ cases ──conformance.rs──▶ what differs from scene::compile
 //! the binary `geotrace`  ──binary.rs──▶ status, output, peak memory
-//! a language server      ──editor.rs──▶ answers, notifications, a transcript
+//! a language server      ──editor.rs, talk.rs──▶ answers, notifications, a transcript
 //! two numbers or pictures ─close.rs, pictures.rs──▶ equal to a stated tolerance, or a message with both
 //! ```
 
@@ -17,6 +17,7 @@ pub mod great_circles;
 pub mod inside;
 pub mod pictures;
 pub mod stiff;
+pub mod talk;
 
 use syntax::diagnostic::Code;
 
