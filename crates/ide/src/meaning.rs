@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use syntax::document::Snapshot;
 use syntax::token::{SymbolId, TokenKind};
 
 use crate::reading::Reading;
@@ -15,6 +16,21 @@ pub(crate) enum Meaning {
     Builtin(TokenKind),
     /// A name of the declaration of this number, as a value or a function.
     Declared(usize, bool),
+}
+
+impl Meaning {
+    /// What a token of a document means, without going through all of it.
+    pub(crate) fn of(document: &Snapshot, kind: TokenKind) -> Self {
+        let (id, is_function) = match kind {
+            TokenKind::Constant(id) => (id, false),
+            TokenKind::Function(id) => (id, true),
+            kind => return Self::Plain(kind),
+        };
+        match document.declaration_of(id) {
+            Some(item) => Self::Declared(item as usize, is_function),
+            None => Self::Builtin(kind),
+        }
+    }
 }
 
 /// The declarations of a text by their symbols.

@@ -1,17 +1,18 @@
 //! Renaming: every use of a name gets another, and every other word keeps its reading.
 //!
 //! Words are split into the longest names that are defined, so a new name may be read where it was never meant. The
-//! renamed text is therefore read again and compared with the old one, token by token; a word that would be read
-//! otherwise is written apart, and what blanks cannot mend is refused.
+//! edits are therefore made on a copy of the document and what is read again is compared with what it was, token by
+//! token; a word that would be read otherwise is written apart, and what blanks cannot mend is refused. What is not read
+//! again is what it was.
 
-use std::ops::Range;
+use std::collections::HashSet;
 
-use syntax::diagnostic::{Code, Severity};
+use syntax::document::{ChunkId, Document, Snapshot};
 use syntax::span::Span;
 use syntax::token::{DeclareWord, TokenKind};
 
-use crate::edit::{self, Edit};
-use crate::meaning::Meanings;
+use crate::edit::Edit;
+use crate::meaning::Meaning;
 use crate::reading::{Lexeme, Reading, Target, introduces_in};
 
 /// Why a name cannot be changed; [`std::fmt::Display`] gives the sentence.
@@ -106,9 +107,9 @@ pub fn rename(reading: &Reading, offset: u32, name: &str) -> Result<Vec<Edit>, R
     // Each round writes apart what the last one found; a word is cut at most as often as it has letters.
     loop {
         let edits = edits(reading, &renamed, &blanks, name);
-        let again = Reading::new(edit::apply(reading.text(), &edits));
-        let Some(token) = first_difference(reading, &again, &renamed, name) else {
-            return keeps_errors(reading, &again).map(|()| edits);
+        let again = Renamed::new(reading, &edits);
+        let Some(token) = again.first_difference(reading, &renamed, name) else {
+            return again.keeps_errors(reading).map(|()| edits);
         };
         let before = blanks.len();
         blanks.extend(seams(reading, token));
@@ -123,36 +124,6 @@ pub fn rename(reading: &Reading, offset: u32, name: &str) -> Result<Vec<Edit>, R
             });
         }
     }
-}
-
-/// Whether the same errors are found: a name that was taken would be free where it is declared once more, and would then
-/// mean something else there.
-fn keeps_errors(reading: &Reading, again: &Reading) -> Result<(), RenameError> {
-    let errors = |reading: &Reading| -> Vec<(Code, Span)> {
-        let found = reading.diagnostics().iter();
-        let errors = found.filter(|diagnostic| diagnostic.severity == Severity::Error);
-        errors.map(|error| (error.code, error.span)).collect()
-    };
-    let (old, new) = (errors(reading), errors(again));
-    if old
-        .iter()
-        .map(|(code, _)| code)
-        .eq(new.iter().map(|(code, _)| code))
-    {
-        return Ok(());
-    }
-    let differs = old
-        .iter()
-        .zip(&new)
-        .find(|((one, _), (other, _))| one != other);
-    let span = differs
-        .map(|((_, span), _)| *span)
-        .or(old.last().map(|(_, span)| *span));
-    let span = span.unwrap_or_default();
-    Err(RenameError::ReadOtherwise {
-        word: span.text(reading.text()).to_owned(),
-        line: line(reading, span.start),
-    })
 }
 
 /// Whether the name is one, and free.
@@ -204,39 +175,82 @@ fn edits(reading: &Reading, renamed: &[usize], blanks: &[u32], name: &str) -> Ve
     edits
 }
 
-/// The first token that is read otherwise, as a position in the old reading.
-fn first_difference(old: &Reading, new: &Reading, renamed: &[usize], name: &str) -> Option<usize> {
-    let mut renamed = renamed.iter().copied().peekable();
-    let all = |reading: &Reading| 0..reading.token_count();
-    let (meanings, others) = (Meanings::of(old), Meanings::of(new));
-    let introduced = |reading| reading_introduced(reading, all(reading));
-    let (introduced, mut also_introduced) = (introduced(old), introduced(new).into_iter());
-    let mut new_tokens = new.tokens(all(new));
-    let old_tokens = old.tokens(all(old)).zip(introduced).enumerate();
-    for (k, (token, introduces)) in old_tokens {
-        let is_renamed = renamed.next_if_eq(&k).is_some();
-        let text = if is_renamed { name } else { token.text };
-        let is_same = new_tokens.next().is_some_and(|other| {
-            meanings.get(token.kind) == others.get(other.kind)
-                && text == other.text
-                && also_introduced.next() == Some(introduces)
-        });
-        if !is_same {
-            return Some(k);
-        }
-    }
-    (new.token_count() > old.token_count()).then(|| old.token_count().saturating_sub(1))
+/// A copy of a document with the edits of a renaming.
+struct Renamed {
+    document: Document,
+    /// What was read again, in the order of the text.
+    read: Vec<ChunkId>,
 }
 
-/// Whether each of the tokens introduces a name.
-fn reading_introduced(reading: &Reading, tokens: Range<usize>) -> Vec<bool> {
-    let document = reading.document();
-    let pieces = document.pieces_from(document.piece_at(0));
-    let all = pieces.flat_map(|piece| {
-        let tokens = 0..piece.tokens.len();
-        tokens.map(move |index| introduces_in(piece, index))
-    });
-    all.take(tokens.len()).collect()
+impl Renamed {
+    fn new(reading: &Reading, edits: &[Edit]) -> Self {
+        let before = reading.document();
+        let mut document = Document::of(before.clone());
+        let mut read = HashSet::new();
+        // From the last to the first, so that the places of the others stay.
+        for edit in edits.iter().rev() {
+            match document.edit(edit.span, &edit.text) {
+                Ok(change) => read.extend(change.read),
+                // The text would be too large: the name stays what it was, which is found below.
+                Err(_) => read.extend(before.piece_at(edit.span.start).map(|it| it.chunk)),
+            }
+        }
+        let mut read: Vec<ChunkId> = read.into_iter().collect();
+        read.sort_by_key(|chunk| before.rank(*chunk));
+        Self { document, read }
+    }
+
+    /// The first token that is read otherwise, as a position in the old reading.
+    fn first_difference(&self, old: &Reading, renamed: &[usize], name: &str) -> Option<usize> {
+        let (before, after): (&Snapshot, &Snapshot) = (old.document(), &self.document);
+        self.read.iter().find_map(|chunk| {
+            let (piece, other) = (before.piece_of(*chunk), after.piece_of(*chunk));
+            let first = piece.first_token as usize;
+            let is_same = |k: usize| {
+                let (Some(token), Some(read)) = (piece.tokens.get(k), other.tokens.get(k)) else {
+                    return false;
+                };
+                let text = match renamed.binary_search(&(first + k)) {
+                    Ok(_) => name,
+                    Err(_) => token.span.text(piece.text),
+                };
+                Meaning::of(before, token.kind) == Meaning::of(after, read.kind)
+                    && text == read.span.text(other.text)
+                    && introduces_in(piece, k) == introduces_in(other, k)
+            };
+            let count = piece.tokens.len();
+            let differs = (0..count).find(|k| !is_same(*k));
+            let longer = (other.tokens.len() > count).then(|| count.saturating_sub(1));
+            differs.or(longer).map(|k| first + k)
+        })
+    }
+
+    /// Whether the same errors are found: a name that was taken would be free where it is declared once more, and would
+    /// then mean something else there.
+    fn keeps_errors(&self, old: &Reading) -> Result<(), RenameError> {
+        for &chunk in &self.read {
+            let errors = old.document().errors(chunk);
+            let mut found = self.document.errors(chunk).map(|(code, _)| code);
+            let mut last = None;
+            for (code, span) in errors {
+                last = Some(span);
+                if found.next() != Some(code) {
+                    break;
+                }
+                last = None;
+            }
+            let is_more = found.next().is_some();
+            if last.is_some() || is_more {
+                let piece = old.document().piece_of(chunk);
+                let span = last.or(piece.tokens.span(0)).unwrap_or_default();
+                return Err(RenameError::ReadOtherwise {
+                    word: span.text(piece.text).to_owned(),
+                    line: line(old, span.moved(piece.start).start),
+                });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Whether a token is made of letters or digits.
@@ -287,4 +301,40 @@ fn word(reading: &Reading, token: usize) -> String {
 
 fn line(reading: &Reading, offset: u32) -> u32 {
     reading.document().line(offset)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Renamed, edits};
+    use crate::reading::{Reading, Target};
+
+    #[test]
+    fn what_is_read_again_is_what_uses_the_name_however_long_the_program_is() {
+        let work = |declarations: usize| {
+            let mut text = "define radius = 2;\n".to_owned();
+            for k in 0..declarations {
+                let used = if k % (declarations / 4) == 0 {
+                    "radius"
+                } else {
+                    "pi"
+                };
+                text += &format!("define a{k} = 2{used} + {k};\n");
+            }
+            let reading = Reading::new(text.as_str());
+            let symbol = reading.document().named("radius").expect("declared");
+            let renamed = reading.occurrences(Target::Symbol(symbol));
+            assert_eq!(renamed.len(), 5);
+            let again = Renamed::new(&reading, &edits(&reading, &renamed, &[], "length"));
+            assert_eq!(again.read.len(), 5);
+            assert_eq!(again.first_difference(&reading, &renamed, "length"), None);
+            let work = again.document.work();
+            (work.cut, work.edited, work.reread)
+        };
+        let (cut, edited, reread) = work(4_000);
+        assert_eq!((edited, reread), (5, 4));
+        // The numbers in the declarations are longer, the declarations as many.
+        let (shorter, edited, reread) = work(40);
+        assert_eq!((edited, reread), (5, 4));
+        assert!(cut < shorter + 5 * 10, "{cut} and {shorter}");
+    }
 }

@@ -2,6 +2,8 @@
 
 use ide::rename::{RenameError, rename};
 use ide::{Reading, edit};
+use syntax::diagnostic::Severity;
+use syntax::token::TokenKind;
 
 fn renamed(text: &str, name: &str) -> Result<String, RenameError> {
     let at = text.find('|').expect("a mark");
@@ -80,5 +82,82 @@ fn a_name_that_is_declared_twice_keeps_its_error() {
     assert!(
         matches!(error, RenameError::ReadOtherwise { .. }),
         "{error}"
+    );
+}
+
+/// A token's text, and what it means: the number of a declaration, or its own kind.
+fn meanings(reading: &Reading) -> Vec<(String, String)> {
+    let tokens = reading.tokens(0..reading.token_count());
+    tokens
+        .map(|token| {
+            let item = match token.kind {
+                TokenKind::Constant(id) | TokenKind::Function(id) => reading.item_of(id),
+                _ => None,
+            };
+            let meaning = match item {
+                Some(item) => format!("declaration {item}"),
+                None => format!("{:?}", token.kind),
+            };
+            (token.text.to_owned(), meaning)
+        })
+        .collect()
+}
+
+#[test]
+fn what_is_renamed_means_what_it_meant_in_programs_of_names_that_begin_with_each_other() {
+    let names = ["s", "si", "six", "x", "xs", "a", "ab", "pis", "t"];
+    let mut seed = 11_u64;
+    let mut random = |below: usize| {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (seed >> 33) as usize % below
+    };
+    let (mut done, mut apart, mut refused) = (0, 0, 0);
+    for _ in 0..400 {
+        let mut text = String::new();
+        for _ in 0..2 + random(6) {
+            let [name, one, other] = [(); 3].map(|()| names[random(names.len())]);
+            text += &match random(4) {
+                0 => format!("define {name} = 2{one}{other};\n"),
+                1 => format!("function {name}({one}) = {one}{other} + {other} 2;\n"),
+                2 => format!("define {name} = {one}_{other}(1) + pi{other}{one};\n"),
+                _ => format!("define {name} = 1; # {one}\n"),
+            };
+        }
+        let reading = Reading::new(text.as_str());
+        let old = meanings(&reading);
+        let errors = |reading: &Reading| {
+            let found = reading.diagnostics().iter();
+            let errors = found.filter(|found| found.severity == Severity::Error);
+            errors.map(|error| error.code).collect::<Vec<_>>()
+        };
+        for (k, token) in reading.tokens(0..reading.token_count()).enumerate() {
+            let name = ["s", "ix", "xsi", "b", "is"][random(5)];
+            let Some(target) = reading.target(k) else {
+                continue;
+            };
+            let Ok(edits) = rename(&reading, token.span.start, name) else {
+                refused += 1;
+                continue;
+            };
+            let changed = Reading::new(edit::apply(&text, &edits));
+            let mut expected = old.clone();
+            if !edits.is_empty() {
+                for occurrence in reading.occurrences(target) {
+                    expected[occurrence].0 = name.to_owned();
+                }
+            }
+            assert_eq!(meanings(&changed), expected, "{name} at {k} of\n{text}");
+            assert_eq!(
+                errors(&changed),
+                errors(&reading),
+                "{name} at {k} of\n{text}"
+            );
+            done += 1;
+            apart += usize::from(edits.iter().any(|edit| edit.text == " "));
+        }
+    }
+    assert!(
+        done > 500 && apart > 20 && refused > 100,
+        "{done} {apart} {refused}"
     );
 }

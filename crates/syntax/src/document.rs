@@ -45,7 +45,7 @@ use chunk::cut;
 use edit::Pass;
 use findings::HiddenSplit;
 use names::Names;
-use open_words::OpenWords;
+use open_words::{Lookup, OpenWords};
 use sequence::Sequence;
 use shelf::Shelf;
 
@@ -167,6 +167,49 @@ impl Document {
             document.find_hidden(name);
         }
         Ok(document)
+    }
+
+    /// A document that goes on from what another was at a version: for trying edits out. Nothing is read for it.
+    pub fn of(snapshot: Snapshot) -> Self {
+        let mut document = Self {
+            snapshot,
+            free: Vec::new(),
+            open: OpenWords::default(),
+            hidden: HashMap::new(),
+            version: 0,
+            journal: VecDeque::new(),
+            work: Work::default(),
+        };
+        let Self {
+            snapshot,
+            free,
+            open,
+            ..
+        } = &mut document;
+        let mut touched = BTreeSet::new();
+        for (id, chunk) in (0..).map(ChunkId).zip(snapshot.chunks.iter()) {
+            let Some(chunk) = chunk else {
+                free.push(id);
+                continue;
+            };
+            for lookup in &chunk.lookups {
+                if let Lookup::Open {
+                    start,
+                    end,
+                    length,
+                    is_split,
+                } = *lookup
+                {
+                    let rest = &chunk.text[start as usize..end as usize];
+                    open.enter(id, rest, length, is_split);
+                }
+            }
+            snapshot.touch(chunk, &mut touched);
+        }
+        for name in touched {
+            document.find_hidden(name);
+        }
+        document
     }
 
     /// Replaces the bytes of a range.

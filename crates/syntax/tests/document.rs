@@ -333,6 +333,10 @@ fn storm(seed: u64, edits: usize) {
         for _ in 0..EDITS_OF_ONE {
             let (range, inserted) = edit(&mut random, &text);
             let before = text.clone();
+            if random.below(20) == 0 {
+                // One that goes on from what this one was is none the worse.
+                document = Document::of(document.snapshot());
+            }
             let outcome = document.edit(range, &inserted);
             assert!(outcome.is_ok(), "{outcome:?}");
             text.replace_range(range.start as usize..range.end as usize, &inserted);

@@ -228,24 +228,6 @@ impl Document {
         chunks.set(id.0 as usize, Some(Arc::new(withdrawn)), None);
     }
 
-    /// Notes the names whose letters a chunk splits.
-    fn touch(&self, chunk: &Chunk, touched: &mut BTreeSet<NameId>) {
-        for lookup in &chunk.lookups {
-            if let Lookup::Open {
-                start,
-                end,
-                length,
-                is_split: true,
-            } = *lookup
-            {
-                let rest = &chunk.text[start as usize..end as usize];
-                self.names.hiding(rest, length, |name| {
-                    touched.insert(name);
-                });
-            }
-        }
-    }
-
     /// Reads a chunk with the names above it. All that it had declared and asked has been struck out.
     pub(super) fn read(
         &mut self,
@@ -365,6 +347,26 @@ impl Document {
                 }
             }
             pass.touched.insert(name);
+        }
+    }
+}
+
+impl Snapshot {
+    /// Notes the names whose letters a chunk splits.
+    pub(super) fn touch(&self, chunk: &Chunk, touched: &mut BTreeSet<NameId>) {
+        for lookup in &chunk.lookups {
+            if let Lookup::Open {
+                start,
+                end,
+                length,
+                is_split: true,
+            } = *lookup
+            {
+                let rest = &chunk.text[start as usize..end as usize];
+                self.names.hiding(rest, length, |name| {
+                    touched.insert(name);
+                });
+            }
         }
     }
 }

@@ -6,6 +6,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use crate::diagnostic::{Code, Severity};
 use crate::line_index::Position;
 use crate::span::Span;
 use crate::symbols::{Parsed, Symbol};
@@ -165,6 +166,13 @@ impl Snapshot {
     /// What was read of a chunk; places count from its start.
     pub fn events(&self, chunk: ChunkId) -> Events<'_> {
         self.chunk(chunk).events()
+    }
+
+    /// The errors that the parser has found in a chunk, in its order; places count from the chunk's start.
+    pub fn errors(&self, chunk: ChunkId) -> impl Iterator<Item = (Code, Span)> + '_ {
+        let findings = self.chunk(chunk).findings.iter();
+        let errors = findings.filter(|it| it.diagnostic.severity == Severity::Error);
+        errors.map(|it| (it.diagnostic.code, it.diagnostic.span))
     }
 
     /// The tokens that a range touches, comments too, in order; places are those of the text.
