@@ -173,20 +173,6 @@ fn end_at(x: i32, y: i32) -> End {
     return from_apex(end, coordinates - 1u);
 }
 
-// What is not seen: stripes at 45°, darker along its border to what is.
-fn hatched(x: i32, y: i32, status: u32) -> vec3f {
-    let paper = resolve.hatching[2u * status].rgb;
-    let stripe = resolve.hatching[2u * status + 1u].rgb;
-    for (var dy = -resolve.reach; dy <= resolve.reach; dy++) {
-        for (var dx = -resolve.reach; dx <= resolve.reach; dx++) {
-            if dx * dx + dy * dy <= resolve.reach * resolve.reach && is_seen(x + dx, y + dy) {
-                return 0.45 * stripe;
-            }
-        }
-    }
-    return stripes(x, y, resolve.hatch, paper, stripe);
-}
-
 @compute @workgroup_size(8, 8)
 fn resolve_patchwork(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= resolve.size.x || id.y >= resolve.rows.y {
@@ -203,7 +189,8 @@ fn resolve_patchwork(@builtin(global_invocation_id) id: vec3u) {
         colour = resolve.colour.rgb * texel;
     } else {
         atomicAdd(&counts[status], 1u);
-        colour = hatched(x, y, status);
+        colour = hatched(x, y, resolve.hatching[2u * status].rgb, resolve.hatching[2u * status + 1u].rgb,
+            resolve.hatch, resolve.reach);
     }
     colours[id.y * resolve.stride.x + id.x] = encoded(
         marked_centre(colour, x, y, resolve.size, resolve.ring, resolve.ring_half));

@@ -9,10 +9,12 @@
 //! places in the picture ──polar.rs, sectors.rs, cell.rs──▶ their ends
 //! ```
 
+mod border;
 mod build;
 mod cell;
 mod coordinates;
 mod event;
+mod group;
 mod indicate;
 mod lanes;
 mod march;
@@ -163,7 +165,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         let rays = self.sectors.rays(sector);
         if s >= sector.unknown_from {
             // Where both end before, that much is known.
-            if let Some(status) = cell::both_ended(rays, t, s) {
+            if let Some(status) = border::both_ended(rays, t, s) {
                 return self.ended(status);
             }
             return self.follow(start, place, s);

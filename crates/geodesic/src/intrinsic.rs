@@ -14,8 +14,8 @@ use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 
 use crate::accelerations;
-use crate::surface::{Jet, JetBlock, Lanes, Scale, Sides, Singles, Surface};
-use crate::topology::{Apex, Topology, at};
+use crate::surface::{Jet, JetBlock, Lanes, Outline, Scale, Singles, Surface};
+use crate::topology::{Topology, at};
 
 /// E, F, G and their first derivatives at a point: `by_u[0]` is ∂E/∂u.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,9 +45,7 @@ pub struct MetricSurface {
     /// The same with the first derivatives alone, which accelerations need.
     slopes: JetTape,
     fixed_slopes: Fixed,
-    domain: [[f64; 2]; 2],
-    topology: Topology,
-    scale: Scale,
+    outline: Outline,
 }
 
 /// Where an input of the tape comes from.
@@ -122,26 +120,16 @@ impl MetricSurface {
             fixed,
             slopes,
             fixed_slopes,
-            domain,
-            topology: Topology::default(),
-            scale: Scale {
-                size: 1.0,
-                stretch: [1.0; 2],
-            },
+            outline: Outline::of(domain),
         };
-        surface.scale = measure(&|uv| surface.jet(uv), domain);
-        surface.topology = Topology::of_metric(
+        surface.outline.scale = measure(&|uv| surface.jet(uv), domain);
+        surface.outline.topology = Topology::of_metric(
             &|uv| surface.form(uv),
             &|uv| surface.jet(uv),
             domain,
-            surface.scale,
+            surface.outline.scale,
         );
         Ok(surface)
-    }
-
-    /// What was found beyond the sides.
-    pub fn topology(&self) -> &Topology {
-        &self.topology
     }
 
     fn accelerations_in<T: Real, const N: usize>(
@@ -231,20 +219,8 @@ impl Surface for MetricSurface {
         false
     }
 
-    fn domain(&self) -> [[f64; 2]; 2] {
-        self.domain
-    }
-
-    fn sides(&self) -> Sides {
-        self.topology.sides
-    }
-
-    fn apex(&self, axis: usize, end: usize) -> Option<Apex> {
-        self.topology.apexes[axis][end]
-    }
-
-    fn scale(&self) -> Scale {
-        self.scale
+    fn outline(&self) -> &Outline {
+        &self.outline
     }
 }
 

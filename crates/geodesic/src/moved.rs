@@ -7,16 +7,15 @@
 use crate::ends::Coordinates;
 use crate::frame::Frame;
 use crate::metric::speed;
-use crate::surface::{Jet, JetBlock, Lanes, Scale, Sides, Singles, Surface};
-use crate::topology::Apex;
+use crate::surface::{Jet, JetBlock, Lanes, Outline, Singles, Surface};
 
 /// A surface σ(u₀ + u, v₀ + v), as a function of (u, v).
 #[derive(Clone, Copy, Debug)]
 pub struct Moved<'s, S: ?Sized> {
     surface: &'s S,
     by: [f64; 2],
-    /// `[axis][end]`: those apexes that the picture comes near to.
-    apexes: [[Option<Apex>; 2]; 2],
+    /// In the new coordinates, with those apexes that the picture comes near to.
+    outline: Outline,
 }
 
 /// The share of a pixel from which on the rounding of u and v is not to be put up with.
@@ -38,15 +37,18 @@ impl<'s, S: Surface + ?Sized> Moved<'s, S> {
         deep.then(|| {
             let by = frame.uv;
             let reach = zoom * f64::from(size[0]).hypot(f64::from(size[1])) / shorter;
-            let domain = surface.domain();
-            let apexes = [0, 1].map(|axis| {
-                [0, 1].map(|end| {
+            let mut outline = *surface.outline();
+            for axis in 0..2 {
+                for end in 0..2 {
+                    let edge = &mut outline.domain[axis][end];
+                    *edge -= by[axis];
                     let mut way = [0.0; 2];
-                    way[axis] = domain[axis][end] - by[axis];
-                    let near = speed(&jet, way) <= FAR * reach;
-                    surface.apex(axis, end).filter(|_| near)
-                })
-            });
+                    way[axis] = *edge;
+                    if speed(&jet, way) > FAR * reach {
+                        outline.topology.apexes[axis][end] = None;
+                    }
+                }
+            }
             let frame = Frame {
                 uv: [0.0; 2],
                 ..*frame
@@ -54,7 +56,7 @@ impl<'s, S: Surface + ?Sized> Moved<'s, S> {
             let moved = Self {
                 surface,
                 by,
-                apexes,
+                outline,
             };
             (moved, frame)
         })
@@ -98,20 +100,7 @@ impl<S: Surface + ?Sized> Surface for Moved<'_, S> {
         self.surface.is_embedded()
     }
 
-    fn domain(&self) -> [[f64; 2]; 2] {
-        let domain = self.surface.domain();
-        [0, 1].map(|k| domain[k].map(|x| x - self.by[k]))
-    }
-
-    fn sides(&self) -> Sides {
-        self.surface.sides()
-    }
-
-    fn apex(&self, axis: usize, end: usize) -> Option<Apex> {
-        self.apexes[axis][end]
-    }
-
-    fn scale(&self) -> Scale {
-        self.surface.scale()
+    fn outline(&self) -> &Outline {
+        &self.outline
     }
 }

@@ -136,19 +136,49 @@ pub trait Surface: Sync {
     fn is_embedded(&self) -> bool {
         true
     }
+    /// What is known of it beside its jets.
+    fn outline(&self) -> &Outline;
     /// The domain: `[[u min, u max], [v min, v max]]`.
-    fn domain(&self) -> [[f64; 2]; 2];
+    fn domain(&self) -> [[f64; 2]; 2] {
+        self.outline().domain
+    }
     /// What lies beyond each side of the domain.
-    fn sides(&self) -> Sides;
+    fn sides(&self) -> Sides {
+        self.outline().topology.sides
+    }
     /// The side's single point, where the side has collapsed to one: `axis` 0 for a side of constant u, 1 for
     /// constant v; `end` 0 for its minimum, 1 for its maximum.
     fn apex(&self, axis: usize, end: usize) -> Option<Apex> {
-        let _ = (axis, end);
-        None
+        self.outline().topology.apexes[axis][end]
     }
     /// Lengths typical of the surface.
     fn scale(&self) -> Scale {
-        Scale::measure(&|uv| self.jet(uv), self.domain())
+        self.outline().scale
+    }
+}
+
+/// What is known of a surface beside its jets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outline {
+    /// `[[u min, u max], [v min, v max]]`.
+    pub domain: [[f64; 2]; 2],
+    /// What lies beyond the sides.
+    pub topology: Topology,
+    /// Lengths typical of it.
+    pub scale: Scale,
+}
+
+impl Outline {
+    /// A domain of which nothing else is known yet.
+    pub(crate) fn of(domain: [[f64; 2]; 2]) -> Self {
+        Self {
+            domain,
+            topology: Topology::default(),
+            scale: Scale {
+                size: 1.0,
+                stretch: [1.0; 2],
+            },
+        }
     }
 }
 
@@ -247,9 +277,7 @@ impl Sides {
 pub struct ParametricSurface {
     tape: JetTape,
     fixed: Fixed,
-    domain: [[f64; 2]; 2],
-    topology: Topology,
-    scale: Scale,
+    outline: Outline,
 }
 
 thread_local! {
@@ -286,21 +314,11 @@ impl ParametricSurface {
         let mut surface = Self {
             tape,
             fixed,
-            domain,
-            topology: Topology::default(),
-            scale: Scale {
-                size: 1.0,
-                stretch: [1.0; 2],
-            },
+            outline: Outline::of(domain),
         };
-        surface.scale = Scale::measure(&|uv| surface.jet(uv), domain);
-        surface.topology = Topology::find(&|uv| surface.jet(uv), domain);
+        surface.outline.scale = Scale::measure(&|uv| surface.jet(uv), domain);
+        surface.outline.topology = Topology::find(&|uv| surface.jet(uv), domain);
         Ok(surface)
-    }
-
-    /// What was found beyond the sides.
-    pub fn topology(&self) -> &Topology {
-        &self.topology
     }
 }
 
@@ -345,19 +363,7 @@ impl Surface for ParametricSurface {
         accelerations::embedded(&derivatives, velocity, out);
     }
 
-    fn domain(&self) -> [[f64; 2]; 2] {
-        self.domain
-    }
-
-    fn sides(&self) -> Sides {
-        self.topology.sides
-    }
-
-    fn apex(&self, axis: usize, end: usize) -> Option<Apex> {
-        self.topology.apexes[axis][end]
-    }
-
-    fn scale(&self) -> Scale {
-        self.scale
+    fn outline(&self) -> &Outline {
+        &self.outline
     }
 }

@@ -43,6 +43,10 @@ pub const IMAGE: Piece<'static> = piece!("lib/image.wgsl");
 
 /// From what a pixel sees to its bytes.
 pub const PICTURE: Piece<'static> = piece!("lib/picture.wgsl");
+/// What stands where nothing is seen.
+pub const HATCHING: Piece<'static> = piece!("lib/hatching.wgsl");
+/// What hatching calls: whether anything is seen at a pixel.
+pub const CONTRACT_SEEN: Piece<'static> = piece!("contract/seen.wgsl");
 /// What generated functions call: a uniform's value.
 pub const CONTRACT_UNIFORMS: Piece<'static> = piece!("contract/uniforms.wgsl");
 /// What the generated `evaluate` calls: its inputs and outputs.

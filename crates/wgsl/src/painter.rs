@@ -1,5 +1,6 @@
 //! Painters' shaders: hand-written passes joined with the library. Nothing in them is generated.
 
+use crate::contract::fulfils;
 use crate::join::{InternalError, Joined, join};
 use crate::library::{self, Piece};
 
@@ -30,21 +31,22 @@ pub fn surfaces() -> Result<Joined, InternalError> {
 
 /// From a map of geodesics' ends to colours.
 pub fn resolve_geodesic() -> Result<Joined, InternalError> {
-    join(&[
-        library::NUMBER,
-        library::IMAGE,
-        library::PICTURE,
-        library::PASS_RESOLVE_GEODESIC,
-    ])
+    resolve(library::PASS_RESOLVE_GEODESIC)
 }
 
 /// From a table of polynomials to colours.
 pub fn resolve_patchwork() -> Result<Joined, InternalError> {
+    resolve(library::PASS_RESOLVE_PATCHWORK)
+}
+
+fn resolve(pass: Piece<'_>) -> Result<Joined, InternalError> {
+    fulfils(&pass, &library::CONTRACT_SEEN)?;
     join(&[
         library::NUMBER,
         library::IMAGE,
         library::PICTURE,
-        library::PASS_RESOLVE_PATCHWORK,
+        library::HATCHING,
+        pass,
     ])
 }
 

@@ -55,6 +55,7 @@ fn every_painter_validates() {
         ("curves", painter::curves()),
         ("surfaces", painter::surfaces()),
         ("resolve", painter::resolve_geodesic()),
+        ("resolve patchwork", painter::resolve_patchwork()),
     ] {
         joined.unwrap_or_else(|error| panic!("{name}: {}", error.message));
     }

@@ -6,7 +6,7 @@
 use std::f64::consts::TAU;
 
 use super::FanOptions;
-use super::cell;
+use super::border;
 use super::coordinates::Space;
 use super::march::{self, Plan};
 use super::ray::Ray;
@@ -282,7 +282,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         }
         let order = self.order();
         let stretched =
-            |a: usize, b: usize| cell::is_stretched([&self.rays[a], &self.rays[b % BASE]]);
+            |a: usize, b: usize| border::is_stretched([&self.rays[a], &self.rays[b % BASE]]);
         (0..BASE)
             .map(|n| {
                 // The odd rays are the middles of sectors twice as wide.
@@ -290,7 +290,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                 let [a, middle, b] = [2 * pair, 2 * pair + 1, (2 * pair + 2) % BASE];
                 let rays = [&self.rays[a], &self.rays[b]];
                 let errors = self.profile(rays, 2.0 * step, &self.rays[middle], 0.5);
-                let edge = cell::exit_discrepancy(rays, 2.0 * step, &self.rays[middle]);
+                let edge = border::exit_discrepancy(rays, 2.0 * step, &self.rays[middle]);
                 let mut sector = self.sector(
                     [n, (n + 1) % BASE],
                     n as f64 * step,

@@ -5,9 +5,9 @@
 
 use super::Across;
 use super::build::{ACROSS, Builder, Wanted};
-use super::cell;
 use super::ray::Ray;
 use super::sectors::{BINS, Profile, Sector, bin};
+use super::{border, cell};
 use crate::surface::Surface;
 
 /// An edge is to be at its place to this part of a pixel.
@@ -141,12 +141,12 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
                     .limit()
                     .min(self.pair(sector)[1].limit())
                     >= border)
-            && cell::end_alike(self.pair(sector), border, self.start.pixel)
+            && border::end_alike(self.pair(sector), border, self.start.pixel)
     }
 
     /// The last range of radius that matters.
     pub(super) fn inside(&self, sector: &Sector) -> usize {
-        let far = cell::farthest(self.pair(sector), sector.width);
+        let far = border::farthest(self.pair(sector), sector.width);
         bin(sector.border.min(far), self.start.reach)
     }
 
@@ -182,7 +182,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             sector.errors[bin..].fill(0.0);
         }
         let rays = self.pair(sector);
-        let alike = cell::end_alike(rays, sector.border, self.start.pixel);
+        let alike = border::end_alike(rays, sector.border, self.start.pixel);
         if !alike || sector.edge > EDGE {
             let limit = rays[0].limit().min(rays[1].limit());
             sector.unknown_from = sector.unknown_from.min(limit);
@@ -287,18 +287,18 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let errors = self
             .profile(rays, sector.width, &middle, 0.5)
             .map(|x| x / order);
-        let edge = cell::exit_discrepancy(rays, sector.width, &middle) / f64::from(order);
+        let edge = border::exit_discrepancy(rays, sector.width, &middle) / f64::from(order);
         let half = 0.5 * sector.width;
         let new = self.rays.len();
         self.rays.push(middle);
         let [a, b] = sector.rays;
-        let before = cell::is_stretched(self.pair(&sector));
+        let before = border::is_stretched(self.pair(&sector));
         let mut halves = [
             self.sector([a, new], sector.angle, half, errors, edge),
             self.sector([new, b], sector.angle + half, half, errors, edge),
         ];
         for half in &mut halves {
-            half.proven = cell::is_stretched(self.pair(half)) == before;
+            half.proven = border::is_stretched(self.pair(half)) == before;
         }
         halves
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::cell;
+use super::border;
 use super::ray::Ray;
 use super::start::Start;
 use crate::ends::{Estimate, Work};
@@ -103,7 +103,7 @@ impl Sectors {
         self.sectors.sort_by(|a, b| a.angle.total_cmp(&b.angle));
         for sector in &mut self.sectors {
             let rays = sector.rays.map(|ray| &self.rays[ray]);
-            sector.free_until = cell::free_until(rays).min(sector.unknown_from);
+            sector.free_until = border::free_until(rays).min(sector.unknown_from);
         }
         let parts = (4 * self.sectors.len()).next_power_of_two();
         let mut n = 0;

@@ -1,6 +1,7 @@
 //! Where a parametrisation loses its rank ahead of a ray: the steps would shrink to nothing towards it. Found here.
 
-use super::{Ray, stalled_at};
+use super::ray::Ray;
+use super::stalled_at;
 use crate::chart::Chart;
 use crate::metric::{cross, dot, norm};
 use crate::surface::{Side, Surface};

@@ -1,6 +1,6 @@
 //! Conjugate points: where the Jacobi field of a ray's start is zero again, found within the steps on the way.
 
-use super::Ray;
+use super::ray::Ray;
 use crate::integrate::{Pace, Step};
 use crate::surface::Surface;
 

@@ -1,7 +1,8 @@
 //! Creases, where σ is continuous and its derivatives are not (|u|, max, min): noticed by a jump of the speed, located
 //! by bisection, crossed as light does that keeps its angle to the crease.
 
-use super::{Attempt, Ray, stalled_at};
+use super::ray::{Attempt, Ray};
+use super::stalled_at;
 use crate::chart::{Chart, Local, Motion};
 use crate::integrate::{Pace, Step};
 use crate::metric::{combine, dot, norm};

@@ -1,6 +1,7 @@
 //! What may happen within a step: the crossing of an edge, the passing of a cone's tip. Found and located here.
 
-use super::{Attempt, Ray, stalled_at};
+use super::ray::{Attempt, Ray};
+use super::stalled_at;
 use crate::chart::{Chart, Motion};
 use crate::integrate::{Pace, Step};
 use crate::surface::{Side, Surface};

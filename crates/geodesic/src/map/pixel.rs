@@ -300,6 +300,12 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
 
     /// A pixel's start in (u,v), with a velocity that takes it to its end in the time 1.
     fn whole(&self, place: [f64; 2], out: &mut Row) -> Option<Motion> {
+        if self.frame.coordinates == Coordinates::Plain && self.zoom > 0.0 && place != [0.0; 2] {
+            return Some(Motion {
+                at: self.frame.uv,
+                velocity: self.frame.velocity(place),
+            });
+        }
         let pixel = self.pixel(place, false, out)?;
         let mut start = match pixel.start {
             Start::Plain(motion) => motion,

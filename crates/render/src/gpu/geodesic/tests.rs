@@ -1,9 +1,15 @@
 //! The generated kernel's maps against closed forms.
 
-use scene::scene::Shape;
+use geodesic::ends::Coordinates;
+use geodesic::frame::Frame;
+use geodesic::map::Map;
+use geodesic::surface::Sides;
+use scene::scene::{ObjectId, Shape};
 
+use super::chart::CONE;
 use super::*;
 use crate::gpu::device;
+use crate::request::View;
 
 /// The numbers of sides in lib/chart.wgsl.
 const EDGE: u32 = 0;
@@ -39,7 +45,7 @@ fn map(
             ..Chart::new(
                 &Frame {
                     uv: at,
-                    coordinates: geodesic::ends::Coordinates::Plain,
+                    coordinates: Coordinates::Plain,
                     x,
                     y,
                 },
