@@ -132,12 +132,13 @@ class Window:
         if text is not None:
             self.settle()
 
-    def find(self):
-        """Finds the window on the screen, and gives it all of that and the keys."""
+    def find(self, fill=True):
+        """Finds the window on the screen, and gives it the keys, and with `fill` all of the screen."""
         pid = str(self.process.pid)
         found = lambda: self.screen.run("xdotool", "search", "--onlyvisible", "--pid", pid).split()
         self.id = until("the window is on the screen", lambda: self.ids(found))
-        self.xdotool("windowsize", self.id, *self.screen.size)
+        if fill:
+            self.xdotool("windowsize", self.id, *self.screen.size)
         self.xdotool("windowfocus", self.id)
 
     @staticmethod

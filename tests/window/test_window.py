@@ -370,6 +370,9 @@ class Gpu(OnScreen):
             return [f"lose={signs[0]}"]
 
         window = self.open(SPHERE, faults=loses)
+        window.xdotool("windowsize", window.id, 1111, 777)
+        window.settle()
+        size = self.size_of(window)
         window.hold("w")
         window.click("Program text")
         window.key("ctrl+End")
@@ -382,9 +385,10 @@ class Gpu(OnScreen):
         # Another window of the same process takes its place.
         window.place("the GPU was lost; the window was opened again")
         until("the old one is gone", lambda: not self.is_there(first))
-        window.find()
+        window.find(fill=False)
         after = window.settle()
         self.screen.keep("gpu-lost")
+        self.assertEqual(self.size_of(window), size)
         for kept in ("eye", "params", "status", "version"):
             self.assertEqual(after[kept], before[kept], kept)
         self.assertEqual(window.file.read_text(), SPHERE, "what was not saved is not written")
@@ -395,6 +399,10 @@ class Gpu(OnScreen):
         window.key("ctrl+s")
         until("the text was kept", lambda: window.file.read_text() == SPHERE + "point q = (1, 1, 1);")
         self.assertIsNone(window.process.poll())
+
+    def size_of(self, window):
+        told = self.screen.run("xdotool", "getwindowgeometry", "--shell", window.id).decode().split()
+        return [part for part in told if part.startswith(("WIDTH", "HEIGHT"))]
 
     def is_there(self, window):
         try:

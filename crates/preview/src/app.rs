@@ -57,7 +57,8 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
         let create = move |context: &CreationContext<'_>| -> Result<Box<dyn App>, Box<dyn std::error::Error + Send + Sync>> {
             Ok(Box::new(Preview::new(context, &own, kept, &faults)?))
         };
-        let run = || eframe::run_native("geotrace", native(), Box::new(create));
+        let size = slot.borrow().as_ref().and_then(|window| window.size);
+        let run = || eframe::run_native("geotrace", native(size), Box::new(create));
         // Whoever draws the controls may meet the loss first, and gives up: the window does not.
         let ended = catch_unwind(AssertUnwindSafe(run));
         let mut window = slot.borrow_mut();
@@ -83,12 +84,13 @@ fn yield_to_the_editor() {
 /// Where the window is.
 type Slot = Rc<RefCell<Option<Window>>>;
 
-fn native() -> NativeOptions {
+/// What is asked of the desktop; a window that is opened again is as large as it was.
+fn native(size: Option<egui::Vec2>) -> NativeOptions {
     NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_title("Geotrace")
             .with_app_id("geotrace")
-            .with_inner_size([1280.0, 800.0])
+            .with_inner_size(size.unwrap_or(egui::vec2(1280.0, 800.0)))
             .with_min_inner_size([480.0, 320.0])
             .with_drag_and_drop(true),
         // Pictures are shown as they were drawn.
@@ -214,6 +216,8 @@ impl App for Preview {
         let painting = f64::from(frame.info().cpu_usage.unwrap_or_default());
         let painting = Duration::try_from_secs_f64(painting).unwrap_or_default();
         window.painting = painting.saturating_sub(window.waited);
+        let room = ui.input(|input| input.viewport().inner_rect);
+        window.size = room.map(|room| room.size() * context.zoom_factor());
         window.show(ui);
         let title = window.title();
         if title != self.title {

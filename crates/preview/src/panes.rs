@@ -290,6 +290,9 @@ impl Behavior<Pane> for Drawer<'_> {
         _tile: TileId,
         button: Response,
     ) -> Response {
+        if button.clicked() {
+            self.window.panes.arranged = true;
+        }
         self.tabs.push(button.clone());
         button
     }

@@ -81,6 +81,8 @@ pub struct Window {
     pub(crate) counters: Counters,
     report: Option<Report>,
     style: Option<(Theme, f32)>,
+    /// How large it is on its screen, in the screen's points.
+    pub(crate) size: Option<egui::Vec2>,
     /// The window is to come to the front.
     pub(crate) raise: bool,
     /// The window is to close.
@@ -191,6 +193,7 @@ impl Window {
             counters: Counters::default(),
             report: None,
             style: None,
+            size: None,
             raise: false,
             closing: false,
             mail,

@@ -355,7 +355,7 @@ fn a_coarse_picture_takes_one_of_two_levels_as_often_as_a_fine_one_blends_them()
         };
         let mean = |contrasts: &[f32]| contrasts.iter().sum::<f32>() / contrasts.len() as f32;
         let (fine, coarse) = (contrasts(false), contrasts(true));
-        assert!(coarse.iter().all(|&it| it < 0.02 || it > 0.98));
+        assert!(coarse.iter().all(|it| !(0.02..=0.98).contains(it)));
         let (fine, coarse) = (mean(&fine), mean(&coarse));
         assert!(
             (fine - coarse).abs() < 1.0 / 16.0,

@@ -324,6 +324,8 @@ fn textures(window: &mut Window, ui: &mut Ui) {
 
 fn views(window: &mut Window, ui: &mut Ui) {
     ui.heading("Views");
+    // Beside the slider stand its name and its number.
+    ui.spacing_mut().slider_width = (ui.available_width() - 165.0).clamp(50.0, 150.0);
     let mut preferences = window.model.view.preferences.clone();
     let before = preferences.clone();
     Grid::new("views")
@@ -355,17 +357,20 @@ fn views(window: &mut Window, ui: &mut Ui) {
             side(ui, "Geo size", &mut preferences.inside_size);
             ui.end_row();
             let label = ui.label("Theme");
-            ui.horizontal(|ui| {
-                for (theme, name) in [
-                    (Theme::System, "System"),
-                    (Theme::Light, "Light"),
-                    (Theme::Dark, "Dark"),
-                ] {
-                    ui.selectable_value(&mut preferences.theme, theme, name);
-                }
-            })
-            .response
-            .labelled_by(label.id);
+            let named = |theme| match theme {
+                Theme::System => "System",
+                Theme::Light => "Light",
+                Theme::Dark => "Dark",
+            };
+            ComboBox::from_id_salt("theme")
+                .selected_text(named(preferences.theme))
+                .show_ui(ui, |ui| {
+                    for theme in [Theme::System, Theme::Light, Theme::Dark] {
+                        ui.selectable_value(&mut preferences.theme, theme, named(theme));
+                    }
+                })
+                .response
+                .labelled_by(label.id);
             ui.end_row();
             let label = ui.label("Size of controls");
             let percent = |scale: f32| format!("{:.0} %", 100.0 * scale);

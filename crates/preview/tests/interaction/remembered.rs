@@ -124,6 +124,24 @@ fn the_panes_are_where_they_were_when_the_window_is_opened_again() {
 }
 
 #[test]
+fn the_tab_in_front_is_in_front_when_the_window_is_opened_again() {
+    let two = format!("{SPHERE}surface t(u,v) = (u, v, 2), u : [0, 1], v : [0, 1];\n");
+    let mut hand = Hand::on(&two);
+    let shown = |hand: &Hand, name: &str| hand.shows(&format!("Geodesic view of {name} from"));
+    let [front, behind] = if shown(&hand, "s") {
+        ["s", "t"]
+    } else {
+        ["t", "s"]
+    };
+    assert!(shown(&hand, front) && !shown(&hand, behind));
+    hand.click(&format!("Geodesic view – {behind}"));
+    hand.settle();
+    assert!(shown(&hand, behind) && !shown(&hand, front));
+    let hand = hand.again();
+    assert!(shown(&hand, behind) && !shown(&hand, front));
+}
+
+#[test]
 fn a_layout_that_makes_no_sense_is_told_and_the_view_is_kept() {
     for layout in [r#"42"#, r#"{"row": []}"#, r#"{"pane": {"cellar": 1}}"#] {
         let mut hand = Hand::on(SPHERE);

@@ -180,6 +180,7 @@ fn settings_of_the_window_are_steps_that_can_be_undone() {
     let mut hand = Hand::on(SPHERE);
     let model = |hand: &Hand| hand.window().model().view.preferences.clone();
     let before = model(&hand);
+    hand.click_on(Role::ComboBox, "Theme");
     hand.click("Dark");
     assert_eq!(model(&hand).theme, preview::model::Theme::Dark);
     hand.settle();
