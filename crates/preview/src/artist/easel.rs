@@ -1,0 +1,284 @@
+//! The easel: what a job needs and what is kept for the next one; a job in, an answer out.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+use render::bounds::Bounds;
+use render::camera::Camera;
+use render::geodesic_view::Inside;
+use render::live::{Counters, Hit, Pixels, Shot, Stage};
+use render::texture::Texture;
+use render::{RenderError, Request, View};
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
+
+use super::{Answer, Drawing, Job, Painted};
+use crate::model::{InsideCamera, SpaceCamera};
+use crate::motion::Motion;
+use crate::orders::{Look, Order, PaneKey, Standing};
+use crate::pilot::{Flight, Pilot};
+
+/// What is kept from one picture to the next.
+pub(super) struct Easel {
+    stage: Stage,
+    /// Whether the stage's GPU is the window's.
+    shares_gpu: bool,
+    pilots: BTreeMap<String, Pilot>,
+    /// Where everything of a scene is seen from, at the settings and size where it was asked for.
+    home: Option<Home>,
+    curvatures: Option<Curvatures>,
+    /// How long the last picture of each pane took.
+    took: BTreeMap<PaneKey, Duration>,
+}
+
+/// A scene with its params, the size of its picture, what is hidden, and the place from which all of the rest is seen.
+type Home = (
+    Arc<Scene>,
+    Arc<Settings>,
+    [u32; 2],
+    Vec<ObjectId>,
+    SpaceCamera,
+);
+
+/// Textures of curvature, of a scene with its params.
+type Curvatures = (Arc<Scene>, Arc<Settings>, Vec<(ObjectId, Arc<Texture>)>);
+
+impl Easel {
+    /// Draws on a stage. If that is on the window's own GPU, pictures stay there.
+    pub(super) fn new(stage: Stage) -> Self {
+        Self {
+            shares_gpu: stage.gpu().is_some(),
+            stage,
+            pilots: BTreeMap::new(),
+            home: None,
+            curvatures: None,
+            took: BTreeMap::new(),
+        }
+    }
+
+    /// Draws on another stage from now on.
+    pub(super) fn move_to(&mut self, stage: Stage) {
+        self.shares_gpu = stage.gpu().is_some();
+        self.stage = stage;
+    }
+
+    /// How long the last picture of a pane took.
+    pub(super) fn took(&self, pane: &PaneKey) -> Option<Duration> {
+        self.took.get(pane).copied()
+    }
+
+    /// What the stage has done so far.
+    pub(super) fn counters(&self) -> Counters {
+        self.stage.counters()
+    }
+
+    /// Does a job; nothing is answered to a move.
+    pub(super) fn answer(&mut self, job: &Job) -> Option<Answer> {
+        Some(match job {
+            Job::Move(_) => return None,
+            Job::Draw(pane, order, motions) => {
+                let start = Instant::now();
+                let mut picture = self.draw(order, motions, start);
+                if picture.is_err() && self.stage.is_lost() {
+                    // The processor is never lost.
+                    self.move_to(Stage::software());
+                    picture = self.draw(order, &[], start);
+                }
+                self.took.insert(pane.clone(), start.elapsed());
+                Answer::Drawn {
+                    pane: pane.clone(),
+                    picture: picture.map(Box::new).map_err(|error| error.to_string()),
+                    order: Box::new(order.clone()),
+                    counters: self.stage.counters(),
+                }
+            }
+            Job::Pick(order, at, purpose) => {
+                let request = order.request(None);
+                let hit = self
+                    .stage
+                    .pick(&order.scene, &order.settings, &request, *at);
+                let hit = hit.ok().flatten();
+                Answer::Picked {
+                    scene: Arc::clone(&order.scene),
+                    camera: hit.and_then(|hit| self.placed(order, &hit)),
+                    hit,
+                    purpose: *purpose,
+                }
+            }
+            Job::Frame(order) => Answer::Framed(self.home(order).ok()?),
+        })
+    }
+
+    fn draw(
+        &mut self,
+        order: &Order,
+        motions: &[Motion],
+        start: Instant,
+    ) -> Result<Drawing, RenderError> {
+        let mut space_camera = None;
+        let inside_camera;
+        let mut walked = None;
+        let mut request: Request = match &order.look {
+            Look::Space {
+                camera, standpoint, ..
+            } => {
+                let seen_from = match camera {
+                    Some(camera) => *camera,
+                    None => self.home(order)?,
+                };
+                space_camera = Some(seen_from);
+                // Where the scene is another one, so is the camera that stands in it: its own picture may come later.
+                let shown = standpoint.as_ref().and_then(|it| self.standing(order, it));
+                let mut order = order.clone();
+                if let Look::Space {
+                    camera, standpoint, ..
+                } = &mut order.look
+                {
+                    *camera = Some(seen_from);
+                    standpoint.clone_from(&shown);
+                }
+                inside_camera = shown.and_then(|it| Some((it.name, it.camera?, it.placed)));
+                order.request(None)
+            }
+            Look::Inside {
+                surface,
+                name,
+                placed,
+                camera,
+                trail,
+            } => {
+                let pilot = self.pilots.entry(name.clone()).or_default();
+                let camera = pilot.fly(&Flight {
+                    scene: &order.scene,
+                    settings: &order.settings,
+                    surface: *surface,
+                    placed: *placed,
+                    camera: *camera,
+                    motions,
+                    trail: *trail,
+                })?;
+                inside_camera = Some((name.clone(), camera, *placed));
+                walked = pilot.walked().cloned();
+                let mut request = order.request(Some(camera));
+                let trail = walked.iter().map(|it| Arc::clone(&it.trail));
+                request.trails.extend(trail);
+                request
+            }
+        };
+        request.textures.extend(self.curvatures(order));
+        let shot: Shot = self.stage.draw(&order.scene, &order.settings, &request)?;
+        let pixels = match shot.pixels {
+            Pixels::Texture(canvas) if self.shares_gpu => Painted::Canvas(canvas),
+            pixels => {
+                let image = self.stage.read(pixels)?;
+                let size = [image.width() as usize, image.height() as usize];
+                // Opaque, so it does not matter whether alpha has been multiplied in; this way is the quick one.
+                let image = egui::ColorImage::from_rgba_premultiplied(size, image.as_raw());
+                Painted::Image(image)
+            }
+        };
+        Ok(Drawing {
+            pixels,
+            notes: shot.notes,
+            overlays: shot.overlays,
+            inside: shot.inside,
+            space_camera,
+            inside_camera,
+            walked,
+            took: start.elapsed(),
+        })
+    }
+
+    /// A geodesic camera as it is now.
+    fn standing(&mut self, order: &Order, told: &Standing) -> Option<Standing> {
+        let pilot = self.pilots.entry(told.name.clone()).or_default();
+        let trail = pilot.trail();
+        let camera = pilot.fly(&Flight {
+            scene: &order.scene,
+            settings: &order.settings,
+            surface: told.surface,
+            placed: told.placed,
+            camera: told.camera,
+            motions: &[],
+            // It is left where it is seen from inside.
+            trail,
+        });
+        Some(Standing {
+            camera: Some(camera.ok()?),
+            ..told.clone()
+        })
+    }
+
+    /// Where everything is seen from.
+    fn home(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
+        let request = order.request(None);
+        if let Some((scene, settings, size, hidden, camera)) = &self.home
+            && Arc::ptr_eq(scene, &order.scene)
+            && *settings == order.settings
+            && *size == order.size
+            && *hidden == request.hidden
+        {
+            return Ok(*camera);
+        }
+        let bounds = Bounds::shown(&order.scene, &order.settings, &request);
+        let camera = Camera::new(&bounds, None, None, order.size)?;
+        let (centre, radius) = (
+            DVec3::from(bounds.placement.centre),
+            bounds.placement.radius,
+        );
+        let world = |place: DVec3| (centre + radius * place).to_array();
+        let ahead = camera.eye.dot(camera.axes[2]);
+        let camera = SpaceCamera {
+            eye: world(camera.eye),
+            target: world(camera.eye - camera.axes[2] * ahead),
+            radius,
+            moved: false,
+        };
+        self.home = Some((
+            Arc::clone(&order.scene),
+            Arc::clone(&order.settings),
+            order.size,
+            request.hidden,
+            camera,
+        ));
+        Ok(camera)
+    }
+
+    /// The textures of curvature, made anew only where the scene or its params are others.
+    fn curvatures(&mut self, order: &Order) -> Vec<(ObjectId, Arc<Texture>)> {
+        if order.curved.is_empty() {
+            return Vec::new();
+        }
+        if let Some((scene, settings, textures)) = &self.curvatures
+            && Arc::ptr_eq(scene, &order.scene)
+            && *settings == order.settings
+            && order
+                .curved
+                .iter()
+                .all(|id| textures.iter().any(|(it, _)| it == id))
+        {
+            let wanted = textures.iter().filter(|(id, _)| order.curved.contains(id));
+            return wanted.cloned().collect();
+        }
+        let textures = order.curvatures();
+        let (scene, settings) = (Arc::clone(&order.scene), Arc::clone(&order.settings));
+        self.curvatures = Some((scene, settings, textures.clone()));
+        textures
+    }
+
+    /// A geodesic camera where something was hit, as long as the one that is on that surface.
+    fn placed(&self, order: &Order, hit: &Hit) -> Option<InsideCamera> {
+        let object = order.scene.objects.get(hit.object.0 as usize)?;
+        object.shape.patch()?;
+        let camera = self.pilots.get(&object.name).and_then(Pilot::camera);
+        let mut request = Request::geodesic(hit.object, order.size);
+        if let View::Geodesic { at, zoom, .. } = &mut request.view {
+            *at = Some(hit.parameters);
+            *zoom = camera.map(|camera| camera.zoom);
+        }
+        let inside = Inside::new(&order.scene, &order.settings, &request).ok()?;
+        Some(InsideCamera::of(&inside.frame, inside.zoom, true))
+    }
+}
