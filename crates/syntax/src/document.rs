@@ -3,7 +3,7 @@
 //! ```text
 //! edit ──▶ edit.rs       which chunks are cut anew, and who reads again what has changed
 //!          chunk.rs      cuts the text behind each `;`: a chunk is a declaration with what stands before it
-//!          record.rs     what was read of a chunk, packed
+//!          record.rs, tags.rs   what was read of a chunk, packed
 //!          sequence.rs   the chunks in order, with sums: offsets and lines in logarithmic time
 //!          names.rs      what a word means at a place; who reads a name
 //!          open_words.rs who would read a name if it were defined
@@ -33,6 +33,7 @@ mod record;
 mod sequence;
 mod shelf;
 mod snapshot;
+mod tags;
 
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::ops::Deref;

@@ -6,11 +6,11 @@
 //! each.
 
 use crate::actions::{Interval, IntervalKind, Operator, Parameter};
-use crate::lexer::literal;
 use crate::span::Span;
-use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
+use crate::token::{DeclareWord, SymbolId, Token};
 
 use super::chunk::{Event, ReadDeclaration};
+use super::tags::{STEPS_END, of_operator, of_token, operator, token_kind, word, word_index};
 
 /// A list of entries.
 #[derive(Clone, Debug)]
@@ -80,7 +80,12 @@ impl Records {
 
     /// Packs the tokens of a text.
     pub(super) fn of_tokens(tokens: &[Token], text: &str) -> Self {
-        let entries: Vec<Entry> = tokens.iter().map(|token| of_token(*token)).collect();
+        let entries = tokens.iter().map(|token| {
+            let (tag, number) = of_token(token.kind);
+            let span = token.span;
+            Entry { span, tag, number }
+        });
+        let entries: Vec<Entry> = entries.collect();
         Self::new(&entries, text.len())
     }
 
@@ -336,7 +341,7 @@ impl Parameters<'_> {
 }
 
 // The tags of events; those of operators stand below `OPEN`.
-const OPEN: u8 = 32;
+const OPEN: u8 = STEPS_END;
 const INTERVAL: u8 = 48;
 const TAGGED_INTERVAL: u8 = 50;
 const FINDING: u8 = 52;
@@ -346,136 +351,10 @@ const FAULTY_DECLARATION: u8 = 80;
 const NONE: u8 = 0;
 const SOME: u8 = 1;
 
-fn word_index(word: DeclareWord) -> u8 {
-    let index = DeclareWord::ALL.iter().position(|other| *other == word);
-    index.unwrap_or_default() as u8
-}
-
-fn word(index: u8) -> DeclareWord {
-    let word = DeclareWord::ALL.get(usize::from(index)).copied();
-    word.unwrap_or(DeclareWord::Define)
-}
-
-/// The kinds of token that are nothing but themselves; a tag is a position.
-const PLAIN: [TokenKind; 22] = [
-    TokenKind::Comma,
-    TokenKind::ParenOpen,
-    TokenKind::ParenClose,
-    TokenKind::Plus,
-    TokenKind::Minus,
-    TokenKind::Slash,
-    TokenKind::Semicolon,
-    TokenKind::Equals,
-    TokenKind::BracketOpen,
-    TokenKind::BracketClose,
-    TokenKind::Colon,
-    TokenKind::Caret,
-    TokenKind::Underscore,
-    TokenKind::Prime,
-    TokenKind::Star,
-    TokenKind::At,
-    TokenKind::Comment,
-    TokenKind::Undefined,
-    TokenKind::BraceOpen,
-    TokenKind::BraceClose,
-    TokenKind::Error,
-    TokenKind::Eoi,
-];
-// The tags of the others.
-const NUMBER: u8 = 22;
-const DECLARE: u8 = 23;
-const CONSTANT: u8 = 24;
-const FUNCTION: u8 = 25;
-const VARIABLE: u8 = 26;
-
-fn of_token(token: Token) -> Entry {
-    let (tag, number) = match token.kind {
-        TokenKind::Number(_) => (NUMBER, 0),
-        TokenKind::Declare(word) => (DECLARE, u32::from(word_index(word))),
-        TokenKind::Constant(id) => (CONSTANT, id.0),
-        TokenKind::Function(id) => (FUNCTION, id.0),
-        TokenKind::Variable(position) => (VARIABLE, position),
-        kind => {
-            let tag = PLAIN.iter().position(|plain| *plain == kind);
-            (tag.unwrap_or_default() as u8, 0)
-        }
-    };
-    Entry {
-        span: token.span,
-        tag,
-        number,
-    }
-}
-
-fn token_kind(tag: u8, number: u32, text: &str) -> TokenKind {
-    match tag {
-        NUMBER => TokenKind::Number(literal(text)),
-        DECLARE => TokenKind::Declare(word(number as u8)),
-        CONSTANT => TokenKind::Constant(SymbolId(number)),
-        FUNCTION => TokenKind::Function(SymbolId(number)),
-        VARIABLE => TokenKind::Variable(number),
-        plain => PLAIN[usize::from(plain)],
-    }
-}
-
-/// The operators that are nothing but themselves; a tag is a position.
-const STEPS: [Operator; 13] = [
-    Operator::Apply,
-    Operator::Add,
-    Operator::Subtract,
-    Operator::Juxtapose,
-    Operator::Multiply,
-    Operator::Divide,
-    Operator::Power,
-    Operator::Plus,
-    Operator::Negate,
-    Operator::Square,
-    Operator::Reciprocal,
-    Operator::Total,
-    Operator::FunctionPower,
-];
-// The tags of the others, which are all below `OPEN`.
-const PUSH_NUMBER: u8 = 13;
-const PUSH_CONSTANT: u8 = 14;
-const PUSH_VARIABLE: u8 = 15;
-const PUSH_FUNCTION: u8 = 16;
-const PARTIAL: u8 = 17;
-const COMPONENT: u8 = 18;
-const TUPLE: u8 = 19;
-
-fn of_operator(operator: Operator) -> (u8, u32) {
-    match operator {
-        // It is pushed where it stands.
-        Operator::Number(_) => (PUSH_NUMBER, 0),
-        Operator::Constant(id) => (PUSH_CONSTANT, id.0),
-        Operator::Variable(position) => (PUSH_VARIABLE, position),
-        Operator::Function(id) => (PUSH_FUNCTION, id.0),
-        Operator::Partial(position) => (PARTIAL, position),
-        Operator::Component(number) => (COMPONENT, number),
-        Operator::Tuple(count) => (TUPLE, count),
-        step => {
-            let tag = STEPS.iter().position(|other| *other == step);
-            (tag.unwrap_or_default() as u8, 0)
-        }
-    }
-}
-
-fn operator(tag: u8, number: u32, text: &str) -> Operator {
-    match tag {
-        PUSH_NUMBER => Operator::Number(literal(text)),
-        PUSH_CONSTANT => Operator::Constant(SymbolId(number)),
-        PUSH_VARIABLE => Operator::Variable(number),
-        PUSH_FUNCTION => Operator::Function(SymbolId(number)),
-        PARTIAL => Operator::Partial(number),
-        COMPONENT => Operator::Component(number),
-        TUPLE => Operator::Tuple(number),
-        step => STEPS[usize::from(step)],
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Entry, EventRecorder, Events, PLAIN, Records, STEPS, Tokens};
+    use super::super::tags::{PLAIN, STEPS};
+    use super::{Entry, EventRecorder, Events, Records, Tokens};
     use crate::actions::{Declaration, Interval, IntervalKind, Operator, Parameter};
     use crate::document::Event;
     use crate::span::Span;

@@ -1,0 +1,135 @@
+//! Tokens, steps and declaring words as a tag and a number, and back.
+//!
+//! What the text itself says is not in them: the value of a number is read from it again.
+
+use crate::actions::Operator;
+use crate::lexer::literal;
+use crate::token::{DeclareWord, SymbolId, TokenKind};
+
+pub(super) fn word_index(word: DeclareWord) -> u8 {
+    let index = DeclareWord::ALL.iter().position(|other| *other == word);
+    index.unwrap_or_default() as u8
+}
+
+pub(super) fn word(index: u8) -> DeclareWord {
+    let word = DeclareWord::ALL.get(usize::from(index)).copied();
+    word.unwrap_or(DeclareWord::Define)
+}
+
+/// The kinds of token that are nothing but themselves; a tag is a position.
+pub(super) const PLAIN: [TokenKind; 22] = [
+    TokenKind::Comma,
+    TokenKind::ParenOpen,
+    TokenKind::ParenClose,
+    TokenKind::Plus,
+    TokenKind::Minus,
+    TokenKind::Slash,
+    TokenKind::Semicolon,
+    TokenKind::Equals,
+    TokenKind::BracketOpen,
+    TokenKind::BracketClose,
+    TokenKind::Colon,
+    TokenKind::Caret,
+    TokenKind::Underscore,
+    TokenKind::Prime,
+    TokenKind::Star,
+    TokenKind::At,
+    TokenKind::Comment,
+    TokenKind::Undefined,
+    TokenKind::BraceOpen,
+    TokenKind::BraceClose,
+    TokenKind::Error,
+    TokenKind::Eoi,
+];
+// The tags of the others.
+const NUMBER: u8 = 22;
+const DECLARE: u8 = 23;
+const CONSTANT: u8 = 24;
+const FUNCTION: u8 = 25;
+const VARIABLE: u8 = 26;
+
+/// The tag and the number of a token.
+pub(super) fn of_token(kind: TokenKind) -> (u8, u32) {
+    match kind {
+        TokenKind::Number(_) => (NUMBER, 0),
+        TokenKind::Declare(word) => (DECLARE, u32::from(word_index(word))),
+        TokenKind::Constant(id) => (CONSTANT, id.0),
+        TokenKind::Function(id) => (FUNCTION, id.0),
+        TokenKind::Variable(position) => (VARIABLE, position),
+        kind => {
+            let tag = PLAIN.iter().position(|plain| *plain == kind);
+            (tag.unwrap_or_default() as u8, 0)
+        }
+    }
+}
+
+/// The token of a tag, a number and the text where it stands.
+pub(super) fn token_kind(tag: u8, number: u32, text: &str) -> TokenKind {
+    match tag {
+        NUMBER => TokenKind::Number(literal(text)),
+        DECLARE => TokenKind::Declare(word(number as u8)),
+        CONSTANT => TokenKind::Constant(SymbolId(number)),
+        FUNCTION => TokenKind::Function(SymbolId(number)),
+        VARIABLE => TokenKind::Variable(number),
+        plain => PLAIN[usize::from(plain)],
+    }
+}
+
+/// The operators that are nothing but themselves; a tag is a position.
+pub(super) const STEPS: [Operator; 13] = [
+    Operator::Apply,
+    Operator::Add,
+    Operator::Subtract,
+    Operator::Juxtapose,
+    Operator::Multiply,
+    Operator::Divide,
+    Operator::Power,
+    Operator::Plus,
+    Operator::Negate,
+    Operator::Square,
+    Operator::Reciprocal,
+    Operator::Total,
+    Operator::FunctionPower,
+];
+// The tags of the others, which are all below `STEPS_END`.
+const PUSH_NUMBER: u8 = 13;
+const PUSH_CONSTANT: u8 = 14;
+const PUSH_VARIABLE: u8 = 15;
+const PUSH_FUNCTION: u8 = 16;
+const PARTIAL: u8 = 17;
+const COMPONENT: u8 = 18;
+const TUPLE: u8 = 19;
+/// Above the tags of all steps.
+pub(super) const STEPS_END: u8 = 32;
+
+/// The tag and the number of a step, which is below [`STEPS_END`].
+pub(super) fn of_operator(operator: Operator) -> (u8, u32) {
+    match operator {
+        // It is pushed where it stands.
+        Operator::Number(_) => (PUSH_NUMBER, 0),
+        Operator::Constant(id) => (PUSH_CONSTANT, id.0),
+        Operator::Variable(position) => (PUSH_VARIABLE, position),
+        Operator::Function(id) => (PUSH_FUNCTION, id.0),
+        Operator::Partial(position) => (PARTIAL, position),
+        Operator::Component(number) => (COMPONENT, number),
+        Operator::Tuple(count) => (TUPLE, count),
+        step => {
+            let tag = STEPS.iter().position(|other| *other == step);
+            (tag.unwrap_or_default() as u8, 0)
+        }
+    }
+}
+
+/// The step of a tag, a number and the text where it stands.
+pub(super) fn operator(tag: u8, number: u32, text: &str) -> Operator {
+    match tag {
+        PUSH_NUMBER => Operator::Number(literal(text)),
+        PUSH_CONSTANT => Operator::Constant(SymbolId(number)),
+        PUSH_VARIABLE => Operator::Variable(number),
+        PUSH_FUNCTION => Operator::Function(SymbolId(number)),
+        PARTIAL => Operator::Partial(number),
+        COMPONENT => Operator::Component(number),
+        TUPLE => Operator::Tuple(number),
+        step => STEPS[usize::from(step)],
+    }
+}
