@@ -133,19 +133,11 @@ impl Document {
     /// # Errors
     /// [`EditError::TooLarge`].
     pub fn new(text: &str, vocabulary: &Vocabulary) -> Result<Self, EditError> {
-        let mut document = Self {
-            snapshot: Snapshot {
-                sequence: Sequence::default(),
-                chunks: Shelf::default(),
-                names: Names::new(vocabulary),
-            },
-            free: Vec::new(),
-            open: OpenWords::default(),
-            hidden: HashMap::new(),
-            version: 0,
-            journal: VecDeque::new(),
-            work: Work::default(),
-        };
+        let mut document = Self::begun(Snapshot {
+            sequence: Sequence::default(),
+            chunks: Shelf::default(),
+            names: Names::new(vocabulary),
+        });
         check_size(text.len())?;
         let mut ends = Vec::new();
         cut(text, 0, false, &mut ends);
@@ -170,9 +162,9 @@ impl Document {
         Ok(document)
     }
 
-    /// A document that goes on from what another was at a version: for trying edits out. Nothing is read for it.
-    pub fn of(snapshot: Snapshot) -> Self {
-        let mut document = Self {
+    /// A document of a snapshot, of which it knows no more than is in it.
+    fn begun(snapshot: Snapshot) -> Self {
+        Self {
             snapshot,
             free: Vec::new(),
             open: OpenWords::default(),
@@ -180,7 +172,12 @@ impl Document {
             version: 0,
             journal: VecDeque::new(),
             work: Work::default(),
-        };
+        }
+    }
+
+    /// A document that goes on from what another was at a version: for trying edits out. Nothing is read for it.
+    pub fn of(snapshot: Snapshot) -> Self {
+        let mut document = Self::begun(snapshot);
         let Self {
             snapshot,
             free,
