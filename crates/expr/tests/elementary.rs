@@ -43,10 +43,20 @@ fn check(
     f: impl Fn(f64) -> f64,
     g: impl Fn(f64) -> f64,
 ) {
-    let mut worst = (0.0, f64::NAN);
-    for &x in arguments {
+    let error = |x| {
         let error = distance(f(x), g(x));
         assert!(!error.is_nan(), "{what}({x:?}): {:?}, not {:?}", f(x), g(x));
+        error
+    };
+    check_errors(what, bound, arguments, error);
+}
+
+/// The greatest of the errors at many arguments, and a check that it is within bounds.
+#[track_caller]
+fn check_errors(what: &str, bound: f64, arguments: &[f64], error: impl Fn(f64) -> f64) {
+    let mut worst = (0.0, f64::NAN);
+    for &x in arguments {
+        let error = error(x);
         if error > worst.0 {
             worst = (error, x);
         }
@@ -188,28 +198,19 @@ fn check_single(
     f: impl Fn(f32) -> f32,
     g: impl Fn(f64) -> f64,
 ) {
-    let mut worst = (0.0, f32::NAN);
-    for &x in arguments {
+    let error = |x: f64| {
         let x = x as f32;
         let (is, should) = (f(x), g(f64::from(x)));
         if is.is_nan() && should.is_nan() || is == should as f32 {
-            continue;
+            return 0.0;
         }
         let size = (should as f32).abs();
         let unit = f64::from(size.next_up() - size).max(f64::from(f32::MIN_POSITIVE));
         let error = (f64::from(is) - should).abs() / unit;
         assert!(!error.is_nan(), "{what}({x:?}): {is:?}, not {should:?}");
-        if error > worst.0 {
-            worst = (error, x);
-        }
-    }
-    println!("{what}: {worst:?}");
-    assert!(
-        worst.0 <= bound,
-        "{what}({:?}) is off by {} units",
-        worst.1,
-        worst.0
-    );
+        error
+    };
+    check_errors(what, bound, arguments, error);
 }
 
 #[test]
