@@ -19,6 +19,15 @@ pub const RING: f32 = 7.0;
 /// The least radius of the ring in pixels.
 pub const LEAST_RING: f32 = 3.5;
 
+/// What a pixel may have that shows nothing of the surface.
+pub(crate) const UNSEEN: [Status; 5] = [
+    Status::LeftDomain,
+    Status::ConePoint,
+    Status::Degenerate,
+    Status::Undefined,
+    Status::WorkLimit,
+];
+
 /// Paper and stripe of the hatching of pixels without a colour, sRGB: light, never black, one pair per reason.
 pub fn hatching(status: Status) -> [[u8; 3]; 2] {
     match status {

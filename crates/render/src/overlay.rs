@@ -23,13 +23,12 @@ pub use trail::Trail;
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use geodesic::trace::Status;
 use image::RgbaImage;
 use rayon::prelude::*;
 use scene::scene::{Object, ObjectId, Scene, Shape};
 use scene::values::Settings;
 
-use crate::geodesic_view::{Inside, Seen};
+use crate::geodesic_view::{Inside, Seen, UNSEEN};
 use crate::plan::Painter;
 use crate::request::{RenderError, Request};
 use crate::style;
@@ -220,13 +219,7 @@ fn measured(
         if let Some(scale) = request.texture(surface).curvature_scale() {
             key.curvature(&name_of(scene, surface), scale);
         }
-        for status in [
-            Status::LeftDomain,
-            Status::ConePoint,
-            Status::Degenerate,
-            Status::Undefined,
-            Status::WorkLimit,
-        ] {
+        for status in UNSEEN {
             if map.status.contains(&status) {
                 key.hatching(status);
             }

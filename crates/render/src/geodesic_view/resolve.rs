@@ -13,7 +13,7 @@ use geodesic::trace::Status;
 use image::RgbaImage;
 use rayon::prelude::*;
 
-use super::{HATCH, LEAST_RING, RING, hatching};
+use super::{HATCH, LEAST_RING, RING, UNSEEN, hatching};
 use crate::style::{self, Encoder};
 use crate::texture::{Footprint, Sampler, Texture};
 
@@ -297,15 +297,6 @@ impl Row<'_> {
         [a, b, c, d]
     }
 }
-
-/// What a pixel has that shows nothing of the surface.
-const UNSEEN: [Status; 5] = [
-    Status::LeftDomain,
-    Status::ConePoint,
-    Status::Degenerate,
-    Status::Undefined,
-    Status::WorkLimit,
-];
 
 /// The colours of pixels that show nothing of the surface for one reason.
 struct Hatching {
