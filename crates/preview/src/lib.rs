@@ -10,7 +10,8 @@
 //! ```
 //!
 //! Nothing is drawn unless something has changed: the threads wake the window when they have something to show, and
-//! only an animation or a held key lets it draw by itself. The window's own thread never waits for another.
+//! only an animation or a held key lets it draw by itself. The window's own thread waits for others only where that costs
+//! nothing that is seen: for pictures that are expected within the frame, and for files when it closes.
 
 mod app;
 mod artist;

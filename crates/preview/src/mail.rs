@@ -1,4 +1,4 @@
-//! How the threads reach the window: each letter wakes it.
+//! How the threads reach the window: letters wake it, but for those behind which another is about to come.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};

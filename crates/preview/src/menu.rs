@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use egui::{Grid, MenuBar, Panel, Ui};
+use egui::{Grid, Key, MenuBar, Panel, Ui};
 
 use crate::model::{Marks, Step, WAVEFRONTS};
 use crate::orders::PaneKey;
-use crate::panes::Pane;
+use crate::panes::{Arrangement, Pane};
 use crate::recording::{self, RecordDialog, Recording};
 use crate::saving::{self, PictureDialog};
 use crate::window::{Origin, Window};
@@ -60,7 +60,7 @@ pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
             ui.menu_button("View", |ui| view(window, ui));
             ui.menu_button("Overlays", |ui| overlays(window, ui));
             ui.menu_button("Help", |ui| {
-                if ui.button("Keys and pointer (F1)").clicked() {
+                if entry(ui, true, "Keys and pointer", "F1") {
                     window.dialogs.shortcuts = true;
                 }
             });
@@ -68,61 +68,79 @@ pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
     });
 }
 
+/// An entry of a menu, with its keys beside it; whether it was chosen.
+fn entry(ui: &mut Ui, enabled: bool, title: &str, keys: &str) -> bool {
+    let button = egui::Button::new(title).shortcut_text(keys);
+    let response = ui.add_enabled(enabled, button);
+    response.accessible_name(title).clicked()
+}
+
 fn file(window: &mut Window, ui: &mut Ui) {
     if let Origin::File { editor, .. } = &window.origin {
         let changed = editor.is_changed();
-        if ui
-            .add_enabled(changed, egui::Button::new("Save program (Ctrl+S)"))
-            .clicked()
-        {
+        if entry(ui, changed, "Save program", "Ctrl+S") {
             window.save_text();
         }
     }
-    if ui.button("Open textures…").clicked() {
-        crate::desktop::choose_images(window.mail.clone(), window.folder());
+    if entry(ui, true, "Open textures…", "Ctrl+O") {
+        choose_textures(window);
     }
     ui.separator();
     let has_picture = window.sent(&window.active).is_some();
-    if ui
-        .add_enabled(has_picture, egui::Button::new("Save picture…"))
-        .clicked()
-    {
+    if entry(ui, has_picture, "Save picture…", "Ctrl+E") {
         saving::ask_for_picture(window);
     }
-    if ui
-        .add_enabled(has_picture, egui::Button::new("Copy picture"))
-        .clicked()
-    {
+    if entry(ui, has_picture, "Copy picture", "Ctrl+C") {
         saving::copy_picture(window, ui);
     }
     let free = window.dialogs.recording.is_none();
-    if ui
-        .add_enabled(has_picture && free, egui::Button::new("Record…"))
-        .clicked()
-    {
+    if entry(ui, has_picture && free, "Record…", "Ctrl+R") {
         recording::ask(window);
     }
-    if ui
-        .add_enabled(has_picture, egui::Button::new("Export mesh…"))
-        .clicked()
-    {
+    if entry(ui, has_picture, "Export mesh…", "Ctrl+M") {
         saving::ask_for_mesh(window);
     }
 }
 
+fn choose_textures(window: &Window) {
+    crate::desktop::choose_images(window.mail.clone(), window.folder());
+}
+
+/// What the keys of the menu *File* ask for, where they are not another's.
+pub(crate) fn file_keys(window: &mut Window, ui: &Ui) {
+    let pressed = |key| {
+        let shortcut = egui::KeyboardShortcut::new(egui::Modifiers::COMMAND, key);
+        ui.input_mut(|input| input.consume_shortcut(&shortcut))
+    };
+    if pressed(Key::O) {
+        choose_textures(window);
+    }
+    if pressed(Key::E) {
+        saving::ask_for_picture(window);
+    }
+    if pressed(Key::R) && window.dialogs.recording.is_none() {
+        recording::ask(window);
+    }
+    if pressed(Key::M) && window.sent(&window.active).is_some() {
+        saving::ask_for_mesh(window);
+    }
+    // A text that is marked is copied rather than the picture.
+    let copies = ui.input(|input| input.events.contains(&egui::Event::Copy));
+    if copies && !ui.ctx().text_edit_focused() {
+        saving::copy_picture(window, ui);
+    }
+}
+
 fn edit(window: &mut Window, ui: &mut Ui) {
-    let entry = |verb: &str, key: &str, title: Option<&str>| match title {
-        Some(title) => format!("{verb}: {title} ({key})"),
-        None => format!("{verb} ({key})"),
+    let titled = |verb: &str, title: Option<&str>| {
+        title.map_or(verb.to_owned(), |title| format!("{verb}: {title}"))
     };
     let last = window.model.history.last();
-    let undo = egui::Button::new(entry("Undo", "Ctrl+Z", last));
-    if ui.add_enabled(last.is_some(), undo).clicked() {
+    if entry(ui, last.is_some(), &titled("Undo", last), "Ctrl+Z") {
         window.undo();
     }
     let next = window.model.history.next();
-    let redo = egui::Button::new(entry("Redo", "Ctrl+Y", next));
-    if ui.add_enabled(next.is_some(), redo).clicked() {
+    if entry(ui, next.is_some(), &titled("Redo", next), "Ctrl+Y") {
         window.redo();
     }
 }
@@ -153,11 +171,28 @@ fn view(window: &mut Window, ui: &mut Ui) {
             }
         }
     }
+    ui.menu_button("Arrange the panes", |ui| {
+        for (title, arrangement) in Arrangement::ALL {
+            if ui.button(title).clicked() {
+                window.panes.set_out(arrangement);
+            }
+        }
+        ui.separator();
+        if entry(ui, true, "Larger view", "Ctrl+Shift+Right") {
+            window.resize_active(true);
+        }
+        if entry(ui, true, "Smaller view", "Ctrl+Shift+Left") {
+            window.resize_active(false);
+        }
+    });
+    if entry(ui, true, "Next view", "F6") {
+        window.next_view(ui, false);
+    }
     ui.separator();
-    if ui.button("Frame everything (F)").clicked() {
+    if entry(ui, true, "Frame everything", "F") {
         window.frame_all();
     }
-    if ui.button("Reset the camera (R)").clicked() {
+    if entry(ui, true, "Reset the camera", "R") {
         match window.active.clone() {
             PaneKey::Space => window.reset_space(),
             PaneKey::Inside(name) => window.reset_inside(&name),
@@ -243,8 +278,8 @@ fn leaving(window: &mut Window, ui: &Ui) {
     }
 }
 
-/// Keys and what they do: one table for the dialog and its test.
-const KEYS: [(&str, &str, &str); 13] = [
+/// Keys and the pointer, and what they do in the 3D view and in a geodesic view.
+const KEYS: [(&str, &str, &str); 21] = [
     ("W S", "forward, back", "along Y, against it"),
     ("A D", "left, right", "against X, along it"),
     (
@@ -253,19 +288,35 @@ const KEYS: [(&str, &str, &str); 13] = [
         "turn anticlockwise, clockwise",
     ),
     ("Z X", "", "zoom in, out"),
+    ("Arrows", "turn", "move"),
+    ("Alt and arrows", "around the target", ""),
+    ("Shift and arrows", "sideways", ""),
+    ("+ −", "nearer, farther", "zoom in, out"),
+    ("F", "frame everything", ""),
+    ("R, Home", "reset", "reset"),
+    (
+        "Enter",
+        "put the geodesic camera to the middle of the picture",
+        "",
+    ),
+    (
+        "Ctrl+Enter",
+        "show the declaration in the middle of the picture",
+        "show the declaration",
+    ),
     ("Drag", "turn", "move"),
     ("Alt or right drag", "around the target", ""),
     ("Shift or middle drag", "sideways", ""),
     ("Wheel", "nearer, farther", "zoom"),
-    ("F", "frame everything", ""),
-    ("R, Home", "reset", "reset"),
     ("Click", "put the geodesic camera there", ""),
     (
         "Double or Ctrl click",
         "show the declaration",
         "show the declaration",
     ),
+    ("F6, Shift+F6", "the next view, the one before", ""),
     ("Ctrl+Z, Ctrl+Y", "undo, redo a change of the view", ""),
+    ("Ctrl+ + − 0", "size of the controls", ""),
 ];
 
 fn shortcuts(window: &mut Window, ui: &Ui) {

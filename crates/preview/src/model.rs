@@ -20,7 +20,7 @@ use scene::values::Settings;
 pub use crate::compiler::Finding;
 pub use camera::{InsideCamera, SpaceCamera};
 pub use history::{History, Step};
-pub use view::{Animation, Choice, Look, Marks, Preferences, Theme, View, WAVEFRONTS};
+pub use view::{Animation, Choice, Look, Marks, Preferences, SCALES, Theme, View, WAVEFRONTS};
 
 use crate::compiler::Compiled;
 pub use crate::walked::Walked;

@@ -9,6 +9,7 @@ use scene::scene::{ObjectId, Scene};
 use scene::values::Settings;
 
 use crate::model::{Choice, InsideCamera, Marks, Model, SpaceCamera};
+use crate::panes::Pane;
 use crate::textures::Library;
 use crate::walked::Walked;
 
@@ -19,6 +20,16 @@ pub(crate) enum PaneKey {
     Space,
     /// The geodesic view of a surface, by its name.
     Inside(String),
+}
+
+impl PaneKey {
+    /// The pane that shows it.
+    pub(crate) fn pane(&self) -> Pane {
+        match self {
+            Self::Space => Pane::Space,
+            Self::Inside(name) => Pane::Inside(name.clone()),
+        }
+    }
 }
 
 /// A picture that is wanted.
@@ -78,6 +89,17 @@ pub(crate) struct Standing {
 }
 
 impl Order {
+    /// For a picture that is kept: of a view at rest, with nothing set off.
+    #[must_use]
+    pub(crate) fn kept(mut self, size: [u32; 2]) -> Self {
+        self.size = size;
+        self.moving = false;
+        if let Look::Space { highlight, .. } = &mut self.look {
+            *highlight = None;
+        }
+        self
+    }
+
     /// Whether the same picture is asked for.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let same_look = match (&self.look, &other.look) {

@@ -4,7 +4,7 @@ pub(crate) mod editor;
 mod handles;
 mod inside;
 pub(crate) mod layout;
-mod picture;
+pub(crate) mod picture;
 mod program;
 mod settings;
 mod space;
@@ -18,6 +18,7 @@ use egui_tiles::{
 };
 use serde::{Deserialize, Serialize};
 
+use crate::orders::PaneKey;
 use crate::window::Window;
 use layout::Layout;
 
@@ -33,6 +34,40 @@ pub(crate) enum Pane {
     Settings,
     /// The text and its status.
     Program,
+}
+
+impl Pane {
+    /// The picture that it shows, if it does.
+    pub(crate) fn picture(&self) -> Option<PaneKey> {
+        match self {
+            Self::Space => Some(PaneKey::Space),
+            Self::Inside(name) => Some(PaneKey::Inside(name.clone())),
+            Self::Settings | Self::Program => None,
+        }
+    }
+}
+
+/// How views stand to each other.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Arrangement {
+    /// As when a program is opened.
+    First,
+    /// All in a row.
+    Row,
+    /// All in a column.
+    Column,
+    /// One behind the other.
+    Tabs,
+}
+
+impl Arrangement {
+    /// All of them, with their titles.
+    pub(crate) const ALL: [(&'static str, Self); 4] = [
+        ("As at first", Self::First),
+        ("Views side by side", Self::Row),
+        ("Views one above the other", Self::Column),
+        ("Views as tabs", Self::Tabs),
+    ];
 }
 
 /// The width of what is written beside that of a picture.
@@ -91,6 +126,42 @@ impl Panes {
         self.tree = tree;
         self.arranged = true;
         true
+    }
+
+    /// Sets the open panes out anew: what is written on the left, the views beside it.
+    pub(crate) fn set_out(&mut self, arrangement: Arrangement) {
+        let panes = self.tree.tiles.tiles().filter_map(|tile| match tile {
+            Tile::Pane(pane) => Some(pane.clone()),
+            Tile::Container(_) => None,
+        });
+        let (mut views, mut written): (Vec<Pane>, Vec<Pane>) =
+            panes.partition(|pane| pane.picture().is_some());
+        views.sort_by_key(Pane::picture);
+        written.sort_by_key(|pane| *pane == Pane::Settings);
+        let layout = Layout::set_out(&written, &views, arrangement, SIDE);
+        if let Some(tree) = layout.tree(self.tree.id()) {
+            self.tree = tree;
+            self.arranged = arrangement != Arrangement::First;
+        }
+    }
+
+    /// Gives a pane so many times the room beside its neighbours.
+    pub(crate) fn resize(&mut self, pane: &Pane, factor: f32) {
+        let mut tile = self.tree.tiles.find_pane(pane);
+        while let Some(child) = tile {
+            tile = self.tree.tiles.parent_of(child);
+            let Some(parent) = tile else {
+                return;
+            };
+            if let Some(Tile::Container(Container::Linear(line))) = self.tree.tiles.get_mut(parent)
+                && line.children.len() > 1
+            {
+                let share = (line.shares[child] * factor).clamp(0.1, 10.0);
+                line.shares.set_share(child, share);
+                self.arranged = true;
+                return;
+            }
+        }
     }
 
     /// Leaves the 3D view out of the first layout, until something has a place in it.

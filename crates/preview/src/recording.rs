@@ -60,7 +60,7 @@ impl Moves {
 /// Opens the dialog for a recording of the active view.
 pub(crate) fn ask(window: &mut Window) {
     let pane = window.active.clone();
-    let Some(size) = window.sent(&pane).map(|order| order.size) else {
+    let Some(size) = window.kept(&pane).map(|order| order.size) else {
         return;
     };
     let mut moves = Vec::new();
@@ -245,10 +245,9 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
 
 /// Begins to record what a dialog was left with.
 fn begin(window: &mut Window, dialog: &RecordDialog) {
-    let Some(mut order) = window.sent(&dialog.pane).cloned() else {
+    let Some(mut order) = window.kept(&dialog.pane) else {
         return;
     };
-    // In the 3D view some objects may be left out, so that the others have other numbers.
     let id_of = |name: &str| {
         let mut objects = (0..).map(ObjectId).zip(&order.scene.objects);
         objects.find(|(_, it)| it.name == name).map(|(id, _)| id)

@@ -47,7 +47,7 @@ pub struct Counters {
     pub inside: BTreeMap<String, [f64; 2]>,
     /// The lengths of the trails that geodesic cameras have left.
     pub trails: BTreeMap<String, f64>,
-    /// Where the pictures of panes are in the window, in points: left, top, width, height.
+    /// Where the pictures of panes are in the window, in pixels: left, top, width, height.
     pub panes: BTreeMap<String, [f32; 4]>,
 }
 

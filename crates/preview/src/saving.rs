@@ -36,7 +36,7 @@ pub(crate) enum Decision {
 
 /// Opens the dialog for a picture of the active view.
 pub(crate) fn ask_for_picture(window: &mut Window) {
-    let Some(order) = window.sent(&window.active) else {
+    let Some(order) = window.kept(&window.active) else {
         return;
     };
     let name = match &window.active {
@@ -86,7 +86,7 @@ pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
 
 /// The order of a view's picture, and its geodesic camera.
 fn ordered(window: &Window, pane: &PaneKey) -> Option<(Order, Option<InsideCamera>)> {
-    let order = window.sent(pane)?.clone();
+    let order = window.kept(pane)?;
     let camera = match pane {
         PaneKey::Inside(name) => window.model.view.inside.get(name).copied(),
         PaneKey::Space => None,
@@ -234,7 +234,6 @@ fn write_picture(window: &Window, dialog: &PictureDialog) {
     let mut request = order.request(camera);
     request.trails.extend(trails(window, &dialog.pane));
     request.size = dialog.size;
-    request.highlight = None;
     if dialog.transparent {
         request.background = Some([0; 4]);
     }

@@ -83,6 +83,10 @@ pub struct Window {
     style: Option<(Theme, f32)>,
     /// How large it is on its screen, in the screen's points.
     pub(crate) size: Option<egui::Vec2>,
+    /// A param that keys have changed, and whose value is to stand in the text when they are let go.
+    pub(crate) unwritten: Option<String>,
+    /// The keys were used last, not the pointer.
+    pub(crate) by_keys: bool,
     /// The window is to come to the front.
     pub(crate) raise: bool,
     /// The window is to close.
@@ -194,6 +198,8 @@ impl Window {
             report: None,
             style: None,
             size: None,
+            unwritten: None,
+            by_keys: false,
             raise: false,
             closing: false,
             mail,
@@ -333,10 +339,10 @@ impl Window {
             self.animate(ui);
             self.keys(ui);
         }
-        self.seen.clear();
         crate::menu::bar(self, ui);
         crate::status::banners(self, ui);
         crate::status::line(self, ui);
+        self.seen.clear();
         crate::panes::show(self, ui);
         crate::menu::dialogs(self, ui);
         self.ask(ui);
@@ -356,6 +362,8 @@ impl Window {
         // Each context takes it once.
         context.add_plugin(Trickle::default());
         context.options_mut(|options| {
+            // Its keys change the setting.
+            options.zoom_with_keyboard = false;
             let input = &mut options.input_options;
             // A slow hand, or a slow machine, presses a button as well as a quick one.
             input.max_click_duration = f64::INFINITY;
@@ -402,7 +410,9 @@ impl Window {
             self.sent.remove(&pane);
             self.waiting.remove(&pane);
         }
-        let idle = ui.input(|input| !input.pointer.any_down() && !motion::any_held(input));
+        let arrows = self.has_arrows(ui);
+        let idle =
+            ui.input(|input| !input.pointer.any_down() && !motion::Held::new(input, arrows).any());
         if idle {
             self.model.history.settle();
         }

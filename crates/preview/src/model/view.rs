@@ -131,6 +131,9 @@ impl Default for Marks {
 /// The overlay that has a distance: said in the menu.
 pub const WAVEFRONTS: &str = "Wavefronts (geodesic circles)";
 
+/// The sizes that the window's controls can have, as factors.
+pub const SCALES: [f32; 5] = [0.8, 1.0, 1.25, 1.5, 2.0];
+
 /// Choices that belong to no object.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]

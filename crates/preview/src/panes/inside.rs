@@ -23,9 +23,9 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, name: &str) {
             window.walk(name, Motion::Zoom(factor), ui);
         }
     }
-    if response.double_clicked()
-        && let Some((_, object)) = window.model.object(name)
-    {
+    let opens = response.double_clicked()
+        || response.clicked() && ui.input(|input| input.modifiers.command);
+    if opens && let Some((_, object)) = window.model.object(name) {
         window.open_place(object.name_span);
     }
 }

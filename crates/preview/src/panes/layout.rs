@@ -6,7 +6,7 @@
 use egui_tiles::{Container, Linear, LinearDir, Tabs, Tile, TileId, Tiles, Tree};
 use serde::{Deserialize, Serialize};
 
-use super::Pane;
+use super::{Arrangement, Pane};
 
 /// Panes and how they are arranged.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -37,6 +37,53 @@ pub(crate) struct Share {
 }
 
 impl Layout {
+    /// What is written, one above the other and `side` wide, and beside it the views, which have the room 1 together.
+    pub(super) fn set_out(
+        written: &[Pane],
+        views: &[Pane],
+        arrangement: Arrangement,
+        side: f32,
+    ) -> Self {
+        let even = |layouts: Vec<Self>| -> Vec<Share> {
+            let share = |content| Share {
+                share: 1.0,
+                content,
+            };
+            layouts.into_iter().map(share).collect()
+        };
+        let alone = |pane: &Pane| Self::Pane(pane.clone());
+        let tabs = |panes: &[Pane]| Self::Tabs {
+            children: panes.iter().map(alone).collect(),
+            active: 0,
+        };
+        let each: Vec<Self> = views.iter().map(alone).collect();
+        let shown = match arrangement {
+            Arrangement::Row => Self::Row(even(each)),
+            Arrangement::Column => Self::Column(even(each)),
+            Arrangement::Tabs => tabs(views),
+            Arrangement::First => {
+                let (space, inside): (Vec<Pane>, Vec<Pane>) =
+                    views.iter().cloned().partition(|pane| *pane == Pane::Space);
+                Self::Row(even(vec![tabs(&space), tabs(&inside)]))
+            }
+        };
+        let width = match arrangement {
+            Arrangement::Row => views.len() as f32,
+            Arrangement::First => 2.0,
+            Arrangement::Column | Arrangement::Tabs => 1.0,
+        };
+        Self::Row(vec![
+            Share {
+                share: side,
+                content: Self::Column(even(written.iter().map(alone).collect())),
+            },
+            Share {
+                share: width,
+                content: shown,
+            },
+        ])
+    }
+
     /// Of a tree; nothing of an empty one.
     pub(crate) fn of(tree: &Tree<Pane>) -> Option<Self> {
         of_tile(&tree.tiles, tree.root()?)

@@ -1,17 +1,24 @@
 //! What both views have in common: a picture that fills its pane, with focus, a name, and a mark when it is stale.
 
 use egui::{
-    Align2, Color32, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo,
+    Align2, Color32, EventFilter, FontId, Id, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui,
+    WidgetInfo,
 };
 
 use crate::artist::Painted;
 use crate::orders::PaneKey;
 use crate::window::Window;
 
+/// The picture of a pane among all that can have the focus.
+pub(crate) fn id(pane: &PaneKey) -> Id {
+    Id::unique(("picture", pane))
+}
+
 /// Draws a pane's newest picture, and says for which one it has room.
 pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &PaneKey) -> Response {
     let room = ui.available_size().max(egui::vec2(16.0, 16.0));
-    let (rect, response) = ui.allocate_exact_size(room, Sense::click_and_drag());
+    let (_, rect) = ui.allocate_space(room);
+    let response = ui.interact(rect, id(pane), Sense::click_and_drag());
     let scale = ui.pixels_per_point();
     let pixels = [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32);
     window.make_room(pane, pixels);
@@ -19,10 +26,17 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &PaneKey) -> Response
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
     if response.clicked() || response.drag_started() || response.gained_focus() {
         response.request_focus();
-        activate(window, pane);
+        window.activate(pane);
     }
     paint(window, ui, pane, rect);
     if response.has_focus() {
+        // The arrows move its camera, and do not lead away from it.
+        let arrows = EventFilter {
+            horizontal_arrows: true,
+            vertical_arrows: true,
+            ..EventFilter::default()
+        };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
         let stroke = Stroke::new(2.0, ui.visuals().selection.stroke.color);
         ui.painter()
             .rect_stroke(rect.shrink(1.0), 0.0, stroke, StrokeKind::Inside);
@@ -34,14 +48,6 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &PaneKey) -> Response
     let place = [rect.left(), rect.top(), rect.width(), rect.height()];
     window.counters.panes.insert(key, place.map(|x| x * scale));
     response
-}
-
-/// Keys move this pane's camera from now on.
-fn activate(window: &mut Window, pane: &PaneKey) {
-    window.active = pane.clone();
-    if let PaneKey::Inside(name) = pane {
-        window.active_surface = Some(name.clone());
-    }
 }
 
 fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {

@@ -5,8 +5,13 @@ use std::path::Path;
 use egui::{ComboBox, DragValue, Grid, ScrollArea, Slider, Ui};
 use scene::scene::{Object, Param, Shape};
 
-use crate::model::{Choice, Step, Theme};
+use crate::model::{Choice, SCALES, Step, Theme};
 use crate::window::Window;
+
+/// The width of the box that animates a param, with its word.
+const ANIMATE: f32 = 75.0;
+/// The least and the greatest width of a slider.
+const SLIDER: [f32; 2] = [50.0, 150.0];
 
 /// Draws the pane.
 pub(super) fn show(window: &mut Window, ui: &mut Ui) {
@@ -14,6 +19,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         margin.show(ui, |ui| {
             params(window, ui);
+            write_released(window, ui);
             objects(window, ui);
             textures(window, ui);
             views(window, ui);
@@ -79,27 +85,13 @@ fn slider(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, values: &[f
     };
     let range = param.ranges[k];
     let mut value = values[k];
-    // Beside it stand the box that animates, the number and the name.
-    let beside = 165.0 + 8.0 * name.chars().count() as f32;
-    ui.spacing_mut().slider_width = (ui.available_width() - beside).clamp(50.0, 150.0);
-    ui.horizontal(|ui| {
-        let mut on = window
-            .model
-            .view
-            .animations
-            .get(&param.name)
-            .is_some_and(|it| it.on.get(k).copied().unwrap_or(false));
-        let label = format!("Animate {name}");
-        let animate = ui.checkbox(&mut on, "Animate").accessible_name(label);
-        if animate.changed() {
-            window
-                .model
-                .change(Step::new("Animate", name.as_str()), |view| {
-                    let animation = view.animations.entry(param.name.clone()).or_default();
-                    animation.on.resize(param.ranges.len().max(k + 1), false);
-                    animation.on[k] = on;
-                });
-        }
+    // Beside the slider stand its number and its name, and where there is room the box that animates.
+    let beside = 90.0 + 8.0 * name.chars().count() as f32;
+    let is_wide = ui.available_width() >= ANIMATE + beside + SLIDER[0];
+    let room = ui.available_width() - beside - if is_wide { ANIMATE } else { 0.0 };
+    ui.spacing_mut().slider_width = room.clamp(SLIDER[0], SLIDER[1]);
+    let mut both = |ui: &mut Ui| {
+        animated(window, ui, param, k, &name);
         // Only what is written is rounded: a slider of few decimals would round the value itself, in each frame.
         let decimals = decimals(range.max - range.min);
         let slider = Slider::new(&mut value, range.min..=range.max)
@@ -108,21 +100,57 @@ fn slider(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, values: &[f
                 egui::emath::format_with_decimals_in_range(value, 0..=decimals)
             })
             .smart_aim(false);
-        let response = ui.add(slider);
-        if response.changed() {
-            let mut values = values.to_vec();
-            values[k] = value;
-            window
-                .model
-                .change(Step::new("Move a param", name.as_str()), |view| {
-                    view.params.insert(param.name.clone(), values);
-                });
-            window.has_moved(ui);
+        ui.add(slider)
+    };
+    let response = if is_wide {
+        ui.horizontal(both).inner
+    } else {
+        both(ui)
+    };
+    if response.changed() {
+        let mut values = values.to_vec();
+        values[k] = value;
+        window
+            .model
+            .change(Step::new("Move a param", name.as_str()), |view| {
+                view.params.insert(param.name.clone(), values);
+            });
+        window.has_moved(ui);
+    }
+    if window.model.view.preferences.write_on_release {
+        // What keys change is let go of with the last key, and what is typed when the field is left.
+        if response.changed() && !response.dragged() {
+            window.unwritten = Some(param.name.clone());
         }
-        if response.drag_stopped() && window.model.view.preferences.write_on_release {
+        if response.drag_stopped() {
             window.write_param(&param.name);
         }
-    });
+    }
+}
+
+/// The box that animates a component of a param.
+fn animated(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, name: &str) {
+    let animation = window.model.view.animations.get(&param.name);
+    let mut on = animation.is_some_and(|it| it.on.get(k).copied().unwrap_or(false));
+    let animate = ui.checkbox(&mut on, "Animate");
+    if animate.accessible_name(format!("Animate {name}")).changed() {
+        window.model.change(Step::new("Animate", name), |view| {
+            let animation = view.animations.entry(param.name.clone()).or_default();
+            animation.on.resize(param.ranges.len().max(k + 1), false);
+            animation.on[k] = on;
+        });
+    }
+}
+
+/// Writes a value that keys have changed, once they are let go.
+fn write_released(window: &mut Window, ui: &Ui) {
+    let held = ui.input(|input| !input.keys_down.is_empty());
+    if !held
+        && !ui.ctx().text_edit_focused()
+        && let Some(name) = window.unwritten.take()
+    {
+        window.write_param(&name);
+    }
 }
 
 /// So many decimals that a slider's steps are fine.
@@ -257,9 +285,8 @@ fn textures(window: &mut Window, ui: &mut Ui) {
     }
     ui.heading("Textures");
     ui.horizontal(|ui| {
-        let label = ui.label("Default");
+        ui.label("Default");
         let mut choice = window.model.view.default_texture.clone();
-        let _ = label;
         if choose(window, ui, "Default texture", &mut choice, false) {
             let step = Step::new("Choose the default texture", "");
             window
@@ -318,14 +345,14 @@ fn textures(window: &mut Window, ui: &mut Ui) {
                 view.textures.retain(|it| *it != path);
             });
     }
-    ui.weak("Images can also be dropped onto the window.");
+    ui.weak("Images can also be dropped onto the window: the surface in use shows them.");
     ui.separator();
 }
 
 fn views(window: &mut Window, ui: &mut Ui) {
     ui.heading("Views");
     // Beside the slider stand its name and its number.
-    ui.spacing_mut().slider_width = (ui.available_width() - 165.0).clamp(50.0, 150.0);
+    ui.spacing_mut().slider_width = (ui.available_width() - 165.0).clamp(SLIDER[0], SLIDER[1]);
     let mut preferences = window.model.view.preferences.clone();
     let before = preferences.clone();
     Grid::new("views")
@@ -377,7 +404,7 @@ fn views(window: &mut Window, ui: &mut Ui) {
             ComboBox::from_id_salt("scale")
                 .selected_text(percent(preferences.scale))
                 .show_ui(ui, |ui| {
-                    for scale in [0.8, 1.0, 1.25, 1.5, 2.0] {
+                    for scale in SCALES {
                         ui.selectable_value(&mut preferences.scale, scale, percent(scale));
                     }
                 })

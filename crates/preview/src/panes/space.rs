@@ -1,6 +1,6 @@
 //! The 3D view: what the pointer does there.
 
-use egui::{PointerButton, Ui};
+use egui::{Color32, PointerButton, Pos2, Ui};
 
 use super::picture;
 use crate::artist::Purpose;
@@ -43,17 +43,29 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
             }
         }
     }
+    // A key presses what has the focus, in its middle.
     let opens = response.double_clicked()
         || response.clicked() && ui.input(|input| input.modifiers.command);
     let places = response.clicked() && !opens;
     if (opens || places)
-        && let Some(at) = response.interact_pointer_pos()
         && let Some(order) = window.sent(&pane).cloned()
     {
+        let at = response.interact_pointer_pos();
+        let at = at.unwrap_or_else(|| response.rect.center());
         let share = (at - response.rect.min) / response.rect.size();
         let [width, height] = order.size.map(f64::from);
         let pixel = [f64::from(share.x) * width, f64::from(share.y) * height];
         let purpose = if opens { Purpose::Open } else { Purpose::Place };
         window.artist.pick(order, pixel, purpose);
+    }
+    if response.has_focus() && window.by_keys {
+        aim(ui, response.rect.center());
+    }
+}
+
+/// A ring about the place that Enter means.
+fn aim(ui: &Ui, at: Pos2) {
+    for (width, colour) in [(3.0, Color32::BLACK), (1.5, Color32::WHITE)] {
+        ui.painter().circle_stroke(at, 6.0, (width, colour));
     }
 }

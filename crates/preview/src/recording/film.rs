@@ -275,7 +275,6 @@ impl Pictures {
             request.view = self.base.view.clone();
         }
         request.size = film.clip.size;
-        request.highlight = None;
         request.trails = self
             .pilot
             .walked()

@@ -3,15 +3,40 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use egui::{Key, KeyboardShortcut, Modifiers, Ui};
+use egui::{Event, Key, KeyboardShortcut, Modifiers, Ui};
 
 use super::Window;
-use crate::model::{SpaceCamera, Step};
-use crate::motion;
+use crate::model::{Choice, SpaceCamera, Step};
+use crate::motion::{self, Held};
 use crate::orders::PaneKey;
+use crate::panes::{Pane, picture};
 
 /// For how long after its last motion a view counts as moving: the pause between two turns of a wheel.
 const MOTION_PAUSE: f64 = 0.18;
+
+/// What a step is called that adds textures.
+const OPEN_TEXTURES: &str = "Open textures";
+
+/// What is asked of the size of the controls.
+#[derive(Clone, Copy)]
+enum Sizing {
+    Larger,
+    Smaller,
+    Plain,
+}
+
+impl Sizing {
+    /// The size that is next to this one.
+    fn of(self, scale: f32) -> f32 {
+        let mut sizes = crate::model::SCALES.into_iter();
+        let next = match self {
+            Self::Plain => None,
+            Self::Larger => sizes.find(|it| *it > scale + 0.01).or(Some(scale)),
+            Self::Smaller => sizes.rfind(|it| *it < scale - 0.01).or(Some(scale)),
+        };
+        next.unwrap_or(1.0)
+    }
+}
 
 impl Window {
     pub(super) fn animate(&mut self, ui: &Ui) {
@@ -39,13 +64,17 @@ impl Window {
             return;
         }
         let speed = self.model.view.preferences.camera_speed;
+        let arrows = self.has_arrows(ui);
         match self.active.clone() {
             PaneKey::Space => {
                 self.space_shortcuts(ui);
                 let Some(camera) = self.model.view.space else {
                     return;
                 };
-                let next = ui.input(|input| motion::space_keys(input, camera, speed));
+                let next = ui.input(|input| {
+                    let held = Held::new(input, arrows);
+                    motion::space_keys(held, camera, speed)
+                });
                 if next != camera {
                     self.move_space("keys", next, ui);
                 }
@@ -56,15 +85,22 @@ impl Window {
                 {
                     self.reset_inside(&name);
                 }
-                let motions = ui.input(|input| motion::inside_keys(input, speed));
+                let motions =
+                    ui.input(|input| motion::inside_keys(Held::new(input, arrows), speed));
                 for motion in motions {
                     self.walk(&name, motion, ui);
                 }
             }
         }
-        if ui.input(motion::any_held) {
+        if ui.input(|input| Held::new(input, arrows).any()) {
             ui.ctx().request_repaint();
         }
+    }
+
+    /// Whether the arrows belong to the active view: no control has the focus.
+    pub(super) fn has_arrows(&self, ui: &Ui) -> bool {
+        let focused = ui.memory(egui::Memory::focused);
+        focused.is_none_or(|id| id == picture::id(&self.active))
     }
 
     fn space_shortcuts(&mut self, ui: &Ui) {
@@ -117,6 +153,10 @@ impl Window {
     }
 
     pub(super) fn shortcuts(&mut self, ui: &Ui) {
+        self.by_keys = ui.input(|input| {
+            let key = |event: &Event| matches!(event, Event::Key { pressed: true, .. });
+            !input.pointer.any_down() && (self.by_keys || input.events.iter().any(key))
+        });
         let pressed = |modifiers: Modifiers, key: Key| {
             let shortcut = KeyboardShortcut::new(modifiers, key);
             ui.input_mut(|input| input.consume_shortcut(&shortcut))
@@ -127,8 +167,35 @@ impl Window {
         if pressed(Modifiers::NONE, Key::F1) {
             self.dialogs.shortcuts = true;
         }
+        if pressed(Modifiers::SHIFT, Key::F6) {
+            self.next_view(ui, true);
+        } else if pressed(Modifiers::NONE, Key::F6) {
+            self.next_view(ui, false);
+        }
+        let size = (pressed(Modifiers::COMMAND, Key::Plus)
+            || pressed(Modifiers::COMMAND, Key::Equals))
+        .then_some(Sizing::Larger)
+        .or(pressed(Modifiers::COMMAND, Key::Minus).then_some(Sizing::Smaller))
+        .or(pressed(Modifiers::COMMAND, Key::Num0).then_some(Sizing::Plain));
+        if let Some(sizing) = size {
+            let step = Step::new("Change a setting", "scale");
+            self.model.change(step, |view| {
+                let scale = &mut view.preferences.scale;
+                *scale = sizing.of(*scale);
+            });
+        }
+        if !self.dialogs.is_open() {
+            crate::menu::file_keys(self, ui);
+        }
         // In a text, these belong to the text.
         if !ui.ctx().text_edit_focused() {
+            let arrows = Modifiers::COMMAND | Modifiers::SHIFT;
+            if pressed(arrows, Key::ArrowRight) {
+                self.resize_active(true);
+            }
+            if pressed(arrows, Key::ArrowLeft) {
+                self.resize_active(false);
+            }
             let redo = pressed(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
                 || pressed(Modifiers::COMMAND, Key::Y);
             if redo {
@@ -137,6 +204,42 @@ impl Window {
                 self.undo();
             }
         }
+    }
+
+    /// Gives the keys to the next view that is open, or to the one before.
+    pub(crate) fn next_view(&mut self, ui: &Ui, back: bool) {
+        let inside = self.model.surfaces().into_iter().map(Pane::Inside);
+        let views = std::iter::once(Pane::Space).chain(inside);
+        let views: Vec<Pane> = views.filter(|pane| self.panes.is_open(pane)).collect();
+        if views.is_empty() {
+            return;
+        }
+        let now = views.iter().position(|pane| *pane == self.active.pane());
+        let next = match now {
+            Some(at) if back => (at + views.len() - 1) % views.len(),
+            Some(at) => (at + 1) % views.len(),
+            None => 0,
+        };
+        self.panes.bring_forward(&views[next]);
+        let Some(key) = views[next].picture() else {
+            return;
+        };
+        ui.memory_mut(|memory| memory.request_focus(picture::id(&key)));
+        self.activate(&key);
+    }
+
+    /// Keys move this pane's camera from now on.
+    pub(crate) fn activate(&mut self, pane: &PaneKey) {
+        self.active = pane.clone();
+        if let PaneKey::Inside(name) = pane {
+            self.active_surface = Some(name.clone());
+        }
+    }
+
+    /// Gives the active view more room beside its neighbours, or less.
+    pub(crate) fn resize_active(&mut self, larger: bool) {
+        let factor = if larger { 1.25 } else { 0.8 };
+        self.panes.resize(&self.active.pane(), factor);
     }
 
     /// Takes the last change of the view back.
@@ -160,17 +263,31 @@ impl Window {
             let files = input.raw.dropped_files.iter();
             files.map(|file| file.path().to_owned()).collect()
         });
-        if !paths.is_empty() {
+        if let Some(last) = paths.last().cloned() {
             self.open_images(paths);
+            self.lay_over(last);
         }
     }
 
-    /// Adds image files to the list of textures; the last one is what the active surface shows.
+    /// Has the active surface show an image that was dropped: a screen does not tell where.
+    fn lay_over(&mut self, image: PathBuf) {
+        let Some(surface) = self.active_surface.clone() else {
+            return;
+        };
+        let file = image.file_name().unwrap_or(image.as_os_str());
+        let sentence = format!("{} lies on {surface}", file.to_string_lossy());
+        self.said = Some((false, sentence));
+        self.model.change(Step::new(OPEN_TEXTURES, ""), |view| {
+            view.looks.entry(surface).or_default().texture = Choice::Image(image);
+        });
+    }
+
+    /// Adds image files to the list of textures.
     pub(crate) fn open_images(&mut self, paths: Vec<PathBuf>) {
         for path in &paths {
             self.library.read(path.clone());
         }
-        self.model.change(Step::new("Open textures", ""), |view| {
+        self.model.change(Step::new(OPEN_TEXTURES, ""), |view| {
             for path in paths {
                 if !view.textures.contains(&path) {
                     view.textures.push(path);

@@ -143,6 +143,14 @@ impl Window {
         self.sent.get(pane)
     }
 
+    /// The order of a picture that is kept: as its pane shows it at rest, though it may move.
+    pub(crate) fn kept(&self, pane: &PaneKey) -> Option<Order> {
+        let order = self.sent.get(pane)?.clone();
+        let room = self.seen.get(pane).copied();
+        let size = room.map_or(order.size, |room| self.picture_size(pane, room, false));
+        Some(order.kept(size))
+    }
+
     /// The picture of a pane; an empty one at first.
     pub(super) fn picture(&mut self, pane: PaneKey, order: &Order) -> &mut Picture {
         self.pictures.entry(pane).or_insert_with(|| Picture {

@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
-use egui_kittest::kittest::NodeT;
 
 use crate::hand::{Hand, SPHERE};
 
@@ -32,13 +31,10 @@ fn stops(hand: &mut Hand) -> Vec<String> {
     for _ in 0..200 {
         hand.press(Modifiers::NONE, Key::Tab);
         hand.harness.run_steps(4);
-        let root = hand.harness.root();
-        let focused = root.children_recursive().find(|node| node.is_focused());
-        let Some(focused) = focused else {
+        let Some((role, name)) = hand.focused() else {
             continue;
         };
-        let node = focused.accesskit_node();
-        let name = format!("{:?}: {}", node.role(), node.label().unwrap_or_default());
+        let name = format!("{role:?}: {name}");
         if stops.first() == Some(&name) && stops.len() > 5 {
             break;
         }
@@ -85,19 +81,7 @@ fn tab_reaches_every_control() {
 #[test]
 fn a_view_that_tab_reaches_has_the_keys() {
     let mut hand = Hand::on(SPHERE);
-    for _ in 0..200 {
-        hand.press(Modifiers::NONE, Key::Tab);
-        let focused = {
-            let root = hand.harness.root();
-            let focused = root.children_recursive().find(|node| node.is_focused());
-            focused
-                .and_then(|node| node.accesskit_node().label())
-                .unwrap_or_default()
-        };
-        if focused.starts_with("Geodesic view of s") {
-            break;
-        }
-    }
+    hand.tab_to("Geodesic view of s");
     let before = (hand.camera("s"), hand.eye());
     hand.hold(Key::W, 6);
     assert_ne!(hand.camera("s").at, before.0.at);

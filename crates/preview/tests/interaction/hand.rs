@@ -206,6 +206,25 @@ impl Hand {
             .expect("one has this name")
     }
 
+    /// The role and the name of what has the focus; nothing if nothing has it.
+    pub(crate) fn focused(&self) -> Option<(Role, String)> {
+        let root = self.harness.root();
+        let focused = root.children_recursive().find(|node| node.is_focused())?;
+        let node = focused.accesskit_node();
+        Some((node.role(), node.label().unwrap_or_default()))
+    }
+
+    /// Presses Tab until what has the focus is called so, from its beginning.
+    pub(crate) fn tab_to(&mut self, name: &str) {
+        for _ in 0..200 {
+            if self.focused().is_some_and(|(_, it)| it.starts_with(name)) {
+                return;
+            }
+            self.press(Modifiers::NONE, Key::Tab);
+        }
+        panic!("Tab does not reach {name}");
+    }
+
     /// Whether anything is called so, in part.
     pub(crate) fn shows(&self, part: &str) -> bool {
         self.names().iter().any(|name| name.contains(part))

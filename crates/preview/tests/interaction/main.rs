@@ -7,6 +7,7 @@ mod attached;
 mod cameras;
 mod faults;
 mod hand;
+mod keyboard;
 mod live;
 mod recording;
 mod remembered;

@@ -114,7 +114,7 @@ impl egui::DroppedFile for Dropped {
 }
 
 #[test]
-fn an_image_dropped_onto_the_window_is_in_the_list() {
+fn an_image_dropped_onto_the_window_is_in_the_list_and_on_the_surface_in_use() {
     let mut hand = Hand::on(SPHERE);
     let image = hand.path.with_file_name("drop.png");
     image::RgbImage::from_pixel(4, 4, image::Rgb([30, 200, 30]))
@@ -124,8 +124,15 @@ fn an_image_dropped_onto_the_window_is_in_the_list() {
     hand.harness.input_mut().dropped_files.push(Arc::new(file));
     hand.harness.step();
     hand.settle();
-    assert_eq!(hand.window().model().view.textures, [image]);
-    assert!(hand.shows("drop.png"));
+    assert_eq!(hand.window().model().view.textures, [image.clone()]);
+    assert!(hand.shows("drop.png lies on s"));
+    let texture = |hand: &Hand| hand.window().model().view.look("s").texture;
+    assert_eq!(texture(&hand), Choice::Image(image));
+    // All of it is one step.
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(texture(&hand), Choice::Default);
+    assert!(hand.window().model().view.textures.is_empty());
 }
 
 #[test]
@@ -229,6 +236,24 @@ fn a_picture_is_saved_at_any_size_with_a_transparent_background() {
         picture.pixels().any(|pixel| pixel.0[3] == 255),
         "the sphere is not"
     );
+}
+
+#[test]
+fn a_picture_of_a_view_that_moves_is_as_large_as_its_pane() {
+    let mut hand = Hand::on(SPHERE);
+    hand.click("Animate r");
+    // Long enough to know that pictures of that size take their time.
+    let pictures = hand.window().counters().pictures;
+    hand.until("some pictures have come", |hand| {
+        hand.window().counters().pictures > pictures + 6
+    });
+    let room = hand.space().size();
+    hand.press(Modifiers::COMMAND, Key::E);
+    for (side, expected) in [("Width", room.x), ("Height", room.y)] {
+        let field = hand.harness.get_by_role_and_label(Role::SpinButton, side);
+        let value = field.value().unwrap_or_default();
+        assert_eq!(value, format!("{} px", expected.round()), "{side}");
+    }
 }
 
 #[test]
