@@ -58,13 +58,16 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
     });
 }
 
-/// What the active pane's picture has cost.
+/// What the active pane's picture has cost, and the window's last frame apart from it.
 fn numbers(window: &Window, ui: &mut Ui) {
     let Some(picture) = window.pictures.get(&window.active) else {
         return;
     };
-    let milliseconds = picture.took.as_secs_f64() * 1e3;
-    ui.label(format!("{milliseconds:.1} ms"));
+    let [picture_took, frame_took] =
+        [picture.took, window.painting].map(|time| time.as_secs_f64() * 1e3);
+    ui.label(format!(
+        "picture {picture_took:.1} ms, frame {frame_took:.1} ms"
+    ));
     if let (Some((work, estimate)), PaneKey::Inside(_)) = (picture.inside, &window.active) {
         ui.separator();
         let error = estimate.map_or(String::new(), |it| format!(", error ≤ {:.2} px", it.max));

@@ -190,3 +190,26 @@ fn an_edit_of_one_of_twenty_surfaces_samples_that_one() {
     );
     assert_eq!(after.geodesic_kernels, 0);
 }
+
+#[test]
+fn the_status_line_tells_what_the_view_in_use_has_cost_and_how_exact_it_is() {
+    let mut hand = Hand::on(SPHERE);
+    assert!(hand.shows("picture ") && hand.shows(" ms, frame "));
+    assert!(!hand.shows(" evaluations"), "of no use in space");
+    hand.press(Modifiers::NONE, Key::F6);
+    hand.settle();
+    let names = hand.names();
+    let line = names.iter().find(|name| name.contains(" evaluations"));
+    let line = line.expect("a line of numbers").clone();
+    let numbers = line.split(|c: char| !(c.is_ascii_digit() || c == '.'));
+    let numbers: Vec<f64> = numbers.filter_map(|it| it.parse().ok()).collect();
+    let [steps, evaluations, error] = numbers[..] else {
+        panic!("three numbers: {line}");
+    };
+    // Each step of a method of order five or more takes several evaluations.
+    assert!(steps >= 1.0 && evaluations > 4.0 * steps, "{line}");
+    assert!(
+        (0.0..=0.1).contains(&error),
+        "a tenth of a pixel is asked for: {line}"
+    );
+}

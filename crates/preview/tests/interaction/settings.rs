@@ -124,7 +124,10 @@ fn an_image_dropped_onto_the_window_is_in_the_list_and_on_the_surface_in_use() {
     hand.harness.input_mut().dropped_files.push(Arc::new(file));
     hand.harness.step();
     hand.settle();
-    assert_eq!(hand.window().model().view.textures, [image.clone()]);
+    assert_eq!(
+        hand.window().model().view.textures,
+        std::slice::from_ref(&image)
+    );
     assert!(hand.shows("drop.png lies on s"));
     let texture = |hand: &Hand| hand.window().model().view.look("s").texture;
     assert_eq!(texture(&hand), Choice::Image(image));
