@@ -51,6 +51,11 @@ async fn command(editor: &mut Editor, uri: &str, view: Value) {
     assert_eq!(answer, Value::Null);
 }
 
+async fn close(editor: &mut Editor, uri: &str) {
+    let params = json!({ "textDocument": { "uri": uri } });
+    editor.tell("textDocument/didClose", params).await;
+}
+
 /// Opens a document and its preview, which has shaken hands and read the text.
 async fn previewed(editor: &mut Editor, windows: &Windows, uri: &str, text: &str) -> Window {
     editor.open(uri, text).await;
@@ -124,14 +129,117 @@ async fn a_window_is_told_the_text_and_every_edit() {
         assert_eq!(told, wanted);
 
         // With its document the window closes.
-        let params = json!({ "textDocument": { "uri": URI } });
-        editor.tell("textDocument/didClose", params).await;
+        close(&mut editor, URI).await;
         assert_eq!(window.hear().await, Some(json!({ "type": "close" })));
         assert_eq!(window.hear().await, None);
         window.exit(0).await;
         assert_eq!(messages(&editor), Vec::<&Value>::new());
         assert_eq!(editor.quit().await, 0, "{place:?}");
     }
+}
+
+#[tokio::test]
+async fn a_document_that_is_read_anew_keeps_its_window_whatever_its_versions_are() {
+    let mut windows = Windows::new(FAKE, false).await;
+    // As long as any test lasts: only what calls the end off keeps the window.
+    windows.program.lingers = Duration::from_secs(3600);
+    let mut editor = started(Place::Here, "preview-reread", &windows).await;
+    let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
+    editor
+        .change(URI, 7, json!([{ "text": "point p = (1, 2, 3);" }]))
+        .await;
+    assert_eq!(window.hear_of("text").await["version"], 7);
+    let shown = |version: i64| json!({ "type": "shown", "version": version, "ok": true, "milliseconds": 1.0, "painting": 0.0 });
+    // The same document with another text, whose version is lower, and then the same.
+    for (text, number) in [("#new", 8), ("#newer", 9)] {
+        close(&mut editor, URI).await;
+        editor.open(URI, text).await;
+        let told = window.hear().await.expect("the text");
+        assert_eq!(
+            (&told["type"], &told["text"]),
+            (&json!("text"), &json!(text))
+        );
+        assert_eq!(told["version"], number, "it is later than all before");
+    }
+    // What the window shows is the version that the editor knows, or of a text that it knows no more.
+    for number in [7, 8, 9] {
+        window.say(shown(number)).await;
+    }
+    let told = editor.notified("geotrace/shown", |_| true).await;
+    assert_eq!(told["version"], 1);
+    // Cursors and places are those of the text that is meant.
+    editor.tell("geotrace/cursor", at(URI, 0, 2)).await;
+    let told = window.hear_of("cursor").await;
+    assert_eq!((&told["version"], &told["offset"]), (&json!(9), &json!(2)));
+    editor.change(URI, 2, insert(0, 0, "#\n")).await;
+    assert_eq!(window.hear_of("text").await["version"], 10);
+    window
+        .say(json!({ "type": "open", "version": 9, "range": [1, 6] }))
+        .await;
+    let asked = editor.asked("window/showDocument").await;
+    let [start, end] = [1, 6].map(|c| json!({ "line": 1, "character": c }));
+    assert_eq!(asked["selection"], json!({ "start": start, "end": end }));
+    assert_eq!(
+        editor
+            .heard()
+            .filter(|m| m["method"] == "geotrace/shown")
+            .count(),
+        1
+    );
+    // One that has been closed for now is closed when the editor leaves.
+    close(&mut editor, URI).await;
+    assert_eq!(editor.quit().await, 0);
+    assert_eq!(window.hear_of("close").await, json!({ "type": "close" }));
+}
+
+#[tokio::test]
+async fn a_document_that_is_read_anew_brings_no_window_to_the_front() {
+    let mut windows = Windows::new(FAKE, false).await;
+    windows.program.lingers = Duration::from_secs(3600);
+    let mut editor = Editor::start_with(
+        Place::Here,
+        "preview-reread-on-open",
+        Some(&windows.program),
+    );
+    let mut params = json!({ "processId": null, "rootUri": null, "capabilities": capabilities() });
+    params["initializationOptions"] = json!({ "preview": { "open": "onOpen" } });
+    editor.initialize_with(params).await;
+    editor.open(URI, PROGRAM).await;
+    let mut window = windows.next().await;
+    window.greet().await;
+    assert_eq!(window.hear_of("text").await["version"], 1);
+    close(&mut editor, URI).await;
+    editor.open(URI, "#new").await;
+    editor.change(URI, 2, insert(0, 0, "#")).await;
+    let mut heard = vec![window.hear().await.expect("a text")];
+    while heard.last().is_some_and(|told| told["text"] != "##new") {
+        heard.push(window.hear().await.expect("a text"));
+    }
+    assert!(heard.iter().all(|told| told["type"] == "text"), "{heard:?}");
+    assert_eq!(editor.quit().await, 0);
+}
+
+#[tokio::test]
+async fn a_window_knows_where_the_cursor_stood_before_it_was_opened() {
+    let windows = Windows::new(FAKE, false).await;
+    let mut editor = started(Place::Here, "preview-cursor-before", &windows).await;
+    editor.open(URI, PROGRAM).await;
+    editor.tell("geotrace/cursor", at(URI, 2, 8)).await;
+    // It stands in the same line and column of the text as it is then.
+    editor.change(URI, 2, insert(0, 2, "𝛼𝛼")).await;
+    command(&mut editor, URI, Value::Null).await;
+    let mut window = windows.next().await;
+    window.greet().await;
+    let told = window.hear_of("text").await;
+    let offset = told["text"].as_str().and_then(|text| text.find("s(u"));
+    let wanted = json!({ "type": "cursor", "version": 2, "offset": offset });
+    assert_eq!(window.hear().await, Some(wanted.clone()));
+    // And once more when the window has read the text.
+    window
+        .say(json!({ "type": "shown", "version": 2, "ok": true, "milliseconds": 1.0, "painting": 0.0 }))
+        .await;
+    assert_eq!(window.hear().await, Some(wanted));
+    assert_eq!(editor.quit().await, 0);
 }
 
 #[tokio::test]
@@ -537,7 +645,7 @@ async fn what_cannot_be_started_is_told() {
 }
 
 #[tokio::test]
-async fn a_server_that_dies_leaves_its_windows_and_one_that_is_told_to_go_closes_them() {
+async fn a_server_that_is_killed_leaves_its_windows_and_one_whose_editor_goes_closes_them() {
     let windows = Windows::new(FAKE, false).await;
     // Killed: the window's input ends without a farewell, and the window lives on.
     let mut editor = started(Place::Binary, "preview-server-killed", &windows).await;
@@ -545,14 +653,38 @@ async fn a_server_that_dies_leaves_its_windows_and_one_that_is_told_to_go_closes
     kill(editor.process().expect("a process"));
     assert_eq!(window.hear().await, None);
     window.exit(0).await;
-    // Left without a word: the same.
+    // An editor that has gone without a word needs no picture of its text: its input ends, …
     for place in PLACES {
         let mut editor = started(place, "preview-hung-up", &windows).await;
         let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
         assert_eq!(editor.hang_up().await, 1);
-        assert_eq!(window.hear().await, None, "{place:?}");
+        assert_eq!(
+            window.hear().await,
+            Some(json!({ "type": "close" })),
+            "{place:?}"
+        );
         window.exit(0).await;
     }
+    // … it says `exit` and no farewell, …
+    let mut editor = started(Place::Binary, "preview-exit", &windows).await;
+    let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
+    editor.tell("exit", Value::Null).await;
+    assert_eq!(editor.end().await, 1);
+    assert_eq!(window.hear().await, Some(json!({ "type": "close" })));
+    window.exit(0).await;
+    // … or it is dead, though its end of the pipe stays open.
+    let mut parent = std::process::Command::new("sleep");
+    let mut parent = parent.arg("600").spawn().expect("a process");
+    let mut editor = Editor::start_with(Place::Binary, "preview-orphan", Some(&windows.program));
+    let params =
+        json!({ "processId": parent.id(), "rootUri": null, "capabilities": capabilities() });
+    editor.initialize_with(params).await;
+    let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
+    parent.kill().expect("it can be ended");
+    parent.wait().expect("it has ended");
+    assert_eq!(window.hear().await, Some(json!({ "type": "close" })));
+    assert_eq!(editor.end().await, 1);
+    window.exit(0).await;
     // A goodbye: it is told, though its input is full of texts.
     for place in PLACES {
         let mut editor = started(place, "preview-goodbye", &windows).await;
@@ -567,13 +699,20 @@ async fn a_server_that_dies_leaves_its_windows_and_one_that_is_told_to_go_closes
     }
     // One that does not listen is ended.
     let windows = Windows::new(FAKE, true).await;
-    let mut editor = started(Place::Binary, "preview-goodbye-deaf", &windows).await;
-    editor.open(URI, &"# filling\n".repeat(20_000)).await;
-    command(&mut editor, URI, Value::Null).await;
-    let mut window = windows.next().await;
-    window.greet_as(1).await;
-    assert_eq!(editor.quit().await, 0);
-    window.ended().await;
+    for says_goodbye in [true, false] {
+        let name = format!("preview-deaf-goodbye-{says_goodbye}");
+        let mut editor = started(Place::Binary, &name, &windows).await;
+        editor.open(URI, &"# filling\n".repeat(20_000)).await;
+        command(&mut editor, URI, Value::Null).await;
+        let mut window = windows.next().await;
+        window.greet_as(1).await;
+        if says_goodbye {
+            assert_eq!(editor.quit().await, 0);
+        } else {
+            assert_eq!(editor.hang_up().await, 1);
+        }
+        window.ended().await;
+    }
 }
 
 #[tokio::test]

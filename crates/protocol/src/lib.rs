@@ -10,8 +10,8 @@
 //! is named. Lines are read and written by [`line`](mod@line); what waits to be said keeps in a [`mailbox`], where the
 //! latest text wins. A line that is no message is passed by: a driver may print what it likes.
 //!
-//! The window closes by [`Command::Close`]: its document has been closed, or the editor has left as it should. If the
-//! commands just end, the server is gone, and the window keeps its picture and says so.
+//! The window closes by [`Command::Close`]: its document has been closed, or the editor has gone. If the commands just end,
+//! the server is gone, and the window keeps its picture and says so.
 
 pub mod handshake;
 pub mod line;
@@ -47,7 +47,8 @@ pub enum Command {
         uri: String,
         /// Where it lies on disk, if it does: what the window remembers is kept beside it.
         path: Option<String>,
-        /// The editor's number for this text.
+        /// A number for this text, greater than those of all texts before: the editor's, unless that counts anew when it
+        /// reads the document anew.
         version: i32,
         /// All of it; shared, since the server keeps it until the window speaks of it no more.
         text: Arc<str>,

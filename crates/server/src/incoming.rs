@@ -28,9 +28,9 @@ use tower_lsp::ls_types as lsp;
 use tower_lsp::{Client, LanguageServer, LspServiceBuilder};
 
 use crate::direct::{self, Outlet};
-use crate::documents::Open;
 use crate::encoding::Place;
 use crate::session::Session;
+pub(crate) use window::close_all;
 
 /// The notification by which an editor tells where its cursor stands, which the protocol has none for: its params are
 /// those of a hover.
@@ -94,18 +94,21 @@ impl Backend {
         self.point_at(&params);
     }
 
-    /// Tells a document's window where the cursor stands.
+    /// Remembers where the cursor stands in a document, and tells its window, if it has one.
     fn point_at(&self, at: &lsp::TextDocumentPositionParams) {
         let uri = at.text_document.uri.as_str();
         let mut session = self.session();
-        if !session.previews.has(uri) {
-            return;
-        }
-        let Some(snapshot) = session.documents.get(uri).map(Open::snapshot) else {
+        let session = &mut *session;
+        let Some(open) = session.documents.get(uri) else {
             return;
         };
-        let offset = snapshot.offset(place(at.position));
-        session.previews.cursor(uri, snapshot.version, offset);
+        let place = place(at.position);
+        session.cursors.insert(uri.to_owned(), place);
+        if session.previews.has(uri) {
+            let snapshot = open.snapshot();
+            let offset = snapshot.offset(place);
+            session.previews.cursor(uri, snapshot.version, offset);
+        }
     }
 }
 

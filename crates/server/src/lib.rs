@@ -27,7 +27,7 @@ mod tokens;
 mod workspace;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt};
 use tower_lsp::{LspService, Server};
@@ -159,9 +159,8 @@ where
         }
         () = end.now.notified() => {}
     }
-    // Windows that have not been told to close hear that nobody speaks to them any more.
-    let mut session = session.lock().unwrap_or_else(PoisonError::into_inner);
-    session.previews.abandon_all();
+    // The editor has gone, with a word or without one: its windows go too.
+    incoming::close_all(&session).await;
     reading.abort();
     writing.abort();
     end.asked_for.load(Ordering::SeqCst)

@@ -5,8 +5,9 @@
 //! the window's task ◀──── what was heard ◀──process.rs──┘
 //! ```
 //!
-//! A window closes with its document, and when the editor says goodbye. If the server just ends, the window notices by
-//! itself and keeps its picture.
+//! A window closes a little after its document, since an editor that reads a file anew closes it and opens it again; and
+//! with the editor, whether that says goodbye or is just gone. Where the server is killed, the window notices by itself
+//! and keeps its picture.
 
 mod process;
 mod sent;
@@ -37,11 +38,15 @@ pub struct WindowProgram {
     pub arguments: Vec<OsString>,
     /// How long it may take to say its version.
     pub patience: Duration,
+    /// For how long it outlives its document: an editor that reads a file anew closes it and opens it again.
+    pub lingers: Duration,
 }
 
 impl WindowProgram {
     /// How long a window may take to say its version: it does so before it looks for a display.
     pub const PATIENCE: Duration = Duration::from_secs(10);
+    /// For how long a window outlives its document.
+    pub const LINGERS: Duration = Duration::from_millis(500);
 
     /// This program itself, with these arguments.
     ///
@@ -52,6 +57,7 @@ impl WindowProgram {
             program: std::env::current_exe()?,
             arguments: arguments.into_iter().map(Into::into).collect(),
             patience: Self::PATIENCE,
+            lingers: Self::LINGERS,
         })
     }
 }
@@ -60,6 +66,8 @@ impl WindowProgram {
 #[derive(Debug, Default)]
 pub(crate) struct Previews {
     open: HashMap<String, Preview>,
+    /// Those that have been forgotten, but perhaps not been told yet to close.
+    leaving: Vec<Arc<Process>>,
     counter: u64,
 }
 
@@ -74,8 +82,15 @@ pub(crate) struct Preview {
     pub(crate) sent: Sent,
     /// The params' values in the window, by name.
     pub(crate) live: BTreeMap<String, Vec<f64>>,
+    /// The number of a text, and the place in it.
     cursor: Option<(i32, u32)>,
+    /// Its document has been closed.
+    left: Option<Left>,
 }
+
+/// That a document was closed, once: opened and closed again, it is another time.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) struct Left(u64);
 
 /// A window that has just been started.
 #[derive(Debug)]
@@ -107,7 +122,7 @@ impl Previews {
         true
     }
 
-    /// Starts a document's window.
+    /// Starts a document's window; `cursor` is where it stands in the text, if that is known.
     ///
     /// # Errors
     /// Where the program cannot be started.
@@ -117,6 +132,7 @@ impl Previews {
         snapshot: &Snapshot,
         path: Option<String>,
         view: Option<View>,
+        cursor: Option<u32>,
     ) -> std::io::Result<Started> {
         let (process, heard) = Process::start(program)?;
         self.counter += 1;
@@ -127,6 +143,7 @@ impl Previews {
             sent: Sent::default(),
             live: BTreeMap::new(),
             cursor: None,
+            left: None,
         };
         process.tell(Command::Hello(Hello::own()));
         self.open.insert(snapshot.uri.clone(), preview);
@@ -134,6 +151,9 @@ impl Previews {
         // Without a view that is named the window opens as it was left.
         if view.is_some() {
             process.tell(Command::Show { view });
+        }
+        if let Some(offset) = cursor {
+            self.cursor(&snapshot.uri, snapshot.version, offset);
         }
         Ok(Started {
             id: self.counter,
@@ -147,66 +167,76 @@ impl Previews {
         let Some(preview) = self.open.get_mut(&snapshot.uri) else {
             return;
         };
+        preview.left = None;
         let text: Arc<str> = snapshot.reading().text().into();
+        let number = preview.sent.put(snapshot.version, text.clone());
         let command = Command::Text {
             uri: snapshot.uri.clone(),
             path: preview.path.clone(),
-            version: snapshot.version,
-            text: text.clone(),
+            version: number,
+            text,
         };
-        preview.sent.put(snapshot.version, text);
-        if let Some(Command::Text { version, .. }) = preview.process.tell(command)
-            && version != snapshot.version
-        {
+        if let Some(Command::Text { version, .. }) = preview.process.tell(command) {
             preview.sent.never_read(version);
         }
     }
 
-    /// Tells a document's window, if it has one, where the cursor stands in the text of a version.
+    /// Tells a document's window, if it has one, where the cursor stands in the text of the editor's version.
     pub(crate) fn cursor(&mut self, uri: &str, version: i32, offset: u32) {
-        if let Some(preview) = self.open.get_mut(uri)
-            && preview.cursor.replace((version, offset)) != Some((version, offset))
-        {
-            preview.process.tell(Command::Cursor { version, offset });
-        }
-    }
-
-    /// A window shows a text; where the cursor stands there is told again, as it may not have been a place of a text that
-    /// the window had read when it was told.
-    pub(crate) fn shown(&mut self, uri: &str, id: u64, version: i32, ok: bool) {
-        let Some(preview) = self.of(uri, id) else {
+        let Some(preview) = self.open.get_mut(uri) else {
             return;
         };
-        preview.sent.shown(version, ok);
-        if let Some((known, offset)) = preview.cursor
-            && known == version
-        {
+        let version = preview.sent.number(version);
+        if preview.cursor.replace((version, offset)) != Some((version, offset)) {
             preview.process.tell(Command::Cursor { version, offset });
         }
     }
 
-    /// Has a document's window close; it is forgotten.
-    pub(crate) fn close(&mut self, uri: &str) {
-        if let Some(preview) = self.open.remove(uri) {
-            preview.process.close();
+    /// A window shows the text of a number; its version, if the editor still knows it. Where the cursor stands there is
+    /// told again, as it may not have been a place of a text that the window had read when it was told.
+    pub(crate) fn shown(&mut self, uri: &str, id: u64, number: i32, ok: bool) -> Option<i32> {
+        let preview = self.of(uri, id)?;
+        preview.sent.shown(number, ok);
+        if let Some((version, offset)) = preview.cursor
+            && version == number
+        {
+            preview.process.tell(Command::Cursor { version, offset });
+        }
+        preview.sent.version(number)
+    }
+
+    /// A document has been closed: its window, if it has one, is to close too, by [`Self::close`], unless the document
+    /// has been opened again until then.
+    pub(crate) fn leave(&mut self, uri: &str) -> Option<Left> {
+        let preview = self.open.get_mut(uri)?;
+        self.counter += 1;
+        preview.left = Some(Left(self.counter));
+        preview.left
+    }
+
+    /// Has the window close of a document that was closed, and has not been opened since; it is forgotten.
+    pub(crate) fn close(&mut self, uri: &str, left: Left) {
+        let is_left = |preview: &Preview| preview.left == Some(left);
+        if self.open.get(uri).is_some_and(is_left)
+            && let Some(preview) = self.open.remove(uri)
+        {
+            self.dismiss(preview.process);
         }
     }
 
-    /// Has all windows close.
+    /// Has all windows close; those that have not been told yet.
     pub(crate) fn close_all(&mut self) -> Vec<Arc<Process>> {
-        let all = self.open.drain().map(|(_, preview)| preview.process);
-        let all: Vec<_> = all.collect();
-        for process in &all {
-            process.close();
+        let all: Vec<_> = self.open.drain().map(|(_, it)| it.process).collect();
+        for process in all {
+            self.dismiss(process);
         }
-        all
+        self.leaving.clone()
     }
 
-    /// Leaves all windows to themselves: their input ends without a farewell.
-    pub(crate) fn abandon_all(&mut self) {
-        for (_, preview) in self.open.drain() {
-            preview.process.abandon();
-        }
+    fn dismiss(&mut self, process: Arc<Process>) {
+        process.close();
+        self.leaving.retain(|process| !process.has_been_told());
+        self.leaving.push(process);
     }
 
     /// Forgets a window that has ended or is about to; what it was, unless that has been forgotten already.

@@ -4,6 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use crate::documents::Documents;
+use crate::encoding::Place;
 use crate::preview::{Previews, WindowProgram};
 use crate::settings::Settings;
 use crate::tokens::Encoded;
@@ -42,6 +43,8 @@ pub(crate) struct Session {
     pub(crate) settings: Settings,
     pub(crate) documents: Documents,
     pub(crate) previews: Previews,
+    /// Where the cursor was last seen in each document: for the window that is opened next.
+    pub(crate) cursors: HashMap<String, Place>,
     /// What is started for a preview; none in a build without it.
     pub(crate) window: Option<Arc<WindowProgram>>,
     /// The folders of the workspace.

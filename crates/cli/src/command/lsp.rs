@@ -42,6 +42,7 @@ fn window(given: &[OsString]) -> Option<WindowProgram> {
             program: program.into(),
             arguments: arguments.to_vec(),
             patience: WindowProgram::PATIENCE,
+            lingers: WindowProgram::LINGERS,
         });
     }
     if cfg!(feature = "window") {

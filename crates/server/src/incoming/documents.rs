@@ -12,7 +12,7 @@ use crate::outgoing;
 pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentParams) {
     let document = params.text_document;
     let uri = document.uri;
-    let (opened, preview) = {
+    let (opened, opens) = {
         let mut session = server.session();
         session.pulled.remove(uri.as_str());
         session.tokens.remove(uri.as_str());
@@ -21,9 +21,11 @@ pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentP
             .open(uri.as_str(), document.version, &document.text)
             .map(|open| Findings::of(open, &uri));
         session.preview(uri.as_str());
-        (opened, session.settings.preview_on_open)
+        // What an editor reads anew has its window already, which stays where it is.
+        let opens = session.settings.preview_on_open && !session.previews.has(uri.as_str());
+        (opened, opens)
     };
-    if preview && opened.is_ok() && is_previewed(&uri) {
+    if opens && opened.is_ok() && is_previewed(&uri) {
         window::open(&server.session, &server.client, &uri, None);
     }
     match opened {
@@ -62,12 +64,16 @@ pub(super) async fn did_change(server: &Backend, params: lsp::DidChangeTextDocum
 
 pub(super) async fn did_close(server: &Backend, params: lsp::DidCloseTextDocumentParams) {
     let uri = params.text_document.uri;
-    {
+    let left = {
         let mut session = server.session();
         session.documents.close(uri.as_str());
-        session.previews.close(uri.as_str());
+        session.cursors.remove(uri.as_str());
         session.tokens.remove(uri.as_str());
         session.pulled.remove(uri.as_str());
+        session.previews.leave(uri.as_str())
+    };
+    if let Some(left) = left {
+        window::close_later(&server.session, &uri, left);
     }
     let _turn = server.publishing.lock().await;
     server

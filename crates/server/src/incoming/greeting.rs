@@ -1,7 +1,5 @@
 //! The first words and the last: what the editor offers, what the server can do, and the end.
 
-use std::time::Duration;
-
 use tower_lsp::jsonrpc::Result;
 use tower_lsp::ls_types as lsp;
 
@@ -10,9 +8,6 @@ use super::{Backend, window};
 use crate::encoding::Encoding;
 use crate::outgoing;
 use crate::session::Editor;
-
-/// How long windows may take to hear that they are to close when the editor says goodbye.
-const PATIENCE_FAREWELL: Duration = Duration::from_millis(500);
 
 pub(super) async fn initialize(
     server: &Backend,
@@ -65,7 +60,7 @@ pub(super) async fn initialized(server: &Backend, _: lsp::InitializedParams) {
 
 pub(super) async fn shutdown(server: &Backend) -> Result<()> {
     server.end.was_asked_for();
-    window::close_all(&server.session, PATIENCE_FAREWELL).await;
+    window::close_all(&server.session).await;
     Ok(())
 }
 

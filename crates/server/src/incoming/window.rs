@@ -15,10 +15,12 @@ use tower_lsp::Client;
 use tower_lsp::ls_types as lsp;
 
 use crate::documents::Open;
-use crate::preview::{Gone, Heard, Process, Started};
+use crate::preview::{Gone, Heard, Left, Process, Started};
 use crate::session::Session;
 use wishes::{Wish, ask};
 
+/// How long windows may take to hear that they are to close when the editor leaves.
+const PATIENCE_FAREWELL: Duration = Duration::from_millis(500);
 /// How long a window may take to close when it has been asked to.
 const PATIENCE_CLOSING: Duration = Duration::from_secs(5);
 /// How many things may wait to be asked: a user does not click faster than an editor jumps.
@@ -55,10 +57,21 @@ pub(super) fn open(
     }
 }
 
+/// Closes the window of a document that was closed, unless that is opened again soon.
+pub(super) fn close_later(session: &Arc<Mutex<Session>>, uri: &lsp::Uri, left: Left) {
+    let program = lock(session).window.clone();
+    let lingers = program.map_or(Duration::ZERO, |program| program.lingers);
+    let (session, uri) = (session.clone(), uri.clone());
+    tokio::spawn(async move {
+        tokio::time::sleep(lingers).await;
+        lock(&session).previews.close(uri.as_str(), left);
+    });
+}
+
 /// Tells all windows to close; those that do not listen are ended.
-pub(super) async fn close_all(session: &Arc<Mutex<Session>>, patience: Duration) {
+pub(crate) async fn close_all(session: &Arc<Mutex<Session>>) {
     let all = lock(session).previews.close_all();
-    let deadline = Instant::now() + patience;
+    let deadline = Instant::now() + PATIENCE_FAREWELL;
     for process in all {
         let told = tokio::time::timeout_at(deadline, process.told()).await;
         if told.is_err() {
@@ -141,7 +154,12 @@ fn start(
     let path = path
         .flatten()
         .and_then(|path| path.to_str().map(str::to_owned));
-    match session.previews.start(&program, &snapshot, path, view) {
+    let cursor = session.cursors.get(uri.as_str());
+    let cursor = cursor.map(|place| snapshot.offset(*place));
+    let started = session
+        .previews
+        .start(&program, &snapshot, path, view, cursor);
+    match started {
         Ok(started) => Ok(Some((started, program.patience))),
         Err(error) => {
             let program = program.program.display();
@@ -311,10 +329,10 @@ impl Window {
                 let told = {
                     let mut session = lock(&self.session);
                     let uri = self.uri.as_str();
-                    session.previews.shown(uri, self.id, version, ok);
-                    session.editor.hears_shown
+                    let version = session.previews.shown(uri, self.id, version, ok);
+                    version.filter(|_| session.editor.hears_shown)
                 };
-                if told {
+                if let Some(version) = told {
                     let uri = self.uri.clone();
                     let params = ShownParams {
                         uri,

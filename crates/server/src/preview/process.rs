@@ -113,11 +113,6 @@ impl Process {
         self.closing.notify_one();
     }
 
-    /// Tells the window nothing more, not even that it should close.
-    pub(crate) fn abandon(&self) {
-        self.mailbox.close();
-    }
-
     /// Waits until the window is to close.
     pub(crate) async fn closing(&self) {
         self.closing.notified().await;
@@ -127,6 +122,11 @@ impl Process {
     pub(crate) async fn told(&self) {
         // The sender lives as long as this process does.
         let _ = self.told.subscribe().wait_for(|told| *told).await;
+    }
+
+    /// Whether everything has been told that is to be told.
+    pub(crate) fn has_been_told(&self) -> bool {
+        *self.told.borrow()
     }
 
     /// Whether the process has ended, though its end may not have been heard yet.
