@@ -14,7 +14,7 @@ use render::live::{Counters, Hit, Stage};
 use scene::scene::Scene;
 
 use crate::mail::{Letter, Mail};
-use crate::model::{InsideCamera, SpaceCamera};
+use crate::model::{InsideCamera, Model, SpaceCamera};
 use crate::motion::{Motion, push};
 use crate::orders::{Order, PaneKey};
 use crate::walked::Walked;
@@ -60,6 +60,14 @@ pub(crate) struct Drawing {
     pub(crate) took: Duration,
 }
 
+impl Drawing {
+    /// Whether the geodesic camera in it is where the model has put it last.
+    pub(crate) fn heeds(&self, model: &Model) -> bool {
+        let camera = self.inside_camera.as_ref();
+        camera.is_some_and(|(name, _, heeded)| *heeded == model.placed(name))
+    }
+}
+
 /// Where a finished picture is.
 #[derive(Debug)]
 pub(crate) enum Painted {
@@ -82,8 +90,8 @@ impl Painted {
 /// Why someone asks what is under a place.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Purpose {
-    /// The geodesic camera is to go there.
-    Place,
+    /// The geodesic camera is to go there; the number of the click that says so.
+    Place(u64),
     /// Its declaration is to be shown.
     Open,
 }
@@ -157,10 +165,20 @@ impl Artist {
         desk.motions.get(surface).is_some_and(|it| !it.is_empty())
     }
 
-    /// No picture of this pane is wanted any more.
+    /// A geodesic camera stays where it is: it has been put elsewhere since it was asked to move.
+    pub(crate) fn stay(&self, surface: &str) {
+        self.with(|desk| {
+            desk.motions.remove(surface);
+        });
+    }
+
+    /// No picture of this pane is wanted any more. Motions without one would be made when it is wanted again.
     pub(crate) fn forget(&self, pane: &PaneKey) {
         self.with(|desk| {
             desk.orders.remove(pane);
+            if let PaneKey::Inside(surface) = pane {
+                desk.motions.remove(surface);
+            }
         });
     }
 

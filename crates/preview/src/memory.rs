@@ -248,7 +248,7 @@ mod tests {
 
     fn known() -> Known {
         let mut view = View::default();
-        view.params.insert("a".into(), vec![0.5, 0.1]);
+        view.params.insert("a".into(), vec![Some(0.5), None]);
         let look = Look {
             colour: Some([1, 2, 3]),
             texture: Choice::Image("map.png".into()),

@@ -8,7 +8,9 @@
 //! ```
 
 mod camera;
+mod difference;
 mod history;
+mod placing;
 mod view;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,8 +21,13 @@ use scene::values::Settings;
 
 pub use crate::compiler::Finding;
 pub use camera::{InsideCamera, SpaceCamera};
+use difference::Difference;
+use history::Travelled;
 pub use history::{History, Step};
-pub use view::{Animation, Choice, Look, Marks, Preferences, SCALES, Theme, View, WAVEFRONTS};
+use placing::Placing;
+pub use view::{
+    Animation, Choice, Look, Marks, Opening, Preferences, SCALES, Theme, View, WAVEFRONTS,
+};
 
 use crate::compiler::Compiled;
 pub use crate::walked::Walked;
@@ -50,16 +57,30 @@ pub struct Model {
     pub stale: BTreeSet<String>,
     /// The object whose declaration the cursor stands on.
     pub highlighted: Option<String>,
-    /// Counts the times that geodesic cameras were put somewhere by other means than walking.
-    pub placed: u64,
+    /// Counts for each surface the times that its geodesic camera was put somewhere by other means than walking.
+    placed: BTreeMap<String, u64>,
     /// The ways that geodesic cameras have gone, by their surfaces' names, where they leave trails.
     pub walked: BTreeMap<String, Arc<Walked>>,
     /// Counts the times that trails were begun anew.
     pub trails_begun: u64,
     settings: Option<Arc<Settings>>,
+    /// The click whose step is not told yet.
+    placing: Option<Placing>,
 }
 
 impl Model {
+    /// Takes over what was remembered of another program: no step leads back to the one before.
+    pub(crate) fn turn_to(&mut self, view: View) {
+        self.history = History::default();
+        self.placing = None;
+        let cameras = self.view.inside.keys().chain(view.inside.keys());
+        for surface in cameras.cloned().collect::<BTreeSet<_>>() {
+            self.count_placing(&surface, None);
+        }
+        self.view = view;
+        self.settings = None;
+    }
+
     /// Takes over what a text compiled to. What it does not say stays as it is.
     pub(crate) fn take(&mut self, compiled: Compiled) {
         self.text = compiled.text;
@@ -70,6 +91,8 @@ impl Model {
         self.findings = compiled.findings;
         if let Some(scene) = compiled.scene {
             self.heed_openings(&scene);
+            // A camera that nobody has moved is one of its scene.
+            self.history.settle_anew();
             self.scene = Some(scene);
             self.stale = compiled.stale.into_iter().collect();
             self.settings = None;
@@ -78,16 +101,32 @@ impl Model {
 
     /// Where the text gives a param another value than before, that is the one it has now: what was said last holds.
     fn heed_openings(&mut self, scene: &Scene) {
-        let Some(old) = &self.scene else {
-            return;
-        };
-        let (before, after) = (Settings::opening(old), Settings::opening(scene));
         for param in &scene.params {
-            let known = old.params.iter().find(|it| it.name == param.name);
-            let same_ranges = known.is_some_and(|it| it.ranges == param.ranges);
-            if same_ranges && known.is_some_and(|it| before.param(it) != after.param(param)) {
-                self.view.params.remove(&param.name);
+            let now = Opening::all(param);
+            let Some(before) = self.view.openings.remove(&param.name) else {
+                continue;
+            };
+            let both = before.iter().zip(&now).enumerate();
+            for (k, _) in both.filter(|(_, (before, now))| before.differs(now)) {
+                self.view.choose(&param.name, k, None);
+                self.history.drop_value(&param.name, k);
             }
+        }
+        self.note_openings(scene);
+    }
+
+    /// Remembers what the text says of each param that has a value.
+    fn note_openings(&mut self, scene: &Scene) {
+        let View {
+            params, openings, ..
+        } = &mut self.view;
+        openings.retain(|name, _| params.contains_key(name));
+        for name in params.keys() {
+            if openings.contains_key(name) {
+                continue;
+            }
+            let param = scene.params.iter().find(|param| param.name == *name);
+            openings.extend(param.map(|param| (name.clone(), Opening::all(param))));
         }
     }
 
@@ -98,40 +137,61 @@ impl Model {
 
     /// Does a step that can be undone.
     pub fn change(&mut self, step: Step, edit: impl FnOnce(&mut View)) {
+        self.keep_placing();
         let before = self.view.clone();
-        edit(&mut self.view);
-        if self.view == before {
-            return;
+        self.adjust(edit);
+        let replaced = Difference::of(&before, &self.view);
+        if !replaced.is_empty() {
+            self.history.record(step, replaced);
         }
-        self.history.record(step, before);
-        self.settings = None;
     }
 
-    /// Remembers the view for a step that is done elsewhere, and comes back by [`Model::adjust`].
-    pub fn begin(&mut self, step: Step) {
-        self.history.record(step, self.view.clone());
+    /// A geodesic camera is about to walk: where it is then comes back by [`Model::adjust`].
+    pub fn begin_walk(&mut self, step: Step, surface: &str) {
+        self.keep_placing();
+        let camera = self.view.inside.get(surface).copied();
+        let replaced = Difference::camera(surface, camera);
+        self.history.record(step, replaced);
     }
 
     /// Changes the view without a step: an animation, or what a worker has found out.
     pub fn adjust(&mut self, edit: impl FnOnce(&mut View)) {
         edit(&mut self.view);
         self.settings = None;
+        if let Some(scene) = self.scene.clone() {
+            self.note_openings(&scene);
+        }
     }
 
-    /// Takes the last step back; its name.
-    pub fn undo(&mut self) -> Option<&'static str> {
-        let title = self.history.undo(&mut self.view)?;
-        self.placed += 1;
-        self.settings = None;
-        Some(title)
+    /// Puts the 3D camera anew where everything is seen, unless the user has moved it.
+    pub(crate) fn reframe(&mut self) {
+        if self.view.space.is_some_and(|camera| !camera.moved) {
+            self.adjust(|view| view.space = None);
+        }
+        self.history.reframe();
     }
 
-    /// Does the last step again that was taken back; its name.
-    pub fn redo(&mut self) -> Option<&'static str> {
-        let title = self.history.redo(&mut self.view)?;
-        self.placed += 1;
-        self.settings = None;
-        Some(title)
+    /// Takes the last step back; its name, and the surfaces whose geodesic cameras are elsewhere now. Where `moves` holds,
+    /// motions of a surface's camera are still to be made.
+    pub fn undo(&mut self, moves: &dyn Fn(&str) -> bool) -> Option<(&'static str, Vec<String>)> {
+        self.keep_placing();
+        let travelled = self.history.undo(&mut self.view, moves)?;
+        Some(self.arrive(travelled))
+    }
+
+    /// Does the last step again that was taken back; as [`Model::undo`].
+    pub fn redo(&mut self, moves: &dyn Fn(&str) -> bool) -> Option<(&'static str, Vec<String>)> {
+        self.keep_placing();
+        let travelled = self.history.redo(&mut self.view, moves)?;
+        Some(self.arrive(travelled))
+    }
+
+    fn arrive(&mut self, travelled: Travelled) -> (&'static str, Vec<String>) {
+        for surface in &travelled.cameras {
+            self.count_placing(surface, None);
+        }
+        self.adjust(|_| {});
+        (travelled.title, travelled.cameras)
     }
 
     /// The params' values for the scene: those that were chosen, kept within their intervals.
@@ -146,7 +206,7 @@ impl Model {
                 };
                 let mut all = settings.param(param).to_vec();
                 for ((value, chosen), range) in all.iter_mut().zip(values).zip(&param.ranges) {
-                    if chosen.is_finite() {
+                    if let Some(chosen) = chosen.filter(|it| it.is_finite()) {
                         *value = chosen.clamp(range.min, range.max);
                     }
                 }
@@ -257,20 +317,13 @@ impl Model {
             let Some(animation) = self.view.animations.get(&param.name) else {
                 continue;
             };
-            let mut values = settings.param(param).to_vec();
-            let speed = animation.speed;
-            let mut any = false;
-            for (k, (value, range)) in values.iter_mut().zip(&param.ranges).enumerate() {
-                if animation.on.get(k).copied().unwrap_or(false) {
-                    *value = advanced(*value, seconds * speed, range.min, range.max);
-                    any = true;
-                }
-            }
-            if any {
+            let Animation { on, speed } = animation.clone();
+            let values = settings.param(param).iter().zip(&param.ranges);
+            let numbered = values.enumerate().zip(on);
+            for ((k, (value, range)), _) in numbered.filter(|(_, on)| *on) {
+                let next = advanced(*value, seconds * speed, range.min, range.max);
+                self.adjust(|view| view.choose(&param.name, k, Some(next)));
                 moved = true;
-                self.adjust(|view| {
-                    view.params.insert(param.name.clone(), values);
-                });
             }
         }
         moved

@@ -74,6 +74,8 @@ pub(crate) enum Look {
         name: String,
         placed: u64,
         camera: Option<InsideCamera>,
+        /// The way that the camera has gone, if it leaves a trail.
+        way: Option<Arc<Walked>>,
         /// The number of the trail that the camera leaves, if it does.
         trail: Option<u64>,
     },
@@ -301,7 +303,7 @@ pub(crate) fn order(
                     Some(Standing {
                         surface: id_of(name)?,
                         name: name.to_owned(),
-                        placed: model.placed,
+                        placed: model.placed(name),
                         camera: camera_of(name),
                     })
                 });
@@ -323,8 +325,9 @@ pub(crate) fn order(
         PaneKey::Inside(name) => Look::Inside {
             surface: id_of(name)?,
             name: name.clone(),
-            placed: model.placed,
+            placed: model.placed(name),
             camera: camera_of(name),
+            way: model.walked.get(name).cloned(),
             trail: view.preferences.marks.trail.then_some(model.trails_begun),
         },
     };

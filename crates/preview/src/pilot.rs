@@ -47,6 +47,8 @@ pub(crate) struct Flight<'a> {
     pub(crate) placed: u64,
     pub(crate) camera: Option<InsideCamera>,
     pub(crate) motions: &'a [Motion],
+    /// The way that leads to `camera`, if there is one: taken over with it.
+    pub(crate) way: Option<&'a Arc<Walked>>,
     /// The number of the trail that is to be left, if one is: another number begins another trail.
     pub(crate) trail: Option<u64>,
 }
@@ -57,16 +59,20 @@ impl Pilot {
     /// # Errors
     /// [`RenderError`] where there is no place to stand.
     pub(crate) fn fly(&mut self, flight: &Flight<'_>) -> Result<InsideCamera, RenderError> {
-        if self.placed != Some(flight.placed) {
-            self.placed = Some(flight.placed);
+        let placed = self.placed.replace(flight.placed) != Some(flight.placed);
+        if placed {
             self.camera = flight.camera;
-            self.walked = None;
+            self.walked = flight.way.cloned();
         }
         if self.trail != flight.trail {
             self.trail = flight.trail;
             self.walked = None;
         }
-        let changed = self.step_on(flight)?;
+        let changed = match self.step_on(flight)? {
+            // One that was put somewhere may be of another time, and not fit the surface as it is.
+            Changed::Nothing if placed => Changed::Values,
+            changed => changed,
+        };
         let Some(stand) = &self.stand else {
             return Err(RenderError::NoSurface { name: None });
         };
@@ -78,10 +84,7 @@ impl Pilot {
                 None => first(flight)?,
             },
             Some(camera) => camera,
-            None => {
-                // One that was put somewhere may not fit the surface as it is.
-                first(flight)?
-            }
+            None => first(flight)?,
         };
         let mut way = self.trail.map(|_| {
             let begun = self.walked.take().filter(|way| way.ends_at(camera.at));
@@ -156,6 +159,9 @@ impl Pilot {
     }
 }
 
+/// The share of their length by which X and Y may miss what they should be: what rounding leaves of a long walk.
+const FITS: f64 = 1e-9;
+
 /// What has changed under a camera.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum Changed {
@@ -171,8 +177,8 @@ fn first(flight: &Flight<'_>) -> Result<InsideCamera, RenderError> {
     Ok(InsideCamera::of(&inside.frame, inside.zoom, false))
 }
 
-/// The camera with X and Y orthogonal and as long as before, on a surface that has changed; none where it cannot
-/// stand there.
+/// The camera with X and Y orthogonal and as long as before, on a surface that has changed; as it is where they are so
+/// already, and none where it cannot stand there.
 fn settled(surface: &dyn Surface, camera: &InsideCamera) -> Option<InsideCamera> {
     let mut frame = camera.frame();
     for (at, [low, high]) in frame.uv.iter_mut().zip(surface.domain()) {
@@ -183,10 +189,19 @@ fn settled(surface: &dyn Surface, camera: &InsideCamera) -> Option<InsideCamera>
     if !(length > 0.0 && length.is_finite()) {
         return None;
     }
+    let (x, y) = (frame.x, frame.y);
     let mirrored = frame.x[0] * frame.y[1] - frame.x[1] * frame.y[0] < 0.0;
     let hand = if mirrored { -1.0 } else { 1.0 };
     frame.x = frame.x.map(|a| a / length * camera.zoom);
     frame.y = metric.turn_left(frame.x).map(|a| hand * a);
+    let fits = |a: [f64; 2], b: [f64; 2]| {
+        let off = metric.inner([a[0] - b[0], a[1] - b[1]], [a[0] - b[0], a[1] - b[1]]);
+        off.sqrt() <= FITS * camera.zoom
+    };
+    if fits(x, frame.x) && fits(y, frame.y) {
+        // Rounded once more, it would be another one.
+        (frame.x, frame.y) = (x, y);
+    }
     let settled = InsideCamera::of(&frame, camera.zoom, camera.moved);
     let works = frame.trace(surface, [1.0, 0.0], 0.0, &Options::default());
     (settled.is_sane() && works.is_ok()).then_some(settled)
@@ -263,6 +278,7 @@ mod tests {
             surface: ObjectId(0),
             placed: 0,
             camera: None,
+            way: None,
             motions,
             trail,
         }
@@ -357,6 +373,37 @@ mod tests {
             assert!((after.x[k] - 0.5 * before.x[k]).abs() < 1e-9);
             assert!((after.y[k] - 0.5 * before.y[k]).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn a_camera_that_is_brought_back_fits_the_surface_as_it_is_now() {
+        let (scene, settings) = scene(SPHERE);
+        let mut pilot = Pilot::default();
+        let old = fly(
+            &mut pilot,
+            &(scene.clone(), settings.clone()),
+            &[Motion::Walk([0.3, 0.2])],
+        );
+        let mut larger = (*settings).clone();
+        larger.set(&scene, "r", &[2.0]).expect("in range");
+        let world = (scene, Arc::new(larger));
+        fly(&mut pilot, &world, &[Motion::Walk([0.1, 0.0])]);
+        let back = |pilot: &mut Pilot, placed, camera| {
+            let flight = Flight {
+                placed,
+                camera: Some(camera),
+                ..flight(&world, &[], None)
+            };
+            pilot.fly(&flight).expect("a place to stand")
+        };
+        let after = back(&mut pilot, 1, old);
+        assert_eq!(after.at, old.at);
+        for k in 0..2 {
+            assert!((after.x[k] - 0.5 * old.x[k]).abs() < 1e-9, "{after:?}");
+            assert!((after.y[k] - 0.5 * old.y[k]).abs() < 1e-9, "{after:?}");
+        }
+        // One that fits comes back as it was, to the last digit.
+        assert_eq!(back(&mut pilot, 2, after), after);
     }
 
     #[test]

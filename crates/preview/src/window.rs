@@ -6,6 +6,7 @@
 //! menu.rs, status.rs, panes.rs draw it; pictures.rs asks the artist for what has changed; telling.rs tells the server
 //! ```
 
+mod clicks;
 mod hands;
 mod letters;
 mod pictures;
@@ -40,6 +41,7 @@ use crate::report::{Counters, Report};
 use crate::screen::Screen;
 use crate::textures::Library;
 use crate::watch::Watch;
+use clicks::{Clicks, DOUBLE_CLICK};
 
 /// Everything that the window is.
 pub struct Window {
@@ -65,7 +67,11 @@ pub struct Window {
     patience: Duration,
     /// For how long this one has waited.
     pub(crate) waited: Duration,
+    /// Until when a view counts as moving.
     moving_until: f64,
+    /// Until when what hands do belongs to what they have done.
+    gesture_until: f64,
+    clicks: Clicks,
     /// The pixels that the 3D pane had room for when the window last drew itself.
     space_room: Option<[u32; 2]>,
     pub(crate) said: Option<(bool, String)>,
@@ -184,6 +190,8 @@ impl Window {
             patience: Duration::ZERO,
             waited: Duration::ZERO,
             moving_until: 0.0,
+            gesture_until: 0.0,
+            clicks: Clicks::default(),
             space_room: None,
             said: None,
             painter: highlighting::Painter::default(),
@@ -231,6 +239,7 @@ impl Window {
         self.style = None;
         // A new context counts its time from the beginning.
         self.moving_until = 0.0;
+        self.gesture_until = 0.0;
         self.pictures.clear();
         self.sent.clear();
         self.waiting.clear();
@@ -249,7 +258,7 @@ impl Window {
     /// Takes over what was remembered of a program, and remembers on.
     fn remember(&mut self, program: PathBuf) {
         let (known, mut trouble) = crate::memory::load(&program);
-        self.model.view = known.view.clone();
+        self.model.turn_to(known.view.clone());
         if let Some(layout) = known.layouts.get(self.kind()) {
             let layout = serde_json::from_value::<Layout>(layout.clone());
             if !layout.is_ok_and(|layout| self.panes.arrange(&layout)) {
@@ -282,11 +291,12 @@ impl Window {
         &self.counters
     }
 
-    /// Whether every view on the screen shows its newest picture, and no text waits to be compiled.
+    /// Whether every view on the screen shows its newest picture, no text waits to be compiled, and no click for another.
     pub fn is_settled(&self) -> bool {
         self.waiting.is_empty()
             && self.model.read
             && self.counters.compiled > 0
+            && !self.may_be_clicked()
             && !self.is_behind()
     }
 
@@ -334,6 +344,10 @@ impl Window {
         self.read_letters();
         // A frame that is laid out once more has been moved by hands already.
         if context.current_pass_index() == 0 {
+            if ui.input(|input| input.pointer.any_pressed()) {
+                self.model.history.settle();
+            }
+            self.end_old_click(ui);
             self.shortcuts(ui);
             self.take_drops(ui);
             self.animate(ui);
@@ -367,7 +381,7 @@ impl Window {
             let input = &mut options.input_options;
             // A slow hand, or a slow machine, presses a button as well as a quick one.
             input.max_click_duration = f64::INFINITY;
-            input.max_double_click_delay = 0.5;
+            input.max_double_click_delay = DOUBLE_CLICK;
         });
         context.set_theme(match style.0 {
             Theme::System => egui::ThemePreference::System,
@@ -411,9 +425,11 @@ impl Window {
             self.waiting.remove(&pane);
         }
         let arrows = self.has_arrows(ui);
-        let idle =
-            ui.input(|input| !input.pointer.any_down() && !motion::Held::new(input, arrows).any());
-        if idle {
+        let rests = ui.input(|input| {
+            let held = input.pointer.any_down() || motion::Held::new(input, arrows).any();
+            !held && input.time >= self.gesture_until
+        });
+        if rests {
             self.model.history.settle();
         }
         let kind = self.kind();

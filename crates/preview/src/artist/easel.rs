@@ -147,6 +147,7 @@ impl Easel {
                 name,
                 placed,
                 camera,
+                way,
                 trail,
             } => {
                 let pilot = self.pilots.entry(name.clone()).or_default();
@@ -156,6 +157,7 @@ impl Easel {
                     surface: *surface,
                     placed: *placed,
                     camera: *camera,
+                    way: way.as_ref(),
                     motions,
                     trail: *trail,
                 })?;
@@ -195,12 +197,18 @@ impl Easel {
     fn standing(&mut self, order: &Order, told: &Standing) -> Option<Standing> {
         let pilot = self.pilots.entry(told.name.clone()).or_default();
         let trail = pilot.trail();
+        let ways = match &order.look {
+            Look::Space { ways, .. } => ways.as_slice(),
+            Look::Inside { .. } => &[],
+        };
+        let mut ways = ways.iter().filter(|(id, _)| *id == told.surface);
         let camera = pilot.fly(&Flight {
             scene: &order.scene,
             settings: &order.settings,
             surface: told.surface,
             placed: told.placed,
             camera: told.camera,
+            way: ways.next().map(|(_, way)| way),
             motions: &[],
             // It is left where it is seen from inside.
             trail,

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::{Animation, Model, SpaceCamera, Step, View, advanced};
+use super::{Animation, InsideCamera, Model, SpaceCamera, Step, View, advanced};
 use crate::compiler::{Compiled, findings};
 
 fn compiled(text: &str) -> Compiled {
@@ -28,7 +28,7 @@ fn model(text: &str) -> Model {
 fn a_param_keeps_its_value_by_name_through_compiles_within_its_interval() {
     let mut model = model("param a : [0, 4]; point p = (a, 0, 0);");
     model.change(Step::new("Move a", "a"), |view| {
-        view.params.insert("a".into(), vec![3.0]);
+        view.choose("a", 0, Some(3.0));
     });
     let value = |model: &mut Model| {
         let settings = model.settings().expect("a scene");
@@ -50,10 +50,10 @@ fn a_param_keeps_its_value_by_name_through_compiles_within_its_interval() {
 fn a_value_that_the_text_gives_anew_takes_the_place_of_the_sliders() {
     let mut model = model("param a = 1 : [0, 4]; point p = (a, 0, 0);");
     model.adjust(|view| {
-        view.params.insert("a".into(), vec![3.0]);
+        view.choose("a", 0, Some(3.0));
     });
     model.take(compiled("param a = 1 : [0, 4]; point p = (a, 1, 0);"));
-    assert_eq!(model.view.params["a"], [3.0]);
+    assert_eq!(model.view.params["a"], [Some(3.0)]);
     model.take(compiled("param a = 2 : [0, 4]; point p = (a, 1, 0);"));
     let settings = model.settings().expect("a scene");
     assert_eq!(settings.uniforms(), [2.0]);
@@ -75,27 +75,245 @@ fn what_is_hidden_is_known_by_its_place_in_the_scene_also_where_a_geodesic_lies_
     assert_eq!(hide(&mut model, "g"), [0, 1, 2]);
 }
 
+fn undo(model: &mut Model) -> Option<&'static str> {
+    model.undo(&|_| false).map(|(title, _)| title)
+}
+
+fn redo(model: &mut Model) -> Option<&'static str> {
+    model.redo(&|_| false).map(|(title, _)| title)
+}
+
 #[test]
 fn steps_of_one_gesture_are_undone_together_and_done_again() {
     let mut model = model("param a : [0, 4]; point p = (a, 0, 0);");
     let set = |model: &mut Model, value: f64| {
         model.change(Step::new("Move a", "a"), |view| {
-            view.params.insert("a".into(), vec![value]);
+            view.choose("a", 0, Some(value));
         });
     };
     set(&mut model, 1.0);
     set(&mut model, 2.0);
     model.history.settle();
     set(&mut model, 3.0);
-    assert_eq!(model.undo(), Some("Move a"));
-    assert_eq!(model.view.params["a"], [2.0]);
-    assert_eq!(model.undo(), Some("Move a"));
+    assert_eq!(undo(&mut model), Some("Move a"));
+    assert_eq!(model.view.params["a"], [Some(2.0)]);
+    assert_eq!(undo(&mut model), Some("Move a"));
     assert!(model.view.params.is_empty());
-    assert_eq!(model.undo(), None);
-    model.redo();
-    model.redo();
-    assert_eq!(model.view.params["a"], [3.0]);
-    assert_eq!(model.redo(), None);
+    assert_eq!(undo(&mut model), None);
+    redo(&mut model);
+    redo(&mut model);
+    assert_eq!(model.view.params["a"], [Some(3.0)]);
+    assert_eq!(redo(&mut model), None);
+}
+
+const SURFACE: &str = "param a : [0, 4]; surface s(u,v) = (u, v, a), u : [0,1], v : [0,1];
+    surface t(u,v) = (u, v, 0), u : [0,1], v : [0,1];";
+
+fn inside(at: [f64; 2]) -> InsideCamera {
+    InsideCamera {
+        at,
+        x: [1.0, 0.0],
+        y: [0.0, 1.0],
+        pole: None,
+        zoom: 1.0,
+        moved: true,
+    }
+}
+
+fn set(model: &mut Model, name: &str, value: f64) {
+    model.change(Step::new("Move a param", name), |view| {
+        view.choose(name, 0, Some(value));
+    });
+    model.history.settle();
+}
+
+#[test]
+fn a_step_takes_back_what_it_has_changed_and_nothing_else() {
+    let mut model = model(SURFACE);
+    model.change(Step::new("Move the 3D camera", "keys"), |view| {
+        view.space = Some(camera().moved([1.0, 0.0, 0.0]));
+    });
+    // No step: a pane is closed, a param moves by itself, a geodesic camera walks.
+    model.adjust(|view| {
+        view.closed.insert("s".into());
+        view.choose("a", 0, Some(3.0));
+        view.inside.insert("s".into(), inside([0.5, 0.5]));
+    });
+    let others = model.view.clone();
+    assert_eq!(undo(&mut model), Some("Move the 3D camera"));
+    assert_eq!(
+        model.view,
+        View {
+            space: None,
+            ..others.clone()
+        }
+    );
+    assert_eq!(redo(&mut model), Some("Move the 3D camera"));
+    assert_eq!(model.view, others);
+}
+
+#[test]
+fn what_the_text_gives_anew_no_step_brings_back() {
+    let mut model = model("param a = 1 : [0, 4]; param b : [0, 9]; point p = (a, b, 0);");
+    set(&mut model, "a", 2.0);
+    set(&mut model, "a", 3.0);
+    set(&mut model, "b", 5.0);
+    assert_eq!(undo(&mut model), Some("Move a param"));
+    model.take(compiled(
+        "param a = 3 : [0, 4]; param b : [0, 9]; point p = (a, b, 0);",
+    ));
+    assert!(model.view.params.is_empty(), "{:?}", model.view.params);
+    assert_eq!(model.history.last(), None, "there is nothing to undo of a");
+    assert_eq!(undo(&mut model), None);
+    assert_eq!(redo(&mut model), Some("Move a param"));
+    assert_eq!(model.view.params["b"], [Some(5.0)]);
+    assert!(!model.view.params.contains_key("a"));
+}
+
+#[test]
+fn a_step_that_changes_nothing_any_more_is_passed_by() {
+    let mut model = model(SURFACE);
+    set(&mut model, "a", 2.0);
+    model.change(Step::new("Show or hide", "s"), |view| {
+        view.looks.entry("s".into()).or_default().hidden = true;
+    });
+    model.adjust(|view| {
+        view.looks.remove("s");
+    });
+    assert_eq!(undo(&mut model), Some("Move a param"));
+}
+
+#[test]
+fn a_value_is_known_with_what_the_text_said_when_it_was_chosen() {
+    let mut before =
+        model("param a = 1 : [0, 4]; param b : [0, 2], [0, 2]; point p = (a, b_1, b_2);");
+    set(&mut before, "a", 3.0);
+    before.change(Step::new("Move a param", "b_2"), |view| {
+        view.choose("b", 1, Some(1.5));
+    });
+    let text = serde_json::to_string(&before.view).expect("data");
+    // Meanwhile the file was edited: another value of a, another interval of b.
+    let again = |file: &str| {
+        let mut after = Model::default();
+        after.turn_to(serde_json::from_str::<View>(&text).expect("data").sane());
+        assert_eq!(after.view, before.view);
+        after.take(compiled(file));
+        after.settings().expect("a scene").uniforms().to_vec()
+    };
+    assert_eq!(
+        again("param a = 1 : [0, 4]; param b : [0, 2], [0, 2]; point p = (a, b_1, b_2);"),
+        [3.0, 0.0, 1.5]
+    );
+    assert_eq!(
+        again("param a = 2 : [0, 4]; param b : [1, 2], [1, 2]; point p = (a, b_1, b_2);"),
+        [2.0, 1.0, 1.5]
+    );
+    assert_eq!(
+        again("param a = 2 : [1, 5]; param b = (1, 1) : [0, 2], [0, 2]; point p = (a, b_1, b_2);"),
+        [2.0, 1.0, 1.0]
+    );
+}
+
+#[test]
+fn placings_are_counted_for_each_surface_where_its_camera_is_another_one() {
+    let mut model = model(SURFACE);
+    let counts = |model: &Model| ["s", "t"].map(|name| model.placed(name));
+    set(&mut model, "a", 2.0);
+    model.undo(&|_| false);
+    model.redo(&|_| false);
+    assert_eq!(counts(&model), [0, 0], "a param is no camera");
+    model.place("s", inside([0.5, 0.5]));
+    assert_eq!(counts(&model), [1, 0]);
+    model.reset("t");
+    assert_eq!(counts(&model), [1, 1]);
+    model.undo(&|_| false);
+    assert_eq!(counts(&model), [2, 1], "the placing is taken back");
+    // A walk comes back by itself, and is undone as a placing; so is one that is still on its way.
+    model.begin_walk(Step::new("Move the geodesic camera", "t"), "t");
+    model.adjust(|view| {
+        view.inside.insert("t".into(), inside([0.25, 0.5]));
+    });
+    assert_eq!(counts(&model), [2, 1]);
+    model.undo(&|_| false);
+    assert_eq!(counts(&model), [2, 2]);
+    model.begin_walk(Step::new("Move the geodesic camera", "s"), "s");
+    let moving = model.undo(&|surface| surface == "s");
+    assert_eq!(
+        moving,
+        Some(("Move the geodesic camera", vec!["s".to_owned()]))
+    );
+    assert_eq!(counts(&model), [3, 2]);
+}
+
+#[test]
+fn a_placing_that_is_withdrawn_leaves_no_trace() {
+    let mut model = model(SURFACE);
+    model.adjust(|view| {
+        view.inside.insert("s".into(), inside([0.25, 0.25]));
+    });
+    set(&mut model, "a", 2.0);
+    model.undo(&|_| false);
+    let before = model.view.clone();
+    model.place("s", inside([0.5, 0.5]));
+    assert_eq!(model.view.inside["s"].at, [0.5, 0.5], "it is there at once");
+    model.withdraw_placing();
+    assert_eq!(model.view, before);
+    assert_eq!(model.history.last(), None);
+    assert_eq!(redo(&mut model), Some("Move a param"));
+    // One that is kept is a step of its own.
+    model.place("s", inside([0.5, 0.5]));
+    model.keep_placing();
+    model.withdraw_placing();
+    assert_eq!(model.view.inside["s"].at, [0.5, 0.5]);
+    assert_eq!(undo(&mut model), Some("Place the geodesic camera"));
+    assert_eq!(model.view.inside["s"].at, [0.25, 0.25]);
+}
+
+#[test]
+fn another_program_has_its_own_view_and_no_steps_of_the_one_before() {
+    let mut model = model(SURFACE);
+    model.adjust(|view| {
+        view.inside.insert("s".into(), inside([0.25, 0.25]));
+    });
+    set(&mut model, "a", 2.0);
+    model.place("s", inside([0.5, 0.5]));
+    let placed = model.placed("s");
+    let mut other = View::default();
+    other.inside.insert("s".into(), inside([0.75, 0.75]));
+    model.turn_to(other.clone());
+    assert!(model.placed("s") > placed, "its camera is elsewhere");
+    assert_eq!(undo(&mut model), None);
+    assert_eq!(model.view, other);
+}
+
+#[test]
+fn a_camera_that_nobody_had_moved_is_put_anew_where_its_scene_is_another_one() {
+    let mut model = model(SURFACE);
+    let unmoved = InsideCamera {
+        moved: false,
+        ..inside([0.25, 0.25])
+    };
+    model.adjust(|view| {
+        view.inside.insert("s".into(), unmoved);
+        view.space = Some(camera());
+    });
+    model.place("s", inside([0.5, 0.5]));
+    let moved = SpaceCamera {
+        moved: true,
+        ..camera().moved([1.0, 0.0, 0.0])
+    };
+    model.change(Step::new("Move the 3D camera", "keys"), |view| {
+        view.space = Some(moved);
+    });
+    model.take(compiled(
+        "surface s(u,v) = (u, v, 7), u : [5,6], v : [5,6];",
+    ));
+    model.reframe();
+    assert_eq!(model.view.space, Some(moved), "what was moved stays");
+    assert_eq!(undo(&mut model), Some("Move the 3D camera"));
+    assert_eq!(model.view.space, None);
+    assert_eq!(undo(&mut model), Some("Place the geodesic camera"));
+    assert!(!model.view.inside.contains_key("s"));
 }
 
 #[test]
@@ -114,7 +332,7 @@ fn what_is_animated_grows_by_its_speed_and_begins_anew_at_its_least() {
         view.animations.insert("a".into(), on);
     });
     assert!(model.is_animated() && model.animate(0.5));
-    assert_eq!(model.view.params["a"], [0.0, 0.5]);
+    assert_eq!(model.view.params["a"], [None, Some(0.5)]);
 }
 
 #[test]

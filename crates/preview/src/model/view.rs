@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
+use scene::scene::{Param, Range};
 use serde::{Deserialize, Serialize};
 
 use super::camera::{InsideCamera, SpaceCamera};
@@ -14,8 +15,10 @@ use super::camera::{InsideCamera, SpaceCamera};
 pub struct View {
     /// How objects look, by their names.
     pub looks: BTreeMap<String, Look>,
-    /// The params' values, one number per component.
-    pub params: BTreeMap<String, Vec<f64>>,
+    /// The params' values, by component, where one was chosen.
+    pub params: BTreeMap<String, Vec<Option<f64>>>,
+    /// What the text says of the params that have a value here, by component.
+    pub openings: BTreeMap<String, Vec<Opening>>,
     /// What is animated.
     pub animations: BTreeMap<String, Animation>,
     /// The camera of the 3D view; chosen from the scene where there is none.
@@ -57,6 +60,37 @@ pub enum Choice {
     Curvature,
     /// An image file.
     Image(PathBuf),
+}
+
+/// What the text says of a component of a param.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Opening {
+    /// The value that it opens with: the declared one, else the least.
+    pub value: f64,
+    /// The least that it can be.
+    pub min: f64,
+    /// The greatest.
+    pub max: f64,
+}
+
+impl Opening {
+    /// Of each component of a param.
+    pub fn all(param: &Param) -> Vec<Self> {
+        let values = param.opening.iter().zip(&param.ranges);
+        let opening = |(value, range): (&f64, &Range)| Self {
+            value: *value,
+            min: range.min,
+            max: range.max,
+        };
+        values.map(opening).collect()
+    }
+
+    /// Whether another value is said now. Where only the interval is another one, so is the least, which nobody has said.
+    pub fn differs(&self, now: &Self) -> bool {
+        let same_range = (self.min, self.max) == (now.min, now.max);
+        self.value != now.value && (same_range || now.value != now.min)
+    }
 }
 
 /// Which components of a param move by themselves.
@@ -172,6 +206,27 @@ impl Default for Preferences {
 }
 
 impl View {
+    /// Chooses a value for a component, from 0, of a param, or leaves it to the text.
+    pub fn choose(&mut self, param: &str, component: usize, value: Option<f64>) {
+        let values = self.params.entry(param.to_owned()).or_default();
+        if values.len() <= component {
+            values.resize(component + 1, None);
+        }
+        values[component] = value;
+        if values.iter().all(Option::is_none) {
+            self.params.remove(param);
+        }
+    }
+
+    /// Lets a component, from 0, of a param move by itself, or rest.
+    pub fn animate(&mut self, param: &str, component: usize, on: bool) {
+        let all = &mut self.animations.entry(param.to_owned()).or_default().on;
+        if all.len() <= component {
+            all.resize(component + 1, false);
+        }
+        all[component] = on;
+    }
+
     /// The look of an object.
     pub fn look(&self, name: &str) -> Look {
         self.looks.get(name).cloned().unwrap_or_default()
@@ -207,7 +262,9 @@ impl View {
         self.space = self.space.filter(SpaceCamera::is_sane);
         self.inside.retain(|_, camera| camera.is_sane());
         for values in self.params.values_mut() {
-            values.retain(|value| value.is_finite());
+            for value in values {
+                *value = value.filter(|value| value.is_finite());
+            }
         }
         self
     }

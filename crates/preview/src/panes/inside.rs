@@ -23,9 +23,8 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, name: &str) {
             window.walk(name, Motion::Zoom(factor), ui);
         }
     }
-    let opens = response.double_clicked()
-        || response.clicked() && ui.input(|input| input.modifiers.command);
-    if opens && let Some((_, object)) = window.model.object(name) {
-        window.open_place(object.name_span);
+    let command = ui.input(|input| input.modifiers.command);
+    if response.double_clicked() || response.clicked() && command {
+        window.open_declaration(name);
     }
 }

@@ -108,12 +108,10 @@ fn slider(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, values: &[f
         both(ui)
     };
     if response.changed() {
-        let mut values = values.to_vec();
-        values[k] = value;
         window
             .model
             .change(Step::new("Move a param", name.as_str()), |view| {
-                view.params.insert(param.name.clone(), values);
+                view.choose(&param.name, k, Some(value));
             });
         window.has_moved(ui);
     }
@@ -135,9 +133,7 @@ fn animated(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, name: &st
     let animate = ui.checkbox(&mut on, "Animate");
     if animate.accessible_name(format!("Animate {name}")).changed() {
         window.model.change(Step::new("Animate", name), |view| {
-            let animation = view.animations.entry(param.name.clone()).or_default();
-            animation.on.resize(param.ranges.len().max(k + 1), false);
-            animation.on[k] = on;
+            view.animate(&param.name, k, on);
         });
     }
 }

@@ -43,20 +43,23 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
             }
         }
     }
-    // A key presses what has the focus, in its middle.
-    let opens = response.double_clicked()
-        || response.clicked() && ui.input(|input| input.modifiers.command);
-    let places = response.clicked() && !opens;
-    if (opens || places)
+    if response.clicked()
         && let Some(order) = window.sent(&pane).cloned()
     {
         let at = response.interact_pointer_pos();
+        // A key presses what has the focus, in its middle.
         let at = at.unwrap_or_else(|| response.rect.center());
         let share = (at - response.rect.min) / response.rect.size();
         let [width, height] = order.size.map(f64::from);
         let pixel = [f64::from(share.x) * width, f64::from(share.y) * height];
-        let purpose = if opens { Purpose::Open } else { Purpose::Place };
-        window.artist.pick(order, pixel, purpose);
+        if response.double_clicked() {
+            window.double_click(order, pixel);
+        } else if ui.input(|input| input.modifiers.command) {
+            window.artist.pick(order, pixel, Purpose::Open);
+        } else if !response.triple_clicked() {
+            // The third of three clicks is none of its own.
+            window.click(order, pixel, ui);
+        }
     }
     if response.has_focus() && window.by_keys {
         aim(ui, response.rect.center());

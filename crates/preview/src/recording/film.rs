@@ -250,6 +250,7 @@ impl Pictures {
                 surface,
                 placed: 0,
                 camera: Some(start),
+                way: None,
                 motions: &motions,
                 trail: film.trail.then_some(0),
             });

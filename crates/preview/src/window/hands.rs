@@ -1,11 +1,13 @@
 //! What hands do: keys, shortcuts, dropped files; and what moves by itself.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use egui::{Event, Key, KeyboardShortcut, Modifiers, Ui};
 
 use super::Window;
+use crate::artist::Artist;
 use crate::model::{Choice, SpaceCamera, Step};
 use crate::motion::{self, Held};
 use crate::orders::PaneKey;
@@ -47,12 +49,19 @@ impl Window {
             .input(|input| f64::from(input.unstable_dt))
             .clamp(0.0, 0.1);
         self.model.animate(seconds);
-        self.has_moved(ui);
+        self.is_moving(ui);
         ui.ctx().request_repaint();
     }
 
-    /// A view or a param is moving.
+    /// A hand has moved a view or a param.
     pub(crate) fn has_moved(&mut self, ui: &Ui) {
+        self.is_moving(ui);
+        // A notch of a wheel is spread over frames, in which no button is held.
+        self.gesture_until = self.moving_until;
+    }
+
+    /// A view or a param is moving.
+    fn is_moving(&mut self, ui: &Ui) {
         self.moving_until = ui.input(|input| input.time) + MOTION_PAUSE;
         let pause = Duration::from_secs_f64(MOTION_PAUSE + 0.01);
         ui.ctx().request_repaint_after(pause);
@@ -123,7 +132,7 @@ impl Window {
     /// Moves a geodesic camera.
     pub(crate) fn walk(&mut self, surface: &str, motion: motion::Motion, ui: &Ui) {
         let step = Step::new("Move the geodesic camera", surface);
-        self.model.begin(step);
+        self.model.begin_walk(step, surface);
         self.artist.walk(surface, motion);
         self.has_moved(ui);
     }
@@ -144,12 +153,8 @@ impl Window {
 
     /// Puts a geodesic camera at its first place.
     pub(crate) fn reset_inside(&mut self, surface: &str) {
-        let step = Step::new("Reset the geodesic camera", surface);
-        self.model.change(step, |view| {
-            view.inside.remove(surface);
-        });
-        self.model.history.settle();
-        self.model.placed += 1;
+        self.model.reset(surface);
+        self.artist.stay(surface);
     }
 
     pub(super) fn shortcuts(&mut self, ui: &Ui) {
@@ -244,18 +249,31 @@ impl Window {
 
     /// Takes the last change of the view back.
     pub fn undo(&mut self) {
-        self.said = self
+        let (artist, waiting) = (&self.artist, &self.waiting);
+        let travelled = self
             .model
-            .undo()
-            .map(|title| (false, format!("Undone: {title}")));
+            .undo(&|surface| is_moving(artist, waiting, surface));
+        self.arrive("Undone", travelled);
     }
 
     /// Does the last change of the view again.
     pub fn redo(&mut self) {
-        self.said = self
+        let (artist, waiting) = (&self.artist, &self.waiting);
+        let travelled = self
             .model
-            .redo()
-            .map(|title| (false, format!("Done again: {title}")));
+            .redo(&|surface| is_moving(artist, waiting, surface));
+        self.arrive("Done again", travelled);
+    }
+
+    /// The view is another one. Cameras that were brought elsewhere do not go on from there.
+    fn arrive(&mut self, verb: &str, travelled: Option<(&'static str, Vec<String>)>) {
+        self.said = None;
+        if let Some((title, surfaces)) = travelled {
+            self.said = Some((false, format!("{verb}: {title}")));
+            for surface in surfaces {
+                self.artist.stay(&surface);
+            }
+        }
     }
 
     pub(super) fn take_drops(&mut self, ui: &Ui) {
@@ -295,4 +313,9 @@ impl Window {
             }
         });
     }
+}
+
+/// Whether a geodesic camera may be elsewhere than it was last told.
+fn is_moving(artist: &Artist, waiting: &BTreeSet<PaneKey>, surface: &str) -> bool {
+    artist.has_motions(surface) || waiting.contains(&PaneKey::Inside(surface.to_owned()))
 }

@@ -3,16 +3,14 @@
 use std::path::PathBuf;
 
 use protocol::{Command, View};
-use scene::scene::Scene;
 
 use super::{Origin, Window};
-use crate::artist::{Answer, Purpose};
+use crate::artist::Answer;
 use crate::compiler::Compiled;
 use crate::mail::Letter;
-use crate::model::{InsideCamera, Step};
+use crate::model::Step;
 use crate::orders::PaneKey;
 use crate::panes::Pane;
-use render::live::Hit;
 
 impl Window {
     /// Reads all that has come; whether there was any.
@@ -64,7 +62,7 @@ impl Window {
             return;
         }
         // A camera that nobody has moved shows everything of a new scene too.
-        self.reframe();
+        self.model.reframe();
         let surfaces = self.model.surfaces();
         let known = |name: &String| surfaces.contains(name);
         if !self.active_surface.as_ref().is_some_and(known) {
@@ -133,45 +131,6 @@ impl Window {
                 }
             }
         }
-    }
-
-    fn take_hit(
-        &mut self,
-        scene: &Scene,
-        hit: &Hit,
-        purpose: Purpose,
-        camera: Option<InsideCamera>,
-    ) {
-        let Some(object) = scene.objects.get(hit.object.0 as usize) else {
-            return;
-        };
-        let name = object.name.clone();
-        if purpose == Purpose::Open {
-            // The place is that of the scene that was clicked on, and the text may have moved on.
-            if let Some((_, object)) = self.model.object(&name) {
-                self.open_place(object.name_span);
-            }
-            return;
-        }
-        let [u, v] = hit.parameters;
-        let sentence = match &object.shape {
-            shape if shape.patch().is_some() => format!("{name} at (u, v) = ({u:.4}, {v:.4})"),
-            scene::scene::Shape::Curve { .. } | scene::scene::Shape::Geodesic { .. } => {
-                format!("{name} at t = {u:.4}")
-            }
-            _ => name.clone(),
-        };
-        self.said = Some((false, sentence));
-        let Some(camera) = camera else {
-            return;
-        };
-        let step = Step::new("Place the geodesic camera", name.as_str());
-        self.model.change(step, |view| {
-            view.inside.insert(name.clone(), camera);
-        });
-        self.model.history.settle();
-        self.model.placed += 1;
-        self.open_inside(&name);
     }
 
     fn take_changed(&mut self, text: Result<String, String>) {

@@ -46,7 +46,7 @@ impl Window {
         self.seen.insert(pane.clone(), pixels);
         if *pane == PaneKey::Space && self.space_room.replace(pixels) != Some(pixels) {
             // A camera that nobody has moved shows everything in a pane of another shape too.
-            self.reframe();
+            self.model.reframe();
         }
     }
 
@@ -113,13 +113,6 @@ impl Window {
         }
     }
 
-    /// Lets the artist put the 3D camera where everything is seen, unless the user has moved it.
-    pub(super) fn reframe(&mut self) {
-        if self.model.view.space.is_some_and(|camera| !camera.moved) {
-            self.model.adjust(|view| view.space = None);
-        }
-    }
-
     /// The size of the picture for a pane: coarser while it moves, if pictures take long.
     fn picture_size(&self, pane: &PaneKey, pixels: [u32; 2], moving: bool) -> [u32; 2] {
         let preferences = &self.model.view.preferences;
@@ -170,7 +163,9 @@ impl Window {
 
     pub(super) fn take_drawing(&mut self, pane: PaneKey, drawing: Drawing, order: &Order) {
         self.take_cameras(&pane, &drawing, order);
-        if let PaneKey::Inside(name) = &pane {
+        if let PaneKey::Inside(name) = &pane
+            && drawing.heeds(&self.model)
+        {
             match drawing.walked {
                 Some(way) => self.model.walked.insert(name.clone(), way),
                 None => self.model.walked.remove(name),
@@ -191,9 +186,8 @@ impl Window {
 
     /// Takes over where a picture is seen from, where nobody has said it.
     fn take_cameras(&mut self, pane: &PaneKey, drawing: &Drawing, order: &Order) {
-        let placed = self.model.placed;
         let inside = drawing.inside_camera.clone();
-        let inside = inside.filter(|(_, _, heeded)| *heeded == placed);
+        let inside = inside.filter(|_| drawing.heeds(&self.model));
         let mut first = None;
         if let Some(sent) = self.sent.get_mut(pane) {
             let same = sent.is_like(order);

@@ -81,6 +81,13 @@ impl Window {
         }
     }
 
+    /// The declaration of a name is to be shown to the user, as it stands in the text now.
+    pub(crate) fn open_declaration(&mut self, name: &str) {
+        if let Some((_, object)) = self.model.object(name) {
+            self.open_place(object.name_span);
+        }
+    }
+
     /// A place of the text is to be shown to the user.
     pub(crate) fn open_place(&mut self, span: syntax::span::Span) {
         match &mut self.origin {

@@ -168,6 +168,7 @@ fn each_key_of_the_geodesic_camera_walks_turns_or_zooms() {
     // In the plane with its own metric, parallel transport changes nothing, so each step is exact.
     let plane = "surface s(u,v) = (2u, 3v, 0), u : [-9, 9], v : [-9, 9];\n";
     let mut hand = Hand::on(plane);
+    let first = hand.camera("s");
     let middle = hand.inside("s").center();
     hand.harness.hover_at(middle);
     hand.harness.drag_at(middle);
@@ -217,13 +218,13 @@ fn each_key_of_the_geodesic_camera_walks_turns_or_zooms() {
         assert!((after.x[0] / before.x[0] - after.zoom / before.zoom).abs() < 1e-9);
         hand.hold(opposite, 8);
     }
-    let moved = hand.camera("s");
     hand.hold(Key::W, 8);
+    hand.hold(Key::Q, 8);
+    hand.hold(Key::Z, 8);
+    assert_ne!(hand.camera("s"), first);
     hand.press(Modifiers::NONE, Key::R);
     hand.settle();
-    let reset = hand.camera("s");
-    assert_ne!(reset.at, moved.at.map(|x| x + 1.0));
-    assert!(!reset.moved, "R puts it at its first place");
+    assert_eq!(hand.camera("s"), first, "R puts it at its first place");
 }
 
 #[test]
@@ -290,4 +291,117 @@ fn keys_in_a_text_are_text_and_shortcuts_are_no_motions() {
     hand.harness.run_steps(2);
     hand.hold(Key::W, 8);
     assert_eq!(hand.eye(), before, "W in the text does not move the camera");
+}
+
+#[test]
+fn a_turn_of_the_wheel_is_one_step_whatever_it_is_over_and_each_drag_is_another() {
+    let mut hand = Hand::on(SPHERE);
+    let (middle, before) = (hand.space().center(), hand.eye());
+    hand.wheel(middle, 60.0);
+    assert_ne!(hand.eye(), before);
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(hand.eye(), before, "all of it is undone at once");
+    assert_eq!(hand.window().model().history.last(), None);
+
+    let (middle, before) = (hand.inside("s").center(), hand.camera("s"));
+    hand.wheel(middle, 60.0);
+    assert_ne!(hand.camera("s"), before);
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(hand.camera("s"), before, "all of it is undone at once");
+    assert_eq!(hand.window().model().history.last(), None);
+
+    // Nothing but a button that is pressed anew tells two drags apart that follow at once.
+    let drag = |hand: &mut Hand| {
+        let from = hand.space().center();
+        let button = |pos, pressed| Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        hand.harness.hover_at(from);
+        hand.harness.event(button(from, true));
+        hand.harness.step();
+        for step in 1..=4 {
+            hand.harness.hover_at(from + vec2(10.0 * step as f32, 0.0));
+            hand.harness.step();
+        }
+        let to = from + vec2(40.0, 0.0);
+        hand.harness.event(button(to, false));
+        hand.harness.step();
+        hand.eye()
+    };
+    let first = drag(&mut hand);
+    assert_ne!(drag(&mut hand), first);
+    hand.settle();
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(hand.eye(), first, "the second drag is undone alone");
+}
+
+/// Clicks so many times, at once, on a place of the 3D view.
+fn click(hand: &mut Hand, at: egui::Pos2, times: usize) {
+    hand.harness.hover_at(at);
+    hand.harness.step();
+    for _ in 0..times {
+        for pressed in [true, false] {
+            hand.harness.event(Event::PointerButton {
+                pos: at,
+                button: PointerButton::Primary,
+                pressed,
+                modifiers: Modifiers::NONE,
+            });
+            hand.harness.step();
+        }
+    }
+}
+
+#[test]
+fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_half() {
+    let mut hand = Hand::on(SPHERE);
+    let at = hand.inside("s").center();
+    hand.click_at(at);
+    hand.click("Overlays");
+    hand.click("Trail of the walk");
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    hand.hold(Key::W, 6);
+    hand.click("View");
+    hand.click_on(Role::CheckBox, "Geodesic view of s");
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    let before = hand.window().model().view.clone();
+    let trail = hand.window().model().walked["s"].trail.length;
+    assert!(before.closed.contains("s") && trail > 0.0);
+    let last = hand.window().model().history.last();
+    let at = hand.space().center() + vec2(30.0, -20.0);
+    for times in [2, 3] {
+        click(&mut hand, at, times);
+        hand.settle();
+        assert_eq!(hand.window().model().view, before, "{times} clicks");
+        assert_eq!(hand.window().model().history.last(), last);
+        assert_eq!(hand.window().model().walked["s"].trail.length, trail);
+        // The text has the declaration, and the keys: they go back.
+        hand.until("the declaration is shown", |hand| {
+            hand.window().model().highlighted.as_deref() == Some("s")
+        });
+        hand.harness.run_steps(60);
+    }
+    // A click alone is heeded, and the view opens when it can be no double click any more.
+    click(&mut hand, at, 1);
+    hand.until("the camera is placed", |hand| {
+        hand.camera("s").at != before.inside["s"].at
+    });
+    assert!(hand.window().model().view.closed.contains("s"));
+    hand.settle();
+    assert!(!hand.window().model().view.closed.contains("s"));
+    assert_eq!(
+        hand.window().model().history.last(),
+        Some("Place the geodesic camera")
+    );
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(hand.camera("s").at, before.inside["s"].at);
 }

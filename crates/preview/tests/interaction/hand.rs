@@ -331,7 +331,7 @@ impl Hand {
         let scene = model.scene.clone().expect("a scene");
         let param = scene.params.iter().find(|it| it.name == name);
         let range = param.expect("declared").ranges[0];
-        let chosen = model.view.params.get(name).map(|values| values[0]);
+        let chosen = model.view.params.get(name).and_then(|values| values[0]);
         chosen.unwrap_or(range.min).clamp(range.min, range.max)
     }
 }

@@ -7,7 +7,12 @@ use crate::hand::{Hand, SPHERE};
 
 /// Switches the trail on, and gives the keys to the geodesic view.
 fn with_trail() -> Hand {
-    let mut hand = Hand::on(SPHERE);
+    with_trail_on(SPHERE)
+}
+
+/// The same, in another program that has a surface s whose geodesic view is in front.
+fn with_trail_on(text: &str) -> Hand {
+    let mut hand = Hand::on(text);
     let at = hand.inside("s").center();
     hand.click_at(at);
     hand.click("Overlays");
@@ -103,5 +108,53 @@ fn a_trail_stays_through_edits_elsewhere_and_goes_with_its_surface() {
     assert!(longer > walked);
     // A larger sphere: the same (u, v) are another path there.
     hand.slide("r", 50.0);
+    assert_eq!(length(&hand), 0.0);
+}
+
+#[test]
+fn a_trail_stays_through_what_is_undone_placed_and_reset_elsewhere() {
+    let text = "param h : [1, 3];
+surface t(u,v) = (u, v, h), u : [-1, 1], v : [-1, 1];
+surface s(u,v) = (cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi/2];
+";
+    let mut hand = Hand::on(text);
+    hand.click("Geodesic view – s");
+    hand.settle();
+    let at = hand.inside("s").center();
+    hand.click_at(at);
+    hand.click("Overlays");
+    hand.click("Trail of the walk");
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    hand.hold(Key::W, 6);
+    let walked = length(&hand);
+    assert!(walked > 0.0);
+    hand.slide("h", 50.0);
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert!(hand.shows("Undone: Move a param"), "{:?}", hand.names());
+    assert_eq!(length(&hand), walked, "undone");
+    hand.press(Modifiers::COMMAND, Key::Y);
+    hand.settle();
+    assert_eq!(length(&hand), walked, "done again");
+    hand.click("Geodesic view – t");
+    hand.settle();
+    let at = hand.inside("t").center();
+    hand.click_at(at);
+    hand.hold(Key::D, 6);
+    hand.press(Modifiers::NONE, Key::R);
+    hand.settle();
+    assert_eq!(length(&hand), walked, "another camera is reset");
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert!(hand.camera("t").moved, "the reset is undone");
+    assert_eq!(length(&hand), walked, "another camera is brought back");
+    // Its own camera elsewhere: the trail is no way to there.
+    hand.click("Geodesic view – s");
+    hand.settle();
+    let at = hand.inside("s").center();
+    hand.click_at(at);
+    hand.press(Modifiers::NONE, Key::R);
+    hand.settle();
     assert_eq!(length(&hand), 0.0);
 }

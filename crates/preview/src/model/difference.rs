@@ -1,0 +1,198 @@
+//! What differs between two views: the entries of the one, where they are not those of the other.
+//!
+//! A step keeps what it has replaced and nothing else. Exchanged with the view as it is now, that takes the step back, and
+//! exchanged once more makes it again; what others have changed meanwhile stays as it is.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use super::camera::{InsideCamera, SpaceCamera};
+use super::view::{Animation, Choice, Look, Preferences, View};
+
+/// Entries by their keys; none where there is no such entry.
+type Entries<K, V> = BTreeMap<K, Option<V>>;
+/// A param's name and one of its components, from 0.
+type Component = (String, usize);
+
+/// Some entries of a view. Which panes are closed is not among them: that is no step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Difference {
+    looks: Entries<String, Look>,
+    params: Entries<Component, f64>,
+    animated: Entries<Component, bool>,
+    space: Option<Option<SpaceCamera>>,
+    inside: Entries<String, InsideCamera>,
+    textures: Option<Vec<PathBuf>>,
+    default_texture: Option<Choice>,
+    preferences: Option<Preferences>,
+}
+
+impl Difference {
+    /// The entries of a view that another one does not have.
+    pub(super) fn of(view: &View, other: &View) -> Self {
+        Self {
+            looks: entries(&view.looks, &other.looks),
+            params: entries(&values(view), &values(other)),
+            animated: entries(&animated(view), &animated(other)),
+            space: (view.space != other.space).then_some(view.space),
+            inside: entries(&view.inside, &other.inside),
+            textures: differing(&view.textures, &other.textures),
+            default_texture: differing(&view.default_texture, &other.default_texture),
+            preferences: differing(&view.preferences, &other.preferences),
+        }
+    }
+
+    /// The geodesic camera of a surface.
+    pub(super) fn camera(surface: &str, camera: Option<InsideCamera>) -> Self {
+        Self {
+            inside: [(surface.to_owned(), camera)].into(),
+            ..Self::default()
+        }
+    }
+
+    /// Whether there are none.
+    pub(super) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Takes entries over that it does not have.
+    pub(super) fn add(&mut self, other: Self) {
+        add(&mut self.looks, other.looks);
+        add(&mut self.params, other.params);
+        add(&mut self.animated, other.animated);
+        self.space = self.space.or(other.space);
+        add(&mut self.inside, other.inside);
+        self.textures = self.textures.take().or(other.textures);
+        self.default_texture = self.default_texture.take().or(other.default_texture);
+        self.preferences = self.preferences.take().or(other.preferences);
+    }
+
+    /// Gives its entries to a view, and takes that one's in their place; what that has changed.
+    pub(super) fn exchange(&mut self, view: &mut View) -> Exchanged {
+        let mut params = values(view);
+        let mut animations = animated(view);
+        let cameras = exchange(&mut self.inside, &mut view.inside);
+        let values = exchange(&mut self.params, &mut params);
+        let animated = exchange(&mut self.animated, &mut animations);
+        let looks = exchange(&mut self.looks, &mut view.looks);
+        for (name, component) in &values {
+            let value = params.get(&(name.clone(), *component)).copied();
+            view.choose(name, *component, value);
+        }
+        for key in &animated {
+            let on = animations.get(key).copied().unwrap_or_default();
+            view.animate(&key.0, key.1, on);
+        }
+        let others = [
+            swap(&mut self.space, &mut view.space),
+            swap(&mut self.textures, &mut view.textures),
+            swap(&mut self.default_texture, &mut view.default_texture),
+            swap(&mut self.preferences, &mut view.preferences),
+        ];
+        let any = others.contains(&true) || !values.is_empty() || !looks.is_empty();
+        Exchanged {
+            any: any || !animated.is_empty() || !cameras.is_empty(),
+            cameras,
+        }
+    }
+
+    /// The surfaces whose geodesic cameras are among them.
+    pub(super) fn cameras(&self) -> impl Iterator<Item = &String> {
+        self.inside.keys()
+    }
+
+    /// Drops a component of a param.
+    pub(super) fn drop_value(&mut self, param: &str, component: usize) {
+        self.params.remove(&(param.to_owned(), component));
+    }
+
+    /// Puts the 3D camera anew where nobody has moved it.
+    pub(super) fn reframe(&mut self) {
+        self.space = self.space.map(|it| it.filter(|camera| camera.moved));
+    }
+
+    /// Puts the geodesic cameras anew that nobody has moved.
+    pub(super) fn settle_anew(&mut self) {
+        for camera in self.inside.values_mut() {
+            *camera = camera.filter(|camera| camera.moved);
+        }
+    }
+}
+
+/// What has become another by an exchange.
+#[derive(Debug)]
+pub(super) struct Exchanged {
+    /// Anything.
+    pub(super) any: bool,
+    /// The geodesic cameras, by their surfaces.
+    pub(super) cameras: Vec<String>,
+}
+
+fn entries<K: Clone + Ord, V: Clone + PartialEq>(
+    own: &BTreeMap<K, V>,
+    other: &BTreeMap<K, V>,
+) -> Entries<K, V> {
+    let keys = own.keys().chain(other.keys());
+    let differs = keys.filter(|key| own.get(*key) != other.get(*key));
+    differs
+        .map(|key| (key.clone(), own.get(key).cloned()))
+        .collect()
+}
+
+fn differing<V: Clone + PartialEq>(own: &V, other: &V) -> Option<V> {
+    (own != other).then(|| own.clone())
+}
+
+fn add<K: Ord, V>(entries: &mut Entries<K, V>, others: Entries<K, V>) {
+    for (key, value) in others {
+        entries.entry(key).or_insert(value);
+    }
+}
+
+/// Exchanges entries; the keys of those that differed.
+fn exchange<K: Clone + Ord, V: PartialEq>(
+    entries: &mut Entries<K, V>,
+    all: &mut BTreeMap<K, V>,
+) -> Vec<K> {
+    let mut differed = Vec::new();
+    for (key, value) in entries {
+        let before = all.remove(key);
+        let after = std::mem::replace(value, before);
+        if after != *value {
+            differed.push(key.clone());
+        }
+        all.extend(after.map(|after| (key.clone(), after)));
+    }
+    differed
+}
+
+/// Exchanges a value, if there is one to be exchanged; whether they differed.
+fn swap<V: PartialEq>(value: &mut Option<V>, other: &mut V) -> bool {
+    let Some(value) = value else {
+        return false;
+    };
+    std::mem::swap(value, other);
+    value != other
+}
+
+/// The values that were chosen, by component.
+fn values(view: &View) -> BTreeMap<Component, f64> {
+    let params = view.params.iter();
+    let all = params.flat_map(|(name, values)| {
+        let numbered = values.iter().enumerate();
+        numbered.filter_map(|(k, value)| Some(((name.clone(), k), (*value)?)))
+    });
+    all.collect()
+}
+
+/// What is animated, by component.
+fn animated(view: &View) -> BTreeMap<Component, bool> {
+    let animations = view.animations.iter();
+    let all = animations.flat_map(|(name, Animation { on, .. })| {
+        let numbered = on.iter().enumerate();
+        numbered
+            .filter(|(_, on)| **on)
+            .map(|(k, _)| ((name.clone(), k), true))
+    });
+    all.collect()
+}
