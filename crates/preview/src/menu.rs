@@ -159,7 +159,7 @@ fn view(window: &mut Window, ui: &mut Ui) {
             window.panes.arranged = true;
             match (&pane, open) {
                 (Pane::Inside(name), true) => window.open_inside(name),
-                (_, true) => window.panes.bring_forward(&pane),
+                (_, true) => window.bring_forward(&pane),
                 (_, false) => {
                     window.panes.close(&pane);
                     if let Pane::Inside(name) = pane {

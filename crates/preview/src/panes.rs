@@ -184,6 +184,13 @@ impl Panes {
         self.tree.tiles.find_pane(pane).is_some()
     }
 
+    /// The views that can be seen: open, and behind no other tab.
+    pub(crate) fn in_front(&self) -> Vec<PaneKey> {
+        let tiles = self.tree.active_tiles().into_iter();
+        let panes = tiles.filter_map(|tile| self.tree.tiles.get_pane(&tile));
+        panes.filter_map(Pane::picture).collect()
+    }
+
     /// Shows a pane, wherever it is.
     pub(crate) fn bring_forward(&mut self, pane: &Pane) {
         self.open(pane);
@@ -295,7 +302,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     let asked = std::mem::replace(&mut window.panes.tree, tree);
     for tile in asked.tiles.tiles() {
         if let Tile::Pane(pane) = tile {
-            window.panes.bring_forward(pane);
+            window.bring_forward(pane);
         }
     }
     for pane in closed {
@@ -357,12 +364,15 @@ impl Behavior<Pane> for Drawer<'_> {
 
     fn on_tab_button(
         &mut self,
-        _tiles: &mut Tiles<Pane>,
-        _tile: TileId,
+        tiles: &mut Tiles<Pane>,
+        tile: TileId,
         button: Response,
     ) -> Response {
         if button.clicked() {
             self.window.panes.arranged = true;
+            if let Some(picture) = tiles.get_pane(&tile).and_then(Pane::picture) {
+                self.window.activate(&picture);
+            }
         }
         self.tabs.push(button.clone());
         button

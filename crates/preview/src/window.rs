@@ -6,6 +6,7 @@
 //! menu.rs, status.rs, panes.rs draw it; pictures.rs asks the artist for what has changed; telling.rs tells the server
 //! ```
 
+mod active;
 mod clicks;
 mod hands;
 mod letters;

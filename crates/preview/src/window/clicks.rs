@@ -76,7 +76,7 @@ impl Window {
     fn end_click(&mut self) {
         self.model.keep_placing();
         if let Some(surface) = self.clicks.open.take().and_then(|it| it.surface) {
-            self.open_inside(&surface);
+            self.show_inside(&surface);
         }
     }
 
@@ -114,7 +114,7 @@ impl Window {
             Some(open) if number == self.clicks.count => open.surface = Some(name),
             _ => {
                 self.model.keep_placing();
-                self.open_inside(&name);
+                self.show_inside(&name);
             }
         }
     }

@@ -69,7 +69,9 @@ impl Window {
 
     /// Held keys move the camera of the active pane, unless a text is being written.
     pub(super) fn keys(&mut self, ui: &Ui) {
-        if ui.ctx().text_edit_focused() || self.dialogs.is_open() {
+        // It is known in any case: menus and dialogs are about it too.
+        let has_keys = self.has_keys();
+        if !has_keys || ui.ctx().text_edit_focused() || self.dialogs.is_open() {
             return;
         }
         let speed = self.model.view.preferences.camera_speed;
@@ -225,20 +227,9 @@ impl Window {
             Some(at) => (at + 1) % views.len(),
             None => 0,
         };
-        self.panes.bring_forward(&views[next]);
-        let Some(key) = views[next].picture() else {
-            return;
-        };
-        ui.memory_mut(|memory| memory.request_focus(picture::id(&key)));
-        self.activate(&key);
-    }
-
-    /// Keys move this pane's camera from now on.
-    pub(crate) fn activate(&mut self, pane: &PaneKey) {
-        self.active = pane.clone();
-        if let PaneKey::Inside(name) = pane {
-            self.active_surface = Some(name.clone());
-        }
+        self.bring_forward(&views[next]);
+        let active = picture::id(&self.active);
+        ui.memory_mut(|memory| memory.request_focus(active));
     }
 
     /// Gives the active view more room beside its neighbours, or less.

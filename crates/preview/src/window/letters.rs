@@ -83,7 +83,7 @@ impl Window {
             if let Some(name) = surfaces.into_iter().next()
                 && !self.panes.is_open(&Pane::Space)
             {
-                self.active = PaneKey::Inside(name);
+                self.activate(&PaneKey::Inside(name));
             }
         }
     }
@@ -173,7 +173,7 @@ impl Window {
                     Some(View::Geodesic { surface }) => self.open_inside(&surface),
                     // A scene of metrics alone is shown without it.
                     None if !self.panes.is_open(&Pane::Space) => {}
-                    Some(View::Space) | None => self.panes.bring_forward(&Pane::Space),
+                    Some(View::Space) | None => self.bring_forward(&Pane::Space),
                 }
                 self.raise = true;
             }
@@ -183,16 +183,5 @@ impl Window {
             Command::Close => self.closing = true,
             _ => {}
         }
-    }
-
-    /// Opens the geodesic view of a surface, or brings it to the front.
-    pub(crate) fn open_inside(&mut self, surface: &str) {
-        self.active_surface = Some(surface.to_owned());
-        self.model.adjust(|view| {
-            view.closed.remove(surface);
-        });
-        let pane = Pane::Inside(surface.to_owned());
-        self.panes.open(&pane);
-        self.panes.bring_forward(&pane);
     }
 }

@@ -1,7 +1,7 @@
 //! Every key, button and wheel of both cameras.
 
 use egui::{Event, Key, Modifiers, PointerButton, accesskit::Role, vec2};
-use egui_kittest::kittest::Queryable;
+use egui_kittest::kittest::{NodeT, Queryable};
 
 use crate::hand::{Hand, SPHERE};
 
@@ -404,4 +404,88 @@ fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_h
     hand.press(Modifiers::COMMAND, Key::Z);
     hand.settle();
     assert_eq!(hand.camera("s").at, before.inside["s"].at);
+}
+
+/// A sphere and a plane, whose views are two tabs.
+const TWO: &str =
+    "surface s(u,v) = (cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi/2];
+surface t(u,v) = (u, v, 2), u : [-1, 1], v : [-1, 1];
+";
+
+/// Where the cameras of both stand, and the 3D camera.
+fn places(hand: &Hand) -> ([[f64; 2]; 2], [f64; 3]) {
+    let inside = ["s", "t"].map(|name| {
+        let all = &hand.window().model().view.inside;
+        all.get(name).map_or([0.0; 2], |camera| camera.at)
+    });
+    (inside, hand.eye().0)
+}
+
+/// Opens or closes a view.
+fn toggle(hand: &mut Hand, title: &str) {
+    hand.click("View");
+    hand.click_on(Role::CheckBox, title);
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+}
+
+#[test]
+fn a_tab_that_is_clicked_on_has_the_keys_and_what_is_behind_it_stays() {
+    let mut hand = Hand::on(TWO);
+    let tab = |name: &str| format!("Geodesic view – {name}");
+    for name in ["s", "t", "s"] {
+        hand.click(&tab(name));
+        hand.settle();
+    }
+    let middle = hand.inside("s").center();
+    hand.click_at(middle);
+    let before = places(&hand);
+    // By the pointer, and no click on the picture.
+    let at = hand.rects(&tab("t"))[0].center();
+    hand.click_at(at);
+    hand.hold(Key::W, 6);
+    let after = places(&hand);
+    assert_ne!(after.0[1], before.0[1], "t walks");
+    assert_eq!((after.0[0], after.1), (before.0[0], before.1));
+    hand.click(&tab("s"));
+    hand.settle();
+    assert_eq!(places(&hand), after, "no motion has waited for s");
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    hand.click(&tab("t"));
+    hand.settle();
+    assert_eq!(places(&hand), before);
+    assert_eq!(hand.window().model().history.last(), None);
+}
+
+#[test]
+fn a_view_that_is_closed_or_covered_loses_the_keys_to_one_that_can_be_seen() {
+    let mut hand = Hand::on(TWO);
+    hand.click("Geodesic view – s");
+    hand.settle();
+    let before = places(&hand);
+    toggle(&mut hand, "Geodesic view of s");
+    toggle(&mut hand, "Geodesic view of t");
+    hand.hold(Key::W, 6);
+    let after = places(&hand);
+    assert_eq!(after.0, before.0, "no unseen camera walks");
+    assert_ne!(after.1, before.1, "the 3D view has the keys");
+    toggle(&mut hand, "Geodesic view of t");
+    toggle(&mut hand, "3D view");
+    hand.hold(Key::D, 6);
+    let last = places(&hand);
+    assert_eq!(last.1, after.1, "the unseen 3D camera stays");
+    assert_ne!(last.0[1], after.0[1], "t walks");
+    // What is saved is what can be seen.
+    hand.click("File");
+    let save = hand.harness.get_by_label("Save picture…");
+    assert!(!save.accesskit_node().is_disabled());
+    hand.press(Modifiers::NONE, Key::Escape);
+    toggle(&mut hand, "Geodesic view of t");
+    hand.hold(Key::D, 6);
+    assert_eq!(
+        places(&hand),
+        last,
+        "where no view is open, no key moves one"
+    );
 }

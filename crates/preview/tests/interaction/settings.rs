@@ -174,7 +174,16 @@ fn the_menus_do_what_their_entries_say() {
     hand.settle();
     assert!(!hand.window().model().view.closed.contains("s"));
 
+    // What was opened has the keys, and what was clicked on.
     hand.hold(Key::W, 5);
+    assert!(hand.camera("s").moved);
+    hand.click("View");
+    hand.click_like("Reset the camera");
+    hand.settle();
+    assert!(!hand.camera("s").moved);
+    assert!(hand.window().model().view.space.expect("a camera").moved);
+    hand.click("Geodesic view – s");
+    hand.click("3D view");
     hand.click("View");
     hand.click_like("Reset the camera");
     hand.settle();
