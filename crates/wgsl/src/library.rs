@@ -76,6 +76,8 @@ pub const PASS_SAMPLE_SURFACE: Piece<'static> = piece!("pass/sample_surface.wgsl
 pub const PASS_GEODESIC: Piece<'static> = piece!("pass/geodesic.wgsl");
 /// Expressions over rows of inputs.
 pub const PASS_EVALUATE: Piece<'static> = piece!("pass/evaluate.wgsl");
+/// A picture onto the target of somebody else.
+pub const PASS_BLIT: Piece<'static> = piece!("pass/blit.wgsl");
 /// Painter of points.
 pub const PASS_DRAW_POINTS: Piece<'static> = piece!("pass/draw_points.wgsl");
 /// Painter of vectors.

@@ -57,6 +57,39 @@ impl Canvas {
         }))
     }
 
+    /// With the pixels of a picture in memory, RGBA in rows from the top, sRGB with their alpha multiplied into them.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`].
+    pub fn with_pixels(gpu: &Gpu, size: [u32; 2], pixels: &[u8]) -> Result<Self, RenderError> {
+        let canvas = gpu.guarded(|| Ok(Self::new(gpu, size)))?;
+        canvas.write(gpu, pixels)?;
+        Ok(canvas)
+    }
+
+    /// Takes other pixels over, as [`Canvas::with_pixels`] does. What has been submitted still shows those before.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`].
+    pub fn write(&self, gpu: &Gpu, pixels: &[u8]) -> Result<(), RenderError> {
+        gpu.guarded(|| {
+            let [width, height] = self.size();
+            let layout = wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(4 * width),
+                rows_per_image: Some(height),
+            };
+            let extent = wgpu::Extent3d {
+                width,
+                height,
+                depth_or_array_layers: 1,
+            };
+            let texture = self.texture().as_image_copy();
+            gpu.queue.write_texture(texture, pixels, layout, extent);
+            Ok(())
+        })
+    }
+
     /// Width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.0.size

@@ -7,6 +7,7 @@
 //!
 //! What is built is counted ([`Built`]) and equals [`crate::plan::Plan::built`]. wgpu is used nowhere else.
 
+mod blit;
 mod canvas;
 mod curves;
 mod device;
@@ -29,6 +30,7 @@ use scene::scene::{ObjectId, Scene};
 use scene::values::Settings;
 use wgsl::GenerateError;
 
+pub use blit::{Blit, Blitter};
 pub use canvas::Canvas;
 pub use device::Gpu;
 pub use evaluate::{EvaluateError, evaluate};
