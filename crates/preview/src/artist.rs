@@ -72,7 +72,7 @@ impl Drawing {
 #[derive(Debug)]
 pub(crate) enum Painted {
     /// In memory.
-    Image(egui::ColorImage),
+    Image(image::RgbaImage),
     /// On the window's own GPU.
     Canvas(Canvas),
 }
@@ -81,7 +81,7 @@ impl Painted {
     /// How many pixels it has.
     pub(crate) fn pixels(&self) -> usize {
         match self {
-            Self::Image(image) => image.size[0] * image.size[1],
+            Self::Image(image) => image.width() as usize * image.height() as usize,
             Self::Canvas(canvas) => canvas.size().iter().map(|side| *side as usize).product(),
         }
     }

@@ -53,7 +53,8 @@ impl Dialogs {
 
 /// The menu bar.
 pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
-    Panel::top("menu").show(ui, |ui| {
+    let frame = egui::Frame::side_top_panel(ui.style()).fill(window.ground(ui));
+    Panel::top("menu").frame(frame).show(ui, |ui| {
         MenuBar::new().ui(ui, |ui| {
             ui.menu_button("File", |ui| file(window, ui));
             ui.menu_button("Edit", |ui| edit(window, ui));

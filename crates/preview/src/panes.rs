@@ -314,11 +314,11 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     }
 }
 
-/// A pane of words, on a ground of its own.
-fn written(ui: &mut Ui, show: impl FnOnce(&mut Ui)) {
-    let fill = ui.visuals().panel_fill;
-    ui.painter().rect_filled(ui.max_rect(), 0.0, fill);
-    show(ui);
+/// A pane of words, on its ground.
+fn written(window: &mut Window, ui: &mut Ui, show: impl FnOnce(&mut Window, &mut Ui)) {
+    ui.painter()
+        .rect_filled(ui.max_rect(), 0.0, window.ground(ui));
+    show(window, ui);
 }
 
 struct Drawer<'a> {
@@ -332,8 +332,8 @@ impl Behavior<Pane> for Drawer<'_> {
         match pane {
             Pane::Space => space::show(self.window, ui),
             Pane::Inside(name) => inside::show(self.window, ui, name),
-            Pane::Settings => written(ui, |ui| settings::show(self.window, ui)),
-            Pane::Program => written(ui, |ui| program::show(self.window, ui)),
+            Pane::Settings => written(self.window, ui, settings::show),
+            Pane::Program => written(self.window, ui, program::show),
         }
         UiResponse::None
     }

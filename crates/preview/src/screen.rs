@@ -3,18 +3,24 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use eframe::egui_wgpu::RenderState;
-use render::gpu::wgpu::{Backend as Backends, DeviceType, FilterMode, PollType};
-use render::gpu::{Canvas, Gpu};
+use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState};
+use egui::{
+    Color32, ColorImage, Context, PaintCallbackInfo, Painter, Rect, TextureHandle, TextureOptions,
+};
+use render::gpu::wgpu::{Backend as Backends, DeviceType, PollType, RenderPass};
+use render::gpu::{Blit, Blitter, Canvas, Gpu};
 use render::live::Stage;
 
 use crate::Backend;
+use crate::artist::Painted;
 
 /// What the window is drawn with.
 #[derive(Clone)]
 pub(crate) struct Screen {
     state: RenderState,
     gpu: Arc<Gpu>,
+    /// What copies pictures; none where the GPU is lost already.
+    blitter: Option<Arc<Blitter>>,
 }
 
 impl Screen {
@@ -22,9 +28,11 @@ impl Screen {
     pub(crate) fn new(state: RenderState) -> Self {
         let name = state.adapter.get_info().name;
         let gpu = Gpu::adopt(state.device.clone(), state.queue.clone(), name);
+        let blitter = Blitter::new(&gpu, state.target_format).ok();
         Self {
             state,
             gpu: Arc::new(gpu),
+            blitter: blitter.map(Arc::new),
         }
     }
 
@@ -69,27 +77,102 @@ impl Screen {
     pub(crate) fn lose(&self) {
         self.gpu.destroy();
     }
+}
 
-    /// Hangs a canvas up in the window, in the place of another.
-    pub(crate) fn hang(&self, canvas: &Canvas, place: Option<egui::TextureId>) -> egui::TextureId {
-        let mut renderer = self.state.renderer.write();
-        let (device, view) = (&self.state.device, canvas.view());
-        match place {
-            Some(id) => {
-                renderer.update_egui_texture_from_wgpu_texture(
-                    device,
-                    view,
-                    FilterMode::Linear,
-                    id,
-                );
-                id
+/// A picture where the window paints it from.
+pub(crate) enum Hung {
+    /// A texture of egui's: where there is no screen, as in tests.
+    Texture(TextureHandle),
+    /// A canvas on the screen's GPU.
+    Canvas {
+        blit: Arc<Blit>,
+        blitter: Arc<Blitter>,
+        /// The canvas is the window's own.
+        is_own: bool,
+    },
+}
+
+impl Hung {
+    /// Hangs a picture up, in the place of another one. Nothing comes of it where the GPU is lost: another one is
+    /// opened then.
+    pub(crate) fn new(
+        painted: Painted,
+        before: Option<Self>,
+        screen: Option<&Screen>,
+        context: &Context,
+    ) -> Option<Self> {
+        let Some(screen) = screen else {
+            let Painted::Image(image) = painted else {
+                return None;
+            };
+            let size = [image.width() as usize, image.height() as usize];
+            // Opaque, so it does not matter whether alpha has been multiplied in; this way is the quick one.
+            let image = ColorImage::from_rgba_premultiplied(size, image.as_raw());
+            let options = TextureOptions::LINEAR;
+            let Some(Self::Texture(mut texture)) = before else {
+                return Some(Self::Texture(
+                    context.load_texture("picture", image, options),
+                ));
+            };
+            texture.set(image, options);
+            return Some(Self::Texture(texture));
+        };
+        let blitter = Arc::clone(screen.blitter.as_ref()?);
+        let (canvas, is_own) = match painted {
+            Painted::Canvas(canvas) => (canvas, false),
+            Painted::Image(image) => {
+                let size = [image.width(), image.height()];
+                if let Some(Self::Canvas { blit, is_own, .. }) = &before
+                    && *is_own
+                    && blit.canvas().size() == size
+                {
+                    blit.canvas().write(&screen.gpu, &image).ok()?;
+                    return before;
+                }
+                (Canvas::with_pixels(&screen.gpu, size, &image).ok()?, true)
             }
-            None => renderer.register_native_texture(device, view, FilterMode::Linear),
-        }
+        };
+        Some(Self::Canvas {
+            blit: Arc::new(blitter.ready(&screen.gpu, canvas)),
+            blitter,
+            is_own,
+        })
     }
 
-    /// Takes a canvas down.
-    pub(crate) fn forget(&self, id: egui::TextureId) {
-        self.state.renderer.write().free_texture(&id);
+    /// Paints it over a rectangle.
+    pub(crate) fn paint(&self, painter: &Painter, rect: Rect) {
+        match self {
+            Self::Texture(texture) => {
+                let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+                painter.image(texture.id(), rect, all, Color32::WHITE);
+            }
+            Self::Canvas { blit, blitter, .. } => {
+                let copy = Copy {
+                    blit: Arc::clone(blit),
+                    blitter: Arc::clone(blitter),
+                };
+                painter.add(Callback::new_paint_callback(rect, copy));
+            }
+        }
+    }
+}
+
+/// What is to be done while the window is painted.
+struct Copy {
+    blit: Arc<Blit>,
+    blitter: Arc<Blitter>,
+}
+
+impl CallbackTrait for Copy {
+    fn paint(
+        &self,
+        info: PaintCallbackInfo,
+        pass: &mut RenderPass<'static>,
+        _resources: &CallbackResources,
+    ) {
+        let place = info.viewport_in_pixels();
+        let rectangle = [place.left_px, place.top_px, place.width_px, place.height_px];
+        self.blitter
+            .copy(pass, &self.blit, rectangle.map(|it| it as f32));
     }
 }

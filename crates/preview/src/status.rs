@@ -25,7 +25,9 @@ pub(crate) fn banners(window: &mut Window, ui: &mut Ui) {
 /// The status line: one row, so that no sentence moves the pictures; what has no room is told where the pointer rests.
 pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
     let height = ui.spacing().interact_size.y;
-    Panel::bottom("status").exact_size(height).show(ui, |ui| {
+    let frame = egui::Frame::side_top_panel(ui.style()).fill(window.ground(ui));
+    let panel = Panel::bottom("status").frame(frame);
+    panel.exact_size(height).show(ui, |ui| {
         ui.horizontal_centered(|ui| {
             ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Truncate);
             let colour = if window.model.ok || !window.model.read {

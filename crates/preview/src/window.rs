@@ -367,6 +367,14 @@ impl Window {
         }
     }
 
+    /// The colour of the ground that words stand on. A screen is cleared with it: nothing need be painted there.
+    pub(crate) fn ground(&self, ui: &Ui) -> egui::Color32 {
+        match self.screen {
+            Some(_) => egui::Color32::TRANSPARENT,
+            None => ui.visuals().panel_fill,
+        }
+    }
+
     fn dress(&mut self, context: &egui::Context) {
         let preferences = &self.model.view.preferences;
         let style = (preferences.theme, preferences.scale);

@@ -173,13 +173,7 @@ impl Easel {
         let shot: Shot = self.stage.draw(&order.scene, &order.settings, &request)?;
         let pixels = match shot.pixels {
             Pixels::Texture(canvas) if self.shares_gpu => Painted::Canvas(canvas),
-            pixels => {
-                let image = self.stage.read(pixels)?;
-                let size = [image.width() as usize, image.height() as usize];
-                // Opaque, so it does not matter whether alpha has been multiplied in; this way is the quick one.
-                let image = egui::ColorImage::from_rgba_premultiplied(size, image.as_raw());
-                Painted::Image(image)
-            }
+            pixels => Painted::Image(self.stage.read(pixels)?),
         };
         Ok(Drawing {
             pixels,

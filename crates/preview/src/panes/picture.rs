@@ -5,8 +5,8 @@ use egui::{
     WidgetInfo,
 };
 
-use crate::artist::Painted;
 use crate::orders::PaneKey;
+use crate::screen::Hung;
 use crate::window::Window;
 
 /// The picture of a pane among all that can have the focus.
@@ -20,7 +20,9 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &PaneKey) -> Response
     let (_, rect) = ui.allocate_space(room);
     let response = ui.interact(rect, id(pane), Sense::click_and_drag());
     let scale = ui.pixels_per_point();
-    let pixels = [rect.width(), rect.height()].map(|side| (side * scale).round().max(1.0) as u32);
+    // As many as there are on the screen between its edges.
+    let [from, to] = [rect.min, rect.max].map(|corner| (corner.to_vec2() * scale).round());
+    let pixels = [to.x - from.x, to.y - from.y].map(|side| side.max(1.0) as u32);
     window.make_room(pane, pixels);
     let name = words(window, pane);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
@@ -57,37 +59,15 @@ fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
     let mut error = None;
     let mut covered = false;
     if let Some(picture) = window.pictures.get_mut(pane) {
-        match picture.fresh.take() {
-            Some(Painted::Image(image)) => {
-                let options = egui::TextureOptions::LINEAR;
-                match &mut picture.texture {
-                    Some(texture) => texture.set(image, options),
-                    None => {
-                        let name = format!("{pane:?}");
-                        picture.texture = Some(ui.ctx().load_texture(name, image, options));
-                    }
-                }
-                if let (Some((_, id)), Some(screen)) = (picture.canvas.take(), &window.screen) {
-                    screen.forget(id);
-                }
-            }
-            Some(Painted::Canvas(canvas)) => {
-                if let Some(screen) = &window.screen {
-                    let id = screen.hang(&canvas, picture.canvas.take().map(|(_, id)| id));
-                    picture.canvas = Some((canvas, id));
-                }
-            }
-            None => {}
+        if let Some(painted) = picture.fresh.take() {
+            let before = picture.hung.take();
+            picture.hung = Hung::new(painted, before, window.screen.as_ref(), ui.ctx());
         }
-        let own = picture.texture.as_ref().map(egui::TextureHandle::id);
-        if let Some(id) = picture.canvas.as_ref().map(|(_, id)| *id).or(own) {
-            let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
-            let tint = if stale {
-                Color32::from_gray(190)
-            } else {
-                Color32::WHITE
-            };
-            painter.image(id, rect, all, tint);
+        if let Some(hung) = &picture.hung {
+            hung.paint(&painter, rect);
+            if stale {
+                painter.rect_filled(rect, 0.0, Color32::from_black_alpha(65));
+            }
             covered = true;
         }
         error.clone_from(&picture.error);

@@ -5,12 +5,12 @@ use std::time::{Duration, Instant};
 
 use egui::Ui;
 use geodesic::ends::{Estimate, Work};
-use render::gpu::Canvas;
 use scene::scene::Scene;
 
 use super::Window;
 use crate::artist::{Drawing, Painted};
 use crate::orders::{Look, Order, PaneKey};
+use crate::screen::Hung;
 
 /// The time that a picture of a moving view should take.
 const MOVING_PICTURE: f64 = 0.022;
@@ -19,9 +19,8 @@ const MOVING_PICTURE: f64 = 0.022;
 pub(crate) struct Picture {
     /// Newly arrived, to be handed to the GPU.
     pub(crate) fresh: Option<Painted>,
-    pub(crate) texture: Option<egui::TextureHandle>,
-    /// The canvas that is shown, and as what: kept for as long as it is.
-    pub(crate) canvas: Option<(Canvas, egui::TextureId)>,
+    /// Where it is painted from.
+    pub(crate) hung: Option<Hung>,
     pub(crate) notes: Vec<String>,
     pub(crate) overlays: Vec<&'static str>,
     pub(crate) inside: Option<(Work, Option<Estimate>)>,
@@ -148,8 +147,7 @@ impl Window {
     pub(super) fn picture(&mut self, pane: PaneKey, order: &Order) -> &mut Picture {
         self.pictures.entry(pane).or_insert_with(|| Picture {
             fresh: None,
-            texture: None,
-            canvas: None,
+            hung: None,
             notes: Vec::new(),
             overlays: Vec::new(),
             inside: None,
