@@ -1,5 +1,6 @@
 //! The thread that compiles: texts flow in, the latest wins; scenes and findings flow out.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -9,7 +10,7 @@ use syntax::line_index::LineIndex;
 use syntax::span::Span;
 
 use crate::mail::{Letter, Mail};
-use crate::mend::Mender;
+use crate::mend::{Mender, Read};
 
 /// What a text compiles to.
 #[derive(Clone, Debug)]
@@ -78,7 +79,7 @@ impl Compiler {
     pub(crate) fn start(mail: Mail) -> Self {
         let desk = Arc::new((Mutex::new(Desk::default()), Condvar::new()));
         let own = Arc::clone(&desk);
-        std::thread::spawn(move || work(&own, &mail));
+        std::thread::spawn(move || work(&own, &mail, Mender::read));
         Self {
             desk: Arc::new(Shared(desk)),
         }
@@ -107,7 +108,7 @@ impl Drop for Shared {
     }
 }
 
-fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail) {
+fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail, read: impl Fn(&mut Mender, &str) -> Read) {
     let (desk, bell) = desk;
     let mut mender = Mender::default();
     loop {
@@ -124,14 +125,22 @@ fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail) {
             }
         };
         let start = Instant::now();
-        let read = mender.read(&order.text);
+        // A fault of ours must not take the thread with it: it becomes a sentence, and nothing is kept that it has touched.
+        let read = catch_unwind(AssertUnwindSafe(|| read(&mut mender, &order.text)));
+        let (read, findings) = match read {
+            Ok(read) => {
+                let findings = findings(&order.text, &read.diagnostics);
+                (read, findings)
+            }
+            Err(_) => {
+                mender = Mender::default();
+                (Read::default(), vec![fault()])
+            }
+        };
         let compiled = Compiled {
             version: order.version,
-            ok: read
-                .diagnostics
-                .iter()
-                .all(|it| it.severity != Severity::Error),
-            findings: findings(&order.text, &read.diagnostics),
+            ok: findings.iter().all(|it| it.severity != Severity::Error),
+            findings,
             scene: read.scene.map(Arc::new),
             stale: read.stale,
             text: order.text,
@@ -141,6 +150,18 @@ fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail) {
         if !mail.send(Letter::Compiled(compiled)) {
             return;
         }
+    }
+}
+
+/// What is told of a text over which the compiler fell.
+fn fault() -> Finding {
+    Finding {
+        severity: Severity::Error,
+        span: Span::default(),
+        line: 1,
+        column: 1,
+        message: "internal error: the program could not be read".to_owned(),
+        hint: Some("please report it, with the program".to_owned()),
     }
 }
 
@@ -162,4 +183,57 @@ pub(crate) fn findings(text: &str, diagnostics: &[Diagnostic]) -> Vec<Finding> {
         }
     };
     diagnostics.iter().map(finding).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::time::Instant;
+
+    use super::{Compiled, Desk, Order, work};
+    use crate::mail::{Letter, Mail};
+    use crate::mend::Mender;
+
+    #[test]
+    fn a_fault_of_the_compiler_is_a_finding_and_the_next_text_is_read() {
+        let (mail, letters) = Mail::new(egui::Context::default());
+        let desk = Arc::default();
+        let own = Arc::clone(&desk);
+        let read = |mender: &mut Mender, text: &str| {
+            assert!(!text.contains("fault"), "a fault");
+            mender.read(text)
+        };
+        let thread = std::thread::spawn(move || work(&own, &mail, read));
+        let compiled = |version: i32, text: &str| -> Compiled {
+            let (desk, bell) = &*desk;
+            let mut desk: std::sync::MutexGuard<'_, Desk> = desk.lock().expect("a desk");
+            desk.next = Some(Order {
+                version,
+                text: text.into(),
+                arrived: Instant::now(),
+            });
+            bell.notify_one();
+            drop(desk);
+            match letters.recv().expect("the thread lives") {
+                Letter::Compiled(compiled) => compiled,
+                other => panic!("{other:?}"),
+            }
+        };
+        assert!(compiled(1, "point p = (1, 2, 3);").ok);
+        let fault = compiled(2, "point fault = (1, 2, 3);");
+        assert_eq!((fault.version, fault.ok), (2, false));
+        assert!(fault.scene.is_none() && fault.stale.is_empty());
+        let [finding] = &fault.findings[..] else {
+            panic!("{:?}", fault.findings);
+        };
+        let wanted = "internal error: the program could not be read";
+        assert_eq!((finding.line, finding.message.as_str()), (1, wanted));
+        let next = compiled(3, "point q = (1, 2, 3);");
+        assert!(next.ok && next.findings.is_empty());
+        let scene = next.scene.expect("a scene");
+        assert_eq!(scene.objects[0].name, "q");
+        desk.0.lock().expect("a desk").closed = true;
+        desk.1.notify_one();
+        thread.join().expect("it ends");
+    }
 }
