@@ -1,5 +1,6 @@
 //! The window on the desktop: eframe on wgpu.
 
+use std::any::Any;
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::rc::Rc;
@@ -39,7 +40,7 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
     if let Source::File(path) = &options.source {
         crate::watch::read(path).map_err(|reason| Failure::Unreadable {
             path: path.clone(),
-            reason,
+            reason: reason.to_string(),
         })?;
     }
     if options.source == Source::Attached {
@@ -48,12 +49,10 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
         yield_to_the_editor();
     }
     let options = Rc::new(options);
-    // The window outlives its screens.
-    let slot: Slot = Rc::default();
-    for screen in 0..=REVIVALS {
-        let (own, kept) = (Rc::clone(&options), Rc::clone(&slot));
+    on_screens(&Slot::default(), |screen, slot| {
+        let (own, kept) = (Rc::clone(&options), Rc::clone(slot));
         let mut faults = faults.clone();
-        faults.loses_gpu = faults.loses_gpu.filter(|_| screen == 0);
+        faults.loses_gpu = faults.loses_gpu.filter(|_| screen < faults.losses);
         let create = move |context: &CreationContext<'_>| -> Result<Box<dyn App>, Box<dyn std::error::Error + Send + Sync>> {
             Ok(Box::new(Preview::new(context, &own, kept, &faults)?))
         };
@@ -64,15 +63,50 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
         let mut window = slot.borrow_mut();
         let lost = window.as_mut().is_some_and(Window::has_lost_its_screen);
         match ended {
-            Ok(result) => result.map_err(failure)?,
-            Err(panic) if !lost => resume_unwind(panic),
-            Err(_) => {}
+            Ok(Err(error)) => Ended::Refused(failure(error)),
+            Ok(Ok(())) | Err(_) if lost => Ended::Lost,
+            Ok(Ok(())) => Ended::Closed,
+            Err(panic) => Ended::Broken(panic),
         }
-        if !lost {
-            break;
+    })
+}
+
+/// How a window's time on a screen has ended.
+enum Ended {
+    /// By its user's hand, or its server's.
+    Closed,
+    /// Its GPU is gone.
+    Lost,
+    /// The system has refused to open it.
+    Refused(Failure),
+    /// By a fault of ours.
+    Broken(Box<dyn Any + Send>),
+}
+
+/// Shows the window, which outlives its screens, by `show` on one after the other until it is closed. Where it ends
+/// otherwise, a text that was not saved is not lost.
+fn on_screens(slot: &Slot, mut show: impl FnMut(u32, &Slot) -> Ended) -> Result<(), Failure> {
+    let rescued = || {
+        let window = slot.borrow();
+        window.as_ref().and_then(Window::rescue)
+    };
+    for screen in 0..=REVIVALS {
+        match show(screen, slot) {
+            Ended::Closed => return Ok(()),
+            Ended::Lost => {}
+            Ended::Refused(failure) => return Err(failure.and(rescued())),
+            Ended::Broken(panic) => {
+                if let Some(sentence) = rescued() {
+                    eprintln!("{sentence}");
+                }
+                resume_unwind(panic)
+            }
         }
     }
-    Ok(())
+    let lost = Failure::NoGraphics {
+        reason: format!("the GPU was lost {} times", REVIVALS + 1),
+    };
+    Err(lost.and(rescued()))
 }
 
 /// Makes this process one that waits where the processor is short: what an editor asks is answered before a picture.
@@ -256,7 +290,102 @@ impl App for Preview {
 
 #[cfg(test)]
 mod tests {
-    use super::in_words;
+    use std::path::Path;
+
+    use super::{Ended, REVIVALS, Slot, in_words, on_screens};
+    use crate::{Failure, Window};
+
+    const MINE: &str = "point mine = (1, 2, 3);\n";
+
+    /// A window on a file, with a text that is not saved.
+    fn written(folder: &Path) -> Slot {
+        let path = folder.join("a.gtr");
+        std::fs::write(&path, "point p = (0, 0, 0);\n").expect("written");
+        let window = Window::of_file(&egui::Context::default(), path, false);
+        let mut window = window.expect("the file is there");
+        window.set_text(MINE.to_owned());
+        let slot = Slot::default();
+        slot.replace(Some(window));
+        slot
+    }
+
+    fn text(folder: &Path, name: &str) -> String {
+        std::fs::read_to_string(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    #[test]
+    fn a_gpu_that_is_lost_again_and_again_ends_the_window_but_not_its_text() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let folder = folder.path();
+        let slot = written(folder);
+        // Another one's has its name already.
+        std::fs::write(folder.join("a.unsaved.gtr"), "theirs").expect("written");
+        let mut screens = Vec::new();
+        let ended = on_screens(&slot, |screen, _| {
+            screens.push(screen);
+            Ended::Lost
+        });
+        assert_eq!(screens, (0..=REVIVALS).collect::<Vec<_>>());
+        let Err(Failure::NoGraphics { reason }) = ended else {
+            panic!("{ended:?}");
+        };
+        let place = folder.join("a.unsaved-2.gtr");
+        let wanted = format!(
+            "the GPU was lost 4 times; the text that was not saved is in `{}`",
+            place.display()
+        );
+        assert_eq!(reason, wanted);
+        assert_eq!(text(folder, "a.unsaved-2.gtr"), MINE);
+        assert_eq!(text(folder, "a.unsaved.gtr"), "theirs");
+        assert_eq!(text(folder, "a.gtr"), "point p = (0, 0, 0);\n");
+    }
+
+    #[test]
+    fn a_display_that_refuses_the_window_anew_does_not_lose_its_text() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let folder = folder.path();
+        let ended = on_screens(&written(folder), |screen, _| match screen {
+            0 => Ended::Lost,
+            _ => Ended::Refused(Failure::NoDisplay {
+                reason: "no such display".to_owned(),
+            }),
+        });
+        let told = ended.expect_err("it is refused").to_string();
+        for part in ["no such display", "the text that was not saved is in `"] {
+            assert!(told.contains(part), "{told}");
+        }
+        assert_eq!(text(folder, "a.unsaved.gtr"), MINE);
+    }
+
+    #[test]
+    fn a_fault_of_ours_does_not_lose_the_text() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let slot = written(folder.path());
+        let show = |_, _: &Slot| Ended::Broken(Box::new("a fault"));
+        let run = std::panic::AssertUnwindSafe(|| on_screens(&slot, show));
+        assert!(std::panic::catch_unwind(run).is_err(), "it goes on");
+        assert_eq!(text(folder.path(), "a.unsaved.gtr"), MINE);
+    }
+
+    #[test]
+    fn a_window_that_is_closed_writes_nothing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let ended = on_screens(&written(folder.path()), |_, _| Ended::Closed);
+        assert_eq!(ended, Ok(()));
+        assert!(!folder.path().join("a.unsaved.gtr").exists());
+        let saved = written(folder.path());
+        let text = "point p = (0, 0, 0);\n".to_owned();
+        saved
+            .borrow_mut()
+            .as_mut()
+            .expect("a window")
+            .set_text(text);
+        assert!(on_screens(&saved, |_, _| Ended::Lost).is_err());
+        assert!(
+            !folder.path().join("a.unsaved.gtr").exists(),
+            "all is saved"
+        );
+    }
 
     #[test]
     fn what_the_system_says_is_told_without_a_place_in_a_source() {

@@ -8,8 +8,8 @@ use render::Request;
 use scene::scene::Scene;
 use scene::values::Settings;
 
+use crate::atomic::write_whole;
 use crate::mail::{Letter, Mail};
-use crate::memory::write_whole;
 
 /// Writes a file, on a thread, by `write`, which gives the sentence to be told.
 pub(crate) fn write_to(

@@ -15,6 +15,7 @@
 
 mod app;
 mod artist;
+mod atomic;
 mod compiler;
 mod desktop;
 mod files;
@@ -62,8 +63,10 @@ pub struct Options {
 /// What goes wrong with a window's GPU: for tests of the real window.
 #[derive(Clone, Debug, Default)]
 pub struct Faults {
-    /// It is given up, once, as though it were lost, when there is a file of this name.
+    /// It is given up, as though it were lost, when there is a file of this name.
     pub loses_gpu: Option<PathBuf>,
+    /// How often.
+    pub losses: u32,
     /// It refuses shaders of samples.
     pub refuses_samples: bool,
 }
@@ -109,6 +112,19 @@ pub enum Failure {
         /// In the system's words.
         reason: String,
     },
+}
+
+impl Failure {
+    /// With what else the user must know, behind the reason.
+    fn and(mut self, sentence: Option<String>) -> Self {
+        let (Self::NoDisplay { reason }
+        | Self::NoGraphics { reason }
+        | Self::Unreadable { reason, .. }) = &mut self;
+        if let Some(sentence) = sentence {
+            *reason = format!("{reason}; {sentence}");
+        }
+        self
+    }
 }
 
 impl fmt::Display for Failure {

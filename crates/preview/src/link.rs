@@ -13,6 +13,15 @@ use protocol::{Command, Event, Hello, handshake};
 use crate::compiler::Compiler;
 use crate::mail::{Letter, Mail};
 
+/// How the conversation with a server has ended.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub(crate) enum Parting {
+    /// It is gone; in the system's words, unless its commands just end.
+    Gone(Option<String>),
+    /// It does not speak the window's version of the messages; a sentence.
+    Refused(String),
+}
+
 /// The conversation with a server.
 #[derive(Debug)]
 pub(crate) struct Link {
@@ -104,15 +113,16 @@ fn read(mail: &Mail, compiler: &Compiler, input: impl Read, outbox: &(Mutex<Outb
     let mut reader = line::Reader::<_, Command>::new(BufReader::new(input));
     let mut greeted = false;
     let mut document = None;
+    let mut last = None;
     loop {
         let command = match reader.read() {
             Ok(Some(command)) => command,
             Ok(None) => {
-                mail.send(Letter::ServerGone(None));
+                mail.send(Letter::Parted(Parting::Gone(None)));
                 return;
             }
             Err(ReadError::Stream(error)) => {
-                mail.send(Letter::ServerGone(Some(error.to_string())));
+                mail.send(Letter::Parted(Parting::Gone(Some(error.to_string()))));
                 return;
             }
             // What is no message is passed by.
@@ -129,7 +139,7 @@ fn read(mail: &Mail, compiler: &Compiler, input: impl Read, outbox: &(Mutex<Outb
                         text: text.clone(),
                     },
                 );
-                mail.send(Letter::ServerGone(Some(text)));
+                mail.send(Letter::Parted(Parting::Refused(text)));
                 return;
             }
             greeted = true;
@@ -152,9 +162,17 @@ fn read(mail: &Mail, compiler: &Compiler, input: impl Read, outbox: &(Mutex<Outb
                 }
             }
             compiler.compile(version, text);
+            last = Some(version);
             continue;
         }
-        if !mail.send(Letter::Server(command)) {
+        let letter = match command {
+            Command::Show { view } => Letter::Show {
+                view,
+                version: last,
+            },
+            command => Letter::Server(command),
+        };
+        if !mail.send(letter) {
             return;
         }
     }

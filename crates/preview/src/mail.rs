@@ -10,6 +10,8 @@ use render::texture::Texture;
 
 use crate::artist::Answer;
 use crate::compiler::Compiled;
+use crate::link::Parting;
+use crate::watch::Unreadable;
 
 /// What a thread tells the window.
 #[derive(Debug)]
@@ -21,12 +23,19 @@ pub(crate) enum Letter {
     /// The file on disk holds another text now.
     Changed {
         /// The text, or why it cannot be read.
-        text: Result<String, String>,
+        text: Result<String, Unreadable>,
     },
     /// The server has sent something.
     Server(protocol::Command),
-    /// The server is gone; the sentence says how, unless it closed the pipe in order.
-    ServerGone(Option<String>),
+    /// A view is to be seen of the text of this version, if the server has sent one already.
+    Show {
+        /// Which; the 3D view where none is named.
+        view: Option<protocol::View>,
+        /// The last text before.
+        version: Option<i32>,
+    },
+    /// Nothing more comes from the server.
+    Parted(Parting),
     /// An image has been read.
     Texture {
         /// Its file.

@@ -5,7 +5,6 @@
 //! read is kept under another name before it is written over.
 
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -14,6 +13,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::atomic::write_whole;
 use crate::mail::{Letter, Mail};
 use crate::model::View;
 use crate::panes::layout::Layout;
@@ -107,47 +107,6 @@ pub(crate) fn save(program: &Path, known: &Known) -> Result<(), String> {
             place.display()
         )
     })
-}
-
-/// Writes a file beside its place and renames it.
-///
-/// # Errors
-/// The system's; the old file stands.
-pub(crate) fn write_whole(place: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    write_whole_with(place, |file| file.write_all(bytes))
-}
-
-/// What a file is called while it is made: in the same folder, so that renaming stays within one file system.
-pub(crate) fn beside(place: &Path) -> PathBuf {
-    let name = place.file_name().unwrap_or_default().to_string_lossy();
-    place.with_file_name(format!(".{name}.{}.part", std::process::id()))
-}
-
-/// Writes a file beside its place, piece by piece, and renames it.
-///
-/// # Errors
-/// The system's and those of `write`; the old file stands, and nothing else is left.
-pub(crate) fn write_whole_with<E: From<std::io::Error>>(
-    place: &Path,
-    write: impl FnOnce(&mut std::fs::File) -> Result<(), E>,
-) -> Result<(), E> {
-    // A link is followed, so that what it points to is written and not the link.
-    let place = std::fs::canonicalize(place).unwrap_or_else(|_| place.to_owned());
-    let beside = beside(&place);
-    let written = (|| {
-        let mut file = std::fs::File::create(&beside)?;
-        write(&mut file)?;
-        file.sync_all()?;
-        if let Ok(old) = std::fs::metadata(&place) {
-            file.set_permissions(old.permissions())?;
-        }
-        drop(file);
-        Ok(std::fs::rename(&beside, &place)?)
-    })();
-    if written.is_err() {
-        let _ = std::fs::remove_file(&beside);
-    }
-    written
 }
 
 /// For how long a view must stay the same before it is written.

@@ -10,8 +10,8 @@ use render::overlay::Trail;
 use scene::scene::Scene;
 use scene::values::Settings;
 
+use crate::atomic::write_whole;
 use crate::files;
-use crate::memory::write_whole;
 use crate::model::InsideCamera;
 use crate::orders::{Order, PaneKey};
 use crate::window::Window;

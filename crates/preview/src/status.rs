@@ -2,23 +2,31 @@
 
 use egui::{Panel, RichText, Ui};
 
+use crate::link::Parting;
 use crate::orders::PaneKey;
 use crate::window::{Origin, Window};
 
 /// What the user must know before all else.
 pub(crate) fn banners(window: &mut Window, ui: &mut Ui) {
     let Origin::Attached {
-        gone: Some(reason), ..
+        parted: Some(parting),
+        ..
     } = &window.origin
     else {
         return;
     };
-    let mut text = "The editor has gone: this is the last picture of its text.".to_owned();
-    if !reason.is_empty() {
-        text = format!("{text} ({reason})");
-    }
+    let visuals = ui.visuals();
+    let (colour, text) = match parting {
+        Parting::Gone(reason) => {
+            let gone = "The language server has gone: this is the last picture of its text.";
+            let because = reason.as_ref().map(|it| format!(" ({it})"));
+            let text = format!("{gone}{}", because.unwrap_or_default());
+            (visuals.warn_fg_color, text)
+        }
+        Parting::Refused(sentence) => (visuals.error_fg_color, sentence.clone()),
+    };
     Panel::top("banner").show(ui, |ui| {
-        ui.colored_label(ui.visuals().warn_fg_color, text);
+        ui.colored_label(colour, text);
     });
 }
 

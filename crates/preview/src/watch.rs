@@ -3,6 +3,8 @@
 //! Its folder is what the system watches, since many editors write a new file and rename it. What comes in a burst is
 //! read once, a little later.
 
+use std::fmt;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -20,13 +22,36 @@ pub(crate) struct Watch {
     _watcher: RecommendedWatcher,
 }
 
+/// Why a file has no text.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub(crate) enum Unreadable {
+    /// There is none; in the system's words.
+    Missing(String),
+    /// It cannot be read; in the system's words.
+    Refused(String),
+    /// It holds something else.
+    NoText,
+}
+
+impl fmt::Display for Unreadable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Missing(reason) | Self::Refused(reason) => f.write_str(reason),
+            Self::NoText => f.write_str("it is not UTF-8"),
+        }
+    }
+}
+
 /// The text of a file.
 ///
 /// # Errors
-/// A sentence.
-pub(crate) fn read(path: &Path) -> Result<String, String> {
-    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
-    String::from_utf8(bytes).map_err(|_| "it is not UTF-8".to_owned())
+/// See [`Unreadable`].
+pub(crate) fn read(path: &Path) -> Result<String, Unreadable> {
+    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => Unreadable::Missing(error.to_string()),
+        _ => Unreadable::Refused(error.to_string()),
+    })?;
+    String::from_utf8(bytes).map_err(|_| Unreadable::NoText)
 }
 
 impl Watch {
@@ -58,7 +83,7 @@ impl Watch {
             .watch(&folder, RecursiveMode::NonRecursive)
             .map_err(|error| error.to_string())?;
         std::thread::spawn(move || {
-            let mut known: Result<String, String> = Ok(known);
+            let mut known: Result<String, Unreadable> = Ok(known);
             // Ends when the watcher is dropped.
             while events.recv().is_ok() {
                 loop {

@@ -27,7 +27,7 @@ use render::live::Stage;
 use crate::artist::Artist;
 use crate::compiler::Compiler;
 use crate::highlighting;
-use crate::link::Link;
+use crate::link::{Link, Parting};
 use crate::mail::{Letter, Mail};
 use crate::memory::Keeper;
 use crate::menu::Dialogs;
@@ -35,7 +35,7 @@ use crate::model::{Model, Theme};
 use crate::motion;
 use crate::orders::{Order, PaneKey};
 use crate::panes::Panes;
-use crate::panes::editor::Editor;
+use crate::panes::editor::{Editor, Saved};
 use crate::panes::layout::Layout;
 use crate::pointer::Trickle;
 use crate::report::{Counters, Report};
@@ -81,6 +81,8 @@ pub struct Window {
     pub(crate) backend: String,
     pub(crate) screen: Option<Screen>,
     keeper: Option<Keeper>,
+    /// A surface whose view is to be opened when the text of this version has been read.
+    wanted: Option<(String, Option<i32>)>,
     shown: Option<(i32, bool, Instant)>,
     /// What the frame before this one took.
     pub(crate) painting: Duration,
@@ -112,8 +114,8 @@ pub(crate) enum Origin {
         link: Link,
         uri: String,
         path: Option<PathBuf>,
-        /// The server is gone; why, if it is known.
-        gone: Option<String>,
+        /// Nothing more comes from there.
+        parted: Option<Parting>,
     },
 }
 
@@ -129,7 +131,7 @@ impl Window {
     ) -> Result<Self, crate::Failure> {
         let text = crate::watch::read(&path).map_err(|reason| crate::Failure::Unreadable {
             path: path.clone(),
-            reason,
+            reason: reason.to_string(),
         })?;
         let (mail, letters) = Mail::new(context.clone());
         let mut said = None;
@@ -169,7 +171,7 @@ impl Window {
             link,
             uri: String::new(),
             path: None,
-            gone: None,
+            parted: None,
         };
         Self::new(mail, letters, compiler, origin)
     }
@@ -200,6 +202,7 @@ impl Window {
             backend: "software".to_owned(),
             screen: None,
             keeper: None,
+            wanted: None,
             shown: None,
             painting: Duration::ZERO,
             told_values: BTreeMap::new(),
@@ -408,11 +411,26 @@ impl Window {
 
     /// Writes the own text to its file.
     pub(crate) fn save_text(&mut self) {
-        if let Origin::File { editor, .. } = &mut self.origin {
-            self.said = Some(match editor.save() {
-                Ok(()) => (false, "Saved".to_owned()),
-                Err(sentence) => (true, sentence),
-            });
+        let Origin::File { editor, .. } = &mut self.origin else {
+            return;
+        };
+        let saved = editor.save();
+        self.said = Some(match &saved {
+            Ok(Saved::Written) => (false, "Saved".to_owned()),
+            Ok(Saved::Followed) => (false, "The file had changed: this is its text".to_owned()),
+            Err(sentence) => (true, sentence.clone()),
+        });
+        if saved == Ok(Saved::Followed) {
+            self.compile_own();
+        }
+    }
+
+    /// Writes a text that has not been saved where it takes no other file's place; a sentence that says where, or why not.
+    /// None where nothing would be lost.
+    pub(crate) fn rescue(&self) -> Option<String> {
+        match &self.origin {
+            Origin::File { editor, .. } => editor.rescue(),
+            Origin::Attached { .. } => None,
         }
     }
 
@@ -486,7 +504,7 @@ impl Window {
     }
 
     /// What the window is called.
-    pub(crate) fn title(&self) -> String {
+    pub fn title(&self) -> String {
         match &self.origin {
             Origin::File { editor, .. } => {
                 let mark = if editor.is_changed() { "*" } else { "" };
@@ -498,9 +516,12 @@ impl Window {
                 format!("{mark}{name} – Geotrace")
             }
             Origin::Attached { uri, .. } if uri.is_empty() => "Geotrace".to_owned(),
-            Origin::Attached { uri, .. } => {
-                let name = uri.rsplit('/').next().unwrap_or(uri);
-                format!("{name} – Geotrace")
+            Origin::Attached { uri, path, .. } => {
+                let file = path.as_ref().and_then(|path| path.file_name());
+                let name = file.map(|name| name.to_string_lossy());
+                // A text that lies nowhere has a name behind its kind: `untitled:Untitled-1`.
+                let name = name.or_else(|| Some(uri.rsplit(['/', ':']).next()?.into()));
+                format!("{} – Geotrace", name.unwrap_or_default())
             }
         }
     }

@@ -1,10 +1,11 @@
 //! The text of the window's own pane, and its file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use syntax::span::Span;
 
-use crate::memory::write_whole;
+use crate::atomic::{write_new, write_whole};
+use crate::watch::Unreadable;
 
 /// A text that is edited here.
 #[derive(Debug)]
@@ -19,8 +20,18 @@ pub(crate) struct Editor {
     pub(crate) conflict: Option<String>,
     /// A place that the cursor is to be put to.
     pub(crate) jump: Option<Span>,
-    /// The text has been changed by other means than typing.
-    pub(crate) replaced: bool,
+    /// The texts whose place another one has taken by other means than typing, oldest first, until the field that shows
+    /// the text has them among what it can undo.
+    pub(crate) replaced: Vec<String>,
+}
+
+/// What saving has done.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Saved {
+    /// The file holds the text.
+    Written,
+    /// Nothing had been written here, but the file holds another text: that is shown now.
+    Followed,
 }
 
 impl Editor {
@@ -33,7 +44,7 @@ impl Editor {
             version: 0,
             conflict: None,
             jump: None,
-            replaced: false,
+            replaced: Vec::new(),
         }
     }
 
@@ -54,9 +65,8 @@ impl Editor {
             self.conflict = Some(text);
             return false;
         }
-        self.text.clone_from(&text);
+        self.replace(text.clone());
         self.saved = text;
-        self.replaced = true;
         true
     }
 
@@ -67,25 +77,65 @@ impl Editor {
             return false;
         };
         if take_file {
-            self.text.clone_from(&text);
-            self.replaced = true;
+            self.replace(text.clone());
         }
         self.saved = text;
         take_file
     }
 
-    /// Writes the text to the file.
+    /// Writes the text to the file, unless that holds what nobody has seen here: it may not be watched, or the news of it
+    /// may be on its way.
     ///
     /// # Errors
     /// A sentence; the file is as it was.
-    pub(crate) fn save(&mut self) -> Result<(), String> {
+    pub(crate) fn save(&mut self) -> Result<Saved, String> {
+        match crate::watch::read(&self.path) {
+            Ok(text) => {
+                if self.take_changed(text) {
+                    return Ok(Saved::Followed);
+                }
+                if !self.is_changed() {
+                    return Ok(Saved::Written);
+                }
+            }
+            Err(Unreadable::Missing(_)) => {}
+            Err(unreadable) => {
+                let path = self.path.display();
+                return Err(format!(
+                    "not saved, since what `{path}` holds now cannot be read ({unreadable})"
+                ));
+            }
+        }
         if self.conflict.is_some() {
             return Err("the file has changed on disk: choose which text to keep first".to_owned());
         }
         write_whole(&self.path, self.text.as_bytes())
             .map_err(|error| format!("cannot write `{}`: {error}", self.path.display()))?;
         self.saved.clone_from(&self.text);
-        Ok(())
+        Ok(Saved::Written)
+    }
+
+    /// Writes a text that has not been saved beside its file, or where that cannot be, among the system's temporary files:
+    /// under a name that nothing has yet. A sentence that says where, or why not; none where all is saved.
+    pub(crate) fn rescue(&self) -> Option<String> {
+        if !self.is_changed() {
+            return None;
+        }
+        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
+        let extension = self.path.extension();
+        let extension = extension.map(|it| format!(".{}", it.to_string_lossy()));
+        let extension = extension.unwrap_or_default();
+        let name = |number: u32| match number {
+            1 => format!("{stem}.unsaved{extension}"),
+            _ => format!("{stem}.unsaved-{number}{extension}"),
+        };
+        let own = self.path.with_file_name("");
+        let write = |folder: &Path| write_new(folder, name, self.text.as_bytes());
+        let written = std::path::absolute(own).and_then(|own| write(&own));
+        Some(match written.or_else(|_| write(&std::env::temp_dir())) {
+            Ok(place) => format!("the text that was not saved is in `{}`", place.display()),
+            Err(error) => format!("the text that was not saved is lost ({error})"),
+        })
     }
 
     /// Writes a param's value into the text; whether the text is another one now.
@@ -98,15 +148,20 @@ impl Editor {
             ide::write::value(&reading, name, value).map_err(|refusal| refusal.to_string())?;
         let text = ide::edit::apply(&self.text, &[edit]);
         let changed = text != self.text;
-        self.text = text;
-        self.replaced |= changed;
+        if changed {
+            self.replace(text);
+        }
         Ok(changed)
+    }
+
+    fn replace(&mut self, text: String) {
+        self.replaced.push(std::mem::replace(&mut self.text, text));
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::Editor;
+    use super::{Editor, Saved};
 
     fn editor() -> (tempfile::TempDir, Editor) {
         let folder = tempfile::tempdir().expect("a folder");
@@ -153,6 +208,39 @@ mod tests {
         assert!(editor.settle(true));
         assert!(!editor.is_changed());
         assert_eq!(editor.text, "theirs");
+    }
+
+    #[test]
+    fn a_file_that_nobody_watches_is_looked_at_before_it_is_written() {
+        let (_folder, mut editor) = editor();
+        let on_disk = |editor: &Editor| std::fs::read_to_string(&editor.path).expect("a file");
+        editor.text = "mine".into();
+        std::fs::write(&editor.path, "theirs").expect("written");
+        assert!(editor.save().is_err());
+        assert_eq!(editor.conflict.as_deref(), Some("theirs"));
+        assert_eq!(on_disk(&editor), "theirs");
+        // Once more while the question is open.
+        std::fs::write(&editor.path, "theirs too").expect("written");
+        assert!(!editor.settle(false));
+        assert!(editor.save().is_err());
+        assert_eq!(editor.conflict.as_deref(), Some("theirs too"));
+        assert!(!editor.settle(false));
+        assert_eq!(editor.save(), Ok(Saved::Written));
+        assert_eq!(on_disk(&editor), "mine");
+        // Nothing was written here: the file's is what there is.
+        std::fs::write(&editor.path, "theirs again").expect("written");
+        assert_eq!(editor.save(), Ok(Saved::Followed));
+        assert_eq!(editor.text, "theirs again");
+        assert!(!editor.is_changed());
+        // What is no text is somebody's, too; what is gone is written anew.
+        editor.text = "mine".into();
+        std::fs::write(&editor.path, [0xff]).expect("written");
+        let told = editor.save().expect_err("not over it");
+        assert!(told.contains("it is not UTF-8"), "{told}");
+        assert_eq!(std::fs::read(&editor.path).expect("a file"), [0xff]);
+        std::fs::remove_file(&editor.path).expect("removed");
+        assert_eq!(editor.save(), Ok(Saved::Written));
+        assert_eq!(on_disk(&editor), "mine");
     }
 
     #[test]

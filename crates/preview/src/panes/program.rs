@@ -1,6 +1,7 @@
 //! The program: in a window of its own the text, to be edited; its status in any.
 
 use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
 use egui::{Align, FontId, Rect, ScrollArea, TextEdit, Ui};
 use syntax::span::Span;
 
@@ -90,6 +91,7 @@ fn text(window: &mut Window, ui: &mut Ui) -> bool {
                 painter.layout(ui, buffer.as_str(), width)
             };
             let id = egui::Id::unique("program text");
+            remember(ui, id, &mut editor.replaced);
             let output = TextEdit::multiline(&mut editor.text)
                 .id(id)
                 .font(egui::TextStyle::Monospace)
@@ -124,6 +126,21 @@ fn text(window: &mut Window, ui: &mut Ui) -> bool {
         }
     }
     edited
+}
+
+/// Puts texts whose place another one has taken among what the field can undo, which sees only what is typed into it.
+fn remember(ui: &Ui, id: egui::Id, replaced: &mut Vec<String>) {
+    if replaced.is_empty() {
+        return;
+    }
+    let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
+    let cursor = state.cursor.char_range().unwrap_or_default();
+    let mut undoer = state.undoer();
+    for text in replaced.drain(..) {
+        undoer.add_undo(&(cursor, text));
+    }
+    state.set_undoer(undoer);
+    state.store(ui.ctx(), id);
 }
 
 fn numbers(ui: &Ui, galley: &egui::Galley, at: egui::Pos2, gutter: Rect, font: &FontId) {

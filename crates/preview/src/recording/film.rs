@@ -19,8 +19,8 @@ use render::request::View;
 use scene::scene::ObjectId;
 use scene::values::Settings;
 
+use crate::atomic::{beside, write_whole_with};
 use crate::files;
-use crate::memory;
 use crate::model::InsideCamera;
 use crate::motion::Motion;
 use crate::orders::{Look, Order, Standing};
@@ -122,7 +122,7 @@ impl Film {
         };
         match kind {
             Kind::Film(format) => {
-                memory::write_whole_with(path, |file| -> Result<(), Ended> {
+                write_whole_with(path, |file| -> Result<(), Ended> {
                     let mut out = BufWriter::new(file);
                     let mut recorder = Recorder::new(format, clip, &mut out)?;
                     for number in 0..frames {
@@ -165,7 +165,7 @@ struct Series {
 
 impl Series {
     fn add(&mut self, place: PathBuf, bytes: &[u8]) -> Result<(), Ended> {
-        let part = memory::beside(&place);
+        let part = beside(&place);
         let mut file = std::fs::File::create(&part)?;
         self.files.push([part, place]);
         file.write_all(bytes)?;

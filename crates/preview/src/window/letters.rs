@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use protocol::{Command, View};
+use protocol::{Command, Event, View};
 
 use super::{Origin, Window};
 use crate::artist::Answer;
@@ -11,6 +11,7 @@ use crate::mail::Letter;
 use crate::model::Step;
 use crate::orders::PaneKey;
 use crate::panes::Pane;
+use crate::watch::Unreadable;
 
 impl Window {
     /// Reads all that has come; whether there was any.
@@ -25,13 +26,17 @@ impl Window {
 
     pub(super) fn read_letter(&mut self, letter: Letter) {
         match letter {
-            Letter::Compiled(compiled) => self.take_compiled(compiled),
+            Letter::Compiled(compiled) => {
+                self.take_compiled(compiled);
+                self.open_wanted();
+            }
             Letter::Artist(answer) => self.take_answer(*answer),
             Letter::Changed { text } => self.take_changed(text),
             Letter::Server(command) => self.obey(command),
-            Letter::ServerGone(reason) => {
-                if let Origin::Attached { gone, .. } = &mut self.origin {
-                    *gone = Some(reason.unwrap_or_default());
+            Letter::Show { view, version } => self.show_view(view, version),
+            Letter::Parted(parting) => {
+                if let Origin::Attached { parted, .. } = &mut self.origin {
+                    *parted = Some(parting);
                 }
             }
             Letter::Texture { path, texture } => {
@@ -133,7 +138,7 @@ impl Window {
         }
     }
 
-    fn take_changed(&mut self, text: Result<String, String>) {
+    fn take_changed(&mut self, text: Result<String, Unreadable>) {
         let Origin::File { editor, .. } = &mut self.origin else {
             return;
         };
@@ -168,20 +173,49 @@ impl Window {
                     }
                 }
             }
-            Command::Show { view } => {
-                match view {
-                    Some(View::Geodesic { surface }) => self.open_inside(&surface),
-                    // A scene of metrics alone is shown without it.
-                    None if !self.panes.is_open(&Pane::Space) => {}
-                    Some(View::Space) | None => self.bring_forward(&Pane::Space),
-                }
-                self.raise = true;
-            }
             Command::Cursor { version, offset } if version == self.model.version => {
                 self.model.highlighted = self.model.declared_at(offset).map(str::to_owned);
             }
             Command::Close => self.closing = true,
             _ => {}
         }
+    }
+
+    /// A view is to be seen of the text of a version.
+    fn show_view(&mut self, view: Option<View>, version: Option<i32>) {
+        self.raise = true;
+        match view {
+            Some(View::Geodesic { surface }) => {
+                self.wanted = Some((surface, version));
+                self.open_wanted();
+            }
+            // A scene of metrics alone is shown without it.
+            None if !self.panes.is_open(&Pane::Space) => {}
+            Some(View::Space) | None => self.bring_forward(&Pane::Space),
+        }
+    }
+
+    /// Opens the view of a surface that was asked for by name, once the text that may declare it has been read.
+    fn open_wanted(&mut self) {
+        let (read, version) = (self.model.read, self.model.version);
+        let is_read = |wanted: &mut (String, Option<i32>)| {
+            read && wanted.1.is_none_or(|wanted| wanted <= version)
+        };
+        let Some((surface, _)) = self.wanted.take_if(is_read) else {
+            return;
+        };
+        let surfaces = self.model.surfaces();
+        if surfaces.contains(&surface) {
+            self.open_inside(&surface);
+            return;
+        }
+        let known = match surfaces.len() {
+            0 => "the program has none".to_owned(),
+            _ => format!("the program has {}", surfaces.join(", ")),
+        };
+        let errors = if self.model.ok { "" } else { ", and errors" };
+        let text = format!("There is no surface or metric `{surface}`: {known}{errors}.");
+        self.said = Some((true, text.clone()));
+        self.say(Event::Message { error: true, text });
     }
 }

@@ -50,7 +50,7 @@ impl Window {
     /// Tells the server something, if there is one.
     pub(crate) fn say(&self, event: Event) {
         if let Origin::Attached {
-            link, gone: None, ..
+            link, parted: None, ..
         } = &self.origin
         {
             link.say(event);

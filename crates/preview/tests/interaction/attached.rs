@@ -51,12 +51,34 @@ impl Desk {
     }
 
     fn text(&mut self, version: i32, text: &str) {
+        self.text_of("file:///nowhere/a.gtr", None, version, text);
+    }
+
+    fn text_of(&mut self, uri: &str, path: Option<&str>, version: i32, text: &str) {
         self.tell(&Command::Text {
-            uri: "file:///nowhere/a.gtr".to_owned(),
-            path: None,
+            uri: uri.to_owned(),
+            path: path.map(str::to_owned),
             version,
             text: text.into(),
         });
+    }
+
+    fn show_inside(&mut self, surface: &str) {
+        self.tell(&Command::Show {
+            view: Some(View::Geodesic {
+                surface: surface.to_owned(),
+            }),
+        });
+    }
+
+    /// The sentences for the user so far.
+    fn messages(&self) -> Vec<&str> {
+        let heard = self.heard.iter();
+        let texts = heard.filter_map(|event| match event {
+            Event::Message { text, .. } => Some(text.as_str()),
+            _ => None,
+        });
+        texts.collect()
     }
 
     fn until(&mut self, what: &str, mut holds: impl FnMut(&Self) -> bool) {
@@ -205,12 +227,73 @@ fn show_opens_the_view_that_is_named() {
     desk.until("it is closed", |desk| {
         desk.harness.state().model().view.closed.contains("s")
     });
-    desk.tell(&Command::Show {
-        view: Some(View::Geodesic {
-            surface: "s".to_owned(),
-        }),
-    });
+    desk.show_inside("s");
     desk.until("it is open", |desk| desk.shows("Geodesic view of s from"));
+    assert!(desk.messages().is_empty());
+}
+
+#[test]
+fn a_view_of_no_surface_is_answered_with_a_sentence_and_opens_nothing() {
+    let mut desk = Desk::new();
+    // Both before the text has been read, and behind it.
+    for version in 1..=2 {
+        desk.text(version, SPHERE);
+        desk.show_inside("nosuch");
+        desk.until("it is told", |desk| {
+            desk.messages().len() == version as usize
+        });
+        desk.until("it is shown", |desk| desk.shown(version) == Some(true));
+        assert!(!desk.shows("Geodesic view – nosuch"));
+    }
+    let wanted = "There is no surface or metric `nosuch`: the program has s.";
+    assert_eq!(desk.messages(), [wanted; 2]);
+    assert!(desk.shows(wanted), "and in the window");
+    // What is no surface is none, and a program may have none at all.
+    desk.show_inside("p");
+    desk.until("it is told", |desk| desk.messages().len() == 3);
+    desk.text(3, &SPHERE.replace("r + 1)", ""));
+    desk.show_inside("t");
+    desk.until("it is told", |desk| desk.messages().len() == 4);
+    let wanted = "There is no surface or metric `t`: the program has s, and errors.";
+    assert_eq!(desk.messages()[3], wanted);
+}
+
+#[test]
+fn a_view_of_a_surface_that_was_just_written_opens_when_it_is_read() {
+    let mut desk = Desk::new();
+    desk.text(1, SPHERE);
+    desk.until("it is shown", |desk| desk.shown(1) == Some(true));
+    let mut text = String::from(SPHERE);
+    for k in 0..20 {
+        text += &format!("surface t{k}(u,v) = (u, v, {k}), u : [0, 1], v : [0, 1];\n");
+    }
+    // As a command from an editor comes: directly behind the text. Of many surfaces only the first have views unasked.
+    desk.text(2, &text);
+    desk.show_inside("t19");
+    desk.until("it is open", |desk| desk.shows("Geodesic view of t19 from"));
+    assert!(desk.messages().is_empty(), "{:?}", desk.messages());
+}
+
+#[test]
+fn the_window_is_called_like_its_document() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("my surface.gtr");
+    let path = path.to_str().expect("UTF-8");
+    for (uri, path, title) in [
+        (
+            "file:///nowhere/my%20surface.gtr",
+            Some(path),
+            "my surface.gtr – Geotrace",
+        ),
+        ("untitled:Untitled-1", None, "Untitled-1 – Geotrace"),
+        ("memfs:/a/b.gtr", None, "b.gtr – Geotrace"),
+    ] {
+        let mut desk = Desk::new();
+        assert_eq!(desk.harness.state().title(), "Geotrace");
+        desk.text_of(uri, path, 1, SPHERE);
+        desk.until("it is shown", |desk| desk.shown(1) == Some(true));
+        assert_eq!(desk.harness.state().title(), title);
+    }
 }
 
 #[test]
@@ -219,7 +302,8 @@ fn a_server_that_is_gone_is_told_and_the_picture_stays() {
     desk.text(1, SPHERE);
     desk.until("it is shown", |desk| desk.shown(1) == Some(true));
     drop(desk.server.take());
-    desk.until("it is told", |desk| desk.shows("The editor has gone"));
+    let told = "The language server has gone: this is the last picture of its text.";
+    desk.until("it is told", |desk| desk.shows(told));
     desk.until("its picture stays", |desk| {
         desk.shows("3D view of 2 objects") && desk.harness.state().model().view.space.is_some()
     });
@@ -271,6 +355,9 @@ fn another_version_of_the_messages_is_told_in_a_sentence() {
     let context = egui::Context::default();
     *desk.harness.state_mut() = Window::attached(&context, input, output);
     desk.until("it is told", |desk| {
-        desk.shows("The editor has gone") && desk.shows("9999")
+        desk.shows(
+            "The language server (geotrace 9.9) speaks version 9999 of the preview's messages",
+        )
     });
+    assert!(!desk.shows("has gone") && !desk.shows("last picture"));
 }

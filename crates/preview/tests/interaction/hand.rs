@@ -43,19 +43,30 @@ impl Hand {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("program.gtr");
         std::fs::write(&path, text).expect("written");
-        Self::open(path, folder, dress)
+        Self::open(path, folder, true, dress)
+    }
+
+    /// The window on a file that is not watched.
+    pub(crate) fn unwatched(text: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("program.gtr");
+        std::fs::write(&path, text).expect("written");
+        Self::open(path, folder, false, |builder| {
+            builder.with_size([1200.0, 800.0])
+        })
     }
 
     fn open(
         path: PathBuf,
         folder: TempDir,
+        watched: bool,
         dress: impl FnOnce(HarnessBuilder<Option<Window>>) -> HarnessBuilder<Option<Window>>,
     ) -> Self {
         let file = path.clone();
         let harness = dress(Harness::builder().with_step_dt(FRAME)).build_ui_state(
             move |ui, window: &mut Option<Window>| {
                 let window = window.get_or_insert_with(|| {
-                    Window::of_file(ui.ctx(), file.clone(), true).expect("the file is there")
+                    Window::of_file(ui.ctx(), file.clone(), watched).expect("the file is there")
                 });
                 window.show(ui);
             },
@@ -80,7 +91,9 @@ impl Hand {
 
     /// The window on a file that is there.
     pub(crate) fn opened(path: PathBuf, folder: TempDir) -> Self {
-        Self::open(path, folder, |builder| builder.with_size([1200.0, 800.0]))
+        Self::open(path, folder, true, |builder| {
+            builder.with_size([1200.0, 800.0])
+        })
     }
 
     /// Closes the window; its folder is removed when it is dropped.

@@ -166,6 +166,76 @@ fn two_texts_that_differ_are_a_question_and_nothing_is_lost() {
 }
 
 #[test]
+fn a_file_that_is_not_watched_is_not_written_over_unseen() {
+    let mut hand = Hand::unwatched("point a = (1, 2, 3);\n");
+    let theirs = "point theirs = (1, 2, 3);\n";
+    let mine = "point mine = (1, 2, 3);\n";
+    hand.window_mut().set_text(mine.to_owned());
+    std::fs::write(&hand.path, theirs).expect("written");
+    hand.press(Modifiers::COMMAND, Key::S);
+    hand.settle();
+    let on_disk = |hand: &Hand| std::fs::read_to_string(&hand.path).expect("a file");
+    assert_eq!(on_disk(&hand), theirs);
+    assert!(hand.shows("The file has changed on disk, and so has this text."));
+    hand.click("Keep this one");
+    hand.press(Modifiers::COMMAND, Key::S);
+    assert!(hand.shows("Saved"), "{:?}", hand.names());
+    assert_eq!(on_disk(&hand), mine);
+    // Where nothing was written here, the file's text is shown.
+    std::fs::write(&hand.path, theirs).expect("written");
+    hand.press(Modifiers::COMMAND, Key::S);
+    hand.settle();
+    assert_eq!(hand.window().text(), Some(theirs));
+    assert!(hand.window().model().object("theirs").is_some());
+    assert_eq!(on_disk(&hand), theirs);
+}
+
+/// Undoes in the pane with the text, which need not have had the keys before.
+fn undo_in_text(hand: &mut Hand, key: Key) {
+    let text = hand
+        .harness
+        .get_by_role_and_label(Role::MultilineTextInput, "Program text");
+    text.focus();
+    hand.harness.run_steps(2);
+    hand.press(Modifiers::COMMAND, key);
+    hand.settle();
+}
+
+#[test]
+fn a_value_that_is_written_into_the_text_is_one_step_back() {
+    let mut hand = Hand::on(SPHERE);
+    let written = SPHERE.replace("param r :", "param r = 1 :");
+    for _ in 0..2 {
+        hand.click("Write r into the text");
+        hand.settle();
+        assert_eq!(hand.window().text(), Some(written.as_str()));
+        undo_in_text(&mut hand, Key::Z);
+        assert_eq!(hand.window().text(), Some(SPHERE));
+        let model = hand.window().model();
+        assert_eq!(&*model.text, SPHERE, "it is compiled");
+    }
+    undo_in_text(&mut hand, Key::Y);
+    assert_eq!(hand.window().text(), Some(written.as_str()), "and forward");
+}
+
+#[test]
+fn a_text_that_the_files_has_replaced_comes_back_by_undo() {
+    let mut hand = Hand::on("point a = (1, 2, 3);\n");
+    let mine = "point mine = (1, 2, 3);\n";
+    hand.window_mut().set_text(mine.to_owned());
+    hand.settle();
+    std::fs::write(&hand.path, "point theirs = (1, 2, 3);\n").expect("written");
+    hand.until("it asks", |hand| hand.shows("Take the file's"));
+    hand.click("Take the file's");
+    hand.settle();
+    assert!(hand.window().model().object("theirs").is_some());
+    undo_in_text(&mut hand, Key::Z);
+    assert_eq!(hand.window().text(), Some(mine));
+    assert!(hand.window().model().object("mine").is_some());
+    assert!(hand.shows("not saved"));
+}
+
+#[test]
 fn an_edit_of_one_of_twenty_surfaces_samples_that_one() {
     let mut text = String::new();
     for k in 0..20 {
