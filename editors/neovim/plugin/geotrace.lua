@@ -9,8 +9,8 @@ vim.api.nvim_create_user_command("GeotracePreview", function(command)
 end, {
   nargs = "*",
   desc = "Open the preview of this document",
-  complete = function()
-    return { "3d", "inside" }
+  complete = function(...)
+    return require("geotrace").complete(...)
   end,
 })
 

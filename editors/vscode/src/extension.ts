@@ -40,11 +40,20 @@ export interface Api {
     status(): string;
 }
 
+/** The session of this run of the extension. */
+let session: Session | undefined;
+
 export async function activate(context: vscode.ExtensionContext): Promise<Api> {
-    const session = new Session(context);
-    context.subscriptions.push(session);
-    await session.start();
-    return { client: () => session.client, status: () => session.status.text, shown: () => session.shown };
+    const started = new Session(context);
+    session = started;
+    context.subscriptions.push(started);
+    await started.start();
+    return { client: () => started.client, status: () => started.status.text, shown: () => started.shown };
+}
+
+/** VS Code waits for this before it ends: the server says goodbye to its windows. */
+export async function deactivate(): Promise<void> {
+    await session?.end();
 }
 
 /** One run of the server after the other. */
@@ -86,9 +95,15 @@ class Session implements vscode.Disposable {
         return this.turn;
     }
 
-    dispose(): void {
+    /** Stops for good. */
+    end(): Promise<void> {
         clearTimeout(this.cursor);
-        void this.turn.then(() => this.stop());
+        this.turn = this.turn.then(() => this.stop());
+        return this.turn;
+    }
+
+    dispose(): void {
+        void this.end();
         for (const disposable of this.disposables) {
             disposable.dispose();
         }
@@ -142,8 +157,14 @@ class Session implements vscode.Disposable {
             outputChannel: this.output,
             synchronize: { configurationSection: "geotrace" },
             middleware: {
-                executeCommand: (command: string, given: unknown[], next: ExecuteCommandSignature) =>
-                    next(command, command === PREVIEW ? this.previewArguments(given) : given),
+                executeCommand: (command: string, given: unknown[], next: ExecuteCommandSignature) => {
+                    if (command !== PREVIEW) {
+                        return next(command, given);
+                    }
+                    // It may not have moved since the document was opened.
+                    this.tellCursor(vscode.window.activeTextEditor);
+                    return next(command, this.previewArguments(given));
+                },
             },
         };
     }
@@ -160,21 +181,22 @@ class Session implements vscode.Disposable {
 
     /** Tells where the cursor stands, some moves at once. */
     private cursorMoved(editor: vscode.TextEditor): void {
-        if (editor.document.languageId !== "geotrace") {
+        if (editor.document.languageId === "geotrace") {
+            clearTimeout(this.cursor);
+            this.cursor = setTimeout(() => this.tellCursor(editor), CURSOR_DELAY);
+        }
+    }
+
+    private tellCursor(editor: vscode.TextEditor | undefined): void {
+        const client = this.client;
+        if (editor?.document.languageId !== "geotrace" || client?.state !== State.Running) {
             return;
         }
-        clearTimeout(this.cursor);
-        this.cursor = setTimeout(() => {
-            const client = this.client;
-            if (client?.state !== State.Running) {
-                return;
-            }
-            const { code2ProtocolConverter: converter } = client;
-            void client.sendNotification(CURSOR, {
-                textDocument: converter.asTextDocumentIdentifier(editor.document),
-                position: converter.asPosition(editor.selection.active),
-            });
-        }, CURSOR_DELAY);
+        const { code2ProtocolConverter: converter } = client;
+        void client.sendNotification(CURSOR, {
+            textDocument: converter.asTextDocumentIdentifier(editor.document),
+            position: converter.asPosition(editor.selection.active),
+        });
     }
 
     private changed(state: State, version: string): void {

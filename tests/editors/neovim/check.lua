@@ -200,6 +200,19 @@ test("the preview's command answers", function()
   vim.notify = before
 end)
 
+test("the preview's command is completed by views and surfaces", function()
+  open("surface torus(u,v) = (u,v,0), u : [0,1], v : [0,1];\npoint p = (0,0,0);\nsurface t(u,v) = torus(u,v), u : [0,1], v : [0,1];")
+  local function offered(line)
+    return vim.fn.getcompletion("GeotracePreview " .. line, "cmdline")
+  end
+  equal(offered(""), { "3d", "inside" })
+  equal(offered("in"), { "inside" })
+  equal(offered("inside "), { "torus", "t" })
+  equal(offered("inside to"), { "torus" })
+  equal(offered("inside t "), {})
+  equal(offered("3d "), {})
+end)
+
 test("the health check finds the server", function()
   vim.cmd("checkhealth geotrace")
   local report = text()

@@ -85,12 +85,13 @@ local function difference(one, other)
 end
 
 local path = scratch .. "/neovim.gtr"
-vim.fn.writefile({
+local program = {
   "# seen from Neovim",
   "param neovim : [0.4, 0.9];",
   "surface s(u,v) = ((1 + neovim cos v) cos u, (1 + neovim cos v) sin u, neovim sin v),",
   "    u : [0, 2pi], v : [0, 2pi];",
-}, path)
+}
+vim.fn.writefile(program, path)
 vim.cmd.edit(path)
 local client = eventually("the server", function()
   local found = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
@@ -177,6 +178,30 @@ test("values of params are hints behind their declarations", function()
   end)
 end)
 
+test("a file that is read again is shown in the window that is there", function()
+  local before = process()
+  for _, least in ipairs({ 0.6, 0.4 }) do
+    vim.fn.writefile(vim.tbl_map(function(line)
+      return (line:gsub("%[0.4", "[" .. least))
+    end, program), path)
+    vim.cmd("edit!")
+    eventually("the new text", function()
+      return report().params.neovim[1] == least
+    end)
+    -- It had the time to close, if it had been told to.
+    vim.wait(1500)
+    assert(process() == before, "it is another window, or none")
+  end
+end)
+
+test("a view of no surface is answered with a sentence", function()
+  messages = {}
+  vim.cmd.GeotracePreview("inside", "nosuch")
+  eventually("the message", function()
+    return messages[1] == "There is no surface or metric `nosuch`: the program has s."
+  end)
+end)
+
 test("a window that is killed is told of, and the command opens it anew", function()
   messages = {}
   run("kill", "-9", process())
@@ -193,6 +218,18 @@ test("the window closes with the editor's goodbye", function()
   eventually("the end of the window", function()
     return not process()
   end)
+end)
+
+-- Whether it closes then is looked at when Neovim has ended: see `run`.
+test("a window is open when Neovim ends", function()
+  vim.cmd.edit()
+  eventually("another server", function()
+    local found = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1]
+    return found and found.id ~= client.id and found.initialized
+  end)
+  shown = {}
+  vim.cmd.GeotracePreview()
+  assert(picture().ok and process())
 end)
 
 suite:finish()

@@ -4,7 +4,7 @@
 //
 // CACHE holds code-server and playwright-core (see `install`), EXTENSION is the unpacked .vsix, WORKSPACE a folder of
 // the test's own, PROGRAM the geotrace binary. Exit status: that of the suite; 3 where it did not report in time.
-import { spawn } from "node:child_process";
+import { spawn, spawnSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { createServer } from "node:net";
@@ -72,8 +72,25 @@ const browser = await chromium.launch({
         "--disable-sync",
     ],
 });
+/** The processes of the windows of previews, where the suite opens any. */
+const windows = () => {
+    const report = process.env.GEOTRACE_REPORT;
+    const pattern = `^[^ ]+ preview --attached --report ${report}`;
+    return report === undefined ? "" : spawnSync("pgrep", ["-f", "--", pattern], { encoding: "utf8" }).stdout.trim();
+};
 const finish = async (status) => {
+    const open = windows();
     await browser.close().catch(() => {});
+    if (status === 0 && open !== "") {
+        // Nobody looks at VS Code any more: it ends its extensions, and they their server.
+        const start = Date.now();
+        while (windows() !== "" && Date.now() - start < 60_000) {
+            await new Promise((resolve) => setTimeout(resolve, 100));
+        }
+        const left = windows();
+        console.log(`${left === "" ? "ok     " : "FAILED "} the window closes when VS Code ends`);
+        status = left === "" ? 0 : 1;
+    }
     server.removeAllListeners("exit");
     server.kill("SIGKILL");
     process.exit(status);

@@ -5,6 +5,11 @@ local function client(buffer)
   return vim.lsp.get_clients({ name = "geotrace", bufnr = buffer })[1]
 end
 
+-- Tells a server where the cursor of a window stands, for the preview: what is declared there is set off.
+local function tell_cursor(running, window)
+  running:notify("geotrace/cursor", vim.lsp.util.make_position_params(window, running.offset_encoding))
+end
+
 -- The preview of the current buffer: {}, {"3d"} or {"inside", NAME}.
 function M.preview(words)
   local running = client(0)
@@ -21,11 +26,38 @@ function M.preview(words)
     vim.notify("Geotrace: a view is 3d, or inside NAME", vim.log.levels.ERROR)
     return
   end
+  -- It may not have moved since the buffer was opened.
+  tell_cursor(running, 0)
   running:exec_cmd({ title = "Preview", command = "geotrace.preview", arguments = arguments }, { bufnr = 0 })
 end
 
--- Tells the server where the cursor stands in a buffer, for the preview: what is declared there is set off. At most one
--- message in 30 ms, and the last place always.
+-- The names of the current buffer's surfaces and metrics.
+local function surfaces()
+  local running = client(0)
+  local params = { textDocument = vim.lsp.util.make_text_document_params(0) }
+  local answer = running and running:request_sync("textDocument/documentSymbol", params, 1000, 0)
+  local names = {}
+  for _, symbol in ipairs(answer and answer.result or {}) do
+    local word = (symbol.detail or ""):match("^%a+")
+    if word == "surface" or word == "metric" then
+      table.insert(names, symbol.name)
+    end
+  end
+  return names
+end
+
+-- What the command for the preview may go on with.
+function M.complete(lead, line, position)
+  local words = vim.split(line:sub(1, position), "%s+", { trimempty = true })
+  local before = #words - (lead == "" and 0 or 1)
+  local offered = before == 1 and { "3d", "inside" } or words[2] == "inside" and before == 2 and surfaces() or {}
+  return vim.tbl_filter(function(name)
+    return vim.startswith(name, lead)
+  end, offered)
+end
+
+-- Tells the server where the cursor stands in a buffer whenever it has moved: at most one message in 30 ms, and the last
+-- place always.
 function M.follow_cursor(buffer)
   local waiting = false
   local function tell()
@@ -33,7 +65,7 @@ function M.follow_cursor(buffer)
     local running = vim.api.nvim_buf_is_loaded(buffer) and client(buffer)
     local window = vim.fn.bufwinid(buffer)
     if running and window ~= -1 then
-      running:notify("geotrace/cursor", vim.lsp.util.make_position_params(window, running.offset_encoding))
+      tell_cursor(running, window)
     end
   end
   vim.api.nvim_create_autocmd({ "CursorMoved", "CursorMovedI" }, {

@@ -162,3 +162,13 @@ exports["the window closes when the server is stopped"] = async () => {
     await vscode.extensions.getExtension("geotrace.geotrace").exports.client().stop();
     await eventually("the end of the window", () => processes().length === 0);
 };
+
+// What becomes of this one is looked at when VS Code has ended: see `run.mjs`.
+exports["a server that is started again has a window again"] = async () => {
+    await vscode.commands.executeCommand("geotrace.restart");
+    await eventually("the server", () => /running, version \d/.test(api.status()));
+    api.shown().clear();
+    await vscode.commands.executeCommand("geotrace.preview");
+    assert.ok((await picture()).ok);
+    assert.strictEqual(processes().length, 1);
+};
