@@ -138,6 +138,21 @@ impl Stage {
         }
     }
 
+    /// The same, but an object's samples are asked of a kernel from so many operations on, instead of
+    /// [`crate::plan::KERNEL_PAYS`]: for tests, which have no time for objects as large as that.
+    #[must_use]
+    pub fn with_kernels_from(mut self, operations: u64) -> Self {
+        if let Some(studio) = &mut self.studio {
+            studio.kernels_pay_from(operations);
+        }
+        self
+    }
+
+    /// Whether kernels are being built, behind the pictures.
+    pub fn is_building(&self) -> bool {
+        self.studio.as_ref().is_some_and(|it| it.is_building())
+    }
+
     /// The GPU that it draws on, if it does.
     pub fn gpu(&self) -> Option<&Arc<Gpu>> {
         self.studio.as_ref().map(|studio| &studio.gpu)

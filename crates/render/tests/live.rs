@@ -536,6 +536,56 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
     assert_eq!((now.sampled, now.pipelines), (3, 0));
 }
 
+/// Waits until no kernel is being built; what has been made then.
+fn built(stage: &Stage) -> Counters {
+    let start = std::time::Instant::now();
+    while stage.is_building() {
+        assert!(start.elapsed().as_secs() < 120, "{:?}", stage.counters());
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    stage.counters()
+}
+
+#[test]
+fn of_twenty_surfaces_with_kernels_a_param_builds_none_and_an_edit_the_one_that_it_changes() {
+    // As though each were large: small ones share the painters' pipelines, and have no other.
+    let mut stage = stage(Backend::Gpu).with_kernels_from(1);
+    let (scene, mut settings) = compiled(&twenty(None));
+    let request = Request::space(SIZE);
+    stage.draw(&scene, &settings, &request).expect("a picture");
+    let first = built(&stage);
+    // A kernel for each surface, and what draws them all.
+    assert_eq!((first.pipelines, first.sampled), (20 + 1, 20));
+    for step in 1..=10 {
+        let value = [0.1 * f64::from(step)];
+        settings.set(&scene, "a7", &value).expect("inside");
+        stage.draw(&scene, &settings, &request).expect("a picture");
+    }
+    let dragged = made(first, built(&stage));
+    assert_eq!((dragged.pipelines, dragged.sampled), (0, 10));
+    let (edited, opening) = compiled(&twenty(Some(3)));
+    // Drawn from blocks until its kernel is there, and by that as soon as a param moves.
+    stage.draw(&edited, &opening, &request).expect("a picture");
+    let after = built(&stage);
+    assert_eq!(made(first, after).pipelines, 1);
+    let mut settings = opening;
+    settings.set(&edited, "a3", &[0.5]).expect("inside");
+    let shot = stage.draw(&edited, &settings, &request);
+    let shot = image(&stage, &shot.expect("a picture"));
+    let now = made(after, built(&stage));
+    assert_eq!((now.pipelines, now.sampled), (0, 1));
+    let software = alone(Backend::Software, &edited, &settings, &request).expect("a picture");
+    let off = software.image.as_raw().iter().zip(shot.as_raw());
+    let off = off.filter(|(a, b)| a.abs_diff(**b) > 24).count();
+    assert!(off < shot.as_raw().len() / 40, "{off} bytes are off");
+    // Back, and elsewhere in another text: every kernel is known.
+    let (moved, other) = compiled(&format!("param b : [0, 1]; {}", twenty(None)));
+    for (scene, settings) in [(&scene, &Settings::opening(&scene)), (&moved, &other)] {
+        stage.draw(scene, settings, &request).expect("a picture");
+    }
+    assert_eq!(made(after, built(&stage)).pipelines, 0);
+}
+
 #[test]
 fn a_canvas_is_drawn_on_again_once_nobody_looks_at_it() {
     let (scene, settings) = compiled("point p = (0, 0, 0);");

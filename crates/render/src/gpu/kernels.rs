@@ -25,10 +25,12 @@ const FIRST: u64 = 64;
 const MOST: usize = 256;
 
 /// Kernels by the structure of what they sample.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Kernels {
     states: HashMap<Arc<[u64]>, State>,
     built: Arc<AtomicU64>,
+    /// From so many operations on, an object has one.
+    pays: u64,
 }
 
 #[derive(Debug)]
@@ -72,7 +74,28 @@ pub(crate) struct Wanted<'a> {
     pub(crate) placement: &'a Placement,
 }
 
+impl Default for Kernels {
+    fn default() -> Self {
+        Self {
+            states: HashMap::new(),
+            built: Arc::default(),
+            pays: KERNEL_PAYS,
+        }
+    }
+}
+
 impl Kernels {
+    /// From so many operations on, an object has a kernel.
+    pub(crate) fn pay_from(&mut self, operations: u64) {
+        self.pays = operations;
+    }
+
+    /// Whether any is being made.
+    pub(crate) fn is_making(&self) -> bool {
+        let begun = self.states.values().filter_map(|it| it.kernel.as_ref());
+        begun.into_iter().any(|kernel| kernel.get().is_none())
+    }
+
     /// Samples of an object by its kernel, if it pays and is ready. If it pays and is not known, its making begins.
     ///
     /// # Errors
@@ -87,11 +110,7 @@ impl Kernels {
         } = *wanted;
         let samples = plan::samples(scene, wanted.settings, wanted.object);
         // Where kernels are refused for a test, they are asked for at once.
-        let pays = if gpu.refuses_samples() {
-            1
-        } else {
-            KERNEL_PAYS
-        };
+        let pays = if gpu.refuses_samples() { 1 } else { self.pays };
         // Nothing that a shader may hold would pay.
         if samples.saturating_mul(wgsl::kernel::OPERATION_LIMIT as u64) < pays {
             return Ok(Found::Blocks(None));

@@ -109,6 +109,16 @@ impl Studio {
         self.built = built;
     }
 
+    /// From so many operations on, an object's samples are computed by a kernel.
+    pub(crate) fn kernels_pay_from(&mut self, operations: u64) {
+        self.kernels.pay_from(operations);
+    }
+
+    /// Whether kernels are being made.
+    pub(crate) fn is_building(&self) -> bool {
+        self.kernels.is_making()
+    }
+
     /// Pipelines and kernels that have been built so far, and those of them that follow geodesics.
     pub(crate) fn pipelines(&self) -> [u64; 2] {
         let built = &self.built;
