@@ -140,8 +140,9 @@ class Controls(OnScreen):
         window.click("Button: Add")
         window.place("map.png")
         window.click("ComboBox: Texture of s")
+        before = window.settle()["pictures"]
         window.click("Button: map.png")
-        window.until("a new picture", lambda now: now["pictures"] > 0)
+        window.until("a new picture", lambda now: now["pictures"] > before)
         window.settle()
         self.assertNotEqual(window.pixels("3d"), picture)
         plain = window.pixels("3d")
@@ -184,9 +185,8 @@ class Controls(OnScreen):
         window.until("the new text is shown", lambda now: now["version"] > before["version"])
         after = window.settle()
         sampled, built = (after[k] - before[k] for k in ("sampled", "pipelines"))
-        # On the processor blocks of samples serve; a GPU builds one kernel for the one surface.
-        self.assertEqual(sampled, 1)
-        self.assertLessEqual(built, 1)
+        # Blocks of samples serve for surfaces of this size, whatever draws; those with kernels are in live.rs.
+        self.assertEqual((sampled, built), (1, 0))
         print(f"\n      one of twenty surfaces: sampled {sampled}, pipelines {built}")
 
     def test_no_geodesic_is_followed_while_no_geodesic_view_is_open(self):
@@ -400,6 +400,27 @@ class Gpu(OnScreen):
         until("the text was kept", lambda: window.file.read_text() == SPHERE + "point q = (1, 1, 1);")
         self.assertIsNone(window.process.poll())
 
+    def test_a_gpu_that_is_lost_again_and_again_ends_the_window_but_not_its_text(self):
+        signs = []
+
+        def loses(folder):
+            signs.append(folder / "lose-it-now")
+            return [f"lose={signs[0]}"] * 4
+
+        window = self.open(SPHERE, faults=loses)
+        window.click("Program text")
+        window.key("ctrl+End")
+        window.xdotool("type", "--delay", "30", "point q = (1, 1, 1);")
+        window.until("it is read", lambda now: now["version"] > 1 and not now["stale"])
+        window.settle()
+        signs[0].touch()
+        self.assertEqual(window.process.wait(60), 1)
+        rescued = window.folder / "program.unsaved.gtr"
+        self.assertIn("the GPU was lost 4 times", window.said())
+        self.assertIn(f"the text that was not saved is in `{rescued}`", window.said())
+        self.assertEqual(rescued.read_text(), SPHERE + "point q = (1, 1, 1);")
+        self.assertEqual(window.file.read_text(), SPHERE)
+
     def size_of(self, window):
         told = self.screen.run("xdotool", "getwindowgeometry", "--shell", window.id).decode().split()
         return [part for part in told if part.startswith(("WIDTH", "HEIGHT"))]
@@ -507,7 +528,7 @@ class Faults(OnScreen):
         window.place("it is kept as")
         self.assertEqual(memory.with_name(memory.name + ".unreadable").read_text(), "{ not json")
 
-    def test_an_editor_that_goes_is_told_and_the_picture_stays(self):
+    def test_a_server_that_goes_is_told_and_the_picture_stays(self):
         environment = self.screen.environment()
         command = [BINARY, "preview", "--attached"]
         window = subprocess.Popen(

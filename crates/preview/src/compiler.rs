@@ -77,9 +77,14 @@ struct Order {
 impl Compiler {
     /// Starts the thread.
     pub(crate) fn start(mail: Mail) -> Self {
+        Self::reading_by(mail, Mender::read)
+    }
+
+    /// The same, with another way to read.
+    fn reading_by(mail: Mail, read: impl Fn(&mut Mender, &str) -> Read + Send + 'static) -> Self {
         let desk = Arc::new((Mutex::new(Desk::default()), Condvar::new()));
         let own = Arc::clone(&desk);
-        std::thread::spawn(move || work(&own, &mail, Mender::read));
+        std::thread::spawn(move || work(&own, &mail, read));
         Self {
             desk: Arc::new(Shared(desk)),
         }
@@ -187,40 +192,30 @@ pub(crate) fn findings(text: &str, diagnostics: &[Diagnostic]) -> Vec<Finding> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-    use std::time::Instant;
+    use std::sync::mpsc::{Receiver, channel};
 
-    use super::{Compiled, Desk, Order, work};
+    use super::{Compiled, Compiler};
     use crate::mail::{Letter, Mail};
     use crate::mend::Mender;
+
+    fn next(letters: &Receiver<Letter>) -> Compiled {
+        match letters.recv().expect("the thread lives") {
+            Letter::Compiled(compiled) => compiled,
+            other => panic!("{other:?}"),
+        }
+    }
 
     #[test]
     fn a_fault_of_the_compiler_is_a_finding_and_the_next_text_is_read() {
         let (mail, letters) = Mail::new(egui::Context::default());
-        let desk = Arc::default();
-        let own = Arc::clone(&desk);
-        let read = |mender: &mut Mender, text: &str| {
+        let compiler = Compiler::reading_by(mail, |mender, text| {
             assert!(!text.contains("fault"), "a fault");
             mender.read(text)
-        };
-        let thread = std::thread::spawn(move || work(&own, &mail, read));
-        let compiled = |version: i32, text: &str| -> Compiled {
-            let (desk, bell) = &*desk;
-            let mut desk: std::sync::MutexGuard<'_, Desk> = desk.lock().expect("a desk");
-            desk.next = Some(Order {
-                version,
-                text: text.into(),
-                arrived: Instant::now(),
-            });
-            bell.notify_one();
-            drop(desk);
-            match letters.recv().expect("the thread lives") {
-                Letter::Compiled(compiled) => compiled,
-                other => panic!("{other:?}"),
-            }
-        };
-        assert!(compiled(1, "point p = (1, 2, 3);").ok);
-        let fault = compiled(2, "point fault = (1, 2, 3);");
+        });
+        compiler.compile(1, "point p = (1, 2, 3);".into());
+        assert!(next(&letters).ok);
+        compiler.compile(2, "point fault = (1, 2, 3);".into());
+        let fault = next(&letters);
         assert_eq!((fault.version, fault.ok), (2, false));
         assert!(fault.scene.is_none() && fault.stale.is_empty());
         let [finding] = &fault.findings[..] else {
@@ -228,12 +223,32 @@ mod tests {
         };
         let wanted = "internal error: the program could not be read";
         assert_eq!((finding.line, finding.message.as_str()), (1, wanted));
-        let next = compiled(3, "point q = (1, 2, 3);");
-        assert!(next.ok && next.findings.is_empty());
-        let scene = next.scene.expect("a scene");
-        assert_eq!(scene.objects[0].name, "q");
-        desk.0.lock().expect("a desk").closed = true;
-        desk.1.notify_one();
-        thread.join().expect("it ends");
+        compiler.compile(3, "point q = (1, 2, 3);".into());
+        let good = next(&letters);
+        assert!(good.ok && good.findings.is_empty());
+        assert_eq!(good.scene.expect("a scene").objects[0].name, "q");
+    }
+
+    #[test]
+    fn of_texts_that_come_while_one_is_read_the_last_is_the_only_one_that_is() {
+        let (mail, letters) = Mail::new(egui::Context::default());
+        let (begun, begins) = channel();
+        let (go_on, may_go_on) = channel();
+        let compiler = Compiler::reading_by(mail, move |mender: &mut Mender, text| {
+            begun.send(()).expect("the test listens");
+            may_go_on.recv().expect("the test lives");
+            mender.read(text)
+        });
+        compiler.compile(1, "".into());
+        begins.recv().expect("it begins");
+        for version in 2..=200 {
+            compiler.compile(version, "".into());
+        }
+        for version in [1, 200] {
+            go_on.send(()).expect("it waits");
+            assert_eq!(next(&letters).version, version);
+        }
+        drop(compiler);
+        assert!(letters.recv().is_err(), "no other is read");
     }
 }
