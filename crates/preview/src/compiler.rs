@@ -10,7 +10,7 @@ use syntax::line_index::LineIndex;
 use syntax::span::Span;
 
 use crate::mail::{Letter, Mail};
-use crate::mend::{Mender, Read};
+use crate::mend::{Declared, Mender, Read};
 
 /// What a text compiles to.
 #[derive(Clone, Debug)]
@@ -26,8 +26,12 @@ pub(crate) struct Compiled {
     /// The scene. Of a text with errors, what can be shown of it: declarations without errors as they are now, the
     /// others as they last were. None where nothing can.
     pub(crate) scene: Option<Arc<Scene>>,
-    /// The objects of the scene that are shown as they last were.
+    /// The objects of the scene that are shown as they last were, and those that read something that is.
     pub(crate) stale: Vec<String>,
+    /// Something of the text is not shown at all.
+    pub(crate) lacks: bool,
+    /// What the text declares, in its order.
+    pub(crate) declared: Vec<Declared>,
     /// When the text arrived.
     pub(crate) arrived: Instant,
     /// What compiling took.
@@ -148,6 +152,8 @@ fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail, read: impl Fn(&mut Mender, &
             findings,
             scene: read.scene.map(Arc::new),
             stale: read.stale,
+            lacks: read.lacks,
+            declared: read.declared,
             text: order.text,
             arrived: order.arrived,
             took: start.elapsed(),

@@ -3,24 +3,26 @@
 //! In: a text. Out: its diagnostics, and a scene. Where a declaration has an error, its last good text stands in for
 //! it, so that the others keep up with what is written; where there is none, it is left out, and so is what needs it.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use scene::Document;
 use scene::scene::Scene;
-use syntax::diagnostic::{Diagnostic, Severity};
-use syntax::document::ChunkId;
+use syntax::actions::Operator;
+use syntax::diagnostic::{Code, Diagnostic, Severity};
+use syntax::document::{ChunkId, EditError, Event, Snapshot};
 use syntax::span::Span;
 
-/// How often declarations are left out before the whole scene is given up: each round can only bring out errors of
-/// what used the one before.
-const ROUNDS: usize = 6;
+/// How often declarations are stood in for or left out before the whole scene is given up: each round can only bring out
+/// errors of what used the one before.
+const ROUNDS: usize = 12;
 
 /// Reads texts one after the other, and remembers the last good declarations.
 #[derive(Debug, Default)]
 pub(crate) struct Mender {
     document: Option<Document>,
-    /// The last good text of what is declared, by name.
-    good: HashMap<String, String>,
+    good: Good,
+    /// The mended text that was shown last, as long as there are errors.
+    mended: Option<Document>,
 }
 
 /// What was read.
@@ -28,27 +30,57 @@ pub(crate) struct Mender {
 pub(crate) struct Read {
     /// Of the text as it is.
     pub(crate) diagnostics: Vec<Diagnostic>,
+    /// What the text declares, in its order.
+    pub(crate) declared: Vec<Declared>,
     /// Places of names are those of the text as it is; of a declaration that is stood in for, its place.
     pub(crate) scene: Option<Scene>,
-    /// The objects that are shown as they last were.
+    /// The objects that are shown as they last were, and those that read something that is.
     pub(crate) stale: Vec<String>,
+    /// Something of the text is not shown at all.
+    pub(crate) lacks: bool,
 }
 
-/// A declaration on its way to a mended text.
+/// A declaration of a text.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Declared {
+    /// From its word to its `;`.
+    pub span: Span,
+    /// Where its name stands.
+    pub name_span: Span,
+}
+
+/// The last good text of each declaration.
+#[derive(Debug, Default)]
+struct Good {
+    /// The last text without errors.
+    whole: Option<Snapshot>,
+    /// What was good since then, by name.
+    since: HashMap<String, String>,
+}
+
+/// A part of a mended text.
+#[derive(Debug)]
 struct Piece {
     /// Where it stands in the text as it is.
     place: Span,
-    /// Its text, or the one that stands in for it.
+    /// What is declared there; an empty name where it was not read.
+    names: Vec<String>,
+    /// The text there, or what stands in for it.
     text: String,
-    stands_in: bool,
+    /// It is the text that stands there.
+    own: bool,
+    /// Something that stands there is not in it.
+    lacks: bool,
 }
 
 impl Mender {
     /// Reads a text, of which only what differs from the one before is read anew.
     pub(crate) fn read(&mut self, text: &str) -> Read {
-        if let Err(diagnostics) = self.update(text) {
+        if let Err(error) = bring(&mut self.document, text) {
+            let code = Code("too-large");
+            let sentence = error.to_string();
             return Read {
-                diagnostics,
+                diagnostics: vec![Diagnostic::error(code, Span::default(), sentence)],
                 ..Read::default()
             };
         }
@@ -56,158 +88,280 @@ impl Mender {
             return Read::default();
         };
         let compilation = document.compilation();
-        let diagnostics = compilation.diagnostics.clone();
+        let read = Read {
+            diagnostics: compilation.diagnostics.clone(),
+            declared: declared(document),
+            ..Read::default()
+        };
         if let Some(scene) = &compilation.scene {
-            let scene = scene.clone();
-            self.good = document
-                .text()
-                .chunks()
-                .filter_map(|chunk| {
-                    let text = document.text().chunk_text(chunk);
-                    Some((name_of(document, chunk)?, text.to_owned()))
-                })
-                .collect();
+            self.good = Good {
+                whole: Some(document.text().snapshot()),
+                since: HashMap::new(),
+            };
+            self.mended = None;
             return Read {
-                diagnostics,
-                scene: Some(scene),
-                stale: Vec::new(),
+                scene: Some(scene.clone()),
+                ..read
             };
         }
-        let pieces = self.pieces(document, &diagnostics);
-        let (scene, stale) = mended(pieces).unzip();
-        Read {
-            diagnostics,
-            scene,
-            stale: stale.unwrap_or_default(),
-        }
+        let pieces = self.pieces(document, &read.diagnostics);
+        // It differs by a few declarations, and only those are read.
+        self.mended.get_or_insert_with(|| document.clone());
+        self.mend(pieces, read)
     }
 
-    /// Brings the document to a text by one edit of what differs.
-    fn update(&mut self, text: &str) -> Result<(), Vec<Diagnostic>> {
-        let refused = |error: syntax::document::EditError| {
-            let code = syntax::diagnostic::Code("too-large");
-            vec![Diagnostic::error(code, Span::default(), error.to_string())]
-        };
-        let Some(document) = &mut self.document else {
-            self.document = Some(Document::new(text).map_err(refused)?);
-            return Ok(());
-        };
-        let old = document.text().text();
-        let (range, new) = difference(&old, text);
-        if range.start == range.end && new.is_empty() {
-            return Ok(());
-        }
-        document.edit(range, new).map_err(refused)?;
-        Ok(())
-    }
-
+    /// The pieces of a text with errors, of which some are stood in for.
     fn pieces(&self, document: &Document, diagnostics: &[Diagnostic]) -> Vec<Piece> {
         let piece = |chunk: ChunkId| {
             let text = document.text().chunk_text(chunk);
             let start = document.text().start(chunk);
-            let place = Span::new(start, start + text.len() as u32);
-            let text = if has_error(diagnostics, place) {
-                let name = name_of(document, chunk);
-                let good = name.and_then(|name| self.good.get(&name)).cloned();
-                return Piece {
-                    place,
-                    text: good.unwrap_or_default(),
-                    stands_in: true,
-                };
-            } else {
-                text.to_owned()
-            };
             Piece {
-                place,
-                text,
-                stands_in: false,
+                place: Span::new(start, start + text.len() as u32),
+                names: names_of(document, chunk),
+                text: text.to_owned(),
+                own: true,
+                lacks: false,
             }
         };
-        document.text().chunks().map(piece).collect()
-    }
-}
-
-/// Compiles pieces, leaving out what still has errors.
-fn mended(mut pieces: Vec<Piece>) -> Option<(Scene, Vec<String>)> {
-    for _ in 0..ROUNDS {
-        let text: String = pieces.iter().map(|piece| piece.text.as_str()).collect();
-        let compilation = scene::compile(&text);
-        let Some(mut scene) = compilation.scene else {
-            let mut start = 0;
-            for piece in &mut pieces {
-                let end = start + piece.text.len() as u32;
-                if has_error(&compilation.diagnostics, Span::new(start, end)) {
-                    piece.text.clear();
-                    piece.stands_in = true;
-                }
-                start = end;
-            }
-            continue;
-        };
-        let mut stale = Vec::new();
-        let mut starts = Vec::with_capacity(pieces.len());
-        let mut length = 0;
-        for piece in &pieces {
-            starts.push(length);
-            length += piece.text.len() as u32;
+        let mut pieces: Vec<Piece> = document.text().chunks().map(piece).collect();
+        let places = pieces.iter().map(|piece| piece.place).collect::<Vec<_>>();
+        for at in faulty(&places, diagnostics) {
+            pieces[at].stand_in(&self.good);
         }
-        let mut place = |name: &str, span: &mut Span| {
-            // Empty pieces share their start with the one behind them, which is the last of those.
-            let index = starts.partition_point(|start| *start <= span.start);
-            let Some((piece, start)) = index
-                .checked_sub(1)
-                .and_then(|index| Some((pieces.get(index)?, starts[index])))
-            else {
-                return;
+        pieces
+    }
+
+    /// What can be shown of pieces; what still has errors is stood in for, and left out where that does not help.
+    fn mend(&mut self, mut pieces: Vec<Piece>, read: Read) -> Read {
+        for _ in 0..ROUNDS {
+            let mut places = Vec::with_capacity(pieces.len());
+            let mut text = String::new();
+            for piece in &pieces {
+                let start = text.len() as u32;
+                text.push_str(&piece.text);
+                places.push(Span::new(start, text.len() as u32));
+            }
+            if bring(&mut self.mended, &text).is_err() {
+                return read;
+            }
+            let Some(mended) = &self.mended else {
+                return read;
             };
-            if piece.stands_in {
-                stale.push(name.to_owned());
-                *span = piece.place;
-            } else {
-                let moved = |at: u32| at - start + piece.place.start;
-                *span = Span::new(moved(span.start), moved(span.end));
+            let compilation = mended.compilation();
+            if let Some(scene) = &compilation.scene {
+                let stale = stale(mended, scene, &pieces, &places);
+                let scene = moved(scene.clone(), &pieces, &places);
+                self.good.note(&pieces);
+                return Read {
+                    scene: Some(scene),
+                    stale,
+                    lacks: pieces.iter().any(|piece| piece.lacks),
+                    ..read
+                };
             }
-        };
-        for object in &mut scene.objects {
-            place(&object.name, &mut object.name_span);
+            let mut known: HashSet<String> = pieces
+                .iter()
+                .flat_map(|piece| piece.names.iter().cloned())
+                .collect();
+            // From the last to the first, so that what is put before one moves none that is yet to come.
+            let faulty = faulty(&places, &compilation.diagnostics);
+            for at in faulty.into_iter().rev() {
+                if pieces[at].own {
+                    pieces[at].stand_in(&self.good);
+                    continue;
+                }
+                let place = pieces[at].place;
+                let missing = self.good.missing(&pieces[at].names, &mut known);
+                if missing.is_empty() {
+                    pieces[at].text.clear();
+                    pieces[at].lacks = true;
+                }
+                let revived = missing
+                    .into_iter()
+                    .map(|name| Piece::revived(name, place, &self.good));
+                pieces.splice(at..at, revived);
+            }
         }
-        for param in &mut scene.params {
-            place(&param.name, &mut param.name_span);
-        }
-        for grid in &mut scene.grids {
-            place(&grid.name, &mut grid.name_span);
-        }
-        return Some((scene, stale));
+        read
     }
-    None
 }
 
-fn has_error(diagnostics: &[Diagnostic], place: Span) -> bool {
-    diagnostics.iter().any(|diagnostic| {
-        let at = diagnostic.span.start;
-        // What is missing at the end of a text is reported there.
-        let inside = place.start <= at && (at < place.end || at == place.end && at > place.start);
-        diagnostic.severity == Severity::Error && inside
-    })
+impl Piece {
+    /// What was declared there when it was good takes the place of what stands there.
+    fn stand_in(&mut self, good: &Good) {
+        let texts = self.names.iter().map(|name| good.text(name));
+        let texts: Vec<Option<&str>> = texts.collect();
+        self.lacks = texts.is_empty() || texts.contains(&None);
+        self.text = texts.into_iter().flatten().collect();
+        self.own = false;
+    }
+
+    /// A declaration that stands nowhere any more, for one that cannot do without it.
+    fn revived(name: String, place: Span, good: &Good) -> Self {
+        Self {
+            place,
+            text: good.text(&name).unwrap_or_default().to_owned(),
+            names: vec![name],
+            own: false,
+            lacks: false,
+        }
+    }
 }
 
-/// What a chunk declares: the name that was read, or that stands behind its first word.
-fn name_of(document: &Document, chunk: ChunkId) -> Option<String> {
+impl Good {
+    /// The last good text of a declaration.
+    fn text(&self, name: &str) -> Option<&str> {
+        if let Some(text) = self.since.get(name) {
+            return Some(text);
+        }
+        let whole = self.whole.as_ref()?;
+        let home = whole.home(whole.named(name)?)?;
+        Some(whole.chunk_text(home))
+    }
+
+    /// Remembers what has turned out to be good.
+    fn note(&mut self, pieces: &[Piece]) {
+        for piece in pieces {
+            if let (true, [name]) = (piece.own, piece.names.as_slice())
+                && self.text(name) != Some(&piece.text)
+            {
+                self.since.insert(name.clone(), piece.text.clone());
+            }
+        }
+    }
+
+    /// What declarations have read when they were good and is not known now. It is known from now on.
+    fn missing(&self, names: &[String], known: &mut HashSet<String>) -> Vec<String> {
+        let Some(whole) = &self.whole else {
+            return Vec::new();
+        };
+        let homes = names
+            .iter()
+            .filter_map(|name| whole.home(whole.named(name)?));
+        let read = homes.flat_map(|home| whole.events(home));
+        let read = read.filter_map(|event| match event {
+            Event::Operator(Operator::Constant(id) | Operator::Function(id), _) => {
+                whole.home(id)?;
+                Some(whole.symbol(id)?.name.to_string())
+            }
+            _ => None,
+        });
+        read.filter(|name| known.insert(name.clone())).collect()
+    }
+}
+
+/// Brings a document to a text by one edit of what differs.
+fn bring(document: &mut Option<Document>, text: &str) -> Result<(), EditError> {
+    let Some(document) = document else {
+        *document = Some(Document::new(text)?);
+        return Ok(());
+    };
+    let old = document.text().text();
+    let (range, new) = difference(&old, text);
+    if range.start < range.end || !new.is_empty() {
+        document.edit(range, new)?;
+    }
+    Ok(())
+}
+
+/// What a text declares.
+fn declared(document: &Document) -> Vec<Declared> {
+    let text = document.text();
+    let mut all = Vec::new();
+    let mut start = 0;
+    for chunk in text.chunks() {
+        let read = text.events(chunk).declarations();
+        let named = read.filter(|(read, _)| !read.name.is_empty());
+        all.extend(named.map(|(read, _)| Declared {
+            span: read.span.moved(start),
+            name_span: read.name_span.moved(start),
+        }));
+        start += text.chunk_text(chunk).len() as u32;
+    }
+    all
+}
+
+/// The places, by their numbers, in which there are errors. They follow each other.
+fn faulty(places: &[Span], diagnostics: &[Diagnostic]) -> BTreeSet<usize> {
+    let errors = diagnostics.iter();
+    let errors = errors.filter(|diagnostic| diagnostic.severity == Severity::Error);
+    let place = |error: &Diagnostic| {
+        let at = error.span.start;
+        let next = places.partition_point(|place| place.start <= at);
+        // What is missing at the end of a text is reported there, and empty places share their start with others.
+        let begun = places[..next]
+            .iter()
+            .rposition(|place| place.start < place.end);
+        begun.or(next.checked_sub(1))
+    };
+    errors.filter_map(place).collect()
+}
+
+/// The objects that are shown as they last were, and those that read something that is.
+fn stale(mended: &Document, scene: &Scene, pieces: &[Piece], places: &[Span]) -> Vec<String> {
+    let text = mended.text();
+    let mut waiting: Vec<ChunkId> = Vec::new();
+    for (piece, place) in pieces.iter().zip(places) {
+        if !piece.own && place.start < place.end {
+            waiting.extend(text.chunks_in(*place).map(|(chunk, _)| chunk));
+        }
+    }
+    let mut all: HashSet<ChunkId> = waiting.iter().copied().collect();
+    while let Some(chunk) = waiting.pop() {
+        let declared = text.events(chunk).declarations();
+        for symbol in declared.filter_map(|(read, _)| read.symbol) {
+            waiting.extend(text.readers(symbol).filter(|reader| all.insert(*reader)));
+        }
+    }
+    let is_stale = |at: u32| {
+        let home = text.chunks_in(Span::new(at, at + 1)).next();
+        home.is_some_and(|(chunk, _)| all.contains(&chunk))
+    };
+    let objects = scene.objects.iter();
+    let stale = objects.filter(|object| is_stale(object.name_span.start));
+    stale.map(|object| object.name.clone()).collect()
+}
+
+/// A scene of pieces, with its places in the text as it is.
+fn moved(mut scene: Scene, pieces: &[Piece], places: &[Span]) -> Scene {
+    let place = |span: &mut Span| {
+        // Empty places share their start with the one behind them, which is the last of those.
+        let at = places.partition_point(|place| place.start <= span.start);
+        let Some(at) = at.checked_sub(1) else {
+            return;
+        };
+        let (piece, start) = (&pieces[at], places[at].start);
+        *span = if piece.own {
+            let moved = |at: u32| at - start + piece.place.start;
+            Span::new(moved(span.start), moved(span.end))
+        } else {
+            piece.place
+        };
+    };
+    let objects = scene.objects.iter_mut().map(|it| &mut it.name_span);
+    let params = scene.params.iter_mut().map(|it| &mut it.name_span);
+    let grids = scene.grids.iter_mut().map(|it| &mut it.name_span);
+    objects.chain(params).chain(grids).for_each(place);
+    scene
+}
+
+/// What a chunk declares: the names that were read, or the one that stands behind its first word.
+fn names_of(document: &Document, chunk: ChunkId) -> Vec<String> {
     let events = document.text().events(chunk);
-    let names = events.declarations().map(|(read, _)| read.name);
-    if let Some(read) = names.filter(|name| !name.is_empty()).last() {
-        return Some(read.to_owned());
+    let names = events.declarations().map(|(read, _)| read.name.to_owned());
+    let names: Vec<String> = names.collect();
+    if names.iter().any(|name| !name.is_empty()) {
+        return names;
     }
     let text = document.text().chunk_text(chunk);
     let code = text
         .lines()
         .map(|line| line.split('#').next().unwrap_or(""));
     let code: String = code.collect::<Vec<_>>().join(" ");
-    let mut words = code.split(|c: char| !c.is_ascii_alphanumeric());
-    let mut words = words.by_ref().filter(|word| !word.is_empty());
-    let name = words.nth(1)?;
-    name.starts_with(|c: char| c.is_ascii_alphabetic())
-        .then(|| name.to_owned())
+    let words = code.split(|c: char| !c.is_ascii_alphanumeric());
+    let name = words.filter(|word| !word.is_empty()).nth(1);
+    let name = name.filter(|name| name.starts_with(|c: char| c.is_ascii_alphabetic()));
+    name.into_iter().map(str::to_owned).collect()
 }
 
 /// What of `old` is to be replaced by what, so that it becomes `new`: all but the longest common start and end.
@@ -275,6 +429,74 @@ mod tests {
         let scene = read.scene.expect("mended");
         let names: Vec<&str> = scene.objects.iter().map(|it| it.name.as_str()).collect();
         assert_eq!(names, ["r"]);
+    }
+
+    fn names(read: &super::Read) -> Vec<&str> {
+        let scene = read.scene.as_ref().expect("mended");
+        scene.objects.iter().map(|it| it.name.as_str()).collect()
+    }
+
+    /// The value that a param opens with.
+    fn opening(read: &super::Read, name: &str) -> f64 {
+        let params = &read.scene.as_ref().expect("mended").params;
+        let param = params.iter().find(|param| param.name == name);
+        param.expect("there").opening[0]
+    }
+
+    #[test]
+    fn what_has_become_good_beside_an_error_is_what_stands_in_later() {
+        let mut mender = Mender::default();
+        mender.read("param y = 1 : [0, 9]; point x = (1, 2, 3);");
+        assert_eq!(
+            opening(&mender.read("param y = 2 : [0, 9]; point x = (1, 2, "), "y"),
+            2.0
+        );
+        // The same with a declaration that is new, and both are incomplete for a key.
+        let read = mender.read("param y = 2 : [0, 9]; param z = 5 : [0, 9]; point x = (1, 2, ");
+        assert_eq!(opening(&read, "z"), 5.0);
+        let read = mender.read("param y = : [0, 9]; param z = : [0, 9]; point x = (1, 2, ");
+        assert_eq!((opening(&read, "y"), opening(&read, "z")), (2.0, 5.0));
+        assert_eq!(names(&read), ["x"]);
+        assert!(!read.lacks);
+    }
+
+    #[test]
+    fn a_declaration_that_loses_its_end_takes_none_with_it() {
+        let mut mender = Mender::default();
+        mender.read(GOOD);
+        let read = mender.read(&GOOD.replace("3);", "3)"));
+        assert_eq!(names(&read), ["p", "q", "v"]);
+        assert_eq!(
+            read.stale,
+            ["p", "q", "v"],
+            "v stands on q, which is read with p"
+        );
+        assert!(!read.lacks);
+        // A new one that is begun above another one hides nothing but itself.
+        let read = mender.read(&format!("point n\n{GOOD}"));
+        assert_eq!(names(&read), ["p", "q", "v"]);
+        assert!(read.lacks);
+    }
+
+    #[test]
+    fn what_reads_a_name_that_is_gone_is_shown_as_it_was() {
+        let good = "param a : [1, 2];\nfunction f(x) = a x;\npoint p = (f(1), 0, 0);\npoint q = (0, 0, 0);\n";
+        let mut mender = Mender::default();
+        mender.read(good);
+        // Renamed where it is declared, and not yet where it is used.
+        let renamed = good.replace("param a", "param b");
+        let read = mender.read(&renamed);
+        assert!(!read.diagnostics.is_empty());
+        assert_eq!(names(&read), ["p", "q"]);
+        assert_eq!(read.stale, ["p"]);
+        assert!(!read.lacks);
+        let read = mender.read(&renamed.replace("function f", "function h"));
+        assert_eq!(names(&read), ["p", "q"]);
+        // What nobody declares and nobody needs any more is gone.
+        assert_eq!(
+            names(&mender.read("point q = (0, 0, 0);\npoint r = (")),
+            ["q"]
+        );
     }
 
     #[test]

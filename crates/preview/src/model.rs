@@ -18,8 +18,10 @@ use std::sync::Arc;
 
 use scene::scene::{Object, ObjectId, Scene, Shape};
 use scene::values::Settings;
+use syntax::span::Span;
 
 pub use crate::compiler::Finding;
+pub use crate::mend::Declared;
 pub use camera::{InsideCamera, SpaceCamera};
 use difference::Difference;
 use history::Travelled;
@@ -53,8 +55,12 @@ pub struct Model {
     pub took: std::time::Duration,
     /// What is wrong or surprising in it.
     pub findings: Vec<Finding>,
-    /// The objects that are shown as they last were.
+    /// The objects that are shown as they last were, and those that read something that is.
     pub stale: BTreeSet<String>,
+    /// Something of the text is not shown at all.
+    pub lacks: bool,
+    /// What the text declares, in its order.
+    pub declared: Vec<Declared>,
     /// The object whose declaration the cursor stands on.
     pub highlighted: Option<String>,
     /// Counts for each surface the times that its geodesic camera was put somewhere by other means than walking.
@@ -89,6 +95,8 @@ impl Model {
         self.read = true;
         self.took = compiled.took;
         self.findings = compiled.findings;
+        self.declared = compiled.declared;
+        self.lacks = compiled.lacks || compiled.scene.is_none();
         if let Some(scene) = compiled.scene {
             self.heed_openings(&scene);
             // A camera that nobody has moved is one of its scene.
@@ -96,6 +104,10 @@ impl Model {
             self.scene = Some(scene);
             self.stale = compiled.stale.into_iter().collect();
             self.settings = None;
+        } else {
+            // All that is shown is of another text.
+            let objects = self.scene.iter().flat_map(|scene| &scene.objects);
+            self.stale = objects.map(|object| object.name.clone()).collect();
         }
     }
 
@@ -130,9 +142,42 @@ impl Model {
         }
     }
 
-    /// Whether a picture of an object shows it as it no longer is in the text.
+    /// Whether the text has errors, so that not all is shown as it is there.
     pub fn is_stale(&self) -> bool {
         !self.ok && self.read
+    }
+
+    /// Whether the 3D view shows something as it is no more in the text, or does not show something of it.
+    pub fn is_stale_in_space(&self) -> bool {
+        let objects = self.scene.iter().flat_map(|scene| &scene.objects);
+        let mut shown = objects.filter(|it| self.has_place(it) && !self.view.look(&it.name).hidden);
+        self.is_stale() && (self.lacks || shown.any(|it| self.stale.contains(&it.name)))
+    }
+
+    /// Whether the geodesic view of a surface shows that, or a geodesic on it, as it is no more in the text.
+    pub fn is_stale_inside(&self, surface: &str) -> bool {
+        let id = self.object(surface).map(|(id, _)| id);
+        let objects = self.scene.iter().flat_map(|scene| &scene.objects);
+        let mut on_it = objects.filter(|object| match &object.shape {
+            Shape::Geodesic { surface, .. } => Some(*surface) == id,
+            _ => false,
+        });
+        self.is_stale()
+            && (id.is_none()
+                || self.stale.contains(surface)
+                || on_it.any(|it| self.stale.contains(&it.name)))
+    }
+
+    /// Whether an object has a place in space: a metric has none, and what lies on it neither.
+    fn has_place(&self, object: &Object) -> bool {
+        let objects = self.scene.as_ref().map_or(&[][..], |scene| &scene.objects);
+        match &object.shape {
+            Shape::Metric { .. } => false,
+            Shape::Geodesic { surface, .. } => objects
+                .get(surface.0 as usize)
+                .is_none_or(|it| !matches!(it.shape, Shape::Metric { .. })),
+            _ => true,
+        }
     }
 
     /// Does a step that can be undone.
@@ -238,14 +283,7 @@ impl Model {
     /// Whether there are metrics, geodesics on them, and nothing else: no object has a place in space.
     pub fn has_only_metrics(&self) -> bool {
         let objects = self.scene.as_ref().map_or(&[][..], |scene| &scene.objects);
-        let is_metric = |object: &Object| matches!(object.shape, Shape::Metric { .. });
-        let placeless = |object: &Object| match &object.shape {
-            Shape::Geodesic { surface, .. } => {
-                objects.get(surface.0 as usize).is_some_and(is_metric)
-            }
-            _ => is_metric(object),
-        };
-        !objects.is_empty() && objects.iter().all(placeless)
+        !objects.is_empty() && !objects.iter().any(|object| self.has_place(object))
     }
 
     /// The names of the surfaces and metrics, in the order of the text.
@@ -257,24 +295,26 @@ impl Model {
             .collect()
     }
 
-    /// The name that is declared around a place of the text.
+    /// The object that is declared around a place of the text.
     pub fn declared_at(&self, offset: u32) -> Option<&str> {
-        let scene = self.scene.as_ref()?;
-        let end = |from: u32| {
-            let rest = self.text.get(from as usize..)?;
-            Some(from + rest.find(';')? as u32 + 1)
-        };
-        let start = |from: u32| {
-            let before = self.text.get(..from as usize)?;
-            Some(before.rfind([';', '\n']).map_or(0, |at| at as u32 + 1))
-        };
-        let around = |object: &&Object| {
-            let at = object.name_span.start;
-            let range = start(at).map(|from| from..=end(at).unwrap_or(u32::MAX));
-            range.is_some_and(|range| range.contains(&offset))
-        };
-        let found = scene.objects.iter().find(around)?;
-        Some(&found.name)
+        let next = self.declared.partition_point(|it| it.span.start <= offset);
+        let declared = self.declared.get(next.checked_sub(1)?)?;
+        let name = self
+            .name(declared)
+            .filter(|_| offset <= declared.span.end)?;
+        Some(&self.object(name)?.1.name)
+    }
+
+    /// Where the text declares a name.
+    pub fn place_of(&self, name: &str) -> Option<Span> {
+        let mut declared = self.declared.iter();
+        let found = declared.find(|it| self.name(it) == Some(name))?;
+        Some(found.name_span)
+    }
+
+    fn name(&self, declared: &Declared) -> Option<&str> {
+        let Span { start, end } = declared.name_span;
+        self.text.get(start as usize..end as usize)
     }
 
     /// What the status line says of the text.

@@ -3,15 +3,24 @@ use std::time::{Duration, Instant};
 
 use super::{Animation, InsideCamera, Model, SpaceCamera, Step, View, advanced};
 use crate::compiler::{Compiled, findings};
+use crate::mend::Mender;
+use syntax::diagnostic::Severity;
 
 fn compiled(text: &str) -> Compiled {
-    let compilation = scene::compile(text);
+    read(&mut Mender::default(), text)
+}
+
+fn read(mender: &mut Mender, text: &str) -> Compiled {
+    let read = mender.read(text);
+    let findings = findings(text, &read.diagnostics);
     Compiled {
         version: 1,
-        ok: !compilation.has_errors(),
-        findings: findings(text, &compilation.diagnostics),
-        scene: compilation.scene.map(Arc::new),
-        stale: Vec::new(),
+        ok: findings.iter().all(|it| it.severity != Severity::Error),
+        findings,
+        scene: read.scene.map(Arc::new),
+        stale: read.stale,
+        lacks: read.lacks,
+        declared: read.declared,
         text: text.into(),
         arrived: Instant::now(),
         took: Duration::ZERO,
@@ -378,6 +387,91 @@ fn the_space_camera_keeps_its_distance_while_it_turns_orbits_and_moves() {
     for k in 0..3 {
         close(there_and_back.eye[k], camera().eye[k]);
     }
+}
+
+/// What a geodesic view has a mark of, and whether the 3D view has one, after texts one behind the other.
+fn marks(texts: &[&str], surfaces: [&str; 2]) -> (bool, [bool; 2]) {
+    let (mut mender, mut model) = (Mender::default(), Model::default());
+    for text in texts {
+        model.take(read(&mut mender, text));
+    }
+    let inside = surfaces.map(|name| model.is_stale_inside(name));
+    (model.is_stale_in_space(), inside)
+}
+
+#[test]
+fn only_views_that_show_what_is_stood_in_for_are_marked() {
+    let good = "param a = 1 : [0, 4]; function f(x) = a x;
+        surface s(u,v) = (u, v, f(u)), u : [0,1], v : [0,1];
+        surface t(u,v) = (u, v, 2), u : [0,1], v : [0,1];
+        metric m(u,v) = (1, 0, 1 + u^2), u : [0,1], v : [0,1];
+        geodesic g(l) : t = (1, 0) @ (0.5, 0.5), l : [0, 0.2];
+        curve c(x) = (x, 1, 1), x : [0, 1];";
+    let st = |broken: &str| marks(&[good, broken], ["s", "t"]);
+    let mt = |broken: &str| marks(&[good, broken], ["m", "t"]);
+    assert_eq!(st(good), (false, [false, false]));
+    let curve = good.replace("(x, 1, 1)", "(x, 1, ");
+    assert_eq!(st(&curve), (true, [false, false]), "a curve is in space");
+    let function = good.replace("= a x", "= a +");
+    assert_eq!(st(&function), (true, [true, false]), "s reads f");
+    let param = good.replace("a = 1 :", "a = :");
+    assert_eq!(st(&param), (true, [true, false]), "f reads a");
+    let geodesic = good.replace("(0.5, 0.5)", "(0.5");
+    assert_eq!(st(&geodesic), (true, [false, true]), "g lies on t");
+    let metric = good.replace("1 + u^2", "1 + ");
+    assert_eq!(mt(&metric), (false, [true, false]), "m is nowhere in space");
+    // A declaration that was never good is nowhere: the 3D view lacks it.
+    let new = format!("{good} point p = (1, ");
+    assert_eq!(st(&new), (true, [false, false]));
+    // What is mended is not marked, nor what was never there.
+    assert_eq!(
+        marks(&[good, &new, good], ["s", "t"]),
+        (false, [false, false])
+    );
+    assert!(!st("point p = (1, 2, 3);").0);
+}
+
+#[test]
+fn what_is_hidden_marks_no_view() {
+    let (mut mender, mut model) = (Mender::default(), Model::default());
+    let good = "point p = (1, 2, 3); point q = (1, 1, 1);";
+    model.take(read(&mut mender, good));
+    model.adjust(|view| view.looks.entry("p".into()).or_default().hidden = true);
+    model.take(read(&mut mender, &good.replace("2, 3)", "2, ")));
+    assert!(model.is_stale() && !model.is_stale_in_space());
+}
+
+#[test]
+fn a_declaration_is_all_from_its_word_to_its_end() {
+    let text = "# of a sphere; and more
+surface
+  s(u,v) = (u, # one; two
+    v, 0), u : [0,1], v : [0,1];point p = (1, 2, 3);
+param a : [0, 1];";
+    let mut model = model(text);
+    let at = |model: &Model, what: &str| {
+        let offset = text.find(what).expect("there") as u32;
+        model.declared_at(offset).map(str::to_owned)
+    };
+    assert_eq!(at(&model, "# of"), None, "a comment above it is none of it");
+    assert_eq!(at(&model, "surface").as_deref(), Some("s"));
+    assert_eq!(at(&model, "# one").as_deref(), Some("s"));
+    assert_eq!(at(&model, "v, 0)").as_deref(), Some("s"));
+    assert_eq!(at(&model, "point").as_deref(), Some("p"));
+    assert_eq!(at(&model, "3);").as_deref(), Some("p"));
+    assert_eq!(at(&model, "param"), None, "a param is no object");
+    let place = |model: &Model, name: &str| model.place_of(name).map(|it| it.start as usize);
+    assert_eq!(place(&model, "s"), text.find("s(u,v)"));
+    assert_eq!(place(&model, "a"), text.find("a : ["));
+    // Of a text of which nothing can be shown, the places are its own all the same.
+    let moved = format!("\n\n{text}");
+    let compiled = Compiled {
+        scene: None,
+        ..compiled(&moved)
+    };
+    model.take(compiled);
+    assert_eq!(place(&model, "s"), moved.find("s(u,v)"));
+    assert_eq!(place(&model, "gone"), None);
 }
 
 #[test]

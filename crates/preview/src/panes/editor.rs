@@ -7,6 +7,14 @@ use syntax::span::Span;
 use crate::atomic::{write_new, write_whole};
 use crate::watch::Unreadable;
 
+/// A place of the text that is to be shown.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Jump {
+    pub(crate) place: Span,
+    /// What is typed from now on is written there.
+    pub(crate) takes_keys: bool,
+}
+
 /// A text that is edited here.
 #[derive(Debug)]
 pub(crate) struct Editor {
@@ -19,7 +27,7 @@ pub(crate) struct Editor {
     /// The file's new text, where it has changed while this one had too.
     pub(crate) conflict: Option<String>,
     /// A place that the cursor is to be put to.
-    pub(crate) jump: Option<Span>,
+    pub(crate) jump: Option<Jump>,
     /// The texts whose place another one has taken by other means than typing, oldest first, until the field that shows
     /// the text has them among what it can undo.
     pub(crate) replaced: Vec<String>,

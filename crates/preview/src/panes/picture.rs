@@ -43,6 +43,12 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &PaneKey) -> Response
         ui.painter()
             .rect_stroke(rect.shrink(1.0), 0.0, stroke, StrokeKind::Inside);
     }
+    if is_set_off(window, pane) {
+        let [r, g, b] = render::style::EMPHASIS_COLOUR;
+        let stroke = Stroke::new(3.0, Color32::from_rgb(r, g, b));
+        ui.painter()
+            .rect_stroke(rect.shrink(2.0), 0.0, stroke, StrokeKind::Inside);
+    }
     let key = match pane {
         PaneKey::Space => "3d".to_owned(),
         PaneKey::Inside(name) => format!("geodesic:{name}"),
@@ -54,7 +60,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &PaneKey) -> Response
 
 fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
     let painter = ui.painter_at(rect);
-    let stale = window.model.is_stale();
+    let stale = is_stale(window, pane);
     let lines = window.model.errors().count();
     let mut error = None;
     let mut covered = false;
@@ -92,6 +98,22 @@ fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
     if let Some(error) = error {
         let place = rect.left_bottom() + egui::vec2(8.0, -34.0);
         badge(&painter, place, &error, Color32::from_rgb(120, 60, 0));
+    }
+}
+
+/// Whether the view as a whole is that of what is declared at the cursor. In space, that is set off itself.
+fn is_set_off(window: &Window, pane: &PaneKey) -> bool {
+    match (pane, &window.model.highlighted) {
+        (PaneKey::Inside(name), Some(declared)) => name == declared,
+        _ => false,
+    }
+}
+
+/// Whether a view shows something as it is no more in the text.
+fn is_stale(window: &Window, pane: &PaneKey) -> bool {
+    match pane {
+        PaneKey::Space => window.model.is_stale_in_space(),
+        PaneKey::Inside(name) => window.model.is_stale_inside(name),
     }
 }
 
@@ -155,11 +177,14 @@ fn words(window: &Window, pane: &PaneKey) -> String {
             format!("Geodesic view of {name}{place}")
         }
     };
+    if is_set_off(window, pane) {
+        words.push_str("; declared at the cursor");
+    }
     if let Some(nothing) = nothing(window, pane) {
         words.push_str("; ");
         words.push_str(nothing);
     }
-    if window.model.is_stale() {
+    if is_stale(window, pane) {
         words.push_str("; stale: the program has errors");
     }
     if let Some(error) = window.pictures.get(pane).and_then(|it| it.error.as_ref()) {

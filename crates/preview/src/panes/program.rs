@@ -103,11 +103,13 @@ fn text(window: &mut Window, ui: &mut Ui) -> bool {
             response.clone().accessible_name("Program text");
             numbers(ui, &output.galley, output.galley_pos, gutter, &font);
             if let Some(jump) = editor.jump.take() {
-                let range = characters(&editor.text, jump);
+                let range = characters(&editor.text, jump.place);
                 let mut state = output.state.clone();
                 state.cursor.set_char_range(Some(range));
                 state.store(ui.ctx(), id);
-                ui.ctx().memory_mut(|memory| memory.request_focus(id));
+                if jump.takes_keys {
+                    ui.ctx().memory_mut(|memory| memory.request_focus(id));
+                }
                 let place = output.galley.pos_from_cursor(range.primary);
                 let place = place.translate(output.galley_pos.to_vec2());
                 ui.scroll_to_rect(place, Some(Align::Center));

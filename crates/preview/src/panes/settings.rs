@@ -214,7 +214,7 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
     };
     let link = ui.link(format!("{name}{stale}"));
     if link.on_hover_text("Show its declaration").clicked() {
-        window.open_place(object.name_span);
+        window.open_declaration(name);
     }
     if object.shape.patch().is_some() {
         let mut texture = look.texture.clone();

@@ -1,4 +1,5 @@
-//! Clicks on the 3D view: one puts a geodesic camera somewhere, two show a declaration.
+//! Clicks on the 3D view: one puts a geodesic camera somewhere, where there can be one; else it shows a declaration, and so
+//! do two.
 //!
 //! The first click is heeded at once. Where a second one makes a double click of it, it is as though it had never been.
 //! What would move the panes under the pointer waits until there can be no second one.
@@ -105,6 +106,10 @@ impl Window {
         };
         self.said = Some((false, sentence));
         let Some(camera) = camera else {
+            if object.shape.patch().is_none() {
+                // It has no camera to be put there, and nothing else to be asked for.
+                self.show_declaration(&name);
+            }
             return;
         };
         self.model.place(&name, camera);

@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 
 use protocol::Event;
+use syntax::span::Span;
 
 use super::{Origin, Window};
 use crate::orders::PaneKey;
 use crate::panes::Pane;
+use crate::panes::editor::Jump;
 
 impl Window {
     /// Tells the server what is on the screen now.
@@ -81,22 +83,38 @@ impl Window {
         }
     }
 
-    /// The declaration of a name is to be shown to the user, as it stands in the text now.
+    /// The declaration of a name is to be shown to the user, as it stands in the text now, and to have the keys.
     pub(crate) fn open_declaration(&mut self, name: &str) {
-        if let Some((_, object)) = self.model.object(name) {
-            self.open_place(object.name_span);
+        if let Some(place) = self.model.place_of(name) {
+            self.open(place, true);
         }
     }
 
-    /// A place of the text is to be shown to the user.
-    pub(crate) fn open_place(&mut self, span: syntax::span::Span) {
+    /// The same for one click, which may have been meant for the view: in this window the keys stay where they are, and
+    /// so do the panes.
+    pub(super) fn show_declaration(&mut self, name: &str) {
+        let Some(place) = self.model.place_of(name) else {
+            return;
+        };
+        self.model.highlighted = Some(name.to_owned());
+        if matches!(self.origin, Origin::Attached { .. }) || self.panes.is_open(&Pane::Program) {
+            self.open(place, false);
+        }
+    }
+
+    /// A place of the text is to be shown to the user, and to have the keys.
+    pub(crate) fn open_place(&mut self, place: Span) {
+        self.open(place, true);
+    }
+
+    fn open(&mut self, place: Span, takes_keys: bool) {
         match &mut self.origin {
             Origin::Attached { .. } => self.say(Event::Open {
                 version: self.model.version,
-                range: [span.start, span.end],
+                range: [place.start, place.end],
             }),
             Origin::File { editor, .. } => {
-                editor.jump = Some(span);
+                editor.jump = Some(Jump { place, takes_keys });
                 self.panes.bring_forward(&Pane::Program);
             }
         }

@@ -489,3 +489,40 @@ fn a_view_that_is_closed_or_covered_loses_the_keys_to_one_that_can_be_seen() {
         "where no view is open, no key moves one"
     );
 }
+
+/// A point in the middle of the 3D view.
+const POINT: &str = "point p = (0, 0, 0);
+curve c(t) = (cos t, sin t, 0), t : [0, 2pi];
+";
+
+#[test]
+fn a_click_on_what_has_no_camera_shows_its_declaration_and_types_nothing() {
+    let mut hand = Hand::on(POINT);
+    let view = hand.window().model().view.clone();
+    let at = hand.space().center();
+    click(&mut hand, at, 1);
+    hand.until("its declaration is shown", |hand| {
+        hand.window().model().highlighted.as_deref() == Some("p")
+    });
+    hand.settle();
+    assert_eq!(hand.window().model().view, view, "no camera is moved");
+    hand.harness.event(Event::Text("w".to_owned()));
+    hand.hold(Key::W, 4);
+    assert_eq!(hand.window().text(), Some(POINT));
+    assert_ne!(
+        hand.eye().0,
+        view.space.expect("a camera").eye,
+        "the view has the keys"
+    );
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    // A double click asks for the text itself.
+    click(&mut hand, at, 2);
+    hand.settle();
+    hand.harness.event(Event::Text("o".to_owned()));
+    hand.settle();
+    assert_eq!(
+        hand.window().text(),
+        Some(POINT.replace("point p", "point o").as_str())
+    );
+}

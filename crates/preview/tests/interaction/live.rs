@@ -126,6 +126,60 @@ fn the_others_keep_moving_while_one_declaration_is_broken() {
 }
 
 #[test]
+fn a_view_that_shows_nothing_of_an_error_is_not_marked() {
+    let text = format!(
+        "{SPHERE}surface t(u,v) = (u, v, r), u : [0, 1], v : [0, 1];
+metric m(u,v) = (1, 0, 1 + u^2), u : [0, 1], v : [0, 1];\n"
+    );
+    let mut hand = Hand::on(&text);
+    let stale = |hand: &Hand, view: &str| {
+        let all = hand.names();
+        let words = all.iter().find(|name| name.starts_with(view));
+        words.expect("it is seen").contains("; stale")
+    };
+    let broken = |hand: &mut Hand, from: &str, to: &str| {
+        let front = format!("Geodesic view – {}", &from[..1]);
+        hand.window_mut().set_text(text.clone());
+        hand.settle();
+        hand.click(&front);
+        hand.settle();
+        let version = hand.window().model().version;
+        hand.window_mut().set_text(text.replace(&from[2..], to));
+        hand.until("the error is shown", |hand| {
+            hand.window().model().version > version
+        });
+        // In the frame in which the status line tells it.
+        assert!(hand.shows("Status: line "), "{:?}", hand.names());
+        let inside = format!("Geodesic view of {}", &from[..1]);
+        [stale(hand, "3D view of"), stale(hand, &inside)]
+    };
+    assert_eq!(broken(&mut hand, "s r + 1)", "r + )"), [true, false]);
+    assert_eq!(broken(&mut hand, "s r(cos v", "r((cos v"), [true, true]);
+    assert_eq!(broken(&mut hand, "t r(cos v", "r((cos v"), [true, false]);
+    assert_eq!(broken(&mut hand, "t (u, v, r)", "(u, v, )"), [true, true]);
+    assert_eq!(broken(&mut hand, "t param r :", "param r "), [true, true]);
+    assert_eq!(broken(&mut hand, "m 1 + u^2", "1 + "), [false, true]);
+    assert_eq!(broken(&mut hand, "t 1 + u^2", "1 + "), [false, false]);
+    hand.window_mut().set_text(text.clone());
+    hand.settle();
+    assert!(hand.shows("Status: OK") && !stale(&hand, "3D view of"));
+}
+
+#[test]
+fn the_geodesic_view_of_what_is_declared_at_the_cursor_is_set_off() {
+    let mut hand = Hand::on("metric m(u,v) = (1, 0, 1 + u^2), u : [0, 1], v : [0, 1];\n");
+    assert!(!hand.shows("declared at the cursor"));
+    let text = hand
+        .harness
+        .get_by_role_and_label(Role::MultilineTextInput, "Program text");
+    text.focus();
+    hand.harness.run_steps(2);
+    hand.press(Modifiers::NONE, Key::ArrowUp);
+    hand.settle();
+    assert!(hand.shows("declared at the cursor"), "{:?}", hand.names());
+}
+
+#[test]
 fn a_file_that_changes_on_disk_is_followed_also_when_it_is_replaced() {
     let mut hand = Hand::on(SPHERE);
     let version = hand.window().model().version;
