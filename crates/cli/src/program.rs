@@ -201,8 +201,9 @@ impl Program {
     pub(crate) fn surface(&self, name: Option<&str>) -> Result<(ObjectId, &Object), Failure> {
         let scene = self.scene()?;
         let surfaces = || {
-            let numbered = (0..).map(ObjectId).zip(&scene.objects);
-            numbered.filter(|(_, object)| object.shape.patch().is_some())
+            scene
+                .numbered()
+                .filter(|(_, it)| it.shape.patch().is_some())
         };
         let found = match name {
             Some(name) => surfaces().find(|(_, object)| object.name == name),
@@ -212,7 +213,7 @@ impl Program {
             let names: Vec<String> = surfaces().map(|(_, object)| format!("`{}`", object.name)).collect();
             let file = &self.source.name;
             let message = match name {
-                Some(name) if scene.objects.iter().any(|object| object.name == name) => {
+                Some(name) if scene.object(name).is_some() => {
                     format!("`{name}` is not a surface of `{file}`, but another object")
                 }
                 Some(name) => format!("`{file}` declares no surface `{name}`"),

@@ -1,6 +1,6 @@
-//! Pictures that are written, each on a thread of its own.
+//! Pictures that are written.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use image::RgbaImage;
@@ -9,24 +9,6 @@ use scene::scene::Scene;
 use scene::values::Settings;
 
 use crate::atomic::write_whole;
-use crate::mail::{Letter, Mail};
-
-/// Writes a file, on a thread, by `write`, which gives the sentence to be told.
-pub(crate) fn write_to(
-    mail: Mail,
-    path: PathBuf,
-    write: impl FnOnce(&Path) -> Result<String, String> + Send + 'static,
-) {
-    std::thread::spawn(move || tell(&mail, write(&path)));
-}
-
-fn tell(mail: &Mail, result: Result<String, String>) {
-    let (error, text) = match result {
-        Ok(text) => (false, text),
-        Err(text) => (true, text),
-    };
-    mail.send(Letter::Say { error, text });
-}
 
 /// Draws a picture and writes it as PNG.
 ///

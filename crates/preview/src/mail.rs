@@ -1,5 +1,6 @@
 //! How the threads reach the window: letters wake it, but for those behind which another is about to come.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -107,8 +108,47 @@ impl Mail {
         self.sender.send(letter).is_ok()
     }
 
+    /// Does what takes its time on a thread of its own, and has the sentence told that becomes of it.
+    pub(crate) fn tell_when_done(
+        &self,
+        work: impl FnOnce() -> Result<String, String> + Send + 'static,
+    ) {
+        let mail = self.clone();
+        std::thread::spawn(move || {
+            // A fault of ours is told too.
+            let done = catch_unwind(AssertUnwindSafe(work));
+            let done = done.unwrap_or_else(|_| Err("internal error: it was not done".to_owned()));
+            let (error, text) = match done {
+                Ok(text) => (false, text),
+                Err(text) => (true, text),
+            };
+            mail.send(Letter::Say { error, text });
+        });
+    }
+
     /// From now on letters wake another window.
     pub(crate) fn readdress(&self, context: egui::Context) {
         *self.context.lock().unwrap_or_else(PoisonError::into_inner) = context;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Letter, Mail};
+
+    #[test]
+    fn what_becomes_of_a_work_is_told_also_where_it_fails() {
+        let (mail, letters) = Mail::new(egui::Context::default());
+        let told = || match letters.recv().expect("a letter") {
+            Letter::Say { error, text } => (error, text),
+            other => panic!("{other:?}"),
+        };
+        mail.tell_when_done(|| Ok("done".to_owned()));
+        assert_eq!(told(), (false, "done".to_owned()));
+        mail.tell_when_done(|| Err("no room".to_owned()));
+        assert_eq!(told(), (true, "no room".to_owned()));
+        mail.tell_when_done(|| panic!("a fault"));
+        let (error, text) = told();
+        assert!(error && text.starts_with("internal error"), "{text}");
     }
 }

@@ -273,11 +273,7 @@ impl Model {
 
     /// The object of a name.
     pub fn object(&self, name: &str) -> Option<(ObjectId, &Object)> {
-        let objects = &self.scene.as_ref()?.objects;
-        (0..)
-            .map(ObjectId)
-            .zip(objects)
-            .find(|(_, it)| it.name == name)
+        self.scene.as_ref()?.object(name)
     }
 
     /// Whether there are metrics, geodesics on them, and nothing else: no object has a place in space.

@@ -219,9 +219,12 @@ pub(crate) fn space_drag(
     }
 }
 
-/// The factor of the distance, or of the zoom, that the wheel asks for: below 1 when it is turned away from the user.
-pub(crate) fn wheel(points: f32) -> f64 {
-    (-f64::from(points) * WHEEL).exp()
+/// The factor of the distance, or of the zoom, that the wheel or two fingers ask for: below 1 when the wheel is turned away
+/// from the user, or the fingers part. None where they rest.
+pub(crate) fn nearing(input: &InputState) -> Option<f64> {
+    let (turned, pinched) = (input.smooth_scroll_delta().y, input.zoom_delta());
+    let factor = (-f64::from(turned) * WHEEL).exp() / f64::from(pinched.max(1e-3));
+    (turned != 0.0 || pinched != 1.0).then_some(factor)
 }
 
 /// What a drag by points asks of a geodesic camera: what is under the pointer goes with it.

@@ -268,14 +268,11 @@ pub(crate) fn order(
         PaneKey::Inside(_) => Vec::new(),
     };
     let view = &model.view;
-    let id_of = |name: &str| {
-        let mut objects = (0..).map(ObjectId).zip(&scene.objects);
-        objects.find(|(_, it)| it.name == name).map(|(id, _)| id)
-    };
+    let id_of = |name: &str| scene.object(name).map(|(id, _)| id);
     let mut textures = Vec::new();
     let mut curved = Vec::new();
     let mut colours = Vec::new();
-    for (id, object) in (0..).map(ObjectId).zip(&scene.objects) {
+    for (id, object) in scene.numbered() {
         if hidden.contains(&id) {
             continue;
         }

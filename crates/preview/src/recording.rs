@@ -9,7 +9,6 @@ use std::thread::JoinHandle;
 
 use egui::{Align2, ComboBox, DragValue, Grid, ProgressBar, Ui};
 use render::record::{self, Change, Clip};
-use scene::scene::ObjectId;
 
 use crate::mail::{Letter, Mail};
 use crate::model::InsideCamera;
@@ -248,10 +247,7 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
     let Some(mut order) = window.kept(&dialog.pane) else {
         return;
     };
-    let id_of = |name: &str| {
-        let mut objects = (0..).map(ObjectId).zip(&order.scene.objects);
-        objects.find(|(_, it)| it.name == name).map(|(id, _)| id)
-    };
+    let id_of = |name: &str| order.scene.object(name).map(|(id, _)| id);
     let mut camera = dialog
         .camera
         .as_ref()

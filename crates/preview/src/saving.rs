@@ -69,7 +69,7 @@ pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
     };
     let trails = trails(window, &window.active);
     let context = ui.ctx().clone();
-    files::write_to(window.mail.clone(), PathBuf::new(), move |_| {
+    window.mail.tell_when_done(move || {
         let mut request = order.whole_request(camera);
         request.trails.extend(trails);
         let picture = render::render(&order.scene, &order.settings, &request, &|_| {});
@@ -238,10 +238,10 @@ fn write_picture(window: &Window, dialog: &PictureDialog) {
         request.background = Some([0; 4]);
     }
     let path = PathBuf::from(&dialog.path);
-    files::write_to(window.mail.clone(), path, move |path| {
+    window.mail.tell_when_done(move || {
         // They take their time to make, and this thread has it.
         request.textures.extend(order.curvatures());
-        files::save_picture(path, &order.scene, &order.settings, &request)
+        files::save_picture(&path, &order.scene, &order.settings, &request)
     });
 }
 
@@ -253,9 +253,10 @@ fn write_mesh(window: &Window, path: &str) {
     let Some(order) = order.cloned() else {
         return;
     };
-    files::write_to(window.mail.clone(), PathBuf::from(path), move |path| {
+    let path = PathBuf::from(path);
+    window.mail.tell_when_done(move || {
         let request = order.whole_request(None);
-        save_mesh(path, &order.scene, &order.settings, &request)
+        save_mesh(&path, &order.scene, &order.settings, &request)
     });
 }
 

@@ -18,6 +18,18 @@ pub struct Scene {
     pub uniform_count: u32,
 }
 
+impl Scene {
+    /// What is drawn, each with its number.
+    pub fn numbered(&self) -> impl Iterator<Item = (ObjectId, &Object)> {
+        (0..).map(ObjectId).zip(&self.objects)
+    }
+
+    /// The object of a name.
+    pub fn object(&self, name: &str) -> Option<(ObjectId, &Object)> {
+        self.numbered().find(|(_, object)| object.name == name)
+    }
+}
+
 /// A position in [`Scene::params`].
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct ParamId(pub u32);

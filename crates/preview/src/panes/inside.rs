@@ -3,7 +3,7 @@
 use egui::Ui;
 
 use super::picture;
-use crate::motion::{Motion, inside_drag, wheel};
+use crate::motion::{Motion, inside_drag, nearing};
 use crate::orders::PaneKey;
 use crate::window::Window;
 
@@ -15,13 +15,10 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, name: &str) {
     if response.dragged() && by != egui::Vec2::ZERO {
         window.walk(name, inside_drag(by, side), ui);
     }
-    if response.hovered() {
-        let (turned, pinched) =
-            ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-        if turned != 0.0 || pinched != 1.0 {
-            let factor = wheel(turned) / f64::from(pinched.max(1e-3));
-            window.walk(name, Motion::Zoom(factor), ui);
-        }
+    if response.hovered()
+        && let Some(factor) = ui.input(nearing)
+    {
+        window.walk(name, Motion::Zoom(factor), ui);
     }
     let command = ui.input(|input| input.modifiers.command);
     if response.double_clicked() || response.clicked() && command {

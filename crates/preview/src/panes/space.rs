@@ -4,7 +4,7 @@ use egui::{Color32, PointerButton, Pos2, Ui};
 
 use super::picture;
 use crate::artist::Purpose;
-use crate::motion::{Grip, space_drag, wheel};
+use crate::motion::{Grip, nearing, space_drag};
 use crate::orders::PaneKey;
 use crate::window::Window;
 
@@ -34,13 +34,10 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
         {
             window.move_space("drag", space_drag(camera, grip, by, side), ui);
         }
-        if response.hovered() {
-            let (turned, pinched) =
-                ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
-            if turned != 0.0 || pinched != 1.0 {
-                let factor = wheel(turned) / f64::from(pinched.max(1e-3));
-                window.move_space("wheel", camera.neared(factor), ui);
-            }
+        if response.hovered()
+            && let Some(factor) = ui.input(nearing)
+        {
+            window.move_space("wheel", camera.neared(factor), ui);
         }
     }
     if response.clicked()
