@@ -300,7 +300,7 @@ impl Window {
         self.waiting.is_empty()
             && self.model.read
             && self.counters.compiled > 0
-            && !self.may_be_clicked()
+            && self.clicked_until().is_none()
             && !self.is_behind()
     }
 
@@ -464,6 +464,7 @@ impl Window {
             let layout = self.panes.layout();
             keeper.keep(&self.model.view, kind, layout.as_ref());
         }
+        self.wake_in_time(ui);
         self.tell();
         self.counters.frames += 1;
         if self.report.is_some() {

@@ -4,8 +4,6 @@
 //! The first click is heeded at once. Where a second one makes a double click of it, it is as though it had never been.
 //! What would move the panes under the pointer waits until there can be no second one.
 
-use std::time::Duration;
-
 use egui::Ui;
 use render::live::Hit;
 use scene::scene::{Scene, Shape};
@@ -45,8 +43,6 @@ impl Window {
             until: ui.input(|input| input.time) + DOUBLE_CLICK,
             surface: None,
         });
-        let pause = Duration::from_secs_f64(DOUBLE_CLICK + 0.01);
-        ui.ctx().request_repaint_after(pause);
         let purpose = Purpose::Place(self.clicks.count);
         self.artist.pick(order, at, purpose);
     }
@@ -60,9 +56,15 @@ impl Window {
         self.artist.pick(order, at, Purpose::Open);
     }
 
-    /// Whether another click may still follow the last one.
-    pub(super) fn may_be_clicked(&self) -> bool {
-        self.clicks.open.is_some()
+    /// Nothing more comes of the last click than what it has done.
+    pub(super) fn forget_click(&mut self) {
+        self.model.keep_placing();
+        self.clicks.open = None;
+    }
+
+    /// Until when another click may still follow the last one, if it may.
+    pub(super) fn clicked_until(&self) -> Option<f64> {
+        self.clicks.open.as_ref().map(|it| it.until)
     }
 
     /// Ends the last click when none can follow it any more.

@@ -63,8 +63,18 @@ impl Window {
     /// A view or a param is moving.
     fn is_moving(&mut self, ui: &Ui) {
         self.moving_until = ui.input(|input| input.time) + MOTION_PAUSE;
-        let pause = Duration::from_secs_f64(MOTION_PAUSE + 0.01);
-        ui.ctx().request_repaint_after(pause);
+    }
+
+    /// Has the window drawn again when a motion has come to rest and a click can be no double click any more. A frame
+    /// that comes sooner takes what was asked for with it, so each of them asks anew.
+    pub(super) fn wake_in_time(&self, ui: &Ui) {
+        let now = ui.input(|input| input.time);
+        let times = [Some(self.moving_until), self.clicked_until()];
+        let next = times.into_iter().flatten().filter(|time| *time > now);
+        if let Some(time) = next.min_by(f64::total_cmp) {
+            let pause = Duration::from_secs_f64(time - now + 0.01);
+            ui.ctx().request_repaint_after(pause);
+        }
     }
 
     /// Held keys move the camera of the active pane, unless a text is being written.
@@ -240,6 +250,7 @@ impl Window {
 
     /// Takes the last change of the view back.
     pub fn undo(&mut self) {
+        self.forget_click();
         let (artist, waiting) = (&self.artist, &self.waiting);
         let travelled = self
             .model
@@ -249,6 +260,7 @@ impl Window {
 
     /// Does the last change of the view again.
     pub fn redo(&mut self) {
+        self.forget_click();
         let (artist, waiting) = (&self.artist, &self.waiting);
         let travelled = self
             .model

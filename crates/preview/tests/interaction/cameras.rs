@@ -526,3 +526,36 @@ fn a_click_on_what_has_no_camera_shows_its_declaration_and_types_nothing() {
         Some(POINT.replace("point p", "point o").as_str())
     );
 }
+
+#[test]
+fn a_window_in_which_something_is_yet_to_come_wakes_for_it_whatever_comes_first() {
+    let mut hand = Hand::on(SPHERE);
+    let sleeps = |hand: &Hand| {
+        let output = &hand.harness.output().viewport_output[&egui::ViewportId::ROOT];
+        output.repaint_delay == std::time::Duration::MAX
+    };
+    hand.until("it is at rest", sleeps);
+    let at = hand.space().center() + vec2(30.0, -20.0);
+    click(&mut hand, at, 1);
+    // Frames are drawn in which nothing is asked for: pictures have come.
+    for _ in 0..20 {
+        assert!(!sleeps(&hand), "the click has not come to its end");
+        assert!(!hand.window().is_settled());
+        hand.harness.step();
+    }
+    hand.settle();
+    hand.until("it is at rest", sleeps);
+    hand.harness.hover_at(at);
+    hand.harness.event(Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, 4.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Unknown,
+        modifiers: Modifiers::NONE,
+    });
+    for _ in 0..9 {
+        hand.harness.step();
+        assert!(!sleeps(&hand), "the view still counts as moving");
+    }
+    hand.until("it is at rest", sleeps);
+}
