@@ -309,7 +309,11 @@ const KEYS: [(&str, &str, &str); 21] = [
     ("Alt or right drag", "around the target", ""),
     ("Shift or middle drag", "sideways", ""),
     ("Wheel", "nearer, farther", "zoom"),
-    ("Click", "put the geodesic camera there", ""),
+    (
+        "Click",
+        "put the geodesic camera there; of what has none, show the declaration",
+        "",
+    ),
     (
         "Double or Ctrl click",
         "show the declaration",
