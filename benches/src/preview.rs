@@ -12,6 +12,8 @@ use crate::measure::megabytes;
 
 /// Edits of each kind.
 const EDITS: usize = 200;
+/// Between two keys of a hand that types ten a second.
+const PAUSE: Duration = Duration::from_millis(100);
 /// Hovers while the window has more to do than it can.
 const HOVERS: usize = 200;
 /// Edits after which memory is read.
@@ -69,11 +71,30 @@ fn shown(session: &mut Session) -> std::io::Result<[f64; 2]> {
     }
 }
 
-/// Inserts a text and takes it out again, in turn: how long until the frame is there.
+/// Inserts a text and takes it out again, in turn: how long until the frame is there. First as a hand types, then each
+/// edit as soon as the one before has been shown, while what was shown may still be drawn.
 fn edits(session: &mut Session, what: &str, at: [usize; 2], inserted: &str) {
+    typed(
+        session,
+        &format!("{what}, ten a second"),
+        at,
+        inserted,
+        PAUSE,
+    );
+    typed(
+        session,
+        &format!("{what}, at once"),
+        at,
+        inserted,
+        Duration::ZERO,
+    );
+}
+
+fn typed(session: &mut Session, what: &str, at: [usize; 2], inserted: &str, pause: Duration) {
     let [line, column] = at;
     let mut own = Vec::new();
     print(what, EDITS, |k| {
+        std::thread::sleep(pause);
         let start = Instant::now();
         if k.is_multiple_of(2) {
             session.change(line, [column, column], inserted)?;
