@@ -200,8 +200,18 @@ pub(crate) fn memory_of(process: u32) -> [u64; 2] {
     [high_water_mark(&now), high_water_mark(&status)]
 }
 
-/// Prints the median and the 99th of a hundred.
+/// Prints the median and the 99th of a hundred, of as many as there is time for.
 pub(crate) fn print(
+    what: &str,
+    count: usize,
+    time: impl FnMut(usize) -> std::io::Result<Duration>,
+) {
+    print_within(ENOUGH, what, count, time);
+}
+
+/// As [`print`], with another time.
+pub(crate) fn print_within(
+    enough: Duration,
     what: &str,
     count: usize,
     mut time: impl FnMut(usize) -> std::io::Result<Duration>,
@@ -215,7 +225,7 @@ pub(crate) fn print(
         }
     }
     let start = Instant::now();
-    while times.len() < count && start.elapsed() < ENOUGH {
+    while times.len() < count && start.elapsed() < enough {
         times.extend(time(times.len()));
     }
     times.sort_unstable();

@@ -7,11 +7,13 @@
 
 use std::time::{Duration, Instant};
 
-use crate::latency::{Session, URI, behind, memory_of, print};
+use crate::latency::{Session, URI, behind, memory_of, print, print_within};
 use crate::measure::megabytes;
 
 /// Edits of each kind.
 const EDITS: usize = 200;
+/// The longest that the edits of a kind take.
+const ENOUGH: Duration = Duration::from_secs(60);
 /// Between two keys of a hand that types ten a second.
 const PAUSE: Duration = Duration::from_millis(100);
 /// Hovers while the window has more to do than it can.
@@ -93,7 +95,7 @@ fn edits(session: &mut Session, what: &str, at: [usize; 2], inserted: &str) {
 fn typed(session: &mut Session, what: &str, at: [usize; 2], inserted: &str, pause: Duration) {
     let [line, column] = at;
     let mut own = Vec::new();
-    print(what, EDITS, |k| {
+    print_within(ENOUGH, what, EDITS, |k| {
         std::thread::sleep(pause);
         let start = Instant::now();
         if k.is_multiple_of(2) {
