@@ -40,6 +40,8 @@ class Screen:
         self.folder = tempfile.mkdtemp(prefix="geotrace-screen-")
         read, write = os.pipe()
         command = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"]
+        # It does not begin anew when its last window goes, and refuses the next one meanwhile.
+        command.append("-noreset")
         self.server = subprocess.Popen(
             command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )

@@ -1,6 +1,7 @@
 """The window as a user has it: what a key, a drag or a file does is seen on the screen and in the counters."""
 
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -18,6 +19,13 @@ point p = (0, 0, r + 1);
 WAVES = "".join(
     f"surface s{k}(u,v) = (u, v, {k} + 0.2 sin(3u) cos(2v)), u : [-1, 1, 40], v : [-1, 1, 40];\n" for k in range(20)
 )
+
+
+def between_edges(left, top, width, height):
+    """The pixels of the screen that a rectangle covers, across and down."""
+    # Halves are rounded up, as Rust does.
+    edge = lambda place: math.floor(place + 0.5)
+    return [edge(left + width) - edge(left), edge(top + height) - edge(top)]
 
 
 class OnScreen(unittest.TestCase):
@@ -258,7 +266,7 @@ class Files(OnScreen):
         window.place(f"are in `{target}`")
         left, top, width, height = window.pane("3d")
         told = window.screen.run("identify", "-format", "%w %h %[opaque]", str(target)).decode().split()
-        self.assertEqual([int(side) for side in told[:2]], [round(width), round(height)])
+        self.assertEqual([int(side) for side in told[:2]], between_edges(left, top, width, height))
         self.assertEqual(told[2].lower(), "false", "the background is transparent")
         # A place where nothing can be written is a sentence, and nothing is there.
         self.menu(window, "Save picture…")
@@ -274,9 +282,9 @@ class Files(OnScreen):
         until("it is a picture", lambda: b"image/png" in self.asked(*clipboard, "TARGETS"))
         pasted = window.folder / "pasted.png"
         pasted.write_bytes(self.screen.run(*clipboard, "image/png"))
-        _, _, width, height = window.pane("3d")
+        left, top, width, height = window.pane("3d")
         told = window.screen.run("identify", "-format", "%w %h %k", str(pasted)).decode().split()
-        self.assertEqual([int(side) for side in told[:2]], [round(width), round(height)])
+        self.assertEqual([int(side) for side in told[:2]], between_edges(left, top, width, height))
         self.assertGreater(int(told[2]), 100, "colours")
 
     def asked(self, *command):
