@@ -159,30 +159,42 @@ impl Mender {
                     ..read
                 };
             }
-            let mut known: HashSet<String> = pieces
-                .iter()
-                .flat_map(|piece| piece.names.iter().cloned())
-                .collect();
-            // From the last to the first, so that what is put before one moves none that is yet to come.
             let faulty = faulty(&places, &compilation.diagnostics);
-            for at in faulty.into_iter().rev() {
-                if pieces[at].own {
-                    pieces[at].stand_in(&self.good);
-                    continue;
-                }
-                let place = pieces[at].place;
-                let missing = self.good.missing(&pieces[at].names, &mut known);
-                if missing.is_empty() {
-                    pieces[at].text.clear();
-                    pieces[at].lacks = true;
-                }
-                let revived = missing
-                    .into_iter()
-                    .map(|name| Piece::revived(name, place, &self.good));
-                pieces.splice(at..at, revived);
-            }
+            self.go_on(&mut pieces, faulty);
         }
         read
+    }
+
+    /// Stands in for pieces that have errors, or leaves them out. What those need that are stood in for and stands nowhere
+    /// any more is put before the first that needs it.
+    fn go_on(&self, pieces: &mut Vec<Piece>, faulty: BTreeSet<usize>) {
+        let names = pieces.iter().flat_map(|piece| &piece.names);
+        let known: HashSet<String> = names.cloned().collect();
+        let mut revived: HashMap<String, usize> = HashMap::new();
+        for at in faulty {
+            let piece = &mut pieces[at];
+            if piece.own {
+                piece.stand_in(&self.good);
+                continue;
+            }
+            let mut missing = self.good.reads(&piece.names);
+            missing.retain(|name| !known.contains(name));
+            if missing.is_empty() {
+                piece.text.clear();
+                piece.lacks = true;
+            }
+            for name in missing {
+                revived.entry(name).or_insert(at);
+            }
+        }
+        let mut revived: Vec<(usize, String)> =
+            revived.into_iter().map(|(name, at)| (at, name)).collect();
+        revived.sort();
+        // From the last to the first, so that none moves one that is yet to come.
+        for (at, name) in revived.into_iter().rev() {
+            let place = pieces[at].place;
+            pieces.insert(at, Piece::revived(name, place, &self.good));
+        }
     }
 }
 
@@ -230,23 +242,22 @@ impl Good {
         }
     }
 
-    /// What declarations have read when they were good and is not known now. It is known from now on.
-    fn missing(&self, names: &[String], known: &mut HashSet<String>) -> Vec<String> {
+    /// What declarations have read of the text when it was good.
+    fn reads(&self, names: &[String]) -> Vec<String> {
         let Some(whole) = &self.whole else {
             return Vec::new();
         };
-        let homes = names
-            .iter()
-            .filter_map(|name| whole.home(whole.named(name)?));
-        let read = homes.flat_map(|home| whole.events(home));
-        let read = read.filter_map(|event| match event {
+        let home = |name: &String| whole.home(whole.named(name)?);
+        let events = names.iter().filter_map(home);
+        let events = events.flat_map(|home| whole.events(home));
+        let read = events.filter_map(|event| match event {
             Event::Operator(Operator::Constant(id) | Operator::Function(id), _) => {
                 whole.home(id)?;
                 Some(whole.symbol(id)?.name.to_string())
             }
             _ => None,
         });
-        read.filter(|name| known.insert(name.clone())).collect()
+        read.collect()
     }
 }
 
@@ -492,9 +503,16 @@ mod tests {
         assert!(!read.lacks);
         let read = mender.read(&renamed.replace("function f", "function h"));
         assert_eq!(names(&read), ["p", "q"]);
+        // Several may need it.
+        let two = format!("{good}point r = (a, f(2), 0);\n");
+        mender.read(&two);
+        let read = mender.read(&two.replace("param a", "param b"));
+        assert_eq!(names(&read), ["p", "q", "r"]);
+        assert_eq!(read.stale, ["p", "r"]);
+        assert!(!read.lacks);
         // What nobody declares and nobody needs any more is gone.
         assert_eq!(
-            names(&mender.read("point q = (0, 0, 0);\npoint r = (")),
+            names(&mender.read("point q = (0, 0, 0);\npoint z = (")),
             ["q"]
         );
     }

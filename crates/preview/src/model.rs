@@ -150,22 +150,25 @@ impl Model {
     /// Whether the 3D view shows something as it is no more in the text, or does not show something of it.
     pub fn is_stale_in_space(&self) -> bool {
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);
-        let mut shown = objects.filter(|it| self.has_place(it) && !self.view.look(&it.name).hidden);
-        self.is_stale() && (self.lacks || shown.any(|it| self.stale.contains(&it.name)))
+        let mut stale = objects.filter(|it| self.stale.contains(&it.name));
+        let is_shown = |it: &Object| self.has_place(it) && !self.view.look(&it.name).hidden;
+        self.is_stale() && (self.lacks || stale.any(is_shown))
     }
 
     /// Whether the geodesic view of a surface shows that, or a geodesic on it, as it is no more in the text.
     pub fn is_stale_inside(&self, surface: &str) -> bool {
+        if !self.is_stale() {
+            return false;
+        }
         let id = self.object(surface).map(|(id, _)| id);
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);
         let mut on_it = objects.filter(|object| match &object.shape {
             Shape::Geodesic { surface, .. } => Some(*surface) == id,
             _ => false,
         });
-        self.is_stale()
-            && (id.is_none()
-                || self.stale.contains(surface)
-                || on_it.any(|it| self.stale.contains(&it.name)))
+        id.is_none()
+            || self.stale.contains(surface)
+            || on_it.any(|it| self.stale.contains(&it.name))
     }
 
     /// Whether an object has a place in space: a metric has none, and what lies on it neither.
