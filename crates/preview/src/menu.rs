@@ -325,10 +325,23 @@ const KEYS: [(&str, &str, &str); 21] = [
 ];
 
 fn shortcuts(window: &mut Window, ui: &Ui) {
+    let escape =
+        |input: &mut egui::InputState| input.consume_key(egui::Modifiers::NONE, Key::Escape);
+    if !window.dialogs.is_open() && ui.input_mut(escape) {
+        window.dialogs.shortcuts = false;
+        return;
+    }
+    let screen = ui.ctx().content_rect();
+    // Its title, its margins, and something of what is behind it.
+    let room = screen.size() - egui::vec2(48.0, 96.0);
     egui::Window::new("Keys and pointer")
         .open(&mut window.dialogs.shortcuts)
         .collapsible(false)
         .resizable(false)
+        .pivot(egui::Align2::CENTER_CENTER)
+        .default_pos(screen.center())
+        .scroll(true)
+        .max_size(room)
         .show(ui.ctx(), |ui| {
             Grid::new("keys")
                 .num_columns(3)

@@ -182,7 +182,7 @@ impl Window {
             self.save_text();
         }
         if pressed(Modifiers::NONE, Key::F1) {
-            self.dialogs.shortcuts = true;
+            self.dialogs.shortcuts = !self.dialogs.shortcuts;
         }
         if pressed(Modifiers::SHIFT, Key::F6) {
             self.next_view(ui, true);

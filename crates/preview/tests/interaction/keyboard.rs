@@ -308,3 +308,21 @@ fn a_value_that_keys_have_found_is_written_when_they_are_let_go() {
         text(&hand)
     );
 }
+
+#[test]
+fn the_list_of_keys_comes_and_goes_by_keys_and_fits_a_small_window() {
+    for size in [[1200.0, 800.0], [480.0, 320.0]] {
+        let mut hand = Hand::with(SPHERE, |builder| builder.with_size(size));
+        for closes in [Key::F1, Key::Escape] {
+            hand.press(Modifiers::NONE, Key::F1);
+            hand.settle();
+            assert!(hand.shows("frame everything"), "{size:?}");
+            let list = hand.rects("Keys and pointer")[0];
+            let screen = hand.harness.ctx.content_rect();
+            assert!(screen.contains_rect(list), "{list} is not on {screen}");
+            hand.press(Modifiers::NONE, closes);
+            hand.settle();
+            assert!(!hand.shows("frame everything"), "{closes:?}");
+        }
+    }
+}
