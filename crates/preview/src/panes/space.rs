@@ -43,9 +43,9 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     if response.clicked()
         && let Some(order) = window.sent(&pane).cloned()
     {
-        let at = response.interact_pointer_pos();
+        let pointed = response.interact_pointer_pos();
         // A key presses what has the focus, in its middle.
-        let at = at.unwrap_or_else(|| response.rect.center());
+        let at = pointed.unwrap_or_else(|| response.rect.center());
         let share = (at - response.rect.min) / response.rect.size();
         let [width, height] = order.size.map(f64::from);
         let pixel = [f64::from(share.x) * width, f64::from(share.y) * height];
@@ -55,7 +55,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
             window.artist.pick(order, pixel, Purpose::Open);
         } else if !response.triple_clicked() {
             // The third of three clicks is none of its own.
-            window.click(order, pixel, ui);
+            window.click(order, pixel, pointed.is_none(), ui);
         }
     }
     if response.has_focus() && window.by_keys {

@@ -35,11 +35,11 @@ struct Open {
 }
 
 impl Window {
-    /// A click on a pixel of a 3D picture.
-    pub(crate) fn click(&mut self, order: Order, at: [f64; 2], ui: &Ui) {
+    /// A click on a pixel of a 3D picture. One by a key is never the first half of two.
+    pub(crate) fn click(&mut self, order: Order, at: [f64; 2], by_key: bool, ui: &Ui) {
         self.end_click();
         self.clicks.count += 1;
-        self.clicks.open = Some(Open {
+        self.clicks.open = (!by_key).then(|| Open {
             until: ui.input(|input| input.time) + DOUBLE_CLICK,
             surface: None,
         });

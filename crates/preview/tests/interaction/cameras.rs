@@ -518,7 +518,11 @@ fn a_click_on_what_has_no_camera_shows_its_declaration_and_types_nothing() {
     hand.settle();
     // A double click asks for the text itself.
     click(&mut hand, at, 2);
-    hand.settle();
+    hand.until("the text has the keys", |hand| {
+        hand.harness
+            .get_by_role_and_label(Role::MultilineTextInput, "Program text")
+            .is_focused()
+    });
     hand.harness.event(Event::Text("o".to_owned()));
     hand.settle();
     assert_eq!(
@@ -558,4 +562,65 @@ fn a_window_in_which_something_is_yet_to_come_wakes_for_it_whatever_comes_first(
         assert!(!sleeps(&hand), "the view still counts as moving");
     }
     hand.until("it is at rest", sleeps);
+}
+
+#[test]
+fn what_the_text_or_another_hand_has_replaced_no_undo_brings_back() {
+    let mut hand = Hand::on(SPHERE);
+    hand.slide("r", 50.0);
+    assert!(hand.param("r") > 1.0);
+    hand.hold(Key::W, 6);
+    let moved = hand.eye();
+    toggle(&mut hand, "Geodesic view of s");
+    let text = SPHERE.replace("param r :", "param r = 2 :");
+    hand.window_mut().set_text(text);
+    hand.until("it is compiled", |hand| {
+        hand.window().text().is_some() && hand.window().model().view.params.is_empty()
+    });
+    hand.settle();
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert!(hand.shows("Undone: Move the 3D camera"));
+    assert_ne!(hand.eye(), moved);
+    assert!(
+        hand.window().model().view.params.is_empty(),
+        "r is what the text says"
+    );
+    assert!(hand.window().model().view.closed.contains("s"));
+    assert!(
+        !hand.shows("Geodesic view of s from"),
+        "what was closed stays closed"
+    );
+    let view = hand.window().model().view.clone();
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(
+        hand.window().model().view,
+        view,
+        "of r nothing is left to undo"
+    );
+    hand.press(Modifiers::COMMAND, Key::Y);
+    hand.settle();
+    assert_eq!(hand.eye(), moved);
+}
+
+#[test]
+fn a_click_that_is_undone_at_once_opens_nothing_and_can_be_made_again() {
+    let mut hand = Hand::on(SPHERE);
+    toggle(&mut hand, "Geodesic view of s");
+    let before = hand.camera("s");
+    let at = hand.space().center() + vec2(30.0, -20.0);
+    click(&mut hand, at, 1);
+    hand.until("the camera is placed", |hand| {
+        hand.camera("s").at != before.at
+    });
+    let placed = hand.camera("s").at;
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    hand.harness.run_steps(60);
+    assert_eq!(hand.camera("s").at, before.at);
+    assert!(hand.window().model().view.closed.contains("s"));
+    hand.press(Modifiers::COMMAND, Key::Y);
+    hand.settle();
+    assert_eq!(hand.camera("s").at, placed);
 }
