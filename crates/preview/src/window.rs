@@ -3,7 +3,8 @@
 //! ```text
 //! letters.rs  what the threads have told      hands.rs  shortcuts, keys, animation
 //!        └────────────▶ model ◀────────────────────────┘
-//! menu.rs, status.rs, panes.rs draw it; pictures.rs asks the artist for what has changed; telling.rs tells the server
+//! menu.rs, status.rs, panes.rs draw it; pictures.rs asks the artist for what has changed; telling.rs tells the server;
+//! text.rs has the text of the window's own pane compiled, saved, rescued
 //! ```
 
 mod active;
@@ -12,12 +13,12 @@ mod hands;
 mod letters;
 mod pictures;
 mod telling;
+mod text;
 
 pub(crate) use pictures::Picture;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
@@ -35,7 +36,7 @@ use crate::model::{Model, Theme};
 use crate::motion;
 use crate::orders::{Order, PaneKey};
 use crate::panes::Panes;
-use crate::panes::editor::{Editor, Saved};
+use crate::panes::editor::Editor;
 use crate::panes::layout::Layout;
 use crate::pointer::Trickle;
 use crate::report::{Counters, Report};
@@ -311,36 +312,6 @@ impl Window {
         }
     }
 
-    /// The text of the window's own pane.
-    pub fn text(&self) -> Option<&str> {
-        match &self.origin {
-            Origin::File { editor, .. } => Some(&editor.text),
-            Origin::Attached { .. } => None,
-        }
-    }
-
-    /// Puts another text into the window's own pane, as though it had been typed.
-    pub fn set_text(&mut self, text: String) {
-        if let Origin::File { editor, .. } = &mut self.origin {
-            editor.text = text;
-        }
-        self.compile_own();
-    }
-
-    pub(crate) fn compile_own(&mut self) {
-        if let Origin::File { editor, .. } = &self.origin {
-            let text: Arc<str> = editor.text.as_str().into();
-            self.compile(text);
-        }
-    }
-
-    fn compile(&mut self, text: Arc<str>) {
-        if let Origin::File { editor, .. } = &mut self.origin {
-            editor.version += 1;
-            self.compiler.compile(editor.version, text);
-        }
-    }
-
     /// Draws the window.
     pub fn show(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
@@ -409,31 +380,6 @@ impl Window {
         });
     }
 
-    /// Writes the own text to its file.
-    pub(crate) fn save_text(&mut self) {
-        let Origin::File { editor, .. } = &mut self.origin else {
-            return;
-        };
-        let saved = editor.save();
-        self.said = Some(match &saved {
-            Ok(Saved::Written) => (false, "Saved".to_owned()),
-            Ok(Saved::Followed) => (false, "The file had changed: this is its text".to_owned()),
-            Err(sentence) => (true, sentence.clone()),
-        });
-        if saved == Ok(Saved::Followed) {
-            self.compile_own();
-        }
-    }
-
-    /// Writes a text that has not been saved where it takes no other file's place; a sentence that says where, or why not.
-    /// None where nothing would be lost.
-    pub(crate) fn rescue(&self) -> Option<String> {
-        match &self.origin {
-            Origin::File { editor, .. } => editor.rescue(),
-            Origin::Attached { .. } => None,
-        }
-    }
-
     /// What is done when everything has been drawn.
     fn after(&mut self, ui: &Ui) {
         let unseen: Vec<PaneKey> = self
@@ -492,43 +438,5 @@ impl Window {
             .map(|(name, way)| (name.clone(), way.trail.length))
             .collect();
         self.counters.inside = inside.map(|(name, it)| (name.clone(), it.at)).collect();
-    }
-
-    /// The folder that dialogs begin in.
-    pub(crate) fn folder(&self) -> Option<PathBuf> {
-        let path = match &self.origin {
-            Origin::File { editor, .. } => Some(&editor.path),
-            Origin::Attached { path, .. } => path.as_ref(),
-        };
-        let folder = path?.parent()?;
-        std::path::absolute(folder).ok()
-    }
-
-    /// What the window is called.
-    pub fn title(&self) -> String {
-        match &self.origin {
-            Origin::File { editor, .. } => {
-                let mark = if editor.is_changed() { "*" } else { "" };
-                let name = editor
-                    .path
-                    .file_name()
-                    .unwrap_or_default()
-                    .to_string_lossy();
-                format!("{mark}{name} – Geotrace")
-            }
-            Origin::Attached { uri, .. } if uri.is_empty() => "Geotrace".to_owned(),
-            Origin::Attached { uri, path, .. } => {
-                let file = path.as_ref().and_then(|path| path.file_name());
-                let name = file.map(|name| name.to_string_lossy());
-                // A text that lies nowhere has a name behind its kind: `untitled:Untitled-1`.
-                let name = name.or_else(|| Some(uri.rsplit(['/', ':']).next()?.into()));
-                format!("{} – Geotrace", name.unwrap_or_default())
-            }
-        }
-    }
-
-    /// Whether closing the window would lose something that was written.
-    pub(crate) fn has_unsaved(&self) -> bool {
-        matches!(&self.origin, Origin::File { editor, .. } if editor.is_changed())
     }
 }
