@@ -149,11 +149,11 @@ where
             }
         }
     });
-    let serving = Server::new(from_editor, to_editor, socket)
-        .concurrency_level(CONCURRENCY)
-        .serve(service);
+    let server = Server::new(from_editor, to_editor, socket).concurrency_level(CONCURRENCY);
+    // Beside the tasks that read and write, so that a message goes from one to the next without waking a thread.
+    let mut serving = tokio::spawn(server.serve(service));
     tokio::select! {
-        () = serving => {
+        _ = &mut serving => {
             // What has been said is still written.
             let _ = (&mut writing).await;
         }
@@ -161,6 +161,7 @@ where
     }
     // The editor has gone, with a word or without one: its windows go too.
     incoming::close_all(&session).await;
+    serving.abort();
     reading.abort();
     writing.abort();
     end.asked_for.load(Ordering::SeqCst)
