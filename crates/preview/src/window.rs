@@ -245,6 +245,7 @@ impl Window {
         // A new context counts its time from the beginning.
         self.moving_until = 0.0;
         self.gesture_until = 0.0;
+        self.forget_click();
         self.pictures.clear();
         self.sent.clear();
         self.waiting.clear();

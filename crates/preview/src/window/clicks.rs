@@ -32,6 +32,8 @@ struct Open {
     until: f64,
     /// The surface whose camera it has moved.
     surface: Option<String>,
+    /// The surface whose camera was shown in space before.
+    shown: Option<String>,
 }
 
 impl Window {
@@ -42,6 +44,7 @@ impl Window {
         self.clicks.open = (!by_key).then(|| Open {
             until: ui.input(|input| input.time) + DOUBLE_CLICK,
             surface: None,
+            shown: self.active_surface.clone(),
         });
         let purpose = Purpose::Place(self.clicks.count);
         self.artist.pick(order, at, purpose);
@@ -49,9 +52,12 @@ impl Window {
 
     /// A double click there, whose first half has been taken for a click.
     pub(crate) fn double_click(&mut self, order: Order, at: [f64; 2]) {
-        if self.clicks.open.take().is_some() {
+        if let Some(open) = self.clicks.open.take() {
             self.clicks.withdrawn = Some(self.clicks.count);
             self.model.withdraw_placing();
+            if open.surface.is_some() {
+                self.active_surface = open.shown;
+            }
         }
         self.artist.pick(order, at, Purpose::Open);
     }

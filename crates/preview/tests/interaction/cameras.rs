@@ -624,3 +624,37 @@ fn a_click_that_is_undone_at_once_opens_nothing_and_can_be_made_again() {
     hand.settle();
     assert_eq!(hand.camera("s").at, placed);
 }
+
+#[test]
+fn a_double_click_on_another_surface_leaves_the_one_in_use() {
+    let mut hand = Hand::on(TWO);
+    hand.click("Geodesic view – t");
+    hand.settle();
+    hand.click("Overlays");
+    hand.click("Trail of the walk");
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    hand.hold(Key::W, 6);
+    let length = hand.window().model().walked["t"].trail.length;
+    let trail = format!("trail of length {length:.4}");
+    assert!(length > 0.0 && hand.shows(&trail));
+    // The sphere is below the middle, and the plane above it.
+    let at = hand.space().center() + vec2(0.0, 60.0);
+    let before = hand.camera("s");
+    click(&mut hand, at, 1);
+    // The first click is heeded before the second one comes, in fewer frames than would part them.
+    let mut frames = 0;
+    while hand.camera("s") == before {
+        std::thread::sleep(std::time::Duration::from_millis(40));
+        hand.harness.step();
+        frames += 1;
+        assert!(frames < 20, "no camera is placed");
+    }
+    click(&mut hand, at, 1);
+    assert_eq!(hand.camera("s"), before);
+    hand.until("the declaration of s is shown", |hand| {
+        hand.window().model().highlighted.as_deref() == Some("s")
+    });
+    hand.settle();
+    assert!(hand.shows(&trail), "{:?}", hand.names());
+}
