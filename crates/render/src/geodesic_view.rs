@@ -4,10 +4,13 @@
 
 mod inside;
 mod resolve;
+mod seen;
 
-pub use inside::{Inside, MOVING_TOLERANCE, Seen, TOLERANCE};
+pub use inside::{Inside, MOVING_TOLERANCE, TOLERANCE};
 pub(crate) use resolve::{Cover, stripes};
-pub use resolve::{Paint, resolve, resolve_patchwork};
+pub use resolve::{Paint, resolve};
+pub use seen::Seen;
+pub(crate) use seen::{EndsOfRows, Layer, Tally};
 
 use geodesic::ends::{Estimate, Work};
 use geodesic::trace::Status;

@@ -18,6 +18,7 @@ mod place;
 pub(crate) mod samples;
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use geodesic::ends::{Estimate, Work};
@@ -33,7 +34,7 @@ use crate::overlay::{self, Extra, Overlays, Standpoint};
 use crate::request::{RenderError, Request, View};
 use crate::software::{self, Painted};
 use content::{Content, Structures};
-use inside::Looks;
+use inside::{Look, Looks};
 use place::{Place, Placed};
 use samples::SampleStore;
 
@@ -99,6 +100,11 @@ pub struct Counters {
     pub sampled: u64,
     /// Geodesic views whose geodesics were followed.
     pub looks: u64,
+    /// Their pixels whose ends were computed here, for colours or for what lies over them.
+    pub ends: u64,
+    /// Rows of up to eight pixels of which the distances to a straight piece of a line over a geodesic view were
+    /// computed.
+    pub distances: u64,
 }
 
 /// What is under a pixel of the 3D view.
@@ -306,6 +312,7 @@ impl Stage {
     /// What has been made so far.
     pub fn counters(&self) -> Counters {
         let studio = self.studio.as_ref();
+        let tally = &self.looks.tally;
         let [pipelines, geodesic_kernels] = studio.map_or([0; 2], |studio| studio.pipelines());
         Counters {
             pictures: self.pictures,
@@ -313,6 +320,8 @@ impl Stage {
             geodesic_kernels,
             sampled: self.samples.sampled + studio.map_or(0, |studio| studio.sampled()),
             looks: self.looks.followed,
+            ends: tally.ends.load(Ordering::Relaxed),
+            distances: tally.distances.load(Ordering::Relaxed),
         }
     }
 
@@ -391,7 +400,12 @@ impl Stage {
                 });
             }
         }
-        let picture = software::paint(scene, settings, request, &look.inside, &look.seen)?;
+        let Look {
+            inside,
+            seen,
+            tally,
+        } = &*look;
+        let picture = software::paint(scene, settings, request, inside, seen, tally)?;
         Ok(Shot {
             inside: cost,
             ..Shot::new(

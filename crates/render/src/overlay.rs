@@ -1,15 +1,16 @@
 //! What is drawn over a picture when asked for: nothing of it is computed otherwise.
 //!
 //! ```text
-//! geodesic view: map of ends ──lines.rs: wavefronts, conjugate points, error── ─┐
-//!                            ──cut.rs: the cut locus───────────────────────────┼──▶ picture ──legend.rs──▶ picture
-//!                            ──worn.rs: declared geodesics, trails─────────────┘
+//! geodesic view: rows of ends ──worn.rs: declared geodesics, trails─────────────┐
+//! (inside.rs)    map of ends ──lines.rs: wavefronts, conjugate points, error────┼──▶ picture ──legend.rs──▶ picture
+//!                            ──cut.rs: the cut locus────────────────────────────┘
 //! 3D view:       a geodesic camera, trails ──space.rs──▶ arrows and curves, drawn as such; legend.rs over them
 //! ```
 //!
 //! Declared geodesics are objects of the scene: they are drawn whenever their surface is looked at.
 
 mod cut;
+mod inside;
 mod legend;
 mod lettering;
 mod lines;
@@ -17,10 +18,10 @@ mod space;
 mod trail;
 mod worn;
 
+pub(crate) use inside::OverInside;
 pub(crate) use space::{Extra, camera_extras, extras, trail_extras};
 pub use trail::Trail;
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use image::RgbaImage;
@@ -28,7 +29,6 @@ use rayon::prelude::*;
 use scene::scene::{Object, ObjectId, Scene, Shape};
 use scene::values::Settings;
 
-use crate::geodesic_view::{Inside, Seen, UNSEEN};
 use crate::plan::Painter;
 use crate::request::{RenderError, Request};
 use crate::style;
@@ -127,107 +127,6 @@ mod ink {
     pub(super) const TRAIL: [u8; 3] = [150, 130, 255];
 }
 
-/// Draws what lies over a geodesic picture. `seen` gives the pixels' ends and is called only if something needs them.
-/// Gives what a reader should know, and the names of what was drawn.
-pub(crate) fn over_inside<'m>(
-    image: &mut RgbaImage,
-    scene: &Scene,
-    settings: &Settings,
-    request: &Request,
-    inside: &Inside,
-    surface: ObjectId,
-    seen: impl FnOnce() -> Cow<'m, Seen>,
-) -> (Vec<String>, Vec<&'static str>) {
-    let overlays = &request.overlays;
-    let (mut notes, mut drawn) = (Vec::new(), Vec::new());
-    let mut worn = worn::lines(scene, settings, request, inside, surface);
-    let trails: Vec<&Trail> = trails_on(request, surface).collect();
-    if !overlays.any() && worn.is_empty() && trails.is_empty() {
-        return (notes, drawn);
-    }
-    let seen = seen();
-    let mut key = legend::Key::default();
-    if !worn.is_empty() {
-        drawn.push("geodesics");
-        for line in &worn {
-            notes.extend(line.notes.iter().cloned());
-            key.line(line.colour, &format!("geodesic {}", line.name));
-        }
-    }
-    worn.extend(trails.iter().map(|trail| worn::trail(trail, inside)));
-    worn::lay(image, &worn, &seen, inside);
-    if overlays.any() {
-        let (over, names) = measured(image, scene, request, inside, surface, &seen, &mut key);
-        notes.extend(over);
-        drawn.extend(names);
-    }
-    if !overlays.legend {
-        // A trail is drawn with its length.
-        key = legend::Key::default();
-    }
-    for trail in trails {
-        drawn.push("trail");
-        key.line(ink::TRAIL, &trail_words(trail));
-    }
-    key.draw(image);
-    (notes, drawn)
-}
-
-/// Draws what has been asked for and follows from the pixels' ends themselves. Gives what a reader should know, and the
-/// names of what was drawn.
-fn measured(
-    image: &mut RgbaImage,
-    scene: &Scene,
-    request: &Request,
-    inside: &Inside,
-    surface: ObjectId,
-    seen: &Seen,
-    key: &mut legend::Key,
-) -> (Vec<String>, Vec<&'static str>) {
-    let overlays = &request.overlays;
-    let (mut notes, mut drawn) = (Vec::new(), Vec::new());
-    let map = seen.map();
-    if overlays.error {
-        drawn.push("error");
-        match lines::error(image, inside) {
-            true => key.error(),
-            false => notes.push("the error is painted only for the fan's pictures".to_owned()),
-        }
-    }
-    if let Some(spacing) = overlays.wavefronts {
-        drawn.push("wavefronts");
-        let distance = spacing.distance(inside.zoom);
-        lines::wavefronts(image, &map, inside.zoom, distance);
-        key.line(ink::WAVE, &wavefronts(distance));
-    }
-    if overlays.cut_locus {
-        drawn.push("cut locus");
-        let share = cut::draw(image, &map, inside);
-        notes.push(format!(
-            "{:.2} % of the pixels lie beyond the cut locus",
-            100.0 * share
-        ));
-        key.line(ink::CUT, "cut locus");
-    }
-    if overlays.conjugate_points {
-        drawn.push("conjugate points");
-        lines::conjugate_points(image, &map, inside);
-        key.line(ink::CONJUGATE, "conjugate points");
-    }
-    if overlays.legend {
-        drawn.push("legend");
-        if let Some(scale) = request.texture(surface).curvature_scale() {
-            key.curvature(&name_of(scene, surface), scale);
-        }
-        for status in UNSEEN {
-            if map.status.contains(&status) {
-                key.hatching(status);
-            }
-        }
-    }
-    (notes, drawn)
-}
-
 /// Whether anything lies over a geodesic picture of a surface.
 pub(crate) fn any_inside(scene: &Scene, request: &Request, surface: ObjectId) -> bool {
     let worn = |object: &Object| matches!(object.shape, Shape::Geodesic { surface: on, .. } if on == surface);
@@ -285,13 +184,8 @@ fn trail_words(trail: &Trail) -> String {
     format!("trail, length {}", legend::digits(trail.length))
 }
 
-fn wavefronts(distance: f64) -> String {
+fn wave_words(distance: f64) -> String {
     format!("wavefronts, every {}", legend::digits(distance))
-}
-
-fn name_of(scene: &Scene, object: ObjectId) -> String {
-    let object = scene.objects.get(object.0 as usize);
-    object.map(|object| object.name.clone()).unwrap_or_default()
 }
 
 /// How lines over pictures of a size are inked: each has a dark rim, so that it is seen on anything.

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use image::RgbaImage;
 use render::gpu::Gpu;
 use render::live::{Counters, Pixels, Shot, Stage};
+use render::overlay::{Overlays, Spacing};
 use render::{Backend, RenderError, Request, View};
 use scene::scene::{ObjectId, Scene, Shape};
 use scene::values::Settings;
@@ -99,6 +100,8 @@ fn made(before: Counters, after: Counters) -> Counters {
         geodesic_kernels: after.geodesic_kernels - before.geodesic_kernels,
         sampled: after.sampled - before.sampled,
         looks: after.looks - before.looks,
+        ends: after.ends - before.ends,
+        distances: after.distances - before.distances,
     }
 }
 
@@ -280,6 +283,44 @@ fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
         walk(&mut stage, &settings, &turned, 1);
         walk(&mut stage, &settings, &request, 0);
     }
+}
+
+#[test]
+fn the_ends_of_a_picture_from_inside_are_computed_once_whatever_lies_over_it() {
+    let text = "surface s(u,v) = ((1 + 0.4cos v) cos u, (1 + 0.4cos v) sin u, 0.4sin v), \
+                u : [0, 2pi], v : [0, 2pi];\n\
+                geodesic g(t) : s = (1, 0.3) @ (1, 1), t : [0, 9];\n";
+    let (scene, settings) = compiled(text);
+    let mut stage = Stage::software();
+    let mut made = |overlays: Overlays| {
+        let request = Request {
+            overlays,
+            ..Request::geodesic(ObjectId(0), SIZE)
+        };
+        let before = stage.counters();
+        stage
+            .draw(&scene, &settings, &request)
+            .expect("it can be drawn");
+        made(before, stage.counters())
+    };
+    let once = u64::from(SIZE[0] * SIZE[1]);
+    let plain = made(Overlays::default());
+    assert_eq!((plain.looks, plain.ends), (1, once));
+    assert!(plain.distances > 0, "no line was drawn");
+    let over = made(Overlays {
+        legend: true,
+        wavefronts: Some(Spacing::Auto),
+        error: true,
+        ..Overlays::default()
+    });
+    assert_eq!((over.looks, over.ends), (0, once));
+    // These look at places all over the picture: for them all ends are put down once more.
+    let global = made(Overlays {
+        conjugate_points: true,
+        cut_locus: true,
+        ..Overlays::default()
+    });
+    assert_eq!((global.looks, global.ends), (0, 2 * once));
 }
 
 #[test]

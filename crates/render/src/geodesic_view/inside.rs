@@ -1,10 +1,9 @@
 //! Where the being inside the surface stands, and what it sees in f64: the geodesic view's camera and map.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use expr::Input;
-use geodesic::ends::{Coordinates, Ends, Estimate, Work};
+use geodesic::ends::{Coordinates, Ends};
 use geodesic::fan::{Across, Fan, FanOptions};
 use geodesic::frame::Frame;
 use geodesic::map::{self, Arithmetic, Map, MapOptions, exponential_map};
@@ -14,12 +13,11 @@ use geodesic::surface::{Sides, Surface};
 use geodesic::topology::Apex;
 use geodesic::trace::{Status, TraceError};
 use glam::DVec3;
-use image::RgbaImage;
 use rayon::prelude::*;
 use scene::scene::{ObjectId, Scene};
 use scene::values::Settings;
 
-use super::{Paint, resolve, resolve_patchwork};
+use super::Seen;
 use crate::ground::Ground;
 use crate::request::{Method, RenderError, Request, View};
 use crate::sample::DEGENERATE;
@@ -310,56 +308,6 @@ impl Inside {
     /// The picture in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
-    }
-}
-
-/// What a camera sees: the ends of the geodesics of all pixels.
-#[derive(Clone, Debug)]
-pub enum Seen {
-    /// By polynomials between rays that the pixels share.
-    Patchwork {
-        /// The ends.
-        patchwork: Box<Patchwork>,
-        /// What it cost.
-        work: Work,
-        /// How exact it is.
-        estimate: Estimate,
-    },
-    /// Pixel by pixel.
-    Map(Map),
-}
-
-impl Seen {
-    /// What it cost.
-    pub fn work(&self) -> Work {
-        match self {
-            Self::Patchwork { work, .. } => *work,
-            Self::Map(map) => map.work,
-        }
-    }
-
-    /// How exact it is, as far as the method can tell.
-    pub fn estimate(&self) -> Option<Estimate> {
-        match self {
-            Self::Patchwork { estimate, .. } => Some(*estimate),
-            Self::Map(map) => map.estimate,
-        }
-    }
-
-    /// All pixels' ends.
-    pub fn map(&self) -> Cow<'_, Map> {
-        match self {
-            Self::Patchwork { patchwork, .. } => Cow::Owned(patchwork.map(true)),
-            Self::Map(map) => Cow::Borrowed(map),
-        }
-    }
-
-    /// The picture, and each pixel's status.
-    pub fn resolve(&self, paint: &Paint) -> (RgbaImage, Vec<Status>) {
-        match self {
-            Self::Patchwork { patchwork, .. } => resolve_patchwork(patchwork, paint),
-            Self::Map(map) => (resolve(map, paint), map.status.clone()),
-        }
     }
 }
 

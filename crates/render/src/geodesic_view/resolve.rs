@@ -13,7 +13,7 @@ use geodesic::trace::Status;
 use image::RgbaImage;
 use rayon::prelude::*;
 
-use super::{HATCH, LEAST_RING, RING, UNSEEN, hatching};
+use super::{EndsOfRows, HATCH, LEAST_RING, Layer, RING, UNSEEN, hatching};
 use crate::style::{self, Encoder};
 use crate::texture::{Footprint, Sampler, Texture};
 
@@ -65,13 +65,20 @@ pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
                 pixels,
             });
         });
-    finish(&mut image, &map.status, paint);
+    hatch(&mut image, &map.status);
+    if let Some(ring) = Ring::of(paint, map.size) {
+        ring.mark(&mut image, 0, |_| true);
+    }
     image
 }
 
-/// Colours a patchwork, on all cores: some rows are computed and coloured while they are in the cache. Gives each
-/// pixel's status too.
-pub fn resolve_patchwork(patchwork: &Patchwork, paint: &Paint) -> (RgbaImage, Vec<Status>) {
+/// Colours a patchwork, on all cores: some rows are computed, coloured and laid over while they are in the cache. Gives
+/// each pixel's status too.
+pub(super) fn resolve_patchwork(
+    patchwork: &Patchwork,
+    paint: &Paint,
+    layer: Option<&dyn Layer>,
+) -> (RgbaImage, Vec<Status>) {
     let [width, height] = patchwork.size.map(|side| side as usize);
     let mut image = RgbaImage::new(patchwork.size[0], patchwork.size[1]);
     let mut status = vec![Status::Complete; width * height];
@@ -81,6 +88,7 @@ pub fn resolve_patchwork(patchwork: &Patchwork, paint: &Paint) -> (RgbaImage, Ve
     let cover = Cover::new(paint.texture, paint.domain, paint.sides);
     let sampler = cover.sampler(patchwork.origin, paint.coarse);
     let (cover, sampler) = (&cover, &sampler);
+    let ring = Ring::of(paint, patchwork.size);
     let processor = Processor::here();
     let band = BLOCK as usize * width;
     let buffers = || (vec![[0.0; 2]; band], vec![[0.0; 4]; band]);
@@ -111,13 +119,31 @@ pub fn resolve_patchwork(patchwork: &Patchwork, paint: &Paint) -> (RgbaImage, Ve
                     pixels,
                 });
             }
+            if let Some(ring) = &ring {
+                ring.mark(pixels, number as u32 * BLOCK, |index| {
+                    status[index] == Status::Complete
+                });
+            }
+            if let Some(layer) = layer {
+                let ends = EndsOfRows {
+                    origin: patchwork.origin,
+                    offset,
+                    by_pixel,
+                    status,
+                };
+                layer.lay(ends, pixels);
+            }
         });
-    finish(&mut image, &status, paint);
+    // A hatching has a border beside what is seen, perhaps in other rows: it comes last. A layer has left it alone.
+    hatch(&mut image, &status);
+    if let Some(ring) = &ring {
+        ring.mark(&mut image, 0, |index| status[index] != Status::Complete);
+    }
     (image, status)
 }
 
-/// Hatches what is not seen and marks the centre.
-fn finish(image: &mut RgbaImage, status: &[Status], paint: &Paint) {
+/// Hatches what is not seen.
+fn hatch(image: &mut RgbaImage, status: &[Status]) {
     let size = [image.width(), image.height()];
     let width = size[0] as usize;
     let hatchings: OnceLock<Vec<(Status, Hatching)>> = OnceLock::new();
@@ -141,9 +167,6 @@ fn finish(image: &mut RgbaImage, status: &[Status], paint: &Paint) {
                 }
             }
         });
-    if paint.mark_centre {
-        mark_centre(image);
-    }
 }
 
 /// An image as it goes on beyond the domain's sides.
@@ -355,30 +378,47 @@ pub(crate) fn stripes(status: Status, place: f32, unit: f32) -> [f32; 3] {
     std::array::from_fn(|k| paper[k] + share * (stripe[k] - paper[k]))
 }
 
-/// Lays an open ring over the centre: white with a dark rim, so that it is seen on anything; what lies in the centre
-/// stays free. A picture of less than 32 pixels has no room for it.
-fn mark_centre(image: &mut RgbaImage) {
-    let size = [image.width(), image.height()];
-    if size[0].min(size[1]) < 32 {
-        return;
+/// An open ring about the centre: white with a dark rim, so that it is seen on anything; what lies in the centre stays
+/// free.
+struct Ring {
+    size: [u32; 2],
+    radius: f32,
+    /// Half its width.
+    half: f32,
+}
+
+impl Ring {
+    /// The ring that is asked for. A picture of less than 32 pixels has no room for it.
+    fn of(paint: &Paint, size: [u32; 2]) -> Option<Self> {
+        let unit = style::pixel_unit(size);
+        (paint.mark_centre && size[0].min(size[1]) >= 32).then_some(Self {
+            size,
+            radius: (RING * unit).max(LEAST_RING),
+            half: (0.75 * unit).max(0.6),
+        })
     }
-    let unit = style::pixel_unit(size);
-    let radius = (RING * unit).max(LEAST_RING);
-    let half = (0.75 * unit).max(0.6);
-    let reach = (radius + 2.2 * half + 1.0).ceil() as u32;
-    let around = |k: usize| (size[k] / 2).saturating_sub(reach)..(size[k] / 2 + reach).min(size[k]);
-    for y in around(1) {
-        for x in around(0) {
-            let dx = x as f32 + 0.5 - 0.5 * size[0] as f32;
-            let dy = y as f32 + 0.5 - 0.5 * size[1] as f32;
-            let off = (dx.hypot(dy) - radius).abs();
-            let white = (half - off + 0.5).clamp(0.0, 1.0);
-            let dark = 0.6 * (2.2 * half - off + 0.5).clamp(0.0, 1.0);
-            if dark > 0.0 {
-                let pixel = image.get_pixel_mut(x, y);
-                for channel in &mut pixel.0[..3] {
-                    let c = style::decode(*channel) * (1.0 - dark);
-                    *channel = style::encode(c + white * (1.0 - c));
+
+    /// Lays it over some whole rows of the picture, the first of which is `top`, but only over the pixels that are
+    /// wanted, by their index among these.
+    fn mark(&self, pixels: &mut [u8], top: u32, wanted: impl Fn(usize) -> bool) {
+        let [width, height] = self.size;
+        let reach = (self.radius + 2.2 * self.half + 1.0).ceil() as u32;
+        let around = |side: u32| (side / 2).saturating_sub(reach)..(side / 2 + reach).min(side);
+        let rows = around(height);
+        let bottom = top + (pixels.len() / 4) as u32 / width;
+        for y in rows.start.max(top)..rows.end.min(bottom) {
+            for x in around(width) {
+                let index = ((y - top) * width + x) as usize;
+                let dx = x as f32 + 0.5 - 0.5 * width as f32;
+                let dy = y as f32 + 0.5 - 0.5 * height as f32;
+                let off = (dx.hypot(dy) - self.radius).abs();
+                let white = (self.half - off + 0.5).clamp(0.0, 1.0);
+                let dark = 0.6 * (2.2 * self.half - off + 0.5).clamp(0.0, 1.0);
+                if dark > 0.0 && wanted(index) {
+                    for channel in &mut pixels[4 * index..4 * index + 3] {
+                        let c = style::decode(*channel) * (1.0 - dark);
+                        *channel = style::encode(c + white * (1.0 - c));
+                    }
                 }
             }
         }

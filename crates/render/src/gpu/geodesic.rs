@@ -16,11 +16,11 @@ use image::RgbaImage;
 use scene::scene::Scene;
 use scene::values::Settings;
 
-use crate::geodesic_view::{self, Cover, HATCH, LEAST_RING, RING, Seen};
+use crate::geodesic_view::{self, Cover, HATCH, LEAST_RING, RING, Seen, Tally};
 use crate::gpu::Drawn;
 use crate::gpu::layout::Resolve;
 use crate::gpu::workshop::{Workshop, dispatch};
-use crate::overlay;
+use crate::overlay::OverInside;
 use crate::plan::{GeodesicPlan, Plan, Source};
 use crate::request::{Method, RenderError, Request};
 use crate::style;
@@ -131,19 +131,13 @@ pub(crate) fn render(
     };
     let pixels = width as usize * height as usize;
     let mut notes = geodesic_view::notes(pixels, count, &source.work, source.estimate);
-    let (over, overlays) = overlay::over_inside(
-        &mut picture,
-        scene,
-        settings,
-        request,
-        &inside,
-        view.surface,
-        || match &source.seen {
-            Some(seen) => Cow::Borrowed(seen),
-            // The kernel keeps no derivatives: what lies over its picture comes from the fan.
-            None => Cow::Owned(inside.clone().by(Method::Fan).look(&|_| {})),
-        },
-    );
+    let tally = Tally::default();
+    let over = OverInside::new(scene, settings, request, &inside, view.surface, &tally);
+    let (over, overlays) = over.draw(&mut picture, || match &source.seen {
+        Some(seen) => Cow::Borrowed(seen),
+        // The kernel keeps no derivatives: what lies over its picture comes from the fan.
+        None => Cow::Owned(inside.clone().by(Method::Fan).look(&|_| {})),
+    });
     notes.extend(over);
     Ok(Drawn {
         image: picture,

@@ -16,7 +16,7 @@ use crate::gpu::studio::check_side;
 use crate::gpu::workshop::{Workshop, dispatch};
 use crate::live::Pixels;
 use crate::live::inside::Look;
-use crate::overlay;
+use crate::overlay::{self, OverInside};
 use crate::request::{RenderError, Request, View};
 use crate::texture::Texture;
 
@@ -141,15 +141,8 @@ impl Insides {
                     to.copy_from_slice(&from[..to.len()]);
                 }
             })?;
-            let (over, overlays) = overlay::over_inside(
-                &mut picture,
-                scene,
-                settings,
-                request,
-                inside,
-                *surface,
-                || Cow::Borrowed(seen),
-            );
+            let over = OverInside::new(scene, settings, request, inside, *surface, &look.tally);
+            let (over, overlays) = over.draw(&mut picture, || Cow::Borrowed(seen));
             notes.extend(over);
             return Ok(Some(Coloured {
                 pixels: Pixels::Image(picture),

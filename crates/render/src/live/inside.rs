@@ -7,7 +7,7 @@ use scene::values::Settings;
 
 use super::content::{Content, Structure, object};
 use super::kept::Kept;
-use crate::geodesic_view::{Inside, Seen};
+use crate::geodesic_view::{Inside, Seen, Tally};
 use crate::ground::Ground;
 use crate::overlay::Standpoint;
 use crate::request::{RenderError, Request, View};
@@ -22,6 +22,8 @@ const LOOKS: usize = 6;
 pub(crate) struct Look {
     pub(crate) inside: Inside,
     pub(crate) seen: Seen,
+    /// What its pictures are made of is added to it.
+    pub(crate) tally: Arc<Tally>,
 }
 
 /// What a look depends on, beside its ground.
@@ -42,6 +44,8 @@ pub(crate) struct Looks {
     looks: Vec<(Standing, Arc<Look>)>,
     /// How many views have had their geodesics followed so far.
     pub(crate) followed: u64,
+    /// What their pictures were made of.
+    pub(crate) tally: Arc<Tally>,
 }
 
 impl Default for Looks {
@@ -50,6 +54,7 @@ impl Default for Looks {
             grounds: Kept::new(GROUNDS),
             looks: Vec::new(),
             followed: 0,
+            tally: Arc::default(),
         }
     }
 }
@@ -87,7 +92,12 @@ impl Looks {
         let inside = self.stand(scene, settings, structures, request)?;
         let seen = inside.look(&|_| {});
         self.followed += 1;
-        let look = Arc::new(Look { inside, seen });
+        let tally = Arc::clone(&self.tally);
+        let look = Arc::new(Look {
+            inside,
+            seen,
+            tally,
+        });
         if self.looks.len() >= LOOKS {
             self.looks.remove(0);
         }

@@ -23,15 +23,15 @@ pub(super) fn reach(size: [u32; 2], index: usize) -> f64 {
 }
 
 /// Circles of equal distance, where something is seen.
-pub(super) fn wavefronts(image: &mut RgbaImage, map: &Map, zoom: f64, spacing: f64) {
-    let size = map.size;
+pub(super) fn wavefronts(image: &mut RgbaImage, status: &[Status], zoom: f64, spacing: f64) {
+    let size = [image.width(), image.height()];
     let pixel = zoom * 2.0 / f64::from(size[0].min(size[1]).max(1));
     // Closer than a few pixels, circles would fill the picture.
     if !(spacing > 3.0 * pixel && spacing.is_finite()) {
         return;
     }
     stroke(image, ink::WAVE, |index| {
-        if map.status[index] != Status::Complete {
+        if status[index] != Status::Complete {
             return None;
         }
         let s = zoom * reach(size, index);

@@ -121,7 +121,7 @@ pub(super) fn key(
     key.line(BORDER, "border of its picture");
     if let Some(spacing) = request.overlays.wavefronts {
         let zoom = stand(scene, settings, request, shown)?.zoom;
-        key.line(ink::WAVE, &super::wavefronts(spacing.distance(zoom)));
+        key.line(ink::WAVE, &super::wave_words(spacing.distance(zoom)));
     }
     if request.overlays.conjugate_points {
         key.line(ink::CONJUGATE, "conjugate points");

@@ -5,7 +5,7 @@
 mod lay;
 mod table;
 
-pub(super) use lay::lay;
+pub(super) use lay::Lines;
 
 use geodesic::surface::Side;
 use scene::geodesic::Launcher;

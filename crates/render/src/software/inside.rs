@@ -1,12 +1,10 @@
 //! The geodesic view on the CPU: the map by crate `geodesic`, the colours by [`crate::geodesic_view`].
 
-use std::borrow::Cow;
-
 use scene::scene::{Scene, Shape};
 use scene::values::Settings;
 
-use crate::geodesic_view::{Inside, Paint, Seen, notes};
-use crate::overlay;
+use crate::geodesic_view::{Inside, Paint, Seen, Tally, notes};
+use crate::overlay::OverInside;
 use crate::request::{Picture, RenderError, Request, View};
 
 pub(super) fn render(
@@ -17,12 +15,19 @@ pub(super) fn render(
 ) -> Result<Picture, RenderError> {
     let inside = Inside::new(scene, settings, request)?;
     let seen = inside.look(&|share| progress(0.9 * share));
-    let picture = paint(scene, settings, request, &inside, &seen)?;
+    let picture = paint(
+        scene,
+        settings,
+        request,
+        &inside,
+        &seen,
+        &Tally::default(),
+    )?;
     progress(1.0);
     Ok(picture)
 }
 
-/// Colours what a camera sees.
+/// Colours what a camera sees; what that takes is added to the tally.
 ///
 /// # Errors
 /// [`RenderError::NoSurface`].
@@ -32,6 +37,7 @@ pub(crate) fn paint(
     request: &Request,
     inside: &Inside,
     seen: &Seen,
+    tally: &Tally,
 ) -> Result<Picture, RenderError> {
     let View::Geodesic { surface, .. } = request.view else {
         return Err(RenderError::NoSurface { name: None });
@@ -46,16 +52,9 @@ pub(crate) fn paint(
         mark_centre: request.mark_centre,
         coarse: request.moving,
     };
-    let (mut image, status) = seen.resolve(&paint);
-    let (over, overlays) = overlay::over_inside(
-        &mut image,
-        scene,
-        settings,
-        request,
-        inside,
-        surface,
-        || Cow::Borrowed(seen),
-    );
+    let over = OverInside::new(scene, settings, request, inside, surface, tally);
+    let (mut image, status) = seen.resolve_under(&paint, over.layer(), tally);
+    let (over, overlays) = over.finish(&mut image, seen, Some(&status));
     let count = |kind| status.iter().filter(|&&s| s == kind).count();
     let mut notes = notes(status.len(), count, &seen.work(), seen.estimate());
     notes.extend(over);

@@ -5,15 +5,13 @@
 //! for a row of it at once, in loops that become vectors.
 
 use expr::processor::{Processor, Work};
-use geodesic::patchwork::{BLOCK, Rows};
+use geodesic::patchwork::BLOCK;
 use geodesic::trace::Status;
-use image::RgbaImage;
-use rayon::prelude::*;
 
 use super::super::Pen;
 use super::Worn;
 use super::table::{Near, Piece, Table};
-use crate::geodesic_view::{Inside, Seen};
+use crate::geodesic_view::{EndsOfRows, Inside, Layer, Tally};
 use crate::style;
 
 /// Pixels that are measured together.
@@ -23,78 +21,8 @@ const MOST_CELLS: f64 = 256.0;
 /// How much farther than half its width a line is looked for: its rim.
 const RIM: f32 = 2.5;
 
-/// Lays all lines over a picture, the first one undermost.
-pub(in crate::overlay) fn lay(image: &mut RgbaImage, lines: &[Worn], seen: &Seen, inside: &Inside) {
-    let size = [image.width(), image.height()];
-    let width = size[0] as usize;
-    if width == 0 || lines.iter().all(|line| line.pieces.is_empty()) {
-        return;
-    }
-    let pen = Pen::of(size);
-    let laid = Laid {
-        table: Table::new(lines, inside),
-        colours: lines
-            .iter()
-            .map(|line| style::linear(line.colour))
-            .collect(),
-        pen,
-        most: pen.half + RIM,
-        width,
-    };
-    let processor = Processor::here();
-    let band = LANES * width;
-    let bands = image.par_chunks_mut(4 * band).enumerate();
-    match seen {
-        Seen::Patchwork { patchwork, .. } => {
-            let origin = patchwork.origin;
-            let buffers = || {
-                let ends = (vec![[0.0; 2]; band], vec![[0.0; 4]; band]);
-                (ends, vec![Status::Complete; band], laid.scratch())
-            };
-            bands.for_each_init(buffers, |buffers, (row, pixels)| {
-                let ((offset, by_pixel), status, scratch) = buffers;
-                let count = pixels.len() / 4;
-                let (offset, by_pixel) = (&mut offset[..count], &mut by_pixel[..count]);
-                let status = &mut status[..count];
-                let rows = Rows {
-                    offset: &mut *offset,
-                    by_pixel: &mut *by_pixel,
-                    status: &mut *status,
-                };
-                patchwork.block_row(row as u32, rows);
-                processor.run(Band {
-                    laid: &laid,
-                    origin,
-                    offset,
-                    by_pixel,
-                    status,
-                    scratch,
-                    pixels,
-                });
-            });
-        }
-        // Without derivatives, nothing is known of a line's width.
-        Seen::Map(map) if map.by_pixel.is_empty() => {}
-        Seen::Map(map) => bands.for_each_init(
-            || laid.scratch(),
-            |scratch, (row, pixels)| {
-                let here = row * band..row * band + pixels.len() / 4;
-                processor.run(Band {
-                    laid: &laid,
-                    origin: map.origin,
-                    offset: &map.offset[here.clone()],
-                    by_pixel: &map.by_pixel[here.clone()],
-                    status: &map.status[here],
-                    scratch,
-                    pixels,
-                });
-            },
-        ),
-    }
-}
-
-/// Everything that pixels are inked with.
-struct Laid {
+/// Lines that are laid over a picture, the first one undermost.
+pub(in crate::overlay) struct Lines<'t> {
     table: Table,
     /// Of each line, in linear light.
     colours: Vec<[f32; 3]>,
@@ -103,9 +31,34 @@ struct Laid {
     most: f32,
     /// The picture's.
     width: usize,
+    processor: Processor,
+    tally: &'t Tally,
 }
 
-impl Laid {
+impl<'t> Lines<'t> {
+    /// None where there is nothing to be laid.
+    pub(in crate::overlay) fn new(
+        lines: &[Worn],
+        inside: &Inside,
+        tally: &'t Tally,
+    ) -> Option<Self> {
+        if lines.iter().all(|line| line.pieces.is_empty()) {
+            return None;
+        }
+        let size = inside.size();
+        let pen = Pen::of(size);
+        let colour = |line: &Worn| style::linear(line.colour);
+        Some(Self {
+            table: Table::new(lines, inside),
+            colours: lines.iter().map(colour).collect(),
+            pen,
+            most: pen.half + RIM,
+            width: size[0] as usize,
+            processor: Processor::here(),
+            tally,
+        })
+    }
+
     /// Whether what is so wide in (u,v) covers few enough cells.
     #[inline(always)]
     fn few_cells(&self, [u, v]: [f64; 2]) -> bool {
@@ -117,7 +70,25 @@ impl Laid {
         Scratch {
             near: Vec::new(),
             squares: vec![[f32::INFINITY; LANES]; self.colours.len()],
+            distances: 0,
         }
+    }
+}
+
+impl Layer for Lines<'_> {
+    fn lay(&self, ends: EndsOfRows<'_>, pixels: &mut [u8]) {
+        // Without derivatives, nothing is known of a line's width.
+        if ends.by_pixel.is_empty() {
+            return;
+        }
+        let mut scratch = self.scratch();
+        self.processor.run(Band {
+            lines: self,
+            ends,
+            scratch: &mut scratch,
+            pixels,
+        });
+        self.tally.distances(scratch.distances);
     }
 }
 
@@ -126,15 +97,14 @@ struct Scratch {
     near: Vec<Piece>,
     /// The squares of the lines' distances.
     squares: Vec<[f32; LANES]>,
+    /// See [`Tally::distances`].
+    distances: u64,
 }
 
-/// Some whole rows of pixels with their ends, as in [`Map`](geodesic::map::Map).
+/// Some whole rows of pixels with their ends.
 struct Band<'a> {
-    laid: &'a Laid,
-    origin: [f64; 2],
-    offset: &'a [[f32; 2]],
-    by_pixel: &'a [[f32; 4]],
-    status: &'a [Status],
+    lines: &'a Lines<'a>,
+    ends: EndsOfRows<'a>,
     scratch: &'a mut Scratch,
     pixels: &'a mut [u8],
 }
@@ -153,27 +123,27 @@ impl Work for Band<'_> {
 
     #[inline(always)]
     fn run(mut self) {
-        let width = self.laid.width;
+        let width = self.lines.width;
         for left in (0..width).step_by(LANES) {
             let count = LANES.min(width - left);
-            let rows = || (left..self.offset.len()).step_by(width);
+            let rows = || (left..self.ends.offset.len()).step_by(width);
             let bounds = self.bounds(rows().map(|first| first..first + count));
-            match self.laid.table.near(bounds, false, &mut self.scratch.near) {
+            match self.lines.table.near(bounds, false, &mut self.scratch.near) {
                 Near::Nothing => {}
                 Near::Some => {
-                    for first in (left..self.offset.len()).step_by(width) {
+                    for first in (left..self.ends.offset.len()).step_by(width) {
                         self.strip(first, count);
                     }
                 }
                 Near::Unclear => {
-                    for first in (left..self.offset.len()).step_by(width) {
+                    for first in (left..self.ends.offset.len()).step_by(width) {
                         for index in first..first + count {
                             let bounds = self.bounds(std::iter::once(index..index + 1));
                             let near = &mut self.scratch.near;
                             if self
-                                .laid
+                                .lines
                                 .few_cells([0, 1].map(|k| bounds[1][k] - bounds[0][k]))
-                                && self.laid.table.near(bounds, true, near) == Near::Some
+                                && self.lines.table.near(bounds, true, near) == Near::Some
                             {
                                 self.strip(index, 1);
                             }
@@ -192,13 +162,13 @@ impl Band<'_> {
         let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
         let mut largest = [0.0_f32; 4];
         for row in rows {
-            for offset in &self.offset[row.clone()] {
+            for offset in &self.ends.offset[row.clone()] {
                 for k in 0..2 {
                     low[k] = low[k].min(offset[k]);
                     high[k] = high[k].max(offset[k]);
                 }
             }
-            for derivative in &self.by_pixel[row] {
+            for derivative in &self.ends.by_pixel[row] {
                 for k in 0..4 {
                     largest[k] = largest[k].max(derivative[k].abs());
                 }
@@ -206,9 +176,9 @@ impl Band<'_> {
         }
         let reach = [0, 1].map(|k| {
             let [x, y] = [largest[k], largest[k + 2]].map(f64::from);
-            f64::from(self.laid.most) * (x * x + y * y).sqrt()
+            f64::from(self.lines.most) * (x * x + y * y).sqrt()
         });
-        let at = |k: usize, offset: f32| self.origin[k] + f64::from(offset);
+        let at = |k: usize, offset: f32| self.ends.origin[k] + f64::from(offset);
         [
             [0, 1].map(|k| at(k, low[k]) - reach[k]),
             [0, 1].map(|k| at(k, high[k]) + reach[k]),
@@ -219,18 +189,23 @@ impl Band<'_> {
     #[inline(always)]
     fn strip(&mut self, first: usize, count: usize) {
         let strip = self.measured(first, count);
-        let Scratch { near, squares } = &mut *self.scratch;
+        let Scratch {
+            near,
+            squares,
+            distances,
+        } = &mut *self.scratch;
+        *distances += near.len() as u64;
         for piece in near.iter() {
-            let from = [0, 1].map(|k| (piece.from[k] - self.origin[k]) as f32);
+            let from = [0, 1].map(|k| (piece.from[k] - self.ends.origin[k]) as f32);
             strip.measure(from, piece.step.map(|x| x as f32), &mut squares[piece.line]);
         }
-        let most = self.laid.most * self.laid.most;
-        for (squares, colour) in squares.iter_mut().zip(&self.laid.colours) {
+        let most = self.lines.most * self.lines.most;
+        for (squares, colour) in squares.iter_mut().zip(&self.lines.colours) {
             for (n, square) in squares.iter().take(count).enumerate() {
                 if *square < most {
                     let pixel = 4 * (first + n);
                     let pixel = &mut self.pixels[pixel..pixel + 4];
-                    self.laid.pen.ink(pixel, *colour, square.sqrt());
+                    self.lines.pen.ink(pixel, *colour, square.sqrt());
                 }
             }
             squares.fill(f32::INFINITY);
@@ -244,16 +219,16 @@ impl Band<'_> {
             v: [f32::NAN; LANES],
             pixels: [[0.0; LANES]; 4],
         };
-        let across = 2.0 * f64::from(self.laid.most);
+        let across = 2.0 * f64::from(self.lines.most);
         for n in 0..count {
             let index = first + n;
             // (u,v) = x (a,b) + y (c,d), turned round.
-            let [a, b, c, d] = self.by_pixel[index].map(f64::from);
+            let [a, b, c, d] = self.ends.by_pixel[index].map(f64::from);
             let one = 1.0 / (a * d - b * c);
             let wide = |x: f64, y: f64| across * (x * x + y * y).sqrt();
-            let few = self.laid.few_cells([wide(a, c), wide(b, d)]);
-            if few && self.status[index] == Status::Complete {
-                [strip.u[n], strip.v[n]] = self.offset[index];
+            let few = self.lines.few_cells([wide(a, c), wide(b, d)]);
+            if few && self.ends.status[index] == Status::Complete {
+                [strip.u[n], strip.v[n]] = self.ends.offset[index];
             }
             let pixels = [d * one, -c * one, -b * one, a * one];
             for (lanes, x) in strip.pixels.iter_mut().zip(pixels) {

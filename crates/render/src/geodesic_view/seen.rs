@@ -1,0 +1,184 @@
+//! What a camera sees: the ends of all pixels' geodesics, and the pictures that are made of them.
+//!
+//! Ends flow in, colours flow out, and over them what is laid on row by row while the ends are at hand ([`Layer`]): a
+//! table's polynomials are evaluated once for each pixel, whoever needs them.
+
+use std::borrow::Cow;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use geodesic::ends::{Estimate, Work};
+use geodesic::map::Map;
+use geodesic::patchwork::{BLOCK, Patchwork, Rows};
+use geodesic::trace::Status;
+use image::RgbaImage;
+use rayon::prelude::*;
+
+use super::Paint;
+use super::resolve::{resolve, resolve_patchwork};
+
+/// What a camera sees: the ends of the geodesics of all pixels.
+#[derive(Clone, Debug)]
+pub enum Seen {
+    /// By polynomials between rays that the pixels share.
+    Patchwork {
+        /// The ends.
+        patchwork: Box<Patchwork>,
+        /// What it cost.
+        work: Work,
+        /// How exact it is.
+        estimate: Estimate,
+    },
+    /// Pixel by pixel.
+    Map(Map),
+}
+
+/// The ends of the pixels of some whole rows, as in [`Map`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EndsOfRows<'a> {
+    pub(crate) origin: [f64; 2],
+    pub(crate) offset: &'a [[f32; 2]],
+    /// Empty where they are not known.
+    pub(crate) by_pixel: &'a [[f32; 4]],
+    pub(crate) status: &'a [Status],
+}
+
+/// What is laid over what pixels show of the surface, and follows from their ends. It leaves other pixels alone.
+pub(crate) trait Layer: Sync {
+    /// Lays it over the RGBA of some whole rows.
+    fn lay(&self, ends: EndsOfRows<'_>, pixels: &mut [u8]);
+}
+
+/// What pictures have been made of, counted.
+#[derive(Debug, Default)]
+pub(crate) struct Tally {
+    /// Pixels whose ends were computed from a table.
+    pub(crate) ends: AtomicU64,
+    /// Rows of up to eight pixels of which the distances to a straight piece of a line were computed.
+    pub(crate) distances: AtomicU64,
+}
+
+impl Tally {
+    pub(crate) fn ends(&self, count: usize) {
+        self.ends.fetch_add(count as u64, Ordering::Relaxed);
+    }
+
+    pub(crate) fn distances(&self, count: u64) {
+        self.distances.fetch_add(count, Ordering::Relaxed);
+    }
+}
+
+impl Seen {
+    /// What it cost.
+    pub fn work(&self) -> Work {
+        match self {
+            Self::Patchwork { work, .. } => *work,
+            Self::Map(map) => map.work,
+        }
+    }
+
+    /// How exact it is, as far as the method can tell.
+    pub fn estimate(&self) -> Option<Estimate> {
+        match self {
+            Self::Patchwork { estimate, .. } => Some(*estimate),
+            Self::Map(map) => map.estimate,
+        }
+    }
+
+    /// All pixels' ends.
+    pub(crate) fn map(&self, tally: &Tally) -> Cow<'_, Map> {
+        match self {
+            Self::Patchwork { patchwork, .. } => {
+                let map = patchwork.map(true);
+                tally.ends(map.status.len());
+                Cow::Owned(map)
+            }
+            Self::Map(map) => Cow::Borrowed(map),
+        }
+    }
+
+    /// Why all pixels' geodesics end.
+    pub(crate) fn statuses(&self, tally: &Tally) -> Cow<'_, [Status]> {
+        match self {
+            Self::Patchwork { patchwork, .. } => {
+                let status = patchwork.map(false).status;
+                tally.ends(status.len());
+                Cow::Owned(status)
+            }
+            Self::Map(map) => Cow::Borrowed(&map.status),
+        }
+    }
+
+    /// The picture, and each pixel's status.
+    pub fn resolve(&self, paint: &Paint) -> (RgbaImage, Vec<Status>) {
+        self.resolve_under(paint, None, &Tally::default())
+    }
+
+    /// The picture with a layer over it, and each pixel's status.
+    pub(crate) fn resolve_under(
+        &self,
+        paint: &Paint,
+        layer: Option<&dyn Layer>,
+        tally: &Tally,
+    ) -> (RgbaImage, Vec<Status>) {
+        match self {
+            Self::Patchwork { patchwork, .. } => {
+                let (image, status) = resolve_patchwork(patchwork, paint, layer);
+                tally.ends(status.len());
+                (image, status)
+            }
+            Self::Map(map) => {
+                let mut image = resolve(map, paint);
+                if let Some(layer) = layer {
+                    self.lay(&mut image, layer, tally);
+                }
+                (image, map.status.clone())
+            }
+        }
+    }
+
+    /// Lays a layer over a picture of these ends that was coloured elsewhere.
+    pub(crate) fn lay(&self, image: &mut RgbaImage, layer: &dyn Layer, tally: &Tally) {
+        let band = BLOCK as usize * image.width() as usize;
+        if band == 0 {
+            return;
+        }
+        let bands = image.par_chunks_mut(4 * band).enumerate();
+        match self {
+            Self::Patchwork { patchwork, .. } => {
+                let buffers = || {
+                    let status = vec![Status::Complete; band];
+                    (vec![[0.0; 2]; band], vec![[0.0; 4]; band], status)
+                };
+                bands.for_each_init(buffers, |(offset, by_pixel, status), (row, pixels)| {
+                    let count = pixels.len() / 4;
+                    let (offset, by_pixel) = (&mut offset[..count], &mut by_pixel[..count]);
+                    let status = &mut status[..count];
+                    let rows = Rows {
+                        offset: &mut *offset,
+                        by_pixel: &mut *by_pixel,
+                        status: &mut *status,
+                    };
+                    patchwork.block_row(row as u32, rows);
+                    tally.ends(count);
+                    let ends = EndsOfRows {
+                        origin: patchwork.origin,
+                        offset,
+                        by_pixel,
+                        status,
+                    };
+                    layer.lay(ends, pixels);
+                });
+            }
+            Self::Map(map) => bands.for_each(|(row, pixels)| {
+                let here = row * band..row * band + pixels.len() / 4;
+                let ends = EndsOfRows {
+                    origin: map.origin,
+                    offset: &map.offset[here.clone()],
+                    by_pixel: map.by_pixel.get(here.clone()).unwrap_or_default(),
+                    status: &map.status[here],
+                };
+                layer.lay(ends, pixels);
+            }),
+        }
+    }
+}

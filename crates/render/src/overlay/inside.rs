@@ -1,0 +1,239 @@
+//! What lies over a geodesic picture: declared geodesics and trails are laid on while it is coloured, what was asked for
+//! beyond that is drawn when it is whole.
+//!
+//! A camera and what it sees flow in, a picture with lines and a key flows out.
+
+use std::borrow::Cow;
+
+use geodesic::trace::Status;
+use image::RgbaImage;
+use scene::scene::{ObjectId, Scene};
+use scene::values::Settings;
+
+use super::{Trail, cut, ink, legend, lines, trail_words, trails_on, wave_words, worn};
+use crate::geodesic_view::{Inside, Layer, Seen, Tally, UNSEEN};
+use crate::request::Request;
+
+/// What lies over a geodesic picture.
+pub(crate) struct OverInside<'a> {
+    scene: &'a Scene,
+    request: &'a Request,
+    inside: &'a Inside,
+    surface: ObjectId,
+    tally: &'a Tally,
+    lines: Option<worn::Lines<'a>>,
+    /// The colours and names of the geodesics.
+    geodesics: Vec<([u8; 3], String)>,
+    trails: Vec<&'a Trail>,
+    notes: Vec<String>,
+}
+
+impl<'a> OverInside<'a> {
+    pub(crate) fn new(
+        scene: &'a Scene,
+        settings: &Settings,
+        request: &'a Request,
+        inside: &'a Inside,
+        surface: ObjectId,
+        tally: &'a Tally,
+    ) -> Self {
+        let mut worn = worn::lines(scene, settings, request, inside, surface);
+        let geodesics = worn.iter().map(|line| (line.colour, line.name.clone()));
+        let geodesics = geodesics.collect();
+        let notes = worn.iter().flat_map(|line| line.notes.clone()).collect();
+        let trails: Vec<&Trail> = trails_on(request, surface).collect();
+        worn.extend(trails.iter().map(|trail| worn::trail(trail, inside)));
+        Self {
+            scene,
+            request,
+            inside,
+            surface,
+            tally,
+            lines: worn::Lines::new(&worn, inside, tally),
+            geodesics,
+            trails,
+            notes,
+        }
+    }
+
+    /// What is to be laid over the pixels.
+    pub(crate) fn layer(&self) -> Option<&dyn Layer> {
+        self.lines.as_ref().map(|lines| lines as &dyn Layer)
+    }
+
+    /// Draws all of it over a picture that was coloured elsewhere. `seen` gives the pixels' ends and is called only if
+    /// something needs them. Gives what a reader should know, and the names of what was drawn.
+    pub(crate) fn draw<'m>(
+        self,
+        image: &mut RgbaImage,
+        seen: impl FnOnce() -> Cow<'m, Seen>,
+    ) -> (Vec<String>, Vec<&'static str>) {
+        if !self.request.overlays.any() && self.geodesics.is_empty() && self.trails.is_empty() {
+            return (Vec::new(), Vec::new());
+        }
+        let seen = seen();
+        if let Some(layer) = self.layer() {
+            seen.lay(image, layer, self.tally);
+        }
+        self.finish(image, &seen, None)
+    }
+
+    /// Draws the rest over a picture with its lines; `status` tells why the pixels' geodesics end, where that is known.
+    /// Gives what a reader should know, and the names of what was drawn.
+    pub(crate) fn finish(
+        self,
+        image: &mut RgbaImage,
+        seen: &Seen,
+        status: Option<&[Status]>,
+    ) -> (Vec<String>, Vec<&'static str>) {
+        let mut drawn = Vec::new();
+        let mut key = legend::Key::default();
+        if !self.geodesics.is_empty() {
+            drawn.push("geodesics");
+            for (colour, name) in &self.geodesics {
+                key.line(*colour, &format!("geodesic {name}"));
+            }
+        }
+        let mut notes = Vec::new();
+        if self.request.overlays.any() {
+            let names;
+            (notes, names) = self.measured(image, seen, status, &mut key);
+            drawn.extend(names);
+        }
+        if !self.request.overlays.legend {
+            // A trail is drawn with its length.
+            key = legend::Key::default();
+        }
+        for trail in &self.trails {
+            drawn.push("trail");
+            key.line(ink::TRAIL, &trail_words(trail));
+        }
+        key.draw(image);
+        ([self.notes, notes].concat(), drawn)
+    }
+
+    /// Draws what has been asked for and follows from the pixels' ends themselves. Gives what a reader should know, and
+    /// the names of what was drawn.
+    fn measured(
+        &self,
+        image: &mut RgbaImage,
+        seen: &Seen,
+        status: Option<&[Status]>,
+        key: &mut legend::Key,
+    ) -> (Vec<String>, Vec<&'static str>) {
+        let Self {
+            request, inside, ..
+        } = self;
+        let overlays = &request.overlays;
+        let (mut notes, mut drawn) = (Vec::new(), Vec::new());
+        let map = (overlays.cut_locus || overlays.conjugate_points).then(|| seen.map(self.tally));
+        let status: Cow<[Status]> = match (status, &map) {
+            (Some(status), _) => Cow::Borrowed(status),
+            (None, Some(map)) => Cow::Borrowed(&map.status),
+            (None, None) if overlays.wavefronts.is_some() || overlays.legend => {
+                seen.statuses(self.tally)
+            }
+            (None, None) => Cow::Borrowed(&[]),
+        };
+        if overlays.error {
+            drawn.push("error");
+            match lines::error(image, inside) {
+                true => key.error(),
+                false => {
+                    notes.push("the error is painted only for the fan's pictures".to_owned());
+                }
+            }
+        }
+        if let Some(spacing) = overlays.wavefronts {
+            drawn.push("wavefronts");
+            let distance = spacing.distance(inside.zoom);
+            lines::wavefronts(image, &status, inside.zoom, distance);
+            key.line(ink::WAVE, &wave_words(distance));
+        }
+        if let Some(map) = &map
+            && overlays.cut_locus
+        {
+            drawn.push("cut locus");
+            let share = cut::draw(image, map, inside);
+            notes.push(format!(
+                "{:.2} % of the pixels lie beyond the cut locus",
+                100.0 * share
+            ));
+            key.line(ink::CUT, "cut locus");
+        }
+        if let Some(map) = &map
+            && overlays.conjugate_points
+        {
+            drawn.push("conjugate points");
+            lines::conjugate_points(image, map, inside);
+            key.line(ink::CONJUGATE, "conjugate points");
+        }
+        if overlays.legend {
+            drawn.push("legend");
+            if let Some(scale) = request.texture(self.surface).curvature_scale() {
+                let surface = self.scene.objects.get(self.surface.0 as usize);
+                let name = surface.map_or("", |object| object.name.as_str());
+                key.curvature(name, scale);
+            }
+            for unseen in UNSEEN {
+                if status.contains(&unseen) {
+                    key.hatching(unseen);
+                }
+            }
+        }
+        (notes, drawn)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::geodesic_view::Paint;
+    use crate::texture::Texture;
+
+    /// The picture, its lines laid over each band of rows while it was coloured, or over the whole.
+    fn drawn(source: &str, size: [u32; 2], banded: bool) -> RgbaImage {
+        let scene = scene::compile(source).scene.expect("no errors");
+        let settings = Settings::opening(&scene);
+        let request = Request::geodesic(ObjectId(0), size);
+        let inside = Inside::new(&scene, &settings, &request).expect("a camera");
+        let texture: Arc<Texture> = Texture::orientation();
+        let paint = Paint {
+            texture: &texture,
+            colour: [1.0; 3],
+            domain: inside.domain(),
+            sides: inside.sides(),
+            mark_centre: true,
+            coarse: false,
+        };
+        let seen = inside.look(&|_| {});
+        assert!(matches!(seen, Seen::Patchwork { .. }));
+        let tally = Tally::default();
+        let over = OverInside::new(&scene, &settings, &request, &inside, ObjectId(0), &tally);
+        let layer = over.layer().expect("lines");
+        if banded {
+            return seen.resolve_under(&paint, Some(layer), &tally).0;
+        }
+        let (mut image, _) = seen.resolve(&paint);
+        seen.lay(&mut image, layer, &tally);
+        image
+    }
+
+    #[test]
+    fn lines_laid_while_a_picture_is_coloured_are_those_laid_over_the_whole() {
+        // Through the centre, where the ring is, and out of the edges, beyond which there are hatchings.
+        let lines = "grid k : [0, 3, 7];
+            geodesic g(t) : s = (cos k, sin k) @ (1, 0.5), t : [-3, 3];";
+        let plane = "surface s(u,v) = (u, v, 0), u : [0, 2], v : [0, 1];";
+        let dome = "surface s(u,v) = (u, v, 0.4 sin(3u) cos v), u : [0, 2], v : [0, 1];";
+        for surface in [plane, dome] {
+            for size in [[120, 90], [77, 101]] {
+                let source = format!("{surface} {lines}");
+                let [banded, whole] = [true, false].map(|banded| drawn(&source, size, banded));
+                assert!(banded == whole, "{source} in {size:?}");
+            }
+        }
+    }
+}
