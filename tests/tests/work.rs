@@ -1,15 +1,22 @@
 //! What the geodesic view of every example costs, counted: a change of cost is a change of a line.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
 use geodesic::fan::{Fan, FanOptions};
 use geodesic::patchwork::{Cover, Patchwork};
 use rayon::ThreadPoolBuilder;
+use render::Request;
+use render::live::Stage;
+use scene::scene::ObjectId;
+use scene::values::Settings;
 use testing::draw::scene;
 use testing::examples;
 use testing::inside::opening;
 
 const SIZE: [u32; 2] = [512, 512];
+/// Of pictures with lines.
+const PICTURE: [u32; 2] = [256, 192];
 
 /// One line for each example with a surface.
 fn table(names: &[&str]) -> String {
@@ -47,6 +54,42 @@ fn table(names: &[&str]) -> String {
         );
     }
     table
+}
+
+/// One line for each example with lines on a surface: how often the ends of the pixels of its picture are computed, for its
+/// colours and for the lines together, and how many rows of eight pixels are measured against pieces of lines.
+fn lines() -> String {
+    let mut table = String::new();
+    for example in examples::all() {
+        let scene = Arc::new(scene(&example.source));
+        let Some(on) = scene
+            .objects
+            .iter()
+            .position(|object| object.shape.patch().is_some())
+        else {
+            continue;
+        };
+        let mut stage = Stage::software();
+        let request = Request::geodesic(ObjectId(on as u32), PICTURE);
+        stage
+            .draw(&scene, &Settings::opening(&scene), &request)
+            .expect("a picture");
+        let made = stage.counters();
+        let pixels = u64::from(PICTURE[0] * PICTURE[1]);
+        if made.distances > 0 {
+            let _ = writeln!(
+                table,
+                "{:14} ends {} of {pixels}  distances {:7}",
+                example.name, made.ends, made.distances
+            );
+        }
+    }
+    table
+}
+
+#[test]
+fn the_work_of_lines_over_every_example_is_what_it_was() {
+    insta::assert_snapshot!("lines", lines());
 }
 
 #[test]

@@ -31,7 +31,7 @@ use scene::values::Settings;
 
 use crate::plan::Painter;
 use crate::request::{RenderError, Request};
-use crate::style;
+use crate::style::{self, Decoder, Encoder};
 use crate::texture::Texture;
 
 /// What is asked for beyond the picture itself; by default nothing.
@@ -195,6 +195,23 @@ struct Pen {
     half: f32,
     /// … and that of its rim.
     rim: f32,
+    decoder: Decoder,
+    encoder: Encoder,
+}
+
+/// The colour of a line.
+#[derive(Clone, Copy, Debug)]
+struct Ink {
+    srgb: [u8; 3],
+    /// In linear light.
+    light: [f32; 3],
+}
+
+impl Ink {
+    fn of(srgb: [u8; 3]) -> Self {
+        let light = style::linear(srgb);
+        Self { srgb, light }
+    }
 }
 
 impl Pen {
@@ -204,16 +221,30 @@ impl Pen {
         Self {
             half,
             rim: half + 0.8 * unit.max(0.8),
+            decoder: Decoder::get(),
+            encoder: Encoder::get(),
         }
     }
 
-    /// Lays the line of a colour (linear light) over a pixel's bytes, so many pixels from its middle.
-    fn ink(&self, pixel: &mut [u8], colour: [f32; 3], distance: f32) {
+    /// Pixels as far as that from a line show nothing of it.
+    #[inline(always)]
+    fn reach(&self) -> f32 {
+        self.rim + 0.5
+    }
+
+    /// Lays a line over a pixel's bytes, so many pixels from its middle.
+    #[inline]
+    fn ink(&self, pixel: &mut [u8], ink: &Ink, distance: f32) {
         let dark = 0.55 * (self.rim - distance + 0.5).clamp(0.0, 1.0);
         let line = (self.half - distance + 0.5).clamp(0.0, 1.0);
-        if dark > 0.0 {
-            blend(pixel, [0.0; 3], dark);
-            blend(pixel, colour, line);
+        if line >= 1.0 {
+            pixel[..3].copy_from_slice(&ink.srgb);
+        } else if dark > 0.0 {
+            let (decoder, encoder) = (self.decoder, self.encoder);
+            blend_by(decoder, encoder, pixel, [0.0; 3], dark);
+            if line > 0.0 {
+                blend_by(decoder, encoder, pixel, ink.light, line);
+            }
         }
     }
 }
@@ -221,22 +252,28 @@ impl Pen {
 /// Lays lines over a picture: `distance` gives how far a pixel (by its index) is from the nearest line, in pixels.
 fn stroke(image: &mut RgbaImage, colour: [u8; 3], distance: impl Fn(usize) -> Option<f32> + Sync) {
     let pen = Pen::of([image.width(), image.height()]);
-    let colour = style::linear(colour);
+    let ink = Ink::of(colour);
     image
         .par_chunks_mut(4)
         .enumerate()
         .for_each(|(index, pixel)| {
             if let Some(distance) = distance(index) {
-                pen.ink(pixel, colour, distance);
+                pen.ink(pixel, &ink, distance);
             }
         });
 }
 
 /// Lays a colour (linear light) over a pixel's bytes.
 fn blend(pixel: &mut [u8], colour: [f32; 3], share: f32) {
+    blend_by(Decoder::get(), Encoder::get(), pixel, colour, share);
+}
+
+/// The same by tables that are at hand.
+#[inline]
+fn blend_by(decoder: Decoder, encoder: Encoder, pixel: &mut [u8], colour: [f32; 3], share: f32) {
     for (byte, colour) in pixel.iter_mut().zip(colour) {
-        let under = style::decode(*byte);
-        *byte = style::encode(under + share * (colour - under));
+        let under = decoder.decode(*byte);
+        *byte = encoder.encode(under + share * (colour - under));
     }
 }
 
@@ -254,7 +291,43 @@ fn cover(pixel: &mut [u8; 4], colour: [f32; 3], share: f32) {
 
 #[cfg(test)]
 mod tests {
-    use super::cover;
+    use super::{Ink, Pen, blend, cover};
+
+    #[test]
+    fn a_line_is_its_colour_in_its_middle_and_nothing_beyond_its_rim() {
+        let pen = Pen::of([800, 600]);
+        for under in 0..=255 {
+            for colour in 0..=255 {
+                let ink = Ink::of([colour; 3]);
+                let mut blended = [under; 3];
+                blend(&mut blended, ink.light, 1.0);
+                assert_eq!(blended, ink.srgb, "over {under}");
+            }
+            let mut blended = [under; 3];
+            blend(&mut blended, [0.3; 3], 0.0);
+            assert_eq!(blended, [under; 3]);
+            let ink = Ink::of([77; 3]);
+            let inked = |distance: f32| {
+                let mut pixel = [under; 4];
+                pen.ink(&mut pixel, &ink, distance);
+                pixel
+            };
+            assert_eq!(inked(pen.half - 0.5), [77, 77, 77, under]);
+            assert_eq!(inked(pen.reach()), [under; 4]);
+            // Between both there is no step.
+            let mut before = inked(0.0);
+            let mut distance = 0.0;
+            while distance < pen.reach() {
+                distance += 0.01;
+                let next = inked(distance);
+                assert!(
+                    (0..3).all(|k| before[k].abs_diff(next[k]) <= 12),
+                    "{before:?} and {next:?} {distance} from the middle"
+                );
+                before = next;
+            }
+        }
+    }
 
     #[test]
     fn covering_a_transparent_pixel_gives_the_colour_with_its_share() {

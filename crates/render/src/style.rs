@@ -176,17 +176,34 @@ pub fn linear(colour: [u8; 3]) -> [f32; 3] {
 
 /// One sRGB byte to linear light in `[0, 1]`.
 pub fn decode(byte: u8) -> f32 {
-    static TABLE: LazyLock<[f32; 256]> = LazyLock::new(|| {
-        std::array::from_fn(|byte| {
-            let c = byte as f32 / 255.0;
-            if c <= 0.040_45 {
-                c / 12.92
-            } else {
-                ((c + 0.055) / 1.055).powf(2.4)
-            }
-        })
-    });
-    TABLE[usize::from(byte)]
+    Decoder::get().decode(byte)
+}
+
+/// The table from sRGB to linear light, fetched once for many colours.
+#[derive(Clone, Copy, Debug)]
+pub struct Decoder(&'static [f32; 256]);
+
+impl Decoder {
+    /// The table.
+    pub fn get() -> Self {
+        static TABLE: LazyLock<[f32; 256]> = LazyLock::new(|| {
+            std::array::from_fn(|byte| {
+                let c = byte as f32 / 255.0;
+                if c <= 0.040_45 {
+                    c / 12.92
+                } else {
+                    ((c + 0.055) / 1.055).powf(2.4)
+                }
+            })
+        });
+        Self(&TABLE)
+    }
+
+    /// One byte.
+    #[inline]
+    pub fn decode(self, byte: u8) -> f32 {
+        self.0[usize::from(byte)]
+    }
 }
 
 /// Linear light to an sRGB byte; see [`Encoder::encode`].

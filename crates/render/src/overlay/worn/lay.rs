@@ -4,34 +4,34 @@
 //! are as wide as other lines wherever they are seen. Pieces are looked up for a block of pixels at once, and measured
 //! for a row of it at once, in loops that become vectors.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use expr::processor::{Processor, Work};
 use geodesic::patchwork::BLOCK;
 use geodesic::trace::Status;
 
-use super::super::Pen;
+use super::super::{Ink, Pen};
 use super::Worn;
-use super::table::{Near, Piece, Table};
+use super::table::{Found, Near, Table};
 use crate::geodesic_view::{EndsOfRows, Inside, Layer, Tally};
-use crate::style;
 
 /// Pixels that are measured together.
 const LANES: usize = BLOCK as usize;
-/// Where what is near a pixel covers more cells of the table, lines are thinner than can be seen.
+/// Where what is about a pixel covers more cells of the table, lines are thinner than can be seen.
 const MOST_CELLS: f64 = 256.0;
-/// How much farther than half its width a line is looked for: its rim.
-const RIM: f32 = 2.5;
+/// What is about a pixel lies within half a line's width of it, and so many pixels more.
+const ABOUT: f32 = 2.5;
 
 /// Lines that are laid over a picture, the first one undermost.
 pub(in crate::overlay) struct Lines<'t> {
     table: Table,
-    /// Of each line, in linear light.
-    colours: Vec<[f32; 3]>,
+    inks: Vec<Ink>,
     pen: Pen,
-    /// Lines that are farther away, in pixels, are not looked for.
-    most: f32,
     /// The picture's.
     width: usize,
     processor: Processor,
+    /// Of bands that are done, for others.
+    scratches: Mutex<Vec<Scratch>>,
     tally: &'t Tally,
 }
 
@@ -46,32 +46,29 @@ impl<'t> Lines<'t> {
             return None;
         }
         let size = inside.size();
-        let pen = Pen::of(size);
-        let colour = |line: &Worn| style::linear(line.colour);
         Some(Self {
             table: Table::new(lines, inside),
-            colours: lines.iter().map(colour).collect(),
-            pen,
-            most: pen.half + RIM,
+            inks: lines.iter().map(|line| Ink::of(line.colour)).collect(),
+            pen: Pen::of(size),
             width: size[0] as usize,
             processor: Processor::here(),
+            scratches: Mutex::default(),
             tally,
         })
     }
 
-    /// Whether what is so wide in (u,v) covers few enough cells.
+    /// Whether what is about a pixel covers few enough cells, where it reaches so far in (u,v) for each pixel.
     #[inline(always)]
     fn few_cells(&self, [u, v]: [f64; 2]) -> bool {
         let [across, down] = self.table.cells_per_unit();
-        (1.0 + u * across) * (1.0 + v * down) <= MOST_CELLS
+        let about = 2.0 * f64::from(self.pen.half + ABOUT);
+        (1.0 + about * u * across) * (1.0 + about * v * down) <= MOST_CELLS
     }
 
-    fn scratch(&self) -> Scratch {
-        Scratch {
-            near: Vec::new(),
-            squares: vec![[f32::INFINITY; LANES]; self.colours.len()],
-            distances: 0,
-        }
+    fn scratches(&self) -> MutexGuard<'_, Vec<Scratch>> {
+        self.scratches
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -81,7 +78,12 @@ impl Layer for Lines<'_> {
         if ends.by_pixel.is_empty() {
             return;
         }
-        let mut scratch = self.scratch();
+        let scratch = self.scratches().pop();
+        let mut scratch = scratch.unwrap_or_else(|| Scratch {
+            squares: vec![[f32::INFINITY; LANES]; self.inks.len()],
+            ..Scratch::default()
+        });
+        scratch.distances = 0;
         self.processor.run(Band {
             lines: self,
             ends,
@@ -89,16 +91,28 @@ impl Layer for Lines<'_> {
             pixels,
         });
         self.tally.distances(scratch.distances);
+        self.scratches().push(scratch);
     }
 }
 
 /// What a band of pixels is measured with.
+#[derive(Debug, Default)]
 struct Scratch {
-    near: Vec<Piece>,
+    found: Found,
+    /// What was found, as offsets from the camera.
+    near: Vec<Offset>,
     /// The squares of the lines' distances.
     squares: Vec<[f32; LANES]>,
     /// See [`Tally::distances`].
     distances: u64,
+}
+
+/// A piece as it is measured.
+#[derive(Debug)]
+struct Offset {
+    line: usize,
+    from: [f32; 2],
+    step: [f32; 2],
 }
 
 /// Some whole rows of pixels with their ends.
@@ -107,6 +121,14 @@ struct Band<'a> {
     ends: EndsOfRows<'a>,
     scratch: &'a mut Scratch,
     pixels: &'a mut [u8],
+}
+
+/// What is near some pixels.
+struct Bounds {
+    /// A box in the chart within which it lies: lowest and highest (u,v).
+    around: [[f64; 2]; 2],
+    /// Whether what is about each of them covers few enough cells.
+    few_cells: bool,
 }
 
 /// Some pixels of a row: where they are in the chart, and how a step in it becomes one in pixels. Pixels that show no
@@ -124,29 +146,28 @@ impl Work for Band<'_> {
     #[inline(always)]
     fn run(mut self) {
         let width = self.lines.width;
+        let end = self.ends.status.len();
         for left in (0..width).step_by(LANES) {
             let count = LANES.min(width - left);
-            let rows = || (left..self.ends.offset.len()).step_by(width);
-            let bounds = self.bounds(rows().map(|first| first..first + count));
-            match self.lines.table.near(bounds, false, &mut self.scratch.near) {
+            let rows = (left..end).step_by(width);
+            let Some(bounds) = self.bounds(rows.clone(), count) else {
+                continue;
+            };
+            match self.find(&bounds, false) {
                 Near::Nothing => {}
                 Near::Some => {
-                    for first in (left..self.ends.offset.len()).step_by(width) {
-                        self.strip(first, count);
+                    for first in rows {
+                        self.strip(first, count, bounds.few_cells);
                     }
                 }
                 Near::Unclear => {
-                    for first in (left..self.ends.offset.len()).step_by(width) {
-                        for index in first..first + count {
-                            let bounds = self.bounds(std::iter::once(index..index + 1));
-                            let near = &mut self.scratch.near;
-                            if self
-                                .lines
-                                .few_cells([0, 1].map(|k| bounds[1][k] - bounds[0][k]))
-                                && self.lines.table.near(bounds, true, near) == Near::Some
-                            {
-                                self.strip(index, 1);
-                            }
+                    for index in rows.flat_map(|first| first..first + count) {
+                        let bounds = self.bounds(std::iter::once(index), 1);
+                        if let Some(bounds) = bounds
+                            && bounds.few_cells
+                            && self.find(&bounds, true) == Near::Some
+                        {
+                            self.strip(index, 1, true);
                         }
                     }
                 }
@@ -156,56 +177,96 @@ impl Work for Band<'_> {
 }
 
 impl Band<'_> {
-    /// A box in the chart within which all lies that is near some pixels.
+    /// What is near some pixels, so many from each of the first ones on; `None` where none of them shows the surface.
     #[inline(always)]
-    fn bounds(&self, rows: impl Iterator<Item = std::ops::Range<usize>>) -> [[f64; 2]; 2] {
-        let (mut low, mut high) = ([f32::INFINITY; 2], [f32::NEG_INFINITY; 2]);
-        let mut largest = [0.0_f32; 4];
-        for row in rows {
-            for offset in &self.ends.offset[row.clone()] {
-                for k in 0..2 {
-                    low[k] = low[k].min(offset[k]);
-                    high[k] = high[k].max(offset[k]);
+    fn bounds(&self, firsts: impl Iterator<Item = usize>, count: usize) -> Option<Bounds> {
+        let EndsOfRows {
+            origin,
+            offset,
+            by_pixel,
+            status,
+        } = self.ends;
+        let complete = |status: &Status| *status == Status::Complete;
+        let mut extent = Extent::default();
+        let mut any = false;
+        for first in firsts {
+            let status = &status[first..first + count];
+            let whole = (
+                offset[first..].first_chunk::<LANES>(),
+                by_pixel[first..].first_chunk::<LANES>(),
+            );
+            if let (Some(offset), Some(by_pixel)) = whole
+                && count == LANES
+                && status.iter().all(complete)
+            {
+                any = true;
+                for n in 0..LANES {
+                    extent.note(n, &offset[n], &by_pixel[n]);
                 }
-            }
-            for derivative in &self.ends.by_pixel[row] {
-                for k in 0..4 {
-                    largest[k] = largest[k].max(derivative[k].abs());
+            } else {
+                for n in (0..count).filter(|n| complete(&status[*n])) {
+                    any = true;
+                    extent.note(n, &offset[first + n], &by_pixel[first + n]);
                 }
             }
         }
-        let reach = [0, 1].map(|k| {
-            let [x, y] = [largest[k], largest[k + 2]].map(f64::from);
-            f64::from(self.lines.most) * (x * x + y * y).sqrt()
+        if !any {
+            return None;
+        }
+        let (low, high, slopes) = extent.of_all();
+        let by_pixel = [0, 1].map(|k| {
+            let [x, y] = [slopes[k], slopes[k + 2]].map(f64::from);
+            (x * x + y * y).sqrt()
         });
-        let at = |k: usize, offset: f32| self.ends.origin[k] + f64::from(offset);
-        [
-            [0, 1].map(|k| at(k, low[k]) - reach[k]),
-            [0, 1].map(|k| at(k, high[k]) + reach[k]),
-        ]
+        let reach = by_pixel.map(|x| f64::from(self.lines.pen.reach()) * x);
+        Some(Bounds {
+            around: [
+                [0, 1].map(|k| origin[k] + f64::from(low[k]) - reach[k]),
+                [0, 1].map(|k| origin[k] + f64::from(high[k]) + reach[k]),
+            ],
+            few_cells: self.lines.few_cells(by_pixel),
+        })
     }
 
-    /// Inks some pixels of a row with the pieces that are near.
+    /// Finds the pieces that are near some pixels, or one.
     #[inline(always)]
-    fn strip(&mut self, first: usize, count: usize) {
-        let strip = self.measured(first, count);
+    fn find(&mut self, bounds: &Bounds, point: bool) -> Near {
+        let Scratch { found, near, .. } = &mut *self.scratch;
+        let what = self.lines.table.near(bounds.around, point, found);
+        near.clear();
+        if what == Near::Some {
+            let origin = self.ends.origin;
+            near.extend(found.pieces.iter().map(|piece| Offset {
+                line: piece.line,
+                from: [0, 1].map(|k| (piece.from[k] - origin[k]) as f32),
+                step: piece.step.map(|x| x as f32),
+            }));
+        }
+        what
+    }
+
+    /// Inks some pixels of a row with the pieces that are near. `few_cells` is known of all of them, or has to be found
+    /// out for each.
+    #[inline(always)]
+    fn strip(&mut self, first: usize, count: usize, few_cells: bool) {
+        let strip = self.measured(first, count, few_cells);
         let Scratch {
             near,
             squares,
             distances,
+            ..
         } = &mut *self.scratch;
         *distances += near.len() as u64;
         for piece in near.iter() {
-            let from = [0, 1].map(|k| (piece.from[k] - self.ends.origin[k]) as f32);
-            strip.measure(from, piece.step.map(|x| x as f32), &mut squares[piece.line]);
+            strip.measure(piece.from, piece.step, &mut squares[piece.line]);
         }
-        let most = self.lines.most * self.lines.most;
-        for (squares, colour) in squares.iter_mut().zip(&self.lines.colours) {
+        let pen = &self.lines.pen;
+        let most = pen.reach() * pen.reach();
+        for (squares, ink) in squares.iter_mut().zip(&self.lines.inks) {
             for (n, square) in squares.iter().take(count).enumerate() {
                 if *square < most {
                     let pixel = 4 * (first + n);
-                    let pixel = &mut self.pixels[pixel..pixel + 4];
-                    self.lines.pen.ink(pixel, *colour, square.sqrt());
+                    pen.ink(&mut self.pixels[pixel..pixel + 4], ink, square.sqrt());
                 }
             }
             squares.fill(f32::INFINITY);
@@ -213,30 +274,101 @@ impl Band<'_> {
     }
 
     #[inline(always)]
-    fn measured(&self, first: usize, count: usize) -> Strip {
+    fn measured(&self, first: usize, count: usize, few_cells: bool) -> Strip {
+        let row = first..first + count;
+        let mut offset = [[0.0; 2]; LANES];
+        let mut by_pixel = [[0.0; 4]; LANES];
+        let mut shown = [false; LANES];
+        offset[..count].copy_from_slice(&self.ends.offset[row.clone()]);
+        by_pixel[..count].copy_from_slice(&self.ends.by_pixel[row.clone()]);
+        for (shown, status) in shown.iter_mut().zip(&self.ends.status[row]) {
+            *shown = *status == Status::Complete;
+        }
+        if !few_cells {
+            for (shown, by_pixel) in shown.iter_mut().zip(&by_pixel) {
+                let [a, b, c, d] = by_pixel.map(f64::from);
+                let wide = |x: f64, y: f64| (x * x + y * y).sqrt();
+                *shown &= self.lines.few_cells([wide(a, c), wide(b, d)]);
+            }
+        }
         let mut strip = Strip {
-            u: [f32::NAN; LANES],
-            v: [f32::NAN; LANES],
+            u: [0.0; LANES],
+            v: [0.0; LANES],
             pixels: [[0.0; LANES]; 4],
         };
-        let across = 2.0 * f64::from(self.lines.most);
-        for n in 0..count {
-            let index = first + n;
+        for n in 0..LANES {
+            strip.u[n] = if shown[n] { offset[n][0] } else { f32::NAN };
+            strip.v[n] = if shown[n] { offset[n][1] } else { f32::NAN };
             // (u,v) = x (a,b) + y (c,d), turned round.
-            let [a, b, c, d] = self.ends.by_pixel[index].map(f64::from);
+            let [a, b, c, d] = by_pixel[n].map(f64::from);
             let one = 1.0 / (a * d - b * c);
-            let wide = |x: f64, y: f64| across * (x * x + y * y).sqrt();
-            let few = self.lines.few_cells([wide(a, c), wide(b, d)]);
-            if few && self.ends.status[index] == Status::Complete {
-                [strip.u[n], strip.v[n]] = self.ends.offset[index];
-            }
-            let pixels = [d * one, -c * one, -b * one, a * one];
-            for (lanes, x) in strip.pixels.iter_mut().zip(pixels) {
-                lanes[n] = x as f32;
-            }
+            strip.pixels[0][n] = (d * one) as f32;
+            strip.pixels[1][n] = (-c * one) as f32;
+            strip.pixels[2][n] = (-b * one) as f32;
+            strip.pixels[3][n] = (a * one) as f32;
         }
         strip
     }
+}
+
+/// The least and largest numbers among pixels' ends, column by column: a row of them is one vector or two.
+struct Extent {
+    low: [[f32; 2]; LANES],
+    high: [[f32; 2]; LANES],
+    /// The sizes of the derivatives.
+    slopes: [[f32; 4]; LANES],
+}
+
+impl Default for Extent {
+    fn default() -> Self {
+        Self {
+            low: [[f32::INFINITY; 2]; LANES],
+            high: [[f32::NEG_INFINITY; 2]; LANES],
+            slopes: [[0.0; 4]; LANES],
+        }
+    }
+}
+
+#[allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
+impl Extent {
+    #[inline(always)]
+    fn note(&mut self, column: usize, offset: &[f32; 2], by_pixel: &[f32; 4]) {
+        for k in 0..2 {
+            self.low[column][k] = lesser(offset[k], self.low[column][k]);
+            self.high[column][k] = greater(offset[k], self.high[column][k]);
+        }
+        for k in 0..4 {
+            self.slopes[column][k] = greater(by_pixel[k].abs(), self.slopes[column][k]);
+        }
+    }
+
+    /// Of all columns: lowest and highest offsets, largest derivatives.
+    #[inline(always)]
+    fn of_all(&self) -> ([f32; 2], [f32; 2], [f32; 4]) {
+        let (mut low, mut high, mut slopes) = (self.low[0], self.high[0], self.slopes[0]);
+        for n in 1..LANES {
+            for k in 0..2 {
+                low[k] = lesser(self.low[n][k], low[k]);
+                high[k] = greater(self.high[n][k], high[k]);
+            }
+            for k in 0..4 {
+                slopes[k] = greater(self.slopes[n][k], slopes[k]);
+            }
+        }
+        (low, high, slopes)
+    }
+}
+
+/// `b` where `a` is no number: one instruction, unlike [`f32::min`].
+#[inline(always)]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// `b` where `a` is no number.
+#[inline(always)]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 impl Strip {

@@ -36,6 +36,34 @@ pub(super) struct Table {
     sums: Vec<u32>,
 }
 
+/// Pieces that were found, each once.
+#[derive(Debug, Default)]
+pub(super) struct Found {
+    pub(super) pieces: Vec<Piece>,
+    /// For each piece of the table, the number of the search that came upon it last.
+    searches: Vec<u32>,
+    search: u32,
+}
+
+impl Found {
+    fn begin(&mut self, pieces: usize) {
+        if self.searches.len() != pieces || self.search == u32::MAX {
+            self.searches = vec![0; pieces];
+            self.search = 0;
+        }
+        self.search += 1;
+    }
+
+    /// Whether this search comes upon a piece for the first time.
+    #[inline(always)]
+    fn is_new(&mut self, number: u32) -> bool {
+        let last = &mut self.searches[number as usize];
+        let new = *last != self.search;
+        *last = self.search;
+        new
+    }
+}
+
 /// The pieces that may go through a box.
 #[derive(Debug, PartialEq)]
 pub(super) enum Near {
@@ -79,8 +107,9 @@ impl Table {
 
     /// The pieces that may go through a box (lowest and highest (u,v), which may lie beyond sides that wrap), in its own
     /// coordinates. A box about one point is never unclear: it is taken to be where its middle is.
-    pub(super) fn near(&self, bounds: [[f64; 2]; 2], point: bool, found: &mut Vec<Piece>) -> Near {
-        found.clear();
+    #[inline(always)]
+    pub(super) fn near(&self, bounds: [[f64; 2]; 2], point: bool, found: &mut Found) -> Near {
+        found.pieces.clear();
         let Some(Turned {
             bounds,
             signs,
@@ -101,40 +130,38 @@ impl Table {
         if !point && (far(0) || far(1)) {
             return Near::Unclear;
         }
-        let mut numbers = Vec::new();
-        for row in rows.iter().flat_map(|&[from, to]| from..to) {
-            for column in columns.iter().flat_map(|&[from, to]| from..to) {
-                numbers.extend_from_slice(self.in_cell(column, row));
-            }
-        }
-        numbers.sort_unstable();
-        numbers.dedup();
+        found.begin(self.pieces.len());
         let middle = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
-        for number in numbers {
-            let Piece {
-                line,
-                mut from,
-                step,
-            } = self.pieces[number as usize];
-            for (k, from) in from.iter_mut().enumerate() {
-                if self.wraps[k] {
-                    let period = self.period[k];
-                    *from += period * ((middle[k] - *from) / period).round();
+        for row in rows.iter().flat_map(|&[from, to]| from..to) {
+            for number in columns.iter().flat_map(|columns| self.in_row(row, columns)) {
+                if !found.is_new(*number) {
+                    continue;
+                }
+                let Piece {
+                    line,
+                    mut from,
+                    step,
+                } = self.pieces[*number as usize];
+                for (k, from) in from.iter_mut().enumerate() {
+                    if self.wraps[k] {
+                        let period = self.period[k];
+                        *from += period * ((middle[k] - *from) / period).round();
+                    }
+                }
+                let meets = |k: usize| {
+                    let to = from[k] + step[k];
+                    from[k].min(to) <= high[k] && from[k].max(to) >= low[k]
+                };
+                if meets(0) && meets(1) {
+                    found.pieces.push(Piece {
+                        line,
+                        from: [0, 1].map(|k| signs[k] * (from[k] - shift[k])),
+                        step: [0, 1].map(|k| signs[k] * step[k]),
+                    });
                 }
             }
-            let meets = |k: usize| {
-                let to = from[k] + step[k];
-                from[k].min(to) <= high[k] && from[k].max(to) >= low[k]
-            };
-            if meets(0) && meets(1) {
-                found.push(Piece {
-                    line,
-                    from: [0, 1].map(|k| signs[k] * (from[k] - shift[k])),
-                    step: [0, 1].map(|k| signs[k] * step[k]),
-                });
-            }
         }
-        match found.is_empty() {
+        match found.pieces.is_empty() {
             true => Near::Nothing,
             false => Near::Some,
         }
@@ -142,6 +169,7 @@ impl Table {
 
     /// A box turned over through the sides that flip, so that it lies in the domain; `None` where it lies on both sides of
     /// one of them.
+    #[inline(always)]
     fn turned(&self, bounds: [[f64; 2]; 2], point: bool) -> Option<Turned> {
         let mut turned = Turned {
             bounds,
@@ -178,6 +206,7 @@ impl Table {
     }
 
     /// Whether any piece is entered in some columns and rows of cells.
+    #[inline(always)]
     fn any(&self, columns: &[[usize; 2]; 2], rows: &[[usize; 2]; 2]) -> bool {
         let sum = |i: usize, j: usize| self.sums[j * (CELLS + 1) + i];
         columns.iter().any(|&[i0, i1]| {
@@ -188,6 +217,7 @@ impl Table {
 
     /// The cells between two numbers, and one more on both sides for what rounding does: one or two ranges without their
     /// ends.
+    #[inline(always)]
     fn ranges(&self, axis: usize, low: f64, high: f64) -> Option<[[usize; 2]; 2]> {
         let n = CELLS as i64;
         let [low, high] = [low, high].map(|x| self.cell(axis, x));
@@ -211,13 +241,16 @@ impl Table {
         ])
     }
 
+    #[inline(always)]
     fn cell(&self, axis: usize, x: f64) -> f64 {
         (x - self.domain[axis][0]) / self.period[axis] * CELLS as f64
     }
 
-    fn in_cell(&self, column: usize, row: usize) -> &[u32] {
-        let cell = row * CELLS + column;
-        &self.numbers[self.begins[cell] as usize..self.begins[cell + 1] as usize]
+    /// What is entered in some columns of a row, which stands together.
+    #[inline(always)]
+    fn in_row(&self, row: usize, &[from, to]: &[usize; 2]) -> &[u32] {
+        let begin = |column: usize| self.begins[row * CELLS + column] as usize;
+        &self.numbers[begin(from)..begin(to)]
     }
 
     /// Enters the pieces: first how many each cell has, then which.
@@ -339,7 +372,7 @@ mod tests {
         };
         table.enter();
         let mut counts = [0; 3];
-        let mut found = Vec::new();
+        let mut found = Found::default();
         for _ in 0..2000 {
             let low = [-6.0 + 12.0 * number(), 0.5 + 0.9 * number()];
             let size = [0.3 * number() * number(), 0.1 * number()];
@@ -364,10 +397,10 @@ mod tests {
                 .collect();
             wanted.sort_unstable();
             wanted.dedup();
-            let mut lines: Vec<usize> = found.iter().map(|piece| piece.line).collect();
+            let mut lines: Vec<usize> = found.pieces.iter().map(|piece| piece.line).collect();
             lines.sort_unstable();
             assert_eq!(lines, wanted, "{low:?} {high:?}");
-            assert!(found.iter().all(meets), "{found:?} {low:?} {high:?}");
+            assert!(found.pieces.iter().all(meets), "{found:?} {low:?} {high:?}");
             counts[usize::from(near == Near::Some)] += 1;
         }
         counts
