@@ -14,6 +14,7 @@ pub(crate) use seen::{EndsOfRows, Layer, Tally};
 
 use geodesic::ends::{Estimate, Work};
 use geodesic::trace::Status;
+use rayon::prelude::*;
 
 /// Half the period of the hatching of what is not seen, in [`crate::style::pixel_unit`]s.
 pub const HATCH: f32 = 5.0;
@@ -30,6 +31,30 @@ pub(crate) const UNSEEN: [Status; 5] = [
     Status::Undefined,
     Status::WorkLimit,
 ];
+
+/// Counts the pixels that show nothing of the surface, by the reason.
+pub(crate) fn count(status: &[Status]) -> impl Fn(Status) -> usize + use<> {
+    const PART: usize = 1 << 14;
+    let none = || [0_usize; UNSEEN.len()];
+    let counted = status.par_chunks(PART).map(|part| {
+        let mut counts = none();
+        // Most parts are seen as a whole, which a vector at a time tells.
+        let seen = part
+            .iter()
+            .fold(true, |all, status| all & (*status == Status::Complete));
+        if !seen {
+            for (count, reason) in counts.iter_mut().zip(UNSEEN) {
+                *count = part.iter().filter(|&&status| status == reason).count();
+            }
+        }
+        counts
+    });
+    let counts = counted.reduce(none, |a, b| std::array::from_fn(|k| a[k] + b[k]));
+    move |reason| {
+        let known = UNSEEN.iter().position(|&unseen| unseen == reason);
+        known.map_or(0, |k| counts[k])
+    }
+}
 
 /// Paper and stripe of the hatching of pixels without a colour, sRGB: light, never black, one pair per reason.
 pub fn hatching(status: Status) -> [[u8; 3]; 2] {

@@ -3,7 +3,7 @@
 use scene::scene::{Scene, Shape};
 use scene::values::Settings;
 
-use crate::geodesic_view::{Inside, Paint, Seen, Tally, notes};
+use crate::geodesic_view::{Inside, Paint, Seen, Tally, count, notes};
 use crate::overlay::OverInside;
 use crate::request::{Picture, RenderError, Request, View};
 
@@ -15,14 +15,7 @@ pub(super) fn render(
 ) -> Result<Picture, RenderError> {
     let inside = Inside::new(scene, settings, request)?;
     let seen = inside.look(&|share| progress(0.9 * share));
-    let picture = paint(
-        scene,
-        settings,
-        request,
-        &inside,
-        &seen,
-        &Tally::default(),
-    )?;
+    let picture = paint(scene, settings, request, &inside, &seen, &Tally::default())?;
     progress(1.0);
     Ok(picture)
 }
@@ -55,8 +48,7 @@ pub(crate) fn paint(
     let over = OverInside::new(scene, settings, request, inside, surface, tally);
     let (mut image, status) = seen.resolve_under(&paint, over.layer(), tally);
     let (over, overlays) = over.finish(&mut image, seen, Some(&status));
-    let count = |kind| status.iter().filter(|&&s| s == kind).count();
-    let mut notes = notes(status.len(), count, &seen.work(), seen.estimate());
+    let mut notes = notes(status.len(), count(&status), &seen.work(), seen.estimate());
     notes.extend(over);
     Ok(Picture {
         image,
