@@ -9,12 +9,13 @@ use std::cell::RefCell;
 
 use expr::graph::TooLarge;
 use expr::jets::{Fixed, JetRegisters, JetTape, Order};
+use expr::processor::{Processor, Work};
 use expr::real::Real;
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 
 use crate::accelerations;
-use crate::surface::{Jet, JetBlock, Lanes, Outline, Scale, Singles, Surface};
+use crate::surface::{Jet, JetBlock, LANES, Lanes, Outline, Scale, Singles, Surface};
 use crate::topology::{Topology, at};
 
 /// E, F, G and their first derivatives at a point: `by_u[0]` is ∂E/∂u.
@@ -26,6 +27,20 @@ pub(crate) struct Form {
     pub(crate) by_v: [f64; 3],
     /// −Evv/2 + Fuv − Guu/2, what the second derivatives give of the curvature.
     bent: f64,
+}
+
+impl Form {
+    /// From the derivatives of E, F and G.
+    #[inline(always)]
+    fn of_lane(forms: &JetBlock, lane: usize) -> Self {
+        let of = |block: &[Lanes; 3]| [block[0][lane], block[1][lane], block[2][lane]];
+        Self {
+            efg: of(&forms.position),
+            by_u: of(&forms.du),
+            by_v: of(&forms.dv),
+            bent: -0.5 * forms.dvv[0][lane] + forms.duv[1][lane] - 0.5 * forms.duu[2][lane],
+        }
+    }
 }
 
 /// A metric E du² + 2F du dv + G dv² given by expressions in `Variable(0)` = u and `Variable(1)` = v, with the
@@ -177,15 +192,15 @@ impl Surface for MetricSurface {
             let forms: &mut [Lanes; 18] = bytemuck::cast_mut(&mut forms);
             self.jets.eval(registers, &self.fixed, at, forms);
         });
-        for (lane, (&u, &v)) in at[0].iter().zip(&at[1]).enumerate() {
-            let efg = forms.get(lane);
-            let form = Form {
-                efg: efg.position,
-                by_u: efg.du,
-                by_v: efg.dv,
-                bent: -0.5 * efg.dvv[0] + efg.duv[1] - 0.5 * efg.duu[2],
-            };
-            out.set(lane, &jet_of(&form, [u, v]));
+        let regular = Processor::here().run(RegularJets {
+            forms: &forms,
+            at,
+            out: &mut *out,
+        });
+        if !regular {
+            for (lane, (&u, &v)) in at[0].iter().zip(&at[1]).enumerate() {
+                out.set(lane, &jet_of(&Form::of_lane(&forms, lane), [u, v]));
+            }
         }
     }
 
@@ -225,6 +240,7 @@ impl Surface for MetricSurface {
 }
 
 /// √(EG − F²), the product of differences with its rounding error put back.
+#[inline(always)]
 fn area_element([e, f, g]: [f64; 3]) -> f64 {
     if f == 0.0 {
         return e.sqrt() * g.sqrt();
@@ -250,7 +266,6 @@ fn jet_of(form: &Form, uv: [f64; 2]) -> Jet {
         };
     }
     let r = area_element(form.efg);
-    let root = e.sqrt();
     if !(e > 0.0 && r > 0.0) {
         // Parallel tangents: no plane.
         let root = e.max(0.0).sqrt();
@@ -263,6 +278,14 @@ fn jet_of(form: &Form, uv: [f64; 2]) -> Jet {
             dvv: undefined,
         };
     }
+    regular_jet(form, r, uv)
+}
+
+/// The same where it is a metric; `r` is √(EG − F²).
+#[inline(always)]
+fn regular_jet(form: &Form, r: f64, uv: [f64; 2]) -> Jet {
+    let [e, f, g] = form.efg;
+    let root = e.sqrt();
     // The frame's components of a vector with these inner products with σu and σv.
     let vector = |by_u: f64, by_v: f64| [by_u / root, (by_v - f / e * by_u) * root / r];
     let [eu, fu, gu] = form.by_u;
@@ -275,16 +298,69 @@ fn jet_of(form: &Form, uv: [f64; 2]) -> Jet {
     let second = form.bent - plane(uu, vv) + plane(mixed, mixed);
     // As on a sphere: L : N = E : G, M = 0.
     let ratio = (g / e).sqrt();
-    let l = (second.abs() / ratio.max(f64::MIN_POSITIVE)).sqrt();
+    let least = f64::MIN_POSITIVE;
+    let l = (second.abs() / if ratio > least { ratio } else { least }).sqrt();
     let l = l / ratio.sqrt();
-    let n = if l > 0.0 { second / l } else { 0.0 };
+    let n = second / l;
+    let n = if l > 0.0 { n } else { 0.0 };
     Jet {
-        position,
+        position: [uv[0], uv[1], 0.0],
         du: [root, 0.0, 0.0],
         dv: [f / root, r / root, 0.0],
         duu: [uu[0], uu[1], l],
         duv: [mixed[0], mixed[1], 0.0],
         dvv: [vv[0], vv[1], n],
+    }
+}
+
+/// The jets of several points, in loops that become vectors; false, and nothing of worth, unless it is a metric at all of
+/// them.
+struct RegularJets<'a> {
+    /// E, F, G with their derivatives.
+    forms: &'a JetBlock,
+    at: &'a [Lanes; 2],
+    out: &'a mut JetBlock,
+}
+
+impl Work for RegularJets<'_> {
+    type Output = bool;
+
+    #[allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
+    #[inline(always)]
+    fn run(self) -> bool {
+        let [e, f, g] = &self.forms.position;
+        let mut r = [0.0; LANES];
+        let mut sheared = false;
+        for lane in 0..LANES {
+            r[lane] = e[lane].sqrt() * g[lane].sqrt();
+            sheared |= f[lane] != 0.0;
+        }
+        if sheared {
+            for lane in 0..LANES {
+                r[lane] = area_element([e[lane], f[lane], g[lane]]);
+            }
+        }
+        let mut regular = true;
+        for lane in 0..LANES {
+            let finite = e[lane].is_finite() & f[lane].is_finite() & g[lane].is_finite();
+            regular &= finite & (e[lane] > 0.0) & (r[lane] > 0.0);
+        }
+        if !regular {
+            return false;
+        }
+        for lane in 0..LANES {
+            let form = Form::of_lane(self.forms, lane);
+            let jet = regular_jet(&form, r[lane], [self.at[0][lane], self.at[1][lane]]);
+            for k in 0..3 {
+                self.out.position[k][lane] = jet.position[k];
+                self.out.du[k][lane] = jet.du[k];
+                self.out.dv[k][lane] = jet.dv[k];
+                self.out.duu[k][lane] = jet.duu[k];
+                self.out.duv[k][lane] = jet.duv[k];
+                self.out.dvv[k][lane] = jet.dvv[k];
+            }
+        }
+        true
     }
 }
 
@@ -333,4 +409,69 @@ fn measure(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2]) -> Scale {
         scale.size = 0.5 * size;
     }
     scale
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// E, F, G and their derivatives without a pattern: a metric, sheared or not.
+    fn forms(seed: u64, sheared: bool) -> JetBlock {
+        let mut state = seed;
+        let mut number = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut forms = JetBlock::default();
+        for lane in 0..LANES {
+            let [e, g] = [0.1 + number(), 0.1 + number()];
+            let f = if sheared { 0.9 * (e * g).sqrt() } else { 0.0 };
+            let mut slopes = || [0; 3].map(|_| 4.0 * number() - 2.0);
+            forms.set(
+                lane,
+                &Jet {
+                    position: [e, f, g],
+                    du: slopes(),
+                    dv: slopes(),
+                    duu: slopes(),
+                    duv: slopes(),
+                    dvv: slopes(),
+                },
+            );
+        }
+        forms
+    }
+
+    fn at_once(processor: Processor, forms: &JetBlock) -> Option<JetBlock> {
+        let mut out = JetBlock::default();
+        let at = &[[0.25; LANES], [-3.0; LANES]];
+        let work = RegularJets {
+            forms,
+            at,
+            out: &mut out,
+        };
+        processor.run(work).then_some(out)
+    }
+
+    #[test]
+    fn several_jets_at_once_are_to_the_last_bit_those_of_one() {
+        for seed in 0..200 {
+            let mut forms = forms(seed, seed % 2 == 0);
+            let mut alone = JetBlock::default();
+            for lane in 0..LANES {
+                alone.set(lane, &jet_of(&Form::of_lane(&forms, lane), [0.25, -3.0]));
+            }
+            for processor in [Processor::here(), Processor::least()] {
+                assert_eq!(at_once(processor, &forms).as_ref(), Some(&alone));
+            }
+            // One that is no metric makes all of them a case for the careful.
+            for broken in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
+                forms.position[0][seed as usize % LANES] = broken;
+                let found = at_once(Processor::here(), &forms);
+                assert_eq!(found, None, "E is {broken}");
+            }
+        }
+    }
 }

@@ -77,19 +77,6 @@ impl JetBlock {
             }
         }
     }
-
-    /// The jet of one lane's point.
-    pub(crate) fn get(&self, lane: usize) -> Jet {
-        let of = |block: &[Lanes; 3]| [block[0][lane], block[1][lane], block[2][lane]];
-        Jet {
-            position: of(&self.position),
-            du: of(&self.du),
-            dv: of(&self.dv),
-            duu: of(&self.duu),
-            duv: of(&self.duv),
-            dvv: of(&self.dvv),
-        }
-    }
 }
 
 /// A parametrised surface σ: R² → R³. Undefined values are NaN. Cheap to call from many threads.
