@@ -282,7 +282,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         let jet = self.jet(at);
         let (power, rate) = (chart.apex.power, chart.apex.rate);
         // The radial parameter is base + sign r^power: its derivatives by r.
-        let first = chart.sign * power * r.powf(power - 1.0);
+        let first = chart.slope(r);
         let second = first * (power - 1.0) / r;
         let (dw, dww, dt, dtt) = if chart.axis == 0 {
             (jet.du, jet.duu, jet.dv, jet.dvv)

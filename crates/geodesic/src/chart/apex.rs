@@ -37,7 +37,35 @@ impl ApexChart {
 
     /// The chart's radius where its reach ends, which is the far end of the domain unless the chart winds.
     pub(crate) fn radius(&self) -> f64 {
-        self.reach().powf(1.0 / self.apex.power)
+        self.root(self.reach())
+    }
+
+    /// r^power, how far a point so far off the apex is from it in the domain's parameter.
+    pub(super) fn power(&self, r: f64) -> f64 {
+        if self.apex.power == 1.0 {
+            r
+        } else {
+            r.powf(self.apex.power)
+        }
+    }
+
+    /// The inverse.
+    fn root(&self, rho: f64) -> f64 {
+        if self.apex.power == 1.0 {
+            rho
+        } else {
+            rho.powf(1.0 / self.apex.power)
+        }
+    }
+
+    /// The radial parameter's derivative by r.
+    pub(super) fn slope(&self, r: f64) -> f64 {
+        let power = self.apex.power;
+        if power == 1.0 {
+            self.sign
+        } else {
+            self.sign * power * r.powf(power - 1.0)
+        }
     }
 
     /// The radius of the neighbourhood in which the acceleration is interpolated.
@@ -62,7 +90,7 @@ impl ApexChart {
 
     /// A point's distance from the apex, as a share of the chart's reach.
     pub(crate) fn share(&self, at: [f64; 2]) -> f64 {
-        at[0].hypot(at[1]).powf(self.apex.power) / self.reach()
+        self.power(at[0].hypot(at[1])) / self.reach()
     }
 
     /// What the rounding of the radial parameter does to a direction that passes from one point to another in a
@@ -84,7 +112,7 @@ impl ApexChart {
         } else {
             1.0
         };
-        stage * f64::EPSILON * self.base.abs() / r.powf(self.apex.power)
+        stage * f64::EPSILON * self.base.abs() / self.power(r)
     }
 
     /// Whether a point is far enough off to leave the chart.
@@ -106,7 +134,7 @@ impl ApexChart {
 
     /// The point in (u,v), perhaps beyond sides that wrap.
     pub(crate) fn plain_point(&self, [a, b]: [f64; 2]) -> [f64; 2] {
-        let w = self.base + self.sign * a.hypot(b).powf(self.apex.power);
+        let w = self.base + self.sign * self.power(a.hypot(b));
         let t = self.reference + b.atan2(a) / self.apex.rate;
         if self.axis == 0 { [w, t] } else { [t, w] }
     }
@@ -115,7 +143,7 @@ impl ApexChart {
     pub(crate) fn point(&self, at: [f64; 2]) -> [f64; 2] {
         let rho = (self.sign * (at[self.axis] - self.base)).max(0.0);
         let (sin, cos) = self.angle(at).sin_cos();
-        let r = rho.powf(1.0 / self.apex.power);
+        let r = self.root(rho);
         [r * cos, r * sin]
     }
 
@@ -143,7 +171,7 @@ impl ApexChart {
     /// Whether a point in (u,v) is at the apex, as far as its parameter can tell.
     pub(crate) fn is_at(&self, at: [f64; 2]) -> bool {
         let rho = (self.sign * (at[self.axis] - self.base)).max(0.0);
-        rho.powf(1.0 / self.apex.power) <= (1.0 + 1e-3) * self.nearest()
+        self.root(rho) <= (1.0 + 1e-3) * self.nearest()
     }
 
     /// +1 where (a, b) has the handedness of (u,v), −1 where it is mirrored.
@@ -160,13 +188,13 @@ impl ApexChart {
 
     /// From (u,v) into this chart, whose reference is the point's other parameter: it lies on the a-axis.
     pub(crate) fn enter(&self, motion: Motion) -> Motion {
-        let root = 1.0 / self.apex.power;
         let rho = (self.sign * (motion.at[self.axis] - self.base)).max(0.0);
-        let r = rho.powf(root);
+        let r = self.root(rho);
         let radial = self.sign * motion.velocity[self.axis];
-        let radial = if root == 1.0 {
+        let radial = if self.apex.power == 1.0 {
             radial
         } else {
+            let root = 1.0 / self.apex.power;
             radial * root * rho.powf(root - 1.0)
         };
         Motion {
@@ -178,7 +206,7 @@ impl ApexChart {
     /// How near the apex, in units of r, the parameters can still tell a point from it.
     pub(crate) fn nearest(&self) -> f64 {
         let rho = (AT_POLE * self.width).max(4.0 * f64::EPSILON * self.base.abs());
-        rho.powf(1.0 / self.apex.power)
+        self.root(rho)
     }
 
     /// Whether a point lies where the chain rule from (u,v) has lost digits.
@@ -198,8 +226,7 @@ impl ApexChart {
         let [a, b] = motion.at;
         let r = a.hypot(b);
         let (cos, sin) = if r > 0.0 { (a / r, b / r) } else { (1.0, 0.0) };
-        let power = self.apex.power;
-        let radial = self.sign * power * r.powf(power - 1.0) * (cos * x + sin * y);
+        let radial = self.slope(r) * (cos * x + sin * y);
         let turning = if r > 0.0 {
             (cos * y - sin * x) / r / self.apex.rate
         } else {
