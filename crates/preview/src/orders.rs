@@ -242,7 +242,8 @@ impl Order {
     }
 }
 
-/// The trail of a way, on a surface that may stand elsewhere among the objects that are drawn.
+/// The trail of a way, on its surface as it is numbered now: what is declared above it may have become more or less since
+/// it was walked, and nobody walks while its geodesic view is not on the screen.
 fn trail_on(surface: ObjectId, way: &Walked) -> Arc<Trail> {
     if way.trail.surface == surface {
         return Arc::clone(&way.trail);
@@ -340,4 +341,53 @@ pub(crate) fn order(
         scene,
         settings,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn model(text: &str) -> Model {
+        let mut model = Model::default();
+        model.scene = scene::compile(text).scene.map(Arc::new);
+        model.view.preferences.marks.trail = true;
+        model
+    }
+
+    #[test]
+    fn a_trail_is_on_its_surface_also_where_that_has_another_number_than_when_it_was_walked() {
+        const SURFACE: &str = "surface s(u,v) = (u,v,0), u : [0,1], v : [0,1];";
+        let trail = Trail {
+            surface: ObjectId(0),
+            points: vec![[0.1, 0.2], [0.3, 0.4]],
+            length: 0.3,
+        };
+        let camera = InsideCamera {
+            at: [0.3, 0.4],
+            x: [0.1, 0.0],
+            y: [0.0, 0.1],
+            pole: None,
+            zoom: 0.1,
+            moved: true,
+        };
+        let way = Arc::new(Walked::new(trail, camera));
+        for (text, number) in [
+            (SURFACE.to_owned(), 0),
+            (format!("point p = (0,0,1); {SURFACE}"), 1),
+        ] {
+            let mut model = model(&text);
+            model.walked.insert("s".to_owned(), Arc::clone(&way));
+            let mut library = Library::default();
+            let space = PaneKey::Space;
+            let order = order(&mut model, &mut library, &space, [32, 32], None, false);
+            let request = order.expect("a picture").request(None);
+            let [trail] = request.trails.as_slice() else {
+                panic!("{} trails", request.trails.len());
+            };
+            assert_eq!(trail.surface, ObjectId(number));
+            assert_eq!(trail.points, way.trail.points);
+            // One that has been numbered right is not copied.
+            assert_eq!(Arc::ptr_eq(trail, &way.trail), number == 0);
+        }
+    }
 }
