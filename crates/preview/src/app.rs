@@ -187,7 +187,7 @@ impl Preview {
             empty => empty.insert(first(context, options)?),
         };
         if let Some(state) = creation.wgpu_render_state.clone() {
-            let screen = Screen::new(state);
+            let screen = Screen::new(state, context);
             if faults.refuses_samples {
                 screen.refuse_samples();
             }

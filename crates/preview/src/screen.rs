@@ -25,9 +25,12 @@ pub(crate) struct Screen {
 
 impl Screen {
     /// Takes the device over: its errors and its loss no longer end the program.
-    pub(crate) fn new(state: RenderState) -> Self {
+    pub(crate) fn new(state: RenderState, context: &Context) -> Self {
         let name = state.adapter.get_info().name;
-        let gpu = Gpu::adopt(state.device.clone(), state.queue.clone(), name);
+        let waker = context.clone();
+        // Nothing else may wake a window that can no longer be drawn.
+        let lost = move || waker.request_repaint();
+        let gpu = Gpu::adopt(state.device.clone(), state.queue.clone(), name, lost);
         let blitter = Blitter::new(&gpu, state.target_format).ok();
         Self {
             state,

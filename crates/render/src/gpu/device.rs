@@ -66,7 +66,7 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&description))
             .map_err(|error| format!("the GPU cannot be opened ({error})"))?;
-        Ok(Self::adopt(device, queue, adapter.get_info().name))
+        Ok(Self::adopt(device, queue, adapter.get_info().name, || {}))
     }
 
     /// A device of its own.
@@ -93,8 +93,13 @@ impl Gpu {
     }
 
     /// A device that somebody else has opened, such as a window, with its adapter's name. From now on its errors and its
-    /// loss are caught here, and reported with the next picture.
-    pub fn adopt(device: wgpu::Device, queue: wgpu::Queue, name: String) -> Self {
+    /// loss are caught here, and reported with the next picture; `lost` is called when it is gone, on any thread.
+    pub fn adopt(
+        device: wgpu::Device,
+        queue: wgpu::Queue,
+        name: String,
+        lost: impl Fn() + Send + 'static,
+    ) -> Self {
         let faults = Arc::new(Faults::default());
         let kept = faults.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
@@ -104,6 +109,7 @@ impl Gpu {
         device.set_device_lost_callback(move |_, message| {
             kept.lost.store(true, Ordering::Release);
             kept.keep(format!("the device was lost: {message}"));
+            lost();
         });
         Self {
             device,
