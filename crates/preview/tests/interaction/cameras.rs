@@ -341,32 +341,10 @@ fn a_turn_of_the_wheel_is_one_step_whatever_it_is_over_and_each_drag_is_another(
     assert_eq!(hand.eye(), first, "the second drag is undone alone");
 }
 
-/// Clicks so many times, at once, on a place of the 3D view.
-fn click(hand: &mut Hand, at: egui::Pos2, times: usize) {
-    hand.harness.hover_at(at);
-    hand.harness.step();
-    for _ in 0..times {
-        for pressed in [true, false] {
-            hand.harness.event(Event::PointerButton {
-                pos: at,
-                button: PointerButton::Primary,
-                pressed,
-                modifiers: Modifiers::NONE,
-            });
-            hand.harness.step();
-        }
-    }
-}
-
 #[test]
 fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_half() {
     let mut hand = Hand::on(SPHERE);
-    let at = hand.inside("s").center();
-    hand.click_at(at);
-    hand.click("Overlays");
-    hand.click("Trail of the walk");
-    hand.press(Modifiers::NONE, Key::Escape);
-    hand.settle();
+    hand.leave_trail("s");
     hand.hold(Key::W, 6);
     hand.click("View");
     hand.click_on(Role::CheckBox, "Geodesic view of s");
@@ -378,7 +356,7 @@ fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_h
     let last = hand.window().model().history.last();
     let at = hand.space().center() + vec2(30.0, -20.0);
     for times in [2, 3] {
-        click(&mut hand, at, times);
+        hand.clicks_at(at, times);
         hand.settle();
         assert_eq!(hand.window().model().view, before, "{times} clicks");
         assert_eq!(hand.window().model().history.last(), last);
@@ -390,7 +368,7 @@ fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_h
         hand.harness.run_steps(60);
     }
     // A click alone is heeded, and the view opens when it can be no double click any more.
-    click(&mut hand, at, 1);
+    hand.clicks_at(at, 1);
     hand.until("the camera is placed", |hand| {
         hand.camera("s").at != before.inside["s"].at
     });
@@ -500,7 +478,7 @@ fn a_click_on_what_has_no_camera_shows_its_declaration_and_types_nothing() {
     let mut hand = Hand::on(POINT);
     let view = hand.window().model().view.clone();
     let at = hand.space().center();
-    click(&mut hand, at, 1);
+    hand.clicks_at(at, 1);
     hand.until("its declaration is shown", |hand| {
         hand.window().model().highlighted.as_deref() == Some("p")
     });
@@ -517,7 +495,7 @@ fn a_click_on_what_has_no_camera_shows_its_declaration_and_types_nothing() {
     hand.press(Modifiers::COMMAND, Key::Z);
     hand.settle();
     // A double click asks for the text itself.
-    click(&mut hand, at, 2);
+    hand.clicks_at(at, 2);
     hand.until("the text has the keys", |hand| {
         hand.harness
             .get_by_role_and_label(Role::MultilineTextInput, "Program text")
@@ -540,7 +518,7 @@ fn a_window_in_which_something_is_yet_to_come_wakes_for_it_whatever_comes_first(
     };
     hand.until("it is at rest", sleeps);
     let at = hand.space().center() + vec2(30.0, -20.0);
-    click(&mut hand, at, 1);
+    hand.clicks_at(at, 1);
     // Frames are drawn in which nothing is asked for: pictures have come.
     for _ in 0..20 {
         assert!(!sleeps(&hand), "the click has not come to its end");
@@ -610,7 +588,7 @@ fn a_click_that_is_undone_at_once_opens_nothing_and_can_be_made_again() {
     toggle(&mut hand, "Geodesic view of s");
     let before = hand.camera("s");
     let at = hand.space().center() + vec2(30.0, -20.0);
-    click(&mut hand, at, 1);
+    hand.clicks_at(at, 1);
     hand.until("the camera is placed", |hand| {
         hand.camera("s").at != before.at
     });
@@ -641,7 +619,7 @@ fn a_double_click_on_another_surface_leaves_the_one_in_use() {
     // The sphere is below the middle, and the plane above it.
     let at = hand.space().center() + vec2(0.0, 60.0);
     let before = hand.camera("s");
-    click(&mut hand, at, 1);
+    hand.clicks_at(at, 1);
     // The first click is heeded before the second one comes, in fewer frames than would part them.
     let mut frames = 0;
     while hand.camera("s") == before {
@@ -650,7 +628,7 @@ fn a_double_click_on_another_surface_leaves_the_one_in_use() {
         frames += 1;
         assert!(frames < 20, "no camera is placed");
     }
-    click(&mut hand, at, 1);
+    hand.clicks_at(at, 1);
     assert_eq!(hand.camera("s"), before);
     hand.until("the declaration of s is shown", |hand| {
         hand.window().model().highlighted.as_deref() == Some("s")

@@ -117,17 +117,35 @@ impl Hand {
 
     /// Clicks on a place.
     pub(crate) fn click_at(&mut self, at: Pos2) {
-        for pressed in [true, false] {
-            self.harness.hover_at(at);
-            self.harness.event(Event::PointerButton {
-                pos: at,
-                button: PointerButton::Primary,
-                pressed,
-                modifiers: Modifiers::NONE,
-            });
-            self.harness.step();
-        }
+        self.clicks_at(at, 1);
         self.harness.run_steps(2);
+    }
+
+    /// Clicks so many times, at once, on a place.
+    pub(crate) fn clicks_at(&mut self, at: Pos2, times: usize) {
+        self.harness.hover_at(at);
+        self.harness.step();
+        for _ in 0..times {
+            for pressed in [true, false] {
+                self.harness.event(Event::PointerButton {
+                    pos: at,
+                    button: PointerButton::Primary,
+                    pressed,
+                    modifiers: Modifiers::NONE,
+                });
+                self.harness.step();
+            }
+        }
+    }
+
+    /// Gives the keys to the geodesic view of a surface, whose camera leaves a trail from now on.
+    pub(crate) fn leave_trail(&mut self, surface: &str) {
+        let at = self.inside(surface).center();
+        self.click_at(at);
+        self.click("Overlays");
+        self.click("Trail of the walk");
+        self.press(Modifiers::NONE, Key::Escape);
+        self.settle();
     }
 
     pub(crate) fn window(&self) -> &Window {

@@ -13,12 +13,7 @@ fn with_trail() -> Hand {
 /// The same, in another program that has a surface s whose geodesic view is in front.
 fn with_trail_on(text: &str) -> Hand {
     let mut hand = Hand::on(text);
-    let at = hand.inside("s").center();
-    hand.click_at(at);
-    hand.click("Overlays");
-    hand.click("Trail of the walk");
-    hand.press(Modifiers::NONE, Key::Escape);
-    hand.settle();
+    hand.leave_trail("s");
     hand
 }
 
@@ -120,12 +115,7 @@ surface s(u,v) = (cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi
     let mut hand = Hand::on(text);
     hand.click("Geodesic view – s");
     hand.settle();
-    let at = hand.inside("s").center();
-    hand.click_at(at);
-    hand.click("Overlays");
-    hand.click("Trail of the walk");
-    hand.press(Modifiers::NONE, Key::Escape);
-    hand.settle();
+    hand.leave_trail("s");
     hand.hold(Key::W, 6);
     let walked = length(&hand);
     assert!(walked > 0.0);
