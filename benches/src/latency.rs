@@ -209,7 +209,7 @@ pub(crate) fn print(
     print_within(ENOUGH, what, count, time);
 }
 
-/// As [`print`], with another time.
+/// As [`print()`], with another time.
 pub(crate) fn print_within(
     enough: Duration,
     what: &str,
