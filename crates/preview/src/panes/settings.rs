@@ -18,11 +18,15 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     let margin = egui::Frame::new().inner_margin(8.0);
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         margin.show(ui, |ui| {
-            params(window, ui);
+            // What has no room in one part makes no other part wider.
+            let room = ui.available_width();
+            for part in [params, objects, textures, views] {
+                ui.scope(|ui| {
+                    ui.set_max_width(room);
+                    part(window, ui);
+                });
+            }
             write_released(window, ui);
-            objects(window, ui);
-            textures(window, ui);
-            views(window, ui);
         });
     });
 }
@@ -169,6 +173,7 @@ fn objects(window: &mut Window, ui: &mut Ui) {
     ui.heading("Objects");
     Grid::new("objects")
         .num_columns(4)
+        .min_col_width(0.0)
         .spacing([8.0, 4.0])
         .show(ui, |ui| {
             for object in &scene.objects {
@@ -241,7 +246,8 @@ fn choose(window: &Window, ui: &mut Ui, label: &str, choice: &mut Choice, of_obj
     let before = choice.clone();
     let combo = ComboBox::from_id_salt(label)
         .selected_text(title(choice, of_object))
-        .width(110.0)
+        .width(ui.available_width().clamp(60.0, 110.0))
+        .truncate()
         .show_ui(ui, |ui| {
             let mut option = |other: Choice| {
                 let title = title(&other, of_object);
@@ -280,7 +286,7 @@ fn textures(window: &mut Window, ui: &mut Ui) {
         return;
     }
     ui.heading("Textures");
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.label("Default");
         let mut choice = window.model.view.default_texture.clone();
         if choose(window, ui, "Default texture", &mut choice, false) {

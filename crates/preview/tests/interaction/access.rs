@@ -108,3 +108,29 @@ fn a_small_window_and_a_dense_screen_show_whole_pictures() {
     hand.hold(Key::W, 4);
     assert!(hand.window().is_settled());
 }
+
+#[test]
+fn all_settings_fit_a_narrow_pane() {
+    let hand = Hand::with(SPHERE, |builder| builder.with_size([880.0, 1400.0]));
+    let edge = hand.space().left();
+    assert!(edge < 260.0, "{edge}");
+    for name in [
+        "Animate r",
+        "Write r into the text",
+        "Texture of s",
+        "Default texture",
+        "Open Texture…",
+        "Image file",
+        "Add",
+        "Camera speed",
+        "Theme",
+        "Size of controls",
+    ] {
+        for rect in hand.rects(name) {
+            assert!(
+                rect.right() <= edge,
+                "{name} at {rect} is cut off at {edge}"
+            );
+        }
+    }
+}
