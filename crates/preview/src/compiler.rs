@@ -38,6 +38,25 @@ pub(crate) struct Compiled {
     pub(crate) took: Duration,
 }
 
+impl Compiled {
+    /// Of a text that has been read: one that has just arrived, and took no time.
+    pub(crate) fn of(version: i32, text: Arc<str>, read: Read) -> Self {
+        let findings = findings(&text, &read.diagnostics);
+        Self {
+            version,
+            ok: findings.iter().all(|it| it.severity != Severity::Error),
+            findings,
+            scene: read.scene.map(Arc::new),
+            stale: read.stale,
+            lacks: read.lacks,
+            declared: read.declared,
+            text,
+            arrived: Instant::now(),
+            took: Duration::ZERO,
+        }
+    }
+}
+
 /// Something found in a text.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Finding {
@@ -136,28 +155,20 @@ fn work(desk: &(Mutex<Desk>, Condvar), mail: &Mail, read: impl Fn(&mut Mender, &
         let start = Instant::now();
         // A fault of ours must not take the thread with it: it becomes a sentence, and nothing is kept that it has touched.
         let read = catch_unwind(AssertUnwindSafe(|| read(&mut mender, &order.text)));
-        let (read, findings) = match read {
-            Ok(read) => {
-                let findings = findings(&order.text, &read.diagnostics);
-                (read, findings)
-            }
+        let (read, fault) = match read {
+            Ok(read) => (read, None),
             Err(_) => {
                 mender = Mender::default();
-                (Read::default(), vec![fault()])
+                (Read::default(), Some(fault()))
             }
         };
-        let compiled = Compiled {
-            version: order.version,
-            ok: findings.iter().all(|it| it.severity != Severity::Error),
-            findings,
-            scene: read.scene.map(Arc::new),
-            stale: read.stale,
-            lacks: read.lacks,
-            declared: read.declared,
-            text: order.text,
-            arrived: order.arrived,
-            took: start.elapsed(),
-        };
+        let mut compiled = Compiled::of(order.version, order.text, read);
+        if let Some(fault) = fault {
+            compiled.ok = false;
+            compiled.findings.push(fault);
+        }
+        compiled.arrived = order.arrived;
+        compiled.took = start.elapsed();
         if !mail.send(Letter::Compiled(compiled)) {
             return;
         }
@@ -177,7 +188,7 @@ fn fault() -> Finding {
 }
 
 /// Diagnostics with lines and columns.
-pub(crate) fn findings(text: &str, diagnostics: &[Diagnostic]) -> Vec<Finding> {
+fn findings(text: &str, diagnostics: &[Diagnostic]) -> Vec<Finding> {
     if diagnostics.is_empty() {
         return Vec::new();
     }

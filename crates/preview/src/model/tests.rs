@@ -1,30 +1,13 @@
-use std::sync::Arc;
-use std::time::{Duration, Instant};
-
 use super::{Animation, InsideCamera, Model, SpaceCamera, Step, View, advanced};
-use crate::compiler::{Compiled, findings};
+use crate::compiler::Compiled;
 use crate::mend::Mender;
-use syntax::diagnostic::Severity;
 
 fn compiled(text: &str) -> Compiled {
     read(&mut Mender::default(), text)
 }
 
 fn read(mender: &mut Mender, text: &str) -> Compiled {
-    let read = mender.read(text);
-    let findings = findings(text, &read.diagnostics);
-    Compiled {
-        version: 1,
-        ok: findings.iter().all(|it| it.severity != Severity::Error),
-        findings,
-        scene: read.scene.map(Arc::new),
-        stale: read.stale,
-        lacks: read.lacks,
-        declared: read.declared,
-        text: text.into(),
-        arrived: Instant::now(),
-        took: Duration::ZERO,
-    }
+    Compiled::of(1, text.into(), mender.read(text))
 }
 
 fn model(text: &str) -> Model {
