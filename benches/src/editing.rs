@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
-use scene::Document;
+use scene::geotrace::Document;
 use syntax::span::Span;
 use tree_sitter::{InputEdit, Parser, Point, Tree};
 
@@ -157,7 +157,7 @@ pub(crate) fn run() {
         let runs = if declarations > 10_000 { 3 } else { 15 };
         let scratch = (0..runs).map(|_| {
             let start = now();
-            std::hint::black_box(scene::compile(&text));
+            std::hint::black_box(scene::geotrace::compile(&text));
             now() - start
         });
         let mut scratch: Vec<Duration> = scratch.collect();

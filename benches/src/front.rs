@@ -66,7 +66,7 @@ pub(crate) fn run() {
     let size = megabytes(text.len() as u64);
 
     let start = Instant::now();
-    let compilation = scene::compile(&text);
+    let compilation = scene::geotrace::compile(&text);
     let cold = start.elapsed();
     if let Some(first) = compilation.diagnostics.first() {
         println!("  the generated program has a diagnostic: {first:?}");
@@ -77,7 +77,7 @@ pub(crate) fn run() {
     );
     println!(
         "  check, 10,000 declarations, in this process: {}",
-        Times::of(11, || scene::compile(&text))
+        Times::of(11, || scene::geotrace::compile(&text))
     );
 
     binary();

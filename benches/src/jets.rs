@@ -11,8 +11,8 @@ use expr::jets::{JetRegisters, JetTape, LANES, Order};
 use expr::processor::{Processor, Work};
 use expr::tape::{self, Registers, Tape};
 use expr::{Graph, Input, NodeId};
-use scene::Settings;
-use scene::scene::Shape;
+use scene::ParamValues;
+use scene::Shape;
 use testing::examples;
 
 /// How many points a run takes; a multiple of all block sizes.
@@ -265,8 +265,8 @@ struct Chart {
 
 impl Chart {
     fn of(name: &str) -> Option<Self> {
-        let scene = scene::compile(&examples::one(name).source).scene?;
-        let settings = Settings::opening(&scene);
+        let scene = scene::geotrace::compile(&examples::one(name).source).scene?;
+        let settings = ParamValues::initial(&scene);
         scene.objects.iter().find_map(|object| match &object.shape {
             Shape::Surface {
                 position, domain, ..

@@ -1,6 +1,6 @@
 //! Derivatives and WGSL of the Klein bottle: what an edit of it costs before a driver sees anything.
 
-use scene::scene::Shape;
+use scene::Shape;
 use testing::examples;
 
 use crate::measure::Times;
@@ -9,8 +9,11 @@ use crate::measure::Times;
 pub(crate) fn run() {
     println!("The Klein bottle");
     let source = examples::one("klein").source;
-    println!("  check: {}", Times::of(51, || scene::compile(&source)));
-    let Some(scene) = scene::compile(&source).scene else {
+    println!(
+        "  check: {}",
+        Times::of(51, || scene::geotrace::compile(&source))
+    );
+    let Some(scene) = scene::geotrace::compile(&source).scene else {
         println!("  has errors");
         return;
     };

@@ -4,7 +4,7 @@ use std::process::{Command, ExitCode};
 use std::time::{Duration, Instant};
 
 use render::{Backend, Request};
-use scene::Settings;
+use scene::ParamValues;
 use testing::draw::surfaces;
 use testing::examples;
 
@@ -36,7 +36,7 @@ pub(crate) fn child(arguments: &[String]) -> ExitCode {
         |(_, source)| (*source).to_owned(),
     );
     let start = Instant::now();
-    let Some(scene) = scene::compile(&source).scene else {
+    let Some(scene) = scene::geotrace::compile(&source).scene else {
         eprintln!("{name} has errors");
         return ExitCode::from(1);
     };
@@ -50,7 +50,7 @@ pub(crate) fn child(arguments: &[String]) -> ExitCode {
         Backend::Software
     };
     let request = Request { backend, ..request };
-    match render::render(&scene, &Settings::opening(&scene), &request, &|_| {}) {
+    match render::render(&scene, &ParamValues::initial(&scene), &request, &|_| {}) {
         Ok(picture) => {
             println!(
                 "{} {} {}",
@@ -120,7 +120,7 @@ pub(crate) fn examples() {
         "Pictures of 512 × 512 pixels, each in a process of its own: from the text to the picture"
     );
     for example in examples::all() {
-        let inside = scene::compile(&example.source)
+        let inside = scene::geotrace::compile(&example.source)
             .scene
             .is_some_and(|scene| !surfaces(&scene).is_empty());
         for view in ["3d", "geodesic"] {

@@ -9,8 +9,8 @@ use geodesic::trace::Options;
 use render::gpu::Gpu;
 use render::live::{Pixels, Stage};
 use render::{Request, View};
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 use testing::draw::middle;
 use testing::examples;
 
@@ -52,7 +52,10 @@ pub(crate) fn walk() {
     );
     let mut over = Vec::new();
     for example in examples::all() {
-        let Some(scene) = scene::compile(&example.source).scene.map(Arc::new) else {
+        let Some(scene) = scene::geotrace::compile(&example.source)
+            .scene
+            .map(Arc::new)
+        else {
             println!("    {} has errors", example.name);
             continue;
         };
@@ -81,7 +84,7 @@ fn stage(name: &str, make: impl Fn() -> Stage) {
     println!("  {name}");
     let (mut within, mut all) = (0, 0);
     for example in examples::all() {
-        let Some(scene) = scene::compile(&example.source).scene else {
+        let Some(scene) = scene::geotrace::compile(&example.source).scene else {
             println!("    {} has errors", example.name);
             continue;
         };
@@ -115,7 +118,7 @@ fn frames(
     count: u32,
     stage: &mut Stage,
     scene: &Arc<Scene>,
-    mut next: impl FnMut(f64) -> Option<(Settings, Request)>,
+    mut next: impl FnMut(f64) -> Option<(ParamValues, Request)>,
 ) -> Option<Times> {
     let mut times = Vec::new();
     for frame in 0..=count {
@@ -165,7 +168,7 @@ fn walking(stage: &mut Stage, scene: &Arc<Scene>, steps: u32) -> Option<Times> {
     let settings = middle(scene);
     let surface = (0..)
         .zip(&scene.objects)
-        .find(|(_, object)| object.shape.patch().is_some())
+        .find(|(_, object)| object.shape.manifold().is_some())
         .map(|(index, _)| ObjectId(index))?;
     let mut request = Request::geodesic(surface, SIZE);
     request.moving = true;

@@ -2,8 +2,9 @@
 
 use image::RgbaImage;
 use render::{Backend, Picture, Request};
-use scene::scene::{ObjectId, Shape};
-use scene::{Scene, Settings, compile};
+use scene::geotrace::compile;
+use scene::{ObjectId, Shape};
+use scene::{ParamValues, Scene};
 
 /// Compiles a program.
 ///
@@ -30,8 +31,8 @@ pub fn surfaces(scene: &Scene) -> Vec<ObjectId> {
 ///
 /// # Panics
 /// When a scene refuses its own values.
-pub fn middle(scene: &Scene) -> Settings {
-    let mut settings = Settings::opening(scene);
+pub fn middle(scene: &Scene) -> ParamValues {
+    let mut settings = ParamValues::initial(scene);
     for param in &scene.params {
         let values: Vec<f64> = param
             .ranges
@@ -50,7 +51,7 @@ pub fn middle(scene: &Scene) -> Settings {
 /// # Panics
 /// When there is no picture.
 #[track_caller]
-pub fn draw(scene: &Scene, settings: &Settings, request: &Request) -> Picture {
+pub fn draw(scene: &Scene, settings: &ParamValues, request: &Request) -> Picture {
     match render::render(scene, settings, request, &|_| {}) {
         Ok(picture) => picture,
         Err(error) if request.backend == Backend::Gpu => panic!(

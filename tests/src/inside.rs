@@ -9,8 +9,8 @@ use geodesic::surface::Surface;
 use geodesic::trace::Status;
 use render::Request;
 use render::geodesic_view::Inside;
-use scene::scene::{ObjectId, Shape};
-use scene::{Scene, Settings};
+use scene::{ObjectId, Shape};
+use scene::{ParamValues, Scene};
 
 /// A surface or a metric with the camera that its geodesic view opens with.
 #[derive(Clone, Debug)]
@@ -42,7 +42,7 @@ pub fn opening(scene: &Scene) -> Option<Opening> {
         .iter()
         .position(|object| is_ground(&object.shape))?;
     let request = Request::geodesic(ObjectId(index as u32), [512, 512]);
-    let inside = Inside::new(scene, &Settings::opening(scene), &request)
+    let inside = Inside::new(scene, &ParamValues::initial(scene), &request)
         .unwrap_or_else(|error| panic!("the view does not open: {error}"));
     Some(Opening { inside })
 }

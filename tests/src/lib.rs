@@ -1,7 +1,7 @@
 //! What the integration tests under `tests/` share.
 //!
 //! ```text
-//! cases/language/*.cases ──cases.rs──▶ cases ──conformance.rs──▶ what differs from scene::compile
+//! cases/language/*.cases ──cases.rs──▶ cases ──conformance.rs──▶ what differs from scene::geotrace::compile
 //! the binary `geotrace`  ──binary.rs──▶ status, output, peak memory
 //! a language server      ──editor.rs, talk.rs──▶ answers, notifications, a transcript
 //! two numbers or pictures ─close.rs, pictures.rs──▶ equal to a stated tolerance, or a message with both
@@ -23,7 +23,7 @@ use syntax::diagnostic::Code;
 
 /// Every code that compiling a program can give, with what it means.
 pub fn codes() -> impl Iterator<Item = (Code, &'static str)> {
-    let all = syntax::codes::CODES.iter().chain(scene::CODES);
+    let all = syntax::codes::CODES.iter().chain(scene::geotrace::CODES);
     all.copied()
 }
 pub mod window;

@@ -4,8 +4,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use scene::values::Settings;
-use scene::{Compilation, compile};
+use scene::ParamValues;
+use scene::geotrace::{Compilation, compile};
 use syntax::diagnostic::Diagnostic;
 use syntax::line_index::{LineIndex, Position};
 use testing::cases::{Action, Case, Expected, Outcome, Tuple, read};
@@ -87,7 +87,7 @@ fn check(case: &Case, report: &mut Report) {
         report.say(case.line, "has no scene");
         return;
     };
-    let mut settings = Settings::opening(scene);
+    let mut settings = ParamValues::initial(scene);
     for step in &case.steps {
         match &step.action {
             Action::Set {
@@ -202,7 +202,7 @@ fn show(position: Position) -> String {
 
 fn check_value(
     compilation: &Compilation,
-    settings: &Settings,
+    settings: &ParamValues,
     text: &str,
     expected: &Result<Outcome, (String, Vec<String>)>,
 ) -> Result<(), String> {

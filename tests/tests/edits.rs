@@ -217,7 +217,7 @@ impl Mirror {
 
     /// What is wrong with the text, from the text alone.
     fn diagnostics(&self) -> Value {
-        let found = scene::compile(&self.text).diagnostics;
+        let found = scene::geotrace::compile(&self.text).diagnostics;
         found.iter().map(|d| self.diagnostic(d)).collect()
     }
 
@@ -266,7 +266,7 @@ fn without_blanks(text: &str) -> String {
 }
 
 fn errors(text: &str) -> Vec<&'static str> {
-    let found = scene::compile(text).diagnostics.into_iter();
+    let found = scene::geotrace::compile(text).diagnostics.into_iter();
     let errors = found.filter(|d| d.severity == Severity::Error);
     errors.map(|d| d.code.0).collect()
 }

@@ -6,7 +6,7 @@ use expr::tape::{Block, LANES, Registers, Tape};
 use expr::{Graph, Input, NodeId};
 use render::bounds::Bounds;
 use render::sample::{Samples, sample};
-use scene::scene::{ObjectId, Scene, Shape};
+use scene::{ObjectId, Scene, Shape};
 use testing::close::{assert_close, close};
 use testing::draw::{middle, scene};
 use testing::examples;

@@ -1,8 +1,9 @@
 //! Every example says what to look for, compiles without a word, and can be seen in both views.
 
 use render::{Backend, Request};
-use scene::scene::Shape;
-use scene::{Settings, compile};
+use scene::ParamValues;
+use scene::Shape;
+use scene::geotrace::compile;
 use testing::draw::{draw, drawn_share, middle, scene, surfaces};
 use testing::examples;
 
@@ -68,7 +69,7 @@ fn see_all(backend: Backend) {
             .iter()
             .any(|object| !matches!(object.shape, Shape::Metric { .. } | Shape::Geodesic { .. }));
         for (what, settings) in [
-            ("opening", Settings::opening(&scene)),
+            ("opening", ParamValues::initial(&scene)),
             ("middle", middle(&scene)),
         ] {
             if !in_space {
@@ -92,7 +93,7 @@ fn see_all(backend: Backend) {
                 backend,
                 ..Request::geodesic(surface, [48, 48])
             };
-            let picture = draw(&scene, &Settings::opening(&scene), &request);
+            let picture = draw(&scene, &ParamValues::initial(&scene), &request);
             let colours: std::collections::BTreeSet<_> =
                 picture.image.pixels().map(|pixel| pixel.0).collect();
             assert!(
@@ -123,7 +124,7 @@ fn what_is_undefined_at_the_opening_is_reported_and_not_drawn() {
         backend: Backend::Software,
         ..Request::space([32, 32])
     };
-    let opening = draw(&scene, &Settings::opening(&scene), &request);
+    let opening = draw(&scene, &ParamValues::initial(&scene), &request);
     assert!(
         opening.notes.iter().any(|note| note.contains("`vu`")),
         "{:?}",

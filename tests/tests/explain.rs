@@ -4,7 +4,7 @@ use std::path::Path;
 
 use render::plan::{Built, Painter, Source, plan};
 use render::{Backend, Request};
-use scene::Settings;
+use scene::ParamValues;
 use testing::binary::geotrace;
 use testing::draw::{scene, surfaces};
 use testing::examples;
@@ -15,7 +15,7 @@ const POINTS: &str = "grid k : [0, 1, 5];\npoint p = (k, k^2, 0);\n";
 #[track_caller]
 fn built(source: &str, inside: bool) -> Built {
     let scene = scene(source);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     let request = match surfaces(&scene).first() {
         Some(surface) if inside => Request::geodesic(*surface, [16, 16]),
         _ => Request::space([16, 16]),
@@ -89,7 +89,7 @@ fn many_samples_come_from_a_kernel_and_few_from_blocks() {
             backend: Backend::Gpu,
             ..Request::space([16, 16])
         };
-        let plan = plan(&scene, &Settings::opening(&scene), &request);
+        let plan = plan(&scene, &ParamValues::initial(&scene), &request);
         assert_eq!(plan.objects[0].source, expected, "{count}²");
     }
 }
@@ -99,7 +99,7 @@ fn the_plan_of_points_names_what_is_left_out() {
     let scene = scene(POINTS);
     let plan = plan(
         &scene,
-        &Settings::opening(&scene),
+        &ParamValues::initial(&scene),
         &Request::space([16, 16]),
     );
     assert_eq!(plan.painters(), [Painter::Points].into());

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use render::{Backend, Request};
-use scene::{Scene, Settings};
+use scene::{ParamValues, Scene};
 use testing::draw::{draw, middle, scene, surfaces};
 use testing::examples;
 use testing::pictures::{assert_golden, difference};
@@ -68,10 +68,10 @@ fn software_pictures_are_the_same_to_the_last_bit_every_time() {
             backend: Backend::Software,
             ..request
         };
-        let first = draw(&scene, &Settings::opening(&scene), &request).image;
+        let first = draw(&scene, &ParamValues::initial(&scene), &request).image;
         for _ in 0..3 {
             assert_eq!(
-                draw(&scene, &Settings::opening(&scene), &request).image,
+                draw(&scene, &ParamValues::initial(&scene), &request).image,
                 first
             );
         }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use scene::scene::{Object, Shape};
+use scene::{Object, Shape};
 use testing::draw::scene;
 use testing::examples::{self, repository};
 use wgsl::{GenerateError, Kernel};

@@ -8,8 +8,8 @@ use geodesic::patchwork::{Cover, Patchwork};
 use rayon::ThreadPoolBuilder;
 use render::Request;
 use render::live::Stage;
-use scene::scene::ObjectId;
-use scene::values::Settings;
+use scene::ObjectId;
+use scene::ParamValues;
 use testing::draw::scene;
 use testing::examples;
 use testing::inside::opening;
@@ -65,14 +65,14 @@ fn lines() -> String {
         let Some(on) = scene
             .objects
             .iter()
-            .position(|object| object.shape.patch().is_some())
+            .position(|object| object.shape.manifold().is_some())
         else {
             continue;
         };
         let mut stage = Stage::software();
         let request = Request::geodesic(ObjectId(on as u32), PICTURE);
         stage
-            .draw(&scene, &Settings::opening(&scene), &request)
+            .draw(&scene, &ParamValues::initial(&scene), &request)
             .expect("a picture");
         let made = stage.counters();
         let pixels = u64::from(PICTURE[0] * PICTURE[1]);

@@ -1,7 +1,7 @@
 //! The binary `geotrace`.
 //!
 //! ```text
-//! arguments ──command/*──▶ program.rs ──▶ scene::Compilation ──▶ render, geodesic, expr
+//! arguments ──command/*──▶ program.rs ──▶ scene::geotrace::Compilation ──▶ render, geodesic, expr
 //!                 │             └──▶ report/ (diagnostics: text with snippets, or JSON)
 //!                 └──▶ output.rs (standard output, files written whole or not at all) ──▶ exit status
 //! ```

@@ -4,9 +4,10 @@ use std::path::Path;
 
 use geodesic::intrinsic::MetricSurface;
 use geodesic::surface::{ParametricSurface, Surface};
-use scene::scene::{Object, ObjectId, Scene, Shape};
-use scene::values::{SetError, Settings};
-use scene::{Compilation, Outcome, Value};
+use scene::geotrace::Compilation;
+use scene::{Object, ObjectId, Scene, Shape};
+use scene::{Outcome, Value};
+use scene::{ParamValues, SetError};
 
 use crate::argument::{Assignment, Quantity};
 use crate::command::Format;
@@ -32,8 +33,8 @@ pub(crate) fn compile(path: &Path) -> Result<(Source, Compilation), Failure> {
     let source = Source::read(path)?;
     let mut compilation = match source.undecodable {
         // What cannot be read declares nothing.
-        Some(_) => scene::compile(""),
-        None => scene::compile(&source.text),
+        Some(_) => scene::geotrace::compile(""),
+        None => scene::geotrace::compile(&source.text),
     };
     if let Some(diagnostic) = &source.undecodable {
         compilation.diagnostics = vec![diagnostic.clone()];
@@ -72,7 +73,7 @@ impl Program {
     pub(crate) fn parametric(
         &self,
         object: &Object,
-        settings: &Settings,
+        settings: &ParamValues,
     ) -> Result<ParametricSurface, Failure> {
         let scene = self.scene()?;
         let Shape::Surface {
@@ -97,7 +98,7 @@ impl Program {
     pub(crate) fn inside(
         &self,
         object: &Object,
-        settings: &Settings,
+        settings: &ParamValues,
     ) -> Result<Box<dyn Surface>, Failure> {
         let Shape::Metric {
             components, domain, ..
@@ -124,9 +125,9 @@ impl Program {
     ///
     /// # Errors
     /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
-    pub(crate) fn settings(&self, assignments: &[Assignment]) -> Result<Settings, Failure> {
+    pub(crate) fn settings(&self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
         let scene = self.scene()?;
-        let mut settings = Settings::opening(scene);
+        let mut settings = ParamValues::initial(scene);
         for assignment in assignments {
             let option = format!("--set {}", assignment.name);
             let values: Result<Vec<f64>, Failure> = assignment
@@ -149,7 +150,7 @@ impl Program {
         &self,
         option: &str,
         quantity: &Quantity,
-        settings: &Settings,
+        settings: &ParamValues,
     ) -> Result<f64, Failure> {
         let text = match quantity {
             Quantity::Number(value) => return Ok(*value),
@@ -185,7 +186,7 @@ impl Program {
         &self,
         option: &str,
         quantities: &[Quantity; N],
-        settings: &Settings,
+        settings: &ParamValues,
     ) -> Result<[f64; N], Failure> {
         let mut numbers = [0.0; N];
         for (number, quantity) in numbers.iter_mut().zip(quantities) {
@@ -203,7 +204,7 @@ impl Program {
         let surfaces = || {
             scene
                 .numbered()
-                .filter(|(_, it)| it.shape.patch().is_some())
+                .filter(|(_, it)| it.shape.manifold().is_some())
         };
         let found = match name {
             Some(name) => surfaces().find(|(_, object)| object.name == name),

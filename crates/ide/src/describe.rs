@@ -1,7 +1,7 @@
 //! What there is to say of a name: its signature, its value, its geometry.
 
 use expr::ops;
-use scene::Settings;
+use scene::ParamValues;
 use syntax::span::Span;
 use syntax::symbols::{Symbol, SymbolKind};
 use syntax::token::{DeclareWord, SymbolId};
@@ -138,7 +138,7 @@ fn value(reading: &Reading, item: &Item<'_>) -> Option<String> {
             format!("= {value}")
         });
     }
-    let settings = Settings::opening(compilation.scene.as_ref()?);
+    let settings = ParamValues::initial(compilation.scene.as_ref()?);
     let scene::Outcome::Instances(instances) =
         compilation.evaluate(item.name, &settings).ok()?.outcome
     else {

@@ -2,8 +2,8 @@
 
 use geodesic::metric::{Metric, gaussian_curvature};
 use geodesic::surface::{ParametricSurface, Side, Surface};
-use scene::Settings;
-use scene::scene::{Object, Scene, Shape};
+use scene::ParamValues;
+use scene::{Object, Scene, Shape};
 
 use crate::hints::short;
 use crate::item::Item;
@@ -43,7 +43,7 @@ fn surface(scene: &Scene, object: &Object) -> Option<ParametricSurface> {
     else {
         return None;
     };
-    let uniforms = Settings::opening(scene).first_instance(scene, object);
+    let uniforms = ParamValues::initial(scene).first_instance(scene, object);
     let domain = domain.map(|axis| [axis.range.min, axis.range.max]);
     ParametricSurface::new(&scene.graph, *position, domain, &uniforms).ok()
 }

@@ -1,6 +1,7 @@
 //! What an editor writes between the letters: how words are split, and the values of constants.
 
-use scene::{Compilation, Outcome, Settings, Value};
+use scene::geotrace::Compilation;
+use scene::{Outcome, ParamValues, Value};
 use syntax::span::Span;
 use syntax::token::{DeclareWord, TokenKind};
 
@@ -102,7 +103,7 @@ fn is_literal(reading: &Reading, span: Span) -> bool {
 
 /// The value of a name that does not depend on grids, for people; params are at their start.
 pub(crate) fn constant(compilation: &Compilation, name: &str) -> Option<String> {
-    let settings = Settings::opening(compilation.scene.as_ref()?);
+    let settings = ParamValues::initial(compilation.scene.as_ref()?);
     match compilation.evaluate(name, &settings).ok()?.outcome {
         Outcome::Single(value) => Some(shown(&value)),
         Outcome::Instances(_) => None,

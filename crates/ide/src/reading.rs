@@ -13,7 +13,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use scene::Compilation;
+use scene::geotrace::Compilation;
 use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::document::{Document, Piece, Snapshot, Tokens};
 use syntax::span::Span;
@@ -61,7 +61,7 @@ pub enum Target {
 impl Reading {
     /// Reads a text.
     pub fn new(text: impl AsRef<str>) -> Self {
-        let read = |text| Document::new(text, &scene::vocabulary());
+        let read = |text| Document::new(text, &scene::geotrace::vocabulary());
         // A text of 4 GiB is not read: nothing is said of it.
         let document = read(text.as_ref()).or_else(|_| read(""));
         Self::of(document.expect("an empty text is read").snapshot(), None)
@@ -189,7 +189,8 @@ impl Reading {
 
     /// What the text compiles to; compiled when first asked for.
     pub fn compilation(&self) -> &Compilation {
-        self.compilation.get_or_init(|| scene::compile(self.text()))
+        self.compilation
+            .get_or_init(|| scene::geotrace::compile(self.text()))
     }
 
     /// What is wrong with the text.
@@ -225,7 +226,7 @@ impl Reading {
             if kept.is_empty() {
                 return None;
             }
-            let compilation = scene::compile(&text);
+            let compilation = scene::geotrace::compile(&text);
             if compilation.scene.is_some() {
                 return Some(compilation);
             }

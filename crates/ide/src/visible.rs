@@ -46,7 +46,7 @@ impl<'r> Visible<'r> {
 
     /// The builtins.
     pub(crate) fn builtins(self) -> impl Iterator<Item = (SymbolId, &'r Symbol)> {
-        let all = (0..scene::builtin_count()).map(SymbolId);
+        let all = (0..scene::geotrace::builtin_count()).map(SymbolId);
         let all = all.filter_map(move |id| Some((id, self.reading.symbol(id)?)));
         all.filter(|(_, symbol)| !symbol.name.is_empty())
     }
@@ -99,7 +99,7 @@ impl<'r> Visible<'r> {
     /// Whether a symbol is builtin, or declared above.
     fn has(self, id: SymbolId) -> bool {
         let place = self.reading.place(id);
-        place.map_or(id.0 < scene::builtin_count(), |place| {
+        place.map_or(id.0 < scene::geotrace::builtin_count(), |place| {
             place.start < self.limit
         })
     }

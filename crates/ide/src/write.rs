@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use scene::scene::Range;
+use scene::Range;
 use syntax::span::Span;
 use syntax::token::{DeclareWord, TokenKind};
 
@@ -108,13 +108,13 @@ pub fn value(reading: &Reading, param: &str, values: &[f64]) -> Result<Edit, Ref
             given: values.len(),
         });
     }
-    let outside = |(range, value): &(&Range, &f64)| !(range.min..=range.max).contains(value);
-    if let Some((range, value)) = ranges.iter().zip(values).find(outside) {
+    if let Some(component) = Range::first_outside(&ranges, values) {
+        let Range { min, max } = ranges[component];
         return Err(Refusal::OutOfRange {
             name: param.to_owned(),
-            value: *value,
-            min: range.min,
-            max: range.max,
+            value: values[component],
+            min,
+            max,
         });
     }
     let numbers = ranges.iter().zip(values);
@@ -196,7 +196,7 @@ fn tidy(number: String) -> String {
 
 #[cfg(test)]
 mod tests {
-    use scene::scene::Range;
+    use scene::Range;
 
     use super::shortest;
 

@@ -191,7 +191,7 @@ fn completion_in_a_long_text_lists_the_names_that_go_on_from_what_is_written() {
         let labels = found.list.into_iter().map(|c| c.label);
         labels.collect::<Vec<_>>()
     };
-    let builtins = scene::builtin_count() as usize;
+    let builtins = scene::geotrace::builtin_count() as usize;
     // Nothing is written: what has just been declared is near.
     let near = ask("");
     assert_eq!(near.len(), builtins + 256);

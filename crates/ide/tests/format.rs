@@ -47,7 +47,7 @@ fn what_is_laid_out_stays_and_compiles_to_the_same() {
         };
         assert_eq!(words(&text), words(&once));
         let diagnostics = |text: &str| -> Vec<String> {
-            let compilation = scene::compile(text);
+            let compilation = scene::geotrace::compile(text);
             compilation
                 .diagnostics
                 .iter()

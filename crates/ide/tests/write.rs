@@ -3,15 +3,15 @@
 use ide::edit::apply;
 use ide::write::{self, Refusal};
 use ide::{Reading, hover};
-use scene::Settings;
+use scene::ParamValues;
 
 /// The text with a value written, which compiles and opens with that value, to a slider's step.
 fn written(text: &str, param: &str, values: &[f64]) -> String {
     let edit = write::value(&Reading::new(text), param, values).expect("an edit");
     let text = apply(text, &[edit]);
-    let compilation = scene::compile(&text);
+    let compilation = scene::geotrace::compile(&text);
     let scene = compilation.scene.as_ref().expect("no errors");
-    let settings = Settings::opening(scene);
+    let settings = ParamValues::initial(scene);
     let read = scene.params.iter().find(|it| it.name == param).expect("it");
     for ((value, opening), range) in values.iter().zip(settings.param(read)).zip(&read.ranges) {
         let step = (range.max - range.min) / 10_000.0;

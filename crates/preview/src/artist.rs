@@ -11,7 +11,7 @@ use std::time::Duration;
 use geodesic::ends::{Estimate, Work};
 use render::gpu::Canvas;
 use render::live::{Counters, Hit, Stage};
-use scene::scene::Scene;
+use scene::Scene;
 
 use crate::mail::{Letter, Mail};
 use crate::model::{InsideCamera, Model, SpaceCamera};

@@ -4,7 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use scene::scene::Scene;
+use scene::Scene;
 use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::line_index::LineIndex;
 use syntax::span::Span;

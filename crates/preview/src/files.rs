@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 use render::Request;
-use scene::scene::Scene;
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::Scene;
 
 use crate::atomic::write_whole;
 
@@ -17,7 +17,7 @@ use crate::atomic::write_whole;
 pub(crate) fn save_picture(
     path: &Path,
     scene: &Arc<Scene>,
-    settings: &Arc<Settings>,
+    settings: &Arc<ParamValues>,
     request: &Request,
 ) -> Result<String, String> {
     let picture = render::render(scene, settings, request, &|_| {});

@@ -36,7 +36,7 @@ impl Painter {
     pub(crate) fn layout(&mut self, ui: &Ui, text: &str, width: f32) -> Arc<Galley> {
         if self.text != text || self.readings == 0 {
             text.clone_into(&mut self.text);
-            self.highlights = highlight(text, &scene::vocabulary());
+            self.highlights = highlight(text, &scene::geotrace::vocabulary());
             self.readings += 1;
             self.job = None;
         }
@@ -155,7 +155,7 @@ mod tests {
     #[test]
     fn the_sections_cover_the_text_without_gap_or_overlap() {
         let text = "# π\nparam a : [0, 1];\npoint p = (a, €, 1);\n";
-        let highlights = highlight(text, &scene::vocabulary());
+        let highlights = highlight(text, &scene::geotrace::vocabulary());
         let marks = [
             (Span::new(10, 30), Severity::Error),
             (Span::new(40, 400), Severity::Hint),

@@ -5,8 +5,8 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use scene::Document;
-use scene::scene::Scene;
+use scene::Scene;
+use scene::geotrace::Document;
 use syntax::actions::Operator;
 use syntax::diagnostic::{Code, Diagnostic, Severity};
 use syntax::document::{ChunkId, EditError, Event, Snapshot};
@@ -451,7 +451,7 @@ mod tests {
     fn opening(read: &super::Read, name: &str) -> f64 {
         let params = &read.scene.as_ref().expect("mended").params;
         let param = params.iter().find(|param| param.name == name);
-        param.expect("there").opening[0]
+        param.expect("there").initial[0]
     }
 
     #[test]

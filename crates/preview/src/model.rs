@@ -16,8 +16,8 @@ mod view;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use scene::scene::{Object, ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Scene, Shape};
 use syntax::span::Span;
 
 pub use crate::compiler::Finding;
@@ -69,7 +69,7 @@ pub struct Model {
     pub walked: BTreeMap<String, Arc<Walked>>,
     /// Counts the times that trails were begun anew.
     pub trails_begun: u64,
-    settings: Option<Arc<Settings>>,
+    settings: Option<Arc<ParamValues>>,
     /// The click whose step is not told yet.
     placing: Option<Placing>,
 }
@@ -243,11 +243,11 @@ impl Model {
     }
 
     /// The params' values for the scene: those that were chosen, kept within their intervals.
-    pub fn settings(&mut self) -> Option<Arc<Settings>> {
+    pub fn settings(&mut self) -> Option<Arc<ParamValues>> {
         let scene = self.scene.as_ref()?;
         let view = &self.view;
         let settings = self.settings.get_or_insert_with(|| {
-            let mut settings = Settings::opening(scene);
+            let mut settings = ParamValues::initial(scene);
             for param in &scene.params {
                 let Some(values) = view.params.get(&param.name) else {
                     continue;
@@ -289,7 +289,7 @@ impl Model {
     pub fn surfaces(&self) -> Vec<String> {
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);
         objects
-            .filter(|object| object.shape.patch().is_some())
+            .filter(|object| object.shape.manifold().is_some())
             .map(|object| object.name.clone())
             .collect()
     }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use render::overlay::{Overlays, Spacing, Standpoint, Trail};
 use render::request::{Request, View};
 use render::texture::Texture;
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 use crate::model::{Choice, InsideCamera, Marks, Model, SpaceCamera};
 use crate::panes::Pane;
@@ -36,7 +36,7 @@ impl PaneKey {
 #[derive(Clone, Debug)]
 pub(crate) struct Order {
     pub(crate) scene: Arc<Scene>,
-    pub(crate) settings: Arc<Settings>,
+    pub(crate) settings: Arc<ParamValues>,
     pub(crate) look: Look,
     pub(crate) size: [u32; 2],
     pub(crate) textures: Vec<(ObjectId, Arc<Texture>)>,
@@ -280,7 +280,7 @@ pub(crate) fn order(
         if let Some(colour) = view.looks.get(&object.name).and_then(|look| look.colour) {
             colours.push((id, colour));
         }
-        if object.shape.patch().is_some() {
+        if object.shape.manifold().is_some() {
             let choice = view.texture(&object.name);
             if *choice == Choice::Curvature {
                 curved.push(id);
@@ -349,7 +349,7 @@ mod tests {
 
     fn model(text: &str) -> Model {
         let mut model = Model::default();
-        model.scene = scene::compile(text).scene.map(Arc::new);
+        model.scene = scene::geotrace::compile(text).scene.map(Arc::new);
         model.view.preferences.marks.trail = true;
         model
     }

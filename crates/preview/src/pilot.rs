@@ -9,8 +9,8 @@ use render::geodesic_view::Inside;
 use render::ground::Ground;
 use render::overlay::Trail;
 use render::{RenderError, Request};
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 use crate::model::InsideCamera;
 use crate::motion::Motion;
@@ -32,7 +32,7 @@ pub(crate) struct Pilot {
 #[derive(Debug)]
 struct Stand {
     scene: Arc<Scene>,
-    settings: Arc<Settings>,
+    settings: Arc<ParamValues>,
     surface: ObjectId,
     ground: Ground,
 }
@@ -41,7 +41,7 @@ struct Stand {
 #[derive(Debug)]
 pub(crate) struct Flight<'a> {
     pub(crate) scene: &'a Arc<Scene>,
-    pub(crate) settings: &'a Arc<Settings>,
+    pub(crate) settings: &'a Arc<ParamValues>,
     pub(crate) surface: ObjectId,
     /// Counts placings; where it has changed, `camera` is taken over.
     pub(crate) placed: u64,
@@ -254,21 +254,21 @@ mod tests {
     use super::{Flight, Pilot};
     use crate::motion::Motion;
     use crate::walked::between;
-    use scene::scene::{ObjectId, Scene};
-    use scene::values::Settings;
+    use scene::ParamValues;
+    use scene::{ObjectId, Scene};
     use std::sync::Arc;
 
     const SPHERE: &str = "param r : [1, 3];
         surface s(u,v) = r(cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi/2];";
 
-    fn scene(text: &str) -> (Arc<Scene>, Arc<Settings>) {
-        let scene = scene::compile(text).scene.expect("no errors");
-        let settings = Settings::opening(&scene);
+    fn scene(text: &str) -> (Arc<Scene>, Arc<ParamValues>) {
+        let scene = scene::geotrace::compile(text).scene.expect("no errors");
+        let settings = ParamValues::initial(&scene);
         (Arc::new(scene), Arc::new(settings))
     }
 
     fn flight<'a>(
-        (scene, settings): &'a (Arc<Scene>, Arc<Settings>),
+        (scene, settings): &'a (Arc<Scene>, Arc<ParamValues>),
         motions: &'a [Motion],
         trail: Option<u64>,
     ) -> Flight<'a> {
@@ -286,7 +286,7 @@ mod tests {
 
     fn fly(
         pilot: &mut Pilot,
-        world: &(Arc<Scene>, Arc<Settings>),
+        world: &(Arc<Scene>, Arc<ParamValues>),
         motions: &[Motion],
     ) -> crate::model::InsideCamera {
         let flight = flight(world, motions, None);

@@ -7,8 +7,8 @@ use egui::{DragValue, Grid, Ui};
 use render::Request;
 use render::export::{self, Format};
 use render::overlay::Trail;
-use scene::scene::Scene;
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::Scene;
 
 use crate::atomic::write_whole;
 use crate::files;
@@ -263,7 +263,7 @@ fn write_mesh(window: &Window, path: &str) {
 fn save_mesh(
     path: &Path,
     scene: &Arc<Scene>,
-    settings: &Arc<Settings>,
+    settings: &Arc<ParamValues>,
     request: &Request,
 ) -> Result<String, String> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();

@@ -5,8 +5,8 @@
 
 use expr::NodeId;
 use expr::tape::Tape;
-use scene::scene::{Object, ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Scene, Shape};
 
 use crate::request::Request;
 use crate::sample::{Resolution, Sampler};
@@ -52,16 +52,16 @@ pub struct Bounds {
 
 impl Bounds {
     /// The bounds of what is defined; a scene where nothing is has the unit ball.
-    pub fn of(scene: &Scene, settings: &Settings) -> Self {
+    pub fn of(scene: &Scene, settings: &ParamValues) -> Self {
         Self::of_some(scene, settings, |_| true)
     }
 
     /// The same, of those objects that the 3D view of a request leaves room for.
-    pub fn shown(scene: &Scene, settings: &Settings, request: &Request) -> Self {
+    pub fn shown(scene: &Scene, settings: &ParamValues, request: &Request) -> Self {
         Self::of_some(scene, settings, |id| request.leaves_room(scene, id))
     }
 
-    fn of_some(scene: &Scene, settings: &Settings, counts: impl Fn(ObjectId) -> bool) -> Self {
+    fn of_some(scene: &Scene, settings: &ParamValues, counts: impl Fn(ObjectId) -> bool) -> Self {
         let objects = (0..).map(ObjectId).zip(&scene.objects);
         let cloud = objects
             .filter(|(id, _)| counts(*id))
@@ -119,7 +119,11 @@ impl Bounds {
 }
 
 /// Coarse points of an object without outliers, in the scene's units; none for what has no place in space.
-pub(crate) fn object_cloud(scene: &Scene, settings: &Settings, object: &Object) -> Vec<[f64; 3]> {
+pub(crate) fn object_cloud(
+    scene: &Scene,
+    settings: &ParamValues,
+    object: &Object,
+) -> Vec<[f64; 3]> {
     let roots: Vec<NodeId> = match &object.shape {
         Shape::Point { position }
         | Shape::Curve { position, .. }

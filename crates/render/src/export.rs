@@ -1,7 +1,7 @@
 //! A scene's objects as files for other programs: meshes, lines and points, in the scene's own units.
 //!
 //! ```text
-//! Scene + Settings + Request ──mesh.rs: surfaces as welded triangles ─┬─▶ Model ──obj.rs, ply.rs, stl.rs, gltf.rs──▶ bytes
+//! Scene + ParamValues + Request ──mesh.rs: surfaces as welded triangles ─┬─▶ Model ──obj.rs, ply.rs, stl.rs, gltf.rs──▶ bytes
 //!                              curves, geodesics, vectors, points ────┘
 //! ```
 //!
@@ -22,8 +22,8 @@ use std::sync::Arc;
 
 use expr::NodeId;
 use expr::tape::Tape;
-use scene::scene::{Object, ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Scene, Shape};
 
 use crate::bounds::{Bounds, Placement};
 use crate::geodesics;
@@ -146,7 +146,7 @@ impl Format {
 /// also the colours and the textures matter.
 pub fn model(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     objects: Option<&[ObjectId]>,
 ) -> Model {
@@ -273,7 +273,7 @@ impl Lines {
 /// The shape of an object, if any of it is defined, and what should be told of it.
 fn geometry(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     id: ObjectId,
     object: &Object,
@@ -340,7 +340,7 @@ fn geometry(
 /// The places of all samples of all instances.
 fn places(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     object: &Object,
     position: &[NodeId; 3],
 ) -> Vec<[f64; 3]> {

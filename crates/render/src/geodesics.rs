@@ -10,9 +10,9 @@ use geodesic::frame::Frame;
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status, Trace, TraceError, trace};
 use rayon::prelude::*;
-use scene::geodesic::Launcher;
-use scene::scene::{Object, ObjectId, Sampling, Scene, Shape};
-use scene::values::Settings;
+use scene::InitialConditionsEvaluator;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Sampling, Scene, Shape};
 
 use crate::ground::Ground;
 
@@ -40,11 +40,11 @@ pub struct Followed {
 }
 
 /// Follows all instances of a declared geodesic on all cores; nothing for other objects.
-pub fn declared(scene: &Scene, settings: &Settings, id: ObjectId) -> Followed {
+pub fn declared(scene: &Scene, settings: &ParamValues, id: ObjectId) -> Followed {
     let Some((object, surface, domain)) = parts(scene, id) else {
         return Followed::default();
     };
-    let Some(launcher) = Launcher::new(scene, id) else {
+    let Some(launcher) = InitialConditionsEvaluator::new(scene, id) else {
         return Followed::default();
     };
     let name = &object.name;
@@ -77,7 +77,7 @@ pub fn declared(scene: &Scene, settings: &Settings, id: ObjectId) -> Followed {
             Ok(ground) => ground,
             Err(error) => return (nowhere(), Some(error.to_string())),
         };
-        match launcher.clone().launch(&uniforms) {
+        match launcher.clone().evaluate(&uniforms) {
             Ok(launch) => {
                 let surface = ground.surface();
                 let from = Start::Chart(launch.start, launch.direction);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use geodesic::intrinsic::MetricSurface;
 use geodesic::surface::{ParametricSurface, Surface};
 use geodesic::topology::Apex;
-use scene::scene::{ObjectId, Scene, Shape};
+use scene::{ObjectId, Scene, Shape};
 
 use crate::geodesics::{Line, Polyline, Polylines};
 use crate::request::RenderError;
@@ -37,7 +37,7 @@ impl Ground {
         let name = || object.name.clone();
         let too_large = |_| RenderError::TooLarge { name: name() };
         let graph = &scene.graph;
-        let ranges = |domain: &[scene::scene::Sampling; 2]| {
+        let ranges = |domain: &[scene::Sampling; 2]| {
             domain
                 .each_ref()
                 .map(|axis| [axis.range.min, axis.range.max])

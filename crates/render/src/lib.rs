@@ -1,9 +1,9 @@
 //! Both views of a scene as pictures, offscreen: wgpu painters, and a software path for machines without a GPU.
 //!
 //! ```text
-//! Scene + Settings ──sample.rs (f64 blocks) or a generated kernel──▶ samples ──gpu/ or software/──▶ 3D picture
+//! Scene + ParamValues ──sample.rs (f64 blocks) or a generated kernel──▶ samples ──gpu/ or software/──▶ 3D picture
 //! surface + Frame ──geodesic kernel (gpu/) or geodesic::map──▶ Map ──resolve: texture──▶ geodesic picture
-//! Scene + Settings ──export.rs (f64 places)──▶ OBJ, PLY, STL, glTF       pictures ──record.rs──▶ GIF, APNG
+//! Scene + ParamValues ──export.rs (f64 places)──▶ OBJ, PLY, STL, glTF       pictures ──record.rs──▶ GIF, APNG
 //! ```
 //!
 //! What is built for a picture is planned first ([`plan`](mod@plan)); both backends draw from the same samples
@@ -29,7 +29,7 @@ pub mod texture;
 
 pub use request::{Backend, Method, Picture, RenderError, Request, View};
 
-use scene::{scene::Scene, values::Settings};
+use scene::{ParamValues, Scene};
 
 /// Draws one picture. `progress` is told the share that is done, from 0 to 1, from any thread.
 ///
@@ -40,7 +40,7 @@ use scene::{scene::Scene, values::Settings};
 /// See [`RenderError`]; nothing a scene or a request holds leads to a panic.
 pub fn render(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Picture, RenderError> {
@@ -56,7 +56,7 @@ pub fn render(
 
 fn by_backend(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Picture, RenderError> {

@@ -2,7 +2,7 @@
 //! cameras walk.
 //!
 //! ```text
-//! Scene + Settings ──content.rs──▶ a key for each object ──samples.rs──▶ samples ─┐
+//! Scene + ParamValues ──content.rs──▶ a key for each object ──samples.rs──▶ samples ─┐
 //!                  ──place.rs────▶ drawing units that stay ───────────────────────┼──▶ software/ or gpu/ ──▶ Shot
 //! surface + Frame  ──inside.rs───▶ geodesics ─────────────────────────────────────┘
 //! ```
@@ -23,8 +23,8 @@ use std::time::{Duration, Instant};
 
 use geodesic::ends::{Estimate, Work};
 use image::RgbaImage;
-use scene::scene::{ObjectId, Range, Sampling, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Range, Sampling, Scene, Shape};
 
 use crate::bounds::{Bounds, Placement};
 use crate::camera::Camera;
@@ -57,7 +57,7 @@ pub struct Stage {
 #[derive(Debug)]
 struct Last {
     scene: Arc<Scene>,
-    settings: Settings,
+    settings: ParamValues,
     request: Request,
     bounds: Option<Arc<Bounds>>,
     shot: Shot,
@@ -182,7 +182,7 @@ impl Stage {
     pub fn draw(
         &mut self,
         scene: &Arc<Scene>,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
     ) -> Result<Shot, RenderError> {
         let start = Instant::now();
@@ -260,7 +260,7 @@ impl Stage {
     pub fn pick(
         &mut self,
         scene: &Arc<Scene>,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
         at: [f64; 2],
     ) -> Result<Option<Hit>, RenderError> {
@@ -284,7 +284,7 @@ impl Stage {
     pub fn camera(
         &mut self,
         scene: &Arc<Scene>,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
     ) -> Result<Camera, RenderError> {
         request.check(scene)?;
@@ -328,7 +328,7 @@ impl Stage {
     fn space(
         &mut self,
         scene: &Arc<Scene>,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
         [eye, target]: [Option<[f64; 3]>; 2],
     ) -> Result<Shot, RenderError> {
@@ -378,7 +378,7 @@ impl Stage {
     fn inside(
         &mut self,
         scene: &Arc<Scene>,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
     ) -> Result<Shot, RenderError> {
         let structures = self.structures.of(scene);
@@ -420,7 +420,7 @@ impl Stage {
     fn painted(
         &mut self,
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
         placed: &Placed,
     ) -> (Vec<Painted>, Vec<String>) {
@@ -450,7 +450,7 @@ impl Stage {
     fn extras(
         &mut self,
         scene: &Arc<Scene>,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
         placement: &Placement,
     ) -> Result<Arc<[Extra]>, RenderError> {
@@ -482,7 +482,7 @@ impl Last {
     fn is_of(
         &self,
         scene: &Arc<Scene>,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
         bounds: Option<&Arc<Bounds>>,
     ) -> bool {

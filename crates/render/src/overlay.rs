@@ -26,8 +26,8 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 use rayon::prelude::*;
-use scene::scene::{Object, ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Scene, Shape};
 
 use crate::plan::Painter;
 use crate::request::{RenderError, Request};
@@ -150,7 +150,7 @@ pub(crate) fn any_space(request: &Request) -> bool {
 pub(crate) fn over_space(
     image: &mut RgbaImage,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
 ) -> Result<Vec<&'static str>, RenderError> {
     let mut key = legend::Key::default();

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use expr::tape::Tape;
 use expr::{Input, NodeId};
-use scene::scene::{Object, ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Scene, Shape};
 
 use crate::geodesics;
 use crate::overlay;
@@ -112,7 +112,7 @@ pub struct Built {
 }
 
 /// Plans a picture; the request has been checked.
-pub fn plan(scene: &Scene, settings: &Settings, request: &Request) -> Plan {
+pub fn plan(scene: &Scene, settings: &ParamValues, request: &Request) -> Plan {
     let gpu = request.backend != Backend::Software;
     let mut plan = Plan {
         gpu,
@@ -235,7 +235,7 @@ impl Plan {
 
 fn object_plan(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     id: ObjectId,
     object: &Object,
     gpu: bool,
@@ -302,7 +302,7 @@ fn object_plan(
 }
 
 /// Samples of all instances of an object in space.
-pub(crate) fn samples(scene: &Scene, settings: &Settings, id: ObjectId) -> u64 {
+pub(crate) fn samples(scene: &Scene, settings: &ParamValues, id: ObjectId) -> u64 {
     let Some(object) = scene.objects.get(id.0 as usize) else {
         return 0;
     };

@@ -1,7 +1,7 @@
 //! Animations: what changes from frame to frame, and files that hold many pictures.
 //!
 //! ```text
-//! Script + frame number ──▶ Settings, Request ──(drawn by whoever records)──▶ picture ──Recorder──▶ GIF, APNG
+//! Script + frame number ──▶ ParamValues, Request ──(drawn by whoever records)──▶ picture ──Recorder──▶ GIF, APNG
 //! ```
 //!
 //! A recorder keeps one picture at a time, however many there are.
@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 
 use gif::Repeat;
 use image::RgbaImage;
-use scene::scene::Scene;
-use scene::values::{SetError, Settings};
+use scene::Scene;
+use scene::{ParamValues, SetError};
 
 use crate::bounds::Bounds;
 use crate::camera::Camera;
@@ -72,10 +72,10 @@ impl Script {
     pub fn at(
         &self,
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
         share: f64,
-    ) -> Result<(Settings, Request), ScriptError> {
+    ) -> Result<(ParamValues, Request), ScriptError> {
         let (mut settings, mut request) = (settings.clone(), request.clone());
         for Change { name, from, to } in &self.changes {
             let between = |(from, to): (&f64, &f64)| {
@@ -108,7 +108,7 @@ impl Script {
     pub fn steady(
         &self,
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
     ) -> Result<Request, ScriptError> {
         let mut request = request.clone();
@@ -151,7 +151,7 @@ impl Script {
     fn move_camera(
         &self,
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &mut Request,
         length: f64,
     ) -> Result<(), RenderError> {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use geodesic::frame::Frame;
-use scene::scene::{Object, ObjectId, Scene, Shape};
+use scene::{Object, ObjectId, Scene, Shape};
 
 use crate::overlay::{Overlays, Standpoint, Trail};
 use crate::texture::Texture;
@@ -333,7 +333,7 @@ impl Request {
                 ..
             } => {
                 let object = scene.objects.get(surface.0 as usize);
-                if object.is_none_or(|object| object.shape.patch().is_none()) {
+                if object.is_none_or(|object| object.shape.manifold().is_none()) {
                     return Err(RenderError::NoSurface {
                         name: object.map(|object| object.name.clone()),
                     });

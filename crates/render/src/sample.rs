@@ -10,8 +10,8 @@ use bytemuck::{Pod, Zeroable};
 use expr::tape::{Block, LANES, Registers, Tape};
 use expr::{Graph, Input, NodeId};
 use rayon::prelude::*;
-use scene::scene::{Object, ObjectId, Sampling, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Sampling, Scene, Shape};
 
 use crate::bounds::Placement;
 use crate::geodesics::{self, Followed, Knot};
@@ -128,7 +128,7 @@ pub(crate) fn note(name: &str, all: usize, undefined: usize) -> Option<String> {
 /// As [`sample`], with what a reader of the picture should be told.
 pub fn sample_with_notes(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     id: ObjectId,
     placement: &Placement,
 ) -> (Samples, Vec<String>) {
@@ -165,7 +165,7 @@ pub(crate) fn left_out(object: &Object) -> Option<String> {
 /// Evaluates all samples of an object, on all cores.
 pub fn sample(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     object_id: ObjectId,
     placement: &Placement,
 ) -> Samples {
@@ -295,7 +295,7 @@ enum Column {
 const CHUNK: usize = 16 * LANES;
 
 impl Sampler {
-    fn full(scene: &Scene, settings: &Settings, object: &Object, roots: &[NodeId]) -> Self {
+    fn full(scene: &Scene, settings: &ParamValues, object: &Object, roots: &[NodeId]) -> Self {
         Self::new(
             scene,
             settings,
@@ -307,7 +307,7 @@ impl Sampler {
 
     pub(crate) fn new(
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         object: &Object,
         tape: Tape,
         resolution: Resolution,

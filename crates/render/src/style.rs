@@ -12,7 +12,7 @@
 
 use std::sync::LazyLock;
 
-use scene::scene::Shape;
+use scene::Shape;
 
 /// Behind everything, sRGB.
 pub const BACKGROUND: [u8; 3] = [18, 20, 26];

@@ -4,8 +4,8 @@ mod scenes;
 
 use image::RgbaImage;
 use render::{Backend, Request, style};
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 const SCENE: &str = "
     curve c(t) = (cos t, sin t, 0.3 t), t : [0, 2pi, 80];
@@ -15,9 +15,9 @@ const SCENE: &str = "
 ";
 const BACKENDS: [Backend; 2] = [Backend::Software, Backend::Gpu];
 
-fn compiled(text: &str) -> (Scene, Settings) {
+fn compiled(text: &str) -> (Scene, ParamValues) {
     let scene = scenes::scene(text);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     (scene, settings)
 }
 

@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use render::texture::Texture;
 use render::{Backend, Request, View, render};
-use scene::Settings;
-use scene::scene::ObjectId;
+use scene::ObjectId;
+use scene::ParamValues;
 use scenes::scene;
 
 fn curvature(source: &str) -> Arc<Texture> {
     let scene = scene(source);
-    Texture::curvature(&scene, &Settings::opening(&scene), ObjectId(0)).expect("a texture")
+    Texture::curvature(&scene, &ParamValues::initial(&scene), ObjectId(0)).expect("a texture")
 }
 
 /// That each texel, but for those at the border, has the colour of the closed form at its (u, v) in [0, 1]²; a byte may
@@ -76,7 +76,7 @@ fn what_is_flat_is_white_and_what_is_undefined_grey() {
 #[test]
 fn the_legend_has_the_scale_only_where_colours_show_curvature() {
     let scene = scene("surface s(u,v) = (u,v,u^2-v^2), u : [-1,1], v : [-1,1];");
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     let texture = Texture::curvature(&scene, &settings, ObjectId(0)).expect("a texture");
     for view in ["inside", "space"] {
         let draw = |textures, legend| {

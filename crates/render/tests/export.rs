@@ -11,7 +11,7 @@ use ply_rs_bw::ply::{DefaultElement, Ply, Property};
 use render::Request;
 use render::export::{ExportError, Format, Geometry, Model, model};
 use render::texture::Texture;
-use scene::Settings;
+use scene::ParamValues;
 use scenes::scene;
 
 const SPHERE: &str = "surface s(u,v) = 2(cosu sinv, sinu sinv, cosv), u : [0,2pi,N], v : [0,pi,N];";
@@ -23,7 +23,7 @@ const KLEIN: &str = "function w(u,v) = 3+cos(u/2)sinv-sin(u/2)sin(2v); \
 
 fn exported(source: &str) -> Model {
     let scene = scene(source);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     model(&scene, &settings, &Request::space([1, 1]), None)
 }
 

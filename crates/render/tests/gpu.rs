@@ -9,8 +9,8 @@ use render::bounds::{Bounds, Placement};
 use render::plan::{Built, plan};
 use render::sample::{Samples, sample};
 use render::{Backend, Method, RenderError, Request, View, gpu};
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 const SCENE: &str = "
     function f(u, v) = (sin(pi v) cos(2 pi u), sin(pi v) sin(2 pi u), cos(pi v));
@@ -22,9 +22,9 @@ const SCENE: &str = "
     surface s(u, v) = 0.9 f(u, v), u : [0, 1, 40], v : [0, 1, 30];
 ";
 
-fn compiled(text: &str) -> (Scene, Settings) {
+fn compiled(text: &str) -> (Scene, ParamValues) {
     let scene = scenes::scene(text);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     (scene, settings)
 }
 

@@ -7,8 +7,8 @@ use geodesic::trace::Status;
 use glam::DVec3;
 use render::geodesic_view::Inside;
 use render::{Backend, RenderError, Request, View, render};
-use scene::Settings;
-use scene::scene::ObjectId;
+use scene::ObjectId;
+use scene::ParamValues;
 
 use scenes::scene;
 use std::f64::consts::{PI, TAU};
@@ -32,7 +32,7 @@ fn request(size: [u32; 2], place: Option<[f64; 2]>, turned: f64, distance: Optio
 
 fn map(source: &str, request: &Request) -> Map {
     let scene = scene(source);
-    let inside = Inside::new(&scene, &Settings::opening(&scene), request).expect("a camera");
+    let inside = Inside::new(&scene, &ParamValues::initial(&scene), request).expect("a camera");
     inside.map(&|_| {})
 }
 
@@ -144,7 +144,7 @@ fn the_first_camera_stands_in_the_middle_and_sees_a_good_part() {
     let scene = scene(SPHERE);
     let inside = Inside::new(
         &scene,
-        &Settings::opening(&scene),
+        &ParamValues::initial(&scene),
         &request([9, 9], None, 0.0, None),
     )
     .expect("a camera");
@@ -160,7 +160,7 @@ fn where_the_middle_has_no_tangent_plane_the_first_camera_stands_beside_it() {
     let scene = scene("surface s(u,v) = (v cosu, v sinu, v), u : [0,2pi], v : [-1,1];");
     let inside = Inside::new(
         &scene,
-        &Settings::opening(&scene),
+        &ParamValues::initial(&scene),
         &request([9, 9], None, 0.0, None),
     )
     .expect("a camera");
@@ -172,7 +172,7 @@ fn a_camera_that_cannot_stand_there_is_refused_with_the_reason() {
     let scene = scene(SPHERE);
     let attempt = |at: [f64; 2]| {
         let request = request([8, 8], Some(at), 0.0, None);
-        render(&scene, &Settings::opening(&scene), &request, &|_| {}).map(|_| ())
+        render(&scene, &ParamValues::initial(&scene), &request, &|_| {}).map(|_| ())
     };
     let name = || "s".to_owned();
     // A pole is a place like any other.
@@ -182,7 +182,7 @@ fn a_camera_that_cannot_stand_there_is_refused_with_the_reason() {
     assert_eq!(attempt([0.25, 0.5]), Ok(()));
     let scene = self::scene(PLANE);
     let request = request([8, 8], Some([5.0, 1.0]), 0.0, None);
-    let outside = render(&scene, &Settings::opening(&scene), &request, &|_| {}).map(|_| ());
+    let outside = render(&scene, &ParamValues::initial(&scene), &request, &|_| {}).map(|_| ());
     assert_eq!(
         outside,
         Err(RenderError::CameraOutside {
@@ -193,7 +193,7 @@ fn a_camera_that_cannot_stand_there_is_refused_with_the_reason() {
     );
     let tip = self::scene("surface s(u,v) = (v cosu, v sinu, v), u : [0,2pi], v : [0,1];");
     let request = self::request([8, 8], Some([0.5, 0.0]), 0.0, None);
-    let undefined = render(&tip, &Settings::opening(&tip), &request, &|_| {}).map(|_| ());
+    let undefined = render(&tip, &ParamValues::initial(&tip), &request, &|_| {}).map(|_| ());
     assert_eq!(
         undefined,
         Err(RenderError::UndefinedCamera {
@@ -217,8 +217,8 @@ fn one_pixel_shows_the_camera_s_own_place() {
 fn the_first_instance_of_a_surface_with_grids_is_seen() {
     let scene =
         scene("grid r : [1, 3, 3]; surface s(u,v) = r(cosu, sinu, v), u : [0,2pi], v : [-1,1];");
-    let mut settings = Settings::opening(&scene);
-    let zoom = |settings: &Settings| {
+    let mut settings = ParamValues::initial(&scene);
+    let zoom = |settings: &ParamValues| {
         Inside::new(&scene, settings, &request([8, 8], None, 0.0, None))
             .expect("a camera")
             .zoom

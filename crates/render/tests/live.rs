@@ -12,14 +12,14 @@ use render::gpu::Gpu;
 use render::live::{Counters, Pixels, Shot, Stage};
 use render::overlay::{Overlays, Spacing};
 use render::{Backend, RenderError, Request, View};
-use scene::scene::{ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene, Shape};
 
 const SIZE: [u32; 2] = [120, 90];
 
-fn compiled(text: &str) -> (Arc<Scene>, Settings) {
+fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     (Arc::new(scene), settings)
 }
 
@@ -73,7 +73,7 @@ fn image(stage: &Stage, shot: &Shot) -> RgbaImage {
 fn alone(
     backend: Backend,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
 ) -> Result<render::Picture, RenderError> {
     let request = Request {
@@ -129,7 +129,7 @@ fn a_stage_draws_what_a_single_picture_shows() {
         let (scene, settings) = compiled(&text);
         let mut requests = vec![Request::space(SIZE)];
         let inside = (0..).zip(&scene.objects);
-        let inside = inside.filter(|(_, object)| object.shape.patch().is_some());
+        let inside = inside.filter(|(_, object)| object.shape.manifold().is_some());
         requests.extend(inside.map(|(k, _)| Request::geodesic(ObjectId(k), [49, 40])));
         for backend in BACKENDS {
             let mut stage = stage(backend);
@@ -258,7 +258,7 @@ fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
         let (scene, mut settings) = compiled(text);
         let mut stage = stage(backend);
         let request = Request::geodesic(ObjectId(0), [40, 40]);
-        let walk = |stage: &mut Stage, settings: &Settings, request: &Request, looks| {
+        let walk = |stage: &mut Stage, settings: &ParamValues, request: &Request, looks| {
             let before = stage.counters();
             let shot = stage.draw(&scene, settings, request).expect("a picture");
             let now = made(before, stage.counters());
@@ -416,7 +416,7 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
             let mut random = Random(seed);
             let mut stage = self::stage(backend);
             let mut kept = [true; 8];
-            let (mut scene, mut settings) = (None::<Arc<Scene>>, None::<Settings>);
+            let (mut scene, mut settings) = (None::<Arc<Scene>>, None::<ParamValues>);
             let mut request = Request::space(SIZE);
             for step in 0..25 {
                 match (&scene, random.below(4)) {
@@ -621,7 +621,7 @@ fn of_twenty_surfaces_with_kernels_a_param_builds_none_and_an_edit_the_one_that_
     assert!(off < shot.as_raw().len() / 40, "{off} bytes are off");
     // Back, and elsewhere in another text: every kernel is known.
     let (moved, other) = compiled(&format!("param b : [0, 1]; {}", twenty(None)));
-    for (scene, settings) in [(&scene, &Settings::opening(&scene)), (&moved, &other)] {
+    for (scene, settings) in [(&scene, &ParamValues::initial(&scene)), (&moved, &other)] {
         stage.draw(scene, settings, &request).expect("a picture");
     }
     assert_eq!(made(after, built(&stage)).pipelines, 0);

@@ -8,8 +8,8 @@ use render::plan::plan;
 use render::sample::{Samples, sample};
 use render::texture::Texture;
 use render::{Backend, Picture, Request, View, render};
-use scene::Settings;
-use scene::scene::ObjectId;
+use scene::ObjectId;
+use scene::ParamValues;
 
 use scenes::scene;
 use std::f64::consts::PI;
@@ -37,7 +37,7 @@ fn draw(source: &str, at: [f64; 2], distance: f64, overlays: Overlays) -> Pictur
     {
         (*place, *zoom) = (Some(at), Some(distance));
     }
-    render(&scene, &Settings::opening(&scene), &request, &|_| {}).expect("a picture")
+    render(&scene, &ParamValues::initial(&scene), &request, &|_| {}).expect("a picture")
 }
 
 /// The distances from the centre, in units of half the picture, of pixels that are not grey.
@@ -140,7 +140,7 @@ fn declared_geodesics_are_curves_in_space_at_equal_arc_lengths() {
         "{SPHERE} grid k : [0, 1, 3]; geodesic g(t) : s = (1, k) @ (0, 0), t : [-1, 2, 31];"
     );
     let scene = scene(&source);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     let bounds = render::bounds::Bounds::of(&scene, &settings);
     let Samples::Curves { count, samples } =
         sample(&scene, &settings, ObjectId(1), &bounds.placement)
@@ -173,7 +173,8 @@ fn a_metric_has_a_note_in_space_and_its_geodesics_no_place() {
         backend: Backend::Software,
         ..Request::space([32, 32])
     };
-    let picture = render(&scene, &Settings::opening(&scene), &request, &|_| {}).expect("a picture");
+    let picture =
+        render(&scene, &ParamValues::initial(&scene), &request, &|_| {}).expect("a picture");
     assert_eq!(picture.notes.len(), 1, "{:?}", picture.notes);
     assert!(picture.notes[0].starts_with("`h` is a metric"));
     let seen = draw(source, [0.0, 1.0], 1.0, Overlays::default());
@@ -183,7 +184,7 @@ fn a_metric_has_a_note_in_space_and_its_geodesics_no_place() {
 #[test]
 fn a_geodesic_camera_is_shown_in_space_when_asked_for() {
     let scene = scene(SPHERE);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     let picture = |show_camera| {
         let request = Request {
             backend: Backend::Software,
@@ -210,7 +211,7 @@ fn a_geodesic_camera_is_shown_in_space_when_asked_for() {
 #[test]
 fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent() {
     let scene = scene(SPHERE);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     let points = (0..=40)
         .map(|k| [0.0, -0.4 + 0.02 * f64::from(k)])
         .collect();

@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use render::live::{Hit, Pixels, Stage};
 use render::{Request, View};
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 const SIZE: [u32; 2] = [160, 120];
 
-fn compiled(text: &str) -> (Arc<Scene>, Settings) {
+fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     (Arc::new(scene), settings)
 }
 
@@ -26,14 +26,24 @@ fn from(eye: [f64; 3], target: [f64; 3]) -> Request {
     request
 }
 
-fn pick(scene: &Arc<Scene>, settings: &Settings, request: &Request, at: [f64; 2]) -> Option<Hit> {
+fn pick(
+    scene: &Arc<Scene>,
+    settings: &ParamValues,
+    request: &Request,
+    at: [f64; 2],
+) -> Option<Hit> {
     Stage::software()
         .pick(scene, settings, request, at)
         .expect("a picture")
 }
 
 /// Where the ray through a pixel place goes: its start and its direction in the scene's units.
-fn ray(scene: &Arc<Scene>, settings: &Settings, request: &Request, at: [f64; 2]) -> [[f64; 3]; 2] {
+fn ray(
+    scene: &Arc<Scene>,
+    settings: &ParamValues,
+    request: &Request,
+    at: [f64; 2],
+) -> [[f64; 3]; 2] {
     let camera = Stage::software()
         .camera(scene, settings, request)
         .expect("a camera");

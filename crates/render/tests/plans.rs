@@ -4,13 +4,13 @@ mod scenes;
 
 use render::plan::{Built, Painter, Source, plan};
 use render::{Backend, Method, Request, View};
-use scene::Settings;
-use scene::scene::ObjectId;
+use scene::ObjectId;
+use scene::ParamValues;
 use scenes::scene;
 
 fn built(source: &str, request: &Request) -> Built {
     let scene = scene(source);
-    plan(&scene, &Settings::opening(&scene), request).built()
+    plan(&scene, &ParamValues::initial(&scene), request).built()
 }
 
 const SURFACE: &str = "surface s(u,v) = (u, v, u v), u : [0,1], v : [0,1];";
@@ -62,7 +62,7 @@ fn a_geodesic_view_builds_no_painter() {
 #[test]
 fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
     let scene = scene(&format!("{SURFACE} point p = (0,0,0);"));
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     let mut request = Request::geodesic(ObjectId(0), [64, 64]);
     let choose = |request: &mut Request, chosen| {
         if let View::Geodesic { method, .. } = &mut request.view {
@@ -112,7 +112,7 @@ fn an_object_is_planned_with_its_uniforms_samples_and_operations() {
     );
     let plan = plan(
         &scene,
-        &Settings::opening(&scene),
+        &ParamValues::initial(&scene),
         &Request::space([64, 64]),
     );
     let [object] = &plan.objects[..] else {

@@ -12,8 +12,8 @@ use render::camera::Camera;
 use render::geodesic_view::Inside;
 use render::record::{Change, Clip, Format, Recorder, Script, ScriptError};
 use render::{Request, View};
-use scene::Settings;
-use scene::scene::ObjectId;
+use scene::ObjectId;
+use scene::ParamValues;
 use scenes::scene;
 
 const SPHERE: &str =
@@ -132,7 +132,7 @@ fn too_few_or_other_pictures_are_no_animation() {
 #[test]
 fn params_run_from_one_end_to_the_other() {
     let scene = scene(SPHERE);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     let request = Request::space([8, 8]);
     let script = Script {
         changes: vec![Change {
@@ -159,7 +159,7 @@ fn params_run_from_one_end_to_the_other() {
 #[test]
 fn the_camera_in_space_stands_still_and_sees_everything() {
     let scene = scene(SPHERE);
-    let mut settings = Settings::opening(&scene);
+    let mut settings = ParamValues::initial(&scene);
     let request = Request::space([64, 64]);
     let script = Script {
         changes: vec![Change {
@@ -197,7 +197,7 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
 #[test]
 fn a_walk_round_a_great_circle_comes_back_with_its_length() {
     let scene = scene(SPHERE);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     let mut request = Request::geodesic(ObjectId(0), [64, 64]);
     if let View::Geodesic { at, angle, .. } = &mut request.view {
         (*at, *angle) = (Some([1.0, 1.2]), 0.7);

@@ -5,13 +5,13 @@ mod scenes;
 use glam::Vec3;
 use render::bounds::Bounds;
 use render::sample::{Samples, sample};
-use scene::Settings;
-use scene::scene::ObjectId;
+use scene::ObjectId;
+use scene::ParamValues;
 use scenes::scene;
 
 fn samples(source: &str) -> (Bounds, Samples) {
     let scene = scene(source);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     let bounds = Bounds::of(&scene, &settings);
     let last = ObjectId(scene.objects.len() as u32 - 1);
     let samples = sample(&scene, &settings, last, &bounds.placement);
@@ -75,7 +75,7 @@ fn vectors_are_one_sample_per_combination_of_grid_values() {
 #[test]
 fn bounds_are_those_of_the_defined_and_leave_outliers_out() {
     let scene = scene("curve c(t) = (t, 1/t, sqrt(t + 1/2)), t : [-1, 1, 2001];");
-    let bounds = Bounds::of(&scene, &Settings::opening(&scene));
+    let bounds = Bounds::of(&scene, &ParamValues::initial(&scene));
     assert!(bounds.placement.radius < 1000.0, "{:?}", bounds.placement);
     assert!(bounds.cloud.iter().flatten().all(|x| x.abs() <= 1.0 + 1e-9));
 }

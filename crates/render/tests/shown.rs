@@ -10,8 +10,8 @@ use render::gpu::Gpu;
 use render::live::{Pixels, Stage};
 use render::overlay::Standpoint;
 use render::{Backend, Request, View, style};
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 const SIZE: [u32; 2] = [120, 90];
 /// From above, x to the right and y up.
@@ -30,7 +30,7 @@ fn stages() -> [Stage; 2] {
     [Stage::software(), Stage::on(gpu)]
 }
 
-fn drawn(stage: &mut Stage, scene: &Arc<Scene>, settings: &Settings, of: &Request) -> RgbaImage {
+fn drawn(stage: &mut Stage, scene: &Arc<Scene>, settings: &ParamValues, of: &Request) -> RgbaImage {
     let shot = stage.draw(scene, settings, of).expect("a picture");
     stage.read(shot.pixels).expect("the device is there")
 }
@@ -40,9 +40,9 @@ fn is_background(image: &RgbaImage, x: u32, y: u32) -> bool {
     [r, g, b] == style::BACKGROUND
 }
 
-fn compiled(text: &str) -> (Arc<Scene>, Settings) {
+fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     (Arc::new(scene), settings)
 }
 

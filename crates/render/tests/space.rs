@@ -7,8 +7,8 @@ use std::sync::Arc;
 use image::{Rgba, RgbaImage};
 use render::texture::Texture;
 use render::{Backend, Picture, RenderError, Request, View, render, style};
-use scene::Settings;
-use scene::scene::ObjectId;
+use scene::ObjectId;
+use scene::ParamValues;
 use scenes::scene;
 
 fn picture(source: &str, request: Request) -> Picture {
@@ -17,7 +17,7 @@ fn picture(source: &str, request: Request) -> Picture {
         backend: Backend::Software,
         ..request
     };
-    render(&scene, &Settings::opening(&scene), &request, &|_| {}).expect("a picture")
+    render(&scene, &ParamValues::initial(&scene), &request, &|_| {}).expect("a picture")
 }
 
 /// As [`picture`], all surfaces plain white.
@@ -282,7 +282,7 @@ fn things_beside_and_behind_the_camera_are_cut_off_cleanly() {
 #[test]
 fn wrong_requests_are_refused_with_a_sentence() {
     let scene = scene("point p = (0,0,0);");
-    let settings = Settings::opening(&scene);
+    let settings = ParamValues::initial(&scene);
     let attempt = |request: Request| {
         let request = Request {
             backend: Backend::Software,

@@ -1,39 +1,27 @@
-//! From declarations to a [`Scene`]: what is drawn, what it depends on, and every mistake on the way.
+//! The scene as data, and the compilers that make one.
 //!
 //! ```text
-//! text ──syntax──▶ hooks ──▶ compile.rs ──▶ Scene (data)  +  diagnostics
-//!                               │
-//!                               ▼
-//! names and numbers ──▶ values.rs (Settings) ──▶ uniforms of each instance
-//! an expression     ──▶ evaluate.rs          ──▶ its value
+//! text ──syntax::geotrace──▶ hooks ──▶ geotrace.rs ──▶ Scene  +  diagnostics
+//!                                                        │
+//!      names and numbers ──▶ param_values.rs ────────────┼──▶ uniforms of each instance
+//!      an expression     ──▶ evaluation.rs ──────────────┼──▶ its value
+//!      a geodesic        ──▶ initial_conditions.rs ──────┴──▶ where it starts, and its direction
 //! ```
 //!
-//! A scene is data: expressions in one graph, and handles into it. It knows no view and no GPU.
+//! A scene is data: expressions in one graph, and handles into it. It knows no language, no view and no GPU. A language
+//! is a module that gives a [`Scene`]; the modules beside it know none of them.
 
-mod apply;
-mod builtin;
-mod code;
-pub mod compile;
-mod declare;
-pub mod document;
-pub mod evaluate;
-mod fault;
-pub mod geodesic;
-mod interval;
-mod intrinsic;
+mod evaluation;
+pub mod geotrace;
+mod initial_conditions;
 pub mod limits;
-mod lower;
 mod metric;
-mod params;
-mod reads;
-pub mod scene;
-mod symbol;
-pub mod values;
+mod param_values;
+mod scene;
 
-pub use builtin::{count as builtin_count, vocabulary};
-pub use compile::{Compilation, compile};
-pub use document::Document;
-pub use evaluate::{Evaluation, Instance, Outcome, Value};
-pub use fault::CODES;
-pub use scene::Scene;
-pub use values::Settings;
+pub use evaluation::{Evaluation, Instance, Outcome, Value};
+pub use initial_conditions::{
+    InitialConditions, InitialConditionsError, InitialConditionsEvaluator,
+};
+pub use param_values::{ParamValues, SetError};
+pub use scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape};

@@ -230,12 +230,12 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::{Defect, Witness, witness};
+    use crate::param_values::ParamValues;
     use crate::scene::{Scene, Shape};
-    use crate::values::Settings;
 
     fn found(metric: &str) -> Option<Witness> {
         let source = format!("metric h(u,v) = {metric};");
-        let scene: Scene = crate::compile(&source).scene.expect("no errors");
+        let scene: Scene = crate::geotrace::compile(&source).scene.expect("no errors");
         let object = &scene.objects[0];
         let Shape::Metric {
             components, domain, ..
@@ -243,7 +243,7 @@ mod tests {
         else {
             panic!("not a metric");
         };
-        let uniforms = Settings::opening(&scene).first_instance(&scene, object);
+        let uniforms = ParamValues::initial(&scene).first_instance(&scene, object);
         witness(&scene.graph, components, domain, &uniforms, 1)
     }
 
@@ -278,8 +278,8 @@ mod tests {
             assert_ne!(defect, Defect::Undefined, "{metric}");
             let body = metric.split(", u :").next().unwrap_or_default();
             let source = format!("metric h(u,v) = {metric};");
-            let compilation = crate::compile(&source);
-            let settings = Settings::opening(compilation.scene.as_ref().expect("a scene"));
+            let compilation = crate::geotrace::compile(&source);
+            let settings = ParamValues::initial(compilation.scene.as_ref().expect("a scene"));
             let value = compilation.evaluate(&format!("h({u}, {v})"), &settings);
             let value = value.expect("a value").outcome;
             let crate::Outcome::Single(crate::Value::Vector(form)) = value else {

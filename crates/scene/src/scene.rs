@@ -24,6 +24,28 @@ impl Scene {
         (0..).map(ObjectId).zip(&self.objects)
     }
 
+    /// The object of a number.
+    pub fn get(&self, id: ObjectId) -> Option<&Object> {
+        self.objects.get(id.0 as usize)
+    }
+
+    /// Whether the 3D view shows an object: all but metrics, and geodesics on a metric, lie in space.
+    pub fn is_in_space(&self, object: &Object) -> bool {
+        match object.shape.geodesic() {
+            Some((surface, _)) => self.get(surface).is_none_or(|on| !on.shape.is_metric()),
+            None => !object.shape.is_metric(),
+        }
+    }
+
+    /// The geodesics that lie on a surface or a metric.
+    pub fn geodesics_on(&self, surface: ObjectId) -> impl Iterator<Item = (ObjectId, &Object)> {
+        let lies_on = move |object: &Object| {
+            let geodesic = object.shape.geodesic();
+            geodesic.is_some_and(|(on, _)| on == surface)
+        };
+        self.numbered().filter(move |(_, object)| lies_on(object))
+    }
+
     /// The object of a name.
     pub fn object(&self, name: &str) -> Option<(ObjectId, &Object)> {
         self.numbered().find(|(_, object)| object.name == name)
@@ -57,6 +79,19 @@ pub struct Sampling {
     pub count: u32,
 }
 
+impl Range {
+    /// Whether a value lies in the interval, its ends included. NaN lies in none.
+    pub fn contains(&self, value: f64) -> bool {
+        (self.min..=self.max).contains(&value)
+    }
+
+    /// The first of some values that does not lie in the interval of its number.
+    pub fn first_outside(ranges: &[Self], values: &[f64]) -> Option<usize> {
+        let mut pairs = ranges.iter().zip(values);
+        pairs.position(|(range, value)| !range.contains(*value))
+    }
+}
+
 impl Sampling {
     /// The `index`-th value, counted from 0 and below `count`; the first is `min` and the last is `max`,
     /// exactly.
@@ -88,7 +123,7 @@ pub struct Param {
     pub ranges: Vec<Range>,
     /// The value that it opens with, one number per component, within its interval: the declared one, else the
     /// minimum.
-    pub opening: Vec<f64>,
+    pub initial: Vec<f64>,
     /// Its first component is `expr::Input::Uniform(first_uniform)`, the others follow.
     pub first_uniform: u32,
 }
@@ -152,7 +187,7 @@ pub enum Shape {
         parameters: [String; 2],
     },
     /// The curve γ(t) of unit speed with γ(0) = `start` and γ'(0) along a σu + b σv; a negative t lies behind
-    /// its start. Its nodes read no `Variable`. [`crate::geodesic::Launcher`] evaluates them.
+    /// its start. Its nodes read no `Variable`. [`crate::InitialConditionsEvaluator`] evaluates them.
     Geodesic {
         /// The surface or metric that it lies on, declared above it. What that reads, this reads too, so an
         /// instance of the one determines the instance of the other.
@@ -168,8 +203,63 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// The domain of what has a geodesic view: a surface or a metric.
-    pub fn patch(&self) -> Option<&[Sampling; 2]> {
+    /// The word that declares it: `point`, `vector`, `curve`, `surface`, `metric` or `geodesic`.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Point { .. } => "point",
+            Self::Vector { .. } => "vector",
+            Self::Curve { .. } => "curve",
+            Self::Surface { .. } => "surface",
+            Self::Metric { .. } => "metric",
+            Self::Geodesic { .. } => "geodesic",
+        }
+    }
+
+    /// Whether it is a point.
+    pub fn is_point(&self) -> bool {
+        matches!(self, Self::Point { .. })
+    }
+
+    /// Whether it is a surface in space.
+    pub fn is_surface(&self) -> bool {
+        matches!(self, Self::Surface { .. })
+    }
+
+    /// Whether it is a metric, which has no place in space.
+    pub fn is_metric(&self) -> bool {
+        matches!(self, Self::Metric { .. })
+    }
+
+    /// Whether it is a geodesic, whose points are integrated and have no expression.
+    pub fn is_geodesic(&self) -> bool {
+        matches!(self, Self::Geodesic { .. })
+    }
+
+    /// The sampled intervals of its parameters: none for a point or a vector, one for a curve or a geodesic, two for a
+    /// surface or a metric.
+    pub fn domain(&self) -> &[Sampling] {
+        match self {
+            Self::Point { .. } | Self::Vector { .. } => &[],
+            Self::Curve { domain, .. } | Self::Geodesic { domain, .. } => {
+                std::slice::from_ref(domain)
+            }
+            Self::Surface { domain, .. } | Self::Metric { domain, .. } => domain,
+        }
+    }
+
+    /// The names of its parameters, as many as [`Shape::domain`] has intervals.
+    pub fn parameters(&self) -> &[String] {
+        match self {
+            Self::Point { .. } | Self::Vector { .. } => &[],
+            Self::Curve { parameter, .. } | Self::Geodesic { parameter, .. } => {
+                std::slice::from_ref(parameter)
+            }
+            Self::Surface { parameters, .. } | Self::Metric { parameters, .. } => parameters,
+        }
+    }
+
+    /// The domain of a manifold, which has a geodesic view: a surface or a metric.
+    pub fn manifold(&self) -> Option<&[Sampling; 2]> {
         match self {
             Self::Surface { domain, .. } | Self::Metric { domain, .. } => Some(domain),
             Self::Point { .. }
@@ -177,6 +267,72 @@ impl Shape {
             | Self::Curve { .. }
             | Self::Geodesic { .. } => None,
         }
+    }
+
+    /// The position and the domain of a surface in space.
+    pub fn surface(&self) -> Option<(&[NodeId; 3], &[Sampling; 2])> {
+        match self {
+            Self::Surface {
+                position, domain, ..
+            } => Some((position, domain)),
+            _ => None,
+        }
+    }
+
+    /// The first fundamental form (E, F, G) and the domain of a metric.
+    pub fn metric(&self) -> Option<(&[NodeId; 3], &[Sampling; 2])> {
+        match self {
+            Self::Metric {
+                components, domain, ..
+            } => Some((components, domain)),
+            _ => None,
+        }
+    }
+
+    /// The manifold on which a geodesic lies, and the arc lengths that are drawn.
+    pub fn geodesic(&self) -> Option<(ObjectId, &Sampling)> {
+        match self {
+            Self::Geodesic {
+                surface, domain, ..
+            } => Some((*surface, domain)),
+            _ => None,
+        }
+    }
+
+    /// The position of a point, or of a curve or surface over its parameters.
+    pub fn position(&self) -> Option<&[NodeId; 3]> {
+        match self {
+            Self::Point { position }
+            | Self::Curve { position, .. }
+            | Self::Surface { position, .. } => Some(position),
+            Self::Vector { .. } | Self::Metric { .. } | Self::Geodesic { .. } => None,
+        }
+    }
+
+    /// The direction and the origin of a vector.
+    pub fn vector(&self) -> Option<(&[NodeId; 3], &[NodeId; 3])> {
+        match self {
+            Self::Vector { direction, origin } => Some((direction, origin)),
+            _ => None,
+        }
+    }
+
+    /// How many samples one instance has along its parameters, 1 for those that it does not have. A metric is not
+    /// sampled in space, so its counts mean nothing and it counts as one sample.
+    pub fn sample_counts(&self) -> [u32; 2] {
+        match self {
+            Self::Metric { .. } => [1; 2],
+            _ => match self.domain() {
+                [] => [1; 2],
+                [only] => [only.count, 1],
+                [first, second, ..] => [first.count, second.count],
+            },
+        }
+    }
+
+    /// How many samples one instance has: the product of [`Shape::sample_counts`].
+    pub fn sample_count(&self) -> u64 {
+        self.sample_counts().into_iter().map(u64::from).product()
     }
 
     /// Its nodes: three for a position, or for E, F and G; for a vector the direction's three, then the

@@ -3,7 +3,8 @@
 
 use std::fmt::Write as _;
 
-use scene::{Document, Settings, compile};
+use scene::ParamValues;
+use scene::geotrace::{Document, compile};
 use syntax::diagnostic::Severity;
 use syntax::span::Span;
 
@@ -32,9 +33,9 @@ fn check(document: &Document, text: &str) {
     let described = own.scene.as_ref().map(describe);
     assert_eq!(described, whole.scene.as_ref().map(describe), "{text}");
     if let Some(scene) = &whole.scene {
-        let settings = Settings::opening(scene);
+        let settings = ParamValues::initial(scene);
         for name in ["a", "f(1)", "g(1, 2)", "b + c"] {
-            let evaluate = |compilation: &scene::Compilation| {
+            let evaluate = |compilation: &scene::geotrace::Compilation| {
                 format!("{:?}", compilation.evaluate(name, &settings))
             };
             assert_eq!(evaluate(own), evaluate(&whole), "{name} in {text}");

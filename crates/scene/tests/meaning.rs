@@ -1,6 +1,7 @@
 //! What programs mean: values of expressions, and the mistakes in meaning with their places.
 
-use scene::{Compilation, Outcome, Settings, Value, compile};
+use scene::geotrace::{Compilation, compile};
+use scene::{Outcome, ParamValues, Value};
 use syntax::diagnostic::{Diagnostic, Severity};
 
 /// Compiles a program that has no errors.
@@ -16,7 +17,7 @@ fn sound(source: &str) -> Compilation {
 
 fn outcome(source: &str, expression: &str) -> Outcome {
     let compilation = sound(source);
-    let settings = Settings::opening(compilation.scene.as_ref().unwrap());
+    let settings = ParamValues::initial(compilation.scene.as_ref().unwrap());
     match compilation.evaluate(expression, &settings) {
         Ok(evaluation) => evaluation.outcome,
         Err(diagnostics) => panic!("{source} {expression}: {diagnostics:?}"),
@@ -193,7 +194,7 @@ fn params_open_at_their_minimum_and_grids_give_instances() {
     );
 
     let compilation = sound(source);
-    let mut settings = Settings::opening(compilation.scene.as_ref().unwrap());
+    let mut settings = ParamValues::initial(compilation.scene.as_ref().unwrap());
     settings
         .set(compilation.scene.as_ref().unwrap(), "k", &[0.5])
         .unwrap();
@@ -233,7 +234,7 @@ fn objects_know_what_they_depend_on_directly_or_not() {
     assert_eq!(of("p"), ["r", "o", "k"]);
     assert_eq!(of("v"), ["r", "o", "k"]);
     assert_eq!(of("s"), [""; 0]);
-    let scene::scene::Shape::Surface {
+    let scene::Shape::Surface {
         domain, parameters, ..
     } = &scene.objects[3].shape
     else {
@@ -242,7 +243,7 @@ fn objects_know_what_they_depend_on_directly_or_not() {
     assert_eq!(parameters, &["u", "v2"]);
     assert_eq!((domain[0].range.max, domain[0].count), (1.0, 100));
     assert_eq!((domain[1].range.max, domain[1].count), (3.0, 7));
-    let settings = Settings::opening(scene);
+    let settings = ParamValues::initial(scene);
     assert_eq!(settings.instance_count(scene, &scene.objects[1]), 8);
 }
 
@@ -627,7 +628,7 @@ fn a_long_chain_of_functions_needs_no_recursion() {
 #[test]
 fn mistakes_in_an_evaluated_expression_have_places_in_its_own_text() {
     let compilation = sound("\nfunction f(x) = x + (1,2);");
-    let settings = Settings::opening(compilation.scene.as_ref().unwrap());
+    let settings = ParamValues::initial(compilation.scene.as_ref().unwrap());
     let text = "2 f 1";
     let errors = compilation.evaluate(text, &settings).unwrap_err();
     assert_eq!(errors.len(), 1);
@@ -653,7 +654,7 @@ fn mistakes_in_an_evaluated_expression_have_places_in_its_own_text() {
 fn a_program_with_errors_has_no_scene_and_evaluates_nothing() {
     let compilation = compile("define a = 1 + (1,2); define b = 2;");
     assert!(compilation.scene.is_none());
-    let settings = Settings::opening(&scene::Scene::default());
+    let settings = ParamValues::initial(&scene::Scene::default());
     let errors = compilation.evaluate("b", &settings).unwrap_err();
     assert_eq!(errors[0].code.0, "program-has-errors");
 }

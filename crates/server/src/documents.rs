@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
 use ide::Reading;
-use scene::document::Document;
+use scene::geotrace::Document;
 use syntax::diagnostic::Diagnostic;
 use syntax::document::EditError;
 use syntax::span::Span;

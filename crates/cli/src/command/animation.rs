@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use render::Picture;
 use render::record::{self, Change, Clip, Format, RecordError, Recorder, Script, ScriptError};
-use scene::values::Settings;
+use scene::ParamValues;
 
 use super::render::{failure as render_failure, png};
 use crate::argument::{self, Animated, Quantity};
@@ -64,7 +64,7 @@ impl Arguments {
     pub(super) fn script(
         &self,
         program: &Program,
-        settings: &Settings,
+        settings: &ParamValues,
         has_camera: bool,
     ) -> Result<Script, Failure> {
         let scene = program.scene()?;

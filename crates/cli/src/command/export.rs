@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use render::Request;
 use render::export::{self, ExportError, Format as FileFormat};
-use scene::scene::{ObjectId, Scene};
+use scene::{ObjectId, Scene};
 
 use super::Format;
 use super::render::textures;

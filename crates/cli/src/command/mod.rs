@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn the_program_in_the_help_has_no_errors() {
-        let compilation = scene::compile(FIRST_PROGRAM);
+        let compilation = scene::geotrace::compile(FIRST_PROGRAM);
         assert_eq!(compilation.diagnostics, []);
     }
 }

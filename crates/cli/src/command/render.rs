@@ -9,8 +9,8 @@ use image::{ImageFormat, RgbaImage};
 use render::overlay::{Overlays, Spacing, Standpoint};
 use render::texture::{Texture, TextureError};
 use render::{Backend, Method, Picture, RenderError, Request, View};
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 use super::{Format, animation};
 use crate::argument::{self, Assignment, Pair, Quantity, Size, TextureFile, Triple, ViewName};
@@ -202,7 +202,7 @@ fn backend(arguments: &Arguments) -> Backend {
     }
 }
 
-fn view(arguments: &Arguments, program: &Program, settings: &Settings) -> Result<View, Failure> {
+fn view(arguments: &Arguments, program: &Program, settings: &ParamValues) -> Result<View, Failure> {
     let place = |option: &str, triple: &Option<Triple>| match triple {
         Some(triple) => program.numbers(option, &triple.0, settings).map(Some),
         None => Ok(None),
@@ -240,7 +240,7 @@ fn standpoint(
     name: &str,
     arguments: &Arguments,
     program: &Program,
-    settings: &Settings,
+    settings: &ParamValues,
 ) -> Result<Standpoint, Failure> {
     Ok(Standpoint {
         surface: program.surface(Some(name))?.0,
@@ -269,7 +269,7 @@ impl Images {
     pub(super) fn at(
         &self,
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
     ) -> Result<Vec<(ObjectId, Arc<Texture>)>, Failure> {
         let curvature = |&surface: &ObjectId| {
             let texture = Texture::curvature(scene, settings, surface).map_err(failure)?;

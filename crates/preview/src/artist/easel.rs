@@ -11,8 +11,8 @@ use render::geodesic_view::Inside;
 use render::live::{Counters, Hit, Pixels, Shot, Stage};
 use render::texture::Texture;
 use render::{RenderError, Request, View};
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 use super::{Answer, Drawing, Job, Painted};
 use crate::model::{InsideCamera, SpaceCamera};
@@ -36,14 +36,14 @@ pub(super) struct Easel {
 /// A scene with its params, the size of its picture, what is hidden, and the place from which all of the rest is seen.
 type Home = (
     Arc<Scene>,
-    Arc<Settings>,
+    Arc<ParamValues>,
     [u32; 2],
     Vec<ObjectId>,
     SpaceCamera,
 );
 
 /// Textures of curvature, of a scene with its params.
-type Curvatures = (Arc<Scene>, Arc<Settings>, Vec<(ObjectId, Arc<Texture>)>);
+type Curvatures = (Arc<Scene>, Arc<ParamValues>, Vec<(ObjectId, Arc<Texture>)>);
 
 impl Easel {
     /// Draws on a stage. If that is on the window's own GPU, pictures stay there.
@@ -273,7 +273,7 @@ impl Easel {
     /// A geodesic camera where something was hit, as long as the one that is on that surface.
     fn placed(&self, order: &Order, hit: &Hit) -> Option<InsideCamera> {
         let object = order.scene.objects.get(hit.object.0 as usize)?;
-        object.shape.patch()?;
+        object.shape.manifold()?;
         let camera = self.pilots.get(&object.name).and_then(Pilot::camera);
         let mut request = Request::geodesic(hit.object, order.size);
         if let View::Geodesic { at, zoom, .. } = &mut request.view {

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
-use scene::scene::{Param, Range};
+use scene::{Param, Range};
 use serde::{Deserialize, Serialize};
 
 use super::camera::{InsideCamera, SpaceCamera};
@@ -77,7 +77,7 @@ pub struct Opening {
 impl Opening {
     /// Of each component of a param.
     pub fn all(param: &Param) -> Vec<Self> {
-        let values = param.opening.iter().zip(&param.ranges);
+        let values = param.initial.iter().zip(&param.ranges);
         let opening = |(value, range): (&f64, &Range)| Self {
             value: *value,
             min: range.min,

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use egui::{ComboBox, DragValue, Grid, ScrollArea, Slider, Ui};
-use scene::scene::{Object, Param, Shape};
+use scene::{Object, Param, Shape};
 
 use crate::model::{Choice, SCALES, Step, Theme};
 use crate::window::Window;
@@ -221,7 +221,7 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
     if link.on_hover_text("Show its declaration").clicked() {
         window.open_declaration(name);
     }
-    if object.shape.patch().is_some() {
+    if object.shape.manifold().is_some() {
         let mut texture = look.texture.clone();
         if choose(
             window,

@@ -16,8 +16,8 @@ use render::Request;
 use render::live::Stage;
 use render::record::{self, Change, Clip, Recorder, Script};
 use render::request::View;
-use scene::scene::ObjectId;
-use scene::values::Settings;
+use scene::ObjectId;
+use scene::ParamValues;
 
 use crate::atomic::{beside, write_whole_with};
 use crate::files;
@@ -204,7 +204,7 @@ struct Pictures {
 
 /// The settings and the textures of curvature that belong to them.
 type Textures = (
-    Arc<Settings>,
+    Arc<ParamValues>,
     Vec<(ObjectId, Arc<render::texture::Texture>)>,
 );
 

@@ -6,7 +6,7 @@
 
 use egui::Ui;
 use render::live::Hit;
-use scene::scene::{Scene, Shape};
+use scene::{Scene, Shape};
 
 use super::Window;
 use crate::artist::Purpose;
@@ -108,13 +108,13 @@ impl Window {
         };
         let [u, v] = hit.parameters;
         let sentence = match &object.shape {
-            shape if shape.patch().is_some() => format!("{name} at (u, v) = ({u:.4}, {v:.4})"),
+            shape if shape.manifold().is_some() => format!("{name} at (u, v) = ({u:.4}, {v:.4})"),
             Shape::Curve { .. } | Shape::Geodesic { .. } => format!("{name} at t = {u:.4}"),
             _ => name.clone(),
         };
         self.said = Some((false, sentence));
         let Some(camera) = camera else {
-            if object.shape.patch().is_none() {
+            if object.shape.manifold().is_none() {
                 // It has no camera to be put there, and nothing else to be asked for.
                 self.show_declaration(&name);
             }

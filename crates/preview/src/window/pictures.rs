@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use egui::Ui;
 use geodesic::ends::{Estimate, Work};
-use scene::scene::Scene;
+use scene::Scene;
 
 use super::Window;
 use crate::artist::{Drawing, Painted};

@@ -14,8 +14,8 @@ use geodesic::topology::Apex;
 use geodesic::trace::{Status, TraceError};
 use glam::DVec3;
 use rayon::prelude::*;
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 use super::Seen;
 use crate::ground::Ground;
@@ -68,7 +68,11 @@ impl Inside {
     /// # Errors
     /// [`RenderError::NoSurface`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`],
     /// [`RenderError::TooLarge`].
-    pub fn new(scene: &Scene, settings: &Settings, request: &Request) -> Result<Self, RenderError> {
+    pub fn new(
+        scene: &Scene,
+        settings: &ParamValues,
+        request: &Request,
+    ) -> Result<Self, RenderError> {
         Self::on(scene, settings, request, |surface, uniforms| {
             Ground::new(scene, surface, uniforms).map(Arc::new)
         })
@@ -80,7 +84,7 @@ impl Inside {
     /// As [`Inside::new`].
     pub(crate) fn on(
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
         ground: impl FnOnce(ObjectId, &[f64]) -> Result<Arc<Ground>, RenderError>,
     ) -> Result<Self, RenderError> {

@@ -13,8 +13,8 @@ use geodesic::ends::{Estimate, Work};
 use geodesic::patchwork::table::code_of;
 use geodesic::trace::Status;
 use image::RgbaImage;
-use scene::scene::Scene;
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::Scene;
 
 use crate::geodesic_view::{self, Cover, HATCH, LEAST_RING, RING, Seen, Tally};
 use crate::gpu::Drawn;
@@ -37,7 +37,7 @@ pub(crate) const STATUSES: usize = 6;
 pub(crate) fn render(
     workshop: &mut Workshop<'_>,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     plan: &Plan,
     progress: &(dyn Fn(f32) + Sync),

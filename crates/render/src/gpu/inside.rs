@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use ::geodesic::patchwork::table::code_of;
 use image::RgbaImage;
-use scene::scene::Scene;
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::Scene;
 
 use crate::geodesic_view::{self, Cover, Seen};
 use crate::gpu::canvas::Canvases;
@@ -58,7 +58,7 @@ impl Insides {
         workshop: &mut Workshop<'_>,
         canvases: &mut Canvases,
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &Request,
         look: &Arc<Look>,
     ) -> Result<Option<Coloured>, RenderError> {

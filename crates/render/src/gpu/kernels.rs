@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread;
 
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 use wgsl::GenerateError;
 
 use crate::bounds::Placement;
@@ -68,7 +68,7 @@ pub(crate) enum Found {
 /// An object of a scene.
 pub(crate) struct Wanted<'a> {
     pub(crate) scene: &'a Arc<Scene>,
-    pub(crate) settings: &'a Settings,
+    pub(crate) settings: &'a ParamValues,
     pub(crate) object: ObjectId,
     pub(crate) structure: &'a Structure,
     pub(crate) placement: &'a Placement,
@@ -199,7 +199,7 @@ fn begin(gpu: &Arc<Gpu>, wanted: &Wanted, built: &Arc<AtomicU64>) -> Arc<OnceLoc
 fn make(
     gpu: &Gpu,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     object: ObjectId,
     structure: &Structure,
     placement: &Placement,

@@ -26,8 +26,8 @@ mod vectors;
 mod workshop;
 
 use ::geodesic::map::Map;
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 use wgsl::GenerateError;
 
 pub use blit::{Blit, Blitter};
@@ -49,7 +49,7 @@ use crate::sample::Samples;
 /// [`RenderError::NoGpu`], [`RenderError::Gpu`], [`RenderError::Internal`] and those of the camera.
 pub fn render(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Picture, RenderError> {
@@ -62,7 +62,7 @@ pub fn render(
 /// As [`render`].
 pub fn render_counted(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<(Picture, Built), RenderError> {
@@ -111,7 +111,7 @@ struct Drawn {
 /// As [`render`].
 pub fn geodesic_map(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
 ) -> Result<Option<Map>, RenderError> {
     request.check(scene)?;
@@ -126,7 +126,7 @@ pub fn geodesic_map(
 /// As [`render`].
 pub fn kernel_samples(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     object: ObjectId,
     placement: &Placement,
 ) -> Result<Option<Samples>, RenderError> {

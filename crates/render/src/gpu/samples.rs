@@ -1,7 +1,7 @@
 //! Buffers of samples: filled by f64 blocks on the CPU or by a generated kernel; painters never know which.
 
-use scene::scene::{Object, ObjectId, Sampling, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Sampling, Scene, Shape};
 use wgsl::{GenerateError, Kernel};
 
 use crate::bounds::Placement;
@@ -36,7 +36,7 @@ pub(crate) struct SampleBuffer {
 pub(crate) fn fill(
     workshop: &mut Workshop<'_>,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     plan: &ObjectPlan,
     placement: &Placement,
 ) -> Result<SampleBuffer, RenderError> {
@@ -60,7 +60,7 @@ pub(crate) fn fill(
 pub(crate) fn computed(
     workshop: &mut Workshop<'_>,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     id: ObjectId,
     placement: &Placement,
 ) -> Result<Option<Samples>, RenderError> {
@@ -106,7 +106,7 @@ pub(crate) fn computed(
 fn upload(
     workshop: &Workshop<'_>,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     id: ObjectId,
     placement: &Placement,
 ) -> Result<SampleBuffer, RenderError> {
@@ -163,7 +163,7 @@ pub(crate) fn kernel(scene: &Scene, shape: &Shape) -> Result<Kernel, GenerateErr
 fn run(
     workshop: &mut Workshop<'_>,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     object: &Object,
     kernel: &Kernel,
     placement: &Placement,
@@ -190,7 +190,7 @@ fn run(
 pub(crate) fn by_kernel(
     gpu: &Gpu,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     object: &Object,
     (pipeline, slots): (&wgpu::ComputePipeline, &[u32]),
     placement: &Placement,

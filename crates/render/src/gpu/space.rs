@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 use rayon::prelude::*;
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 use crate::bounds::Bounds;
 use crate::camera::Camera;
@@ -53,7 +53,7 @@ pub(crate) enum Vertices {
 pub(crate) fn render(
     workshop: &mut Workshop<'_>,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     plan: &Plan,
     [eye, target]: [Option<[f64; 3]>; 2],

@@ -3,8 +3,8 @@
 
 use std::sync::Arc;
 
-use scene::scene::{ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene, Shape};
 
 use crate::camera::Camera;
 use crate::geodesics;
@@ -58,7 +58,7 @@ struct Buffered {
 /// A scene to be drawn in space.
 pub(crate) struct Space<'a> {
     pub(crate) scene: &'a Arc<Scene>,
-    pub(crate) settings: &'a Settings,
+    pub(crate) settings: &'a ParamValues,
     pub(crate) request: &'a Request,
     pub(crate) structures: &'a [Structure],
     pub(crate) contents: &'a [Content],

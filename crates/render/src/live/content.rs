@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use expr::graph::Node;
 use expr::{Graph, Input, NodeId};
-use scene::scene::{Object, ObjectId, Sampling, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Sampling, Scene, Shape};
 
 use crate::bounds::Placement;
 
@@ -73,7 +73,12 @@ impl Structure {
     }
 
     /// All instances of the object, with their values.
-    pub(crate) fn instances(&self, scene: &Scene, settings: &Settings, object: &Object) -> Content {
+    pub(crate) fn instances(
+        &self,
+        scene: &Scene,
+        settings: &ParamValues,
+        object: &Object,
+    ) -> Content {
         let mut words = self.words.to_vec();
         // The open grids' axes, and which uniform each of them is.
         let mut of_grid = HashMap::new();

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use scene::scene::{Object, ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Scene};
 
 use super::content::{Content, Structure, object};
 use super::kept::Kept;
@@ -67,7 +67,7 @@ impl Looks {
     pub(crate) fn look(
         &mut self,
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         structures: &[Structure],
         request: &Request,
     ) -> Result<Arc<Look>, RenderError> {
@@ -112,7 +112,7 @@ impl Looks {
     fn stand(
         &mut self,
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         structures: &[Structure],
         request: &Request,
     ) -> Result<Inside, RenderError> {
@@ -130,7 +130,7 @@ impl Looks {
     /// What the 3D view's picture of a geodesic camera depends on.
     pub(crate) fn standpoint_content(
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         structures: &[Structure],
         standpoint: &Standpoint,
     ) -> Option<Content> {
@@ -152,7 +152,7 @@ impl Looks {
 
 fn ground_content(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     structures: &[Structure],
     surface: ObjectId,
     on: &Object,

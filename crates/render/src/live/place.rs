@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 use super::content::{Content, Structure};
 use crate::bounds::{Bounds, object_cloud};
@@ -44,7 +44,7 @@ impl Place {
     pub(super) fn of(
         &mut self,
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         structures: &[Structure],
         request: &Request,
     ) -> Placed {

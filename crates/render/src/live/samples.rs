@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use scene::scene::{Object, ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Scene, Shape};
 
 use super::content::Content;
 use super::kept::Kept;
@@ -51,7 +51,7 @@ impl SampleStore {
     pub(crate) fn get(
         &mut self,
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         id: ObjectId,
         content: &Content,
         placement: &Placement,

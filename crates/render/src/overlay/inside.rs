@@ -7,8 +7,8 @@ use std::borrow::Cow;
 
 use geodesic::trace::Status;
 use image::RgbaImage;
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 use super::{Trail, cut, ink, legend, lines, trail_words, trails_on, wave_words, worn};
 use crate::geodesic_view::{Inside, Layer, Seen, Tally, UNSEEN};
@@ -31,7 +31,7 @@ pub(crate) struct OverInside<'a> {
 impl<'a> OverInside<'a> {
     pub(crate) fn new(
         scene: &'a Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         request: &'a Request,
         inside: &'a Inside,
         surface: ObjectId,
@@ -195,8 +195,8 @@ mod tests {
 
     /// The picture, its lines laid over each band of rows while it was coloured, or over the whole.
     fn drawn(source: &str, size: [u32; 2], banded: bool) -> RgbaImage {
-        let scene = scene::compile(source).scene.expect("no errors");
-        let settings = Settings::opening(&scene);
+        let scene = scene::geotrace::compile(source).scene.expect("no errors");
+        let settings = ParamValues::initial(&scene);
         let request = Request::geodesic(ObjectId(0), size);
         let inside = Inside::new(&scene, &settings, &request).expect("a camera");
         let texture: Arc<Texture> = Texture::orientation();

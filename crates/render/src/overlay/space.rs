@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use geodesic::trace::{Options, Status};
 use rayon::prelude::*;
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 use super::legend::Key;
 use super::{Standpoint, ink};
@@ -53,7 +53,7 @@ const BORDER: [u8; 3] = [255, 210, 60];
 /// Those of the camera.
 pub(crate) fn extras(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     placement: &Placement,
 ) -> Result<Vec<Extra>, RenderError> {
@@ -68,7 +68,7 @@ pub(crate) fn extras(
 /// Those of the camera.
 pub(crate) fn camera_extras(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     placement: &Placement,
 ) -> Result<Vec<Extra>, RenderError> {
@@ -81,7 +81,7 @@ pub(crate) fn camera_extras(
 /// What shows the request's trails.
 pub(crate) fn trail_extras(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     placement: &Placement,
 ) -> Vec<Extra> {
@@ -107,7 +107,7 @@ pub(crate) fn trail_extras(
 pub(super) fn key(
     key: &mut Key,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
 ) -> Result<(), RenderError> {
     let Some(shown) = request.show_camera else {
@@ -131,7 +131,7 @@ pub(super) fn key(
 
 fn camera(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     camera: Standpoint,
     placement: &Placement,
@@ -232,7 +232,7 @@ fn camera(
 /// Stands the camera on its surface, as the geodesic view would.
 fn stand(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     camera: Standpoint,
 ) -> Result<Inside, RenderError> {
@@ -264,7 +264,7 @@ pub(super) const PAINTERS: [Painter; 2] = [Painter::Vectors, Painter::Curves];
 /// Whether an object is a surface in space, whose camera can be shown there.
 pub(super) fn is_shown(scene: &Scene, object: ObjectId) -> bool {
     let object = scene.objects.get(object.0 as usize);
-    object.is_some_and(|o| matches!(o.shape, scene::scene::Shape::Surface { .. }))
+    object.is_some_and(|o| matches!(o.shape, scene::Shape::Surface { .. }))
 }
 
 fn knot(position: [f64; 3]) -> Knot {

@@ -5,8 +5,8 @@
 use geodesic::frame::Frame;
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Trace, TraceError};
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 use crate::geodesics::{Knot, Start, along};
 use crate::ground::Ground;
@@ -84,7 +84,7 @@ impl Trail {
 /// A trail's places in space; `None` where its surface is undefined, nothing for a metric.
 pub(super) fn in_space(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     trail: &Trail,
 ) -> Option<Vec<Option<Knot>>> {
     let object = scene.objects.get(trail.surface.0 as usize)?;

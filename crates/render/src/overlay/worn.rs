@@ -8,9 +8,9 @@ mod table;
 pub(super) use lay::Lines;
 
 use geodesic::surface::Side;
-use scene::geodesic::Launcher;
-use scene::scene::{ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::InitialConditionsEvaluator;
+use scene::ParamValues;
+use scene::{ObjectId, Scene, Shape};
 
 use super::{Trail, ink};
 use crate::geodesic_view::Inside;
@@ -35,7 +35,7 @@ pub(super) struct Worn {
 /// All geodesics declared on a surface, of those instances that lie on the one that is seen.
 pub(super) fn lines(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     inside: &Inside,
     seen: ObjectId,
@@ -52,7 +52,7 @@ pub(super) fn lines(
             continue;
         }
         let id = ObjectId(index as u32);
-        let Some(mut launcher) = Launcher::new(scene, id) else {
+        let Some(mut launcher) = InitialConditionsEvaluator::new(scene, id) else {
             continue;
         };
         let lengths = [domain.range.min, domain.range.max];
@@ -85,7 +85,7 @@ pub(super) fn lines(
             {
                 continue;
             }
-            match launcher.launch(&uniforms) {
+            match launcher.evaluate(&uniforms) {
                 Ok(launch) => lines.push(Line {
                     start: launch.start,
                     direction: launch.direction,

@@ -11,8 +11,8 @@ use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::tape::{Block, LANES, Registers, Tape};
 use expr::{Input, NodeId};
 use rayon::prelude::*;
-use scene::scene::{Object, Sampling, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, Sampling, Scene};
 
 use super::{
     CHUNK, DEGENERATE, NORMAL_NUDGE, PositionSample, Resolution, Sampler, Samples, SurfaceSample,
@@ -31,7 +31,7 @@ thread_local! {
 /// Evaluates all samples of a surface.
 pub(super) fn surface(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     object: &Object,
     placement: &Placement,
     position: &[NodeId; 3],
@@ -62,7 +62,7 @@ pub(super) fn surface(
 /// `None` if the derivatives explode.
 fn by_jets(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     object: &Object,
     placement: &Placement,
     position: &[NodeId; 3],
@@ -181,7 +181,7 @@ impl Jets<'_> {
 /// As [`by_jets`], by symbolic derivatives.
 fn symbolically(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     object: &Object,
     placement: &Placement,
     position: &[NodeId; 3],

@@ -1,7 +1,7 @@
 //! The geodesic view on the CPU: the map by crate `geodesic`, the colours by [`crate::geodesic_view`].
 
-use scene::scene::{Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Scene, Shape};
 
 use crate::geodesic_view::{Inside, Paint, Seen, Tally, count, notes};
 use crate::overlay::OverInside;
@@ -9,7 +9,7 @@ use crate::request::{Picture, RenderError, Request, View};
 
 pub(super) fn render(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Picture, RenderError> {
@@ -26,7 +26,7 @@ pub(super) fn render(
 /// [`RenderError::NoSurface`].
 pub(crate) fn paint(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     inside: &Inside,
     seen: &Seen,

@@ -23,7 +23,7 @@ pub(crate) use inside::paint;
 pub use pick::{NEAR, Picked, pick};
 pub use space::{Painted, draw};
 
-use scene::{scene::Scene, values::Settings};
+use scene::{ParamValues, Scene};
 
 use crate::request::{Picture, RenderError, Request, View};
 
@@ -33,7 +33,7 @@ use crate::request::{Picture, RenderError, Request, View};
 /// [`RenderError::Camera`], [`RenderError::UndefinedCamera`], [`RenderError::CameraOutside`].
 pub fn render(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Picture, RenderError> {

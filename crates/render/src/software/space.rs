@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 use rayon::prelude::*;
-use scene::scene::{ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene, Shape};
 
 use super::mesh::{Eye, Mesh};
 use super::raster::{Batch, TILE, Tile, Workspace};
@@ -61,7 +61,7 @@ impl Painted {
 
 pub(super) fn render(
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
     eye: Option<[f64; 3]>,
     target: Option<[f64; 3]>,

@@ -9,8 +9,8 @@ use std::sync::Arc;
 use geodesic::metric::{Metric, gaussian_curvature};
 use geodesic::surface::{Jet, JetBlock, LANES, Lanes, Surface};
 use rayon::prelude::*;
-use scene::scene::{ObjectId, Scene};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
 
 use super::{Level, Texture};
 use crate::ground::Ground;
@@ -44,7 +44,7 @@ impl Texture {
     /// [`RenderError::NoSurface`], [`RenderError::TooLarge`].
     pub fn curvature(
         scene: &Scene,
-        settings: &Settings,
+        settings: &ParamValues,
         surface: ObjectId,
     ) -> Result<Arc<Self>, RenderError> {
         let object = scene.objects.get(surface.0 as usize);

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 use clap::Args;
 use render::plan::{self, ObjectPlan, Painter, Plan, Source};
 use render::{Request, View};
-use scene::scene::{Object, ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Scene, Shape};
 use serde::Serialize;
 
 use super::Format;
@@ -142,7 +142,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn document(scene: &Scene) -> Document {
-    let settings = Settings::opening(scene);
+    let settings = ParamValues::initial(scene);
     // The size of a picture changes nothing of what is built for it.
     let size = [512, 512];
     let mut views = vec![view(scene, &settings, &Request::space(size))];
@@ -181,7 +181,7 @@ fn document(scene: &Scene) -> Document {
     }
 }
 
-fn intrinsic(scene: &Scene, settings: &Settings) -> Vec<IntrinsicEntry> {
+fn intrinsic(scene: &Scene, settings: &ParamValues) -> Vec<IntrinsicEntry> {
     let entries = scene.objects.iter().filter_map(|object| {
         let (on, per_instance) = match &object.shape {
             Shape::Metric { .. } => (None, None),
@@ -225,7 +225,7 @@ fn inputs(scene: &Scene, object: &Object) -> (Vec<String>, Vec<String>) {
     )
 }
 
-fn view(scene: &Scene, settings: &Settings, request: &Request) -> ViewEntry {
+fn view(scene: &Scene, settings: &ParamValues, request: &Request) -> ViewEntry {
     let plan = plan::plan(scene, settings, request);
     let name = |id: ObjectId| match scene.objects.get(id.0 as usize) {
         Some(object) => object.name.clone(),

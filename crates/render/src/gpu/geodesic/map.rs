@@ -4,8 +4,8 @@
 use geodesic::ends::Coordinates;
 use geodesic::map::Map;
 use geodesic::patchwork::table::code_of;
-use scene::scene::{ObjectId, Scene, Shape};
-use scene::values::Settings;
+use scene::ParamValues;
+use scene::{ObjectId, Scene, Shape};
 use wgsl::Kernel;
 
 use super::chart::Chart;
@@ -25,7 +25,7 @@ const PIXEL_BYTES: u64 = 16;
 pub(crate) fn map(
     workshop: &mut Workshop<'_>,
     scene: &Scene,
-    settings: &Settings,
+    settings: &ParamValues,
     request: &Request,
 ) -> Result<Option<Map>, RenderError> {
     let View::Geodesic { surface, .. } = request.view else {

@@ -4,7 +4,7 @@ use geodesic::ends::Coordinates;
 use geodesic::frame::Frame;
 use geodesic::map::Map;
 use geodesic::surface::Sides;
-use scene::scene::{ObjectId, Shape};
+use scene::{ObjectId, Shape};
 
 use super::chart::CONE;
 use super::*;
@@ -26,7 +26,7 @@ fn map(
     zoom: f64,
     size: u32,
 ) -> Map {
-    let scene = scene::compile(text).scene.expect("no errors");
+    let scene = scene::geotrace::compile(text).scene.expect("no errors");
     let Some(Shape::Surface {
         position, domain, ..
     }) = scene.objects.last().map(|object| &object.shape)
@@ -117,8 +117,8 @@ fn the_whole_sphere_is_seen_through_its_poles() {
 
 /// The camera of the sphere so far from its pole, and what the kernel makes of it.
 fn beside_the_pole(from_pole: f64) -> (geodesic_view::Inside, Option<Map>) {
-    let scene = scene::compile(SPHERE).scene.expect("no errors");
-    let settings = Settings::opening(&scene);
+    let scene = scene::geotrace::compile(SPHERE).scene.expect("no errors");
+    let settings = ParamValues::initial(&scene);
     let mut request = Request::geodesic(ObjectId(0), [48, 48]);
     if let View::Geodesic { at, zoom, .. } = &mut request.view {
         *at = Some([0.3, std::f64::consts::FRAC_PI_2 - from_pole]);

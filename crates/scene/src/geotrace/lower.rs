@@ -1,7 +1,7 @@
 //! From steps to values: runs an expression's steps over a stack of items, and functions' bodies where they
 //! are applied.
 //!
-//! What flows in: expressions as steps ([`crate::code`]) and what each symbol means. What flows out: language
+//! What flows in: expressions as steps ([`crate::geotrace::code`]) and what each symbol means. What flows out: language
 //! values over the nodes of one graph, or faults.
 //!
 //! A body whose value is needed is run as a further [`Frame`], not by recursion: ten thousand functions, each
@@ -9,62 +9,21 @@
 
 use std::sync::Arc;
 
-use expr::Graph;
 use expr::ops::power;
-use expr::value::{self, DimensionError, Value};
+use expr::value::{self, Value};
 use syntax::actions::Operator;
 use syntax::diagnostic::Diagnostic;
 use syntax::span::Span;
 use syntax::token::SymbolId;
 
-use crate::apply::{Applications, BodyKey, BodyOutcome, Derivation};
-use crate::code::{Code, Expression};
-use crate::fault::{self, Fault};
-use crate::reads::{ReadSets, Reads};
-use crate::symbol::{Constant, Meaning, Symbols};
-
-/// Everything that the meaning of an expression depends on.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Lowerer {
-    pub(crate) graph: Graph,
-    pub(crate) code: Code,
-    pub(crate) symbols: Symbols,
-    pub(crate) applications: Applications,
-    pub(crate) reads: ReadSets,
-    /// The graph has reached its limit, and that has been reported.
-    full: bool,
-}
-
-/// What running an expression gives.
-#[derive(Clone, Debug)]
-pub(crate) struct Lowered {
-    /// Its value; none where a fault or a name that failed before leaves it without one.
-    pub(crate) value: Option<Value>,
-    /// The params and grids that it reads, whether or not its value depends on them.
-    pub(crate) reads: Reads,
-}
-
-/// What lies on the stack.
-#[derive(Clone, Debug)]
-pub(crate) enum Item {
-    /// A number known while compiling, which no node of the graph stands for yet.
-    Number(f64),
-    Value(Value),
-    /// A bracketed list with a vector in it: arguments, or a fault where a value is needed. With its place.
-    List(Vec<Value>, Span),
-    Function(Box<Function>),
-    /// Left behind by a fault that has been reported.
-    Poison,
-}
-
-/// A function that is about to be applied.
-#[derive(Clone, Debug)]
-pub(crate) struct Function {
-    pub(crate) symbol: SymbolId,
-    pub(crate) derivations: Vec<Derivation>,
-    /// The exponents of `f^n`; none where an exponent has failed.
-    pub(crate) powers: Vec<Option<Value>>,
-}
+use crate::geotrace::code::Expression;
+use crate::geotrace::dependencies::Dependencies;
+use crate::geotrace::error::SemanticError;
+use crate::geotrace::lowerer::{
+    BodyKey, BodyOutcome, Derivation, Effect, Function, Item, Lowered, Lowerer, dimension_error,
+    too_large,
+};
+use crate::geotrace::symbol::{Constant, Meaning, Symbols};
 
 /// One expression being run.
 struct Frame {
@@ -76,16 +35,8 @@ struct Frame {
     /// The function whose body it is; none for the outermost expression.
     body: Option<BodyKey>,
     /// The first fault in a body.
-    fault: Option<Fault>,
-    reads: Reads,
-}
-
-/// What a step leaves.
-pub(crate) enum Effect {
-    /// An item for the stack.
-    Push(Item),
-    /// Nothing yet: the body has to be run first, with these parameters, and then the step again.
-    Run(BodyKey, Expression, Vec<Value>),
+    error: Option<SemanticError>,
+    dependencies: Dependencies,
 }
 
 impl Lowerer {
@@ -99,7 +50,7 @@ impl Lowerer {
     ) -> Lowered {
         let nothing = Lowered {
             value: None,
-            reads: Reads::default(),
+            dependencies: Dependencies::default(),
         };
         if self.full {
             return nothing;
@@ -120,8 +71,8 @@ impl Lowerer {
             });
             let value = match value {
                 Ok(value) => value,
-                Err((fault, place)) => {
-                    frame.report(fault, place, &self.symbols, diagnostics);
+                Err((error, place)) => {
+                    frame.report(error, place, &self.symbols, diagnostics);
                     None
                 }
             };
@@ -131,15 +82,15 @@ impl Lowerer {
                 self.full = self.graph.overflowed();
                 return Lowered {
                     value,
-                    reads: frame.reads,
+                    dependencies: frame.dependencies,
                 };
             };
-            let outcome = match (frame.fault, value) {
-                (Some(fault), _) => BodyOutcome::Failed(Arc::new(fault)),
+            let outcome = match (frame.error, value) {
+                (Some(error), _) => BodyOutcome::Failed(Arc::new(error)),
                 (None, None) => BodyOutcome::Silent,
                 (None, Some(value)) => BodyOutcome::Ready {
                     value,
-                    reads: frame.reads,
+                    dependencies: frame.dependencies,
                 },
             };
             self.applications.add(key, outcome);
@@ -167,8 +118,8 @@ impl Lowerer {
             Ok(Effect::Run(key, expression, parameters)) => {
                 frames.push(Frame::new(expression, parameters, Some(key)));
             }
-            Err((fault, place)) => {
-                frame.report(fault, place, &self.symbols, diagnostics);
+            Err((error, place)) => {
+                frame.report(error, place, &self.symbols, diagnostics);
                 frame.next += 1;
                 stack.push(Item::Poison);
             }
@@ -182,7 +133,7 @@ impl Lowerer {
         stack: &mut Vec<Item>,
         operator: Operator,
         span: Span,
-    ) -> Result<Effect, (Fault, Span)> {
+    ) -> Result<Effect, (SemanticError, Span)> {
         let item = match operator {
             Operator::Number(number) => Item::Number(number),
             Operator::Constant(symbol) => self.constant(frame, symbol),
@@ -210,7 +161,7 @@ impl Lowerer {
             Operator::Apply => {
                 let operand = pop(stack);
                 let function = pop(stack);
-                return self.apply(function, operand, span, stack, &mut frame.reads);
+                return self.apply(function, operand, span, stack, &mut frame.dependencies);
             }
             Operator::Tuple(count) => self.tuple(stack, count as usize, span)?,
             Operator::Plus
@@ -233,7 +184,7 @@ impl Lowerer {
                     Operator::Component(n) => value::component(&a, n),
                     _ => Ok(a),
                 };
-                Item::Value(result.map_err(|error| (dimension_fault(&error), span))?)
+                Item::Value(result.map_err(|error| (dimension_error(&error), span))?)
             }
             Operator::Add
             | Operator::Subtract
@@ -258,7 +209,7 @@ impl Lowerer {
                             Operator::Divide => value::divide(graph, &a, &b),
                             _ => value::power(graph, &a, &b),
                         };
-                        Item::Value(result.map_err(|error| (dimension_fault(&error), span))?)
+                        Item::Value(result.map_err(|error| (dimension_error(&error), span))?)
                     }
                     _ => Item::Poison,
                 }
@@ -269,8 +220,11 @@ impl Lowerer {
 
     fn constant(&mut self, frame: &mut Frame, symbol: SymbolId) -> Item {
         match self.symbols.meaning(symbol) {
-            Meaning::Constant(Constant { value, reads }) => {
-                frame.reads = self.reads.union(frame.reads, *reads);
+            Meaning::Constant(Constant {
+                value,
+                dependencies,
+            }) => {
+                frame.dependencies = self.dependencies.union(frame.dependencies, *dependencies);
                 Item::Value(value.clone())
             }
             _ => Item::Poison,
@@ -278,11 +232,11 @@ impl Lowerer {
     }
 
     /// `f'`: only a function of one parameter has *the* derivative.
-    fn total(&self, item: Item, span: Span) -> Result<Item, (Fault, Span)> {
+    fn total(&self, item: Item, span: Span) -> Result<Item, (SemanticError, Span)> {
         if let Item::Function(function) = &item
-            && let Some(fault) = self.symbols.total_fault(function.symbol)
+            && let Some(error) = self.symbols.total_error(function.symbol)
         {
-            return Err((fault, span));
+            return Err((error, span));
         }
         Ok(derived(item, Derivation::Total))
     }
@@ -293,7 +247,7 @@ impl Lowerer {
         stack: &mut Vec<Item>,
         count: usize,
         span: Span,
-    ) -> Result<Item, (Fault, Span)> {
+    ) -> Result<Item, (SemanticError, Span)> {
         if count == 1 {
             return Ok(pop(stack));
         }
@@ -310,19 +264,6 @@ impl Lowerer {
             Err(_) => Item::List(values, span),
         })
     }
-
-    /// The value that an item is; none for what a reported fault left behind.
-    pub(crate) fn value(&mut self, item: Item) -> Result<Option<Value>, (Fault, Span)> {
-        match item {
-            Item::Number(number) => Ok(Some(Value::Number(self.graph.constant(number)))),
-            Item::Value(value) => Ok(Some(value)),
-            Item::List(values, span) => match value::tuple(&values) {
-                Ok(value) => Ok(Some(value)),
-                Err(error) => Err((dimension_fault(&error), span)),
-            },
-            Item::Function(_) | Item::Poison => Ok(None),
-        }
-    }
 }
 
 impl Frame {
@@ -333,23 +274,23 @@ impl Frame {
             end: steps.end,
             parameters,
             body,
-            fault: None,
-            reads: Reads::default(),
+            error: None,
+            dependencies: Dependencies::default(),
         }
     }
 
     /// Reports a fault of the outermost expression; keeps the first one of a body for those who apply it.
     fn report(
         &mut self,
-        fault: Fault,
+        error: SemanticError,
         place: Span,
         symbols: &Symbols,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
         match &self.body {
-            None => diagnostics.push(fault.at(place)),
-            Some(_) if self.fault.is_some() => {}
-            Some(key) => self.fault = Some(fault.in_body(symbols.name(key.symbol), place)),
+            None => diagnostics.push(error.at(place)),
+            Some(_) if self.error.is_some() => {}
+            Some(key) => self.error = Some(error.in_body(symbols.name(key.symbol), place)),
         }
     }
 }
@@ -391,26 +332,4 @@ fn derived(item: Item, derivation: Derivation) -> Item {
         }
         _ => Item::Poison,
     }
-}
-
-/// What is wrong with the dimensions of an operation's operands.
-pub(crate) fn dimension_fault(error: &DimensionError) -> Fault {
-    let code = match error {
-        DimensionError::Component { .. } => fault::NO_SUCH_COMPONENT,
-        _ => fault::DIMENSION_MISMATCH,
-    };
-    let fault = Fault::new(code, error.to_string());
-    match error.hint() {
-        Some(hint) => fault.with_hint(hint),
-        None => fault,
-    }
-}
-
-/// The graph has no room for an expression.
-pub(crate) fn too_large() -> Fault {
-    Fault::new(
-        fault::EXPRESSION_TOO_LARGE,
-        "this expression, or a derivative in it, has more operations than a program may have",
-    )
-    .with_hint("derivatives of derivatives, and functions of functions, multiply their sizes")
 }

@@ -20,23 +20,22 @@ use syntax::document::{ChunkId, Event, ReadDeclaration};
 use syntax::span::Span;
 use syntax::token::{DeclareWord, SymbolId};
 
-use crate::declare::Declarations;
-use crate::fault;
-use crate::params::Uniforms;
-use crate::scene::{Object, Range, Sampling, Shape};
-use crate::symbol::{Constant, Meaning};
+use crate::geotrace::declarations::{Declarations, Drawn, SourceData, Uniforms};
+use crate::geotrace::error;
+use crate::geotrace::symbol::Meaning;
+use crate::scene::{Object, Range, Sampling};
 
 /// Checks declarations and remembers what they mean.
 #[derive(Clone, Debug)]
-pub(super) struct Workshop {
+pub(super) struct Checker {
     declarations: Declarations,
     /// How many builtin names there are; theirs are the first symbols, here and there.
     builtins: u32,
-    /// The next symbol of the workshop's own.
+    /// The next symbol of the checker's own.
     next_symbol: u32,
     /// By the document's symbols.
     known: HashMap<SymbolId, Known>,
-    /// The params and the grids of the workshop's scene, as the document names them.
+    /// The params and the grids of the checker's scene, as the document names them.
     params: Vec<SymbolId>,
     grids: Vec<SymbolId>,
     /// The same for the sources of what is read.
@@ -52,7 +51,7 @@ pub(super) struct Workshop {
 #[derive(Clone, Debug)]
 struct Known {
     word: DeclareWord,
-    /// The symbol that it is in the workshop.
+    /// The symbol that it is in the checker.
     own: SymbolId,
     chunk: ChunkId,
     /// Where the chunk was put when its body was kept.
@@ -64,7 +63,7 @@ struct Known {
 /// A param or a grid of the document.
 #[derive(Clone, Debug)]
 struct KnownSource {
-    uniforms: Option<Uniforms>,
+    uniforms: Uniforms,
     data: Data,
 }
 
@@ -77,7 +76,7 @@ enum Data {
 
 impl Known {
     fn uniforms(&self) -> Option<Uniforms> {
-        self.source.as_ref()?.uniforms
+        Some(self.source.as_ref()?.uniforms)
     }
 
     fn data(&self) -> Option<&Data> {
@@ -109,7 +108,7 @@ pub(super) struct Checked {
     pub(super) changed: Vec<SymbolId>,
     /// Params and grids that are what they were, but for their intervals or the value that they open with.
     pub(super) moved: Vec<SymbolId>,
-    /// The params and grids whose intervals, or whose opening values, the diagnostics hang on.
+    /// The params and grids whose intervals, or whose initial values, the diagnostics hang on.
     pub(super) watches: Vec<SymbolId>,
     /// They may hang on all grids.
     pub(super) watches_all: bool,
@@ -133,11 +132,11 @@ const SLACK_SYMBOLS: usize = 4_000;
 /// The symbol of what has no meaning.
 const MEANINGLESS: SymbolId = SymbolId(u32::MAX);
 
-impl Workshop {
+impl Checker {
     pub(super) fn new() -> Self {
         let mut declarations = Declarations::new();
-        declarations.is_workshop = true;
-        declarations.lowerer.reads.place(Vec::new());
+        declarations.is_checker = true;
+        declarations.lowerer.dependencies.place(Vec::new());
         let builtins = declarations.lowerer.symbols.len() as u32;
         Self {
             builtins,
@@ -159,13 +158,13 @@ impl Workshop {
     }
 
     /// Most of what it holds is not in use.
-    pub(super) fn is_worn(&self) -> bool {
+    pub(super) fn needs_compaction(&self) -> bool {
         let (now, fresh) = (self.size(), self.fresh);
         // A quarter as much again, so that being rid of it costs an edit no more in a long program than in a short one.
-        let worn = |now: usize, fresh: usize, slack: usize| now > fresh + fresh / 4 + slack;
-        worn(now.nodes, fresh.nodes, SLACK)
-            || worn(now.symbols, fresh.symbols, SLACK_SYMBOLS)
-            || worn(now.places / 64, fresh.places / 64, SLACK)
+        let exceeds = |now: usize, fresh: usize, slack: usize| now > fresh + fresh / 4 + slack;
+        exceeds(now.nodes, fresh.nodes, SLACK)
+            || exceeds(now.symbols, fresh.symbols, SLACK_SYMBOLS)
+            || exceeds(now.places / 64, fresh.places / 64, SLACK)
     }
 
     /// There is no room for more expressions, and what has been found since is not to be trusted.
@@ -200,7 +199,7 @@ impl Workshop {
             home.map_or(0, |home| document.rank(home))
         };
         let places = self.sources.iter().map(place).collect();
-        self.declarations.lowerer.reads.place(places);
+        self.declarations.lowerer.dependencies.place(places);
     }
 
     /// The same diagnostic, with the places of the text.
@@ -285,20 +284,14 @@ impl Workshop {
         let before = read.symbol.and_then(|symbol| self.known.get(&symbol));
         let before = before.cloned();
         let declarations = &mut self.declarations;
+        // A declaration is checked as though no other drew anything.
         declarations.samples = 0;
         declarations.kept = before
             .as_ref()
             .filter(|before| before.word == read.word && before.chunk == chunk)
             .and_then(Known::uniforms);
-        let objects = declarations.scene.objects.len();
-        let (params, grids) = (
-            declarations.scene.params.len(),
-            declarations.scene.grids.len(),
-        );
         let parameters = read.parameters.moved(base);
-        // A source that is new gets its place before anyone reads it.
-        let sources = declarations.lowerer.reads.source_count();
-        declarations.declare(&Declaration {
+        let declaration = Declaration {
             word: read.word,
             span: read.span.moved(base),
             symbol: read.symbol.map(|_| own),
@@ -306,43 +299,46 @@ impl Workshop {
             name_span: read.name_span.moved(base),
             parameters: &parameters,
             faulty: read.faulty,
-        });
+        };
+        let mut understood = declarations.understand(&declaration);
         declarations.kept = None;
-        let diagnostics = std::mem::take(&mut declarations.diagnostics);
+        let diagnostics = std::mem::take(&mut understood.diagnostics);
         let has = |code: Code| diagnostics.iter().any(|found| found.code == code);
-        checked.is_limited |= has(fault::TOO_MANY_SAMPLES) || has(fault::EXPRESSION_TOO_LARGE);
-        checked.watches_all |= has(fault::TOO_MANY_SAMPLES) || has(fault::TOO_MANY_INSTANCES);
+        checked.is_limited |= has(error::TOO_MANY_SAMPLES) || has(error::EXPRESSION_TOO_LARGE);
+        checked.watches_all |= has(error::TOO_MANY_SAMPLES) || has(error::TOO_MANY_INSTANCES);
         checked.diagnostics.push(diagnostics);
-        checked.samples += declarations.samples;
         checked.lowered += u32::from(!read.faulty);
-        let scene = &mut declarations.scene;
-        if let Some(object) = scene.objects.get(objects) {
+        if let Some(drawn) = &understood.drawn {
+            checked.samples += drawn.samples;
             if read.symbol.is_some() {
-                watch(object, &self.params, &self.grids, checked);
-            }
-            // Only what geodesics may lie on is asked for again.
-            if object.shape.patch().is_none() {
-                scene.objects.truncate(objects);
+                watch(&drawn.object, &self.params, &self.grids, checked);
             }
         }
+        // Only what geodesics may lie on is asked for again.
+        let is_manifold = |drawn: &Drawn| drawn.object.shape.manifold().is_some();
+        understood.drawn = understood.drawn.filter(is_manifold);
+        let source = understood
+            .source
+            .as_ref()
+            .map(|it| (it.uniforms, it.data.clone(), it.is_fresh));
+        self.declarations.add(&declaration, understood);
         let Some(symbol) = read.symbol else { return };
 
-        let data = if scene.params.len() > params {
-            self.params.push(symbol);
-            let last = scene.params.last();
-            last.map(|it| Data::Param(it.ranges.clone(), it.opening.clone()))
-        } else if scene.grids.len() > grids {
-            self.grids.push(symbol);
-            scene.grids.last().map(|it| Data::Grid(it.axes.clone()))
-        } else {
-            None
-        };
-        if self.declarations.lowerer.reads.source_count() > sources {
-            self.sources.push(symbol);
-            self.declarations.lowerer.reads.place_next(rank);
-        }
-        let source = data.map(|data| {
-            let uniforms = self.uniforms(own, before.as_ref());
+        let source = source.map(|(uniforms, data, is_fresh)| {
+            if is_fresh {
+                self.sources.push(symbol);
+                self.declarations.lowerer.dependencies.place_next(rank);
+            }
+            let data = match data {
+                SourceData::Param(param) => {
+                    self.params.push(symbol);
+                    Data::Param(param.ranges, param.initial)
+                }
+                SourceData::Grid(grid) => {
+                    self.grids.push(symbol);
+                    Data::Grid(grid.axes)
+                }
+            };
             Box::new(KnownSource { uniforms, data })
         });
 
@@ -376,26 +372,6 @@ impl Workshop {
         self.known.insert(symbol, known);
     }
 
-    /// The uniforms of a param or grid that has just been declared.
-    fn uniforms(&self, own: SymbolId, before: Option<&Known>) -> Option<Uniforms> {
-        let lowerer = &self.declarations.lowerer;
-        let Meaning::Constant(Constant { value, reads }) = lowerer.symbols.meaning(own) else {
-            return None;
-        };
-        if let Some(kept) = before.and_then(Known::uniforms)
-            && kept.reads == *reads
-        {
-            return Some(kept);
-        }
-        let count = value.dimension() as u32;
-        Some(Uniforms {
-            first: self.declarations.scene.uniform_count - count,
-            count,
-            reads: *reads,
-            source: lowerer.reads.last_source()?,
-        })
-    }
-
     /// Whether a symbol means what it meant. For one with a body that has been kept, also the way from the
     /// places of that body to the chunk's.
     fn same(&self, before: &Known, now: &Known, checked: &Checked) -> Option<Option<i64>> {
@@ -408,16 +384,16 @@ impl Workshop {
                 Some(None)
             }
             (Meaning::Constant(a), Meaning::Constant(b)) => {
-                (a.value == b.value && a.reads == b.reads).then_some(None)
+                (a.value == b.value && a.dependencies == b.dependencies).then_some(None)
             }
             (Meaning::Declared(a), Meaning::Declared(b)) => {
-                let patch = |own| {
-                    let patch = self.declarations.patch_of(own);
-                    patch.map(|patch| (patch.domain, patch.reads))
+                let manifold = |own| {
+                    let manifold = self.declarations.manifold_of(own);
+                    manifold.map(|it| (it.domain, it.dependencies))
                 };
                 if before.chunk != now.chunk
                     || a.parameters != b.parameters
-                    || patch(before.own) != patch(now.own)
+                    || manifold(before.own) != manifold(now.own)
                 {
                     return None;
                 }
@@ -437,7 +413,7 @@ impl Workshop {
 fn watch(object: &Object, params: &[SymbolId], grids: &[SymbolId], checked: &mut Checked) {
     let read = object.grids.iter().map(|id| grids[id.0 as usize]);
     checked.watches.extend(read);
-    if let Shape::Metric { .. } = object.shape {
+    if object.shape.is_metric() {
         let read = object.params.iter().map(|id| params[id.0 as usize]);
         checked.watches.extend(read);
     }

@@ -1,16 +1,16 @@
 //! From a text to a [`Compilation`]: the scene, or what is wrong with it.
 
-use syntax::actions::{Actions, Declaration, Interval, Operator};
-use syntax::diagnostic::{Diagnostic, Severity};
+use syntax::diagnostic::Diagnostic;
 use syntax::parse_program;
 use syntax::span::Span;
 
-use crate::builtin;
-use crate::declare::Declarations;
-use crate::evaluate::{Evaluation, Scope};
-use crate::fault::{self, Fault};
+use crate::evaluation::Evaluation;
+use crate::geotrace::builtin;
+use crate::geotrace::declarations::Declarations;
+use crate::geotrace::error::{self, SemanticError, has_errors};
+use crate::geotrace::evaluate::Scope;
+use crate::param_values::ParamValues;
 use crate::scene::Scene;
-use crate::values::Settings;
 
 /// What a text compiles to.
 #[derive(Clone, Debug, Default)]
@@ -26,19 +26,16 @@ pub struct Compilation {
 /// Compiles a program: reads every declaration, reports every mistake, and builds the scene if there is none.
 ///
 /// ```
-/// let compilation = scene::compile("param r : [1, 2];  curve c(t) = r(cost, sint, 0), t : [0, 2pi];");
+/// let compilation = scene::geotrace::compile("param r : [1, 2];  curve c(t) = r(cost, sint, 0), t : [0, 2pi];");
 /// let scene = compilation.scene.expect("no errors");
 /// assert_eq!(scene.objects.len(), 1);
 ///
-/// let compilation = scene::compile("point p = (1, 2);");
+/// let compilation = scene::geotrace::compile("point p = (1, 2);");
 /// assert_eq!(compilation.diagnostics[0].code.0, "not-in-space");
 /// ```
 pub fn compile(source: &str) -> Compilation {
-    let mut compiler = Compiler {
-        declarations: Declarations::new(),
-    };
-    let parsed = parse_program(source, &builtin::vocabulary(), &mut compiler);
-    let mut declarations = compiler.declarations;
+    let mut declarations = Declarations::new();
+    let parsed = parse_program(source, &builtin::vocabulary(), &mut declarations);
     let mut diagnostics = std::mem::take(&mut declarations.diagnostics);
     Diagnostic::sort(&mut diagnostics);
     let program = (!has_errors(&diagnostics)).then(|| {
@@ -69,10 +66,10 @@ impl Compilation {
     /// taken out.
     ///
     /// ```
-    /// use scene::{Outcome, Settings, Value};
+    /// use scene::{Outcome, ParamValues, Value};
     ///
-    /// let compilation = scene::compile("function f(x) = x^3;");
-    /// let settings = Settings::opening(compilation.scene.as_ref().expect("no errors"));
+    /// let compilation = scene::geotrace::compile("function f(x) = x^3;");
+    /// let settings = ParamValues::initial(compilation.scene.as_ref().expect("no errors"));
     /// let evaluation = compilation.evaluate("f'2", &settings).expect("no errors");
     /// assert_eq!(evaluation.outcome, Outcome::Single(Value::Number(Some(12.0))));
     /// ```
@@ -80,45 +77,20 @@ impl Compilation {
     /// # Errors
     /// What is wrong with the expression, sorted by place; all spans are those of `text`. An expression has
     /// no value in a program with errors.
-    pub fn evaluate(&self, text: &str, settings: &Settings) -> Result<Evaluation, Vec<Diagnostic>> {
+    pub fn evaluate(
+        &self,
+        text: &str,
+        settings: &ParamValues,
+    ) -> Result<Evaluation, Vec<Diagnostic>> {
         match &self.scope {
             Some(scope) => scope.evaluate(text, settings),
             None => {
                 let span = Span::new(0, u32::try_from(text.len()).unwrap_or(u32::MAX));
                 let message = "the program has errors, so no expression has a value in it";
                 Err(vec![
-                    Fault::new(fault::PROGRAM_HAS_ERRORS, message).at(span),
+                    SemanticError::new(error::PROGRAM_HAS_ERRORS, message).at(span),
                 ])
             }
         }
     }
-}
-
-/// The compiler as the parser sees it. It keeps the steps and leaves all else to [`Declarations`].
-pub(crate) struct Compiler {
-    pub(crate) declarations: Declarations,
-}
-
-impl Actions for Compiler {
-    fn act_operator(&mut self, operator: Operator, span: Span) {
-        self.declarations.lowerer.code.push(operator, span);
-    }
-
-    fn act_interval(&mut self, interval: Interval) {
-        self.declarations.interval(interval);
-    }
-
-    fn act_declaration(&mut self, declaration: &Declaration<'_>) {
-        self.declarations.declare(declaration);
-    }
-
-    fn act_error(&mut self, diagnostic: Diagnostic) {
-        self.declarations.diagnostics.push(diagnostic);
-    }
-}
-
-pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
-    diagnostics
-        .iter()
-        .any(|diagnostic| diagnostic.severity == Severity::Error)
 }

@@ -4,13 +4,15 @@
 //! expressions below. A symbol that is never given a meaning is one whose declaration failed: its uses are
 //! silent, for the mistake has been reported.
 
+use expr::Graph;
+use expr::ops::CONSTANTS;
 use expr::value::Value;
 use syntax::token::{DeclareWord, SymbolId};
 
-use crate::builtin::Builtin;
-use crate::code::Expression;
-use crate::fault::{self, Fault};
-use crate::reads::Reads;
+use crate::geotrace::builtin::Builtin;
+use crate::geotrace::code::Expression;
+use crate::geotrace::dependencies::Dependencies;
+use crate::geotrace::error::{self, SemanticError};
 
 /// The meanings of all symbols that have one.
 #[derive(Clone, Debug, Default)]
@@ -42,7 +44,7 @@ pub(crate) enum Meaning {
 pub(crate) struct Constant {
     pub(crate) value: Value,
     /// The params and grids that it reads.
-    pub(crate) reads: Reads,
+    pub(crate) dependencies: Dependencies,
 }
 
 /// A declared function, curve, surface or metric.
@@ -53,6 +55,27 @@ pub(crate) struct Declared {
 }
 
 impl Symbols {
+    /// The builtin names with their meanings, in the order of [`vocabulary`](super::builtin::vocabulary).
+    pub(crate) fn builtin(graph: &mut Graph) -> Self {
+        let mut symbols = Self::default();
+        let constants = CONSTANTS.into_iter().map(|(name, value, _)| {
+            let value = Value::Number(graph.constant(value));
+            let dependencies = Dependencies::default();
+            (
+                name,
+                Meaning::Constant(Constant {
+                    value,
+                    dependencies,
+                }),
+            )
+        });
+        let functions = Builtin::all().map(|(name, builtin)| (name, Meaning::Builtin(builtin)));
+        for (id, (name, meaning)) in (0..).map(SymbolId).zip(constants.chain(functions)) {
+            symbols.define(id, name, None, meaning);
+        }
+        symbols
+    }
+
     /// Gives a symbol its meaning. Symbols come in the order of their ids; those passed over are poisoned.
     pub(crate) fn define(
         &mut self,
@@ -111,20 +134,22 @@ impl Symbols {
     }
 
     /// What is wrong with a use of a function as a value, if anything: a geodesic has none.
-    pub(crate) fn value_fault(&self, symbol: SymbolId) -> Option<Fault> {
+    pub(crate) fn value_error(&self, symbol: SymbolId) -> Option<SemanticError> {
         let Meaning::Geodesic = self.meaning(symbol) else {
             return None;
         };
         let name = self.name(symbol);
         let message =
             format!("`{name}` is a geodesic, which has no formula: it cannot be used as a value");
-        Some(Fault::new(fault::NO_FORMULA, message).with_hint(format!(
-            "`{name}` is drawn; its start and direction are values that a `define` can name"
-        )))
+        Some(
+            SemanticError::new(error::NO_FORMULA, message).with_hint(format!(
+                "`{name}` is drawn; its start and direction are values that a `define` can name"
+            )),
+        )
     }
 
     /// What is wrong with `f'`, if anything: a function of several parameters has a derivative by each.
-    pub(crate) fn total_fault(&self, symbol: SymbolId) -> Option<Fault> {
+    pub(crate) fn total_error(&self, symbol: SymbolId) -> Option<SemanticError> {
         let Meaning::Declared(declared) = self.meaning(symbol) else {
             return None;
         };
@@ -140,8 +165,8 @@ impl Symbols {
             .map(|parameter| format!("`{name}_{parameter}`"))
             .collect();
         Some(
-            Fault::new(
-                fault::AMBIGUOUS_DERIVATIVE,
+            SemanticError::new(
+                error::AMBIGUOUS_DERIVATIVE,
                 format!(
                     "`{name}'` does not say by which of the {count} parameters of `{name}` to derive"
                 ),

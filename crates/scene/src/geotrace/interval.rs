@@ -6,10 +6,10 @@ use syntax::actions::{self, IntervalKind};
 use syntax::diagnostic::Diagnostic;
 use syntax::token::DeclareWord;
 
-use crate::code::Expression;
-use crate::fault::{self, Fault};
+use crate::geotrace::code::Expression;
+use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::lowerer::{Lowered, Lowerer};
 use crate::limits::{MAX_AXIS, MAX_SAMPLES};
-use crate::lower::{Lowered, Lowerer};
 use crate::scene::{Range, Sampling};
 
 /// An interval as it was read.
@@ -79,8 +79,8 @@ impl Interval {
             }
             match constant(lowerer, &lowered, role) {
                 Ok(value) => *number = Some(value?),
-                Err(fault) => {
-                    diagnostics.push(fault.at(self.read.span));
+                Err(error) => {
+                    diagnostics.push(error.at(self.read.span));
                     return None;
                 }
             }
@@ -94,8 +94,8 @@ impl Interval {
         });
         match result {
             Ok(bounds) => Some(bounds),
-            Err(fault) => {
-                diagnostics.push(fault.at(self.read.span));
+            Err(error) => {
+                diagnostics.push(error.at(self.read.span));
                 None
             }
         }
@@ -132,16 +132,20 @@ impl Role {
 
 /// The finite number that an expression of an interval stands for; none where the expression uses a name that
 /// failed before.
-fn constant(lowerer: &Lowerer, lowered: &Lowered, role: Role) -> Result<Option<f64>, Fault> {
+fn constant(
+    lowerer: &Lowerer,
+    lowered: &Lowered,
+    role: Role,
+) -> Result<Option<f64>, SemanticError> {
     let role = role.name();
-    if let Some(symbol) = lowerer.reads.first(lowered.reads) {
+    if let Some(symbol) = lowerer.dependencies.first(lowered.dependencies) {
         let word = match lowerer.symbols.word(symbol) {
             Some(DeclareWord::Grid) => "grid",
             _ => "param",
         };
         let name = lowerer.symbols.name(symbol);
-        return Err(Fault::new(
-            fault::INTERVAL_NOT_CONSTANT,
+        return Err(SemanticError::new(
+            error::INTERVAL_NOT_CONSTANT,
             format!(
                 "an interval is constant, but the {role} of this one depends on the {word} `{name}`"
             ),
@@ -151,8 +155,8 @@ fn constant(lowerer: &Lowerer, lowered: &Lowered, role: Role) -> Result<Option<f
         None => return Ok(None),
         Some(Value::Number(node)) => *node,
         Some(vector) => {
-            return Err(Fault::new(
-                fault::INTERVAL_NOT_NUMBER,
+            return Err(SemanticError::new(
+                error::INTERVAL_NOT_NUMBER,
                 format!(
                     "the {role} of an interval is a number, not a vector of dimension {}",
                     vector.dimension()
@@ -176,18 +180,18 @@ fn constant(lowerer: &Lowerer, lowered: &Lowered, role: Role) -> Result<Option<f
     } else {
         "infinite"
     };
-    Err(Fault::new(
-        fault::INTERVAL_UNDEFINED,
+    Err(SemanticError::new(
+        error::INTERVAL_UNDEFINED,
         format!("the {role} of this interval is {what}"),
     ))
 }
 
-fn in_order(min: f64, max: f64) -> Result<Range, Fault> {
+fn in_order(min: f64, max: f64) -> Result<Range, SemanticError> {
     if min < max {
         return Ok(Range { min, max });
     }
-    let fault = Fault::new(
-        fault::INTERVAL_EMPTY,
+    let error = SemanticError::new(
+        error::INTERVAL_EMPTY,
         format!(
             "the minimum of this interval, {}, is not below its maximum, {}",
             number(min),
@@ -195,22 +199,22 @@ fn in_order(min: f64, max: f64) -> Result<Range, Fault> {
         ),
     );
     Err(if min == max {
-        fault
+        error
     } else {
-        fault.with_hint("write the smaller end first")
+        error.with_hint("write the smaller end first")
     })
 }
 
 /// A count, rounded down.
-fn whole(count: f64, purpose: Purpose) -> Result<u32, Fault> {
+fn whole(count: f64, purpose: Purpose) -> Result<u32, SemanticError> {
     let largest = match purpose {
         Purpose::Axis => MAX_AXIS,
         Purpose::Domain => MAX_SAMPLES as u32,
     };
     let rounded = count.floor();
     if rounded < 2.0 {
-        return Err(Fault::new(
-            fault::INTERVAL_COUNT,
+        return Err(SemanticError::new(
+            error::INTERVAL_COUNT,
             format!(
                 "an interval has at least 2 values, but the count of this one is {}",
                 number(count)
@@ -219,8 +223,8 @@ fn whole(count: f64, purpose: Purpose) -> Result<u32, Fault> {
         .with_hint("both ends are included"));
     }
     if rounded > f64::from(largest) {
-        return Err(Fault::new(
-            fault::INTERVAL_COUNT,
+        return Err(SemanticError::new(
+            error::INTERVAL_COUNT,
             format!(
                 "the count of this interval is {}, and the limit is {largest}",
                 number(count)

@@ -10,17 +10,17 @@ use syntax::diagnostic::Diagnostic;
 use syntax::span::Span;
 use syntax::token::{DeclareWord, SymbolId};
 
-use crate::code::Expression;
-use crate::declare::{Declarations, Patch, kind_of};
-use crate::fault::{self, Fault};
-use crate::geodesic::Launcher;
-use crate::interval::{Interval, number};
-use crate::lower::Lowered;
+use crate::geotrace::code::Expression;
+use crate::geotrace::declarations::{Declarations, Drawn, Manifold, Understood, kind_of};
+use crate::geotrace::dependencies::Dependencies;
+use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::interval::{Interval, number};
+use crate::geotrace::lowerer::Lowered;
+use crate::geotrace::symbol::Meaning;
+use crate::initial_conditions::InitialConditionsEvaluator;
 use crate::metric::{Defect, Witness, witness};
-use crate::reads::Reads;
-use crate::scene::{ObjectId, Shape};
-use crate::symbol::Meaning;
-use crate::values::Settings;
+use crate::param_values::ParamValues;
+use crate::scene::Shape;
 
 /// The most instances of a metric that are searched for a point where it is none.
 const SEARCHED_INSTANCES: u64 = 16;
@@ -31,7 +31,7 @@ impl Declarations {
         &mut self,
         declaration: &Declaration<'_>,
         intervals: &[Interval],
-    ) -> Option<Meaning> {
+    ) -> Option<Understood> {
         let domain = self.domain(declaration, intervals, "a metric has two parameters");
         let [body] = self.expressions(intervals)?;
         let lowered = self.over_variables(body, declaration.parameters.len());
@@ -45,12 +45,13 @@ impl Declarations {
             domain: [u?, v?],
             parameters: [first.name.clone(), second.name.clone()],
         };
-        if let Some(object) = self.patch(declaration, shape, lowered.reads) {
+        let drawn = self.object(declaration, shape, lowered.dependencies);
+        if let Some(drawn) = &drawn {
             let place = self.lowerer.code.span(body);
-            let warning = self.degenerate(object, place, lowered.reads);
-            self.diagnostics.extend(warning);
+            let warning = self.degenerate(drawn, place);
+            self.found.extend(warning);
         }
-        Some(self.keep(declaration, body))
+        Some(Understood::from(self.keep(declaration, body)).drawn(drawn))
     }
 
     /// `geodesic g(t) : s = (a,b) @ (u,v), …;`
@@ -58,14 +59,14 @@ impl Declarations {
         &mut self,
         declaration: &Declaration<'_>,
         intervals: &[Interval],
-    ) -> Option<Meaning> {
+    ) -> Option<Understood> {
         let domain = self.domain(
             declaration,
             intervals,
             "a geodesic has one parameter, its length",
         );
         let [surface, direction, start] = self.expressions(intervals)?;
-        let patch = self.surface_of(surface);
+        let manifold = self.surface_of(surface);
         let towards = self.constant(direction);
         let a_b = self.in_chart(direction, &towards, "direction");
         let from = self.constant(start);
@@ -74,24 +75,27 @@ impl Declarations {
             self.lowerer.code.span(direction),
             self.lowerer.code.span(start),
         );
-        let (patch, direction, start) = (patch?, a_b?, u_v?);
+        let (manifold, direction, start) = (manifold?, a_b?, u_v?);
         let [domain] = domain?;
-        let own = self.lowerer.reads.union(towards.reads, from.reads);
-        if own == Reads::default() {
+        let own = self
+            .lowerer
+            .dependencies
+            .union(towards.dependencies, from.dependencies);
+        if own == Dependencies::default() {
             let place = direction_span.to(start_span);
-            self.diagnostics
-                .extend(self.not_drawn(declaration, &direction, &start, &patch, place));
+            self.found
+                .extend(self.not_drawn(declaration, &direction, &start, &manifold, place));
         }
         let shape = Shape::Geodesic {
-            surface: patch.object,
+            surface: manifold.object,
             direction,
             start,
             domain: domain?,
             parameter: declaration.parameters.first()?.name.clone(),
         };
-        let reads = self.lowerer.reads.union(own, patch.reads);
-        self.object(declaration, shape, reads);
-        Some(Meaning::Geodesic)
+        let dependencies = self.lowerer.dependencies.union(own, manifold.dependencies);
+        let drawn = self.object(declaration, shape, dependencies);
+        Some(Understood::from(Meaning::Geodesic).drawn(drawn))
     }
 
     /// E, F and G; none where the value is something else or has failed before.
@@ -102,10 +106,10 @@ impl Declarations {
         }
         let found = kind_of(value);
         let message = format!("a metric's value is (E, F, G), 3 numbers, but this is {found}");
-        let fault = Fault::new(fault::NOT_A_METRIC, message)
+        let error = SemanticError::new(error::NOT_A_METRIC, message)
             .with_hint("its length element is E du^2 + 2F du dv + G dv^2");
         let span = self.lowerer.code.span(body);
-        self.diagnostics.push(fault.at(span));
+        self.found.push(error.at(span));
         None
     }
 
@@ -124,28 +128,28 @@ impl Declarations {
         let message = format!(
             "a geodesic's {what} has 2 components, one for each parameter of its surface, but this is {found}"
         );
-        let mut fault = Fault::new(fault::NOT_IN_CHART, message);
+        let mut error = SemanticError::new(error::NOT_IN_CHART, message);
         if let (Value::Vector(nodes), "direction") = (value, what)
             && nodes.len() == 3
         {
-            fault = fault.with_hint("(a, b) stands for a σu + b σv");
+            error = error.with_hint("(a, b) stands for a σu + b σv");
         }
         let span = self.lowerer.code.span(expression);
-        self.diagnostics.push(fault.at(span));
+        self.found.push(error.at(span));
         None
     }
 
     /// The surface or metric that a geodesic names; none where it names something else, or what has failed.
-    fn surface_of(&mut self, named: Expression) -> Option<Patch> {
+    fn surface_of(&mut self, named: Expression) -> Option<Manifold> {
         let (symbol, span) = self.lowerer.code.functions(named).next()?;
-        if let Some(patch) = self.patch_of(symbol) {
-            return Some(patch);
+        if let Some(manifold) = self.manifold_of(symbol) {
+            return Some(manifold);
         }
         let what = self.what_else(symbol)?;
         let name = self.lowerer.symbols.name(symbol);
         let message = format!("a geodesic lies on a surface or a metric, but `{name}` is {what}");
-        self.diagnostics
-            .push(Fault::new(fault::NOT_A_SURFACE, message).at(span));
+        self.found
+            .push(SemanticError::new(error::NOT_A_SURFACE, message).at(span));
         None
     }
 
@@ -167,37 +171,34 @@ impl Declarations {
         declaration: &Declaration<'_>,
         direction: &[NodeId; 2],
         start: &[NodeId; 2],
-        patch: &Patch,
+        manifold: &Manifold,
         place: Span,
     ) -> Option<Diagnostic> {
-        let mut launcher = Launcher::of(&self.lowerer.graph, direction, start, patch.domain);
-        let fault = launcher.launch(&[]).err()?;
-        let message = format!("`{}` is not drawn: {fault}", declaration.name);
+        let mut evaluator =
+            InitialConditionsEvaluator::of(&self.lowerer.graph, direction, start, manifold.domain);
+        let error = evaluator.evaluate(&[]).err()?;
+        let message = format!("`{}` is not drawn: {error}", declaration.name);
         Some(Diagnostic::warning(
-            fault::GEODESIC_NOT_DRAWN,
+            error::GEODESIC_NOT_DRAWN,
             place,
             message,
         ))
     }
 
     /// A warning of a metric that is none somewhere inside its domain, with the params as they start.
-    fn degenerate(&self, metric: ObjectId, place: Span, reads: Reads) -> Option<Diagnostic> {
-        let object = self.scene.objects.get(metric.0 as usize)?;
-        let Shape::Metric {
-            components,
-            domain,
-            parameters: [first, second],
-        } = &object.shape
-        else {
+    fn degenerate(&self, metric: &Drawn, place: Span) -> Option<Diagnostic> {
+        let object = &metric.object;
+        let (components, domain) = object.shape.metric()?;
+        let [first, second] = object.shape.parameters() else {
             return None;
         };
-        let settings = Settings::opening(&self.scene);
-        let all = settings.instance_count(&self.scene, object);
+        let values = ParamValues::initial(&self.scene);
+        let all = values.instance_count(&self.scene, object);
         let searched = all.min(SEARCHED_INSTANCES);
         let found = (0..searched).find_map(|k| {
             // The first, the last, and evenly between.
             let index = k * (all - 1) / (searched - 1).max(1);
-            let uniforms = settings.instance(&self.scene, object, index);
+            let uniforms = values.instance(&self.scene, object, index);
             let graph = &self.lowerer.graph;
             witness(graph, components, domain, &uniforms, searched as usize)
         })?;
@@ -210,7 +211,7 @@ impl Declarations {
                 ", which is not positive",
             ),
         };
-        let settings = if reads == Reads::default() {
+        let settings = if metric.dependencies == Dependencies::default() {
             ""
         } else {
             ", with the params as they start"
@@ -222,7 +223,7 @@ impl Declarations {
             short(v),
         );
         Some(
-            Diagnostic::warning(fault::DEGENERATE_METRIC, place, message).with_hint(
+            Diagnostic::warning(error::DEGENERATE_METRIC, place, message).with_hint(
                 "inside the domain of a metric E > 0 and E G > F^2; geodesics end where that fails",
             ),
         )

@@ -26,13 +26,13 @@ pub(crate) const INTERVAL_EMPTY: Code = Code("interval-empty");
 /// A sampling count below 2 or too large.
 pub(crate) const INTERVAL_COUNT: Code = Code("interval-count");
 /// The value that a param opens with depends on a param or a grid.
-pub(crate) const OPENING_NOT_CONSTANT: Code = Code("opening-not-constant");
+pub(crate) const INITIAL_NOT_CONSTANT: Code = Code("initial-not-constant");
 /// It has not one component for each interval.
-pub(crate) const OPENING_DIMENSION: Code = Code("opening-dimension");
+pub(crate) const INITIAL_DIMENSION: Code = Code("initial-dimension");
 /// It is undefined or infinite.
-pub(crate) const OPENING_UNDEFINED: Code = Code("opening-undefined");
+pub(crate) const INITIAL_UNDEFINED: Code = Code("initial-undefined");
 /// It lies outside its interval.
-pub(crate) const OPENING_OUTSIDE: Code = Code("opening-outside");
+pub(crate) const INITIAL_OUTSIDE: Code = Code("initial-outside");
 /// Two intervals for one parameter.
 pub(crate) const DUPLICATE_TAG: Code = Code("duplicate-tag");
 /// A curve or a geodesic whose parameters are not one, a surface or a metric whose parameters are not two.
@@ -108,19 +108,19 @@ pub const CODES: &[(Code, &str)] = &[
         "A sampling count is at least 2 after rounding down, and not above the limit.",
     ),
     (
-        OPENING_NOT_CONSTANT,
+        INITIAL_NOT_CONSTANT,
         "The value that a param opens with is a constant: it depends on no param and no grid.",
     ),
     (
-        OPENING_DIMENSION,
+        INITIAL_DIMENSION,
         "The value that a param opens with has a component for each of its intervals.",
     ),
     (
-        OPENING_UNDEFINED,
+        INITIAL_UNDEFINED,
         "The value that a param opens with is finite.",
     ),
     (
-        OPENING_OUTSIDE,
+        INITIAL_OUTSIDE,
         "The value that a param opens with lies within its intervals.",
     ),
     (DUPLICATE_TAG, "A parameter has one interval, not two."),
@@ -174,12 +174,19 @@ pub const CODES: &[(Code, &str)] = &[
     ),
 ];
 
+/// Whether any diagnostic is an error; warnings are none.
+pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics
+        .iter()
+        .any(|diagnostic| diagnostic.severity == Severity::Error)
+}
+
 /// The longest list of places that explain a fault inside functions that are applied inside functions.
 const MAX_TRAIL: usize = 8;
 
 /// What is wrong with an operation, before it is known where it will be reported.
 #[derive(Clone, Debug)]
-pub(crate) struct Fault {
+pub(crate) struct SemanticError {
     pub(crate) code: Code,
     pub(crate) message: String,
     pub(crate) hint: Option<String>,
@@ -189,7 +196,7 @@ pub(crate) struct Fault {
     function: Option<String>,
 }
 
-impl Fault {
+impl SemanticError {
     pub(crate) fn new(code: Code, message: impl Into<String>) -> Self {
         Self {
             code,

@@ -15,7 +15,7 @@ use syntax::token::SymbolId;
 
 /// Names a set of params and grids; the default is the empty one.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, Ord, PartialEq, PartialOrd)]
-pub(crate) struct Reads(u32);
+pub(crate) struct Dependencies(u32);
 
 /// The position of a param or grid among all of them, in the order of the text.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -23,20 +23,20 @@ pub(crate) struct Source(pub(crate) u32);
 
 /// All sets that occur.
 #[derive(Clone, Debug)]
-pub(crate) struct ReadSets {
+pub(crate) struct DependencySets {
     /// The symbol of each source, where its name was free.
     sources: Vec<Option<SymbolId>>,
     /// Their places in the order of the text, where that is another than the order in which they came.
     places: Option<Vec<u32>>,
     /// The set that holds just the source of each uniform.
-    uniforms: Vec<Reads>,
+    uniforms: Vec<Dependencies>,
     /// Bit k of a set stands for source k; the last word is not 0.
     sets: Vec<Arc<[u64]>>,
-    ids: FxHashMap<Arc<[u64]>, Reads>,
-    unions: FxHashMap<(Reads, Reads), Reads>,
+    ids: FxHashMap<Arc<[u64]>, Dependencies>,
+    unions: FxHashMap<(Dependencies, Dependencies), Dependencies>,
 }
 
-impl Default for ReadSets {
+impl Default for DependencySets {
     fn default() -> Self {
         let empty: Arc<[u64]> = Arc::new([]);
         Self {
@@ -44,42 +44,44 @@ impl Default for ReadSets {
             places: None,
             uniforms: Vec::new(),
             sets: vec![Arc::clone(&empty)],
-            ids: FxHashMap::from_iter([(empty, Reads::default())]),
+            ids: FxHashMap::from_iter([(empty, Dependencies::default())]),
             unions: FxHashMap::default(),
         }
     }
 }
 
-impl ReadSets {
+impl DependencySets {
     /// A new param or grid of so many components, which are the next uniforms: the set that holds just it.
-    pub(crate) fn declare(&mut self, symbol: Option<SymbolId>, components: usize) -> Reads {
+    pub(crate) fn declare(&mut self, symbol: Option<SymbolId>, components: usize) -> Dependencies {
         let source = self.sources.len();
         self.sources.push(symbol);
         let mut bits = vec![0; source / 64 + 1];
         bits[source / 64] = 1 << (source % 64);
-        let reads = self.set(bits);
-        let uniforms = std::iter::repeat_n(reads, components);
+        let dependencies = self.set(bits);
+        let uniforms = std::iter::repeat_n(dependencies, components);
         self.uniforms.extend(uniforms);
-        reads
+        dependencies
     }
 
     /// What an expression reads whose inputs are these.
-    pub(crate) fn of(&mut self, inputs: &[Input]) -> Reads {
-        inputs.iter().fold(Reads::default(), |reads, input| {
-            let other = match *input {
-                Input::Uniform(index) => self.uniforms.get(index as usize).copied(),
-                Input::Variable(_) => None,
-            };
-            self.union(reads, other.unwrap_or_default())
-        })
+    pub(crate) fn of(&mut self, inputs: &[Input]) -> Dependencies {
+        inputs
+            .iter()
+            .fold(Dependencies::default(), |dependencies, input| {
+                let other = match *input {
+                    Input::Uniform(index) => self.uniforms.get(index as usize).copied(),
+                    Input::Variable(_) => None,
+                };
+                self.union(dependencies, other.unwrap_or_default())
+            })
     }
 
     /// What is read by an expression with two parts.
-    pub(crate) fn union(&mut self, a: Reads, b: Reads) -> Reads {
-        if a == b || b == Reads::default() {
+    pub(crate) fn union(&mut self, a: Dependencies, b: Dependencies) -> Dependencies {
+        if a == b || b == Dependencies::default() {
             return a;
         }
-        if a == Reads::default() {
+        if a == Dependencies::default() {
             return b;
         }
         let pair = (a.min(b), a.max(b));
@@ -102,25 +104,14 @@ impl ReadSets {
     }
 
     /// The params and grids of a set, in the order of the text.
-    pub(crate) fn sources(&self, reads: Reads) -> impl Iterator<Item = Source> + '_ {
-        let in_order = self.places.is_none().then(|| self.members(reads));
+    pub(crate) fn sources(&self, dependencies: Dependencies) -> impl Iterator<Item = Source> + '_ {
+        let in_order = self.places.is_none().then(|| self.members(dependencies));
         let mut moved: Vec<Source> = Vec::new();
         if let Some(places) = &self.places {
-            moved.extend(self.members(reads));
+            moved.extend(self.members(dependencies));
             moved.sort_by_key(|source| places.get(source.0 as usize));
         }
         in_order.into_iter().flatten().chain(moved)
-    }
-
-    /// How many sources there are.
-    pub(crate) fn source_count(&self) -> usize {
-        self.sources.len()
-    }
-
-    /// The source that came last.
-    pub(crate) fn last_source(&self) -> Option<Source> {
-        let last = self.sources.len().checked_sub(1)?;
-        Some(Source(last as u32))
     }
 
     /// Says where the source that came last stands in the text.
@@ -134,8 +125,8 @@ impl ReadSets {
     }
 
     /// The params and grids of a set, in the order in which they came.
-    fn members(&self, reads: Reads) -> impl Iterator<Item = Source> + '_ {
-        let words = self.sets[reads.0 as usize].iter().zip(0..);
+    fn members(&self, dependencies: Dependencies) -> impl Iterator<Item = Source> + '_ {
+        let words = self.sets[dependencies.0 as usize].iter().zip(0..);
         words.flat_map(|(&word, index): (&u64, u32)| {
             let bits = (0..64).filter(move |bit| word >> bit & 1 == 1);
             bits.map(move |bit| Source(64 * index + bit))
@@ -143,20 +134,20 @@ impl ReadSets {
     }
 
     /// The first param or grid of a set that has a name.
-    pub(crate) fn first(&self, reads: Reads) -> Option<SymbolId> {
-        let mut sources = self.sources(reads);
+    pub(crate) fn first(&self, dependencies: Dependencies) -> Option<SymbolId> {
+        let mut sources = self.sources(dependencies);
         sources.find_map(|source| *self.sources.get(source.0 as usize)?)
     }
 
-    fn set(&mut self, bits: Vec<u64>) -> Reads {
+    fn set(&mut self, bits: Vec<u64>) -> Dependencies {
         let bits: Arc<[u64]> = bits.into();
         if let Some(&known) = self.ids.get(&bits) {
             return known;
         }
-        let reads = Reads(self.sets.len() as u32);
+        let dependencies = Dependencies(self.sets.len() as u32);
         self.sets.push(Arc::clone(&bits));
-        self.ids.insert(bits, reads);
-        reads
+        self.ids.insert(bits, dependencies);
+        dependencies
     }
 }
 
@@ -165,16 +156,16 @@ mod tests {
     use expr::Input;
     use syntax::token::SymbolId;
 
-    use super::{ReadSets, Reads};
+    use super::{Dependencies, DependencySets};
 
     #[test]
     fn unions_hold_the_members_of_both_in_order_and_equal_sets_are_one() {
-        let mut sets = ReadSets::default();
-        let single: Vec<Reads> = (0..200)
+        let mut sets = DependencySets::default();
+        let single: Vec<Dependencies> = (0..200)
             .map(|index| sets.declare(Some(SymbolId(1000 + index)), 2))
             .collect();
-        let members = |sets: &ReadSets, reads| -> Vec<u32> {
-            sets.sources(reads).map(|source| source.0).collect()
+        let members = |sets: &DependencySets, dependencies| -> Vec<u32> {
+            sets.sources(dependencies).map(|source| source.0).collect()
         };
         let a = sets.union(single[130], single[2]);
         let b = sets.union(single[64], a);
@@ -184,13 +175,13 @@ mod tests {
         assert_eq!(sets.union(single[64], b), b);
         let c = sets.union(single[2], single[64]);
         assert_eq!(sets.union(c, single[130]), b);
-        assert_eq!(sets.union(Reads::default(), b), b);
+        assert_eq!(sets.union(Dependencies::default(), b), b);
         assert_eq!(sets.first(b), Some(SymbolId(1002)));
-        assert_eq!(sets.first(Reads::default()), None);
-        assert_eq!(members(&sets, Reads::default()), [0; 0]);
+        assert_eq!(sets.first(Dependencies::default()), None);
+        assert_eq!(members(&sets, Dependencies::default()), [0; 0]);
         // Two uniforms each.
         let inputs = [128, 261, 260, 5].map(Input::Uniform);
         assert_eq!(sets.of(&inputs), b);
-        assert_eq!(sets.of(&[Input::Variable(3)]), Reads::default());
+        assert_eq!(sets.of(&[Input::Variable(3)]), Dependencies::default());
     }
 }

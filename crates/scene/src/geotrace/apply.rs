@@ -11,88 +11,16 @@ use std::sync::Arc;
 
 use expr::value::{self, Value};
 use expr::{Graph, Input, NodeId};
-use rustc_hash::FxHashMap;
 use syntax::span::Span;
 use syntax::token::SymbolId;
 
-use crate::fault::{self, Fault};
-use crate::lower::{Effect, Function, Item, Lowerer, dimension_fault, too_large};
-use crate::reads::Reads;
-use crate::symbol::{Declared, Meaning};
-
-/// One derivative of a function.
-#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub(crate) enum Derivation {
-    /// `f_u`, by the parameter at this position.
-    By(u32),
-    /// `f'`, by the only parameter.
-    Total,
-}
-
-/// Which body: that of a function for these dimensions of its arguments (1 for a number).
-#[derive(Clone, Debug, Eq, Hash, PartialEq)]
-pub(crate) struct BodyKey {
-    pub(crate) symbol: SymbolId,
-    dimensions: Vec<usize>,
-}
-
-/// A position in [`Applications::bodies`].
-#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub(crate) struct BodyId(u32);
-
-/// What lowering a body has given.
-#[derive(Clone, Debug)]
-pub(crate) enum BodyOutcome {
-    /// Its value over the formal inputs, and the params and grids that it reads.
-    Ready {
-        value: Value,
-        reads: Reads,
-    },
-    Failed(Arc<Fault>),
-    /// It uses a name whose own declaration failed.
-    Silent,
-}
-
-/// The numbers of some values, one after the other.
-type Components = Box<[NodeId]>;
-
-/// The bodies that have been lowered, and the applications that have been made.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Applications {
-    ids: FxHashMap<BodyKey, BodyId>,
-    /// The derivatives of bodies, each by the body that it is taken of: a row of primes costs one entry each.
-    derived: FxHashMap<(BodyId, Derivation), BodyId>,
-    bodies: Vec<BodyOutcome>,
-    /// The components of a body's value for those of its arguments: an application is written out once, however
-    /// often it stands in the text.
-    values: FxHashMap<(BodyId, Components), Components>,
-}
-
-impl Applications {
-    /// A body has been lowered.
-    pub(crate) fn add(&mut self, key: BodyKey, outcome: BodyOutcome) -> BodyId {
-        let id = self.push(outcome);
-        self.ids.insert(key, id);
-        id
-    }
-
-    /// The derivative of a body has been taken.
-    fn add_derived(&mut self, of: BodyId, by: Derivation, outcome: BodyOutcome) -> BodyId {
-        let id = self.push(outcome);
-        self.derived.insert((of, by), id);
-        id
-    }
-
-    fn push(&mut self, outcome: BodyOutcome) -> BodyId {
-        let id = BodyId(self.bodies.len() as u32);
-        self.bodies.push(outcome);
-        id
-    }
-
-    fn body(&self, id: BodyId) -> &BodyOutcome {
-        &self.bodies[id.0 as usize]
-    }
-}
+use crate::geotrace::dependencies::Dependencies;
+use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::lowerer::{
+    BodyId, BodyKey, BodyOutcome, Components, Derivation, Effect, Function, Item, Lowerer,
+    dimension_error, too_large,
+};
+use crate::geotrace::symbol::{Declared, Meaning};
 
 impl Lowerer {
     /// `f x`. The function and its operand have been taken from the stack; they are put back where the body
@@ -103,8 +31,8 @@ impl Lowerer {
         operand: Item,
         span: Span,
         stack: &mut Vec<Item>,
-        reads: &mut Reads,
-    ) -> Result<Effect, (Fault, Span)> {
+        dependencies: &mut Dependencies,
+    ) -> Result<Effect, (SemanticError, Span)> {
         let Item::Function(function) = function else {
             return Ok(Effect::Push(Item::Poison));
         };
@@ -112,8 +40,8 @@ impl Lowerer {
         let (arguments, body) = match self.symbols.meaning(symbol) {
             Meaning::Poisoned | Meaning::Constant(_) => return Ok(Effect::Push(Item::Poison)),
             Meaning::Geodesic => {
-                let fault = self.symbols.value_fault(symbol);
-                return fault.map_or(Ok(Effect::Push(Item::Poison)), |fault| Err((fault, span)));
+                let error = self.symbols.value_error(symbol);
+                return error.map_or(Ok(Effect::Push(Item::Poison)), |error| Err((error, span)));
             }
             Meaning::Builtin(_) => match self.value(operand.clone())? {
                 Some(value) => (vec![value], None),
@@ -155,11 +83,13 @@ impl Lowerer {
         }
         let value = match self.applications.body(id) {
             BodyOutcome::Silent => return Ok(Effect::Push(Item::Poison)),
-            BodyOutcome::Failed(fault) => {
-                return Err((Fault::clone(fault), span));
+            BodyOutcome::Failed(error) => {
+                return Err((SemanticError::clone(error), span));
             }
-            BodyOutcome::Ready { reads: body, .. } => {
-                *reads = self.reads.union(*reads, *body);
+            BodyOutcome::Ready {
+                dependencies: body, ..
+            } => {
+                *dependencies = self.dependencies.union(*dependencies, *body);
                 self.substitute(id, &arguments)
                     .ok_or_else(|| (too_large(), span))?
             }
@@ -173,13 +103,13 @@ impl Lowerer {
         mut value: Value,
         function: &Function,
         span: Span,
-    ) -> Result<Effect, (Fault, Span)> {
+    ) -> Result<Effect, (SemanticError, Span)> {
         for exponent in &function.powers {
             let Some(exponent) = exponent else {
                 return Ok(Effect::Push(Item::Poison));
             };
             value = value::power(&mut self.graph, &value, exponent)
-                .map_err(|error| (dimension_fault(&error), span))?;
+                .map_err(|error| (dimension_error(&error), span))?;
         }
         Ok(Effect::Push(Item::Value(value)))
     }
@@ -191,7 +121,7 @@ impl Lowerer {
         declared: &Declared,
         operand: &Item,
         span: Span,
-    ) -> Result<Option<Vec<Value>>, (Fault, Span)> {
+    ) -> Result<Option<Vec<Value>>, (SemanticError, Span)> {
         let expected = declared.parameters.len();
         let given = match operand {
             Item::Function(_) | Item::Poison => return Ok(None),
@@ -219,8 +149,8 @@ impl Lowerer {
             .collect();
         let more = if expected > names.len() { ",…" } else { "" };
         Err((
-            Fault::new(
-                fault::ARGUMENT_COUNT,
+            SemanticError::new(
+                error::ARGUMENT_COUNT,
                 format!(
                     "`{name}` takes {expected} arguments, but {} given",
                     match given.len() {
@@ -254,7 +184,7 @@ impl Lowerer {
     }
 
     /// The body of a builtin.
-    fn builtin_body(&mut self, key: &BodyKey) -> Result<BodyOutcome, Fault> {
+    fn builtin_body(&mut self, key: &BodyKey) -> Result<BodyOutcome, SemanticError> {
         let parameters = self.formal_parameters(&key.dimensions);
         let (Meaning::Builtin(builtin), [parameter]) =
             (self.symbols.meaning(key.symbol), &parameters[..])
@@ -263,10 +193,10 @@ impl Lowerer {
         };
         let value = builtin
             .apply(&mut self.graph, parameter)
-            .map_err(|error| dimension_fault(&error))?;
+            .map_err(|error| dimension_error(&error))?;
         Ok(BodyOutcome::Ready {
             value,
-            reads: Reads::default(),
+            dependencies: Dependencies::default(),
         })
     }
 
@@ -276,7 +206,7 @@ impl Lowerer {
         id: BodyId,
         derivation: Derivation,
         key: &BodyKey,
-    ) -> Result<BodyOutcome, Fault> {
+    ) -> Result<BodyOutcome, SemanticError> {
         let BodyOutcome::Ready { value, .. } = self.applications.body(id).clone() else {
             return Ok(self.applications.body(id).clone());
         };
@@ -288,8 +218,8 @@ impl Lowerer {
         if dimension != 1 {
             let name = self.symbols.name(key.symbol);
             let parameter = self.symbols.parameter(key.symbol, position);
-            return Err(Fault::new(
-                fault::VECTOR_DERIVATIVE,
+            return Err(SemanticError::new(
+                error::VECTOR_DERIVATIVE,
                 format!(
                     "a derivative is taken by a number, but the parameter `{parameter}` of `{name}` is a vector of dimension {dimension} here"
                 ),
@@ -306,7 +236,7 @@ impl Lowerer {
             .derivatives(value.components(), Input::Variable(offset as u32))
             .map_err(|_| too_large())?;
         Ok(BodyOutcome::Ready {
-            reads: self.reads.of(&self.graph.inputs(&derivatives)),
+            dependencies: self.dependencies.of(&self.graph.inputs(&derivatives)),
             value: like(&value, derivatives),
         })
     }
@@ -344,6 +274,6 @@ fn like(value: &Value, nodes: Vec<NodeId>) -> Value {
     }
 }
 
-fn failed(fault: Fault) -> BodyOutcome {
-    BodyOutcome::Failed(Arc::new(fault))
+fn failed(error: SemanticError) -> BodyOutcome {
+    BodyOutcome::Failed(Arc::new(error))
 }

@@ -11,7 +11,7 @@ use crate::scene::{Grid, GridId, Object, Param, Range, Scene};
 
 /// A value for each param, and for those grids that have been fixed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct ParamValues {
     /// One number per uniform; those of a grid that is not fixed are overwritten for each instance.
     uniforms: Vec<f64>,
     /// The grids whose value has been fixed.
@@ -103,13 +103,13 @@ impl fmt::Display for SetError {
 
 impl std::error::Error for SetError {}
 
-impl Settings {
+impl ParamValues {
     /// Each param at the value that it opens with, no grid fixed.
-    pub fn opening(scene: &Scene) -> Self {
+    pub fn initial(scene: &Scene) -> Self {
         let mut uniforms = vec![0.0; scene.uniform_count as usize];
         for param in &scene.params {
             let first = param.first_uniform as usize;
-            for (place, value) in uniforms[first..].iter_mut().zip(&param.opening) {
+            for (place, value) in uniforms[first..].iter_mut().zip(&param.initial) {
                 *place = *value;
             }
         }
@@ -257,20 +257,18 @@ fn check(name: &str, ranges: &[Range], values: &[f64]) -> Result<(), SetError> {
             given: values.len(),
         });
     }
-    for (component, (range, &value)) in ranges.iter().zip(values).enumerate() {
-        // A NaN is in no interval, so it is refused too.
-        if !(range.min..=range.max).contains(&value) {
-            return Err(SetError::OutOfRange {
-                name: name.to_owned(),
-                component,
-                components: ranges.len(),
-                value,
-                min: range.min,
-                max: range.max,
-            });
-        }
-    }
-    Ok(())
+    let Some(component) = Range::first_outside(ranges, values) else {
+        return Ok(());
+    };
+    let range = ranges[component];
+    Err(SetError::OutOfRange {
+        name: name.to_owned(),
+        component,
+        components: ranges.len(),
+        value: values[component],
+        min: range.min,
+        max: range.max,
+    })
 }
 
 /// The param or grid whose name is nearest to a word, if it is near enough to be what was meant.
@@ -284,7 +282,7 @@ fn suggestion(scene: &Scene, word: &str) -> Option<String> {
 mod tests {
     use syntax::span::Span;
 
-    use super::{SetError, Settings};
+    use super::{ParamValues, SetError};
     use crate::scene::{Grid, GridId, Object, Param, Range, Sampling, Scene, Shape};
 
     const fn range(min: f64, max: f64) -> Range {
@@ -304,14 +302,14 @@ mod tests {
                     name: "alpha".into(),
                     name_span: span,
                     ranges: vec![range(1.0, 2.0)],
-                    opening: vec![1.5],
+                    initial: vec![1.5],
                     first_uniform: 0,
                 },
                 Param {
                     name: "b".into(),
                     name_span: span,
                     ranges: vec![range(0.0, 1.0), range(5.0, 6.0)],
-                    opening: vec![0.0, 5.0],
+                    initial: vec![0.0, 5.0],
                     first_uniform: 1,
                 },
             ],
@@ -350,7 +348,7 @@ mod tests {
     #[test]
     fn params_open_with_their_value() {
         let scene = scene();
-        let settings = Settings::opening(&scene);
+        let settings = ParamValues::initial(&scene);
         assert_eq!(settings.uniforms(), [1.5, 0.0, 5.0, 0.0, 10.0, 7.0]);
         assert_eq!(settings.param(&scene.params[1]), [0.0, 5.0]);
     }
@@ -359,7 +357,7 @@ mod tests {
     fn instances_run_through_the_product_with_the_last_axis_fastest() {
         let mut scene = scene();
         let object = object(&mut scene);
-        let mut settings = Settings::opening(&scene);
+        let mut settings = ParamValues::initial(&scene);
         assert_eq!(settings.instance_count(&scene, &object), 12);
         let mut seen = Vec::new();
         settings.for_each_instance(&scene, &object, |uniforms| {
@@ -389,7 +387,7 @@ mod tests {
     #[test]
     fn a_refused_value_changes_nothing_and_says_why() {
         let scene = scene();
-        let mut settings = Settings::opening(&scene);
+        let mut settings = ParamValues::initial(&scene);
         let before = settings.clone();
         let sentence = |error: Result<(), SetError>| error.unwrap_err().to_string();
         assert_eq!(

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! edit ──▶ syntax::document   what was read again
-//!          workshop.rs        diagnostics of each declaration; which symbols mean something else now
+//!          checker.rs          diagnostics of each declaration; which symbols mean something else now
 //!          this file          who reads those is checked in turn, going down the text
 //!          compilation()      the scene, put together when it is asked for
 //! ```
@@ -15,7 +15,7 @@
 //! declaration is checked as though it were alone with them; where one is exceeded, the whole program is
 //! compiled for its diagnostics.
 
-mod workshop;
+mod checker;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::OnceLock;
@@ -26,19 +26,20 @@ use syntax::document::{Change, ChunkId, EditError, Event};
 use syntax::span::Span;
 use syntax::token::SymbolId;
 
-use crate::builtin;
-use crate::compile::{Compilation, Compiler, compile};
-use crate::declare::Declarations;
-use crate::evaluate::Scope;
+use crate::geotrace::builtin;
+use crate::geotrace::compile::{Compilation, compile};
+use crate::geotrace::declarations::Declarations;
+use crate::geotrace::error::has_errors;
+use crate::geotrace::evaluate::Scope;
 use crate::limits::{MAX_SAMPLES, MAX_UNIFORMS};
 use crate::scene::Scene;
-use workshop::{Checked, Workshop};
+use checker::{Checked, Checker};
 
 /// A program's text, what it was read as, and what is wrong with it.
 #[derive(Clone, Debug)]
 pub struct Document {
     text: syntax::document::Document,
-    workshop: Workshop,
+    checker: Checker,
     checked: HashMap<ChunkId, Kept>,
     /// The chunks with diagnostics beyond those of the parser.
     found: HashSet<ChunkId>,
@@ -130,7 +131,7 @@ impl Document {
     pub fn new(text: &str) -> Result<Self, EditError> {
         let mut document = Self {
             text: syntax::document::Document::new(text, &builtin::vocabulary())?,
-            workshop: Workshop::new(),
+            checker: Checker::new(),
             checked: HashMap::new(),
             found: HashSet::new(),
             watchers: HashMap::new(),
@@ -150,7 +151,7 @@ impl Document {
     pub fn edit(&mut self, range: Span, text: &str) -> Result<Change, EditError> {
         let change = self.text.edit(range, text)?;
         self.compilation = OnceLock::new();
-        if self.workshop.is_full() {
+        if self.checker.is_full() {
             self.renew();
             return Ok(change);
         }
@@ -158,16 +159,16 @@ impl Document {
             self.drop_checked(*chunk);
         }
         for symbol in &change.forgotten {
-            self.workshop.forget(*symbol);
+            self.checker.forget(*symbol);
         }
         let is_new = |chunk: &ChunkId| !self.checked.contains_key(chunk);
         if !change.removed.is_empty() || change.read.iter().any(is_new) {
-            self.workshop.reorder(&self.text);
+            self.checker.reorder(&self.text);
         }
         let read = change.read.iter();
         let queue = read.map(|chunk| (self.text.rank(*chunk), *chunk)).collect();
         self.check(queue);
-        if self.workshop.is_worn() || self.workshop.is_full() {
+        if self.checker.needs_compaction() || self.checker.is_full() {
             self.renew();
         }
         Ok(change)
@@ -201,8 +202,7 @@ impl Document {
                 return compile(&self.text.text());
             }
             let diagnostics = self.own_diagnostics();
-            let has_errors = crate::compile::has_errors(&diagnostics);
-            let program = (!has_errors).then(|| self.assemble());
+            let program = (!has_errors(&diagnostics)).then(|| self.assemble());
             Compilation::new(diagnostics, program)
         })
     }
@@ -213,7 +213,7 @@ impl Document {
             || totals.samples > MAX_SAMPLES
             || totals.components > u64::from(MAX_UNIFORMS)
             || self.text.is_overfull()
-            || self.workshop.is_full()
+            || self.checker.is_full()
     }
 
     fn own_diagnostics(&self) -> Vec<Diagnostic> {
@@ -243,7 +243,7 @@ impl Document {
                 Event::Declaration(_) => {
                     let found = of_declarations.next().into_iter().flatten();
                     let start = |chunk| self.text.start(chunk);
-                    all.extend(found.map(|it| self.workshop.translate(it, start)));
+                    all.extend(found.map(|it| self.checker.translate(it, start)));
                 }
                 _ => {}
             }
@@ -253,9 +253,9 @@ impl Document {
         all
     }
 
-    /// Checks everything in a workshop that holds nothing else.
+    /// Checks everything in a checker that holds nothing else.
     fn renew(&mut self) {
-        self.workshop = Workshop::new();
+        self.checker = Checker::new();
         self.checked.clear();
         self.found.clear();
         self.watchers.clear();
@@ -264,16 +264,16 @@ impl Document {
         self.work.renewed += 1;
         let chunks: Vec<ChunkId> = self.text.chunks().collect();
         for chunk in chunks {
-            let checked = self.workshop.check(&self.text, chunk);
+            let checked = self.checker.check(&self.text, chunk);
             self.keep(chunk, checked);
         }
-        self.workshop.settle();
+        self.checker.settle();
     }
 
     /// Checks chunks, and those below that notice, from top to bottom.
     fn check(&mut self, mut queue: BTreeMap<u32, ChunkId>) {
         while let Some((rank, chunk)) = queue.pop_first() {
-            let checked = self.workshop.check(&self.text, chunk);
+            let checked = self.checker.check(&self.text, chunk);
             let mut affected: Vec<ChunkId> = Vec::new();
             for symbol in &checked.changed {
                 affected.extend(self.text.readers(*symbol));
@@ -345,14 +345,12 @@ impl Document {
             bases.extend(rest.bases);
         }
         bases.retain(|base| !kept.contains(base));
-        self.workshop.release(&bases);
+        self.checker.release(&bases);
     }
 
     /// Compiles what was read, as the parser would have handed it to the compiler.
     fn assemble(&self) -> (Scene, Scope) {
-        let mut compiler = Compiler {
-            declarations: Declarations::new(),
-        };
+        let mut declarations = Declarations::new();
         let mut symbols: HashMap<SymbolId, SymbolId> = HashMap::new();
         let builtins = builtin::count();
         let mut next = builtins;
@@ -370,9 +368,9 @@ impl Document {
                             Operator::Function(symbol) => Operator::Function(own(symbol)),
                             other => other,
                         };
-                        compiler.act_operator(operator, span.moved(start));
+                        declarations.act_operator(operator, span.moved(start));
                     }
-                    Event::Interval(interval) => compiler.act_interval(actions::Interval {
+                    Event::Interval(interval) => declarations.act_interval(actions::Interval {
                         kind: interval.kind,
                         span: interval.span.moved(start),
                         tag: interval.tag.map(|(at, span)| (at, span.moved(start))),
@@ -385,7 +383,7 @@ impl Document {
                             own
                         });
                         let parameters = read.parameters.moved(start);
-                        compiler.act_declaration(&actions::Declaration {
+                        declarations.act_declaration(&actions::Declaration {
                             symbol,
                             span: read.span.moved(start),
                             name_span: read.name_span.moved(start),
@@ -397,7 +395,6 @@ impl Document {
             }
             start += self.text.chunk_text(chunk).len() as u32;
         }
-        let mut declarations = compiler.declarations;
         // They are known: an expression that is evaluated in the program has its own.
         declarations.diagnostics.clear();
         let scene = declarations.scene();

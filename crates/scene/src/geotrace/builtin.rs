@@ -5,10 +5,6 @@ use expr::Graph;
 use expr::ops::{CONSTANTS, Unary};
 use expr::value::{self, DimensionError, Value};
 use syntax::symbols::Vocabulary;
-use syntax::token::SymbolId;
-
-use crate::reads::Reads;
-use crate::symbol::{Constant, Meaning, Symbols};
 
 /// A function that every program may use.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +17,7 @@ pub(crate) enum Builtin {
 
 impl Builtin {
     /// Every builtin function with its name.
-    fn all() -> impl Iterator<Item = (&'static str, Self)> {
+    pub(crate) fn all() -> impl Iterator<Item = (&'static str, Self)> {
         let operations = Unary::ALL.into_iter();
         operations
             .filter_map(|op| Some((op.row().builtin?, Self::Operation(op))))
@@ -59,17 +55,4 @@ pub fn vocabulary() -> Vocabulary {
 /// How many builtin names there are; their symbols come first.
 pub fn count() -> u32 {
     (CONSTANTS.len() + Builtin::all().count()) as u32
-}
-
-/// Gives the builtin names their meanings, in the order of [`vocabulary`].
-pub(crate) fn define(symbols: &mut Symbols, graph: &mut Graph) {
-    let constants = CONSTANTS.into_iter().map(|(name, value, _)| {
-        let value = Value::Number(graph.constant(value));
-        let reads = Reads::default();
-        (name, Meaning::Constant(Constant { value, reads }))
-    });
-    let functions = Builtin::all().map(|(name, builtin)| (name, Meaning::Builtin(builtin)));
-    for (id, (name, meaning)) in (0..).map(SymbolId).zip(constants.chain(functions)) {
-        symbols.define(id, name, None, meaning);
-    }
 }

@@ -12,7 +12,7 @@ use crate::scene::{ObjectId, Range, Scene, Shape};
 
 /// How one instance of a geodesic starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Launch {
+pub struct InitialConditions {
     /// The parameters (u, v) where it starts, inside the domain of its surface or, but for rounding, on the
     /// domain's sides.
     pub start: [f64; 2],
@@ -22,7 +22,7 @@ pub struct Launch {
 
 /// Why an instance of a geodesic cannot start. Each is told as the end of a sentence: "its direction is zero".
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LaunchFault {
+pub enum InitialConditionsError {
     /// A component of the direction is no finite number.
     UndefinedDirection,
     /// The direction is (0, 0).
@@ -41,7 +41,7 @@ pub enum LaunchFault {
 /// How far beyond a side a start may lie, as a share of the domain's width.
 const SLACK: f64 = 1e-12;
 
-impl fmt::Display for LaunchFault {
+impl fmt::Display for InitialConditionsError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::UndefinedDirection => write!(f, "its direction is undefined"),
@@ -61,13 +61,13 @@ impl fmt::Display for LaunchFault {
 
 /// Evaluates the starts of a geodesic's instances.
 #[derive(Clone, Debug)]
-pub struct Launcher {
+pub struct InitialConditionsEvaluator {
     tape: Tape,
     registers: Registers,
     domain: [Range; 2],
 }
 
-impl Launcher {
+impl InitialConditionsEvaluator {
     /// For an object of the scene; none where that is no geodesic.
     pub fn new(scene: &Scene, object: ObjectId) -> Option<Self> {
         let shape = &scene.objects.get(object.0 as usize)?.shape;
@@ -80,7 +80,7 @@ impl Launcher {
         else {
             return None;
         };
-        let domain = scene.objects.get(surface.0 as usize)?.shape.patch()?;
+        let domain = scene.objects.get(surface.0 as usize)?.shape.manifold()?;
         let domain = domain.map(|axis| axis.range);
         Some(Self::of(&scene.graph, direction, start, domain))
     }
@@ -105,7 +105,10 @@ impl Launcher {
     ///
     /// # Errors
     /// Where it cannot start.
-    pub fn launch(&mut self, uniforms: &[f64]) -> Result<Launch, LaunchFault> {
+    pub fn evaluate(
+        &mut self,
+        uniforms: &[f64],
+    ) -> Result<InitialConditions, InitialConditionsError> {
         let number = |input: &Input| match *input {
             Input::Uniform(index) => uniforms.get(index as usize).copied(),
             Input::Variable(_) => None,
@@ -119,13 +122,13 @@ impl Launcher {
         let [a, b, u, v] = out;
         let (direction, start) = ([a, b], [u, v]);
         if !direction.iter().all(|x| x.is_finite()) {
-            return Err(LaunchFault::UndefinedDirection);
+            return Err(InitialConditionsError::UndefinedDirection);
         }
         if direction == [0.0; 2] {
-            return Err(LaunchFault::ZeroDirection);
+            return Err(InitialConditionsError::ZeroDirection);
         }
         if !start.iter().all(|x| x.is_finite()) {
-            return Err(LaunchFault::UndefinedStart);
+            return Err(InitialConditionsError::UndefinedStart);
         }
         let domain = self.domain;
         let inside = |(range, x): (&Range, &f64)| {
@@ -134,20 +137,20 @@ impl Launcher {
             (range.min - slack..=range.max + slack).contains(x)
         };
         if !domain.iter().zip(&start).all(inside) {
-            return Err(LaunchFault::Outside { start, domain });
+            return Err(InitialConditionsError::Outside { start, domain });
         }
-        Ok(Launch { start, direction })
+        Ok(InitialConditions { start, direction })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Launch, LaunchFault, Launcher};
+    use super::{InitialConditions, InitialConditionsError, InitialConditionsEvaluator};
+    use crate::param_values::ParamValues;
     use crate::scene::{ObjectId, Range, Scene};
-    use crate::values::Settings;
 
     fn scene(source: &str) -> Scene {
-        let compilation = crate::compile(source);
+        let compilation = crate::geotrace::compile(source);
         let found = compilation.diagnostics;
         compilation.scene.unwrap_or_else(|| panic!("{found:#?}"))
     }
@@ -160,24 +163,31 @@ mod tests {
     #[test]
     fn a_geodesic_starts_where_its_params_put_it() {
         let scene = scene(PROGRAM);
-        let mut settings = Settings::opening(&scene);
-        let mut launcher = Launcher::new(&scene, ObjectId(1)).expect("a geodesic");
-        let mut launch = |settings: &Settings| {
-            launcher.launch(&settings.first_instance(&scene, &scene.objects[1]))
+        let mut settings = ParamValues::initial(&scene);
+        let mut evaluator =
+            InitialConditionsEvaluator::new(&scene, ObjectId(1)).expect("a geodesic");
+        let mut evaluate = |settings: &ParamValues| {
+            evaluator.evaluate(&settings.first_instance(&scene, &scene.objects[1]))
         };
-        assert_eq!(launch(&settings), Err(LaunchFault::ZeroDirection));
+        assert_eq!(
+            evaluate(&settings),
+            Err(InitialConditionsError::ZeroDirection)
+        );
         settings.set(&scene, "a", &[0.5]).expect("in range");
         let domain = [(0.0, 1.0), (0.0, 2.0)].map(|(min, max)| Range { min, max });
         let start = [-1.0, 0.0];
-        let outside = Err(LaunchFault::Outside { start, domain });
-        assert_eq!(launch(&settings), outside);
+        let outside = Err(InitialConditionsError::Outside { start, domain });
+        assert_eq!(evaluate(&settings), outside);
         // A corner belongs to the domain.
         settings
             .set(&scene, "place", &[1.0, 2.0])
             .expect("in range");
         let (start, direction) = ([1.0, 2.0], [0.5, 1.0]);
-        assert_eq!(launch(&settings), Ok(Launch { start, direction }));
-        let sentence = LaunchFault::Outside { start, domain }.to_string();
+        assert_eq!(
+            evaluate(&settings),
+            Ok(InitialConditions { start, direction })
+        );
+        let sentence = InitialConditionsError::Outside { start, domain }.to_string();
         let expected = "its start (1, 2) lies outside the domain [0, 1] × [0, 2]";
         assert_eq!(sentence, expected);
     }
@@ -185,7 +195,7 @@ mod tests {
     #[test]
     fn what_is_no_geodesic_has_no_launcher() {
         let scene = scene(PROGRAM);
-        assert!(Launcher::new(&scene, ObjectId(0)).is_none());
-        assert!(Launcher::new(&scene, ObjectId(2)).is_none());
+        assert!(InitialConditionsEvaluator::new(&scene, ObjectId(0)).is_none());
+        assert!(InitialConditionsEvaluator::new(&scene, ObjectId(2)).is_none());
     }
 }

@@ -1,0 +1,35 @@
+//! Geotrace's language: from declarations to a [`Scene`](crate::Scene), and every mistake on the way.
+//!
+//! ```text
+//! text ──syntax──▶ hooks ──▶ declarations.rs    the state between two declarations
+//!                              declare.rs, params.rs, intrinsic.rs   what each kind of declaration means
+//!                              interval.rs      the numbers between `[` and `]`
+//!                              lower.rs ──▶ apply.rs ──▶ lowerer.rs   from steps to values over one graph
+//!                              code.rs, symbol.rs, builtin.rs, dependencies.rs, error.rs
+//!
+//! compile.rs    a text, from scratch            ─┐
+//! document.rs   a text that is edited           ─┴─▶ Compilation: a scene and diagnostics
+//! evaluate.rs   a lone expression in a program's scope
+//! ```
+
+mod apply;
+mod builtin;
+mod code;
+mod compile;
+mod declarations;
+mod declare;
+mod dependencies;
+mod document;
+mod error;
+mod evaluate;
+mod interval;
+mod intrinsic;
+mod lower;
+mod lowerer;
+mod params;
+mod symbol;
+
+pub use builtin::{count as builtin_count, vocabulary};
+pub use compile::{Compilation, compile};
+pub use document::{Document, Work};
+pub use error::CODES;

@@ -1,0 +1,397 @@
+//! The compiler between two declarations: what has been declared, and what has been read of the next.
+//!
+//! What flows in: the parser's hooks. What flows out: a symbol's meaning and, for what is drawn, an object of the scene.
+//! What each kind of declaration means stands in `declare.rs`, `params.rs` and `intrinsic.rs`.
+
+use expr::value::Value;
+use expr::{Input, NodeId};
+use rustc_hash::FxHashMap;
+use syntax::actions::{self, Actions, Declaration, Operator};
+use syntax::diagnostic::Diagnostic;
+use syntax::span::Span;
+use syntax::token::SymbolId;
+
+use crate::geotrace::code::Expression;
+use crate::geotrace::dependencies::{Dependencies, Source};
+use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::interval::Interval;
+use crate::geotrace::lowerer::{Lowered, Lowerer};
+use crate::geotrace::symbol::{Constant, Declared, Meaning, Symbols};
+use crate::limits::{MAX_INSTANCES, MAX_SAMPLES};
+use crate::scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Scene, Shape};
+
+/// The compiler between two declarations: what has been declared, and what has been read of the next.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Declarations {
+    pub(crate) lowerer: Lowerer,
+    /// Params, grids and objects; the objects' nodes are those of the lowerer's graph.
+    pub(crate) scene: Scene,
+    /// What is wrong or surprising, in no order.
+    pub(crate) diagnostics: Vec<Diagnostic>,
+    /// The diagnostics of the declaration that is being read.
+    pub(crate) found: Vec<Diagnostic>,
+    /// The intervals of the declaration that is being read.
+    intervals: Vec<Interval>,
+    /// What each source of the lowerer's dependencies is.
+    pub(crate) sources: Vec<Owner>,
+    /// How many samples the objects have together.
+    pub(crate) samples: u64,
+    /// The surfaces and metrics, for the geodesics that lie on them.
+    manifolds: FxHashMap<SymbolId, Manifold>,
+    /// The uniforms that the next param or grid takes if it has as many components, instead of fresh ones.
+    pub(crate) kept: Option<Uniforms>,
+    /// The limits that hold for all declarations together are someone else's business.
+    pub(crate) is_checker: bool,
+}
+
+/// What a declaration comes to. Nothing of it is in the scene or has a name before it is added.
+#[derive(Debug, Default)]
+pub(crate) struct Understood {
+    /// What its name stands for; none where an error, or a name that failed before, leaves it without a meaning.
+    pub(crate) meaning: Option<Meaning>,
+    /// What is drawn of it.
+    pub(crate) drawn: Option<Drawn>,
+    /// The param or grid that it is.
+    pub(crate) source: Option<DeclaredSource>,
+    /// What is wrong or surprising about it.
+    pub(crate) diagnostics: Vec<Diagnostic>,
+}
+
+/// An object that is yet to be added to the scene.
+#[derive(Debug)]
+pub(crate) struct Drawn {
+    pub(crate) object: Object,
+    /// How many samples its instances have together.
+    pub(crate) samples: u64,
+    pub(crate) dependencies: Dependencies,
+}
+
+/// A param or a grid that is yet to be added to the scene.
+#[derive(Debug)]
+pub(crate) struct DeclaredSource {
+    pub(crate) data: SourceData,
+    pub(crate) uniforms: Uniforms,
+    /// The uniforms are new ones.
+    pub(crate) is_fresh: bool,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) enum SourceData {
+    Param(Param),
+    Grid(Grid),
+}
+
+impl From<Meaning> for Understood {
+    fn from(meaning: Meaning) -> Self {
+        Self {
+            meaning: Some(meaning),
+            ..Self::default()
+        }
+    }
+}
+
+impl Understood {
+    /// The same meaning, with what is drawn.
+    pub(crate) fn drawn(mut self, drawn: Option<Drawn>) -> Self {
+        self.drawn = drawn;
+        self
+    }
+
+    /// The same meaning, with the param or grid.
+    pub(crate) fn source(mut self, source: DeclaredSource) -> Self {
+        self.source = Some(source);
+        self
+    }
+}
+
+/// What a geodesic has to know of the surface or metric that it lies on.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Manifold {
+    pub(crate) object: ObjectId,
+    pub(crate) domain: [Range; 2],
+    pub(crate) dependencies: Dependencies,
+}
+
+/// The uniforms of a param or a grid.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) struct Uniforms {
+    pub(crate) first: u32,
+    pub(crate) count: u32,
+    /// The set that holds just this param or grid.
+    pub(crate) dependencies: Dependencies,
+    pub(crate) source: Source,
+}
+
+/// What a source of dependencies is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Owner {
+    Param(ParamId),
+    Grid(GridId),
+}
+
+impl Actions for Declarations {
+    fn act_operator(&mut self, operator: Operator, span: Span) {
+        self.lowerer.code.push(operator, span);
+    }
+
+    fn act_interval(&mut self, interval: actions::Interval) {
+        self.interval(interval);
+    }
+
+    fn act_declaration(&mut self, declaration: &Declaration<'_>) {
+        let understood = self.understand(declaration);
+        self.add(declaration, understood);
+    }
+
+    fn act_error(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+}
+
+impl Declarations {
+    /// Nothing declared but the builtins.
+    pub(crate) fn new() -> Self {
+        let mut declarations = Self::default();
+        let lowerer = &mut declarations.lowerer;
+        lowerer.symbols = Symbols::builtin(&mut lowerer.graph);
+        declarations
+    }
+
+    /// The scene, with a graph of its own that holds what its objects need and nothing else.
+    pub(crate) fn scene(&self) -> Scene {
+        let mut scene = self.scene.clone();
+        let shapes = scene.objects.iter_mut().map(|object| &mut object.shape);
+        let mut places: Vec<&mut NodeId> = shapes.flat_map(Shape::roots_mut).collect();
+        let roots: Vec<NodeId> = places.iter().map(|place| **place).collect();
+        let (graph, roots) = self.lowerer.graph.extract(&roots);
+        for (place, root) in places.iter_mut().zip(roots) {
+            **place = root;
+        }
+        scene.graph = graph;
+        scene
+    }
+
+    /// An interval has been read.
+    pub(crate) fn interval(&mut self, read: actions::Interval) {
+        // Where the expressions are incomplete the declaration is faulty and is dropped as a whole.
+        self.intervals.extend(Interval::last(&self.lowerer, read));
+    }
+
+    /// What a declaration means that has been read to its end.
+    pub(crate) fn understand(&mut self, declaration: &Declaration<'_>) -> Understood {
+        let intervals = std::mem::take(&mut self.intervals);
+        let understood = match declaration.faulty {
+            true => None,
+            false => self.meaning(declaration, &intervals),
+        };
+        self.lowerer.code.forget();
+        Understood {
+            diagnostics: std::mem::take(&mut self.found),
+            ..understood.unwrap_or_default()
+        }
+    }
+
+    /// Adds what a declaration has come to: its name, and its place in the scene.
+    pub(crate) fn add(&mut self, declaration: &Declaration<'_>, understood: Understood) {
+        match understood.source.map(|source| source.data) {
+            Some(SourceData::Param(param)) => self.scene.params.push(param),
+            Some(SourceData::Grid(grid)) => self.scene.grids.push(grid),
+            None => {}
+        }
+        if let Some(drawn) = understood.drawn {
+            let object = ObjectId(self.scene.objects.len() as u32);
+            if let (Some(symbol), Some(domain)) =
+                (declaration.symbol, drawn.object.shape.manifold())
+            {
+                let manifold = Manifold {
+                    object,
+                    domain: domain.map(|axis| axis.range),
+                    dependencies: drawn.dependencies,
+                };
+                self.manifolds.insert(symbol, manifold);
+            }
+            self.samples += drawn.samples;
+            self.scene.objects.push(drawn.object);
+        }
+        if let (Some(symbol), Some(meaning)) = (declaration.symbol, understood.meaning) {
+            let word = Some(declaration.word);
+            let symbols = &mut self.lowerer.symbols;
+            symbols.define(symbol, declaration.name, word, meaning);
+        }
+        self.diagnostics.extend(understood.diagnostics);
+    }
+
+    /// The surface or metric of this name; none where it could not be added.
+    pub(crate) fn manifold_of(&self, symbol: SymbolId) -> Option<Manifold> {
+        self.manifolds.get(&symbol).copied()
+    }
+
+    /// The expressions that stand before the intervals.
+    pub(crate) fn expressions<const N: usize>(
+        &self,
+        intervals: &[Interval],
+    ) -> Option<[Expression; N]> {
+        let code = &self.lowerer.code;
+        let end = intervals.first().map_or(code.end(), Interval::start);
+        code.last_before(end)
+    }
+
+    pub(crate) fn constant(&mut self, body: Expression) -> Lowered {
+        self.lowerer.lower(body, Vec::new(), &mut self.found)
+    }
+
+    /// Lowers a curve's or a surface's own body, whose parameters are numbers.
+    pub(crate) fn over_variables(&mut self, body: Expression, count: usize) -> Lowered {
+        let graph = &mut self.lowerer.graph;
+        let variables = (0..count as u32)
+            .map(|index| Value::Number(graph.input(Input::Variable(index))))
+            .collect();
+        self.lowerer.lower(body, variables, &mut self.found)
+    }
+
+    /// A function's meaning; its steps are kept.
+    pub(crate) fn keep(&mut self, declaration: &Declaration<'_>, body: Expression) -> Meaning {
+        self.lowerer.code.keep(body.steps().end);
+        let parameters = declaration.parameters.iter();
+        Meaning::Declared(Declared {
+            body,
+            parameters: parameters
+                .map(|parameter| parameter.name.as_str().into())
+                .collect(),
+        })
+    }
+
+    /// The components of what is drawn; none where it does not lie in space or has failed before.
+    pub(crate) fn in_space(
+        &mut self,
+        expression: Expression,
+        lowered: &Lowered,
+        what: &str,
+    ) -> Option<[NodeId; 3]> {
+        let value = lowered.value.as_ref()?;
+        if let (Value::Vector(nodes), Ok(position)) =
+            (value, <[NodeId; 3]>::try_from(value.components()))
+            && nodes.len() == 3
+        {
+            return Some(position);
+        }
+        let error = SemanticError::new(
+            error::NOT_IN_SPACE,
+            format!(
+                "{what} lies in space and needs 3 components, but this is {}",
+                kind_of(value)
+            ),
+        );
+        let span = self.lowerer.code.span(expression);
+        self.found.push(error.at(span));
+        None
+    }
+
+    /// An object within the limits of what can be drawn; none where it lies beyond them.
+    pub(crate) fn object(
+        &mut self,
+        declaration: &Declaration<'_>,
+        shape: Shape,
+        dependencies: Dependencies,
+    ) -> Option<Drawn> {
+        let (params, grids) = self.sources_of(dependencies);
+        let name = declaration.name;
+        let mut counts = Vec::new();
+        for grid in &grids {
+            let grid = &self.scene.grids[grid.0 as usize];
+            let values = grid.axes.iter().fold(1, |product: u64, axis| {
+                product.saturating_mul(u64::from(axis.count))
+            });
+            counts.push((&grid.name, values));
+        }
+        let instances = counts
+            .iter()
+            .fold(1, |product: u64, (_, count)| product.saturating_mul(*count));
+        if instances > MAX_INSTANCES {
+            let mut product: Vec<String> = counts
+                .iter()
+                .take(6)
+                .map(|(grid, count)| format!("`{grid}` has {} values", tally(*count)))
+                .collect();
+            if counts.len() > product.len() {
+                product.push("…".to_owned());
+            }
+            let times = tally(instances);
+            let error = SemanticError::new(
+                error::TOO_MANY_INSTANCES,
+                format!(
+                    "`{name}` would be drawn {times} times, and the limit is {MAX_INSTANCES}: {}",
+                    product.join(", ")
+                ),
+            );
+            self.found.push(error.at(declaration.name_span));
+            return None;
+        }
+        let samples = instances.saturating_mul(shape.sample_count());
+        if samples > MAX_SAMPLES - self.samples {
+            let all = if self.samples == 0 {
+                String::new()
+            } else {
+                format!(", on top of the {} of what is drawn above", self.samples)
+            };
+            let error = SemanticError::new(
+                error::TOO_MANY_SAMPLES,
+                format!(
+                    "`{name}` has {} samples{all}; the limit is {MAX_SAMPLES} in all",
+                    tally(samples)
+                ),
+            )
+            .with_hint("give its intervals, or the grids it depends on, smaller counts");
+            self.found.push(error.at(declaration.name_span));
+            return None;
+        }
+        Some(Drawn {
+            object: Object {
+                name: name.to_owned(),
+                name_span: declaration.name_span,
+                shape,
+                params,
+                grids,
+            },
+            samples,
+            dependencies,
+        })
+    }
+
+    /// The params and grids of a set of dependencies, in the order of the text.
+    pub(crate) fn sources_of(&self, dependencies: Dependencies) -> (Vec<ParamId>, Vec<GridId>) {
+        let mut params = Vec::new();
+        let mut grids = Vec::new();
+        for source in self.lowerer.dependencies.sources(dependencies) {
+            match self.sources.get(source.0 as usize) {
+                Some(Owner::Param(id)) => params.push(*id),
+                Some(Owner::Grid(id)) => grids.push(*id),
+                None => {}
+            }
+        }
+        (params, grids)
+    }
+}
+
+/// A value's dimension in words.
+pub(crate) fn kind_of(value: &Value) -> String {
+    match value {
+        Value::Number(_) => "a number".to_owned(),
+        Value::Vector(nodes) => format!("a vector of dimension {}", nodes.len()),
+    }
+}
+
+pub(crate) fn constant(value: Value, dependencies: Dependencies) -> Meaning {
+    Meaning::Constant(Constant {
+        value,
+        dependencies,
+    })
+}
+
+/// A count in words: a product that was too large to hold is no number to be told.
+fn tally(count: u64) -> String {
+    match count {
+        u64::MAX => "too many".to_owned(),
+        _ => count.to_string(),
+    }
+}

@@ -1,0 +1,221 @@
+//! Declarations: from a declaration that has been read to a symbol's meaning and, for what is drawn, an
+//! object of the scene.
+
+use syntax::actions::{Declaration, Parameter};
+use syntax::codes::MISSING_INTERVAL;
+use syntax::diagnostic::{Diagnostic, Related};
+use syntax::span::Span;
+use syntax::token::DeclareWord;
+
+use crate::geotrace::declarations::{Declarations, Understood, constant};
+use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::interval::{Interval, Purpose};
+use crate::limits::DEFAULT_SAMPLES;
+use crate::scene::{Sampling, Shape};
+
+impl Declarations {
+    /// What a declaration means; none where something is wrong with it.
+    pub(super) fn meaning(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[Interval],
+    ) -> Option<Understood> {
+        match declaration.word {
+            DeclareWord::Param => self.param(declaration, intervals),
+            DeclareWord::Grid => self.grid(declaration, intervals),
+            DeclareWord::Define => {
+                let [body] = self.expressions(intervals)?;
+                let lowered = self.constant(body);
+                Some(constant(lowered.value?, lowered.dependencies).into())
+            }
+            DeclareWord::Function => self.function(declaration),
+            DeclareWord::Point => self.point(declaration),
+            DeclareWord::Vector => self.vector(declaration),
+            DeclareWord::Curve => self.curve(declaration, intervals),
+            DeclareWord::Surface => self.surface(declaration, intervals),
+            DeclareWord::Metric => self.metric(declaration, intervals),
+            DeclareWord::Geodesic => self.geodesic(declaration, intervals),
+        }
+    }
+
+    /// A function's body is kept as it was read, for its type is that of its applications.
+    fn function(&mut self, declaration: &Declaration<'_>) -> Option<Understood> {
+        let [body] = self.expressions(&[])?;
+        // What is wrong whatever the function is applied to is reported where it stands.
+        let symbols = &self.lowerer.symbols;
+        let totals = self.lowerer.code.totals(body);
+        let totals =
+            totals.filter_map(|(symbol, span)| Some(symbols.total_error(symbol)?.at(span)));
+        let functions = self.lowerer.code.functions(body);
+        let values =
+            functions.filter_map(|(symbol, span)| Some(symbols.value_error(symbol)?.at(span)));
+        let errors: Vec<Diagnostic> = totals.chain(values).collect();
+        let sound = errors.is_empty();
+        self.found.extend(errors);
+        sound.then(|| self.keep(declaration, body).into())
+    }
+
+    fn point(&mut self, declaration: &Declaration<'_>) -> Option<Understood> {
+        let [body] = self.expressions(&[])?;
+        let lowered = self.constant(body);
+        let position = self.in_space(body, &lowered, "a point")?;
+        let drawn = self.object(declaration, Shape::Point { position }, lowered.dependencies);
+        let meaning = constant(lowered.value?, lowered.dependencies);
+        Some(Understood::from(meaning).drawn(drawn))
+    }
+
+    fn vector(&mut self, declaration: &Declaration<'_>) -> Option<Understood> {
+        let [direction, origin] = self.expressions(&[])?;
+        let lowered = self.constant(direction);
+        let towards = self.in_space(direction, &lowered, "a vector's direction");
+        let start = self.constant(origin);
+        let from = self.in_space(origin, &start, "a vector's origin");
+        let drawn = from.zip(towards).and_then(|(origin, direction)| {
+            let sets = &mut self.lowerer.dependencies;
+            let dependencies = sets.union(lowered.dependencies, start.dependencies);
+            let shape = Shape::Vector { direction, origin };
+            self.object(declaration, shape, dependencies)
+        });
+        // The name stands for the direction, which has its meaning whatever the origin is.
+        towards?;
+        let meaning = constant(lowered.value?, lowered.dependencies);
+        Some(Understood::from(meaning).drawn(drawn))
+    }
+
+    fn curve(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[Interval],
+    ) -> Option<Understood> {
+        let domain = self.domain(declaration, intervals, "a curve has one parameter");
+        let [body] = self.expressions(intervals)?;
+        let lowered = self.over_variables(body, declaration.parameters.len());
+        let position = self.in_space(body, &lowered, "a curve")?;
+        let [domain] = domain?;
+        let shape = Shape::Curve {
+            position,
+            domain: domain?,
+            parameter: declaration.parameters.first()?.name.clone(),
+        };
+        let drawn = self.object(declaration, shape, lowered.dependencies);
+        Some(Understood::from(self.keep(declaration, body)).drawn(drawn))
+    }
+
+    fn surface(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[Interval],
+    ) -> Option<Understood> {
+        let domain = self.domain(declaration, intervals, "a surface has two parameters");
+        let [body] = self.expressions(intervals)?;
+        let lowered = self.over_variables(body, declaration.parameters.len());
+        let position = self.in_space(body, &lowered, "a surface")?;
+        let [u, v] = domain?;
+        let [first, second] = declaration.parameters else {
+            return None;
+        };
+        let shape = Shape::Surface {
+            position,
+            domain: [u?, v?],
+            parameters: [first.name.clone(), second.name.clone()],
+        };
+        let drawn = self.object(declaration, shape, lowered.dependencies);
+        Some(Understood::from(self.keep(declaration, body)).drawn(drawn))
+    }
+
+    /// The sampled intervals of a curve or a surface in the order of its parameters, each none where something
+    /// is wrong with it; none at all where the number of parameters is wrong or a tag is.
+    pub(crate) fn domain<const N: usize>(
+        &mut self,
+        declaration: &Declaration<'_>,
+        intervals: &[Interval],
+        rule: &str,
+    ) -> Option<[Option<Sampling>; N]> {
+        let parameters = declaration.parameters;
+        let mut sound = parameters.len() == N;
+        if !sound {
+            let error = SemanticError::new(
+                error::PARAMETER_COUNT,
+                format!(
+                    "{rule}, but `{}` has {}",
+                    declaration.name,
+                    parameters.len()
+                ),
+            );
+            self.found
+                .push(error.at(list_span(parameters, declaration.name_span)));
+        }
+        let mut by_parameter: Vec<Option<&Interval>> = vec![None; parameters.len()];
+        for interval in intervals {
+            let Some((position, tag)) = interval.read.tag else {
+                continue;
+            };
+            // An unknown tag has been reported; which parameter was meant is anyone's guess.
+            let place = position.and_then(|position| by_parameter.get_mut(position as usize));
+            let Some(place) = place else {
+                sound = false;
+                by_parameter.clear();
+                break;
+            };
+            match place {
+                None => *place = Some(interval),
+                Some(first) => {
+                    let position = position.unwrap_or_default() as usize;
+                    let name = parameters.get(position).map_or("", |named| &*named.name);
+                    let mut error = SemanticError::new(
+                        error::DUPLICATE_TAG,
+                        format!("the parameter `{name}` has two intervals"),
+                    );
+                    error.trail.extend(first.read.tag.map(|(_, span)| Related {
+                        span,
+                        message: "its first interval is here".to_owned(),
+                    }));
+                    self.found.push(error.at(tag));
+                    sound = false;
+                }
+            }
+        }
+        for (parameter, interval) in parameters.iter().zip(&by_parameter) {
+            if interval.is_none() {
+                let name = &parameter.name;
+                let error = SemanticError::new(
+                    MISSING_INTERVAL,
+                    format!("the parameter `{name}` has no interval"),
+                )
+                .with_hint(format!("add one before the `;`: `, {name} : [0, 1]`"));
+                self.found.push(error.at(parameter.span));
+                sound = false;
+            }
+        }
+        // The intervals have their own mistakes, whatever is wrong with their tags.
+        let samplings: Vec<Option<Sampling>> = intervals
+            .iter()
+            .map(|interval| {
+                let lowerer = &mut self.lowerer;
+                let bounds = interval.bounds(lowerer, Purpose::Domain, &mut self.found)?;
+                Some(bounds.sampling(DEFAULT_SAMPLES))
+            })
+            .collect();
+        if !sound {
+            return None;
+        }
+        let mut domain = [None; N];
+        for (interval, sampling) in intervals.iter().zip(samplings) {
+            if let Some((Some(position), _)) = interval.read.tag
+                && let Some(place) = domain.get_mut(position as usize)
+            {
+                *place = sampling;
+            }
+        }
+        Some(domain)
+    }
+}
+
+/// From the first parameter to the last.
+fn list_span(parameters: &[Parameter], name: Span) -> Span {
+    match parameters {
+        [] => name,
+        [first, .., last] => first.span.to(last.span),
+        [only] => only.span,
+    }
+}

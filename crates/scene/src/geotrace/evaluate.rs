@@ -1,0 +1,130 @@
+//! The value of a lone expression in a program's scope.
+//!
+//! What flows in: an expression's text, and the values of the params. What flows out: its value, or one for
+//! each combination of the values of the grids that it depends on.
+
+use std::sync::Arc;
+
+use expr::value::Value;
+use syntax::diagnostic::Diagnostic;
+use syntax::parse_expression;
+use syntax::span::Span;
+use syntax::symbols::Parsed;
+
+use crate::evaluation::{Evaluation, Outcome, evaluate};
+use crate::geotrace::declarations::Declarations;
+use crate::geotrace::dependencies::Dependencies;
+use crate::geotrace::error::{self, SemanticError, has_errors};
+use crate::limits::MAX_INSTANCES;
+use crate::param_values::ParamValues;
+
+/// What an expression may use: everything that a program without errors has declared.
+#[derive(Clone, Debug)]
+pub(crate) struct Scope(Arc<Program>);
+
+#[derive(Debug)]
+struct Program {
+    names: Parsed,
+    declarations: Declarations,
+    /// The offset of each line's end.
+    line_ends: Vec<u32>,
+}
+
+impl Scope {
+    pub(crate) fn new(source: &str, names: Parsed, declarations: Declarations) -> Self {
+        let line_ends = source
+            .bytes()
+            .zip(0..)
+            .filter_map(|(byte, offset)| (byte == b'\n').then_some(offset))
+            .collect();
+        Self(Arc::new(Program {
+            names,
+            declarations,
+            line_ends,
+        }))
+    }
+
+    /// As [`Compilation::evaluate`](super::Compilation::evaluate).
+    pub(crate) fn evaluate(
+        &self,
+        text: &str,
+        settings: &ParamValues,
+    ) -> Result<Evaluation, Vec<Diagnostic>> {
+        let program = &*self.0;
+        let mut declarations = program.declarations.clone();
+        parse_expression(text, &program.names, &mut declarations);
+        let mut found = std::mem::take(&mut declarations.diagnostics);
+        let code = &declarations.lowerer.code;
+        let body = match code.last_before(code.end()) {
+            Some([body]) if !has_errors(&found) => body,
+            _ => {
+                Diagnostic::sort(&mut found);
+                return Err(found);
+            }
+        };
+        let mut errors = Vec::new();
+        let lowered = declarations.lowerer.lower(body, Vec::new(), &mut errors);
+        found.extend(errors.into_iter().map(|error| program.place_in_hint(error)));
+        Diagnostic::sort(&mut found);
+        let Some(result) = lowered.value.filter(|_| !has_errors(&found)) else {
+            return Err(found);
+        };
+        match outcome(&declarations, &result, lowered.dependencies, settings) {
+            Ok(outcome) => Ok(Evaluation {
+                outcome,
+                warnings: found,
+            }),
+            Err(error) => {
+                let end = u32::try_from(text.len()).unwrap_or(u32::MAX);
+                found.push(error.at(Span::new(0, end)));
+                Diagnostic::sort(&mut found);
+                Err(found)
+            }
+        }
+    }
+}
+
+impl Program {
+    /// The related places of a fault in a function's body lie in the program, not in the expression's text:
+    /// they are told in the hint.
+    fn place_in_hint(&self, mut diagnostic: Diagnostic) -> Diagnostic {
+        let places = std::mem::take(&mut diagnostic.related);
+        if let Some(place) = places.first() {
+            let line = self
+                .line_ends
+                .partition_point(|&end| end < place.span.start)
+                + 1;
+            let told = format!("line {line} of the program: {}", place.message);
+            diagnostic.hint = Some(match diagnostic.hint {
+                Some(hint) => format!("{hint} ({told})"),
+                None => told,
+            });
+        }
+        diagnostic
+    }
+}
+
+/// Evaluates a value for each combination of the grids that it depends on.
+///
+/// # Errors
+/// There are more combinations than [`MAX_INSTANCES`].
+pub(crate) fn outcome(
+    declarations: &Declarations,
+    value: &Value,
+    dependencies: Dependencies,
+    values: &ParamValues,
+) -> Result<Outcome, SemanticError> {
+    let (_, grids) = declarations.sources_of(dependencies);
+    let (scene, graph) = (&declarations.scene, &declarations.lowerer.graph);
+    let count = values.combinations(scene, &grids);
+    if count > MAX_INSTANCES {
+        return Err(SemanticError::new(
+            error::TOO_MANY_INSTANCES,
+            format!(
+                "this expression has {count} values, one for each combination of the grids' values; the limit is {MAX_INSTANCES}"
+            ),
+        )
+        .with_hint("give a grid one value"));
+    }
+    Ok(evaluate(scene, graph, value, &grids, values))
+}

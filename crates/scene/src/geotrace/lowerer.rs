@@ -1,0 +1,186 @@
+//! The state of lowering: what every expression's meaning depends on, and the items on the stack.
+//!
+//! ```text
+//! lower.rs ──▶ runs steps ─┐
+//! apply.rs ──▶ applies ────┴─▶ this file: the graph, the symbols, the bodies that have been lowered
+//! ```
+
+use std::sync::Arc;
+
+use expr::value::{self, DimensionError, Value};
+use expr::{Graph, NodeId};
+use rustc_hash::FxHashMap;
+use syntax::span::Span;
+use syntax::token::SymbolId;
+
+use crate::geotrace::code::{Code, Expression};
+use crate::geotrace::dependencies::{Dependencies, DependencySets};
+use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::symbol::Symbols;
+
+/// Everything that the meaning of an expression depends on.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lowerer {
+    pub(crate) graph: Graph,
+    pub(crate) code: Code,
+    pub(crate) symbols: Symbols,
+    pub(crate) applications: Applications,
+    pub(crate) dependencies: DependencySets,
+    /// The graph has reached its limit, and that has been reported.
+    pub(crate) full: bool,
+}
+
+/// What running an expression gives.
+#[derive(Clone, Debug)]
+pub(crate) struct Lowered {
+    /// Its value; none where a fault or a name that failed before leaves it without one.
+    pub(crate) value: Option<Value>,
+    /// The params and grids that it reads, whether or not its value depends on them.
+    pub(crate) dependencies: Dependencies,
+}
+
+/// What lies on the stack.
+#[derive(Clone, Debug)]
+pub(crate) enum Item {
+    /// A number known while compiling, which no node of the graph stands for yet.
+    Number(f64),
+    Value(Value),
+    /// A bracketed list with a vector in it: arguments, or a fault where a value is needed. With its place.
+    List(Vec<Value>, Span),
+    Function(Box<Function>),
+    /// Left behind by a fault that has been reported.
+    Poison,
+}
+
+/// A function that is about to be applied.
+#[derive(Clone, Debug)]
+pub(crate) struct Function {
+    pub(crate) symbol: SymbolId,
+    pub(crate) derivations: Vec<Derivation>,
+    /// The exponents of `f^n`; none where an exponent has failed.
+    pub(crate) powers: Vec<Option<Value>>,
+}
+
+/// What a step leaves.
+pub(crate) enum Effect {
+    /// An item for the stack.
+    Push(Item),
+    /// Nothing yet: the body has to be run first, with these parameters, and then the step again.
+    Run(BodyKey, Expression, Vec<Value>),
+}
+
+/// One derivative of a function.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub(crate) enum Derivation {
+    /// `f_u`, by the parameter at this position.
+    By(u32),
+    /// `f'`, by the only parameter.
+    Total,
+}
+
+/// Which body: that of a function for these dimensions of its arguments (1 for a number).
+#[derive(Clone, Debug, Eq, Hash, PartialEq)]
+pub(crate) struct BodyKey {
+    pub(crate) symbol: SymbolId,
+    pub(crate) dimensions: Vec<usize>,
+}
+
+/// A position in [`Applications::bodies`].
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub(crate) struct BodyId(u32);
+
+/// What lowering a body has given.
+#[derive(Clone, Debug)]
+pub(crate) enum BodyOutcome {
+    /// Its value over the formal inputs, and the params and grids that it reads.
+    Ready {
+        value: Value,
+        dependencies: Dependencies,
+    },
+    Failed(Arc<SemanticError>),
+    /// It uses a name whose own declaration failed.
+    Silent,
+}
+
+/// The numbers of some values, one after the other.
+pub(crate) type Components = Box<[NodeId]>;
+
+/// The bodies that have been lowered, and the applications that have been made.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Applications {
+    pub(crate) ids: FxHashMap<BodyKey, BodyId>,
+    /// The derivatives of bodies, each by the body that it is taken of: a row of primes costs one entry each.
+    pub(crate) derived: FxHashMap<(BodyId, Derivation), BodyId>,
+    bodies: Vec<BodyOutcome>,
+    /// The components of a body's value for those of its arguments: an application is written out once, however
+    /// often it stands in the text.
+    pub(crate) values: FxHashMap<(BodyId, Components), Components>,
+}
+
+impl Applications {
+    /// A body has been lowered.
+    pub(crate) fn add(&mut self, key: BodyKey, outcome: BodyOutcome) -> BodyId {
+        let id = self.push(outcome);
+        self.ids.insert(key, id);
+        id
+    }
+
+    /// The derivative of a body has been taken.
+    pub(crate) fn add_derived(
+        &mut self,
+        of: BodyId,
+        by: Derivation,
+        outcome: BodyOutcome,
+    ) -> BodyId {
+        let id = self.push(outcome);
+        self.derived.insert((of, by), id);
+        id
+    }
+
+    fn push(&mut self, outcome: BodyOutcome) -> BodyId {
+        let id = BodyId(self.bodies.len() as u32);
+        self.bodies.push(outcome);
+        id
+    }
+
+    pub(crate) fn body(&self, id: BodyId) -> &BodyOutcome {
+        &self.bodies[id.0 as usize]
+    }
+}
+
+impl Lowerer {
+    /// The value that an item is; none for what a reported fault left behind.
+    pub(crate) fn value(&mut self, item: Item) -> Result<Option<Value>, (SemanticError, Span)> {
+        match item {
+            Item::Number(number) => Ok(Some(Value::Number(self.graph.constant(number)))),
+            Item::Value(value) => Ok(Some(value)),
+            Item::List(values, span) => match value::tuple(&values) {
+                Ok(value) => Ok(Some(value)),
+                Err(error) => Err((dimension_error(&error), span)),
+            },
+            Item::Function(_) | Item::Poison => Ok(None),
+        }
+    }
+}
+
+/// What is wrong with the dimensions of an operation's operands.
+pub(crate) fn dimension_error(error: &DimensionError) -> SemanticError {
+    let code = match error {
+        DimensionError::Component { .. } => error::NO_SUCH_COMPONENT,
+        _ => error::DIMENSION_MISMATCH,
+    };
+    let found = SemanticError::new(code, error.to_string());
+    match error.hint() {
+        Some(hint) => found.with_hint(hint),
+        None => found,
+    }
+}
+
+/// The graph has no room for an expression.
+pub(crate) fn too_large() -> SemanticError {
+    SemanticError::new(
+        error::EXPRESSION_TOO_LARGE,
+        "this expression, or a derivative in it, has more operations than a program may have",
+    )
+    .with_hint("derivatives of derivatives, and functions of functions, multiply their sizes")
+}
