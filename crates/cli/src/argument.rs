@@ -2,7 +2,20 @@
 
 use std::path::PathBuf;
 
+use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
 use crate::number;
+
+/// For whom the result is printed.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
+pub(crate) enum Format {
+    /// For people.
+    #[default]
+    Human,
+    /// One JSON document on standard output.
+    Json,
+}
 
 /// A number, or an expression such as `pi/2` that gives one in the program's scope.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,6 +78,54 @@ pub(crate) enum ViewName {
 
 /// The longest side of a picture, in pixels.
 pub(crate) const LONGEST_SIDE: u32 = 16384;
+
+/// A word of the command line that names a value of another crate.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Choice<T: 'static> {
+    /// The word.
+    pub(crate) word: &'static str,
+    /// A line of help, without its end; a word without help is accepted and not listed.
+    pub(crate) help: Option<&'static str>,
+    /// What the word means.
+    pub(crate) value: T,
+}
+
+impl<T> Choice<T> {
+    /// A word that the help lists.
+    pub(crate) const fn new(word: &'static str, help: &'static str, value: T) -> Self {
+        Self {
+            word,
+            help: Some(help),
+            value,
+        }
+    }
+
+    /// A word that is accepted, and that the help does not list.
+    pub(crate) const fn hidden(word: &'static str, value: T) -> Self {
+        Self {
+            word,
+            help: None,
+            value,
+        }
+    }
+}
+
+/// A parser of the words of a table, with their help and completion.
+pub(crate) fn choice<T: Copy + Send + Sync>(
+    table: &'static [Choice<T>],
+) -> impl TypedValueParser<Value = T> {
+    let words = table.iter().map(|choice| {
+        let word = PossibleValue::new(choice.word).hide(choice.help.is_none());
+        match choice.help {
+            Some(help) => word.help(help),
+            None => word,
+        }
+    });
+    PossibleValuesParser::new(words).try_map(move |word| {
+        let found = table.iter().find(|choice| choice.word == word);
+        found.map(|choice| choice.value).ok_or("an unknown word")
+    })
+}
 
 /// Reads `NAME=V1,V2`.
 pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {

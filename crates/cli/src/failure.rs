@@ -2,9 +2,9 @@
 
 use std::process::ExitCode;
 
-use crate::report::Style;
+use crate::style::Palette;
 
-/// Why a command failed. [`Failure::print`] says it on standard error, in the user's words.
+/// Why a command failed. [`Failure::text`] says it in the user's words.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// The program has errors; they have been printed already.
@@ -74,14 +74,8 @@ impl Failure {
         }
     }
 
-    /// Says what went wrong, on standard error.
-    pub(crate) fn print(&self) {
-        if let Some(text) = self.text(&Style::of_stderr()) {
-            crate::output::print_error(&text);
-        }
-    }
-
-    fn text(&self, style: &Style) -> Option<String> {
+    /// The sentence for standard error, with its hint; `None` where nothing is left to be said.
+    pub(crate) fn text(&self, palette: Palette) -> Option<String> {
         let (message, hint) = match self {
             Self::Program | Self::ReaderGone | Self::EditorGone => return None,
             Self::Input { message, hint } | Self::Usage { message, hint } => {
@@ -102,9 +96,9 @@ impl Failure {
         } else {
             "error"
         };
-        let mut text = format!("{}: {message}\n", style.error(internal));
+        let mut text = format!("{}: {message}\n", palette.error(internal));
         if let Some(hint) = hint {
-            text.push_str(&format!("  {}: {hint}\n", style.help("help")));
+            text.push_str(&format!("  {}: {hint}\n", palette.help("help")));
         }
         Some(text)
     }
@@ -121,7 +115,7 @@ mod tests {
             reason: "it is a directory".into(),
         };
         assert_eq!(
-            failure.text(&Style::plain()).as_deref(),
+            failure.text(Palette::plain()).as_deref(),
             Some("error: cannot read `a.gtr`: it is a directory\n")
         );
     }
@@ -133,7 +127,7 @@ mod tests {
             hint: Some("did you mean `f`?".into()),
         };
         assert_eq!(
-            failure.text(&Style::plain()).as_deref(),
+            failure.text(Palette::plain()).as_deref(),
             Some("error: there is no surface `g`\n  help: did you mean `f`?\n")
         );
     }

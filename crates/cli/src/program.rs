@@ -2,19 +2,18 @@
 
 use std::path::Path;
 
-use geodesic::intrinsic::MetricSurface;
-use geodesic::surface::{ParametricSurface, Surface};
+use geometry::{Manifold, ManifoldError};
 use scene::geotrace::Compilation;
 use scene::{Object, ObjectId, Scene, Shape};
 use scene::{Outcome, Value};
 use scene::{ParamValues, SetError};
 
-use crate::argument::{Assignment, Quantity};
-use crate::command::Format;
+use crate::argument::{Assignment, Format, Quantity};
 use crate::failure::Failure;
 use crate::output;
-use crate::report::{self, Style, Tally, json};
+use crate::report::{self, SeverityCounts, json};
 use crate::source::Source;
+use crate::style::Palette;
 
 /// A program without errors.
 #[derive(Debug)]
@@ -66,53 +65,26 @@ impl Program {
         self.compilation.scene.as_ref().ok_or(Failure::Program)
     }
 
-    /// A surface ready for geodesics: its first instance.
+    /// The first instance of a surface or a metric, ready for geodesics.
     ///
     /// # Errors
-    /// [`Failure::Input`] if its derivatives are too large.
-    pub(crate) fn parametric(
+    /// [`Failure::Input`] if its derivatives are too large, [`Failure::Usage`] for other objects.
+    pub(crate) fn manifold(
         &self,
-        object: &Object,
+        id: ObjectId,
         settings: &ParamValues,
-    ) -> Result<ParametricSurface, Failure> {
+    ) -> Result<Manifold, Failure> {
         let scene = self.scene()?;
-        let Shape::Surface {
-            position, domain, ..
-        } = &object.shape
-        else {
-            return Err(Failure::usage(format!(
-                "`{}` is not a surface in space",
-                object.name
-            )));
-        };
-        let uniforms = settings.first_instance(scene, object);
-        let domain = domain.map(|axis| [axis.range.min, axis.range.max]);
-        ParametricSurface::new(&scene.graph, *position, domain, &uniforms)
-            .map_err(|_| derivatives_too_large(object))
-    }
-
-    /// A surface or a metric ready for geodesics: its first instance.
-    ///
-    /// # Errors
-    /// [`Failure::Input`] if its derivatives are too large.
-    pub(crate) fn inside(
-        &self,
-        object: &Object,
-        settings: &ParamValues,
-    ) -> Result<Box<dyn Surface>, Failure> {
-        let Shape::Metric {
-            components, domain, ..
-        } = &object.shape
-        else {
-            return Ok(Box::new(self.parametric(object, settings)?));
-        };
-        let scene = self.scene()?;
-        let uniforms = settings.first_instance(scene, object);
-        let domain = domain.map(|axis| [axis.range.min, axis.range.max]);
-        match MetricSurface::new(&scene.graph, *components, domain, &uniforms) {
-            Ok(surface) => Ok(Box::new(surface)),
-            Err(_) => Err(derivatives_too_large(object)),
-        }
+        let object = scene.objects.get(id.0 as usize);
+        let uniforms = object.map(|object| settings.first_instance(scene, object));
+        let manifold = Manifold::new(scene, id, &uniforms.unwrap_or_default());
+        manifold.map_err(|error| match error {
+            ManifoldError::NoSurface { .. } => Failure::usage(error.to_string()),
+            ManifoldError::TooLarge { name } => Failure::Input {
+                message: format!("the derivatives of `{name}` are too large to be written out"),
+                hint: None,
+            },
+        })
     }
 
     /// The name of an object.
@@ -239,16 +211,6 @@ impl Program {
     }
 }
 
-fn derivatives_too_large(object: &Object) -> Failure {
-    Failure::Input {
-        message: format!(
-            "the derivatives of `{}` are too large to be written out",
-            object.name
-        ),
-        hint: None,
-    }
-}
-
 fn refused(scene: &Scene, error: &SetError) -> Failure {
     let hint = match error {
         SetError::Unknown {
@@ -286,10 +248,10 @@ pub(crate) fn report_findings(
     if diagnostics.is_empty() {
         return Ok(());
     }
-    let tally = Tally::of(diagnostics);
-    let text = report::text(source, diagnostics, Style::of_stderr());
-    output::print_error(&format!("{text}{}: {}\n", source.name, tally.text()));
-    if tally.errors == 0 {
+    let counts = SeverityCounts::of(diagnostics);
+    let text = report::text(source, diagnostics, Palette::for_stderr());
+    output::print_error(&format!("{text}{}: {}\n", source.name, counts.text()));
+    if counts.errors == 0 {
         return Ok(());
     }
     if format == Format::Json {

@@ -4,11 +4,11 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+use export::whole_file::phrase;
 use syntax::diagnostic::Diagnostic;
 use syntax::line_index::LineIndex;
 
 use crate::failure::Failure;
-use crate::output;
 
 /// The longest program that is read. A text beyond it is not a program but a mistake (`/dev/zero`), and
 /// would not fit in the memory that a check may take.
@@ -68,8 +68,10 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     let (input, size): (Box<dyn Read>, u64) = if path.as_os_str() == "-" {
         (Box::new(io::stdin().lock()), 0)
     } else {
-        let file = File::open(path).map_err(|error| output::reason(&error))?;
-        let metadata = file.metadata().map_err(|error| output::reason(&error))?;
+        let file = File::open(path).map_err(|error| phrase(&error.to_string()))?;
+        let metadata = file
+            .metadata()
+            .map_err(|error| phrase(&error.to_string()))?;
         if metadata.is_dir() {
             return Err("it is a directory".into());
         }
@@ -83,7 +85,7 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
     input
         .take(LONGEST + 1)
         .read_to_end(&mut bytes)
-        .map_err(|error| output::reason(&error))?;
+        .map_err(|error| phrase(&error.to_string()))?;
     if bytes.len() as u64 > LONGEST {
         return Err(too_long());
     }

@@ -1,9 +1,10 @@
 //! The geometry of a surface, for a reader: its first fundamental form, its curvature, where it is not regular.
 
 use geodesic::metric::{Metric, gaussian_curvature};
-use geodesic::surface::{ParametricSurface, Side, Surface};
+use geodesic::surface::{Side, Surface};
+use geometry::Manifold;
+use scene::ObjectId;
 use scene::ParamValues;
-use scene::{Object, Scene, Shape};
 
 use crate::hints::short;
 use crate::item::Item;
@@ -19,37 +20,25 @@ pub(crate) fn of(reading: &Reading, item: &Item<'_>) -> Vec<String> {
     let sentences = || {
         let compilation = reading.compile_alone([item.index])?;
         let scene = compilation.scene.as_ref()?;
-        let object = scene
-            .objects
-            .iter()
-            .find(|object| object.name == item.name)?;
-        let surface = surface(scene, object)?;
+        let mut objects = (0..).map(ObjectId).zip(&scene.objects);
+        let (id, object) = objects.find(|(_, object)| object.name == item.name)?;
+        // At the params' start and the first instance.
+        let uniforms = ParamValues::initial(scene).first_instance(scene, object);
+        let manifold = Manifold::new(scene, id, &uniforms).ok()?;
+        let surface = manifold.parametric()?;
         let names = item.parameters().map(|(name, _)| name);
         let [u, v]: [&str; 2] = names.collect::<Vec<_>>().try_into().ok()?;
         let mut sentences = Vec::new();
-        sentences.extend(first_form(&surface, [u, v]));
-        sentences.extend(regularity(&surface, [u, v]));
-        sentences.extend(topology(&surface, [u, v]));
+        sentences.extend(first_form(surface, [u, v]));
+        sentences.extend(regularity(surface, [u, v]));
+        sentences.extend(topology(surface, [u, v]));
         Some(sentences)
     };
     sentences().unwrap_or_default()
 }
 
-/// The surface of an object, at the params' start and the first instance.
-fn surface(scene: &Scene, object: &Object) -> Option<ParametricSurface> {
-    let Shape::Surface {
-        position, domain, ..
-    } = &object.shape
-    else {
-        return None;
-    };
-    let uniforms = ParamValues::initial(scene).first_instance(scene, object);
-    let domain = domain.map(|axis| [axis.range.min, axis.range.max]);
-    ParametricSurface::new(&scene.graph, *position, domain, &uniforms).ok()
-}
-
 /// E, F, G and K in the middle of the domain.
-fn first_form(surface: &ParametricSurface, [u, v]: [&str; 2]) -> Option<String> {
+fn first_form(surface: &dyn Surface, [u, v]: [&str; 2]) -> Option<String> {
     let middle = surface.domain().map(|[low, high]| 0.5 * (low + high));
     let jet = surface.jet(middle);
     let metric = Metric::of(&jet);
@@ -71,7 +60,7 @@ fn first_form(surface: &ParametricSurface, [u, v]: [&str; 2]) -> Option<String> 
 }
 
 /// Where EG − F² vanishes, as far as a lattice of points tells.
-fn regularity(surface: &ParametricSurface, names: [&str; 2]) -> Option<String> {
+fn regularity(surface: &dyn Surface, names: [&str; 2]) -> Option<String> {
     let domain = surface.domain();
     let last = LATTICE - 1;
     let at = |axis: usize, k: u32| {
@@ -142,7 +131,7 @@ fn regularity(surface: &ParametricSurface, names: [&str; 2]) -> Option<String> {
 }
 
 /// What lies beyond the sides.
-fn topology(surface: &ParametricSurface, names: [&str; 2]) -> Option<String> {
+fn topology(surface: &dyn Surface, names: [&str; 2]) -> Option<String> {
     let sides = surface.sides();
     let mut told = Vec::new();
     for (axis, name) in names.into_iter().enumerate() {

@@ -3,12 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use export::whole_file::write_whole;
 use image::RgbaImage;
 use render::Request;
 use scene::ParamValues;
 use scene::Scene;
-
-use crate::atomic::write_whole;
 
 /// Draws a picture and writes it as PNG.
 ///

@@ -15,7 +15,6 @@
 
 mod app;
 mod artist;
-mod atomic;
 mod compiler;
 mod desktop;
 mod files;
@@ -45,6 +44,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 pub use app::{run, run_with_faults};
+pub use render::Backend;
 pub use report::Counters;
 pub use window::Window;
 
@@ -78,18 +78,6 @@ pub enum Source {
     File(PathBuf),
     /// An editor's language server, over standard input and output.
     Attached,
-}
-
-/// What draws the pictures.
-#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
-pub enum Backend {
-    /// The window's GPU where it is a real one, else the processor.
-    #[default]
-    Auto,
-    /// The window's GPU, whatever it is.
-    Gpu,
-    /// The processor.
-    Software,
 }
 
 /// Why there is no window.

@@ -10,10 +10,10 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use export::whole_file::write_whole;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::atomic::write_whole;
 use crate::mail::{Letter, Mail};
 use crate::model::View;
 use crate::panes::layout::Layout;

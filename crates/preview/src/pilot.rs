@@ -5,8 +5,8 @@ use std::sync::Arc;
 use geodesic::frame::Frame;
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status, Trace, TraceError};
+use geometry::{Manifold, ManifoldError};
 use render::geodesic_view::Inside;
-use render::ground::Ground;
 use render::overlay::Trail;
 use render::{RenderError, Request};
 use scene::ParamValues;
@@ -34,7 +34,7 @@ struct Stand {
     scene: Arc<Scene>,
     settings: Arc<ParamValues>,
     surface: ObjectId,
-    ground: Ground,
+    ground: Manifold,
 }
 
 /// What is asked of a pilot.
@@ -74,7 +74,7 @@ impl Pilot {
             changed => changed,
         };
         let Some(stand) = &self.stand else {
-            return Err(RenderError::NoSurface { name: None });
+            return Err(ManifoldError::NoSurface { name: None }.into());
         };
         let surface = stand.ground.surface();
         let mut camera = match self.camera {
@@ -133,10 +133,10 @@ impl Pilot {
         }
         let objects = &flight.scene.objects;
         let Some(object) = objects.get(flight.surface.0 as usize) else {
-            return Err(RenderError::NoSurface { name: None });
+            return Err(ManifoldError::NoSurface { name: None }.into());
         };
         let uniforms = flight.settings.first_instance(flight.scene, object);
-        let ground = Ground::new(flight.scene, flight.surface, &uniforms)?;
+        let ground = Manifold::new(flight.scene, flight.surface, &uniforms)?;
         let first = self.stand.is_none();
         if let (Some(stand), Some(walked)) = (&self.stand, &self.walked)
             && !walked.fits(stand.ground.surface(), ground.surface())
@@ -209,7 +209,7 @@ fn settled(surface: &dyn Surface, camera: &InsideCamera) -> Option<InsideCamera>
 
 /// The camera after a motion; where it cannot be made, as it was. What was made is noted in the way.
 fn moved(
-    ground: &Ground,
+    ground: &Manifold,
     camera: InsideCamera,
     motion: Motion,
     way: Option<&mut Arc<Walked>>,
@@ -238,7 +238,7 @@ fn moved(
 
 /// Moves a frame, and draws its trail where one is left.
 fn walk(
-    ground: &Ground,
+    ground: &Manifold,
     frame: &Frame,
     step: [f64; 2],
     way: Option<&mut Walked>,

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
 
 use egui::{Align2, ComboBox, DragValue, Grid, ProgressBar, Ui};
-use render::record::{self, Change, Clip};
+use export::animation::{self, Change, Clip};
 
 use crate::mail::{Letter, Mail};
 use crate::model::InsideCamera;
@@ -98,9 +98,9 @@ pub(crate) fn ask(window: &mut Window) {
         trail: true,
         transparent: false,
         clip: Clip {
-            frames: record::FRAMES,
+            frames: animation::FRAMES,
             size,
-            rate: record::RATE,
+            rate: animation::RATE,
         },
         path: saving::in_folder(window, &name),
     });
@@ -228,7 +228,7 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
     }
     let path = Path::new(&dialog.path);
     let first = match Kind::of(path) {
-        Some(Kind::Series) => record::numbered(path, 0, dialog.clip.frames),
+        Some(Kind::Series) => animation::numbered(path, 0, dialog.clip.frames),
         _ => path.to_owned(),
     };
     if Kind::of(path).is_none() {

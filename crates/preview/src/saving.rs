@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::{DragValue, Grid, Ui};
+use export::mesh::{self, MeshFormat};
+use export::whole_file::write_whole;
 use render::Request;
-use render::export::{self, Format};
 use render::overlay::Trail;
 use scene::ParamValues;
 use scene::Scene;
 
-use crate::atomic::write_whole;
 use crate::files;
 use crate::model::InsideCamera;
 use crate::orders::{Order, PaneKey};
@@ -267,11 +267,11 @@ fn save_mesh(
     request: &Request,
 ) -> Result<String, String> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
-    let format = Format::of_extension(&extension).ok_or_else(|| {
-        let known = Format::ALL.map(Format::extension).join(", ");
+    let format = MeshFormat::of_extension(&extension).ok_or_else(|| {
+        let known = MeshFormat::ALL.map(MeshFormat::extension).join(", ");
         format!("`{}` does not end in one of {known}", path.display())
     })?;
-    let model = export::model(scene, settings, request, None);
+    let model = mesh::model(scene, settings, request, None);
     let mut bytes = Vec::new();
     let told = model.write(format, &mut bytes);
     let told = told.map_err(|error| error.to_string())?;

@@ -3,7 +3,6 @@
 //! ```text
 //! Scene + ParamValues ──sample.rs (f64 blocks) or a generated kernel──▶ samples ──gpu/ or software/──▶ 3D picture
 //! surface + Frame ──geodesic kernel (gpu/) or geodesic::map──▶ Map ──resolve: texture──▶ geodesic picture
-//! Scene + ParamValues ──export.rs (f64 places)──▶ OBJ, PLY, STL, glTF       pictures ──record.rs──▶ GIF, APNG
 //! ```
 //!
 //! What is built for a picture is planned first ([`plan`](mod@plan)); both backends draw from the same samples
@@ -12,15 +11,11 @@
 
 pub mod bounds;
 pub mod camera;
-pub mod export;
 pub mod geodesic_view;
-pub mod geodesics;
 pub mod gpu;
-pub mod ground;
 pub mod live;
 pub mod overlay;
 pub mod plan;
-pub mod record;
 pub mod request;
 pub mod sample;
 pub mod software;

@@ -12,7 +12,6 @@ use expr::{Input, NodeId};
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene, Shape};
 
-use crate::geodesics;
 use crate::overlay;
 use crate::request::{Backend, Method, Request, View};
 use crate::sample::surface_roots;
@@ -261,7 +260,7 @@ fn object_plan(
             start,
             domain,
             ..
-        } if geodesics::in_space(scene, id) => (
+        } if geometry::lies_in_space(scene, id) => (
             Painter::Curves,
             [*direction, *start].concat(),
             u64::from(domain.count),

@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use geodesic::frame::Frame;
+use geometry::ManifoldError;
 use scene::{Object, ObjectId, Scene, Shape};
 
 use crate::overlay::{Overlays, Standpoint, Trail};
@@ -129,11 +130,8 @@ pub enum RenderError {
     },
     /// The GPU refused or lost the work, in the driver's words.
     Gpu(String),
-    /// The object is not a surface (or not in the scene), and only a surface has a geodesic view.
-    NoSurface {
-        /// The object's name, if it is in the scene.
-        name: Option<String>,
-    },
+    /// The object has no geodesic view: it is not a surface, or its geodesics cannot be computed.
+    Manifold(ManifoldError),
     /// The geodesic camera cannot stand there: the surface is undefined or has no tangent plane at (u, v).
     UndefinedCamera {
         /// The surface's name.
@@ -149,11 +147,6 @@ pub enum RenderError {
         at: [f64; 2],
         /// `[[u min, u max], [v min, v max]]`.
         domain: [[f64; 2]; 2],
-    },
-    /// The surface's derivatives, which its geodesics need, are larger than the limit for expressions.
-    TooLarge {
-        /// The surface's name.
-        name: String,
     },
     /// A number of the camera is not finite, a zoom is not positive, or eye and target coincide; the sentence
     /// says which.
@@ -304,7 +297,7 @@ impl Request {
     /// Refuses what cannot be drawn, whatever the backend.
     ///
     /// # Errors
-    /// [`RenderError::Size`], [`RenderError::Camera`], [`RenderError::NoSurface`].
+    /// [`RenderError::Size`], [`RenderError::Camera`], [`RenderError::Manifold`].
     pub fn check(&self, scene: &Scene) -> Result<(), RenderError> {
         if self.size.iter().any(|&side| side == 0 || side > MAX_SIDE) {
             return Err(RenderError::Size(self.size));
@@ -334,9 +327,8 @@ impl Request {
             } => {
                 let object = scene.objects.get(surface.0 as usize);
                 if object.is_none_or(|object| object.shape.manifold().is_none()) {
-                    return Err(RenderError::NoSurface {
-                        name: object.map(|object| object.name.clone()),
-                    });
+                    let name = object.map(|object| object.name.clone());
+                    return Err(ManifoldError::NoSurface { name }.into());
                 }
                 if !angle.is_finite() || at.is_some_and(|at| at.iter().any(|x| !x.is_finite())) {
                     return Err(RenderError::Camera(
@@ -366,13 +358,7 @@ impl fmt::Display for RenderError {
         match self {
             Self::NoGpu { reason } => write!(f, "no GPU can be used: {reason}"),
             Self::Gpu(message) => write!(f, "the GPU could not draw the picture: {message}"),
-            Self::NoSurface { name: Some(name) } => {
-                write!(
-                    f,
-                    "`{name}` is not a surface, and only a surface has a geodesic view"
-                )
-            }
-            Self::NoSurface { name: None } => write!(f, "there is no surface to see from inside"),
+            Self::Manifold(error) => write!(f, "{error}"),
             Self::UndefinedCamera { name, at: [u, v] } => {
                 write!(
                     f,
@@ -386,10 +372,6 @@ impl fmt::Display for RenderError {
             } => write!(
                 f,
                 "({u}, {v}) is outside the domain of `{name}`, which is [{u0}, {u1}] by [{v0}, {v1}]"
-            ),
-            Self::TooLarge { name } => write!(
-                f,
-                "the derivatives of `{name}` are too large, and its geodesics need them"
             ),
             Self::Camera(sentence) => write!(f, "{sentence}"),
             Self::Size([width, height]) => {
@@ -406,3 +388,9 @@ impl fmt::Display for RenderError {
 }
 
 impl std::error::Error for RenderError {}
+
+impl From<ManifoldError> for RenderError {
+    fn from(error: ManifoldError) -> Self {
+        Self::Manifold(error)
+    }
+}

@@ -9,12 +9,12 @@
 use bytemuck::{Pod, Zeroable};
 use expr::tape::{Block, LANES, Registers, Tape};
 use expr::{Graph, Input, NodeId};
+use geometry::{FollowedGeodesic, Knot, follow_declared, lies_in_space};
 use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Sampling, Scene, Shape};
 
 use crate::bounds::Placement;
-use crate::geodesics::{self, Followed, Knot};
 
 mod surface;
 
@@ -139,8 +139,8 @@ pub fn sample_with_notes(
             Samples::Points(Vec::new()),
             left_out(object).into_iter().collect(),
         ),
-        Shape::Geodesic { .. } if geodesics::in_space(scene, id) => {
-            let followed = geodesics::declared(scene, settings, id);
+        Shape::Geodesic { .. } if lies_in_space(scene, id) => {
+            let followed = follow_declared(scene, settings, id);
             let samples = line_samples(placement, followed.count, &followed.lines);
             (samples, followed.notes)
         }
@@ -198,11 +198,9 @@ pub fn sample(
             position, domain, ..
         } => surface::surface(scene, settings, object, placement, position, domain),
         Shape::Metric { .. } => Samples::Points(Vec::new()),
-        Shape::Geodesic { .. } if !geodesics::in_space(scene, object_id) => {
-            Samples::Points(Vec::new())
-        }
+        Shape::Geodesic { .. } if !lies_in_space(scene, object_id) => Samples::Points(Vec::new()),
         Shape::Geodesic { .. } => {
-            let Followed { count, lines, .. } = geodesics::declared(scene, settings, object_id);
+            let FollowedGeodesic { count, lines, .. } = follow_declared(scene, settings, object_id);
             line_samples(placement, count, &lines)
         }
     }
@@ -223,6 +221,18 @@ pub(crate) fn line_samples(
         count,
         samples: knots.map(sample).collect(),
     }
+}
+
+/// Evaluates three expressions of an object at all its samples, in f64 and in the scene's units.
+pub fn positions(
+    scene: &Scene,
+    settings: &ParamValues,
+    object: &Object,
+    position: &[NodeId; 3],
+) -> Vec<[f64; 3]> {
+    let tape = Tape::new(&scene.graph, position);
+    let sampler = Sampler::new(scene, settings, object, tape, Resolution::Full);
+    sampler.map(|_, out: &[f64; 3]| *out)
 }
 
 /// The roots of a surface's samples: σ, σu, σv, in a graph of their own. `None` if the derivatives explode.

@@ -4,6 +4,7 @@ mod scenes;
 
 use std::sync::Arc;
 
+use geometry::ManifoldError;
 use image::{Rgba, RgbaImage};
 use render::texture::Texture;
 use render::{Backend, Picture, RenderError, Request, View, render, style};
@@ -302,7 +303,9 @@ fn wrong_requests_are_refused_with_a_sentence() {
     let missing = Request::geodesic(ObjectId(9), [8, 8]);
     assert_eq!(
         render(&scene, &settings, &missing, &|_| {}).err(),
-        Some(RenderError::NoSurface { name: None })
+        Some(RenderError::Manifold(ManifoldError::NoSurface {
+            name: None
+        }))
     );
     let mut stuck = Request::space([8, 8]);
     stuck.view = View::Space {

@@ -3,14 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use export::animation::{
+    self, AnimationFormat, Change, Clip, RecordError, Recorder, Script, ScriptError,
+};
+use export::whole_file::FileSeries;
 use render::Picture;
-use render::record::{self, Change, Clip, Format, RecordError, Recorder, Script, ScriptError};
 use scene::ParamValues;
 
 use super::render::{failure as render_failure, png};
 use crate::argument::{self, Animated, Quantity};
 use crate::failure::Failure;
-use crate::output::{self, Fault, Series, Target};
+use crate::output::{self, Target, WriteError};
 use crate::program::Program;
 use crate::progress::Progress;
 
@@ -48,7 +51,7 @@ pub(super) struct Arguments {
 pub(super) struct Film {
     output: PathBuf,
     /// A picture for each frame if there is none.
-    format: Option<Format>,
+    format: Option<AnimationFormat>,
     frames: u32,
     rate: f64,
 }
@@ -115,7 +118,7 @@ impl Arguments {
             .extension()
             .map(|extension| extension.to_string_lossy().to_lowercase())
             .unwrap_or_default();
-        let format = Format::of_extension(&extension);
+        let format = AnimationFormat::of_extension(&extension);
         if NEITHER.contains(&extension.as_str()) {
             return Err(wrong(
                 format!(
@@ -150,8 +153,8 @@ impl Arguments {
         Ok(Some(Film {
             output: output.to_owned(),
             format,
-            frames: self.frames.unwrap_or(record::FRAMES),
-            rate: self.fps.unwrap_or(record::RATE),
+            frames: self.frames.unwrap_or(animation::FRAMES),
+            rate: self.fps.unwrap_or(animation::RATE),
         }))
     }
 }
@@ -186,7 +189,7 @@ impl Film {
                 Target::new(&self.output)?.write_with(|out| {
                     let mut recorder = Recorder::new(format, clip, out).map_err(fault)?;
                     for number in 0..self.frames {
-                        let image = frame(number).map_err(Fault::Other)?;
+                        let image = frame(number).map_err(WriteError::Content)?;
                         recorder.add(&image).map_err(fault)?;
                     }
                     recorder.finish().map_err(fault)
@@ -194,15 +197,16 @@ impl Film {
             }
             None => {
                 // Whether files can be written there shows before anything is drawn.
-                Target::new(&record::numbered(&self.output, 0, self.frames))?;
-                let mut series = Series::new();
+                Target::new(&animation::numbered(&self.output, 0, self.frames))?;
+                let mut series = FileSeries::default();
                 for number in 0..self.frames {
-                    series.add(
-                        record::numbered(&self.output, number, self.frames),
-                        &png(&frame(number)?)?,
-                    )?;
+                    let path = animation::numbered(&self.output, number, self.frames);
+                    let bytes = png(&frame(number)?)?;
+                    let added = series.add(&path, &bytes);
+                    added.map_err(|error| output::unwritable(&path, &error))?;
                 }
-                series.finish()?;
+                let finished = series.finish();
+                finished.map_err(|(path, error)| output::unwritable(&path, &error))?;
             }
         }
         drop(progress);
@@ -216,7 +220,7 @@ impl Film {
             ),
             None => format!("; the first of {frames}\n"),
         });
-        if self.format == Some(Format::Gif) && self.rate > FASTEST_GIF {
+        if self.format == Some(AnimationFormat::Gif) && self.rate > FASTEST_GIF {
             text.push_str(
                 "note: most viewers show a GIF of more than 50 pictures a second slowly\n",
             );
@@ -229,17 +233,17 @@ impl Film {
     fn name(&self) -> String {
         match self.format {
             Some(_) => self.output.display().to_string(),
-            None => record::numbered(&self.output, 0, self.frames)
+            None => animation::numbered(&self.output, 0, self.frames)
                 .display()
                 .to_string(),
         }
     }
 }
 
-fn fault(error: RecordError) -> Fault {
+fn fault(error: RecordError) -> WriteError {
     match error {
-        RecordError::Write(error) => Fault::Write(error),
-        RecordError::Format(_) => Fault::Other(Failure::Input {
+        RecordError::Write(error) => WriteError::System(error),
+        RecordError::Format(_) => WriteError::Content(Failure::Input {
             message: error.to_string(),
             hint: None,
         }),

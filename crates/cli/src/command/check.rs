@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::Format;
+use crate::argument::Format;
 use crate::failure::Failure;
 use crate::number;
 use crate::output;
 use crate::program;
-use crate::report::{self, Style, Tally, json};
+use crate::report::{self, SeverityCounts, json};
+use crate::style::Palette;
 
 /// Say what is wrong with programs: where, what, and what to do about it.
 ///
@@ -41,9 +42,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if twice {
         return Err(Failure::usage("standard input (`-`) can be read only once"));
     }
-    let style = Style::of_stdout();
+    let palette = Palette::for_stdout();
     let mut document = json::Document::default();
-    let mut tally = Tally::default();
+    let mut counts = SeverityCounts::default();
     let mut checked = 0;
     let mut unreadable = None;
     // A reader that has stopped reading does not change what the status says.
@@ -54,16 +55,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             Err(failure) => {
                 // The other files are checked all the same; the last such failure ends the run.
                 if let Some(earlier) = unreadable.replace(failure) {
-                    earlier.print();
+                    output::print_failure(&earlier);
                 }
                 continue;
             }
         };
         checked += 1;
-        tally = tally.plus(Tally::of(&compilation.diagnostics));
+        counts = counts.plus(SeverityCounts::of(&compilation.diagnostics));
         match arguments.format {
             Format::Human => {
-                let text = report::text(&source, &compilation.diagnostics, style);
+                let text = report::text(&source, &compilation.diagnostics, palette);
                 if !text.is_empty() && printed.is_ok() {
                     printed = output::print(&text);
                 }
@@ -78,13 +79,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
                 [only] => only.display().to_string(),
                 _ => format!("{} checked", number::count(checked, "file")),
             };
-            output::print_error(&format!("{what}: {}\n", tally.text()));
+            output::print_error(&format!("{what}: {}\n", counts.text()));
         }
         Format::Json => printed = output::print_json(&document),
     }
     match (unreadable, printed) {
         (Some(failure), _) => Err(failure),
-        (None, Ok(()) | Err(Failure::ReaderGone)) if tally.errors > 0 => Err(Failure::Program),
+        (None, Ok(()) | Err(Failure::ReaderGone)) if counts.errors > 0 => Err(Failure::Program),
         (None, printed) => printed,
     }
 }

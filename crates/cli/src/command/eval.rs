@@ -7,8 +7,7 @@ use clap::Args;
 use scene::{Instance, Outcome, Value};
 use serde::Serialize;
 
-use super::Format;
-use crate::argument::{self, Assignment};
+use crate::argument::{self, Assignment, Format};
 use crate::failure::Failure;
 use crate::number;
 use crate::output;

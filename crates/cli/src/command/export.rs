@@ -2,14 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use export::mesh::{self, ExportError, MeshFormat};
 use render::Request;
-use render::export::{self, ExportError, Format as FileFormat};
 use scene::{ObjectId, Scene};
 
-use super::Format;
 use super::render::textures;
-use crate::argument::{self, Assignment, TextureFile};
+use crate::argument::{self, Assignment, Choice, Format, TextureFile};
 use crate::failure::Failure;
 use crate::number;
 use crate::output::{self, Target};
@@ -40,8 +39,8 @@ pub(super) struct Arguments {
     #[arg(short, long, value_name = "OUT.{obj,ply,stl,gltf,glb}")]
     output: PathBuf,
     /// The format, whatever the file is called
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    format: Option<FormatName>,
+    #[arg(long, value_parser = argument::choice(&FORMATS), value_name = "FORMAT")]
+    format: Option<MeshFormat>,
     /// An object to be written; may be given several times. Without it, all are
     #[arg(long, value_name = "NAME")]
     object: Vec<String>,
@@ -54,19 +53,13 @@ pub(super) struct Arguments {
     texture: Vec<TextureFile>,
 }
 
-#[derive(Clone, Copy, Debug, Eq, PartialEq, ValueEnum)]
-enum FormatName {
-    /// Wavefront OBJ
-    Obj,
-    /// Stanford PLY
-    Ply,
-    /// STL
-    Stl,
-    /// glTF 2.0, one JSON file
-    Gltf,
-    /// glTF 2.0, binary
-    Glb,
-}
+const FORMATS: [Choice<MeshFormat>; 5] = [
+    Choice::new("obj", "Wavefront OBJ", MeshFormat::Obj),
+    Choice::new("ply", "Stanford PLY", MeshFormat::Ply),
+    Choice::new("stl", "STL", MeshFormat::Stl),
+    Choice::new("gltf", "glTF 2.0, one JSON file", MeshFormat::Gltf),
+    Choice::new("glb", "glTF 2.0, binary", MeshFormat::Glb),
+];
 
 /// Builds the meshes and writes the file.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -80,16 +73,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         ..Request::space([1, 1])
     };
     let target = Target::new(&arguments.output)?;
-    let model = export::model(scene, &settings, &request, objects.as_deref());
+    let model = mesh::model(scene, &settings, &request, objects.as_deref());
     let mut notes = model.notes.clone();
     target.write_with(|out| {
         model
             .write(format, out)
             .map(|told| notes.extend(told))
             .map_err(|error| match error {
-                ExportError::Write(error) => output::Fault::Write(error),
+                ExportError::Write(error) => output::WriteError::System(error),
                 ExportError::Nothing { .. } | ExportError::TooLarge { .. } => {
-                    output::Fault::Other(Failure::Input {
+                    output::WriteError::Content(Failure::Input {
                         message: error.to_string(),
                         hint: hint(&error),
                     })
@@ -103,30 +96,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let vertices: usize = model.parts.iter().map(|part| part.vertices()).sum();
     let mut size = number::count(triangles, "triangle");
     // STL has no vertices, and leaves out what has no triangles.
-    if format != FileFormat::Stl {
+    if format != MeshFormat::Stl {
         size = format!("{} vertices, {size}", number::grouped(vertices as u64));
     }
     output::print_error(&format!("{}: {}, {size}\n", target.name(), format.name()));
     Ok(())
 }
 
-fn file_format(arguments: &Arguments) -> Result<FileFormat, Failure> {
-    if let Some(name) = arguments.format {
-        return Ok(match name {
-            FormatName::Obj => FileFormat::Obj,
-            FormatName::Ply => FileFormat::Ply,
-            FormatName::Stl => FileFormat::Stl,
-            FormatName::Gltf => FileFormat::Gltf,
-            FormatName::Glb => FileFormat::Glb,
-        });
+fn file_format(arguments: &Arguments) -> Result<MeshFormat, Failure> {
+    if let Some(format) = arguments.format {
+        return Ok(format);
     }
     let path: &Path = &arguments.output;
     let extension = path
         .extension()
         .map(|extension| extension.to_string_lossy());
-    let found = extension.as_deref().and_then(FileFormat::of_extension);
+    let found = extension.as_deref().and_then(MeshFormat::of_extension);
     found.ok_or_else(|| {
-        let known = FileFormat::ALL.map(|format| format!(".{}", format.extension()));
+        let known = MeshFormat::ALL.map(|format| format!(".{}", format.extension()));
         let name = path.display();
         let (message, example) = if path.as_os_str() == "-" {
             (

@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             Err(failure) => {
                 // The other files are laid out all the same; the last such failure ends the run.
                 if let Some(earlier) = failed.replace(failure) {
-                    earlier.print();
+                    output::print_failure(&earlier);
                 }
             }
         }

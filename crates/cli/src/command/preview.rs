@@ -2,8 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use render::Backend;
 
+use crate::argument::{self, Choice};
 use crate::failure::Failure;
 
 /// Open the live window on a program: its 3D view, and its surfaces from inside.
@@ -20,23 +22,26 @@ pub(super) struct Arguments {
     #[arg(long)]
     attached: bool,
     /// What draws the pictures: auto takes the GPU where it is a real one
-    #[arg(long, value_enum, default_value_t, value_name = "BACKEND")]
-    backend: BackendName,
+    #[arg(long, value_parser = argument::choice(&BACKENDS), default_value = "auto", value_name = "BACKEND")]
+    backend: Backend,
     /// Where to write what the window has done, one JSON object a line: for tests
     #[arg(long, value_name = "FILE", hide = true)]
     report: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
-enum BackendName {
-    /// The GPU where it is a real one, else the processor
-    #[default]
-    Auto,
-    /// The GPU, whatever it is
-    Gpu,
-    /// The processor's cores, in double precision
-    Software,
-}
+const BACKENDS: [Choice<Backend>; 3] = [
+    Choice::new(
+        "auto",
+        "The GPU where it is a real one, else the processor",
+        Backend::Auto,
+    ),
+    Choice::new("gpu", "The GPU, whatever it is", Backend::Gpu),
+    Choice::new(
+        "software",
+        "The processor's cores, in double precision",
+        Backend::Software,
+    ),
+];
 
 /// Why there is no window.
 #[derive(Debug)]
@@ -74,14 +79,14 @@ pub(super) fn open_file(file: PathBuf) -> Result<(), NoWindow> {
     open(&Arguments {
         file: Some(file),
         attached: false,
-        backend: BackendName::Auto,
+        backend: Backend::Auto,
         report: None,
     })
 }
 
 #[cfg(feature = "window")]
 fn open(arguments: &Arguments) -> Result<(), NoWindow> {
-    use preview::{Backend, Options, Source};
+    use preview::{Options, Source};
 
     let source = match &arguments.file {
         Some(file) if file.as_os_str() == "-" => {
@@ -93,11 +98,7 @@ fn open(arguments: &Arguments) -> Result<(), NoWindow> {
     };
     let options = Options {
         source,
-        backend: match arguments.backend {
-            BackendName::Auto => Backend::Auto,
-            BackendName::Gpu => Backend::Gpu,
-            BackendName::Software => Backend::Software,
-        },
+        backend: arguments.backend,
         report: arguments.report.clone(),
     };
     preview::run(options).map_err(|failure| match failure {

@@ -4,7 +4,9 @@ use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use export::whole_file::phrase;
+use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
 use render::overlay::{Overlays, Spacing, Standpoint};
 use render::texture::{Texture, TextureError};
@@ -12,8 +14,10 @@ use render::{Backend, Method, Picture, RenderError, Request, View};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
-use super::{Format, animation};
-use crate::argument::{self, Assignment, Pair, Quantity, Size, TextureFile, Triple, ViewName};
+use super::animation;
+use crate::argument::{
+    self, Assignment, Choice, Format, Pair, Quantity, Size, TextureFile, Triple, ViewName,
+};
 use crate::failure::Failure;
 use crate::number;
 use crate::output::{self, Target};
@@ -58,8 +62,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// What draws: auto takes a GPU where there is one, else the software path, and says which
-    #[arg(long, value_enum, default_value_t, value_name = "BACKEND")]
-    backend: BackendName,
+    #[arg(long, value_parser = argument::choice(&BACKENDS), default_value = "auto", value_name = "BACKEND")]
+    backend: Backend,
     /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min. `SURFACE=curvature` colours it
     /// by its Gaussian curvature: blue, white at 0, red
     #[arg(long, value_name = "SURFACE=IMAGE", value_parser = argument::texture)]
@@ -76,8 +80,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "Z", value_parser = argument::quantity, allow_hyphen_values = true, help_heading = "Geodesic view")]
     zoom: Option<Quantity>,
     /// How the geodesics are followed
-    #[arg(long, value_enum, value_name = "M", help_heading = "Geodesic view")]
-    method: Option<MethodName>,
+    #[arg(long, value_parser = argument::choice(&METHODS), value_name = "M", help_heading = "Geodesic view")]
+    method: Option<Method>,
     /// A key to the hatchings, lines and colours of the picture
     #[arg(long, help_heading = "Drawn over the picture")]
     legend: bool,
@@ -108,30 +112,43 @@ pub(super) struct Arguments {
     target: Option<Triple>,
 }
 
-#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
-enum BackendName {
-    /// A GPU where there is one, else the software path
-    #[default]
-    Auto,
-    /// A GPU, or an error
-    Gpu,
-    /// The processor's cores, in double precision
-    Software,
-}
+const BACKENDS: [Choice<Backend>; 3] = [
+    Choice::new(
+        "auto",
+        "A GPU where there is one, else the software path",
+        Backend::Auto,
+    ),
+    Choice::new("gpu", "A GPU, or an error", Backend::Gpu),
+    Choice::new(
+        "software",
+        "The processor's cores, in double precision",
+        Backend::Software,
+    ),
+];
 
-#[derive(Clone, Copy, Debug, Eq, PartialEq, ValueEnum)]
-enum MethodName {
-    /// The best: fan
-    Auto,
-    /// A fan of rays that all pixels share, in double precision, interpolated by their Jacobi fields
-    Fan,
-    /// The same fan, interpolated linearly, for comparison
-    FanLinear,
-    /// A geodesic for each pixel, with steps as long as the tolerance allows, in double precision
-    Adaptive,
-    /// A geodesic for each pixel, with steps of equal length, as in the thesis
-    Rk4Pixel,
-}
+const METHODS: [Choice<Method>; 5] = [
+    Choice::new("auto", "The best: fan", Method::Auto),
+    Choice::new(
+        "fan",
+        "A fan of rays that all pixels share, in double precision, interpolated by their Jacobi fields",
+        Method::Fan,
+    ),
+    Choice::new(
+        "fan-linear",
+        "The same fan, interpolated linearly, for comparison",
+        Method::FanLinear,
+    ),
+    Choice::new(
+        "adaptive",
+        "A geodesic for each pixel, with steps as long as the tolerance allows, in double precision",
+        Method::Adaptive,
+    ),
+    Choice::new(
+        "rk4-pixel",
+        "A geodesic for each pixel, with steps of equal length, as in the thesis",
+        Method::Rk4Pixel,
+    ),
+];
 
 /// Draws one picture and writes it.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -140,7 +157,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let settings = program.settings(&arguments.set)?;
     let images = textures(&arguments.texture, &program)?;
     let request = Request {
-        backend: backend(arguments),
+        backend: arguments.backend,
         view: view(arguments, &program, &settings)?,
         overlays: Overlays {
             legend: arguments.legend,
@@ -171,7 +188,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let draw = |share: f64, progress: &(dyn Fn(f32) + Sync)| -> Result<Picture, Failure> {
         let (settings, mut request) = script
-            .at(scene, &settings, &request, share)
+            .frame_at(scene, &settings, &request, share)
             .map_err(animation::failure)?;
         request.textures = images.at(scene, &settings)?;
         let mut picture = render::render(scene, &settings, &request, progress).map_err(failure)?;
@@ -190,16 +207,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     drop(progress);
     let picture = drawn?;
     target.write(&png(&picture.image)?)?;
-    output::print_error(&summary(&picture, target.name(), &request, &program));
+    output::print_error(&summary(&picture, &target.name(), &request, &program));
     Ok(())
-}
-
-fn backend(arguments: &Arguments) -> Backend {
-    match arguments.backend {
-        BackendName::Auto => Backend::Auto,
-        BackendName::Gpu => Backend::Gpu,
-        BackendName::Software => Backend::Software,
-    }
 }
 
 fn view(arguments: &Arguments, program: &Program, settings: &ParamValues) -> Result<View, Failure> {
@@ -223,13 +232,7 @@ fn view(arguments: &Arguments, program: &Program, settings: &ParamValues) -> Res
                 Some(zoom) => Some(program.number("--zoom", zoom, settings)?),
                 None => None,
             },
-            method: match arguments.method {
-                None | Some(MethodName::Auto) => Method::Auto,
-                Some(MethodName::Fan) => Method::Fan,
-                Some(MethodName::FanLinear) => Method::FanLinear,
-                Some(MethodName::Adaptive) => Method::Adaptive,
-                Some(MethodName::Rk4Pixel) => Method::Rk4Pixel,
-            },
+            method: arguments.method.unwrap_or_default(),
             frame: None,
         },
     })
@@ -388,7 +391,7 @@ fn texture_failure(file: &TextureFile, error: TextureError) -> Failure {
     match error {
         TextureError::Unreadable { message, .. } => Failure::Unreadable {
             file: file.path.display().to_string(),
-            reason: output::phrase(&message),
+            reason: phrase(&message),
         },
         TextureError::NotAnImage { .. } | TextureError::TooLarge { .. } => Failure::Input {
             message: error.to_string(),
@@ -408,11 +411,11 @@ pub(super) fn failure(error: RenderError) -> Failure {
             message,
             hint: Some("`--backend software` draws without it".into()),
         },
-        RenderError::NoSurface { .. }
+        RenderError::Manifold(ManifoldError::NoSurface { .. })
         | RenderError::CameraOutside { .. }
         | RenderError::Camera(_)
         | RenderError::Size(_) => Failure::usage(message),
-        RenderError::TooLarge { .. } => Failure::Input {
+        RenderError::Manifold(ManifoldError::TooLarge { .. }) => Failure::Input {
             message,
             hint: Some("the 3D view does without them".into()),
         },

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser};
 
-use super::Format;
 use super::preview::{self, NoWindow};
+use crate::argument::Format;
 use crate::failure::Failure;
 use crate::output;
 use crate::program::Program;

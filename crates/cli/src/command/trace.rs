@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::{ArgGroup, Args};
 use geodesic::frame::trace_heading;
 use geodesic::surface::Surface;
 use geodesic::trace::{self, Method, Options, Status, Trace, TraceError};
+use render::Method as PictureMethod;
 use serde::Serialize;
 
-use super::Format;
-use crate::argument::{self, Assignment, Pair, Quantity};
+use crate::argument::{self, Assignment, Choice, Format, Pair, Quantity};
 use crate::failure::Failure;
 use crate::number::{self, show};
 use crate::output;
@@ -62,8 +62,8 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "T", value_parser = argument::positive, allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// How it is integrated
-    #[arg(long, value_name = "M", value_enum, default_value_t)]
-    method: MethodName,
+    #[arg(long, value_name = "M", value_parser = argument::choice(&METHODS), default_value = "adaptive")]
+    method: PictureMethod,
     /// The number of steps of rk4-pixel
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     steps: Option<u32>,
@@ -72,20 +72,21 @@ pub(super) struct Arguments {
     format: Format,
 }
 
-#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
-enum MethodName {
-    /// Steps as long as the tolerance allows; needs nothing else
-    #[default]
-    Adaptive,
-    /// The classical Runge–Kutta method with --steps steps of equal length (512 unless given), as in the
-    /// thesis, for comparison
-    Rk4Pixel,
-    // A method of pictures: refused with the reason, rather than as an unknown word.
-    #[value(hide = true)]
-    Fan,
-    #[value(hide = true)]
-    FanLinear,
-}
+const METHODS: [Choice<PictureMethod>; 4] = [
+    Choice::new(
+        "adaptive",
+        "Steps as long as the tolerance allows; needs nothing else",
+        PictureMethod::Adaptive,
+    ),
+    Choice::new(
+        "rk4-pixel",
+        "The classical Runge–Kutta method with --steps steps of equal length (512 unless given), as in the thesis, for comparison",
+        PictureMethod::Rk4Pixel,
+    ),
+    // Methods of pictures: refused with the reason, rather than as an unknown word.
+    Choice::hidden("fan", PictureMethod::Fan),
+    Choice::hidden("fan-linear", PictureMethod::FanLinear),
+];
 
 /// The JSON document; numbers that do not exist are null.
 #[derive(Serialize)]
@@ -106,8 +107,9 @@ struct Document {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let program = Program::load(&arguments.file, arguments.format)?;
     let settings = program.settings(&arguments.set)?;
-    let (_, object) = program.surface(arguments.surface.as_deref())?;
-    let surface = &*program.inside(object, &settings)?;
+    let (id, _) = program.surface(arguments.surface.as_deref())?;
+    let manifold = program.manifold(id, &settings)?;
+    let surface = manifold.surface();
     let from = program.numbers("--from", &arguments.from.0, &settings)?;
     let length = program.number("--length", &arguments.length, &settings)?;
     if length < 0.0 {
@@ -138,7 +140,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn options(arguments: &Arguments) -> Result<Options, Failure> {
-    if let MethodName::Fan | MethodName::FanLinear = arguments.method {
+    if let PictureMethod::Fan | PictureMethod::FanLinear = arguments.method {
         return Err(Failure::Usage {
             message: "--method: a fan shares its rays among the pixels of a picture; one geodesic has nothing to share"
                 .into(),
@@ -153,7 +155,7 @@ fn options(arguments: &Arguments) -> Result<Options, Failure> {
         options.tolerance = tolerance;
     }
     match (arguments.method, arguments.steps) {
-        (MethodName::Rk4Pixel, steps) => {
+        (PictureMethod::Rk4Pixel, steps) => {
             options.method = Method::Rk4 {
                 steps: steps.unwrap_or(512),
             };

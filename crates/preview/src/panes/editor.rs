@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use export::whole_file::{write_new, write_whole};
 use syntax::span::Span;
 
-use crate::atomic::{write_new, write_whole};
 use crate::watch::Unreadable;
 
 /// A place of the text that is to be shown.

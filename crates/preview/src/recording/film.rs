@@ -7,19 +7,18 @@
 //!
 //! The processor draws, so that neither the window's GPU nor its loss has anything to do with it.
 
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
+use export::animation::{self, Change, Clip, Recorder, Script};
+use export::whole_file::{FileSeries, write_whole_with};
 use image::RgbaImage;
 use render::Request;
 use render::live::Stage;
-use render::record::{self, Change, Clip, Recorder, Script};
 use render::request::View;
 use scene::ObjectId;
 use scene::ParamValues;
 
-use crate::atomic::{beside, write_whole_with};
 use crate::files;
 use crate::model::InsideCamera;
 use crate::motion::Motion;
@@ -61,8 +60,8 @@ impl From<std::io::Error> for Ended {
     }
 }
 
-impl From<record::RecordError> for Ended {
-    fn from(error: record::RecordError) -> Self {
+impl From<animation::RecordError> for Ended {
+    fn from(error: animation::RecordError) -> Self {
         Self::Unwritten(error.to_string())
     }
 }
@@ -71,7 +70,7 @@ impl From<record::RecordError> for Ended {
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Kind {
     /// One file with all pictures.
-    Film(record::Format),
+    Film(animation::AnimationFormat),
     /// A PNG file for each picture.
     Series,
 }
@@ -79,8 +78,8 @@ pub(crate) enum Kind {
 impl Kind {
     /// The kinds and their extensions, in the order of a menu.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
-        (Self::Film(record::Format::Gif), "GIF", "gif"),
-        (Self::Film(record::Format::Apng), "APNG", "apng"),
+        (Self::Film(animation::AnimationFormat::Gif), "GIF", "gif"),
+        (Self::Film(animation::AnimationFormat::Apng), "APNG", "apng"),
         (Self::Series, "PNG sequence", "png"),
     ];
 
@@ -122,14 +121,12 @@ impl Film {
         };
         match kind {
             Kind::Film(format) => {
-                write_whole_with(path, |file| -> Result<(), Ended> {
-                    let mut out = BufWriter::new(file);
-                    let mut recorder = Recorder::new(format, clip, &mut out)?;
+                write_whole_with(path, |out| -> Result<(), Ended> {
+                    let mut recorder = Recorder::new(format, clip, out)?;
                     for number in 0..frames {
                         recorder.add(&picture(number)?)?;
                     }
-                    recorder.finish()?;
-                    Ok(out.flush()?)
+                    Ok(recorder.finish()?)
                 })
                 .map_err(cannot)?;
                 let seconds = f64::from(frames) / clip.rate;
@@ -139,53 +136,21 @@ impl Film {
                 ))
             }
             Kind::Series => {
-                let mut series = Series::default();
+                let mut series = FileSeries::default();
                 for number in 0..frames {
                     let bytes = files::png(&picture(number)?).map_err(Ended::Failed)?;
-                    let place = record::numbered(path, number, frames);
-                    series.add(place, &bytes).map_err(cannot)?;
+                    let place = animation::numbered(path, number, frames);
+                    let added = series.add(&place, &bytes);
+                    added.map_err(|error| cannot(error.into()))?;
                 }
-                series.finish().map_err(cannot)?;
-                let first = record::numbered(path, 0, frames);
+                let finished = series.finish();
+                finished.map_err(|(_, error)| cannot(error.into()))?;
+                let first = animation::numbered(path, 0, frames);
                 Ok(format!(
                     "{frames} pictures: `{}` and so on",
                     first.display()
                 ))
             }
-        }
-    }
-}
-
-/// Files that get their names together, when all are whole.
-#[derive(Debug, Default)]
-struct Series {
-    /// As each is called while it is made, and in the end.
-    files: Vec<[PathBuf; 2]>,
-}
-
-impl Series {
-    fn add(&mut self, place: PathBuf, bytes: &[u8]) -> Result<(), Ended> {
-        let part = beside(&place);
-        let mut file = std::fs::File::create(&part)?;
-        self.files.push([part, place]);
-        file.write_all(bytes)?;
-        Ok(file.sync_all()?)
-    }
-
-    fn finish(mut self) -> Result<(), Ended> {
-        self.files.reverse();
-        while let Some([part, place]) = self.files.last() {
-            std::fs::rename(part, place)?;
-            self.files.pop();
-        }
-        Ok(())
-    }
-}
-
-impl Drop for Series {
-    fn drop(&mut self) {
-        for [part, _] in &self.files {
-            let _ = std::fs::remove_file(part);
         }
     }
 }
@@ -237,7 +202,7 @@ impl Pictures {
         let share = Script::share(number, film.clip.frames);
         let at = self
             .script
-            .at(scene, &film.order.settings, &self.base, share);
+            .frame_at(scene, &film.order.settings, &self.base, share);
         let (settings, _) = at.map_err(|error| failed(error.to_string()))?;
         let mut order = film.order.clone();
         order.settings = Arc::new(settings);

@@ -12,13 +12,13 @@ use geodesic::patchwork::Patchwork;
 use geodesic::surface::{Sides, Surface};
 use geodesic::topology::Apex;
 use geodesic::trace::{Status, TraceError};
+use geometry::{Manifold, ManifoldError};
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
 use super::Seen;
-use crate::ground::Ground;
 use crate::request::{Method, RenderError, Request, View};
 use crate::sample::DEGENERATE;
 
@@ -47,7 +47,7 @@ const PATCHWORK_SHARE: f64 = 0.25;
 /// A surface with a camera on it.
 #[derive(Clone, Debug)]
 pub struct Inside {
-    ground: Arc<Ground>,
+    ground: Arc<Manifold>,
     /// The camera: a place and two tangent vectors X ⟂ Y of the length [`Inside::zoom`].
     pub frame: Frame,
     /// The distance on the surface from the picture's centre to the middle of its shorter side's edge.
@@ -66,15 +66,14 @@ impl Inside {
     /// beyond a side that wraps is brought back into the domain.
     ///
     /// # Errors
-    /// [`RenderError::NoSurface`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`],
-    /// [`RenderError::TooLarge`].
+    /// [`RenderError::Manifold`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`].
     pub fn new(
         scene: &Scene,
         settings: &ParamValues,
         request: &Request,
     ) -> Result<Self, RenderError> {
         Self::on(scene, settings, request, |surface, uniforms| {
-            Ground::new(scene, surface, uniforms).map(Arc::new)
+            Ok(Arc::new(Manifold::new(scene, surface, uniforms)?))
         })
     }
 
@@ -86,7 +85,7 @@ impl Inside {
         scene: &Scene,
         settings: &ParamValues,
         request: &Request,
-        ground: impl FnOnce(ObjectId, &[f64]) -> Result<Arc<Ground>, RenderError>,
+        ground: impl FnOnce(ObjectId, &[f64]) -> Result<Arc<Manifold>, RenderError>,
     ) -> Result<Self, RenderError> {
         let View::Geodesic {
             surface,
@@ -97,12 +96,12 @@ impl Inside {
             method,
         } = request.view
         else {
-            return Err(RenderError::NoSurface { name: None });
+            return Err(ManifoldError::NoSurface { name: None }.into());
         };
         let object = scene
             .objects
             .get(surface.0 as usize)
-            .ok_or(RenderError::NoSurface { name: None })?;
+            .ok_or(ManifoldError::NoSurface { name: None })?;
         let name = || object.name.clone();
         let tolerance = if request.moving {
             MOVING_TOLERANCE
@@ -305,7 +304,7 @@ impl Inside {
     }
 
     /// What it stands on.
-    pub fn ground(&self) -> &Ground {
+    pub fn ground(&self) -> &Manifold {
         &self.ground
     }
 

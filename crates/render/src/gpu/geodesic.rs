@@ -12,6 +12,7 @@ use std::borrow::Cow;
 use geodesic::ends::{Estimate, Work};
 use geodesic::patchwork::table::code_of;
 use geodesic::trace::Status;
+use geometry::ManifoldError;
 use image::RgbaImage;
 use scene::ParamValues;
 use scene::Scene;
@@ -43,7 +44,7 @@ pub(crate) fn render(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<Drawn, RenderError> {
     let Some(view) = &plan.geodesic else {
-        return Err(RenderError::NoSurface { name: None });
+        return Err(ManifoldError::NoSurface { name: None }.into());
     };
     let inside = geodesic_view::Inside::new(scene, settings, request)?;
     let object = &scene.objects[view.surface.0 as usize];

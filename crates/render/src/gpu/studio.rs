@@ -7,7 +7,6 @@ use scene::ParamValues;
 use scene::{ObjectId, Scene, Shape};
 
 use crate::camera::Camera;
-use crate::geodesics;
 use crate::gpu::canvas::{Canvas, Canvases};
 use crate::gpu::device::Gpu;
 use crate::gpu::inside::Insides;
@@ -308,7 +307,7 @@ fn painter(scene: &Scene, id: ObjectId) -> Option<Painter> {
         Shape::Vector { .. } => Some(Painter::Vectors),
         Shape::Curve { .. } => Some(Painter::Curves),
         Shape::Surface { .. } => Some(Painter::Surfaces),
-        Shape::Geodesic { .. } => geodesics::in_space(scene, id).then_some(Painter::Curves),
+        Shape::Geodesic { .. } => geometry::lies_in_space(scene, id).then_some(Painter::Curves),
         Shape::Metric { .. } => None,
     }
 }

@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use geometry::{Manifold, ManifoldError};
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
 
 use super::content::{Content, Structure, object};
 use super::kept::Kept;
 use crate::geodesic_view::{Inside, Seen, Tally};
-use crate::ground::Ground;
 use crate::overlay::Standpoint;
 use crate::request::{RenderError, Request, View};
 
@@ -39,7 +39,7 @@ struct Standing {
 /// Grounds and looks.
 #[derive(Debug)]
 pub(crate) struct Looks {
-    grounds: Kept<Content, Arc<Ground>>,
+    grounds: Kept<Content, Arc<Manifold>>,
     /// The one that was used last stands last.
     looks: Vec<(Standing, Arc<Look>)>,
     /// How many views have had their geodesics followed so far.
@@ -72,9 +72,9 @@ impl Looks {
         request: &Request,
     ) -> Result<Arc<Look>, RenderError> {
         let View::Geodesic { surface, .. } = request.view else {
-            return Err(RenderError::NoSurface { name: None });
+            return Err(ManifoldError::NoSurface { name: None }.into());
         };
-        let on = object(scene, surface).ok_or(RenderError::NoSurface { name: None })?;
+        let on = object(scene, surface).ok_or(ManifoldError::NoSurface { name: None })?;
         let standing = Standing {
             ground: ground_content(scene, settings, structures, surface, on),
             view: request.view.clone(),
@@ -121,7 +121,7 @@ impl Looks {
             if let Some(ground) = self.grounds.get(&key) {
                 return Ok(ground);
             }
-            let ground = Arc::new(Ground::new(scene, id, uniforms)?);
+            let ground = Arc::new(Manifold::new(scene, id, uniforms)?);
             self.grounds.put(key, ground.clone(), 1);
             Ok(ground)
         })

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use geodesic::trace::{Options, Status};
+use geometry::{Knot, Start, knots_at};
 use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
@@ -12,7 +13,6 @@ use super::legend::Key;
 use super::{Standpoint, ink};
 use crate::bounds::Placement;
 use crate::geodesic_view::Inside;
-use crate::geodesics::{Knot, Start, along};
 use crate::plan::Painter;
 use crate::request::{RenderError, Request, View};
 use crate::sample::{Samples, line_samples, vector};
@@ -175,7 +175,7 @@ fn camera(
             let lengths: Vec<f64> = (0..=POINTS)
                 .map(|k| length * f64::from(k) / f64::from(POINTS))
                 .collect();
-            along(surface, &Start::Frame(frame, place), &lengths)
+            knots_at(surface, &Start::Frame(frame, place), &lengths)
         })
         .collect();
     all.push(curve(&axes, AXES));
@@ -201,7 +201,7 @@ fn camera(
             let lengths: Vec<f64> = (1..=waves as u32).map(|k| spacing * f64::from(k)).collect();
             let rays: Vec<_> = (0..=DIRECTIONS)
                 .into_par_iter()
-                .map(|k| along(surface, &Start::Frame(frame, direction(k)), &lengths))
+                .map(|k| knots_at(surface, &Start::Frame(frame, direction(k)), &lengths))
                 .collect();
             let rings: Vec<Vec<Option<Knot>>> = (0..lengths.len())
                 .map(|ring| rays.iter().map(|ray| ray[ring]).collect())

@@ -5,11 +5,9 @@
 use geodesic::frame::Frame;
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Trace, TraceError};
+use geometry::{Knot, Manifold, Start, knots_at};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
-
-use crate::geodesics::{Knot, Start, along};
-use crate::ground::Ground;
 
 /// Points for each zoom that is walked.
 const POINTS: f64 = 48.0;
@@ -45,11 +43,11 @@ impl Trail {
     /// Those of [`Frame::advance`]; the trail is then as it was.
     pub fn walk(
         &mut self,
-        ground: &Ground,
+        manifold: &Manifold,
         frame: &Frame,
         step: [f64; 2],
     ) -> Result<(Frame, Trace), TraceError> {
-        let surface = ground.surface();
+        let surface = manifold.surface();
         let (moved, trace) = frame.advance(surface, step, &Options::default())?;
         let share = step[0].hypot(step[1]);
         if share > 0.0 {
@@ -58,7 +56,7 @@ impl Trail {
             let lengths: Vec<f64> = (1..pieces)
                 .map(|k| trace.length * f64::from(k) / f64::from(pieces))
                 .collect();
-            let knots = along(surface, &Start::Frame(frame, step), &lengths);
+            let knots = knots_at(surface, &Start::Frame(frame, step), &lengths);
             self.points
                 .extend(knots.into_iter().flatten().map(|k| k.uv));
             self.points.push(trace.uv);
@@ -89,8 +87,8 @@ pub(super) fn in_space(
 ) -> Option<Vec<Option<Knot>>> {
     let object = scene.objects.get(trail.surface.0 as usize)?;
     let uniforms = settings.first_instance(scene, object);
-    let ground = Ground::new(scene, trail.surface, &uniforms).ok()?;
-    let surface: &dyn Surface = ground.surface();
+    let manifold = Manifold::new(scene, trail.surface, &uniforms).ok()?;
+    let surface: &dyn Surface = manifold.surface();
     surface.is_embedded().then(|| {
         let knot = |&uv: &[f64; 2]| {
             let position = surface.jet(uv).position;

@@ -8,13 +8,13 @@ mod table;
 pub(super) use lay::Lines;
 
 use geodesic::surface::Side;
+use geometry::{GeodesicSegment, MAX_POINTS};
 use scene::InitialConditionsEvaluator;
 use scene::ParamValues;
 use scene::{ObjectId, Scene, Shape};
 
 use super::{Trail, ink};
 use crate::geodesic_view::Inside;
-use crate::geodesics::{Line, MAX_POINTS};
 use crate::request::Request;
 
 /// The most pieces of one line.
@@ -86,7 +86,7 @@ pub(super) fn lines(
                 continue;
             }
             match launcher.evaluate(&uniforms) {
-                Ok(launch) => lines.push(Line {
+                Ok(launch) => lines.push(GeodesicSegment {
                     start: launch.start,
                     direction: launch.direction,
                     lengths,

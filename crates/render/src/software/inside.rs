@@ -1,5 +1,6 @@
 //! The geodesic view on the CPU: the map by crate `geodesic`, the colours by [`crate::geodesic_view`].
 
+use geometry::ManifoldError;
 use scene::ParamValues;
 use scene::{Scene, Shape};
 
@@ -23,7 +24,7 @@ pub(super) fn render(
 /// Colours what a camera sees; what that takes is added to the tally.
 ///
 /// # Errors
-/// [`RenderError::NoSurface`].
+/// [`RenderError::Manifold`].
 pub(crate) fn paint(
     scene: &Scene,
     settings: &ParamValues,
@@ -33,7 +34,7 @@ pub(crate) fn paint(
     tally: &Tally,
 ) -> Result<Picture, RenderError> {
     let View::Geodesic { surface, .. } = request.view else {
-        return Err(RenderError::NoSurface { name: None });
+        return Err(ManifoldError::NoSurface { name: None }.into());
     };
     let shape: &Shape = &scene.objects[surface.0 as usize].shape;
     let texture = request.texture(surface);

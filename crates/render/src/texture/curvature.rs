@@ -8,12 +8,12 @@ use std::sync::Arc;
 
 use geodesic::metric::{Metric, gaussian_curvature};
 use geodesic::surface::{Jet, JetBlock, LANES, Lanes, Surface};
+use geometry::{Manifold, ManifoldError};
 use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
 use super::{Level, Texture};
-use crate::ground::Ground;
 use crate::request::RenderError;
 use crate::style::encode;
 
@@ -41,16 +41,16 @@ impl Texture {
     /// It holds for these settings only.
     ///
     /// # Errors
-    /// [`RenderError::NoSurface`], [`RenderError::TooLarge`].
+    /// [`RenderError::Manifold`].
     pub fn curvature(
         scene: &Scene,
         settings: &ParamValues,
         surface: ObjectId,
     ) -> Result<Arc<Self>, RenderError> {
         let object = scene.objects.get(surface.0 as usize);
-        let object = object.ok_or(RenderError::NoSurface { name: None })?;
+        let object = object.ok_or(ManifoldError::NoSurface { name: None })?;
         let uniforms = settings.first_instance(scene, object);
-        let ground = Ground::new(scene, surface, &uniforms)?;
+        let ground = Manifold::new(scene, surface, &uniforms)?;
         Ok(Arc::new(of_surface(ground.surface())))
     }
 

@@ -4,6 +4,7 @@
 use geodesic::ends::Coordinates;
 use geodesic::map::Map;
 use geodesic::patchwork::table::code_of;
+use geometry::ManifoldError;
 use scene::ParamValues;
 use scene::{ObjectId, Scene, Shape};
 use wgsl::Kernel;
@@ -29,7 +30,7 @@ pub(crate) fn map(
     request: &Request,
 ) -> Result<Option<Map>, RenderError> {
     let View::Geodesic { surface, .. } = request.view else {
-        return Err(RenderError::NoSurface { name: None });
+        return Err(ManifoldError::NoSurface { name: None }.into());
     };
     let inside = geodesic_view::Inside::new(scene, settings, request)?;
     let chart = Chart::of(&inside);
@@ -58,7 +59,7 @@ pub(super) fn kernel_source(
     inside: &geodesic_view::Inside,
 ) -> Result<Option<MapSource>, RenderError> {
     let Shape::Surface { position, .. } = &scene.objects[surface.0 as usize].shape else {
-        return Err(RenderError::NoSurface { name: None });
+        return Err(ManifoldError::NoSurface { name: None }.into());
     };
     if inside.frame.coordinates != Coordinates::Plain {
         return Ok(None);

@@ -13,7 +13,6 @@ mod excerpt;
 pub(crate) mod json;
 
 use std::fmt::Write;
-use std::io::IsTerminal;
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 use syntax::diagnostic::{Diagnostic, Severity};
@@ -22,6 +21,7 @@ use syntax::span::Span;
 
 use crate::number;
 use crate::source::Source;
+use crate::style::Palette;
 use excerpt::Excerpt;
 
 /// How many diagnostics of a file are shown with their source.
@@ -33,84 +33,16 @@ const LONGEST_SENTENCE: usize = 400;
 /// The width that snippets are trimmed to.
 const WIDTH: usize = 110;
 
-/// With or without colours.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Style {
-    colour: bool,
-}
-
-impl Style {
-    /// For standard output: colours on a terminal, unless `NO_COLOR` is set.
-    pub(crate) fn of_stdout() -> Self {
-        Self::of(std::io::stdout().is_terminal())
-    }
-
-    /// For standard error: colours on a terminal, unless `NO_COLOR` is set.
-    pub(crate) fn of_stderr() -> Self {
-        Self::of(std::io::stderr().is_terminal())
-    }
-
-    /// Without colours.
-    #[cfg(test)]
-    pub(crate) fn plain() -> Self {
-        Self { colour: false }
-    }
-
-    /// The word of an error.
-    pub(crate) fn error(self, text: &str) -> String {
-        self.paint("1;31", text)
-    }
-
-    /// The word of a warning.
-    pub(crate) fn warning(self, text: &str) -> String {
-        self.paint("1;33", text)
-    }
-
-    /// The word of an advice.
-    pub(crate) fn help(self, text: &str) -> String {
-        self.paint("1;36", text)
-    }
-
-    /// What is to be read first.
-    pub(crate) fn strong(self, text: &str) -> String {
-        self.paint("1", text)
-    }
-
-    fn of(terminal: bool) -> Self {
-        let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-        let dumb = std::env::var_os("TERM").is_some_and(|value| value == "dumb");
-        Self {
-            colour: terminal && !dumb && !set("NO_COLOR"),
-        }
-    }
-
-    fn paint(self, code: &str, text: &str) -> String {
-        if self.colour {
-            format!("\x1b[{code}m{text}\x1b[0m")
-        } else {
-            text.into()
-        }
-    }
-
-    fn renderer(self) -> Renderer {
-        if self.colour {
-            Renderer::styled().term_width(WIDTH)
-        } else {
-            Renderer::plain().term_width(WIDTH)
-        }
-    }
-}
-
 /// How many diagnostics of each severity there are.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
-pub(crate) struct Tally {
+pub(crate) struct SeverityCounts {
     /// Errors.
     pub(crate) errors: usize,
     /// Warnings.
     pub(crate) warnings: usize,
 }
 
-impl Tally {
+impl SeverityCounts {
     /// Counts.
     pub(crate) fn of(diagnostics: &[Diagnostic]) -> Self {
         let of = |severity| {
@@ -151,12 +83,12 @@ impl Tally {
 }
 
 /// The diagnostics of one text, in their order.
-pub(crate) fn text(source: &Source, diagnostics: &[Diagnostic], style: Style) -> String {
+pub(crate) fn text(source: &Source, diagnostics: &[Diagnostic], palette: Palette) -> String {
     let page = Page {
         source,
         lines: source.lines(),
-        renderer: style.renderer(),
-        style,
+        renderer: palette.renderer().term_width(WIDTH),
+        palette,
     };
     let mut text = String::new();
     for (index, diagnostic) in diagnostics.iter().take(SHOWN).enumerate() {
@@ -176,7 +108,7 @@ pub(crate) fn text(source: &Source, diagnostics: &[Diagnostic], style: Style) ->
             let _ = writeln!(
                 text,
                 "{}: {}",
-                style.help("note"),
+                palette.help("note"),
                 readable(&related.message)
             );
             page.snippet(&mut text, related.span, Level::NOTE, None);
@@ -199,7 +131,7 @@ struct Page<'a> {
     source: &'a Source,
     lines: LineIndex<'a>,
     renderer: Renderer,
-    style: Style,
+    palette: Palette,
 }
 
 impl Page<'_> {
@@ -207,7 +139,7 @@ impl Page<'_> {
     fn place(&self, text: &mut String, span: Span) {
         let start = self.lines.position(span.start);
         let place = format!("{}:{}:{}:", self.source.name, start.line, start.column);
-        let _ = write!(text, "{} ", self.style.strong(&place));
+        let _ = write!(text, "{} ", self.palette.strong(&place));
     }
 
     /// `file:line:column: error[code]: sentence`
@@ -219,11 +151,11 @@ impl Page<'_> {
             diagnostic.code.0
         );
         let word = match diagnostic.severity {
-            Severity::Error => self.style.error(&word),
-            Severity::Warning => self.style.warning(&word),
-            Severity::Hint => self.style.help(&word),
+            Severity::Error => self.palette.error(&word),
+            Severity::Warning => self.palette.warning(&word),
+            Severity::Hint => self.palette.help(&word),
         };
-        let sentence = self.style.strong(&readable(&diagnostic.message));
+        let sentence = self.palette.strong(&readable(&diagnostic.message));
         let _ = writeln!(text, "{word}: {sentence}");
     }
 
@@ -311,7 +243,7 @@ a.gtr:1:1: note: see here
   | ^^^
 
 ";
-        assert_eq!(text(&source, &[diagnostic], Style::plain()), expected);
+        assert_eq!(text(&source, &[diagnostic], Palette::plain()), expected);
     }
 
     #[test]
@@ -333,7 +265,7 @@ a.gtr:1:1: note: see here
             for &start in &ends {
                 for &end in ends.iter().filter(|end| **end >= start) {
                     let span = Span::new(start as u32, end as u32);
-                    let shown = text(&source, &[error(span, "wrong")], Style::plain());
+                    let shown = text(&source, &[error(span, "wrong")], Palette::plain());
                     assert!(
                         shown.contains("error[undefined-name]: wrong\n"),
                         "{sample:?} {span:?}"
@@ -360,7 +292,7 @@ a.gtr:1:1: note: see here
             let shown = text(
                 &source,
                 &[error(Span::new(start, end), &line)],
-                Style::plain(),
+                Palette::plain(),
             );
             let widest = shown.lines().skip(1).map(|line| line.chars().count()).max();
             assert!(widest < Some(130), "{shown}");
@@ -372,7 +304,7 @@ a.gtr:1:1: note: see here
     fn a_flood_is_capped_and_counted() {
         let source = source("x\n");
         let diagnostics = vec![error(Span::new(0, 1), "wrong"); 5000];
-        let shown = text(&source, &diagnostics, Style::plain());
+        let shown = text(&source, &diagnostics, Palette::plain());
         assert_eq!(shown.matches("error[undefined-name]").count(), SHOWN);
         assert_eq!(shown.matches('^').count(), WITH_SNIPPET);
         assert!(shown.contains("… and 4,000 more in a.gtr"), "{shown}");
@@ -382,17 +314,17 @@ a.gtr:1:1: note: see here
     fn colours_come_only_when_asked_for() {
         let source = source("x\n");
         let diagnostics = [error(Span::new(0, 1), "wrong")];
-        assert!(!text(&source, &diagnostics, Style::plain()).contains('\u{1b}'));
-        assert!(text(&source, &diagnostics, Style { colour: true }).contains("\u{1b}[1;31m"));
+        assert!(!text(&source, &diagnostics, Palette::plain()).contains('\u{1b}'));
+        assert!(text(&source, &diagnostics, Palette::coloured()).contains("\u{1b}[1m\u{1b}[31m"));
     }
 
     #[test]
-    fn tallies_read_as_a_phrase() {
-        assert_eq!(Tally::default().text(), "no errors");
-        let tally = Tally {
+    fn counts_read_as_a_phrase() {
+        assert_eq!(SeverityCounts::default().text(), "no errors");
+        let counts = SeverityCounts {
             errors: 1,
             warnings: 2,
         };
-        assert_eq!(tally.text(), "1 error, 2 warnings");
+        assert_eq!(counts.text(), "1 error, 2 warnings");
     }
 }

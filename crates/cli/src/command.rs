@@ -13,7 +13,7 @@ mod render;
 mod show;
 mod trace;
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{Parser, Subcommand};
 
 use crate::failure::Failure;
 
@@ -58,16 +58,6 @@ enum Command {
     Accuracy(accuracy::Arguments),
     Format(format::Arguments),
     Lsp(lsp::Arguments),
-}
-
-/// For whom the result is printed.
-#[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
-pub(crate) enum Format {
-    /// For people.
-    #[default]
-    Human,
-    /// One JSON document on standard output.
-    Json,
 }
 
 /// Runs the command that the arguments name.

@@ -21,8 +21,7 @@ use serde::Serialize;
 
 use self::measure::{Measured, STATUSES, Threads, View};
 use self::method::{Kind, SERIES, STEPS, Setting};
-use super::Format;
-use crate::argument::{self, Assignment, Size};
+use crate::argument::{self, Assignment, Format, Size};
 use crate::failure::Failure;
 use crate::output::{self, Target};
 use crate::program::Program;

@@ -1,39 +1,39 @@
 //! A scene's objects as files for other programs: meshes, lines and points, in the scene's own units.
 //!
 //! ```text
-//! Scene + ParamValues + Request ──mesh.rs: surfaces as welded triangles ─┬─▶ Model ──obj.rs, ply.rs, stl.rs, gltf.rs──▶ bytes
+//! Scene + ParamValues + Request ──weld.rs: surfaces as welded triangles ─┬─▶ Model ──obj.rs, ply.rs, stl.rs, gltf.rs──▶ bytes
 //!                              curves, geodesics, vectors, points ────┘
 //! ```
 //!
-//! Places are taken in f64, not from the samples that are drawn, and keep as many digits as a format holds: all of them
-//! in OBJ and PLY, those of single precision in STL and glTF. What a picture leaves open, a file leaves open too.
+//! Positions are evaluated in f64, not taken from the samples that are drawn, and keep as many digits as a format holds:
+//! all of them in OBJ and PLY, those of single precision in STL and glTF. A file leaves open what a picture leaves open.
+//!
+//! No library serves for the model: those for meshes have no surface that is welded where its samples coincide.
 
 mod gltf;
-mod mesh;
 mod obj;
 mod ply;
 mod stl;
+mod weld;
 
-pub use mesh::{Mesh, Vertex};
+pub use weld::{Mesh, Vertex};
 
 use std::fmt;
 use std::io::{self, Write};
 use std::sync::Arc;
 
-use expr::NodeId;
-use expr::tape::Tape;
+use geometry::follow_declared;
+use render::Request;
+use render::bounds::{Bounds, Placement};
+use render::sample::{Samples, positions, sample_with_notes};
+use render::style;
+use render::texture::Texture;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene, Shape};
 
-use crate::bounds::{Bounds, Placement};
-use crate::geodesics;
-use crate::request::Request;
-use crate::sample::{Resolution, Sampler, Samples, sample_with_notes};
-use crate::texture::Texture;
-
 /// A file format.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub enum Format {
+pub enum MeshFormat {
     /// Wavefront OBJ: text; an object for each name, with normals and texture coordinates; lines and points.
     Obj,
     /// Stanford PLY, binary, little endian: f64 places, normals, colours of the picture at the vertices; edges.
@@ -42,16 +42,16 @@ pub enum Format {
     Stl,
     /// glTF 2.0 as one JSON file with everything in it: materials, images, lines and points.
     Gltf,
-    /// The same, binary.
+    /// glTF 2.0 as one binary file.
     Glb,
 }
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Clone, Debug, Default)]
 pub struct Model {
     /// The objects, in the order of the scene; those of which nothing is defined are absent.
     pub parts: Vec<Part>,
-    /// What a reader of the file should know: sentences such as "`s` is undefined at 3 of its 100 samples and is left
+    /// Sentences for the user, such as "`s` is undefined at 3 of its 100 samples and is left
     /// open there".
     pub notes: Vec<String>,
 }
@@ -63,7 +63,7 @@ pub struct Part {
     pub object: ObjectId,
     /// Its name.
     pub name: String,
-    /// sRGB; multiplies the texture.
+    /// Its colour, sRGB; multiplies the texture.
     pub colour: [u8; 3],
     /// Its shape.
     pub geometry: Geometry,
@@ -83,33 +83,33 @@ pub enum Geometry {
 /// Polylines.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lines {
-    /// Places.
+    /// Points in space.
     pub places: Vec<[f64; 3]>,
     /// Indices into the places, at least two for each line; a closed line ends with its first place.
     pub strips: Vec<Vec<u32>>,
 }
 
-/// Why there is no file.
+/// Why a file could not be made.
 #[derive(Debug)]
 pub enum ExportError {
-    /// Nothing of the scene, or of the objects asked for, has a place in such a file.
+    /// The format holds none of the objects.
     Nothing {
         /// The format.
-        format: Format,
-        /// The names of objects that are there and have no place in it.
+        format: MeshFormat,
+        /// The names of the objects that the format does not hold.
         left_out: Vec<String>,
     },
     /// The format cannot count so many vertices or bytes.
     TooLarge {
         /// The format.
-        format: Format,
+        format: MeshFormat,
     },
     /// The writer failed.
     Write(io::Error),
 }
 
-impl Format {
-    /// All of them.
+impl MeshFormat {
+    /// All formats.
     pub const ALL: [Self; 5] = [Self::Obj, Self::Ply, Self::Stl, Self::Gltf, Self::Glb];
 
     /// The format of a file name's extension, without its dot, in any case of letters.
@@ -131,7 +131,7 @@ impl Format {
         }
     }
 
-    /// What people call it.
+    /// The usual name, for sentences.
     pub fn name(self) -> &'static str {
         match self {
             Self::Obj => "OBJ",
@@ -142,8 +142,8 @@ impl Format {
     }
 }
 
-/// Builds what a file holds: of all objects that the request does not hide, or of those that are listed. Of the request,
-/// also the colours and the textures matter.
+/// Builds the content of a file from the objects that the request does not hide, or from those that are listed. The
+/// request also gives their colours and textures.
 pub fn model(
     scene: &Scene,
     settings: &ParamValues,
@@ -164,7 +164,7 @@ pub fn model(
             Part {
                 object: id,
                 name: object.name.clone(),
-                colour: own.map_or_else(|| crate::style::colour(&object.shape), |(_, c)| *c),
+                colour: own.map_or_else(|| style::colour(&object.shape), |(_, c)| *c),
                 geometry,
             }
         }));
@@ -173,12 +173,16 @@ pub fn model(
 }
 
 impl Model {
-    /// Writes a file. Gives the sentences that a reader of this format should be told.
+    /// Writes a file. Returns sentences for the user about what this format leaves out.
     ///
     /// # Errors
     /// See [`ExportError`].
-    pub fn write(&self, format: Format, out: &mut dyn Write) -> Result<Vec<String>, ExportError> {
-        let fits = |part: &&Part| format != Format::Stl || part.triangles() > 0;
+    pub fn write(
+        &self,
+        format: MeshFormat,
+        out: &mut dyn Write,
+    ) -> Result<Vec<String>, ExportError> {
+        let fits = |part: &&Part| format != MeshFormat::Stl || part.triangles() > 0;
         let left_out: Vec<String> = self
             .parts
             .iter()
@@ -194,11 +198,11 @@ impl Model {
             return Err(ExportError::TooLarge { format });
         }
         match format {
-            Format::Obj => obj::write(self, out)?,
-            Format::Ply => ply::write(self, out)?,
-            Format::Stl => stl::write(self, out)?,
-            Format::Gltf => gltf::write_text(self, out)?,
-            Format::Glb => gltf::write_binary(self, out)?,
+            MeshFormat::Obj => obj::write(self, out)?,
+            MeshFormat::Ply => ply::write(self, out)?,
+            MeshFormat::Stl => stl::write(self, out)?,
+            MeshFormat::Gltf => gltf::write_text(self, out)?,
+            MeshFormat::Glb => gltf::write_binary(self, out)?,
         }
         out.flush()?;
         Ok(if left_out.is_empty() {
@@ -214,7 +218,7 @@ impl Model {
 }
 
 impl Part {
-    /// How many triangles it has.
+    /// The number of triangles.
     pub fn triangles(&self) -> usize {
         match &self.geometry {
             Geometry::Surface(mesh, _) => mesh.triangles.len(),
@@ -222,7 +226,7 @@ impl Part {
         }
     }
 
-    /// How many vertices it has.
+    /// The number of vertices.
     pub fn vertices(&self) -> usize {
         match &self.geometry {
             Geometry::Surface(mesh, _) => mesh.vertices.len(),
@@ -233,10 +237,10 @@ impl Part {
 }
 
 impl Lines {
-    /// Adds a polyline; it is interrupted where a place is missing, and closed where its ends coincide.
+    /// Adds a polyline. A missing place interrupts it; coinciding ends close it.
     fn add(&mut self, places: &[Option<[f64; 3]>]) {
         let defined = places.iter().flatten();
-        let tolerance = mesh::tolerance(defined.copied());
+        let tolerance = weld::tolerance(defined.copied());
         let whole = places.iter().all(Option::is_some);
         let mut strip = Vec::new();
         for place in places {
@@ -250,7 +254,7 @@ impl Lines {
         }
         if let (true, [first, _, .., last]) = (whole, &mut strip[..]) {
             let ends = [*first, *last].map(|index| self.places[index as usize]);
-            if mesh::distance(ends[0], ends[1]) <= tolerance {
+            if weld::distance(ends[0], ends[1]) <= tolerance {
                 *last = *first;
                 self.places.pop();
             }
@@ -258,6 +262,7 @@ impl Lines {
         self.keep(strip);
     }
 
+    /// Adds a strip whose places are there already.
     fn keep(&mut self, strip: Vec<u32>) {
         match strip[..] {
             [] => {}
@@ -270,7 +275,7 @@ impl Lines {
     }
 }
 
-/// The shape of an object, if any of it is defined, and what should be told of it.
+/// The shape of an object, if any of it is defined, and sentences for the user.
 fn geometry(
     scene: &Scene,
     settings: &ParamValues,
@@ -282,14 +287,14 @@ fn geometry(
     let (samples, notes) = sample_with_notes(scene, settings, id, placement);
     let geometry = match (&object.shape, &samples) {
         (Shape::Point { position }, Samples::Points(samples)) => {
-            let places = places(scene, settings, object, position);
+            let places = positions(scene, settings, object, position);
             let defined = samples.iter().map(|sample| sample.defined != 0.0);
             let kept = places.into_iter().zip(defined).filter(|(_, kept)| *kept);
             Geometry::Points(kept.map(|(place, _)| place).collect())
         }
         (Shape::Vector { direction, origin }, Samples::Vectors(samples)) => {
-            let origins = places(scene, settings, object, origin);
-            let directions = places(scene, settings, object, direction);
+            let origins = positions(scene, settings, object, origin);
+            let directions = positions(scene, settings, object, direction);
             let mut lines = Lines::default();
             for ((from, by), sample) in origins.iter().zip(&directions).zip(samples) {
                 if sample.defined != 0.0 {
@@ -300,7 +305,7 @@ fn geometry(
             Geometry::Lines(lines)
         }
         (Shape::Curve { position, .. }, Samples::Curves { count, samples }) => {
-            let places = places(scene, settings, object, position);
+            let places = positions(scene, settings, object, position);
             let mut lines = Lines::default();
             let count = *count as usize;
             for (places, samples) in places.chunks(count).zip(samples.chunks(count)) {
@@ -312,14 +317,14 @@ fn geometry(
         }
         (Shape::Geodesic { .. }, Samples::Curves { .. }) => {
             let mut lines = Lines::default();
-            for line in &geodesics::declared(scene, settings, id).lines {
+            for line in &follow_declared(scene, settings, id).lines {
                 let line = line.iter().map(|knot| knot.and_then(|knot| knot.position));
                 lines.add(&line.collect::<Vec<_>>());
             }
             Geometry::Lines(lines)
         }
         (Shape::Surface { position, .. }, Samples::Surfaces { count, samples }) => {
-            let places = places(scene, settings, object, position);
+            let places = positions(scene, settings, object, position);
             let mut mesh = Mesh::default();
             let size = count[0] as usize * count[1] as usize;
             for (places, samples) in places.chunks(size).zip(samples.chunks(size)) {
@@ -335,18 +340,6 @@ fn geometry(
         Geometry::Points(places) => !places.is_empty(),
     };
     (some.then_some(geometry), notes)
-}
-
-/// The places of all samples of all instances.
-fn places(
-    scene: &Scene,
-    settings: &ParamValues,
-    object: &Object,
-    position: &[NodeId; 3],
-) -> Vec<[f64; 3]> {
-    let tape = Tape::new(&scene.graph, position);
-    let sampler = Sampler::new(scene, settings, object, tape, Resolution::Full);
-    sampler.map(|_, out: &[f64; 3]| *out)
 }
 
 fn listed(names: &[String]) -> String {

@@ -1,4 +1,4 @@
-//! Binary STL: triangles with their normals, in single precision.
+//! Binary STL by the crate `stl_io`: triangles with their normals, in single precision.
 
 use std::io::{self, Write};
 
@@ -6,7 +6,7 @@ use stl_io::{Normal, Triangle, Vertex};
 
 use super::{Geometry, Mesh, Model};
 
-/// Writes the triangles of all surfaces, but for those whose corners single precision cannot tell apart.
+/// Writes the triangles of all surfaces, except those whose corners coincide in single precision.
 pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     let meshes = || {
         model.parts.iter().filter_map(|part| match &part.geometry {
@@ -18,7 +18,7 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
         || meshes().flat_map(|mesh| mesh.triangles.iter().filter_map(|&t| facet(mesh, t)));
     let count = triangles().count();
     let mut rest = triangles();
-    // The writer must know the number beforehand, and as many follow.
+    // The writer asks for the exact number of triangles before it writes the first.
     let counted = (0..count).map(|_| {
         rest.next().unwrap_or(Triangle {
             normal: Normal::new([0.0; 3]),

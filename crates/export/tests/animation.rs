@@ -4,13 +4,13 @@ mod scenes;
 
 use std::io::Cursor;
 
+use export::animation::{AnimationFormat, Change, Clip, Recorder, Script, ScriptError};
 use gif::ColorOutput;
 use glam::DVec3;
 use image::{AnimationDecoder, Rgba, RgbaImage};
 use render::bounds::Bounds;
 use render::camera::Camera;
 use render::geodesic_view::Inside;
-use render::record::{Change, Clip, Format, Recorder, Script, ScriptError};
 use render::{Request, View};
 use scene::ObjectId;
 use scene::ParamValues;
@@ -32,7 +32,7 @@ fn pictures(count: u8) -> Vec<RgbaImage> {
         .collect()
 }
 
-fn recorded(format: Format, pictures: &[RgbaImage], rate: f64) -> Vec<u8> {
+fn recorded(format: AnimationFormat, pictures: &[RgbaImage], rate: f64) -> Vec<u8> {
     let mut bytes = Vec::new();
     let clip = Clip {
         frames: pictures.len() as u32,
@@ -50,7 +50,7 @@ fn recorded(format: Format, pictures: &[RgbaImage], rate: f64) -> Vec<u8> {
 #[test]
 fn animated_png_gives_back_every_pixel_and_repeats() {
     let pictures = pictures(7);
-    let bytes = recorded(Format::Apng, &pictures, 30.0);
+    let bytes = recorded(AnimationFormat::Apng, &pictures, 30.0);
     let decoder = image::codecs::png::PngDecoder::new(Cursor::new(&bytes)).expect("a PNG");
     assert!(decoder.is_apng().expect("a header"));
     let frames = decoder.apng().expect("animated").into_frames();
@@ -68,7 +68,7 @@ fn animated_png_gives_back_every_pixel_and_repeats() {
 #[test]
 fn gif_keeps_time_transparency_and_nearly_the_colours() {
     let pictures = pictures(9);
-    let bytes = recorded(Format::Gif, &pictures, 30.0);
+    let bytes = recorded(AnimationFormat::Gif, &pictures, 30.0);
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(ColorOutput::RGBA);
     let mut decoder = options.read_info(&bytes[..]).expect("a GIF");
@@ -108,7 +108,7 @@ fn a_gif_of_few_colours_has_them_exactly() {
     let picture = RgbaImage::from_fn(30, 30, |x, y| {
         Rgba([8 * x as u8, 0, 50 * (y as u8 / 6), 255])
     });
-    let bytes = recorded(Format::Gif, std::slice::from_ref(&picture), 10.0);
+    let bytes = recorded(AnimationFormat::Gif, std::slice::from_ref(&picture), 10.0);
     let decoded = image::load_from_memory(&bytes).expect("a GIF").into_rgba8();
     assert_eq!(decoded, picture);
 }
@@ -120,7 +120,7 @@ fn too_few_or_other_pictures_are_no_animation() {
         size: [4, 4],
         rate: 10.0,
     };
-    for format in [Format::Gif, Format::Apng] {
+    for format in [AnimationFormat::Gif, AnimationFormat::Apng] {
         let mut recorder = Recorder::new(format, clip, Vec::new()).expect("a recorder");
         assert!(recorder.add(&RgbaImage::new(5, 4)).is_err());
         recorder.add(&RgbaImage::new(4, 4)).expect("a picture");
@@ -145,14 +145,14 @@ fn params_run_from_one_end_to_the_other() {
     let values = (0..5).map(|frame| {
         let share = Script::share(frame, 5);
         let (settings, _) = script
-            .at(&scene, &settings, &request, share)
+            .frame_at(&scene, &settings, &request, share)
             .expect("settings");
         settings.param(&scene.params[0])[0]
     });
     assert_eq!(values.collect::<Vec<_>>(), [3.0, 2.5, 2.0, 1.5, 1.0]);
     let mut wrong = script.clone();
     wrong.changes[0].to = vec![9.0];
-    let refused = wrong.at(&scene, &settings, &request, 1.0);
+    let refused = wrong.frame_at(&scene, &settings, &request, 1.0);
     assert!(matches!(refused, Err(ScriptError::Set(_))), "{refused:?}");
 }
 
@@ -213,8 +213,12 @@ fn a_walk_round_a_great_circle_comes_back_with_its_length() {
             .frame
     };
     let start = frame(&request);
-    let (_, half) = script.at(&scene, &settings, &request, 0.5).expect("a walk");
-    let (_, whole) = script.at(&scene, &settings, &request, 1.0).expect("a walk");
+    let (_, half) = script
+        .frame_at(&scene, &settings, &request, 0.5)
+        .expect("a walk");
+    let (_, whole) = script
+        .frame_at(&scene, &settings, &request, 1.0)
+        .expect("a walk");
     let middle = frame(&half).uv;
     assert!(
         (middle[1] - (std::f64::consts::PI - 1.2)).abs() < 1e-7,

@@ -1,4 +1,4 @@
-//! Surfaces as triangles that hang together: a grid of samples flows in, welded triangles flow out.
+//! Surfaces as connected triangles: a grid of samples flows in, welded triangles flow out.
 //!
 //! Samples become one place where they coincide: at sides that are glued, at poles, where a parameter line has no
 //! length. Vertices, which carry normals and texture coordinates, stay apart at such seams. A surface may run through
@@ -8,19 +8,19 @@ use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
-use crate::sample::SurfaceSample;
+use render::sample::SurfaceSample;
 
-/// Places coincide if they are no further apart than this share of the surface's extent.
+/// Two places coincide if their distance is at most this share of the surface's extent.
 const COINCIDE: f64 = 1e-9;
-/// A triangle whose height is at most this share of its longest side is no triangle.
+/// A triangle whose height is at most this share of its longest side is left out.
 const FLAT: f64 = 1e-12;
 
 /// Triangles, in the scene's units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Places, each at most once for an instance.
+    /// Points in space, each at most once for an instance.
     pub places: Vec<[f64; 3]>,
-    /// Corners of triangles.
+    /// The corners of the triangles.
     pub vertices: Vec<Vertex>,
     /// Indices into the vertices. Seen from where the normals point to, triangles run counterclockwise; those of a
     /// closed surface are seen so from outside.
@@ -32,9 +32,9 @@ pub struct Mesh {
 pub struct Vertex {
     /// An index into the places.
     pub place: u32,
-    /// A unit vector.
+    /// The unit normal.
     pub normal: [f32; 3],
-    /// (0, 0) at u min and v min, (1, 1) at u max and v max.
+    /// The texture coordinates: (0, 0) at u min and v min, (1, 1) at u max and v max.
     pub uv: [f32; 2],
 }
 
@@ -98,7 +98,7 @@ impl Mesh {
         normal.normalize_or_zero().as_vec3().to_array()
     }
 
-    /// Gives vertices without a normal that of the triangles around them.
+    /// Gives each vertex without a normal the mean normal of the triangles around it.
     fn complete_normals(&mut self, first_vertex: usize, first_triangle: usize) {
         let missing = |vertex: &Vertex| vertex.normal == [0.0; 3];
         if !self.vertices[first_vertex..].iter().any(missing) {
@@ -119,7 +119,7 @@ impl Mesh {
     }
 }
 
-/// How far apart places may be that count as one.
+/// The greatest distance at which two of these places coincide.
 pub(super) fn tolerance(places: impl Iterator<Item = [f64; 3]>) -> f64 {
     let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
     for place in places.map(DVec3::from) {
@@ -127,7 +127,7 @@ pub(super) fn tolerance(places: impl Iterator<Item = [f64; 3]>) -> f64 {
     }
     let extent = (high - low).max_element().max(0.0);
     let farthest = low.abs().max(high.abs()).max_element();
-    // Far from zero, the places' own rounding is more.
+    // Far from zero, the rounding of the coordinates exceeds that share.
     let rounding = 8.0 * f64::EPSILON * farthest;
     let all = COINCIDE * extent + rounding;
     if all.is_finite() { all } else { 0.0 }
@@ -149,7 +149,7 @@ struct Grid<'a> {
 
 impl<'a> Grid<'a> {
     fn new(count: [u32; 2], places: &'a [[f64; 3]], samples: &[SurfaceSample]) -> Self {
-        // What single precision cannot hold is left open in all formats alike.
+        // Every format leaves open what single precision cannot hold, so that all formats agree.
         let held = |place: &[f64; 3]| place.iter().all(|x| x.abs() < f64::from(f32::MAX));
         let both = places.iter().zip(samples);
         let mut grid = Self {
@@ -164,7 +164,7 @@ impl<'a> Grid<'a> {
         grid
     }
 
-    /// Finds the samples that coincide.
+    /// Joins samples that coincide: neighbours in the grid, and samples of its border.
     fn weld(&mut self) {
         let [columns, rows] = self.size;
         let defined = self.places.iter().zip(&self.defined);
@@ -189,7 +189,8 @@ impl<'a> Grid<'a> {
         }
     }
 
-    /// Joins samples of the border that coincide, wherever they are on it.
+    /// Joins samples of the border that coincide, wherever they lie on it. Cells of twice the tolerance hold the samples
+    /// that are known, so that a sample is compared with those of 27 cells and not with the whole border.
     fn weld_border(&mut self, tolerance: f64) {
         let [columns, rows] = self.size;
         let edge = |index: usize| {
@@ -217,7 +218,8 @@ impl<'a> Grid<'a> {
                     }
                 }
             }
-            // A pole's many samples need not all be compared with each other.
+            // One sample stands for all that coincide in a cell: otherwise the samples of a pole would be compared pair
+            // by pair.
             if !joined {
                 cells
                     .entry(cell(place, [0; 3]))
@@ -243,7 +245,7 @@ impl<'a> Grid<'a> {
         [[a, b, c], [a, c, d]]
     }
 
-    /// Whether all corners are defined, and the triangle has an area unless corners coincide.
+    /// Reports whether all corners are defined and the triangle has an area, or corners that coincide.
     fn is_there(&self, triangle: [usize; 3]) -> bool {
         triangle.iter().all(|&corner| self.defined[corner])
             && (self.is_collapsed(triangle) || self.has_area(triangle))
@@ -261,7 +263,7 @@ impl<'a> Grid<'a> {
         (p / longest).cross(q / longest).length() > FLAT
     }
 
-    /// Where a sample is, welded.
+    /// The place of a sample after welding.
     fn place(&self, index: usize) -> DVec3 {
         DVec3::from(self.places[self.class[index] as usize])
     }
@@ -276,7 +278,8 @@ impl<'a> Grid<'a> {
         (0..rows - 1).flat_map(move |j| (0..columns - 1).map(move |i| j * columns + i))
     }
 
-    /// Whether the surface is closed and its triangles are seen counterclockwise from inside.
+    /// Reports whether the surface is closed and its triangles run counterclockwise as seen from inside, by the sign of
+    /// the enclosed volume (the sum of the tetrahedra over its triangles).
     fn faces_inwards(&self, triangles: &[[usize; 3]]) -> bool {
         let Some(&[first, ..]) = triangles.first() else {
             return false;
@@ -292,7 +295,7 @@ impl<'a> Grid<'a> {
         triangles.iter().map(volume).sum::<f64>() < 0.0
     }
 
-    /// Whether the triangles have no boundary: every edge is run through as often one way as the other.
+    /// Reports whether the triangles have no boundary: each edge is passed equally often in both directions.
     fn is_closed(&self) -> bool {
         let [columns, rows] = self.size;
         let mut balance: HashMap<[u32; 2], i32> = HashMap::new();
@@ -340,7 +343,7 @@ impl<'a> Grid<'a> {
     }
 }
 
-/// The first of the samples that are joined with one.
+/// The representative of a sample's class in the union-find forest: the first of the samples that are joined with it.
 fn root(class: &mut [u32], mut index: usize) -> usize {
     while class[index] as usize != index {
         // Halving the path keeps long chains (a pole) cheap.

@@ -1,8 +1,5 @@
 //! `geotrace explain`: what is built for a program, what is left out, and what it costs.
 
-mod acceleration;
-mod unshared;
-
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -13,12 +10,11 @@ use scene::ParamValues;
 use scene::{Object, ObjectId, Scene, Shape};
 use serde::Serialize;
 
-use super::Format;
+use crate::argument::Format;
 use crate::failure::Failure;
-use crate::number::{self, count, grouped};
+use crate::number::{count, grouped};
 use crate::output;
 use crate::program::Program;
-use acceleration::Acceleration;
 
 /// Tell what is built for a program, what is left out, and what each part costs.
 ///
@@ -28,11 +24,7 @@ use acceleration::Acceleration;
 #[command(after_help = "\
 Examples:
   geotrace explain torus.gtr
-  geotrace explain circle.gtr --format json
-
-A geodesic is integrated from its acceleration. Its operations are counted in two forms: ours, where shared
-subexpressions are computed once, and the thesis' scheme, which writes E, F, G and their six derivatives
-out as trees: nothing shared, nothing simplified.")]
+  geotrace explain circle.gtr --format json")]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
@@ -49,7 +41,6 @@ struct Document {
     params: Vec<Dial>,
     grids: Vec<Dial>,
     views: Vec<ViewEntry>,
-    surfaces: Vec<SurfaceEntry>,
     intrinsic: Vec<IntrinsicEntry>,
 }
 
@@ -104,15 +95,6 @@ struct BuiltEntry {
     samplers: u32,
 }
 
-/// What one geodesic acceleration costs on a surface.
-#[derive(Serialize)]
-struct SurfaceEntry {
-    name: String,
-    kind: &'static str,
-    #[serde(flatten)]
-    acceleration: Option<Acceleration>,
-}
-
 /// A metric, or a geodesic on a surface or a metric: what its own expressions are.
 #[derive(Serialize)]
 struct IntrinsicEntry {
@@ -146,21 +128,10 @@ fn document(scene: &Scene) -> Document {
     // The size of a picture changes nothing of what is built for it.
     let size = [512, 512];
     let mut views = vec![view(scene, &settings, &Request::space(size))];
-    let mut surfaces = Vec::new();
-    for (id, object) in (0..).map(ObjectId).zip(&scene.objects) {
-        let acceleration = match &object.shape {
-            Shape::Surface { position, .. } => acceleration::count(&scene.graph, position),
-            Shape::Metric { components, .. } => {
-                acceleration::count_metric(&scene.graph, components)
-            }
-            _ => continue,
-        };
-        views.push(view(scene, &settings, &Request::geodesic(id, size)));
-        surfaces.push(SurfaceEntry {
-            name: object.name.clone(),
-            kind: kind(&object.shape),
-            acceleration,
-        });
+    for (id, object) in scene.numbered() {
+        if object.shape.manifold().is_some() {
+            views.push(view(scene, &settings, &Request::geodesic(id, size)));
+        }
     }
     let dial = |(name, uniforms): (&String, usize)| Dial {
         name: name.clone(),
@@ -176,7 +147,6 @@ fn document(scene: &Scene) -> Document {
         params: params.map(dial).collect(),
         grids: grids.map(dial).collect(),
         views,
-        surfaces,
         intrinsic: intrinsic(scene, &settings),
     }
 }
@@ -324,12 +294,6 @@ fn text(document: &Document, file: &str) -> String {
     for view in &document.views {
         view_text(&mut text, view);
     }
-    if !document.surfaces.is_empty() {
-        let _ = writeln!(text, "\nOperations for one geodesic acceleration");
-        for surface in &document.surfaces {
-            acceleration_text(&mut text, surface);
-        }
-    }
     if !document.intrinsic.is_empty() {
         let _ = writeln!(text, "\nInside surfaces");
         for entry in &document.intrinsic {
@@ -441,23 +405,4 @@ fn source_text(source: &str) -> &'static str {
         "kernel" => "a generated kernel",
         _ => "f64 blocks on the processor",
     }
-}
-
-fn acceleration_text(text: &mut String, surface: &SurfaceEntry) {
-    let _ = match &surface.acceleration {
-        Some(acceleration) => writeln!(
-            text,
-            "  {} {}: {} here, {} in the thesis' scheme ({} times as many)",
-            surface.kind,
-            surface.name,
-            grouped(acceleration.acceleration_operations),
-            grouped(acceleration.thesis_tree_operations),
-            number::show(acceleration.ratio().round()),
-        ),
-        None => writeln!(
-            text,
-            "  {} {}: its derivatives are too large to be written out",
-            surface.kind, surface.name
-        ),
-    };
 }

@@ -1,4 +1,4 @@
-//! Wavefront OBJ, by hand: no writer of it is kept up, and its lines are words and numbers.
+//! Wavefront OBJ. Written by hand: no writer of it is maintained, and its lines are words and numbers.
 
 use std::io::{self, Write};
 

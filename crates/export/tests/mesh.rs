@@ -5,11 +5,11 @@ mod scenes;
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
+use export::mesh::{ExportError, Geometry, MeshFormat, Model, model};
 use glam::DVec3;
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Ply, Property};
 use render::Request;
-use render::export::{ExportError, Format, Geometry, Model, model};
 use render::texture::Texture;
 use scene::ParamValues;
 use scenes::scene;
@@ -27,7 +27,7 @@ fn exported(source: &str) -> Model {
     model(&scene, &settings, &Request::space([1, 1]), None)
 }
 
-fn file(model: &Model, format: Format) -> Vec<u8> {
+fn file(model: &Model, format: MeshFormat) -> Vec<u8> {
     let mut bytes = Vec::new();
     model.write(format, &mut bytes).expect("a file");
     bytes
@@ -42,7 +42,7 @@ struct Solid {
 impl Solid {
     /// The objects of an OBJ file, by another program's reader.
     fn of_obj(model: &Model) -> Self {
-        let bytes = file(model, Format::Obj);
+        let bytes = file(model, MeshFormat::Obj);
         let options = tobj::LoadOptions {
             triangulate: false,
             ..tobj::LoadOptions::default()
@@ -64,7 +64,7 @@ impl Solid {
 
     /// A binary STL file by its specification: 80 bytes, a count, records of 50 bytes. Equal places are one.
     fn of_stl(model: &Model) -> Self {
-        let bytes = file(model, Format::Stl);
+        let bytes = file(model, MeshFormat::Stl);
         let count = u32::from_le_bytes(bytes[80..84].try_into().expect("four bytes")) as usize;
         assert_eq!(bytes.len(), 84 + 50 * count);
         let mut known: HashMap<[u32; 3], usize> = HashMap::new();
@@ -248,7 +248,7 @@ fn a_cone_through_its_tip_keeps_its_two_halves() {
 #[test]
 fn places_in_ply_are_exact_and_normals_unit() {
     let model = exported(&TORUS.replace('N', "12"));
-    let ply = read_ply(&file(&model, Format::Ply));
+    let ply = read_ply(&file(&model, MeshFormat::Ply));
     let Geometry::Surface(mesh, _) = &model.parts[0].geometry else {
         panic!("a surface")
     };
@@ -296,10 +296,10 @@ fn curves_vectors_and_points_have_their_places() {
     assert_eq!(lines(2).places, [[1.0, 2.0, 3.0], [1.0, 2.0, 5.0]]);
     // 1/t has no value at 0.
     assert_eq!(lines(3).strips, [[0, 1], [2, 3]]);
-    let obj = String::from_utf8(file(&model, Format::Obj)).expect("text");
+    let obj = String::from_utf8(file(&model, MeshFormat::Obj)).expect("text");
     let starting = |start: &str| obj.lines().filter(|line| line.starts_with(start)).count();
     assert_eq!(["o ", "l ", "p "].map(starting), [5, 4, 3]);
-    let ply = read_ply(&file(&model, Format::Ply));
+    let ply = read_ply(&file(&model, MeshFormat::Ply));
     assert_eq!(ply.payload["edge"].len(), 8 + 1 + 2);
     assert_eq!(ply.payload["vertex"].len(), 8 + 1 + 2 + 4 + 2);
 }
@@ -315,8 +315,8 @@ fn gltf_is_valid_and_holds_shape_and_image() {
     let source =
         SPHERE.replace('N', "17") + "curve c(t) = (3,t,0), t : [0,1,4]; point p = (0,0,3);";
     let model = exported(&source);
-    let text = file(&model, Format::Gltf);
-    let binary = gltf::Gltf::from_slice(&file(&model, Format::Glb)).expect("a valid file");
+    let text = file(&model, MeshFormat::Gltf);
+    let binary = gltf::Gltf::from_slice(&file(&model, MeshFormat::Glb)).expect("a valid file");
     let document = gltf::Gltf::from_slice(&text).expect("a valid file");
     let blob = binary.blob.clone().expect("data");
     let uri = match document.buffers().next().expect("a buffer").source() {
@@ -379,7 +379,7 @@ fn gltf_is_valid_and_holds_shape_and_image() {
 fn a_shape_far_from_zero_keeps_its_digits_in_gltf() {
     let source = SPHERE.replace('N', "17").replace("= 2", "= (1e7,0,0) + 2");
     let model = exported(&source);
-    let binary = gltf::Gltf::from_slice(&file(&model, Format::Glb)).expect("a valid file");
+    let binary = gltf::Gltf::from_slice(&file(&model, MeshFormat::Glb)).expect("a valid file");
     let blob = binary.blob.clone().expect("data");
     let mesh = binary.meshes().next().expect("a mesh");
     let primitive = mesh.primitives().next().expect("a primitive");
@@ -393,19 +393,21 @@ fn a_shape_far_from_zero_keeps_its_digits_in_gltf() {
 #[test]
 fn stl_without_a_surface_is_refused_and_lines_are_told() {
     let model = exported("curve c(t) = (t,t,t), t : [0,1];");
-    let refused = model.write(Format::Stl, &mut Vec::new());
+    let refused = model.write(MeshFormat::Stl, &mut Vec::new());
     assert!(
         matches!(refused, Err(ExportError::Nothing { ref left_out, .. }) if left_out == &["c"])
     );
     let model = exported(
         "curve c(t) = (t,t,t), t : [0,1]; surface s(u,v) = (u,v,0), u : [0,1], v : [0,1];",
     );
-    let told = model.write(Format::Stl, &mut Vec::new()).expect("a file");
+    let told = model
+        .write(MeshFormat::Stl, &mut Vec::new())
+        .expect("a file");
     assert_eq!(
         told,
         ["STL has no place for what is not a surface: `c` is left out"]
     );
-    let nothing = exported("param a : [0,1];").write(Format::Obj, &mut Vec::new());
+    let nothing = exported("param a : [0,1];").write(MeshFormat::Obj, &mut Vec::new());
     assert!(
         matches!(nothing, Err(ExportError::Nothing { ref left_out, .. }) if left_out.is_empty())
     );
@@ -427,12 +429,12 @@ fn every_example_can_be_exported_in_every_format() {
             continue;
         }
         let model = exported(&std::fs::read_to_string(&path).expect("an example"));
-        for format in Format::ALL {
+        for format in MeshFormat::ALL {
             match model.write(format, &mut std::io::sink()) {
                 Ok(_) => {}
                 // A metric has no shape, and STL has no lines.
                 Err(ExportError::Nothing { left_out, .. }) => {
-                    assert!(format == Format::Stl || left_out.is_empty(), "{path:?}");
+                    assert!(format == MeshFormat::Stl || left_out.is_empty(), "{path:?}");
                 }
                 Err(error) => panic!("{path:?}: {error}"),
             }

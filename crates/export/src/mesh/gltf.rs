@@ -1,7 +1,8 @@
-//! glTF 2.0, as JSON with its data inside, or binary.
+//! glTF 2.0, as JSON with embedded data, or binary. The crate `gltf` has the types of the JSON document and the binary
+//! container.
 //!
-//! glTF's y axis points up and the scene's z axis does: the root node turns the one into the other. Places are in single
-//! precision; of a scene that lies far from zero, the root node holds the shift, so that its shape keeps its digits.
+//! The y axis of glTF points up, and the z axis of a scene does: the root node turns one into the other. Places are in single
+//! precision; if a scene lies far from zero, the root node holds its offset, so that its shape keeps its digits.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -25,18 +26,18 @@ use gltf::json::{
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
-use super::{ExportError, Format, Geometry, Model, Part};
-use crate::style;
-use crate::texture::Texture;
+use super::{ExportError, Geometry, MeshFormat, Model, Part};
+use render::style;
+use render::texture::Texture;
 
-/// The scene is shifted if it is so many times further from zero than large.
+/// A scene is shifted if its distance from zero is more than this multiple of its size.
 const FAR: f64 = 64.0;
-/// How rough the surfaces are: the highlight is about that of the 3D view.
+/// The roughness of the surfaces, chosen so that the highlight is about that of the 3D view.
 const ROUGHNESS: f32 = 0.55;
 
-/// One JSON file, its buffer as a data URI.
+/// Writes one JSON file, with its buffer as a data URI.
 pub(super) fn write_text(model: &Model, out: &mut dyn Write) -> Result<(), ExportError> {
-    let mut document = Document::of(model, Format::Gltf)?;
+    let mut document = Document::of(model, MeshFormat::Gltf)?;
     let uri = format!(
         "data:application/octet-stream;base64,{}",
         BASE64.encode(&document.bytes)
@@ -47,15 +48,15 @@ pub(super) fn write_text(model: &Model, out: &mut dyn Write) -> Result<(), Expor
     Ok(out.flush()?)
 }
 
-/// One binary file.
+/// Writes one binary file.
 pub(super) fn write_binary(model: &Model, out: &mut dyn Write) -> Result<(), ExportError> {
-    let document = Document::of(model, Format::Glb)?;
+    let document = Document::of(model, MeshFormat::Glb)?;
     let json = document.root.to_vec().map_err(io::Error::from)?;
     // The header, and the chunks with theirs.
     let length = 12 + 8 + json.len().next_multiple_of(4) + 8 + document.bytes.len();
     let Ok(length) = u32::try_from(length) else {
         return Err(ExportError::TooLarge {
-            format: Format::Glb,
+            format: MeshFormat::Glb,
         });
     };
     let glb = Glb {
@@ -73,18 +74,18 @@ pub(super) fn write_binary(model: &Model, out: &mut dyn Write) -> Result<(), Exp
     })
 }
 
-/// The description and the data it describes.
+/// The JSON description and the binary data that it describes.
 struct Document {
     root: Root,
     bytes: Vec<u8>,
-    /// Textures by the images they are of.
+    /// The textures that were added, by their images.
     textures: Vec<(Arc<Texture>, Index<gltf::json::Texture>)>,
-    /// Taken from all places.
+    /// The offset that is subtracted from all places.
     shift: [f32; 3],
 }
 
 impl Document {
-    fn of(model: &Model, format: Format) -> Result<Self, ExportError> {
+    fn of(model: &Model, format: MeshFormat) -> Result<Self, ExportError> {
         let mut document = Self {
             root: Root::default(),
             bytes: Vec::new(),
@@ -207,7 +208,7 @@ impl Document {
         }))
     }
 
-    /// An image once, whatever number of surfaces shows it.
+    /// Adds an image, once for all surfaces that show it.
     fn texture(
         &mut self,
         texture: &Arc<Texture>,
@@ -255,7 +256,7 @@ impl Document {
         Ok(index)
     }
 
-    /// Places, with their bounds, which the format wants of them.
+    /// Adds places, with the bounds that the format requires.
     fn positions(&mut self, places: impl Iterator<Item = [f64; 3]>) -> Index<Accessor> {
         let shift = self.shift;
         let local = |place: [f64; 3]| -> [f32; 3] {
@@ -334,7 +335,7 @@ impl Document {
     }
 }
 
-/// The middle of all places, if they lie far from zero.
+/// The middle of all places if they lie far from zero, otherwise zero.
 fn shift(model: &Model) -> [f32; 3] {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for part in &model.parts {

@@ -1,7 +1,7 @@
-//! Animations: what changes from frame to frame, and files that hold many pictures.
+//! Animations: scripts of what changes from frame to frame, and files that hold many pictures.
 //!
 //! ```text
-//! Script + frame number ──▶ ParamValues, Request ──(drawn by whoever records)──▶ picture ──Recorder──▶ GIF, APNG
+//! Script + frame number ──▶ ParamValues, Request ──(drawn by the caller)──▶ picture ──Recorder──▶ GIF, APNG
 //! ```
 //!
 //! A recorder keeps one picture at a time, however many there are.
@@ -14,43 +14,42 @@ use std::path::{Path, PathBuf};
 
 use gif::Repeat;
 use image::RgbaImage;
+use render::bounds::Bounds;
+use render::camera::Camera;
+use render::geodesic_view::Inside;
+use render::overlay::Trail;
+use render::{Method, RenderError, Request, View};
 use scene::Scene;
 use scene::{ParamValues, SetError};
 
-use crate::bounds::Bounds;
-use crate::camera::Camera;
-use crate::geodesic_view::Inside;
-use crate::overlay::Trail;
-use crate::request::{Method, RenderError, Request, View};
-
-/// What changes while an animation runs.
+/// The changes of an animation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Script {
-    /// Params and grids that run from one value to another.
+    /// Params and grids that change from one value to another.
     pub changes: Vec<Change>,
-    /// How far the geodesic camera walks along its X, or backwards: that of a geodesic view, or the one that a 3D view
-    /// shows.
+    /// The distance that the geodesic camera moves along its X axis; negative is backwards. The camera is that of a
+    /// geodesic view, or the one that a 3D view shows.
     pub walk: Option<f64>,
-    /// Whether the walk leaves a trail.
+    /// Draws the path of the camera.
     pub trail: bool,
 }
 
-/// Pictures of an animation unless it says otherwise.
+/// The default number of pictures of an animation.
 pub const FRAMES: u32 = 60;
-/// Pictures a second unless it says otherwise.
+/// The default number of pictures a second.
 pub const RATE: f64 = 25.0;
 
-/// How many pictures of an animation a camera that stands still is placed by.
+/// The number of frames whose bounds place a fixed camera.
 const LOOKS: u32 = 9;
 
-/// A param or grid that runs from one value to another.
+/// A param or grid that changes from one value to another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Change {
     /// Its name.
     pub name: String,
-    /// At first: one number per component.
+    /// The first value: one number per component.
     pub from: Vec<f64>,
-    /// At last.
+    /// The last value.
     pub to: Vec<f64>,
 }
 
@@ -59,17 +58,17 @@ pub struct Change {
 pub enum ScriptError {
     /// A param or grid cannot have that value.
     Set(SetError),
-    /// The camera cannot stand or walk there.
+    /// The camera cannot be placed there, or cannot move there.
     Camera(RenderError),
 }
 
 impl Script {
-    /// What is drawn at a share of the animation: 0 at its start, 1 at its end. What the script does not change is
-    /// taken from `settings` and `request`.
+    /// Returns the settings and the request of a frame. `share` is the part of the animation that has passed: 0 at its
+    /// start, 1 at its end. The script leaves the rest of `settings` and `request` as it is.
     ///
     /// # Errors
     /// See [`ScriptError`].
-    pub fn at(
+    pub fn frame_at(
         &self,
         scene: &Scene,
         settings: &ParamValues,
@@ -79,7 +78,7 @@ impl Script {
         let (mut settings, mut request) = (settings.clone(), request.clone());
         for Change { name, from, to } in &self.changes {
             let between = |(from, to): (&f64, &f64)| {
-                // Both ends exactly.
+                // Rounding must not change the values at both ends.
                 if share <= 0.0 {
                     *from
                 } else if share >= 1.0 {
@@ -100,8 +99,8 @@ impl Script {
         Ok((settings, request))
     }
 
-    /// The request with a camera of the 3D view that stands still: where it is not told to stand, it sees all that the
-    /// animation shows. Other requests are left as they are.
+    /// Fixes the camera of a 3D view: where the request does not place it, it is placed so that it sees every frame of the
+    /// animation. Other requests stay as they are.
     ///
     /// # Errors
     /// See [`ScriptError`].
@@ -129,7 +128,8 @@ impl Script {
         };
         let mut cloud = Vec::new();
         for step in 0..LOOKS {
-            let (settings, _) = params.at(scene, settings, &plain, Self::share(step, LOOKS))?;
+            let (settings, _) =
+                params.frame_at(scene, settings, &plain, Self::share(step, LOOKS))?;
             let bounds = Bounds::shown(scene, &settings, &plain);
             let places = bounds.cloud.iter();
             cloud.extend(places.map(|&place| bounds.placement.world(place)));
@@ -143,7 +143,7 @@ impl Script {
         Ok(request)
     }
 
-    /// The share of the animation that the `frame`-th of `frames` pictures, counted from 0, shows.
+    /// The share of the animation at frame `frame` of `frames`, counted from 0.
     pub fn share(frame: u32, frames: u32) -> f64 {
         f64::from(frame) / f64::from(frames.saturating_sub(1).max(1))
     }
@@ -195,8 +195,8 @@ impl Script {
     }
 }
 
-/// The file of one of `frames` pictures that are numbered: `OUT-0001.png` for the frame 0 of `OUT.png`, with as many
-/// digits as the last one needs, at least four.
+/// The file of one frame in a sequence of `frames` pictures: `OUT-0001.png` for frame 0 of `OUT.png`, with as many
+/// digits as the last number needs, and at least four.
 pub fn numbered(path: &Path, frame: u32, frames: u32) -> PathBuf {
     let digits = frames.to_string().len().max(4);
     let stem = path.file_stem().unwrap_or_default();
@@ -205,16 +205,16 @@ pub fn numbered(path: &Path, frame: u32, frames: u32) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// A file format for many pictures.
+/// A file format that holds many pictures.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub enum Format {
+pub enum AnimationFormat {
     /// GIF: 256 colours for each picture, dithered; a pixel is opaque or transparent.
     Gif,
     /// Animated PNG: all colours, partly transparent pixels.
     Apng,
 }
 
-impl Format {
+impl AnimationFormat {
     /// The format of a file name's extension, without its dot, in any case of letters.
     pub fn of_extension(extension: &str) -> Option<Self> {
         match extension.to_lowercase().as_str() {
@@ -225,10 +225,10 @@ impl Format {
     }
 }
 
-/// How an animation runs.
+/// The length and the size of an animation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clip {
-    /// Pictures, at least one.
+    /// The number of pictures, at least one.
     pub frames: u32,
     /// Width and height in pixels.
     pub size: [u32; 2],
@@ -236,17 +236,17 @@ pub struct Clip {
     pub rate: f64,
 }
 
-/// Why there is no animation.
+/// Why an animation could not be written.
 #[derive(Debug)]
 pub enum RecordError {
     /// The writer failed.
     Write(io::Error),
-    /// The format cannot hold such an animation, or a picture is of another size, or there are too many or too few, in
-    /// the encoder's words.
+    /// The format cannot hold such an animation, or the pictures differ in size or number from the clip; the encoder's
+    /// sentence.
     Format(String),
 }
 
-/// Writes an animation picture by picture; it repeats without end.
+/// Writes an animation picture by picture, with the crates `gif` and `png`. The animation repeats without end.
 pub struct Recorder<W: Write> {
     clip: Clip,
     added: u32,
@@ -263,14 +263,14 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// See [`RecordError`].
-    pub fn new(format: Format, clip: Clip, out: W) -> Result<Self, RecordError> {
+    pub fn new(format: AnimationFormat, clip: Clip, out: W) -> Result<Self, RecordError> {
         if !(clip.rate > 0.0 && clip.rate.is_finite()) {
             let message = "the number of pictures a second must be positive";
             return Err(RecordError::Format(message.to_owned()));
         }
         let [width, height] = clip.size;
         let encoder = match format {
-            Format::Gif => {
+            AnimationFormat::Gif => {
                 let side = |side: u32| {
                     let fits = u16::try_from(side);
                     fits.map_err(|_| {
@@ -281,7 +281,7 @@ impl<W: Write> Recorder<W> {
                 encoder.set_repeat(Repeat::Infinite)?;
                 Encoder::Gif(Box::new(encoder))
             }
-            Format::Apng => {
+            AnimationFormat::Apng => {
                 let mut encoder = png::Encoder::new(out, width, height);
                 encoder.set_color(png::ColorType::Rgba);
                 encoder.set_depth(png::BitDepth::Eight);
@@ -323,7 +323,7 @@ impl<W: Write> Recorder<W> {
     /// Ends the file.
     ///
     /// # Errors
-    /// See [`RecordError`]; that pictures are missing is one of them.
+    /// See [`RecordError`]; missing pictures are such an error.
     pub fn finish(self) -> Result<(), RecordError> {
         if self.added != self.clip.frames {
             let message = format!("{} of {} pictures are there", self.added, self.clip.frames);
@@ -339,8 +339,7 @@ impl<W: Write> Recorder<W> {
 }
 
 impl Clip {
-    /// How long a picture is shown, in parts of a second of which there are `parts`: rounded so that the whole keeps
-    /// its length.
+    /// The duration of a picture in units of 1/`parts` second, rounded so that the errors do not add up.
     fn ticks(&self, frame: u32, parts: u32) -> u16 {
         let until = |frames: u32| (f64::from(frames) * f64::from(parts) / self.rate).round();
         let ticks = until(frame + 1) - until(frame);

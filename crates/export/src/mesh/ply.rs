@@ -1,15 +1,15 @@
-//! Stanford PLY, binary, little endian. By hand: the file is a header and fixed records, and the libraries' writers want
-//! each vertex as a table of names.
+//! Stanford PLY, binary, little endian. Written by hand: the file is a header and fixed records, and the writers
+//! of the libraries take each vertex as a map from names to values.
 
 use std::io::{self, Write};
 
 use glam::Vec3;
 
 use super::{Geometry, Mesh, Model, Part};
-use crate::style;
-use crate::texture::Texture;
+use render::style;
+use render::texture::Texture;
 
-/// Vertices of all parts, then faces, then edges. A place is one vertex, where seams meet too.
+/// Writes the vertices of all parts, then faces, then edges. Each place is one vertex, also where seams meet.
 pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     let mut out = io::BufWriter::new(out);
     let places = |part: &Part| match &part.geometry {
@@ -38,7 +38,7 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
     for colour in ["red", "green", "blue"] {
         writeln!(out, "property uchar {colour}")?;
     }
-    // Some readers take a file without faces for no mesh, and one with an empty list for a broken one.
+    // Some readers reject an element without entries.
     if faces > 0 {
         writeln!(out, "element face {faces}")?;
         writeln!(out, "property list uchar int vertex_indices")?;
@@ -104,7 +104,8 @@ fn record(
     out.write_all(&colour)
 }
 
-/// A place's normal: the mean of its vertices'; the first one's where they cancel, as on a one-sided surface's seam.
+/// The normals of the places: the mean over the vertices of a place, or the normal of its first vertex where they cancel,
+/// as on the seam of a one-sided surface.
 fn normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     let mut first: Vec<Option<Vec3>> = vec![None; mesh.places.len()];
     let mut sums = vec![Vec3::ZERO; mesh.places.len()];
@@ -125,8 +126,8 @@ fn normals(mesh: &Mesh) -> Vec<[f32; 3]> {
     .collect()
 }
 
-/// The colours of the image where each place's first vertex is, averaged over what lies between it and its neighbours,
-/// times the object's.
+/// The colours of the places: the image at the first vertex of a place, averaged over the distance to its neighbours,
+/// times the colour of the object.
 fn colours(mesh: &Mesh, texture: &Texture, colour: [u8; 3]) -> Vec<[u8; 3]> {
     let tint = style::linear(colour);
     // About how far apart vertices are: there are as many as in a square grid.

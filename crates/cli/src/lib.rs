@@ -1,0 +1,36 @@
+//! The command line `geotrace`, as a library: `main.rs` runs it with the standard languages and views.
+//!
+//! ```text
+//! arguments ──command/*──▶ program.rs ──▶ scene::geotrace::Compilation ──▶ render, geodesic, expr
+//!                 │             └──▶ report.rs (diagnostics: text with snippets, or JSON)
+//!                 └──▶ output.rs (standard output; whole files by `export`) ──▶ exit status
+//! ```
+//!
+//! Exit status: 0 fine, 1 the program or the input has errors, 2 wrong usage or an unreadable file.
+
+mod argument;
+mod command;
+mod failure;
+mod number;
+mod output;
+mod program;
+mod progress;
+mod report;
+mod source;
+mod style;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// Reads the arguments of this process, runs the command that they name, and returns the exit status.
+pub fn run() -> ExitCode {
+    let arguments = command::Arguments::parse();
+    match command::run(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            output::print_failure(&failure);
+            failure.exit_code()
+        }
+    }
+}

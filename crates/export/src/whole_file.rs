@@ -1,0 +1,231 @@
+//! Files that are whole or absent: bytes flow in, and a file takes its name when its last byte is on the disk.
+//!
+//! A temporary file beside the target (so that renaming stays within one file system) takes the target's place. Its
+//! name, its removal on failure and the renaming are `tempfile`'s. By hand: a symbolic link keeps pointing to its file,
+//! the permissions of a replaced file are kept, a device or a pipe is written to and not replaced, and several files
+//! appear together.
+
+use std::fmt;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::{NamedTempFile, TempPath};
+
+/// Begins the name of each temporary file; short, so that a target's name may have the greatest length.
+const PREFIX: &str = ".geotrace-";
+
+/// Writes a file: all of it, or nothing.
+///
+/// # Errors
+/// The system's; an existing file stays as it was, unless it is a device or a pipe.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_whole_with(path, |out| out.write_all(bytes))
+}
+
+/// Writes a file piece by piece, buffered: all of it, or nothing.
+///
+/// # Errors
+/// The system's, and those of `write`; an existing file stays as it was, unless it is a device or a pipe.
+pub fn write_whole_with<E: From<io::Error>>(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> Result<(), E>,
+) -> Result<(), E> {
+    if fs::metadata(path).is_ok_and(|existing| !existing.is_file()) {
+        let mut device = BufWriter::new(OpenOptions::new().write(true).open(path)?);
+        write(&mut device)?;
+        return Ok(device.flush()?);
+    }
+    Ok(Unnamed::new(path, write)?.persist()?)
+}
+
+/// Writes a file under the first free name of those that `name` returns for 1, 2, …, and returns its path.
+///
+/// The name is taken first and the bytes follow: where a file system cannot rename without replacing, a text is still
+/// rescued.
+///
+/// # Errors
+/// The system's; no file is left.
+pub fn write_new(folder: &Path, name: impl Fn(u32) -> String, bytes: &[u8]) -> io::Result<PathBuf> {
+    let mut number = 1;
+    let (mut file, path) = loop {
+        let path = folder.join(name(number));
+        match File::create_new(&path) {
+            Ok(file) => break (file, path),
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => number += 1,
+            Err(error) => return Err(error),
+        }
+    };
+    let written = file.write_all(bytes).and_then(|()| file.sync_all());
+    if let Err(error) = written {
+        let _ = fs::remove_file(&path);
+        return Err(error);
+    }
+    Ok(path)
+}
+
+/// Why a file cannot be written, as far as that shows beforehand. Displayed as a phrase.
+#[derive(Debug)]
+pub enum TargetError {
+    /// The path is that of a directory.
+    IsDirectory,
+    /// The existing file is read-only.
+    IsReadOnly,
+    /// The path ends in no name.
+    NamesNoFile,
+    /// The path above the file is no directory.
+    NoDirectory(PathBuf),
+    /// The directory of the file does not exist, or is closed to this user.
+    NoSuchDirectory(PathBuf),
+    /// The system refused.
+    System(io::Error),
+}
+
+/// Checks that a file can be written, so that nothing is computed in vain. Creates and removes a temporary file.
+///
+/// # Errors
+/// See [`TargetError`].
+pub fn check_target(path: &Path) -> Result<(), TargetError> {
+    match fs::metadata(path) {
+        Ok(existing) if existing.is_dir() => return Err(TargetError::IsDirectory),
+        Ok(existing) if !existing.is_file() => return Ok(()),
+        Ok(existing) if existing.permissions().readonly() => return Err(TargetError::IsReadOnly),
+        Ok(_) => {}
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            if path.file_name().is_none() {
+                return Err(TargetError::NamesNoFile);
+            }
+            let folder = folder_of(path);
+            match fs::metadata(folder) {
+                Ok(above) if above.is_dir() => {}
+                Ok(_) => return Err(TargetError::NoDirectory(folder.to_owned())),
+                Err(_) => return Err(TargetError::NoSuchDirectory(folder.to_owned())),
+            }
+        }
+        Err(error) => return Err(TargetError::System(error)),
+    }
+    temporary_beside(&resolved(path))
+        .and_then(NamedTempFile::close)
+        .map_err(TargetError::System)
+}
+
+/// Files that get their names together, when all of them are whole. Without [`finish`](Self::finish) none is left.
+#[derive(Debug, Default)]
+pub struct FileSeries {
+    files: Vec<Unnamed>,
+}
+
+impl FileSeries {
+    /// Writes a file that will be called `path`.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn add(&mut self, path: &Path, bytes: &[u8]) -> io::Result<()> {
+        let file = Unnamed::new(path, |out| out.write_all(bytes))?;
+        self.files.push(file);
+        Ok(())
+    }
+
+    /// Gives all files their names.
+    ///
+    /// # Errors
+    /// The file that could not be named, and why; files before it keep their names, those after it are removed.
+    pub fn finish(self) -> Result<(), (PathBuf, io::Error)> {
+        for file in self.files {
+            let target = file.target.clone();
+            file.persist().map_err(|error| (target, error))?;
+        }
+        Ok(())
+    }
+}
+
+/// A whole file that does not have its name yet. It is removed when it is dropped.
+#[derive(Debug)]
+struct Unnamed {
+    /// Closed, so that a series of thousands stays within the number of open files.
+    temporary: TempPath,
+    target: PathBuf,
+}
+
+impl Unnamed {
+    fn new<E: From<io::Error>>(
+        path: &Path,
+        write: impl FnOnce(&mut dyn Write) -> Result<(), E>,
+    ) -> Result<Self, E> {
+        let target = resolved(path);
+        let mut temporary = temporary_beside(&target)?;
+        let mut out = BufWriter::new(temporary.as_file_mut());
+        write(&mut out)?;
+        out.flush()?;
+        drop(out);
+        temporary.as_file().sync_all()?;
+        if let Ok(existing) = fs::metadata(&target) {
+            temporary
+                .as_file()
+                .set_permissions(existing.permissions())?;
+        }
+        Ok(Self {
+            temporary: temporary.into_temp_path(),
+            target,
+        })
+    }
+
+    fn persist(self) -> io::Result<()> {
+        self.temporary
+            .persist(&self.target)
+            .map_err(|error| error.error)
+    }
+}
+
+/// The path behind symbolic links; a path that does not exist stays as it is.
+fn resolved(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// A new empty file in the directory of `path`. It has the permissions of any new file: `tempfile` would close it to
+/// other users.
+fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
+    tempfile::Builder::new()
+        .prefix(PREFIX)
+        .make_in(folder_of(path), |temporary| File::create_new(temporary))
+}
+
+/// A system's words as a phrase that follows a colon: without the number that Rust adds, and in lower case.
+pub fn phrase(text: &str) -> String {
+    let text = match text.find(" (os error") {
+        Some(end) => &text[..end],
+        None => text,
+    };
+    let mut letters = text.chars();
+    match letters.next() {
+        Some(first) => first.to_lowercase().chain(letters).collect(),
+        None => "unknown reason".into(),
+    }
+}
+
+impl fmt::Display for TargetError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::IsDirectory => write!(f, "it is a directory"),
+            Self::IsReadOnly => write!(f, "it is read-only"),
+            Self::NamesNoFile => write!(f, "it names no file"),
+            Self::NoDirectory(path) => write!(f, "`{}` is not a directory", path.display()),
+            Self::NoSuchDirectory(path) => {
+                write!(f, "the directory `{}` does not exist", path.display())
+            }
+            Self::System(error) => write!(f, "{}", phrase(&error.to_string())),
+        }
+    }
+}
+
+impl std::error::Error for TargetError {}
+
+#[cfg(test)]
+mod tests;

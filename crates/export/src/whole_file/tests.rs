@@ -1,0 +1,136 @@
+//! Files are whole or absent, and no temporary file stays.
+
+use super::*;
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("the directory");
+    let name = |entry: io::Result<fs::DirEntry>| entry.expect("an entry").file_name();
+    let mut names: Vec<String> = entries
+        .map(|entry| name(entry).to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_file_is_replaced_whole_and_nothing_else_is_left() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.png");
+    fs::write(&path, b"the old picture, longer").expect("writing");
+    write_whole(&path, b"new").expect("writing");
+    assert_eq!(fs::read(&path).expect("reading"), b"new");
+    assert_eq!(names(folder.path()), ["a.png"]);
+}
+
+#[test]
+fn checking_a_target_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    check_target(&folder.path().join("a.png")).expect("a target");
+    assert!(names(folder.path()).is_empty());
+}
+
+#[test]
+fn what_cannot_be_made_leaves_the_old_file_and_nothing_else() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.obj");
+    fs::write(&path, b"old").expect("writing");
+    let result = write_whole_with(&path, |out| {
+        out.write_all(b"the first half")?;
+        Err(io::Error::other("no"))
+    });
+    assert_eq!(result.expect_err("a failure").to_string(), "no");
+    assert_eq!(fs::read(&path).expect("reading"), b"old");
+    assert_eq!(names(folder.path()), ["a.obj"]);
+}
+
+#[test]
+fn directories_and_missing_directories_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let message = |path: &Path| check_target(path).expect_err("refused").to_string();
+    assert_eq!(message(folder.path()), "it is a directory");
+    assert!(message(&folder.path().join("no/a.png")).contains("does not exist"));
+    fs::write(folder.path().join("file"), b"").expect("writing");
+    assert!(!message(&folder.path().join("file/a.png")).is_empty());
+}
+
+#[test]
+fn a_series_appears_together_or_not_at_all() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let visible = || {
+        let mut names = names(folder.path());
+        names.retain(|name| !name.starts_with(PREFIX));
+        names
+    };
+    let mut series = FileSeries::default();
+    for number in 1..=3 {
+        let path = folder.path().join(format!("{number}.png"));
+        series.add(&path, &[number]).expect("writing");
+        assert!(visible().is_empty());
+    }
+    series.finish().expect("renaming");
+    assert_eq!(names(folder.path()), ["1.png", "2.png", "3.png"]);
+    let mut abandoned = FileSeries::default();
+    let path = folder.path().join("4.png");
+    abandoned.add(&path, &[4]).expect("writing");
+    drop(abandoned);
+    assert_eq!(names(folder.path()), ["1.png", "2.png", "3.png"]);
+}
+
+#[test]
+fn a_new_file_replaces_none() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let name = |number| format!("{number}.txt");
+    for number in 1..=3 {
+        let path = write_new(folder.path(), name, &[number]).expect("written");
+        assert_eq!(path, folder.path().join(format!("{number}.txt")));
+    }
+    for number in 1..=3 {
+        let bytes = fs::read(folder.path().join(format!("{number}.txt")));
+        assert_eq!(bytes.expect("there"), [number]);
+    }
+    assert!(write_new(&folder.path().join("none"), name, &[]).is_err());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_symbolic_link_keeps_pointing_to_the_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (file, link) = (folder.path().join("a.png"), folder.path().join("b.png"));
+    fs::write(&file, b"old").expect("writing");
+    std::os::unix::fs::symlink(&file, &link).expect("a link");
+    write_whole(&link, b"new").expect("writing");
+    assert_eq!(fs::read(&file).expect("reading"), b"new");
+    assert!(fs::symlink_metadata(&link).expect("the link").is_symlink());
+}
+
+#[cfg(unix)]
+#[test]
+fn permissions_are_those_of_the_replaced_file_or_of_any_new_one() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let folder = tempfile::tempdir().expect("a folder");
+    let mode = |path: &Path| fs::metadata(path).expect("the file").permissions().mode();
+    let (plain, whole) = (folder.path().join("plain"), folder.path().join("whole"));
+    fs::write(&plain, b"x").expect("writing");
+    write_whole(&whole, b"x").expect("writing");
+    assert_eq!(mode(&plain), mode(&whole));
+    fs::set_permissions(&whole, fs::Permissions::from_mode(0o640)).expect("permissions");
+    write_whole(&whole, b"y").expect("writing");
+    assert_eq!(mode(&whole) & 0o777, 0o640);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_device_is_written_to_and_not_replaced() {
+    use std::os::unix::fs::FileTypeExt as _;
+    let device = Path::new("/dev/null");
+    check_target(device).expect("a target");
+    write_whole(device, b"x").expect("writing");
+    let kind = fs::metadata(device).expect("the device").file_type();
+    assert!(kind.is_char_device());
+}
+
+#[test]
+fn system_errors_read_as_a_phrase() {
+    let error = io::Error::from_raw_os_error(2);
+    assert_eq!(phrase(&error.to_string()), "no such file or directory");
+}

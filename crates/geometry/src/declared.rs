@@ -1,0 +1,106 @@
+//! Declared geodesics: a scene's declarations and the values of its params flow in, knots of all instances flow out.
+
+use rayon::prelude::*;
+use scene::InitialConditionsEvaluator;
+use scene::ParamValues;
+use scene::{Object, ObjectId, Sampling, Scene, Shape};
+
+use crate::manifold::Manifold;
+use crate::polyline::{Knot, Start, knots_at};
+
+/// The most points of all instances of a declared geodesic; further instances are not drawn.
+pub const MAX_POINTS: u64 = 2_000_000;
+
+/// All instances of a declared geodesic, as knots.
+#[derive(Clone, Debug, Default)]
+pub struct FollowedGeodesic {
+    /// The number of knots of one instance.
+    pub count: u32,
+    /// The knots of each instance in the order of t; `None` where the geodesic ends before.
+    pub lines: Vec<Vec<Option<Knot>>>,
+    /// Sentences for the user: instances that are left out, and why.
+    pub notes: Vec<String>,
+}
+
+/// Follows all instances of a declared geodesic on all cores. The result is empty for other objects.
+pub fn follow_declared(scene: &Scene, settings: &ParamValues, id: ObjectId) -> FollowedGeodesic {
+    let Some((object, surface, domain)) = parts(scene, id) else {
+        return FollowedGeodesic::default();
+    };
+    let Some(launcher) = InitialConditionsEvaluator::new(scene, id) else {
+        return FollowedGeodesic::default();
+    };
+    let name = &object.name;
+    let instances = settings.instance_count(scene, object);
+    let drawn = instances.min((MAX_POINTS / u64::from(domain.count.max(1))).max(1));
+    let mut notes = Vec::new();
+    if drawn < instances {
+        notes.push(format!(
+            "of the {instances} instances of `{name}` the first {drawn} are drawn: that is the limit"
+        ));
+    }
+    let lengths: Vec<f64> = (0..domain.count).map(|i| domain.value(i)).collect();
+    // Only a surface that depends on grids differs from instance to instance.
+    let on = scene.objects.get(surface.0 as usize);
+    let shared = on
+        .filter(|on| on.grids.is_empty())
+        .map(|on| Manifold::new(scene, surface, &settings.first_instance(scene, on)));
+    let line = |index: u64| -> (Vec<Option<Knot>>, Option<String>) {
+        let nowhere = || vec![None; lengths.len()];
+        let uniforms = settings.instance(scene, object, index);
+        let own;
+        let manifold = match &shared {
+            Some(shared) => shared,
+            None => {
+                own = Manifold::new(scene, surface, &uniforms);
+                &own
+            }
+        };
+        let manifold = match manifold {
+            Ok(manifold) => manifold,
+            Err(error) => return (nowhere(), Some(error.to_string())),
+        };
+        match launcher.clone().evaluate(&uniforms) {
+            Ok(launch) => {
+                let surface = manifold.surface();
+                let from = Start::Chart(launch.start, launch.direction);
+                (knots_at(surface, &from, &lengths), None)
+            }
+            Err(fault) => (nowhere(), Some(fault.to_string())),
+        }
+    };
+    let (lines, faults): (Vec<_>, Vec<_>) = (0..drawn).into_par_iter().map(line).unzip();
+    let faults: Vec<String> = faults.into_iter().flatten().collect();
+    if let Some(first) = faults.first() {
+        notes.push(match (faults.len(), drawn) {
+            (_, 1) => format!("`{name}` is not drawn: {first}"),
+            (few, all) => {
+                format!("{few} of the {all} instances of `{name}` are not drawn: {first}")
+            }
+        });
+    }
+    FollowedGeodesic {
+        count: domain.count,
+        lines,
+        notes,
+    }
+}
+
+/// Reports whether an object is a geodesic on a surface in space, so that the 3D view draws it.
+pub fn lies_in_space(scene: &Scene, id: ObjectId) -> bool {
+    parts(scene, id).is_some_and(|(_, surface, _)| {
+        let on = scene.objects.get(surface.0 as usize);
+        on.is_some_and(|on| matches!(on.shape, Shape::Surface { .. }))
+    })
+}
+
+/// The object, its surface and its arc lengths; `None` for what is no geodesic.
+fn parts(scene: &Scene, id: ObjectId) -> Option<(&Object, ObjectId, &Sampling)> {
+    let object = scene.objects.get(id.0 as usize)?;
+    match &object.shape {
+        Shape::Geodesic {
+            surface, domain, ..
+        } => Some((object, *surface, domain)),
+        _ => None,
+    }
+}

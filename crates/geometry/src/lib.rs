@@ -1,0 +1,19 @@
+//! The step from a scene's objects to geodesics.
+//!
+//! ```text
+//! Scene + ObjectId + uniforms ──manifold.rs──▶ Manifold: a surface or a metric with its numbers in place
+//! Scene + ParamValues ──declared.rs──▶ the declared geodesics, as knots
+//! Manifold + GeodesicSegment ──polyline_cache.rs──▶ points of the chart, kept from one picture to the next
+//! ```
+//!
+//! Knows nothing of pictures, of text, or of who asks.
+
+mod declared;
+mod manifold;
+mod polyline;
+mod polyline_cache;
+
+pub use declared::{FollowedGeodesic, MAX_POINTS, follow_declared, lies_in_space};
+pub use manifold::{Manifold, ManifoldError};
+pub use polyline::{Knot, Start, knots_at};
+pub use polyline_cache::{ChartPolyline, GeodesicSegment};

@@ -1,0 +1,129 @@
+//! Manifolds: an object of a scene and the values of its uniforms flow in, what geodesics are computed on flows out.
+//!
+//! This is the only place where a scene's surface or metric becomes a [`Surface`].
+
+use std::fmt;
+use std::sync::Arc;
+
+use geodesic::intrinsic::MetricSurface;
+use geodesic::surface::{ParametricSurface, Surface};
+use geodesic::topology::Apex;
+use scene::{ObjectId, Sampling, Scene, Shape};
+
+use crate::polyline_cache::{ChartPolyline, GeodesicSegment, PolylineCache};
+
+/// A surface or a metric of a scene, with the numbers of one instance in place.
+#[derive(Clone, Debug)]
+pub struct Manifold {
+    kind: Kind,
+    /// Shared by clones, because they are the same manifold.
+    polylines: Arc<PolylineCache>,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    /// A surface in space.
+    Surface(Box<ParametricSurface>),
+    /// A metric, which has no shape in space.
+    Metric(Box<MetricSurface>),
+}
+
+/// Why an object is no [`Manifold`].
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub enum ManifoldError {
+    /// The object is neither a surface nor a metric, or the scene has no such object.
+    NoSurface {
+        /// The object's name, if it is in the scene.
+        name: Option<String>,
+    },
+    /// The derivatives, which geodesics need, are larger than the limit for expressions.
+    TooLarge {
+        /// The object's name.
+        name: String,
+    },
+}
+
+impl Manifold {
+    /// Compiles an object with the uniforms of one of its instances.
+    ///
+    /// # Errors
+    /// See [`ManifoldError`].
+    pub fn new(scene: &Scene, object: ObjectId, uniforms: &[f64]) -> Result<Self, ManifoldError> {
+        let Some(object) = scene.objects.get(object.0 as usize) else {
+            return Err(ManifoldError::NoSurface { name: None });
+        };
+        let name = || object.name.clone();
+        let too_large = |_| ManifoldError::TooLarge { name: name() };
+        let graph = &scene.graph;
+        let kind = match &object.shape {
+            Shape::Surface {
+                position, domain, ..
+            } => ParametricSurface::new(graph, *position, intervals(domain), uniforms)
+                .map(|surface| Kind::Surface(Box::new(surface)))
+                .map_err(too_large),
+            Shape::Metric {
+                components, domain, ..
+            } => MetricSurface::new(graph, *components, intervals(domain), uniforms)
+                .map(|metric| Kind::Metric(Box::new(metric)))
+                .map_err(too_large),
+            _ => Err(ManifoldError::NoSurface { name: Some(name()) }),
+        };
+        Ok(Self {
+            kind: kind?,
+            polylines: Arc::default(),
+        })
+    }
+
+    /// The surface or metric that geodesics are computed on.
+    pub fn surface(&self) -> &dyn Surface {
+        match &self.kind {
+            Kind::Surface(surface) => surface.as_ref(),
+            Kind::Metric(metric) => metric.as_ref(),
+        }
+    }
+
+    /// The surface in space; `None` for a metric.
+    pub fn parametric(&self) -> Option<&ParametricSurface> {
+        match &self.kind {
+            Kind::Surface(surface) => Some(surface),
+            Kind::Metric(_) => None,
+        }
+    }
+
+    /// Follows geodesics to points of the chart, on all cores; those that were followed before come from a cache.
+    pub fn polylines(&self, segments: &[GeodesicSegment]) -> Vec<ChartPolyline> {
+        self.polylines.follow(self.surface(), segments)
+    }
+
+    /// The sides that are one point: `[axis][end]`.
+    pub fn apexes(&self) -> [[Option<Apex>; 2]; 2] {
+        [0, 1].map(|axis| [0, 1].map(|end| self.surface().apex(axis, end)))
+    }
+}
+
+/// `[[u min, u max], [v min, v max]]`.
+fn intervals(domain: &[Sampling; 2]) -> [[f64; 2]; 2] {
+    domain
+        .each_ref()
+        .map(|axis| [axis.range.min, axis.range.max])
+}
+
+impl fmt::Display for ManifoldError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSurface { name: Some(name) } => {
+                write!(
+                    f,
+                    "`{name}` is not a surface, and only a surface has a geodesic view"
+                )
+            }
+            Self::NoSurface { name: None } => write!(f, "there is no surface to see from inside"),
+            Self::TooLarge { name } => write!(
+                f,
+                "the derivatives of `{name}` are too large, and its geodesics need them"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for ManifoldError {}

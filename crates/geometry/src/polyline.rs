@@ -1,0 +1,91 @@
+//! Geodesics as knots: points at given arc lengths.
+//!
+//! Each knot is reached from the one before it, so that a line costs its length once. Where a geodesic cannot be
+//! continued from a knot (in a pole, which has no direction), it is followed again from its start.
+
+use geodesic::frame::Frame;
+use geodesic::surface::Surface;
+use geodesic::trace::{Options, Status, Trace, TraceError, trace};
+
+/// A point of a geodesic.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knot {
+    /// (u, v), brought back into the domain.
+    pub uv: [f64; 2],
+    /// In space; `None` on a metric.
+    pub position: Option<[f64; 3]>,
+}
+
+/// The start of a geodesic.
+#[derive(Clone, Copy, Debug)]
+pub enum Start<'a> {
+    /// At (u, v), in a direction a σu + b σv; its length does not matter.
+    Chart([f64; 2], [f64; 2]),
+    /// At a frame, towards a point of its picture.
+    Frame(&'a Frame, [f64; 2]),
+}
+
+impl Start<'_> {
+    fn trace(&self, surface: &dyn Surface, length: f64) -> Result<Trace, TraceError> {
+        let sign = if length < 0.0 { -1.0 } else { 1.0 };
+        let options = Options::default();
+        match self {
+            Self::Chart(uv, direction) => {
+                let direction = direction.map(|d| sign * d);
+                trace(surface, *uv, direction, length.abs(), &options)
+            }
+            Self::Frame(frame, place) => {
+                let place = place.map(|x| sign * x);
+                frame.trace(surface, place, length.abs(), &options)
+            }
+        }
+    }
+}
+
+/// Follows a geodesic to ascending arc lengths; negative ones lie behind the start. A geodesic that ends early has one
+/// knot at its end and `None` from there on.
+pub fn knots_at(surface: &dyn Surface, start: &Start, lengths: &[f64]) -> Vec<Option<Knot>> {
+    let ahead = lengths.partition_point(|&t| t < 0.0);
+    let behind: Vec<f64> = lengths[..ahead].iter().rev().copied().collect();
+    let mut knots = one_way(surface, start, &behind);
+    knots.reverse();
+    knots.extend(one_way(surface, start, &lengths[ahead..]));
+    knots
+}
+
+/// Follows a geodesic to arc lengths of one sign, each farther from the start than the one before.
+fn one_way(surface: &dyn Surface, start: &Start, lengths: &[f64]) -> Vec<Option<Knot>> {
+    let mut knots = Vec::with_capacity(lengths.len());
+    // The last trace, which holds the direction of the geodesic at its end, and its arc length.
+    let mut last: Option<(Trace, f64)> = None;
+    let complete = |trace: &Trace| trace.status == Status::Complete;
+    for &length in lengths {
+        let gone_on = last.as_ref().and_then(|(from, at)| {
+            let step = (length - at).abs();
+            let options = Options::default();
+            trace(surface, from.uv, from.direction, step, &options)
+                .ok()
+                .filter(complete)
+        });
+        let reached = match gone_on {
+            Some(trace) => Ok(trace),
+            None => start.trace(surface, length),
+        };
+        match reached {
+            Ok(trace) => {
+                knots.push(Some(Knot {
+                    uv: trace.uv,
+                    position: trace.position,
+                }));
+                // A geodesic that ends early keeps the knot at its end.
+                if !complete(&trace) {
+                    break;
+                }
+                last = Some((trace, length));
+            }
+            Err(_) => break,
+        }
+    }
+    knots.resize(lengths.len(), None);
+    knots
+}

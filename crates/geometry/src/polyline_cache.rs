@@ -1,0 +1,100 @@
+//! Geodesics on one manifold as points of its chart, kept from one picture to the next: while a camera moves they stay
+//! the same.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use geodesic::surface::Surface;
+use rayon::prelude::*;
+
+use crate::polyline::{Start, knots_at};
+
+/// The most points that the cache keeps.
+const MOST_KEPT: usize = 1 << 18;
+
+/// A geodesic that is to be followed to points at equal arc lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GeodesicSegment {
+    /// (u, v).
+    pub start: [f64; 2],
+    /// a σu + b σv; its length does not matter.
+    pub direction: [f64; 2],
+    /// The arc lengths of the first and of the last point.
+    pub lengths: [f64; 2],
+    /// The number of intervals: one less than there are points.
+    pub pieces: u32,
+}
+
+/// Points (u, v) in the domain; `None` where the geodesic ends before.
+pub type ChartPolyline = Arc<[Option<[f64; 2]>]>;
+
+/// The geodesics that were followed on one surface.
+#[derive(Debug, Default)]
+pub(crate) struct PolylineCache {
+    known: Mutex<HashMap<[u64; 7], ChartPolyline>>,
+}
+
+impl PolylineCache {
+    /// Follows those segments that are not known yet. `surface` must be the same at every call.
+    pub(crate) fn follow(
+        &self,
+        surface: &dyn Surface,
+        segments: &[GeodesicSegment],
+    ) -> Vec<ChartPolyline> {
+        let mut found: Vec<Option<ChartPolyline>> = {
+            let known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+            segments
+                .iter()
+                .map(|segment| known.get(&segment.key()).cloned())
+                .collect()
+        };
+        if found.iter().any(Option::is_none) {
+            found
+                .par_iter_mut()
+                .zip(segments)
+                .filter(|(found, _)| found.is_none())
+                .for_each(|(found, segment)| *found = Some(segment.points(surface)));
+            self.keep(segments, &found);
+        }
+        found.into_iter().flatten().collect()
+    }
+
+    fn keep(&self, segments: &[GeodesicSegment], found: &[Option<ChartPolyline>]) {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let points =
+            |all: &mut dyn Iterator<Item = &ChartPolyline>| -> usize { all.map(|l| l.len()).sum() };
+        // The lines of this picture are needed again sooner than those of earlier ones.
+        if points(&mut known.values()) + points(&mut found.iter().flatten()) > MOST_KEPT {
+            known.clear();
+        }
+        let mut room = MOST_KEPT;
+        for (segment, points) in segments.iter().zip(found.iter().flatten()) {
+            let Some(left) = room.checked_sub(points.len()) else {
+                break;
+            };
+            room = left;
+            known.insert(segment.key(), points.clone());
+        }
+    }
+}
+
+impl GeodesicSegment {
+    fn key(&self) -> [u64; 7] {
+        let [u, v] = self.start;
+        let [a, b] = self.direction;
+        let [low, high] = self.lengths;
+        let [u, v, a, b, low, high] = [u, v, a, b, low, high].map(f64::to_bits);
+        [u, v, a, b, low, high, u64::from(self.pieces)]
+    }
+
+    fn points(&self, surface: &dyn Surface) -> ChartPolyline {
+        let [low, high] = self.lengths;
+        let count = f64::from(self.pieces.max(1));
+        let lengths: Vec<f64> = (0..=self.pieces)
+            .map(|k| low + (high - low) * f64::from(k) / count)
+            .collect();
+        let start = Start::Chart(self.start, self.direction);
+        let knots = knots_at(surface, &start, &lengths);
+        knots.iter().map(|knot| knot.map(|k| k.uv)).collect()
+    }
+}
