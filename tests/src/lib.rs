@@ -17,6 +17,7 @@ pub mod great_circles;
 pub mod inside;
 pub mod pictures;
 pub mod stiff;
+pub mod structure;
 pub mod talk;
 
 use syntax::diagnostic::Code;
