@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
-use syntax::actions::Actions;
-use syntax::symbols::Vocabulary;
+use syntax::geotrace::actions::Actions;
+use syntax::geotrace::symbols::Vocabulary;
 use testing::binary::{binary, geotrace};
 
 use crate::measure::{Times, megabytes};
@@ -113,7 +113,7 @@ pub(crate) fn run() {
     ] {
         let size = megabytes(text.len() as u64);
         let times = Times::of(11, || {
-            syntax::parse_program(text, &vocabulary, &mut Nothing)
+            syntax::geotrace::parse_program(text, &vocabulary, &mut Nothing)
         });
         println!(
             "  lexing and parsing {what}, {size:.1} MB: {}, {:.0} MB/s",

@@ -24,7 +24,9 @@ use syntax::diagnostic::Code;
 
 /// Every code that compiling a program can give, with what it means.
 pub fn codes() -> impl Iterator<Item = (Code, &'static str)> {
-    let all = syntax::codes::CODES.iter().chain(scene::geotrace::CODES);
+    let all = syntax::geotrace::codes::CODES
+        .iter()
+        .chain(scene::geotrace::CODES);
     all.copied()
 }
 pub mod window;

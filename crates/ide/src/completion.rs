@@ -1,8 +1,9 @@
 //! What can be written at a place.
 
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::symbols::{Symbol, SymbolKind};
+use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
-use syntax::symbols::{Symbol, SymbolKind};
-use syntax::token::{DeclareWord, TokenKind};
 
 use crate::describe::{self, Description};
 use crate::item::Item;
@@ -61,7 +62,7 @@ pub fn completions(reading: &Reading, offset: u32, snippets: bool) -> Completion
     let mut is_complete = true;
     let list = match place.wanted {
         Wanted::Nothing => Vec::new(),
-        Wanted::Declaration => DeclareWord::ALL
+        Wanted::Declaration => DeclarationKeyword::ALL
             .map(|word| declaring(word, snippets))
             .to_vec(),
         Wanted::Parameter(item) => own_parameters(reading, item),
@@ -72,7 +73,7 @@ pub fn completions(reading: &Reading, offset: u32, snippets: bool) -> Completion
             let is_surface = |symbol: &&Symbol| {
                 matches!(
                     symbol.word,
-                    Some(DeclareWord::Surface | DeclareWord::Metric)
+                    Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric)
                 )
             };
             all.filter(is_surface).map(of_symbol).collect()
@@ -95,7 +96,7 @@ pub fn completions(reading: &Reading, offset: u32, snippets: bool) -> Completion
 
 /// More about a completion, told when it is chosen from the list.
 pub fn describe(reading: &Reading, offset: u32, label: &str) -> Option<Description> {
-    if let Some(word) = DeclareWord::from_text(label) {
+    if let Some(word) = DeclarationKeyword::from_text(label) {
         return Some(Description {
             code: form(word).to_owned(),
             text: vec![purpose(word).to_owned()],
@@ -158,7 +159,7 @@ impl Place {
                     Wanted::Operand(number)
                 }
                 TokenKind::Colon => {
-                    let geodesic = item.is_some_and(|it| it.word == DeclareWord::Geodesic);
+                    let geodesic = item.is_some_and(|it| it.word == DeclarationKeyword::Geodesic);
                     let behind = at.checked_sub(1).and_then(|k| reading.token(k));
                     let behind_list = behind.is_none_or(|t| {
                         let last = t.text.bytes().next_back();
@@ -237,7 +238,10 @@ fn function_before(reading: &Reading, underscore: usize) -> Option<usize> {
 fn expects_tag(reading: &Reading, item: &Item<'_>, comma: usize) -> bool {
     let has_intervals = matches!(
         item.word,
-        DeclareWord::Curve | DeclareWord::Surface | DeclareWord::Metric | DeclareWord::Geodesic
+        DeclarationKeyword::Curve
+            | DeclarationKeyword::Surface
+            | DeclarationKeyword::Metric
+            | DeclarationKeyword::Geodesic
     );
     let first = reading.document().tokens_begun(item.span.start) as usize;
     let depth: i32 = reading
@@ -296,12 +300,16 @@ impl<'r> Names<'r> {
 
 fn of_symbol(symbol: &Symbol) -> Completion {
     let kind = match (symbol.word, symbol.kind) {
-        (Some(DeclareWord::Surface | DeclareWord::Metric), _) => CompletionKind::Surface,
-        (Some(DeclareWord::Curve | DeclareWord::Geodesic), _) => CompletionKind::Curve,
+        (Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric), _) => {
+            CompletionKind::Surface
+        }
+        (Some(DeclarationKeyword::Curve | DeclarationKeyword::Geodesic), _) => {
+            CompletionKind::Curve
+        }
         (_, SymbolKind::Function) => CompletionKind::Function,
         (_, SymbolKind::Constant) => CompletionKind::Constant,
     };
-    let word = symbol.word.map_or("builtin", DeclareWord::text);
+    let word = symbol.word.map_or("builtin", DeclarationKeyword::text);
     let names = symbol.parameters.iter().map(|p| p.name.as_str());
     Completion {
         label: symbol.name.to_string(),
@@ -312,7 +320,7 @@ fn of_symbol(symbol: &Symbol) -> Completion {
     }
 }
 
-fn declaring(word: DeclareWord, snippets: bool) -> Completion {
+fn declaring(word: DeclarationKeyword, snippets: bool) -> Completion {
     Completion {
         label: word.text().to_owned(),
         kind: CompletionKind::Keyword,
@@ -327,57 +335,59 @@ fn declaring(word: DeclareWord, snippets: bool) -> Completion {
 }
 
 /// The form of a declaration.
-pub(crate) fn form(word: DeclareWord) -> &'static str {
+pub(crate) fn form(word: DeclarationKeyword) -> &'static str {
     match word {
-        DeclareWord::Param => "param r = 0.5 : [0, 1];",
-        DeclareWord::Grid => "grid k : [0, 1, 5];",
-        DeclareWord::Define => "define a = 2pi;",
-        DeclareWord::Function => "function f(x, y) = x^2 + y;",
-        DeclareWord::Curve => "curve c(t) = (cos t, sin t, 0), t : [0, 2pi];",
-        DeclareWord::Surface => "surface s(u,v) = (u, v, u v), u : [0, 1], v : [0, 1];",
-        DeclareWord::Point => "point p = (1, 2, 3);",
-        DeclareWord::Vector => "vector v = (1, 0, 0) @ p;",
-        DeclareWord::Metric => "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-2, 2], v : [1, 4];",
-        DeclareWord::Geodesic => "geodesic g(t) : s = (1, 0) @ (0, 0), t : [0, 1];",
+        DeclarationKeyword::Param => "param r = 0.5 : [0, 1];",
+        DeclarationKeyword::Grid => "grid k : [0, 1, 5];",
+        DeclarationKeyword::Define => "define a = 2pi;",
+        DeclarationKeyword::Function => "function f(x, y) = x^2 + y;",
+        DeclarationKeyword::Curve => "curve c(t) = (cos t, sin t, 0), t : [0, 2pi];",
+        DeclarationKeyword::Surface => "surface s(u,v) = (u, v, u v), u : [0, 1], v : [0, 1];",
+        DeclarationKeyword::Point => "point p = (1, 2, 3);",
+        DeclarationKeyword::Vector => "vector v = (1, 0, 0) @ p;",
+        DeclarationKeyword::Metric => "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-2, 2], v : [1, 4];",
+        DeclarationKeyword::Geodesic => "geodesic g(t) : s = (1, 0) @ (0, 0), t : [0, 1];",
     }
 }
 
 /// What a declaration is for.
-pub(crate) fn purpose(word: DeclareWord) -> &'static str {
+pub(crate) fn purpose(word: DeclarationKeyword) -> &'static str {
     match word {
-        DeclareWord::Param => "a slider, one for each interval",
-        DeclareWord::Grid => "equally spaced values; what depends on them is drawn once for each",
-        DeclareWord::Define => "a constant",
-        DeclareWord::Function => "a function of numbers or vectors",
-        DeclareWord::Curve => "a curve in space",
-        DeclareWord::Surface => "a surface in space, seen in 3D and from inside",
-        DeclareWord::Point => "a point in space",
-        DeclareWord::Vector => "an arrow: direction @ origin",
-        DeclareWord::Metric => {
+        DeclarationKeyword::Param => "a slider, one for each interval",
+        DeclarationKeyword::Grid => {
+            "equally spaced values; what depends on them is drawn once for each"
+        }
+        DeclarationKeyword::Define => "a constant",
+        DeclarationKeyword::Function => "a function of numbers or vectors",
+        DeclarationKeyword::Curve => "a curve in space",
+        DeclarationKeyword::Surface => "a surface in space, seen in 3D and from inside",
+        DeclarationKeyword::Point => "a point in space",
+        DeclarationKeyword::Vector => "an arrow: direction @ origin",
+        DeclarationKeyword::Metric => {
             "a surface given by its first fundamental form (E, F, G), seen from inside"
         }
-        DeclareWord::Geodesic => "a straightest line in a surface: direction @ start",
+        DeclarationKeyword::Geodesic => "a straightest line in a surface: direction @ start",
     }
 }
 
-fn snippet(word: DeclareWord) -> &'static str {
+fn snippet(word: DeclarationKeyword) -> &'static str {
     match word {
-        DeclareWord::Param => "param ${1:r} : [${2:0}, ${3:1}];",
-        DeclareWord::Grid => "grid ${1:k} : [${2:0}, ${3:1}, ${4:5}];",
-        DeclareWord::Define => "define ${1:a} = ${2:2pi};",
-        DeclareWord::Function => "function ${1:f}(${2:x}) = ${3:x^2};",
-        DeclareWord::Curve => {
+        DeclarationKeyword::Param => "param ${1:r} : [${2:0}, ${3:1}];",
+        DeclarationKeyword::Grid => "grid ${1:k} : [${2:0}, ${3:1}, ${4:5}];",
+        DeclarationKeyword::Define => "define ${1:a} = ${2:2pi};",
+        DeclarationKeyword::Function => "function ${1:f}(${2:x}) = ${3:x^2};",
+        DeclarationKeyword::Curve => {
             "curve ${1:c}(${2:t}) = (${3:cos t}, ${4:sin t}, ${5:0}), ${2:t} : [${6:0}, ${7:2pi}];"
         }
-        DeclareWord::Surface => {
+        DeclarationKeyword::Surface => {
             "surface ${1:s}(${2:u},${3:v}) = (${4:u}, ${5:v}, ${6:u v}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];"
         }
-        DeclareWord::Point => "point ${1:p} = (${2:0}, ${3:0}, ${4:0});",
-        DeclareWord::Vector => "vector ${1:v} = (${2:1}, ${3:0}, ${4:0}) @ ${5:(0, 0, 0)};",
-        DeclareWord::Metric => {
+        DeclarationKeyword::Point => "point ${1:p} = (${2:0}, ${3:0}, ${4:0});",
+        DeclarationKeyword::Vector => "vector ${1:v} = (${2:1}, ${3:0}, ${4:0}) @ ${5:(0, 0, 0)};",
+        DeclarationKeyword::Metric => {
             "metric ${1:h}(${2:u},${3:v}) = (${4:1}, ${5:0}, ${6:1}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];"
         }
-        DeclareWord::Geodesic => {
+        DeclarationKeyword::Geodesic => {
             "geodesic ${1:g}(${2:t}) : ${3:s} = (${4:1}, ${5:0}) @ (${6:0}, ${7:0}), ${2:t} : [0, ${8:1}];"
         }
     }

@@ -2,9 +2,10 @@
 
 use expr::ops;
 use scene::ParamValues;
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::symbols::{Symbol, SymbolKind};
 use syntax::span::Span;
-use syntax::symbols::{Symbol, SymbolKind};
-use syntax::token::{DeclareWord, SymbolId};
+use syntax::symbol::SymbolId;
 
 use crate::geometry;
 use crate::hints::{constant, shown};
@@ -86,7 +87,7 @@ fn declared(reading: &Reading, item: &Item<'_>) -> Description {
         return Description { code, text };
     }
     match item.word {
-        DeclareWord::Param => {
+        DeclarationKeyword::Param => {
             let intervals = written_intervals(reading, item);
             text.push(format!(
                 "a slider over {intervals}; it starts at {}",
@@ -96,16 +97,16 @@ fn declared(reading: &Reading, item: &Item<'_>) -> Description {
                 }
             ));
         }
-        DeclareWord::Grid => {
+        DeclarationKeyword::Grid => {
             let intervals = written_intervals(reading, item);
             text.push(format!(
                 "the values {intervals}: what depends on it is drawn once for each"
             ));
         }
-        DeclareWord::Define | DeclareWord::Point | DeclareWord::Vector => {
+        DeclarationKeyword::Define | DeclarationKeyword::Point | DeclarationKeyword::Vector => {
             text.extend(value(reading, item));
         }
-        DeclareWord::Function => {}
+        DeclarationKeyword::Function => {}
         _ => {
             let lines = item.parameters().filter_map(|(name, _)| {
                 let interval = interval_of(reading, item, name)?;

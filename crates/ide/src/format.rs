@@ -7,8 +7,8 @@
 
 use std::ops::Range;
 
+use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
-use syntax::token::TokenKind;
 
 use crate::edit::{self, Edit};
 use crate::meaning::{Meaning, Meanings};

@@ -2,8 +2,9 @@
 
 use scene::geotrace::Compilation;
 use scene::{Outcome, ParamValues, Value};
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
-use syntax::token::{DeclareWord, TokenKind};
 
 use crate::item::Item;
 use crate::reading::Reading;
@@ -66,7 +67,7 @@ fn splits(reading: &Reading, range: Span) -> Vec<Hint> {
 /// `= 6.2832` behind a define that no param or grid changes.
 fn values(reading: &Reading, range: Span) -> Vec<Hint> {
     let is_wanted = |item: &Item<'_>| {
-        item.word == DeclareWord::Define
+        item.word == DeclarationKeyword::Define
             && !item.faulty
             && !is_literal(reading, item.span)
             && item

@@ -1,7 +1,7 @@
 //! What stands under the cursor.
 
+use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
-use syntax::token::TokenKind;
 
 use crate::describe::{self, Description};
 use crate::reading::Reading;

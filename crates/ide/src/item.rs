@@ -1,8 +1,9 @@
 //! A declaration as it stands in the text.
 
-use syntax::document::{Event, Events, Parameters, ReadDeclaration};
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::document::{Event, Events, Parameters, ReadDeclaration};
 use syntax::span::Span;
-use syntax::token::{DeclareWord, SymbolId};
+use syntax::symbol::SymbolId;
 
 /// A declaration. Offsets are bytes of the text.
 #[derive(Clone, Copy, Debug)]
@@ -10,7 +11,7 @@ pub struct Item<'r> {
     /// Its number among the declarations, from 0.
     pub index: usize,
     /// The word that opens it.
-    pub word: DeclareWord,
+    pub word: DeclarationKeyword,
     /// From the word to the `;`.
     pub span: Span,
     /// Its name; empty where none was read.

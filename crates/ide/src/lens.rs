@@ -1,7 +1,7 @@
 //! What can be looked at: the views of each surface.
 
+use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::span::Span;
-use syntax::token::DeclareWord;
 
 use crate::reading::Reading;
 
@@ -33,10 +33,10 @@ pub fn lenses(reading: &Reading) -> Vec<Lens> {
     items
         .flat_map(|item| {
             let views: &[(LensView, &str)] = match item.word {
-                DeclareWord::Surface => {
+                DeclarationKeyword::Surface => {
                     &[(LensView::Space, "3D"), (LensView::Inside, "inside view")]
                 }
-                DeclareWord::Metric => &[(LensView::Inside, "inside view")],
+                DeclarationKeyword::Metric => &[(LensView::Inside, "inside view")],
                 _ => &[],
             };
             views.iter().map(move |&(view, title)| Lens {

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::span::Span;
-use syntax::token::DeclareWord;
 
 use crate::hints::{Hint, short};
 use crate::reading::Reading;
@@ -12,7 +12,7 @@ use crate::reading::Reading;
 pub fn live(reading: &Reading, range: Span, values: &BTreeMap<String, Vec<f64>>) -> Vec<Hint> {
     reading
         .items_in(range)
-        .filter(|item| item.word == DeclareWord::Param)
+        .filter(|item| item.word == DeclarationKeyword::Param)
         .filter_map(|item| {
             let value = values.get(item.name)?;
             let numbers: Vec<String> = value.iter().map(|x| short(*x)).collect();

@@ -2,8 +2,9 @@
 
 use std::collections::HashMap;
 
-use syntax::document::Snapshot;
-use syntax::token::{SymbolId, TokenKind};
+use syntax::geotrace::document::Snapshot;
+use syntax::geotrace::token::TokenKind;
+use syntax::symbol::SymbolId;
 
 use crate::reading::Reading;
 

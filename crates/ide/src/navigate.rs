@@ -1,7 +1,7 @@
 //! From a use to its declaration, and back to all uses.
 
 use syntax::span::Span;
-use syntax::token::SymbolId;
+use syntax::symbol::SymbolId;
 
 use crate::reading::{Reading, Target};
 

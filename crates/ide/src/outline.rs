@@ -1,7 +1,8 @@
 //! The shape of a text: what it declares, what folds, what grows around a cursor.
 
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
-use syntax::token::{DeclareWord, TokenKind};
 
 use crate::reading::Reading;
 
@@ -11,7 +12,7 @@ pub struct OutlineEntry {
     /// Its name.
     pub name: String,
     /// The word that declares it.
-    pub word: DeclareWord,
+    pub word: DeclarationKeyword,
     /// Its parameters as they are written: `(u, v)`; empty for a value.
     pub detail: String,
     /// The whole declaration.

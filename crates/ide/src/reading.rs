@@ -15,10 +15,12 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use scene::geotrace::Compilation;
 use syntax::diagnostic::{Diagnostic, Severity};
-use syntax::document::{Document, Piece, Snapshot, Tokens};
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::document::{Document, Piece, Snapshot, Tokens};
+use syntax::geotrace::symbols::Symbol;
+use syntax::geotrace::token::{Token, TokenKind};
 use syntax::span::Span;
-use syntax::symbols::Symbol;
-use syntax::token::{DeclareWord, SymbolId, Token, TokenKind};
+use syntax::symbol::SymbolId;
 
 use crate::item::Item;
 
@@ -419,7 +421,10 @@ impl Reading {
             let Some(item) = self.item_of(id).and_then(|k| self.item(k)) else {
                 continue;
             };
-            found |= matches!(item.word, DeclareWord::Param | DeclareWord::Grid);
+            found |= matches!(
+                item.word,
+                DeclarationKeyword::Param | DeclarationKeyword::Grid
+            );
             if found {
                 break;
             }

@@ -7,9 +7,11 @@
 
 use std::collections::HashSet;
 
-use syntax::document::{ChunkId, Document, Snapshot};
+use syntax::document::ChunkId;
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::document::{Document, Snapshot};
+use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
-use syntax::token::{DeclareWord, TokenKind};
 
 use crate::edit::Edit;
 use crate::meaning::Meaning;
@@ -25,7 +27,7 @@ pub enum RenameError {
     /// The new name is none: names start with a letter and consist of letters and digits.
     NotAName(String),
     /// The new name opens declarations.
-    DeclareWord(String),
+    DeclarationKeyword(String),
     /// The new name has a meaning already; `line` (from 1) is where, unless it is builtin.
     Taken {
         /// The name.
@@ -51,7 +53,7 @@ impl std::fmt::Display for RenameError {
                 f,
                 "`{name}` is not a name: a name starts with a letter and has only letters a-z, A-Z and digits"
             ),
-            Self::DeclareWord(name) => {
+            Self::DeclarationKeyword(name) => {
                 write!(f, "`{name}` opens a declaration: it cannot be a name")
             }
             Self::Taken { name, line: None } => write!(f, "`{name}` is already builtin"),
@@ -134,8 +136,8 @@ fn check_name(reading: &Reading, target: Target, name: &str) -> Result<(), Renam
     if !well_formed || name.len() > 255 {
         return Err(RenameError::NotAName(name.to_owned()));
     }
-    if DeclareWord::from_text(name).is_some() {
-        return Err(RenameError::DeclareWord(name.to_owned()));
+    if DeclarationKeyword::from_text(name).is_some() {
+        return Err(RenameError::DeclarationKeyword(name.to_owned()));
     }
     let taken = |line| {
         Err(RenameError::Taken {

@@ -1,9 +1,10 @@
 //! Colours by meaning: the text's tokens in the standard types of editors.
 
-use syntax::document::Piece;
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::document::Piece;
+use syntax::geotrace::symbols::SymbolKind;
+use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
-use syntax::symbols::SymbolKind;
-use syntax::token::{DeclareWord, TokenKind};
 
 use crate::reading::{Reading, Target, introduces_in, lexeme};
 
@@ -152,15 +153,18 @@ fn token(reading: &Reading, piece: Piece<'_>, index: usize) -> Option<SemanticTo
     })
 }
 
-fn word_modifier(word: Option<DeclareWord>) -> Modifiers {
+fn word_modifier(word: Option<DeclarationKeyword>) -> Modifiers {
     match word {
         None => Modifiers::DEFAULT_LIBRARY,
-        Some(DeclareWord::Curve | DeclareWord::Geodesic) => Modifiers::CURVE,
-        Some(DeclareWord::Surface | DeclareWord::Metric) => Modifiers::SURFACE,
-        Some(DeclareWord::Grid) => Modifiers::GRID,
-        Some(DeclareWord::Param) => Modifiers::PARAM,
+        Some(DeclarationKeyword::Curve | DeclarationKeyword::Geodesic) => Modifiers::CURVE,
+        Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric) => Modifiers::SURFACE,
+        Some(DeclarationKeyword::Grid) => Modifiers::GRID,
+        Some(DeclarationKeyword::Param) => Modifiers::PARAM,
         Some(
-            DeclareWord::Define | DeclareWord::Function | DeclareWord::Point | DeclareWord::Vector,
+            DeclarationKeyword::Define
+            | DeclarationKeyword::Function
+            | DeclarationKeyword::Point
+            | DeclarationKeyword::Vector,
         ) => Modifiers::default(),
     }
 }

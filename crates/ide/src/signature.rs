@@ -1,6 +1,6 @@
 //! The function whose arguments are being written.
 
-use syntax::token::TokenKind;
+use syntax::geotrace::token::TokenKind;
 
 use crate::outline::parameters;
 use crate::reading::Reading;

@@ -5,8 +5,8 @@
 
 use std::ops::{ControlFlow, Range};
 
-use syntax::symbols::Symbol;
-use syntax::token::SymbolId;
+use syntax::geotrace::symbols::Symbol;
+use syntax::symbol::SymbolId;
 
 use crate::reading::Reading;
 

@@ -6,8 +6,9 @@
 use std::fmt;
 
 use scene::Range;
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
-use syntax::token::{DeclareWord, TokenKind};
 
 use crate::edit::Edit;
 use crate::item::Item;
@@ -139,7 +140,7 @@ pub fn value(reading: &Reading, param: &str, values: &[f64]) -> Result<Edit, Ref
 
 /// The value that a param opens with, where it is written.
 pub fn opening(reading: &Reading, item: &Item<'_>) -> Option<Span> {
-    if item.word != DeclareWord::Param {
+    if item.word != DeclarationKeyword::Param {
         return None;
     }
     let behind = Span::new(item.name_span.end, item.span.end);
@@ -154,7 +155,7 @@ pub fn opening(reading: &Reading, item: &Item<'_>) -> Option<Span> {
 
 /// The intervals of a param, where nothing is wrong with it.
 fn ranges(reading: &Reading, item: &Item<'_>) -> Option<Vec<Range>> {
-    if item.word != DeclareWord::Param {
+    if item.word != DeclarationKeyword::Param {
         return None;
     }
     let compilation = reading.compile_alone([item.index])?;

@@ -3,7 +3,7 @@
 use ide::rename::{RenameError, rename};
 use ide::{Reading, edit};
 use syntax::diagnostic::Severity;
-use syntax::token::TokenKind;
+use syntax::geotrace::token::TokenKind;
 
 fn renamed(text: &str, name: &str) -> Result<String, RenameError> {
     let at = text.find('|').expect("a mark");

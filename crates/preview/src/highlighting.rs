@@ -6,7 +6,7 @@ use std::sync::Arc;
 use egui::text::{ByteIndex, LayoutJob, LayoutSection, TextFormat};
 use egui::{Color32, FontId, Galley, Stroke, Ui};
 use syntax::diagnostic::Severity;
-use syntax::highlight::{Highlight, HighlightKind, highlight};
+use syntax::geotrace::highlight::{Highlight, HighlightKind, highlight};
 use syntax::span::Span;
 
 use crate::model::Finding;
@@ -149,7 +149,7 @@ mod tests {
     use super::lay_out;
     use egui::{Color32, FontId};
     use syntax::diagnostic::Severity;
-    use syntax::highlight::highlight;
+    use syntax::geotrace::highlight::highlight;
     use syntax::span::Span;
 
     #[test]

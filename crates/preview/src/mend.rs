@@ -7,9 +7,10 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use scene::Scene;
 use scene::geotrace::Document;
-use syntax::actions::Operator;
 use syntax::diagnostic::{Code, Diagnostic, Severity};
-use syntax::document::{ChunkId, EditError, Event, Snapshot};
+use syntax::document::{ChunkId, EditError};
+use syntax::geotrace::actions::Operator;
+use syntax::geotrace::document::{Event, Snapshot};
 use syntax::span::Span;
 
 /// How often declarations are stood in for or left out before the whole scene is given up: each round can only bring out

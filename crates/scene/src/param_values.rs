@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use syntax::nearest;
+use syntax::spelling::nearest;
 
 use crate::scene::{Grid, GridId, Object, Param, Range, Scene};
 

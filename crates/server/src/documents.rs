@@ -79,7 +79,7 @@ fn own_lines(text: &str) -> Option<Arc<Lines>> {
 /// A text, and how its editor counts places in it.
 #[derive(Clone, Copy)]
 struct Counted<'t> {
-    text: &'t syntax::document::Snapshot,
+    text: &'t syntax::geotrace::document::Snapshot,
     lines: Option<&'t Lines>,
     encoding: Encoding,
 }

@@ -10,8 +10,8 @@ use ide::outline::{Fold, OutlineEntry};
 use ide::semantic::{Modifiers, TokenType};
 use ide::signature::Signature;
 use syntax::diagnostic::{Diagnostic, Severity};
+use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::span::Span;
-use syntax::token::DeclareWord;
 use tower_lsp::ls_types as lsp;
 
 use crate::documents::{Open, Places, Snapshot};
@@ -305,14 +305,17 @@ pub(crate) fn action(
     })
 }
 
-fn symbol_kind(word: DeclareWord) -> lsp::SymbolKind {
+fn symbol_kind(word: DeclarationKeyword) -> lsp::SymbolKind {
     match word {
-        DeclareWord::Param | DeclareWord::Grid => lsp::SymbolKind::VARIABLE,
-        DeclareWord::Define | DeclareWord::Point | DeclareWord::Vector => lsp::SymbolKind::CONSTANT,
-        DeclareWord::Function => lsp::SymbolKind::FUNCTION,
-        DeclareWord::Curve | DeclareWord::Surface | DeclareWord::Metric | DeclareWord::Geodesic => {
-            lsp::SymbolKind::CLASS
+        DeclarationKeyword::Param | DeclarationKeyword::Grid => lsp::SymbolKind::VARIABLE,
+        DeclarationKeyword::Define | DeclarationKeyword::Point | DeclarationKeyword::Vector => {
+            lsp::SymbolKind::CONSTANT
         }
+        DeclarationKeyword::Function => lsp::SymbolKind::FUNCTION,
+        DeclarationKeyword::Curve
+        | DeclarationKeyword::Surface
+        | DeclarationKeyword::Metric
+        | DeclarationKeyword::Geodesic => lsp::SymbolKind::CLASS,
     }
 }
 

@@ -1,40 +1,20 @@
-//! The codes of the diagnostics that the front-end gives, and what each means.
+//! The codes of the diagnostics that concern texts of any language, and what each means.
 
 use crate::diagnostic::Code;
 
+/// Defines codes and, as `CODES`, their table.
 macro_rules! codes {
     ($($constant:ident = $name:literal, $explanation:literal;)*) => {
         $(#[doc = $explanation] pub const $constant: Code = Code($name);)*
 
-        /// Every code of this crate with one sentence that explains it, for documentation.
+        /// Every code of this module with one sentence that explains it, for documentation.
         pub const CODES: &[(Code, &str)] = &[$(($constant, $explanation)),*];
     };
 }
+pub(crate) use codes;
 
 codes! {
-    BAD_CHARACTER = "bad-character", "A character that no program holds outside comments.";
-    BAD_NUMBER = "bad-number", "A `.` without digits.";
-    COMPONENT_INDEX = "component-index", "After the `_` of a value stands a positive integer.";
-    DUPLICATE_PARAMETER = "duplicate-parameter", "A parameter list names the same parameter twice.";
-    EXPECTED_DECLARATION = "expected-declaration", "Every declaration opens with one of the declaring words.";
     FILE_TOO_LARGE = "file-too-large", "A text is limited to 4 GiB.";
     INVALID_UTF8 = "invalid-utf8", "A text is UTF-8; some bytes of this one are not.";
-    MISMATCHED_BRACKET = "mismatched-bracket", "A bracket is closed by a bracket of another kind.";
-    MISSING_ARGUMENT = "missing-argument", "A function stands without an operand.";
-    MISSING_INTERVAL = "missing-interval", "Whatever has a domain (a curve, a surface, a metric, a geodesic) needs an interval for each of its parameters.";
-    MISSING_SEMICOLON = "missing-semicolon", "A declaration ends without its `;`.";
-    MISSING_TAG = "missing-tag", "An interval of a domain opens with the parameter that it is for.";
-    NAME_TAKEN = "name-taken", "A new name must be free: names are never redefined and parameters never shadow.";
-    NAME_TOO_LONG = "name-too-long", "A name has at most 255 characters.";
-    NO_PARAMETERS = "no-parameters", "A builtin function has no named parameters to derive by.";
-    NUMBER_OUT_OF_RANGE = "number-out-of-range", "A number is too large for a 64-bit floating-point number.";
-    NUMBER_UNDERFLOW = "number-underflow", "A number is so small that it is read as 0.";
-    SURPRISING_READING = "surprising-reading", "Legal, but it is probably not read as it was meant.";
-    TOO_DEEP = "too-deep", "An expression is nested deeper than the limit.";
     TOO_MANY_ERRORS = "too-many-errors", "The limit of diagnostics is reached; further ones are left out.";
-    UNCLOSED_BRACKET = "unclosed-bracket", "A bracket is not closed before the declaration ends.";
-    UNDEFINED_NAME = "undefined-name", "A word that means nothing at this place.";
-    UNEXPECTED_TOKEN = "unexpected-token", "The grammar does not allow this token here.";
-    UNKNOWN_PARAMETER = "unknown-parameter", "A partial derivative by a name that is no parameter of the function.";
-    UNKNOWN_TAG = "unknown-tag", "An interval's tag is none of the parameters.";
 }

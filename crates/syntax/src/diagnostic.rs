@@ -147,6 +147,12 @@ impl Diagnostic {
         self
     }
 
+    /// Returns the diagnostic with all its places `bytes` further down.
+    #[must_use]
+    pub fn moved(self, bytes: u32) -> Self {
+        self.mapped(|span| span.moved(bytes))
+    }
+
     /// The same, with one more related place.
     #[must_use]
     pub fn with_related(mut self, span: Span, message: impl Into<String>) -> Self {

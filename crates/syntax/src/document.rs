@@ -38,9 +38,9 @@ mod tags;
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::ops::Deref;
 
+use crate::geotrace::symbols::Vocabulary;
 use crate::span::Span;
-use crate::symbols::Vocabulary;
-use crate::token::SymbolId;
+use crate::symbol::SymbolId;
 
 use chunk::cut;
 use edit::Pass;

@@ -3,14 +3,17 @@
 
 use std::fmt::Write as _;
 
-use syntax::actions::{Actions, Declaration, Interval, Operator};
 use syntax::diagnostic::Diagnostic;
-use syntax::document::{ChunkId, Document, EditError, Event};
+use syntax::document::{ChunkId, EditError};
+use syntax::geotrace::actions::{Actions, Declaration, Interval, Operator};
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::document::{Document, Event};
+use syntax::geotrace::parse_program;
+use syntax::geotrace::symbols::{Symbol, Vocabulary};
+use syntax::geotrace::token::{Token, TokenKind};
 use syntax::line_index::{LineIndex, Position};
-use syntax::parse_program;
 use syntax::span::Span;
-use syntax::symbols::{Symbol, Vocabulary};
-use syntax::token::{DeclareWord, SymbolId, Token, TokenKind};
+use syntax::symbol::SymbolId;
 
 fn vocabulary() -> Vocabulary {
     let functions = ["sin", "cos", "exp", "asin"];
@@ -30,7 +33,7 @@ impl Actions for Transcript {
     fn act_advance(&mut self, token: Token) {
         self.tokens.push(token);
     }
-    fn act_open(&mut self, word: DeclareWord, span: Span) {
+    fn act_declaration_start(&mut self, word: DeclarationKeyword, span: Span) {
         self.events.push(Event::Open(word, span));
     }
     fn act_operator(&mut self, operator: Operator, span: Span) {

@@ -8,7 +8,7 @@ mod support;
 use std::fmt::Write as _;
 
 use support::{parse, program_findings};
-use syntax::codes;
+use syntax::{codes, geotrace};
 
 const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/findings.txt");
 
@@ -44,18 +44,15 @@ fn every_code_has_a_finding_and_every_finding_has_a_code() {
         codes::TOO_MANY_ERRORS,
     ];
     let agreed = std::fs::read_to_string(PATH).expect("findings.txt");
-    for (code, explanation) in codes::CODES {
+    let all = || codes::CODES.iter().chain(geotrace::codes::CODES);
+    for (code, explanation) in all() {
         assert!(explanation.ends_with('.'));
         let shown = agreed.contains(&format!("[{}]", code.0));
         assert!(shown || elsewhere.contains(code), "{} is not shown", code.0);
     }
     let (recorder, _) = parse(&agreed);
     for diagnostic in recorder.diagnostics {
-        assert!(
-            codes::CODES
-                .iter()
-                .any(|(code, _)| *code == diagnostic.code)
-        );
+        assert!(all().any(|(code, _)| *code == diagnostic.code));
     }
 }
 

@@ -5,10 +5,11 @@ mod support;
 use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 use support::parse;
-use syntax::codes;
 use syntax::diagnostic::Severity;
-use syntax::grammar::{Item, Nonterminal, PRODUCTIONS, Production, Terminal};
-use syntax::token::TokenKind;
+use syntax::geotrace::codes;
+use syntax::geotrace::declarations::{DeclarationKeyword, Syntax};
+use syntax::geotrace::grammar::{Item, Nonterminal, PRODUCTIONS, Production, Terminal};
+use syntax::geotrace::token::TokenKind;
 
 /// The grammar as the language's page states it, left recursion and all.
 fn original_text() -> String {
@@ -20,16 +21,25 @@ fn original_text() -> String {
 }
 
 const TERMINALS: [(&str, Terminal); 33] = [
-    ("\"param\"", Terminal::Param),
-    ("\"grid\"", Terminal::Grid),
-    ("\"define\"", Terminal::Define),
-    ("\"function\"", Terminal::Function),
-    ("\"curve\"", Terminal::Curve),
-    ("\"surface\"", Terminal::Surface),
-    ("\"point\"", Terminal::Point),
-    ("\"vector\"", Terminal::Vector),
-    ("\"metric\"", Terminal::Metric),
-    ("\"geodesic\"", Terminal::Geodesic),
+    ("\"param\"", Terminal::Keyword(DeclarationKeyword::Param)),
+    ("\"grid\"", Terminal::Keyword(DeclarationKeyword::Grid)),
+    ("\"define\"", Terminal::Keyword(DeclarationKeyword::Define)),
+    (
+        "\"function\"",
+        Terminal::Keyword(DeclarationKeyword::Function),
+    ),
+    ("\"curve\"", Terminal::Keyword(DeclarationKeyword::Curve)),
+    (
+        "\"surface\"",
+        Terminal::Keyword(DeclarationKeyword::Surface),
+    ),
+    ("\"point\"", Terminal::Keyword(DeclarationKeyword::Point)),
+    ("\"vector\"", Terminal::Keyword(DeclarationKeyword::Vector)),
+    ("\"metric\"", Terminal::Keyword(DeclarationKeyword::Metric)),
+    (
+        "\"geodesic\"",
+        Terminal::Keyword(DeclarationKeyword::Geodesic),
+    ),
     ("id", Terminal::Id),
     ("const", Terminal::Const),
     ("func", Terminal::Func),
@@ -469,11 +479,11 @@ fn render(terminals: &[Terminal]) -> String {
                 found.expect("a terminal").0.trim_matches('"').to_owned()
             }
         };
-        if (*terminal as usize) < Terminal::Id as usize {
+        if let Terminal::Keyword(keyword) = terminal {
             parameter = None;
             has_body = matches!(
-                terminal,
-                Terminal::Function | Terminal::Curve | Terminal::Surface | Terminal::Metric
+                keyword.row().syntax,
+                Syntax::Function | Syntax::Parametrized
             );
         }
         text.push_str(&word);
@@ -505,7 +515,7 @@ fn parser_and_table_agree_on_random_texts() {
                 if is_tag(k) {
                     Terminal::Id
                 } else {
-                    Terminal::of(kinds[k]).expect("a token")
+                    Terminal::from_token(kinds[k]).expect("a token")
                 }
             })
             .collect();

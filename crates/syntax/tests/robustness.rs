@@ -4,12 +4,12 @@ mod support;
 
 use proptest::prelude::*;
 use support::{Recorder, assert_tokens_tile, parse, program_findings, vocabulary};
-use syntax::actions::Actions;
-use syntax::codes;
 use syntax::diagnostic::{Diagnostic, Severity};
-use syntax::highlight::highlight;
-use syntax::parser::{MAX_DEPTH, MAX_DIAGNOSTICS};
-use syntax::{parse_expression, parse_program};
+use syntax::geotrace::actions::Actions;
+use syntax::geotrace::codes;
+use syntax::geotrace::highlight::highlight;
+use syntax::geotrace::parser::{MAX_DEPTH, MAX_DIAGNOSTICS};
+use syntax::geotrace::{parse_expression, parse_program};
 
 /// Counts, and keeps nothing.
 #[derive(Default)]
@@ -19,7 +19,7 @@ struct Counter {
 }
 
 impl Actions for Counter {
-    fn act_operator(&mut self, _: syntax::actions::Operator, _: syntax::span::Span) {
+    fn act_operator(&mut self, _: syntax::geotrace::actions::Operator, _: syntax::span::Span) {
         self.steps += 1;
     }
     fn act_error(&mut self, diagnostic: Diagnostic) {
@@ -78,8 +78,11 @@ fn check_invariants(source: &str) {
 }
 
 /// How high the imagined stack of the hooks stands after some steps.
-fn stack_height(steps: &[(syntax::actions::Operator, syntax::span::Span)], start: i64) -> i64 {
-    use syntax::actions::Operator as O;
+fn stack_height(
+    steps: &[(syntax::geotrace::actions::Operator, syntax::span::Span)],
+    start: i64,
+) -> i64 {
+    use syntax::geotrace::actions::Operator as O;
     steps.iter().fold(start, |height, (operator, _)| {
         let height = match operator {
             O::Number(_) | O::Constant(_) | O::Variable(_) | O::Function(_) => height + 1,
@@ -107,8 +110,8 @@ fn stack_height(steps: &[(syntax::actions::Operator, syntax::span::Span)], start
 
 /// What is handed out for a declaration without error is complete.
 fn assert_stack_is_balanced(recorder: &Recorder) {
-    use syntax::actions::IntervalKind;
-    use syntax::token::DeclareWord as W;
+    use syntax::geotrace::actions::IntervalKind;
+    use syntax::geotrace::declarations::DeclarationKeyword as W;
     for declared in recorder.declared.iter().filter(|declared| !declared.faulty) {
         let expressions = match declared.word {
             // The value that a param opens with may be left out.
@@ -225,7 +228,7 @@ fn long_words_are_split_in_linear_time() {
 fn findings_are_limited_and_the_last_one_says_so() {
     let counter = count(&"\0 ".repeat(2 * MAX_DIAGNOSTICS));
     assert_eq!(counter.codes.len(), MAX_DIAGNOSTICS);
-    assert_eq!(counter.codes.last(), Some(&codes::TOO_MANY_ERRORS));
+    assert_eq!(counter.codes.last(), Some(&syntax::codes::TOO_MANY_ERRORS));
 }
 
 #[test]

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use expr::value::{self, Value};
 use expr::{Graph, Input, NodeId};
 use syntax::span::Span;
-use syntax::token::SymbolId;
+use syntax::symbol::SymbolId;
 
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};

@@ -4,7 +4,7 @@
 use expr::Graph;
 use expr::ops::{CONSTANTS, Unary};
 use expr::value::{self, DimensionError, Value};
-use syntax::symbols::Vocabulary;
+use syntax::geotrace::symbols::Vocabulary;
 
 /// A function that every program may use.
 #[derive(Clone, Copy, Debug)]

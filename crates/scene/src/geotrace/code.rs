@@ -6,9 +6,9 @@
 
 use std::ops::Range;
 
-use syntax::actions::Operator;
+use syntax::geotrace::actions::Operator;
 use syntax::span::Span;
-use syntax::token::SymbolId;
+use syntax::symbol::SymbolId;
 
 /// One operator, and the place of it with its operands.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,9 +174,9 @@ fn operand_count(operator: Operator) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use syntax::actions::Operator;
+    use syntax::geotrace::actions::Operator;
     use syntax::span::Span;
-    use syntax::token::SymbolId;
+    use syntax::symbol::SymbolId;
 
     use super::Code;
 

@@ -1,7 +1,7 @@
 //! From a text to a [`Compilation`]: the scene, or what is wrong with it.
 
 use syntax::diagnostic::Diagnostic;
-use syntax::parse_program;
+use syntax::geotrace::parse_program;
 use syntax::span::Span;
 
 use crate::evaluation::Evaluation;

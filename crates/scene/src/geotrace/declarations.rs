@@ -6,10 +6,10 @@
 use expr::value::Value;
 use expr::{Input, NodeId};
 use rustc_hash::FxHashMap;
-use syntax::actions::{self, Actions, Declaration, Operator};
 use syntax::diagnostic::Diagnostic;
+use syntax::geotrace::actions::{self, Actions, Declaration, Operator};
 use syntax::span::Span;
-use syntax::token::SymbolId;
+use syntax::symbol::SymbolId;
 
 use crate::geotrace::code::Expression;
 use crate::geotrace::dependencies::{Dependencies, Source};

@@ -1,11 +1,11 @@
 //! Declarations: from a declaration that has been read to a symbol's meaning and, for what is drawn, an
 //! object of the scene.
 
-use syntax::actions::{Declaration, Parameter};
-use syntax::codes::MISSING_INTERVAL;
 use syntax::diagnostic::{Diagnostic, Related};
+use syntax::geotrace::actions::{Declaration, Parameter};
+use syntax::geotrace::codes::MISSING_INTERVAL;
+use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::span::Span;
-use syntax::token::DeclareWord;
 
 use crate::geotrace::declarations::{Declarations, Understood, constant};
 use crate::geotrace::error::{self, SemanticError};
@@ -21,20 +21,20 @@ impl Declarations {
         intervals: &[Interval],
     ) -> Option<Understood> {
         match declaration.word {
-            DeclareWord::Param => self.param(declaration, intervals),
-            DeclareWord::Grid => self.grid(declaration, intervals),
-            DeclareWord::Define => {
+            DeclarationKeyword::Param => self.param(declaration, intervals),
+            DeclarationKeyword::Grid => self.grid(declaration, intervals),
+            DeclarationKeyword::Define => {
                 let [body] = self.expressions(intervals)?;
                 let lowered = self.constant(body);
                 Some(constant(lowered.value?, lowered.dependencies).into())
             }
-            DeclareWord::Function => self.function(declaration),
-            DeclareWord::Point => self.point(declaration),
-            DeclareWord::Vector => self.vector(declaration),
-            DeclareWord::Curve => self.curve(declaration, intervals),
-            DeclareWord::Surface => self.surface(declaration, intervals),
-            DeclareWord::Metric => self.metric(declaration, intervals),
-            DeclareWord::Geodesic => self.geodesic(declaration, intervals),
+            DeclarationKeyword::Function => self.function(declaration),
+            DeclarationKeyword::Point => self.point(declaration),
+            DeclarationKeyword::Vector => self.vector(declaration),
+            DeclarationKeyword::Curve => self.curve(declaration, intervals),
+            DeclarationKeyword::Surface => self.surface(declaration, intervals),
+            DeclarationKeyword::Metric => self.metric(declaration, intervals),
+            DeclarationKeyword::Geodesic => self.geodesic(declaration, intervals),
         }
     }
 

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use expr::Input;
 use rustc_hash::FxHashMap;
-use syntax::token::SymbolId;
+use syntax::symbol::SymbolId;
 
 /// Names a set of params and grids; the default is the empty one.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, Ord, PartialEq, PartialOrd)]
@@ -154,7 +154,7 @@ impl DependencySets {
 #[cfg(test)]
 mod tests {
     use expr::Input;
-    use syntax::token::SymbolId;
+    use syntax::symbol::SymbolId;
 
     use super::{Dependencies, DependencySets};
 

@@ -20,11 +20,12 @@ mod checker;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::OnceLock;
 
-use syntax::actions::{self, Actions, Operator};
 use syntax::diagnostic::Diagnostic;
-use syntax::document::{Change, ChunkId, EditError, Event};
+use syntax::document::{Change, ChunkId, EditError};
+use syntax::geotrace::actions::{self, Actions, Operator};
+use syntax::geotrace::document::Event;
 use syntax::span::Span;
-use syntax::token::SymbolId;
+use syntax::symbol::SymbolId;
 
 use crate::geotrace::builtin;
 use crate::geotrace::compile::{Compilation, compile};
@@ -38,7 +39,7 @@ use checker::{Checked, Checker};
 /// A program's text, what it was read as, and what is wrong with it.
 #[derive(Clone, Debug)]
 pub struct Document {
-    text: syntax::document::Document,
+    text: syntax::geotrace::document::Document,
     checker: Checker,
     checked: HashMap<ChunkId, Kept>,
     /// The chunks with diagnostics beyond those of the parser.
@@ -130,7 +131,7 @@ impl Document {
     /// Where the text is too large.
     pub fn new(text: &str) -> Result<Self, EditError> {
         let mut document = Self {
-            text: syntax::document::Document::new(text, &builtin::vocabulary())?,
+            text: syntax::geotrace::document::Document::new(text, &builtin::vocabulary())?,
             checker: Checker::new(),
             checked: HashMap::new(),
             found: HashSet::new(),
@@ -175,7 +176,7 @@ impl Document {
     }
 
     /// The text and what it was read as.
-    pub fn text(&self) -> &syntax::document::Document {
+    pub fn text(&self) -> &syntax::geotrace::document::Document {
         &self.text
     }
 

@@ -7,9 +7,9 @@ use std::sync::Arc;
 
 use expr::value::Value;
 use syntax::diagnostic::Diagnostic;
-use syntax::parse_expression;
+use syntax::geotrace::parse_expression;
+use syntax::geotrace::symbols::Parsed;
 use syntax::span::Span;
-use syntax::symbols::Parsed;
 
 use crate::evaluation::{Evaluation, Outcome, evaluate};
 use crate::geotrace::declarations::Declarations;

@@ -2,9 +2,9 @@
 
 use expr::tape::{Registers, Tape};
 use expr::value::Value;
-use syntax::actions::{self, IntervalKind};
 use syntax::diagnostic::Diagnostic;
-use syntax::token::DeclareWord;
+use syntax::geotrace::actions::{self, IntervalKind};
+use syntax::geotrace::declarations::DeclarationKeyword;
 
 use crate::geotrace::code::Expression;
 use crate::geotrace::error::{self, SemanticError};
@@ -140,7 +140,7 @@ fn constant(
     let role = role.name();
     if let Some(symbol) = lowerer.dependencies.first(lowered.dependencies) {
         let word = match lowerer.symbols.word(symbol) {
-            Some(DeclareWord::Grid) => "grid",
+            Some(DeclarationKeyword::Grid) => "grid",
             _ => "param",
         };
         let name = lowerer.symbols.name(symbol);

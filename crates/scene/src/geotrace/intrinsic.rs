@@ -5,10 +5,11 @@
 
 use expr::NodeId;
 use expr::value::Value;
-use syntax::actions::Declaration;
 use syntax::diagnostic::Diagnostic;
+use syntax::geotrace::actions::Declaration;
+use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::span::Span;
-use syntax::token::{DeclareWord, SymbolId};
+use syntax::symbol::SymbolId;
 
 use crate::geotrace::code::Expression;
 use crate::geotrace::declarations::{Declarations, Drawn, Manifold, Understood, kind_of};
@@ -157,10 +158,11 @@ impl Declarations {
     fn what_else(&self, symbol: SymbolId) -> Option<&'static str> {
         let symbols = &self.lowerer.symbols;
         match (symbols.meaning(symbol), symbols.word(symbol)) {
-            (Meaning::Poisoned, _) | (_, Some(DeclareWord::Surface | DeclareWord::Metric)) => None,
+            (Meaning::Poisoned, _)
+            | (_, Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric)) => None,
             (Meaning::Builtin(_), _) => Some("a builtin function"),
             (Meaning::Geodesic, _) => Some("a geodesic"),
-            (_, Some(DeclareWord::Curve)) => Some("a curve"),
+            (_, Some(DeclarationKeyword::Curve)) => Some("a curve"),
             _ => Some("a function"),
         }
     }

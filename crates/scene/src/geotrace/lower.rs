@@ -11,10 +11,10 @@ use std::sync::Arc;
 
 use expr::ops::power;
 use expr::value::{self, Value};
-use syntax::actions::Operator;
 use syntax::diagnostic::Diagnostic;
+use syntax::geotrace::actions::Operator;
 use syntax::span::Span;
-use syntax::token::SymbolId;
+use syntax::symbol::SymbolId;
 
 use crate::geotrace::code::Expression;
 use crate::geotrace::dependencies::Dependencies;

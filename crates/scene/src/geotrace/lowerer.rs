@@ -11,7 +11,7 @@ use expr::value::{self, DimensionError, Value};
 use expr::{Graph, NodeId};
 use rustc_hash::FxHashMap;
 use syntax::span::Span;
-use syntax::token::SymbolId;
+use syntax::symbol::SymbolId;
 
 use crate::geotrace::code::{Code, Expression};
 use crate::geotrace::dependencies::{Dependencies, DependencySets};

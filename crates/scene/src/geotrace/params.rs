@@ -3,7 +3,7 @@
 use expr::tape::{Registers, Tape};
 use expr::value::Value;
 use expr::{Graph, Input, NodeId};
-use syntax::actions::Declaration;
+use syntax::geotrace::actions::Declaration;
 
 use crate::geotrace::code::Expression;
 use crate::geotrace::declarations::{

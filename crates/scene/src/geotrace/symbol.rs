@@ -7,7 +7,8 @@
 use expr::Graph;
 use expr::ops::CONSTANTS;
 use expr::value::Value;
-use syntax::token::{DeclareWord, SymbolId};
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::symbol::SymbolId;
 
 use crate::geotrace::builtin::Builtin;
 use crate::geotrace::code::Expression;
@@ -23,7 +24,7 @@ pub(crate) struct Symbols(Vec<Symbol>);
 struct Symbol {
     name: Box<str>,
     /// The word that declares it; none for a builtin.
-    word: Option<DeclareWord>,
+    word: Option<DeclarationKeyword>,
     meaning: Meaning,
 }
 
@@ -81,7 +82,7 @@ impl Symbols {
         &mut self,
         symbol: SymbolId,
         name: &str,
-        word: Option<DeclareWord>,
+        word: Option<DeclarationKeyword>,
         meaning: Meaning,
     ) {
         let index = symbol.0 as usize;
@@ -119,7 +120,7 @@ impl Symbols {
     }
 
     /// The word that declares a symbol.
-    pub(crate) fn word(&self, symbol: SymbolId) -> Option<DeclareWord> {
+    pub(crate) fn word(&self, symbol: SymbolId) -> Option<DeclarationKeyword> {
         self.0.get(symbol.0 as usize)?.word
     }
 

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use crate::parser::suggestions::Search;
-use crate::symbols::{Scope, Symbol};
-use crate::token::{SymbolId, TokenKind};
+use crate::geotrace::symbols::{Scope, Symbol};
+use crate::geotrace::token::TokenKind;
+use crate::spelling::Search;
+use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
 use super::names::Names;

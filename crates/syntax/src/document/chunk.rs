@@ -2,12 +2,14 @@
 //!
 //! All places in a chunk count from its own start, so that nothing of it changes when it moves.
 
-use crate::actions::{Actions, Declaration, Interval, Operator, Parameter};
 use crate::diagnostic::Diagnostic;
-use crate::parser::elsewhere::Elsewhere;
-use crate::parser::suggestions::each_declared;
+use crate::geotrace::actions::{Actions, Declaration, Interval, Operator, Parameter};
+use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::parser::elsewhere::Elsewhere;
+use crate::geotrace::parser::suggestions::each_declared;
+use crate::geotrace::token::Token;
 use crate::span::Span;
-use crate::token::{DeclareWord, SymbolId, Token};
+use crate::symbol::SymbolId;
 
 use super::open_words::Lookup;
 use super::record::{EventRecorder, Events, Parameters, Records, Tokens};
@@ -17,7 +19,7 @@ use super::sequence::Measure;
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'d> {
     /// A declaration opens.
-    Open(DeclareWord, Span),
+    Open(DeclarationKeyword, Span),
     /// A step of an expression.
     Operator(Operator, Span),
     /// An interval.
@@ -32,7 +34,7 @@ pub enum Event<'d> {
 #[derive(Clone, Copy, Debug)]
 pub struct ReadDeclaration<'d> {
     /// The word that opens it.
-    pub word: DeclareWord,
+    pub word: DeclarationKeyword,
     /// From the word to the `;`.
     pub span: Span,
     /// What it declares, unless its name was not read or not free.
@@ -167,7 +169,7 @@ impl Actions for Recorder {
         self.tokens.push(token);
     }
 
-    fn act_open(&mut self, word: DeclareWord, span: Span) {
+    fn act_declaration_start(&mut self, word: DeclarationKeyword, span: Span) {
         self.events.open(word, span);
     }
 

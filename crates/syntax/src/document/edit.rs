@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
-use crate::parser::parse_piece;
+use crate::geotrace::parser::parse_piece;
 use crate::span::Span;
-use crate::token::SymbolId;
+use crate::symbol::SymbolId;
 
 use super::Document;
 use super::above::Above;

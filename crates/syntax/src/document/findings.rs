@@ -10,12 +10,12 @@ use super::open_words::Lookup;
 use super::sequence::{ChunkId, Measure};
 use crate::codes;
 use crate::diagnostic::Diagnostic;
-use crate::parser::MAX_DIAGNOSTICS;
-use crate::parser::elsewhere::Surroundings;
-use crate::parser::readings::hidden_split;
-use crate::parser::suggestions::Search;
+use crate::geotrace::parser::MAX_DIAGNOSTICS;
+use crate::geotrace::parser::elsewhere::Surroundings;
+use crate::geotrace::parser::readings::hidden_split;
 use crate::span::Span;
-use crate::token::SymbolId;
+use crate::spelling::Search;
+use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
 /// Where the letters of a name are split above its declaration.
@@ -29,7 +29,7 @@ pub(super) struct HiddenSplit {
 
 impl Document {
     /// Everything the parser has found, in the order of the text: what
-    /// [`parse_program`](crate::parse_program) finds, sorted by place.
+    /// [`parse_program`](crate::geotrace::parse_program) finds, sorted by place.
     pub fn diagnostics(&self) -> Vec<Diagnostic> {
         let mut all = Vec::new();
         if self.is_overfull() {
@@ -253,12 +253,5 @@ impl Surroundings for Around<'_> {
             }
             names.search(search, sequence, self.chunk, offset);
         })
-    }
-}
-
-impl Diagnostic {
-    /// The same, so many bytes further down.
-    pub(crate) fn moved(self, bytes: u32) -> Self {
-        self.mapped(|span| span.moved(bytes))
     }
 }

@@ -6,9 +6,9 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use crate::parser::suggestions::Search;
-use crate::symbols::{Parsed, Symbol, Vocabulary};
-use crate::token::SymbolId;
+use crate::geotrace::symbols::{Parsed, Symbol, Vocabulary};
+use crate::spelling::Search;
+use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
 use super::chunk_set::ChunkSet;
@@ -55,7 +55,7 @@ pub(super) struct Defined {
 /// What those below see of a symbol.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(super) struct Signature {
-    word: Option<crate::token::DeclareWord>,
+    word: Option<crate::geotrace::declarations::DeclarationKeyword>,
     parameters: Vec<String>,
     faulty: bool,
 }

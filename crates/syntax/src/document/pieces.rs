@@ -4,7 +4,7 @@
 //! in logarithmic time.
 
 use crate::span::Span;
-use crate::token::SymbolId;
+use crate::symbol::SymbolId;
 
 use super::chunk::ReadDeclaration;
 use super::record::{Events, Tokens};

@@ -5,9 +5,11 @@
 //! is read from it again and not kept. A chunk of 64 KiB or more, or with a number that has no room, has sixteen bytes for
 //! each.
 
-use crate::actions::{Interval, IntervalKind, Operator, Parameter};
+use crate::geotrace::actions::{Interval, IntervalKind, Operator, Parameter};
+use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::token::Token;
 use crate::span::Span;
-use crate::token::{DeclareWord, SymbolId, Token};
+use crate::symbol::SymbolId;
 
 use super::chunk::{Event, ReadDeclaration};
 use super::tags::{STEPS_END, of_operator, of_token, operator, token_kind, word, word_index};
@@ -168,7 +170,7 @@ impl EventRecorder {
         self.0.push(Entry { span, tag, number });
     }
 
-    pub(super) fn open(&mut self, word: DeclareWord, span: Span) {
+    pub(super) fn open(&mut self, word: DeclarationKeyword, span: Span) {
         self.push(OPEN + word_index(word), span, 0);
     }
 
@@ -193,7 +195,7 @@ impl EventRecorder {
         self.push(FINDING, Span::default(), 0);
     }
 
-    pub(super) fn declaration(&mut self, declaration: &crate::actions::Declaration<'_>) {
+    pub(super) fn declaration(&mut self, declaration: &crate::geotrace::actions::Declaration<'_>) {
         let parameters = declaration.parameters;
         let tag = match declaration.faulty {
             true => FAULTY_DECLARATION,
@@ -355,10 +357,12 @@ const SOME: u8 = 1;
 mod tests {
     use super::super::tags::{PLAIN, STEPS};
     use super::{Entry, EventRecorder, Events, Records, Tokens};
-    use crate::actions::{Declaration, Interval, IntervalKind, Operator, Parameter};
     use crate::document::Event;
+    use crate::geotrace::actions::{Declaration, Interval, IntervalKind, Operator, Parameter};
+    use crate::geotrace::declarations::DeclarationKeyword;
+    use crate::geotrace::token::{Token, TokenKind};
     use crate::span::Span;
-    use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
+    use crate::symbol::SymbolId;
 
     /// A text of so many bytes that begins with a number.
     fn text(length: usize) -> String {
@@ -371,7 +375,7 @@ mod tests {
             let text = text(length);
             let span = |k: usize| Span::new(k as u32, length as u32);
             let mut kinds = PLAIN.to_vec();
-            kinds.extend(DeclareWord::ALL.map(TokenKind::Declare));
+            kinds.extend(DeclarationKeyword::ALL.map(TokenKind::Declare));
             kinds.push(TokenKind::Constant(SymbolId(id)));
             kinds.push(TokenKind::Function(SymbolId(id)));
             kinds.push(TokenKind::Variable(id));
@@ -422,7 +426,7 @@ mod tests {
             };
             let parameters = [parameter(12), parameter(15)];
             let declared = |symbol, faulty, count: usize| Declaration {
-                word: DeclareWord::Geodesic,
+                word: DeclarationKeyword::Geodesic,
                 span: Span::new(6, 30),
                 symbol,
                 name: span(10).text(&text),
@@ -430,7 +434,7 @@ mod tests {
                 parameters: &parameters[..count],
                 faulty,
             };
-            recorder.open(DeclareWord::Param, span(6));
+            recorder.open(DeclarationKeyword::Param, span(6));
             recorder.operator(Operator::Number(25.0), Span::new(0, 5));
             recorder.finding();
             for operator in &operators {
@@ -441,7 +445,7 @@ mod tests {
                 recorder.interval(*interval);
             }
             recorder.declaration(&declared(None, true, 0));
-            recorder.open(DeclareWord::Geodesic, span(6));
+            recorder.open(DeclarationKeyword::Geodesic, span(6));
             let records = recorder.finish(&text);
 
             let told = |event: Event<'_>| match event {
@@ -456,7 +460,7 @@ mod tests {
                 steps.map(told).collect()
             };
             let number = Event::Operator(Operator::Number(25.0), Span::new(0, 5));
-            let mut first = vec![told(Event::Open(DeclareWord::Param, span(6)))];
+            let mut first = vec![told(Event::Open(DeclarationKeyword::Param, span(6)))];
             first.extend([told(number), told(Event::Finding)]);
             first.extend(expected(&operators));
             let second: Vec<_> = intervals
@@ -478,7 +482,7 @@ mod tests {
                 assert_eq!(read.parameters.len(), expected.parameters.len());
                 assert_eq!(&events.map(told).collect::<Vec<_>>(), own);
             }
-            let last = told(Event::Open(DeclareWord::Geodesic, span(6)));
+            let last = told(Event::Open(DeclarationKeyword::Geodesic, span(6)));
             assert_eq!(all.map(told).last(), Some(last));
             assert_eq!(all.count(), first.len() + second.len() + 3);
         }

@@ -7,10 +7,11 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use crate::diagnostic::{Code, Severity};
+use crate::geotrace::symbols::{Parsed, Symbol};
+use crate::geotrace::token::Token;
 use crate::line_index::Position;
 use crate::span::Span;
-use crate::symbols::{Parsed, Symbol};
-use crate::token::{SymbolId, Token};
+use crate::symbol::SymbolId;
 
 use super::chunk::{Chunk, ReadDeclaration};
 use super::names::Names;
@@ -255,7 +256,7 @@ impl Snapshot {
         name.into_iter().flat_map(|name| self.names.users(name))
     }
 
-    /// The names as they stand at the end of the text, as [`parse_program`](crate::parse_program) gives them:
+    /// The names as they stand at the end of the text, as [`parse_program`](crate::geotrace::parse_program) gives them:
     /// with other identifiers, which count up in the order of the text.
     pub fn parsed(&self) -> Parsed {
         let builtins = self.names.iter().map(|(_, defined)| defined);

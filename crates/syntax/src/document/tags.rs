@@ -2,18 +2,22 @@
 //!
 //! What the text itself says is not in them: the value of a number is read from it again.
 
-use crate::actions::Operator;
-use crate::lexer::literal;
-use crate::token::{DeclareWord, SymbolId, TokenKind};
+use crate::geotrace::actions::Operator;
+use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::lexer::literal;
+use crate::geotrace::token::TokenKind;
+use crate::symbol::SymbolId;
 
-pub(super) fn word_index(word: DeclareWord) -> u8 {
-    let index = DeclareWord::ALL.iter().position(|other| *other == word);
+pub(super) fn word_index(word: DeclarationKeyword) -> u8 {
+    let index = DeclarationKeyword::ALL
+        .iter()
+        .position(|other| *other == word);
     index.unwrap_or_default() as u8
 }
 
-pub(super) fn word(index: u8) -> DeclareWord {
-    let word = DeclareWord::ALL.get(usize::from(index)).copied();
-    word.unwrap_or(DeclareWord::Define)
+pub(super) fn word(index: u8) -> DeclarationKeyword {
+    let word = DeclarationKeyword::ALL.get(usize::from(index)).copied();
+    word.unwrap_or(DeclarationKeyword::Define)
 }
 
 /// The kinds of token that are nothing but themselves; a tag is a position.

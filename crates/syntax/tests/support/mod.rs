@@ -1,18 +1,20 @@
 //! A recorder of everything the hooks say, and short forms of it as text.
 #![allow(dead_code, unreachable_pub)]
 
-use syntax::actions::{Actions, Declaration, Interval, Operator};
 use syntax::diagnostic::{Diagnostic, Severity};
+use syntax::geotrace::actions::{Actions, Declaration, Interval, Operator};
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::symbols::{Parsed, Vocabulary};
+use syntax::geotrace::token::{Token, TokenKind};
+use syntax::geotrace::{parse_expression, parse_program};
 use syntax::line_index::LineIndex;
 use syntax::span::Span;
-use syntax::symbols::{Parsed, Vocabulary};
-use syntax::token::{DeclareWord, SymbolId, Token, TokenKind};
-use syntax::{parse_expression, parse_program};
+use syntax::symbol::SymbolId;
 
 /// A declaration, as it was handed out.
 #[derive(Clone, Debug)]
 pub struct Declared {
-    pub word: DeclareWord,
+    pub word: DeclarationKeyword,
     pub name: String,
     pub symbol: Option<SymbolId>,
     pub parameters: Vec<String>,
@@ -27,7 +29,7 @@ pub struct Declared {
 #[derive(Default)]
 pub struct Recorder {
     pub tokens: Vec<Token>,
-    pub opened: Vec<(DeclareWord, Span)>,
+    pub opened: Vec<(DeclarationKeyword, Span)>,
     pub steps: Vec<(Operator, Span)>,
     pub intervals: Vec<Interval>,
     pub declared: Vec<Declared>,
@@ -38,7 +40,7 @@ impl Actions for Recorder {
     fn act_advance(&mut self, token: Token) {
         self.tokens.push(token);
     }
-    fn act_open(&mut self, word: DeclareWord, span: Span) {
+    fn act_declaration_start(&mut self, word: DeclarationKeyword, span: Span) {
         self.steps.clear();
         self.intervals.clear();
         self.opened.push((word, span));

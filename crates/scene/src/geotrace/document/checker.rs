@@ -14,11 +14,13 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use syntax::actions::{self, Declaration, Operator};
 use syntax::diagnostic::{Code, Diagnostic};
-use syntax::document::{ChunkId, Event, ReadDeclaration};
+use syntax::document::ChunkId;
+use syntax::geotrace::actions::{self, Declaration, Operator};
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::document::{Event, ReadDeclaration};
 use syntax::span::Span;
-use syntax::token::{DeclareWord, SymbolId};
+use syntax::symbol::SymbolId;
 
 use crate::geotrace::declarations::{Declarations, Drawn, SourceData, Uniforms};
 use crate::geotrace::error;
@@ -50,7 +52,7 @@ pub(super) struct Checker {
 /// A symbol of the document.
 #[derive(Clone, Debug)]
 struct Known {
-    word: DeclareWord,
+    word: DeclarationKeyword,
     /// The symbol that it is in the checker.
     own: SymbolId,
     chunk: ChunkId,
@@ -193,7 +195,7 @@ impl Checker {
     }
 
     /// Params and grids may have come in another order.
-    pub(super) fn reorder(&mut self, document: &syntax::document::Document) {
+    pub(super) fn reorder(&mut self, document: &syntax::geotrace::document::Document) {
         let place = |symbol: &SymbolId| {
             let home = document.home(*symbol);
             home.map_or(0, |home| document.rank(home))
@@ -221,7 +223,7 @@ impl Checker {
     /// Checks what a chunk declares, with the meanings that the names above have at the moment.
     pub(super) fn check(
         &mut self,
-        document: &syntax::document::Document,
+        document: &syntax::geotrace::document::Document,
         chunk: ChunkId,
     ) -> Checked {
         let base = self.next_base;

@@ -2,13 +2,14 @@
 
 use super::elsewhere::Elsewhere;
 use super::{Parser, Stop};
-use crate::actions::Actions;
-use crate::codes;
 use crate::diagnostic::{Code, Diagnostic, Fix};
-use crate::lexer::Fault;
+use crate::geotrace::actions::Actions;
+use crate::geotrace::codes;
+use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::lexer::Fault;
+use crate::geotrace::symbols::Scope;
+use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
-use crate::symbols::Scope;
-use crate::token::{DeclareWord, Token, TokenKind};
 
 /// How many characters of the text a sentence quotes.
 const QUOTE_LENGTH: usize = 40;
@@ -199,7 +200,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     }
 
     /// A declaration ought to end at the current token, which is no `;`.
-    pub(super) fn expected_end(&mut self, word: DeclareWord) -> Stop {
+    pub(super) fn expected_end(&mut self, word: DeclarationKeyword) -> Stop {
         let end = self.previous.span.end;
         let found = self.found();
         let diagnostic = match self.current.kind {
@@ -221,7 +222,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
                 codes::UNEXPECTED_TOKEN,
                 format!("expected `;`, found {found}, which closes no bracket"),
             ),
-            TokenKind::Comma if word == DeclareWord::Function => self
+            TokenKind::Comma if word == DeclarationKeyword::Function => self
                 .expected_diagnostic("`;`")
                 .with_hint("a function has no intervals: a `curve` or a `surface` has"),
             TokenKind::Comma => self

@@ -4,13 +4,14 @@ use std::collections::HashSet;
 
 use super::Parser;
 use super::messages::quote;
-use crate::actions::Actions;
-use crate::codes;
 use crate::diagnostic::{Diagnostic, Fix};
-use crate::lexer::Word;
+use crate::geotrace::actions::Actions;
+use crate::geotrace::codes;
+use crate::geotrace::lexer::Word;
+use crate::geotrace::symbols::{Parsed, Scope};
+use crate::geotrace::token::TokenKind;
 use crate::span::Span;
-use crate::symbols::{Parsed, Scope};
-use crate::token::{SymbolId, TokenKind};
+use crate::symbol::SymbolId;
 
 /// What has been read so far that may turn out to be surprising.
 #[derive(Default)]

@@ -1,7 +1,7 @@
 //! From text to lexemes. What a word means is asked of whoever drives the lexer: it knows no names.
 
+use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
-use crate::token::{Token, TokenKind};
 
 /// A token, and what is wrong with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -250,7 +250,7 @@ fn number(bytes: &[u8]) -> (usize, Result<f64, Fault>) {
 #[cfg(test)]
 mod tests {
     use super::{Fault, Lexeme, Lexer};
-    use crate::token::TokenKind;
+    use crate::geotrace::token::TokenKind;
 
     /// The lexemes of a text whose words are never split.
     fn lex(source: &str) -> Vec<Lexeme> {

@@ -3,15 +3,17 @@
 
 use super::elsewhere::{Elsewhere, Undefined};
 use super::messages::quote;
-use super::suggestions::nearest_declaring;
+use super::suggestions::nearest_keyword;
 use super::{Parser, State, Stop};
-use crate::actions::{Actions, Parameter};
-use crate::codes;
 use crate::diagnostic::Diagnostic;
-use crate::lexer::{Lexeme, Word};
+use crate::geotrace::actions::{Actions, Parameter};
+use crate::geotrace::codes;
+use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::lexer::{Lexeme, Word};
+use crate::geotrace::symbols::{Scope, SymbolKind};
+use crate::geotrace::token::TokenKind;
 use crate::span::Span;
-use crate::symbols::{Scope, SymbolKind};
-use crate::token::{DeclareWord, SymbolId, TokenKind};
+use crate::symbol::SymbolId;
 
 /// How the parser wants the next word read.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +73,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
     }
 
     /// Reads the name that a declaration introduces. One that is not free is reported and passed.
-    pub(super) fn new_name(&mut self, word: DeclareWord) -> Result<(), Stop> {
+    pub(super) fn new_name(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
         let free = self.free_name(&format!("a name after `{}`", word.text()))?;
         self.state.name = self.current.span.text(self.source);
         self.state.name_span = self.current.span;
@@ -259,7 +261,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
         }
         if !self.state.in_body && self.state.parameter_trie.get(word).is_some() {
             let name = quote(word);
-            return Some(if self.state.word == Some(DeclareWord::Geodesic) {
+            return Some(if self.state.word == Some(DeclarationKeyword::Geodesic) {
                 format!("{name} is the length along the geodesic: nothing else depends on it")
             } else {
                 format!("{name} is a parameter: an interval's ends are constants")
@@ -275,7 +277,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
         }
         if word == whole
             && self.is_followed_by_word()
-            && let Some(declaring) = nearest_declaring(word)
+            && let Some(declaring) = nearest_keyword(word)
         {
             return Some(format!(
                 "did you mean `{}`, behind a `;`?",
@@ -342,7 +344,7 @@ pub(super) fn list(parameters: &[Parameter]) -> String {
 
 fn expression_word(parsed: &impl Scope, state: &State<'_>, word: Word<'_>) -> (usize, TokenKind) {
     if word.is_whole()
-        && let Some(declaring) = DeclareWord::from_text(word.rest)
+        && let Some(declaring) = DeclarationKeyword::from_text(word.rest)
     {
         return (word.rest.len(), TokenKind::Declare(declaring));
     }
@@ -367,7 +369,7 @@ fn whole_word(parsed: &impl Scope, word: Word<'_>) -> (usize, TokenKind) {
 }
 
 fn declaring_or(word: Word<'_>, otherwise: TokenKind) -> (usize, TokenKind) {
-    let declaring = DeclareWord::from_text(word.rest).filter(|_| word.is_whole());
+    let declaring = DeclarationKeyword::from_text(word.rest).filter(|_| word.is_whole());
     let kind = declaring.map_or(otherwise, TokenKind::Declare);
     (word.rest.len(), kind)
 }

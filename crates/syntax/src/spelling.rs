@@ -1,62 +1,10 @@
-//! What a word that means nothing may have been meant to be: a name declared further down, or one that is
-//! spelt alike.
+//! Names that are spelt like a word: what a word that means nothing may have been meant to be.
+//!
+//! The distance between two words is the optimal string alignment distance. `strsim` computes it too, but only for pairs
+//! of words; [`Search::among`] walks a [`Trie`] and leaves out every branch that cannot hold a near name, without which a
+//! misspelt word among 100,000 names would cost 100,000 comparisons.
 
-use std::collections::HashMap;
-
-use crate::token::DeclareWord;
 use crate::trie::Trie;
-
-/// Every name that stands after a declaring word somewhere in a text, and where it does last.
-pub(super) struct DeclaredNames<'s>(HashMap<&'s str, u32>);
-
-impl<'s> DeclaredNames<'s> {
-    /// The last place of a name behind a declaring word.
-    pub(super) fn place(&self, name: &str) -> Option<u32> {
-        self.0.get(name).copied()
-    }
-
-    pub(super) fn scan(source: &'s str) -> Self {
-        let mut names = HashMap::new();
-        each_declared(source, |name, offset| {
-            names.insert(name, offset);
-        });
-        Self(names)
-    }
-}
-
-/// Calls `found` with every name that stands after a declaring word, and its place.
-pub(crate) fn each_declared<'s>(source: &'s str, mut found: impl FnMut(&'s str, u32)) {
-    let mut after_declaring = false;
-    let bytes = source.as_bytes();
-    let mut at = 0;
-    while let Some(&byte) = bytes.get(at) {
-        let run = |inside: fn(&u8) -> bool| {
-            let rest = &bytes[at..];
-            rest.iter()
-                .position(|byte| !inside(byte))
-                .unwrap_or(rest.len())
-        };
-        let length = match byte {
-            b'#' => run(|byte| *byte != b'\n'),
-            b'a'..=b'z' | b'A'..=b'Z' => {
-                let length = run(u8::is_ascii_alphanumeric);
-                let word = &source[at..at + length];
-                let declares = DeclareWord::from_text(word).is_some();
-                if after_declaring && !declares {
-                    found(word, at as u32);
-                }
-                after_declaring = declares;
-                length
-            }
-            b' ' | b'\t' | b'\r' | b'\n' => 1,
-            _ => {
-                after_declaring = false;
-                1
-            }
-        };
-        at += length;
-    }
-}
 
 /// The name that is spelt most like a word, among those that have been considered.
 pub(crate) struct Search<'w> {
@@ -185,17 +133,6 @@ fn next_row(rows: &[Row], front: &[u8], word: &[u8]) -> Row {
     row
 }
 
-/// The declaring word that a word is most likely meant to be.
-pub(super) fn nearest_declaring(word: &str) -> Option<DeclareWord> {
-    let nearest = Search::nearest(word, |search| {
-        for declaring in DeclareWord::ALL.map(DeclareWord::text) {
-            let distance = distance(declaring, &search.folded_text());
-            search.consider(declaring, distance, || true);
-        }
-    });
-    DeclareWord::from_text(&nearest?)
-}
-
 /// The distance between two ASCII words, the second of which is no longer than [`MAX_WORD`].
 fn distance(a: &str, b: &str) -> u8 {
     let mut rows = vec![first_row()];
@@ -207,8 +144,7 @@ fn distance(a: &str, b: &str) -> u8 {
 
 #[cfg(test)]
 mod tests {
-    use super::{DeclaredNames, Search, distance, nearest_declaring};
-    use crate::token::DeclareWord;
+    use super::{Search, distance};
     use crate::trie::Trie;
 
     #[test]
@@ -225,13 +161,6 @@ mod tests {
             assert_eq!(distance(a, b), expected, "{a} {b}");
             assert_eq!(distance(b, a), expected, "{b} {a}");
         }
-    }
-
-    #[test]
-    fn a_misspelt_declaring_word_is_recognised() {
-        assert_eq!(nearest_declaring("surfce"), Some(DeclareWord::Surface));
-        assert_eq!(nearest_declaring("Param"), Some(DeclareWord::Param));
-        assert_eq!(nearest_declaring("hello"), None);
     }
 
     #[test]
@@ -266,13 +195,5 @@ mod tests {
                 assert_eq!(found, expected, "{word} {hidden}");
             }
         }
-    }
-
-    #[test]
-    fn names_after_declaring_words_are_found_without_parsing() {
-        let names = DeclaredNames::scan("define a = 1; # define b\n curve\n c(t) define define 2x");
-        let mut found: Vec<_> = names.0.into_iter().collect();
-        found.sort_unstable();
-        assert_eq!(found, [("a", 7), ("c", 33)]);
     }
 }

@@ -2,14 +2,16 @@
 
 use super::messages::quote;
 use super::names::{self, Mode, list};
-use super::suggestions::nearest_declaring;
+use super::suggestions::nearest_keyword;
 use super::{Parser, State, Stop};
-use crate::actions::{Actions, Declaration, Interval, IntervalKind, Operator};
-use crate::codes;
 use crate::diagnostic::Fix;
+use crate::geotrace::actions::{Actions, Declaration, Interval, IntervalKind, Operator};
+use crate::geotrace::codes;
+use crate::geotrace::declarations::{DeclarationKeyword, Syntax};
+use crate::geotrace::symbols::{Scope, Symbol};
+use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
-use crate::symbols::{Scope, Symbol};
-use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
+use crate::symbol::SymbolId;
 
 /// An interval's tag: the position of the parameter that it names, if it names one, and its place.
 type Tag = Option<(Option<u32>, Span)>;
@@ -20,16 +22,16 @@ const GEODESIC: &str = "geodesic g(t) : s = (a, b) @ (u, v), t : [0, length];";
 impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     /// A declaration whose word is the current token. It depends only on the names defined above it, and
     /// leaves the parser at the token after it.
-    pub(super) fn declaration(&mut self, word: DeclareWord) {
+    pub(super) fn declaration(&mut self, word: DeclarationKeyword) {
         self.state = State::default();
         self.declaration_with_word(word);
     }
 
     /// The current token is the declaring word, or what was taken for it.
-    fn declaration_with_word(&mut self, word: DeclareWord) {
+    fn declaration_with_word(&mut self, word: DeclarationKeyword) {
         let start = self.current.span;
         self.accept();
-        self.actions.act_open(word, start);
+        self.actions.act_declaration_start(word, start);
         self.fetch(Mode::Name);
         self.declaration_from_name(word, start);
     }
@@ -43,7 +45,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         let is_word = word.start == self.current.span.start && word.end > word.start;
         let text = word.text(self.source);
         let following = self.following(word.end);
-        let guess = nearest_declaring(text)
+        let guess = nearest_keyword(text)
             .filter(|_| is_word && following.is_some_and(|byte| byte.is_ascii_alphabetic()));
         let is_free = is_word && self.parsed.get(text).is_none();
         if is_word {
@@ -60,8 +62,8 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         }
         let unworded = match following {
             _ if !is_free => None,
-            Some(b'=') => Some(DeclareWord::Define),
-            Some(b'(') => Some(DeclareWord::Function),
+            Some(b'=') => Some(DeclarationKeyword::Define),
+            Some(b'(') => Some(DeclarationKeyword::Function),
             _ => None,
         };
         self.reject_opening(text, guess, unworded);
@@ -69,7 +71,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
             (Some(word), _) => self.declaration_with_word(word),
             (None, Some(word)) => {
                 let start = self.current.span;
-                self.actions.act_open(word, start);
+                self.actions.act_declaration_start(word, start);
                 self.declaration_from_name(word, start);
             }
             (None, None) => {
@@ -86,8 +88,8 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     fn reject_opening(
         &mut self,
         name: &str,
-        guess: Option<DeclareWord>,
-        unworded: Option<DeclareWord>,
+        guess: Option<DeclarationKeyword>,
+        unworded: Option<DeclarationKeyword>,
     ) {
         if self.is_muted() {
             self.state.faulty = true;
@@ -101,7 +103,9 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
             }
             _ if self.current.kind == TokenKind::Semicolon => "remove it".to_owned(),
             _ => {
-                let words = DeclareWord::ALL.map(DeclareWord::text).join("`, `");
+                let words = DeclarationKeyword::ALL
+                    .map(DeclarationKeyword::text)
+                    .join("`, `");
                 format!("a declaration opens with one of `{words}`")
             }
         };
@@ -117,7 +121,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     }
 
     /// The rest of a declaration, from its name (the current token) to behind its `;`.
-    fn declaration_from_name(&mut self, word: DeclareWord, start: Span) {
+    fn declaration_from_name(&mut self, word: DeclarationKeyword, start: Span) {
         if self.decl(word).is_err() {
             self.state.faulty = true;
             self.recover();
@@ -150,7 +154,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     }
 
     /// Defines the name that was read, where it is free.
-    fn define(&mut self, word: DeclareWord) -> Option<SymbolId> {
+    fn define(&mut self, word: DeclarationKeyword) -> Option<SymbolId> {
         if !self.state.name_is_free {
             return None;
         }
@@ -165,36 +169,36 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     }
 
     /// `DECL` after its word, up to its `;`.
-    fn decl(&mut self, word: DeclareWord) -> Result<(), Stop> {
+    fn decl(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
         self.state.word = Some(word);
-        match word {
-            DeclareWord::Param => {
+        match word.row().syntax {
+            Syntax::Slider => {
                 self.new_name(word)?;
                 self.opening(word)?;
                 self.intervals(word)?;
             }
-            DeclareWord::Grid => {
+            Syntax::Grid => {
                 self.new_name(word)?;
                 self.after_name(word, TokenKind::Colon, "`:`")?;
                 self.intervals(word)?;
             }
-            DeclareWord::Define | DeclareWord::Point => {
+            Syntax::Value => {
                 self.new_name(word)?;
                 self.after_name(word, TokenKind::Equals, "`=`")?;
                 self.expression()?;
             }
-            DeclareWord::Vector => {
+            Syntax::Anchored => {
                 self.new_name(word)?;
                 self.after_name(word, TokenKind::Equals, "`=`")?;
                 self.expression()?;
                 self.origin("the vector's origin", "vector v = direction @ origin;")?;
             }
-            DeclareWord::Function => self.fdecl(word)?,
-            DeclareWord::Curve | DeclareWord::Surface | DeclareWord::Metric => {
+            Syntax::Function => self.fdecl(word)?,
+            Syntax::Parametrized => {
                 self.fdecl(word)?;
                 self.tints()?;
             }
-            DeclareWord::Geodesic => {
+            Syntax::InSurface => {
                 self.head(word)?;
                 self.surface()?;
                 self.expression()?;
@@ -209,7 +213,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     }
 
     /// `OPENING ":"` of a param: the value that it opens with, if it has one.
-    fn opening(&mut self, word: DeclareWord) -> Result<(), Stop> {
+    fn opening(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Equals {
             return self.after_name(word, TokenKind::Colon, "`:`");
         }
@@ -234,7 +238,12 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     }
 
     /// The token that stands after the name.
-    fn after_name(&mut self, word: DeclareWord, wanted: TokenKind, what: &str) -> Result<(), Stop> {
+    fn after_name(
+        &mut self,
+        word: DeclarationKeyword,
+        wanted: TokenKind,
+        what: &str,
+    ) -> Result<(), Stop> {
         if self.current.kind == wanted {
             self.advance(Mode::Expression);
             return Ok(());
@@ -243,22 +252,22 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         let diagnostic = self.expected_diagnostic(&format!("{what} after the name {name}"));
         let text = self.state.name;
         let hint = match self.current.kind {
-            TokenKind::Equals if word == DeclareWord::Grid => Some(format!(
+            TokenKind::Equals if word == DeclarationKeyword::Grid => Some(format!(
                 "write `grid {text} : [a, b, n];`, or use `define` for a constant"
             )),
-            TokenKind::Equals if word == DeclareWord::Function => {
+            TokenKind::Equals if word == DeclarationKeyword::Function => {
                 Some("a constant is declared by `define`".to_owned())
             }
             TokenKind::Equals => Some(match word {
-                DeclareWord::Curve => format!("write `curve {text}(t) = …`"),
-                DeclareWord::Geodesic => format!("write `{GEODESIC}`"),
+                DeclarationKeyword::Curve => format!("write `curve {text}(t) = …`"),
+                DeclarationKeyword::Geodesic => format!("write `{GEODESIC}`"),
                 word => format!("write `{} {text}(u, v) = …`", word.text()),
             }),
-            TokenKind::Colon if word == DeclareWord::Geodesic => {
+            TokenKind::Colon if word == DeclarationKeyword::Geodesic => {
                 Some(format!("write `{GEODESIC}`"))
             }
             TokenKind::ParenOpen => {
-                let words = DeclareWord::ALL
+                let words = DeclarationKeyword::ALL
                     .into_iter()
                     .filter(|w| w.declares_function());
                 let words: Vec<_> = words.map(|word| format!("`{}`", word.text())).collect();
@@ -322,7 +331,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     }
 
     /// `FDECL = HEAD "=" EXPR`
-    fn fdecl(&mut self, word: DeclareWord) -> Result<(), Stop> {
+    fn fdecl(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
         self.head(word)?;
         if self.current.kind != TokenKind::Equals {
             return Err(self.expected("`=` after the parameters"));
@@ -335,7 +344,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     }
 
     /// `HEAD = id "(" IDS ")"`
-    fn head(&mut self, word: DeclareWord) -> Result<(), Stop> {
+    fn head(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
         self.new_name(word)?;
         let opening = self.current.span;
         if self.current.kind != TokenKind::ParenOpen {
@@ -360,7 +369,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     }
 
     /// `INTS` of a param, `GRIDS` of a grid.
-    fn intervals(&mut self, word: DeclareWord) -> Result<(), Stop> {
+    fn intervals(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
         self.interval(word, None)?;
         while self.current.kind == TokenKind::Comma {
             self.advance(Mode::Expression);
@@ -433,16 +442,16 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
             }
             self.advance(Mode::Expression);
         }
-        self.interval(DeclareWord::Curve, tag)
+        self.interval(DeclarationKeyword::Curve, tag)
     }
 
     /// `INT = "[" EXPR "," EXPR "]"` of a param, `GRID = "[" EXPR "," EXPR "," EXPR "]"` of a grid, either
     /// of a curve or a surface.
-    fn interval(&mut self, word: DeclareWord, tag: Tag) -> Result<(), Stop> {
+    fn interval(&mut self, word: DeclarationKeyword, tag: Tag) -> Result<(), Stop> {
         let opening = self.current.span;
         if self.current.kind != TokenKind::BracketOpen {
             let form = match word {
-                DeclareWord::Grid => "an interval `[a, b, n]`",
+                DeclarationKeyword::Grid => "an interval `[a, b, n]`",
                 _ => "an interval `[a, b]`",
             };
             return Err(self.expected(form));
@@ -459,13 +468,13 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         self.expression()?;
         let mut kind = IntervalKind::Range;
         match (self.current.kind, word) {
-            (TokenKind::Comma, DeclareWord::Param) => {
+            (TokenKind::Comma, DeclarationKeyword::Param) => {
                 let diagnostic = self.expected_diagnostic("`]`").with_hint(
                     "a param's interval is `[min, max]`; one with a count belongs to a `grid`",
                 );
                 return Err(self.reject(diagnostic));
             }
-            (TokenKind::BracketClose, DeclareWord::Grid) => {
+            (TokenKind::BracketClose, DeclarationKeyword::Grid) => {
                 let diagnostic = self
                     .expected_diagnostic("`,` and the number of values")
                     .with_hint("a grid's interval is `[a, b, n]`");
@@ -481,7 +490,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         let Token { kind: found, span } = self.current;
         if found != TokenKind::BracketClose {
             let separator = match (kind, word) {
-                (IntervalKind::Range, DeclareWord::Curve) => "`,` or ",
+                (IntervalKind::Range, DeclarationKeyword::Curve) => "`,` or ",
                 _ => "",
             };
             return Err(self.unclosed(opening, ']', separator));

@@ -1,10 +1,11 @@
 //! Colours for a text: "highlighting is another compiler", a second implementation of the hooks.
 
-use crate::actions::{Actions, Declaration};
-use crate::parser::parse_program;
+use crate::geotrace::actions::{Actions, Declaration};
+use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::parser::parse_program;
+use crate::geotrace::symbols::{SymbolKind, Vocabulary};
+use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
-use crate::symbols::{SymbolKind, Vocabulary};
-use crate::token::{DeclareWord, Token, TokenKind};
 
 /// What a piece of the text is, to the eye.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
@@ -93,7 +94,7 @@ impl Actions for Highlighter {
     }
 }
 
-fn symbol_kind(word: DeclareWord) -> SymbolKind {
+fn symbol_kind(word: DeclarationKeyword) -> SymbolKind {
     if word.declares_function() {
         SymbolKind::Function
     } else {
@@ -136,7 +137,7 @@ fn kind(token: TokenKind) -> Option<HighlightKind> {
 #[cfg(test)]
 mod tests {
     use super::{HighlightKind, highlight};
-    use crate::symbols::Vocabulary;
+    use crate::geotrace::symbols::Vocabulary;
 
     #[test]
     fn metrics_and_geodesics_are_functions_where_they_are_named() {

@@ -2,22 +2,15 @@
 //! into tails, common prefixes factored. Tests compute FIRST and FOLLOW from this table, hold the parser to
 //! it on random texts, and hold it to the productions as the language's page states them.
 
-use crate::token::{DeclareWord, TokenKind};
+use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::token::TokenKind;
 
 /// What the productions see of a token.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 #[allow(missing_docs)]
 pub enum Terminal {
-    Param,
-    Grid,
-    Define,
-    Function,
-    Curve,
-    Surface,
-    Point,
-    Vector,
-    Metric,
-    Geodesic,
+    /// A keyword that opens a declaration.
+    Keyword(DeclarationKeyword),
     /// A new name, or an interval's tag.
     Id,
     Const,
@@ -111,20 +104,9 @@ pub struct Production {
 impl Terminal {
     /// What the productions see of a token; `None` for comments, errors and the end of input. A word that
     /// means nothing is a name: an expression has no place for it.
-    pub fn of(kind: TokenKind) -> Option<Self> {
+    pub fn from_token(kind: TokenKind) -> Option<Self> {
         Some(match kind {
-            TokenKind::Declare(word) => match word {
-                DeclareWord::Param => Self::Param,
-                DeclareWord::Grid => Self::Grid,
-                DeclareWord::Define => Self::Define,
-                DeclareWord::Function => Self::Function,
-                DeclareWord::Curve => Self::Curve,
-                DeclareWord::Surface => Self::Surface,
-                DeclareWord::Point => Self::Point,
-                DeclareWord::Vector => Self::Vector,
-                DeclareWord::Metric => Self::Metric,
-                DeclareWord::Geodesic => Self::Geodesic,
-            },
+            TokenKind::Declare(keyword) => Self::Keyword(keyword),
             TokenKind::Undefined => Self::Id,
             TokenKind::Constant(_) => Self::Const,
             TokenKind::Function(_) => Self::Func,
@@ -153,32 +135,41 @@ impl Terminal {
     }
 }
 
+/// In a production `K(Param)` is a keyword, `T(Id)` another terminal and `N(Expr)` a nonterminal.
 macro_rules! productions {
     ($($left:ident = $($item:ident($name:ident))*;)*) => {
         &[$(Production {
             left: Nonterminal::$left,
-            right: &[$(Item::$item($item::$name)),*],
+            right: &[$(productions!($item $name)),*],
         }),*]
+    };
+    (K $name:ident) => {
+        Item::T(Terminal::Keyword(DeclarationKeyword::$name))
+    };
+    (T $name:ident) => {
+        Item::T(Terminal::$name)
+    };
+    (N $name:ident) => {
+        Item::N(Nonterminal::$name)
     };
 }
 
 /// The grammar; [`Nonterminal::Prog`] is its start.
 pub const PRODUCTIONS: &[Production] = {
-    use {Nonterminal as N, Terminal as T};
     productions! {
         Prog = N(Decl) N(Prog);
         Prog =;
 
-        Decl = T(Param) T(Id) N(Opening) T(Colon) N(Ints) T(Semicolon);
-        Decl = T(Grid) T(Id) T(Colon) N(Grids) T(Semicolon);
-        Decl = T(Define) T(Id) T(Equals) N(Expr) T(Semicolon);
-        Decl = T(Function) N(Fdecl) T(Semicolon);
-        Decl = T(Curve) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
-        Decl = T(Surface) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
-        Decl = T(Point) T(Id) T(Equals) N(Expr) T(Semicolon);
-        Decl = T(Vector) T(Id) T(Equals) N(Expr) T(At) N(Expr) T(Semicolon);
-        Decl = T(Metric) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
-        Decl = T(Geodesic) N(Head) T(Colon) T(Func) T(Equals) N(Expr) T(At) N(Expr) T(Comma) N(Tints) T(Semicolon);
+        Decl = K(Param) T(Id) N(Opening) T(Colon) N(Ints) T(Semicolon);
+        Decl = K(Grid) T(Id) T(Colon) N(Grids) T(Semicolon);
+        Decl = K(Define) T(Id) T(Equals) N(Expr) T(Semicolon);
+        Decl = K(Function) N(Fdecl) T(Semicolon);
+        Decl = K(Curve) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
+        Decl = K(Surface) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
+        Decl = K(Point) T(Id) T(Equals) N(Expr) T(Semicolon);
+        Decl = K(Vector) T(Id) T(Equals) N(Expr) T(At) N(Expr) T(Semicolon);
+        Decl = K(Metric) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
+        Decl = K(Geodesic) N(Head) T(Colon) T(Func) T(Equals) N(Expr) T(At) N(Expr) T(Comma) N(Tints) T(Semicolon);
 
         Opening = T(Equals) N(Expr);
         Opening =;

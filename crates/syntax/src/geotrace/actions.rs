@@ -1,8 +1,10 @@
 //! The semantic hooks: what a compiler, a highlighter, an outline or a formatter implements.
 
 use crate::diagnostic::Diagnostic;
+use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::token::Token;
 use crate::span::Span;
-use crate::token::{DeclareWord, SymbolId, Token};
+use crate::symbol::SymbolId;
 
 /// One step of an expression, in postfix order: each pops its operands from an imagined stack and pushes
 /// one result. `Function`, `Partial`, `Total` and `FunctionPower` build a function, `Apply` applies it.
@@ -85,7 +87,7 @@ pub struct Parameter {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Declaration<'a> {
     /// The word that opens it.
-    pub word: DeclareWord,
+    pub word: DeclarationKeyword,
     /// From the word to the `;`.
     pub span: Span,
     /// What it declares, unless its name was not read or not free.
@@ -110,7 +112,7 @@ pub trait Actions {
     }
 
     /// A declaration opens; its word has just been read.
-    fn act_open(&mut self, word: DeclareWord, span: Span) {
+    fn act_declaration_start(&mut self, word: DeclarationKeyword, span: Span) {
         let _ = (word, span);
     }
 

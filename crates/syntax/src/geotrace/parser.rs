@@ -1,5 +1,5 @@
 //! The parser of the geotrace language: LL(1) recursive descent, one function per nonterminal of
-//! [`grammar`](crate::grammar), calling the hooks of [`Actions`] as it goes.
+//! [`grammar`](super::grammar), calling the hooks of [`Actions`] as it goes.
 //!
 //! A text and a vocabulary flow in; calls of hooks flow out, and at the end the names that the text defines.
 //! Parsing never fails: what is wrong becomes a diagnostic, and the parser goes on at the next `;` or
@@ -23,18 +23,21 @@ pub(crate) mod suggestions;
 
 use std::cell::OnceCell;
 
-use crate::actions::{Actions, Interval, Operator, Parameter};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
-use crate::lexer::{Fault, Lexer};
+use crate::geotrace::actions::{Actions, Interval, Operator, Parameter};
+use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::lexer::{Fault, Lexer};
+use crate::geotrace::symbols::{Parsed, Scope, Vocabulary};
+use crate::geotrace::token::{Token, TokenKind};
 use crate::line_index::LineIndex;
 use crate::span::Span;
-use crate::symbols::{Parsed, Scope, Vocabulary};
-use crate::token::{DeclareWord, SymbolId, Token, TokenKind};
+use crate::spelling::Search;
+use crate::symbol::SymbolId;
 use crate::trie::Trie;
 use elsewhere::{Elsewhere, Surroundings};
 use names::Mode;
-use suggestions::{DeclaredNames, Search};
+use suggestions::DeclaredNames;
 
 /// How deep an expression may be nested: brackets, prefix operators, exponents and functions of functions
 /// all count. A thread with 2 MiB of stack holds this many levels in a debug build.
@@ -141,7 +144,7 @@ struct State<'s> {
     /// Its steps are incomplete: no more are handed out.
     silent: bool,
     depth: u32,
-    word: Option<DeclareWord>,
+    word: Option<DeclarationKeyword>,
     name: &'s str,
     name_span: Span,
     name_is_free: bool,
@@ -230,7 +233,7 @@ impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
     }
 
     #[cold]
-    fn fetch_slowly(&mut self, mode: Mode, mut lexeme: crate::lexer::Lexeme) {
+    fn fetch_slowly(&mut self, mode: Mode, mut lexeme: crate::geotrace::lexer::Lexeme) {
         // A run of bad characters is reported once, at its end.
         let mut run: Option<(Span, char)> = None;
         loop {

@@ -8,7 +8,7 @@
 use super::messages::quote;
 use crate::diagnostic::{Diagnostic, Fix, Related};
 use crate::span::Span;
-use crate::token::SymbolId;
+use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
 /// How many words that mean nothing are looked up in a text for names that are spelt alike: the first ones.

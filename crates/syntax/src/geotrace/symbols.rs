@@ -2,10 +2,12 @@
 
 use std::sync::Arc;
 
-use crate::actions::Parameter;
-use crate::parser::suggestions::Search;
+use crate::geotrace::actions::Parameter;
+use crate::geotrace::declarations::DeclarationKeyword;
+use crate::geotrace::token::TokenKind;
 use crate::span::Span;
-use crate::token::{DeclareWord, SymbolId, TokenKind};
+use crate::spelling::Search;
+use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
 /// The names defined at a place of a text.
@@ -34,7 +36,7 @@ pub struct Symbol {
     /// How it is used.
     pub kind: SymbolKind,
     /// The word that declares it; `None` for a builtin.
-    pub word: Option<DeclareWord>,
+    pub word: Option<DeclarationKeyword>,
     /// Where its declaration names it; `None` for a builtin.
     pub name_span: Option<Span>,
     /// The parameters of what is declared with parameters; empty for everything else.
@@ -138,7 +140,7 @@ impl Symbol {
     /// A symbol that a declaration introduces. `trie` holds its parameters by name, of equal ones the first.
     pub(crate) fn declared(
         name: &str,
-        word: DeclareWord,
+        word: DeclarationKeyword,
         name_span: Span,
         parameters: Vec<Parameter>,
         trie: Trie<u32>,

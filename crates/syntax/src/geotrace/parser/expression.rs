@@ -4,11 +4,12 @@
 use super::names::Mode;
 use super::readings::{Argument, Touching};
 use super::{MAX_DEPTH, Parse, Parser, Stop};
-use crate::actions::{Actions, Operator};
-use crate::codes;
+use crate::geotrace::actions::{Actions, Operator};
+use crate::geotrace::codes;
+use crate::geotrace::symbols::Scope;
+use crate::geotrace::token::TokenKind;
 use crate::span::Span;
-use crate::symbols::Scope;
-use crate::token::{SymbolId, TokenKind};
+use crate::symbol::SymbolId;
 
 impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     /// `EXPR = ADD`

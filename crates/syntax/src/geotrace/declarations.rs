@@ -1,0 +1,251 @@
+//! The one table of declarations.
+//!
+//! Each row gives a declaration's keyword, its syntax, how many parameters it takes, what it introduces, and its
+//! documentation (an example, the purpose in one sentence, a snippet for editors). The parser, the grammar, highlighting,
+//! completion, hover, the outline and the documentation read this table. To add a declaration, add a row, productions to
+//! [`grammar`](super::grammar) if its [`Syntax`] is new, and its meaning to the compiler.
+
+/// How the rest of a declaration is written, from its name to its `;`.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum Syntax {
+    /// `id : INTS` or `id = EXPR : INTS`.
+    Slider,
+    /// `id : GRIDS`.
+    Grid,
+    /// `id = EXPR`.
+    Value,
+    /// `id = EXPR @ EXPR`: a value with an origin.
+    Anchored,
+    /// `id(IDS) = EXPR`.
+    Function,
+    /// `id(IDS) = EXPR, TINTS`: a function over a domain.
+    Parametrized,
+    /// `id(IDS) : func = EXPR @ EXPR, TINTS`: a curve in the surface or metric `func`, from a start along a direction.
+    InSurface,
+}
+
+/// How many parameters a declaration takes.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum ParameterCount {
+    /// It declares a value.
+    None,
+    /// It declares a function of one parameter or more.
+    AnyNumber,
+    /// It declares a function of exactly this many parameters.
+    Exactly(usize),
+}
+
+/// What a declaration introduces, as far as tools tell declarations apart: in colours, icons, lists and views.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub enum Category {
+    /// A number or vector that a user sets.
+    Slider,
+    /// Equally spaced values, with one instance of each dependent object for each value.
+    Grid,
+    /// A number or vector.
+    Constant,
+    /// A function without a domain.
+    Function,
+    /// A curve, in space or in a surface.
+    Curve,
+    /// A surface in space.
+    Surface,
+    /// A surface that is given by its first fundamental form alone and has no shape in space.
+    Metric,
+}
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Row {
+    /// The keyword.
+    pub keyword: DeclarationKeyword,
+    /// The keyword as it is written.
+    pub text: &'static str,
+    /// How the declaration goes on.
+    pub syntax: Syntax,
+    /// How many parameters it takes.
+    pub parameters: ParameterCount,
+    /// What it introduces.
+    pub category: Category,
+    /// A complete declaration.
+    pub example: &'static str,
+    /// What the declaration is for: the end of a sentence, without a full stop.
+    pub purpose: &'static str,
+    /// The declaration with numbered places to fill in, in the syntax of the language server protocol's snippets.
+    pub snippet: &'static str,
+}
+
+macro_rules! declarations {
+    ($($name:ident $text:literal { $($field:ident: $value:expr),* $(,)? })*) => {
+        /// The keywords that open a declaration.
+        #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+        #[allow(missing_docs)]
+        pub enum DeclarationKeyword {
+            $($name),*
+        }
+
+        const COUNT: usize = [$($text),*].len();
+
+        /// The table, in the order of the keywords.
+        pub static TABLE: [Row; COUNT] = [
+            $(Row { keyword: DeclarationKeyword::$name, text: $text, $($field: $value),* }),*
+        ];
+
+        impl DeclarationKeyword {
+            /// Every keyword, in the order of the table.
+            pub const ALL: [Self; COUNT] = [$(Self::$name),*];
+
+            /// The keyword that is written so.
+            pub fn from_text(text: &str) -> Option<Self> {
+                // The lexer asks for every word of a text, so this compares literals and does not search the table.
+                Some(match text {
+                    $($text => Self::$name,)*
+                    _ => return None,
+                })
+            }
+        }
+    };
+}
+
+declarations! {
+    Param "param" {
+        syntax: Syntax::Slider,
+        parameters: ParameterCount::None,
+        category: Category::Slider,
+        example: "param r = 0.5 : [0, 1];",
+        purpose: "a slider, one for each interval",
+        snippet: "param ${1:r} : [${2:0}, ${3:1}];",
+    }
+    Grid "grid" {
+        syntax: Syntax::Grid,
+        parameters: ParameterCount::None,
+        category: Category::Grid,
+        example: "grid k : [0, 1, 5];",
+        purpose: "equally spaced values; what depends on them is drawn once for each",
+        snippet: "grid ${1:k} : [${2:0}, ${3:1}, ${4:5}];",
+    }
+    Define "define" {
+        syntax: Syntax::Value,
+        parameters: ParameterCount::None,
+        category: Category::Constant,
+        example: "define a = 2pi;",
+        purpose: "a constant",
+        snippet: "define ${1:a} = ${2:2pi};",
+    }
+    Function "function" {
+        syntax: Syntax::Function,
+        parameters: ParameterCount::AnyNumber,
+        category: Category::Function,
+        example: "function f(x, y) = x^2 + y;",
+        purpose: "a function of numbers or vectors",
+        snippet: "function ${1:f}(${2:x}) = ${3:x^2};",
+    }
+    Curve "curve" {
+        syntax: Syntax::Parametrized,
+        parameters: ParameterCount::Exactly(1),
+        category: Category::Curve,
+        example: "curve c(t) = (cos t, sin t, 0), t : [0, 2pi];",
+        purpose: "a curve in space",
+        snippet: "curve ${1:c}(${2:t}) = (${3:cos t}, ${4:sin t}, ${5:0}), ${2:t} : [${6:0}, ${7:2pi}];",
+    }
+    Surface "surface" {
+        syntax: Syntax::Parametrized,
+        parameters: ParameterCount::Exactly(2),
+        category: Category::Surface,
+        example: "surface s(u,v) = (u, v, u v), u : [0, 1], v : [0, 1];",
+        purpose: "a surface in space, seen in 3D and from inside",
+        snippet: "surface ${1:s}(${2:u},${3:v}) = (${4:u}, ${5:v}, ${6:u v}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];",
+    }
+    Point "point" {
+        syntax: Syntax::Value,
+        parameters: ParameterCount::None,
+        category: Category::Constant,
+        example: "point p = (1, 2, 3);",
+        purpose: "a point in space",
+        snippet: "point ${1:p} = (${2:0}, ${3:0}, ${4:0});",
+    }
+    Vector "vector" {
+        syntax: Syntax::Anchored,
+        parameters: ParameterCount::None,
+        category: Category::Constant,
+        example: "vector v = (1, 0, 0) @ p;",
+        purpose: "an arrow: direction @ origin",
+        snippet: "vector ${1:v} = (${2:1}, ${3:0}, ${4:0}) @ ${5:(0, 0, 0)};",
+    }
+    Metric "metric" {
+        syntax: Syntax::Parametrized,
+        parameters: ParameterCount::Exactly(2),
+        category: Category::Metric,
+        example: "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-2, 2], v : [1, 4];",
+        purpose: "a surface given by its first fundamental form (E, F, G), seen from inside",
+        snippet: "metric ${1:h}(${2:u},${3:v}) = (${4:1}, ${5:0}, ${6:1}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];",
+    }
+    Geodesic "geodesic" {
+        syntax: Syntax::InSurface,
+        parameters: ParameterCount::Exactly(1),
+        category: Category::Curve,
+        example: "geodesic g(t) : s = (1, 0) @ (0, 0), t : [0, 1];",
+        purpose: "a straightest line in a surface: direction @ start",
+        snippet: "geodesic ${1:g}(${2:t}) : ${3:s} = (${4:1}, ${5:0}) @ (${6:0}, ${7:0}), ${2:t} : [0, ${8:1}];",
+    }
+}
+
+impl DeclarationKeyword {
+    /// The keyword's row of the table.
+    #[inline]
+    pub fn row(self) -> &'static Row {
+        &TABLE[self as usize]
+    }
+
+    /// The keyword as it is written.
+    pub fn text(self) -> &'static str {
+        self.row().text
+    }
+
+    /// What the declaration introduces.
+    pub fn category(self) -> Category {
+        self.row().category
+    }
+
+    /// Returns true if the declared name is applied to operands, because it has parameters, and false if it is a value.
+    pub fn declares_function(self) -> bool {
+        self.row().parameters != ParameterCount::None
+    }
+
+    /// Returns true if the declaration gives an interval for each of its parameters.
+    pub fn has_domain(self) -> bool {
+        matches!(self.row().syntax, Syntax::Parametrized | Syntax::InSurface)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DeclarationKeyword, Syntax, TABLE};
+
+    #[test]
+    fn the_table_stands_in_the_order_of_the_keywords() {
+        for (index, keyword) in DeclarationKeyword::ALL.into_iter().enumerate() {
+            assert_eq!(keyword as usize, index);
+            assert_eq!(keyword.row().keyword, keyword);
+            assert_eq!(keyword.row(), &TABLE[index]);
+            assert_eq!(DeclarationKeyword::from_text(keyword.text()), Some(keyword));
+        }
+        assert_eq!(DeclarationKeyword::from_text("Param"), None);
+        assert_eq!(DeclarationKeyword::from_text(""), None);
+    }
+
+    #[test]
+    fn each_row_agrees_with_itself() {
+        for row in &TABLE {
+            let opening = format!("{} ", row.text);
+            assert!(row.example.starts_with(&opening), "{}", row.example);
+            assert!(row.snippet.starts_with(&opening), "{}", row.snippet);
+            assert!(row.example.ends_with(';') && row.snippet.ends_with(';'));
+            let has_parameters = matches!(
+                row.syntax,
+                Syntax::Function | Syntax::Parametrized | Syntax::InSurface
+            );
+            assert_eq!(row.keyword.declares_function(), has_parameters);
+        }
+    }
+}

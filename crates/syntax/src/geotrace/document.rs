@@ -1,0 +1,5 @@
+//! A Geotrace program that is edited.
+
+pub use crate::document::{
+    Document, Event, Events, Parameters, Piece, ReadDeclaration, Snapshot, Tokens,
+};
