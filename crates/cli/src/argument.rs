@@ -1,13 +1,15 @@
-//! The forms of argument that are more than a word or a number.
+//! Parsers of arguments: texts of the command line flow in, typed values flow out.
 
 use std::path::PathBuf;
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
+use render::request::MAX_SIDE;
+
 use crate::number;
 
-/// For whom the result is printed.
+/// The format of a result: for people or for programs.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
 pub(crate) enum Format {
     /// For people.
@@ -17,21 +19,21 @@ pub(crate) enum Format {
     Json,
 }
 
-/// A number, or an expression such as `pi/2` that gives one in the program's scope.
+/// A number, or an expression such as `pi/2` that evaluates to a number in the program's scope.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Quantity {
     /// A finite number.
     Number(f64),
-    /// Not yet read.
+    /// The text of an expression.
     Expression(String),
 }
 
 /// `NAME=V` or `NAME=V1,V2`: a value for a param or a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Assignment {
-    /// The param or grid.
+    /// The name of the param or grid.
     pub(crate) name: String,
-    /// One per component.
+    /// One value for each component.
     pub(crate) values: Vec<Quantity>,
 }
 
@@ -56,14 +58,14 @@ pub(crate) struct TextureFile {
     pub(crate) path: PathBuf,
 }
 
-/// `NAME=FROM:TO`: a param or a grid that runs from one value to another.
+/// `NAME=FROM:TO`: a param or a grid that changes from one value to another.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Animated {
-    /// The param or grid.
+    /// The name of the param or grid.
     pub(crate) name: String,
-    /// One per component, at first.
+    /// The first value, component by component.
     pub(crate) from: Vec<Quantity>,
-    /// As many, at last.
+    /// The last value, with as many components.
     pub(crate) to: Vec<Quantity>,
 }
 
@@ -72,12 +74,9 @@ pub(crate) struct Animated {
 pub(crate) enum ViewName {
     /// The 3D view.
     Space,
-    /// The geodesic view of a surface; of the program's only or first one unless named.
+    /// The geodesic view of a surface; without a name, of the program's first surface.
     Geodesic(Option<String>),
 }
-
-/// The longest side of a picture, in pixels.
-pub(crate) const LONGEST_SIDE: u32 = 16384;
 
 /// A word of the command line that names a value of another crate.
 #[derive(Clone, Copy, Debug)]
@@ -110,7 +109,7 @@ impl<T> Choice<T> {
     }
 }
 
-/// A parser of the words of a table, with their help and completion.
+/// Returns a parser of the words of a table, with their help and completion.
 pub(crate) fn choice<T: Copy + Send + Sync>(
     table: &'static [Choice<T>],
 ) -> impl TypedValueParser<Value = T> {
@@ -127,7 +126,7 @@ pub(crate) fn choice<T: Copy + Send + Sync>(
     })
 }
 
-/// Reads `NAME=V1,V2`.
+/// Parses `NAME=V1,V2`.
 pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {
     let Some((name, values)) = text.split_once('=') else {
         return Err("expected NAME=VALUE, such as r=0.7 or T=0.5,1".into());
@@ -142,7 +141,7 @@ pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {
     })
 }
 
-/// Reads `NAME=FROM:TO`.
+/// Parses `NAME=FROM:TO`.
 pub(crate) fn animated(text: &str) -> Result<Animated, String> {
     let expected = "expected NAME=FROM:TO, such as r=0.5:1 or T=0,0:1,pi";
     let (name, ends) = text.split_once('=').ok_or(expected)?;
@@ -161,7 +160,7 @@ pub(crate) fn animated(text: &str) -> Result<Animated, String> {
     })
 }
 
-/// Reads a colour: sRGB, and an alpha that is not multiplied into it.
+/// Parses a colour: sRGB with straight (not premultiplied) alpha.
 pub(crate) fn colour(text: &str) -> Result<[u8; 4], String> {
     let named = [
         ("transparent", [0, 0, 0, 0]),
@@ -186,7 +185,7 @@ pub(crate) fn colour(text: &str) -> Result<[u8; 4], String> {
     }
 }
 
-/// Reads a number or an expression.
+/// Parses a number; every other text is an expression.
 pub(crate) fn quantity(text: &str) -> Result<Quantity, String> {
     let text = text.trim();
     let numeric = text.contains(|c: char| c.is_ascii_digit()) && text.parse::<f64>().is_ok();
@@ -196,7 +195,7 @@ pub(crate) fn quantity(text: &str) -> Result<Quantity, String> {
     Ok(Quantity::Expression(text.into()))
 }
 
-/// Reads `U,V`.
+/// Parses `U,V`.
 pub(crate) fn pair(text: &str) -> Result<Pair, String> {
     let values = list(text)?;
     let given = values.len();
@@ -204,7 +203,7 @@ pub(crate) fn pair(text: &str) -> Result<Pair, String> {
     pair.map_err(|_| format!("expected two numbers, such as 0.5,-pi/2, found {given}"))
 }
 
-/// Reads `X,Y,Z`.
+/// Parses `X,Y,Z`.
 pub(crate) fn triple(text: &str) -> Result<Triple, String> {
     let values = list(text)?;
     let given = values.len();
@@ -212,7 +211,7 @@ pub(crate) fn triple(text: &str) -> Result<Triple, String> {
     triple.map_err(|_| format!("expected three numbers, such as 3,-2,1.5, found {given}"))
 }
 
-/// Reads `WxH`.
+/// Parses `WxH`.
 pub(crate) fn size(text: &str) -> Result<Size, String> {
     let expected = "expected WIDTHxHEIGHT in pixels, such as 800x600";
     let Some((width, height)) = text.split_once(['x', 'X', '×']) else {
@@ -225,16 +224,16 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
         // All digits, so whatever does not fit is too large.
         match side.parse::<u32>() {
             Ok(0) => Err("a picture has at least one pixel each way".into()),
-            Ok(pixels) if pixels <= LONGEST_SIDE => Ok(pixels),
+            Ok(pixels) if pixels <= MAX_SIDE => Ok(pixels),
             _ => Err(format!(
-                "a picture's sides may have up to {LONGEST_SIDE} pixels"
+                "a picture's sides may have up to {MAX_SIDE} pixels"
             )),
         }
     };
     Ok(Size([side(width.trim())?, side(height.trim())?]))
 }
 
-/// Reads `SURFACE=IMAGE`.
+/// Parses `SURFACE=IMAGE`.
 pub(crate) fn texture(text: &str) -> Result<TextureFile, String> {
     match text.split_once('=') {
         Some((surface, path)) if !surface.trim().is_empty() && !path.is_empty() => {
@@ -247,7 +246,7 @@ pub(crate) fn texture(text: &str) -> Result<TextureFile, String> {
     }
 }
 
-/// Reads `3d`, `geodesic` or `geodesic:SURFACE`.
+/// Parses `3d`, `geodesic` or `geodesic:SURFACE`.
 pub(crate) fn view(text: &str) -> Result<ViewName, String> {
     match text.split_once(':') {
         None if text.eq_ignore_ascii_case("3d") => Ok(ViewName::Space),
@@ -259,12 +258,12 @@ pub(crate) fn view(text: &str) -> Result<ViewName, String> {
     }
 }
 
-/// Reads a finite number.
+/// Parses a finite number.
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     number::parse(text)
 }
 
-/// Reads a number greater than zero.
+/// Parses a number greater than zero.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
     match number::parse(text)? {
         value if value > 0.0 => Ok(value),
@@ -272,7 +271,7 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Reads quantities separated by commas; brackets around all of them are accepted.
+/// Parses quantities separated by commas, with or without brackets around all of them.
 fn list(text: &str) -> Result<Vec<Quantity>, String> {
     let parts = split(text);
     if let [one] = parts[..] {
@@ -287,7 +286,7 @@ fn list(text: &str) -> Result<Vec<Quantity>, String> {
     parts.into_iter().map(quantity).collect()
 }
 
-/// Splits at the commas that stand in no bracket.
+/// Splits a text at commas outside brackets.
 fn split(text: &str) -> Vec<&str> {
     let mut depth = 0_i64;
     text.split(|letter| {

@@ -1,59 +1,59 @@
-//! Why a command ends without its result, and the exit status that says so.
+//! Failures of commands: sentences for the user and exit statuses.
 
 use std::process::ExitCode;
 
-use crate::style::Palette;
+use crate::style::TextColours;
 
-/// Why a command failed. [`Failure::text`] says it in the user's words.
+/// Why a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// The program has errors; they have been printed already.
-    Program,
-    /// Something that the program or the arguments ask for has no answer: a camera on a cusp, an image file
-    /// that holds no image.
+    LoadedProgram,
+    /// The program or the arguments ask for a result that does not exist: a camera on a cusp, an image file without an
+    /// image.
     Input {
-        /// What is wrong.
+        /// The problem.
         message: String,
-        /// What to do about it.
+        /// The remedy.
         hint: Option<String>,
     },
-    /// The command line asks for what does not exist: an unknown name, a value out of range.
+    /// The command line is wrong: an unknown name, a value out of range.
     Usage {
-        /// What is wrong.
+        /// The problem.
         message: String,
-        /// What to do about it.
+        /// The remedy.
         hint: Option<String>,
     },
     /// A file cannot be read.
     Unreadable {
-        /// As it was given.
+        /// The path, as it was given.
         file: String,
-        /// In the system's words, or ours.
+        /// A phrase, of the system or of this program.
         reason: String,
     },
-    /// A file cannot be written. What stood there before still stands.
+    /// A file cannot be written. An existing file stays as it was.
     Unwritable {
-        /// As it was given.
+        /// The path, as it was given.
         file: String,
-        /// In the system's words, or ours.
+        /// A phrase, of the system or of this program.
         reason: String,
     },
-    /// Our own mistake.
+    /// A fault of this program.
     Internal {
-        /// What happened, for a report.
+        /// A sentence for a bug report.
         message: String,
     },
-    /// Whoever read our standard output has stopped reading, as `head` does. Not an error.
+    /// The reader of standard output has closed it, as `head` does. This is not an error.
     ReaderGone,
-    /// The editor that a language server served has left without saying `shutdown`: the protocol wants status 1.
+    /// The editor has closed the connection without the request `shutdown`: the protocol asks for status 1.
     EditorGone,
 }
 
-/// What [`Failure::Unwritable`] calls the standard output.
+/// The name of standard output in [`Failure::Unwritable`].
 pub(crate) const STDOUT: &str = "standard output";
 
 impl Failure {
-    /// Wrong usage, without a hint.
+    /// Builds [`Failure::Usage`] without a hint.
     pub(crate) fn usage(message: impl Into<String>) -> Self {
         Self::Usage {
             message: message.into(),
@@ -61,11 +61,11 @@ impl Failure {
         }
     }
 
-    /// The exit status of the command-line contract.
+    /// Returns the exit status that the command-line contract assigns to the failure.
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             Self::ReaderGone => ExitCode::SUCCESS,
-            Self::Program | Self::Input { .. } | Self::Internal { .. } | Self::EditorGone => {
+            Self::LoadedProgram | Self::Input { .. } | Self::Internal { .. } | Self::EditorGone => {
                 ExitCode::from(1)
             }
             Self::Usage { .. } | Self::Unreadable { .. } | Self::Unwritable { .. } => {
@@ -74,10 +74,10 @@ impl Failure {
         }
     }
 
-    /// The sentence for standard error, with its hint; `None` where nothing is left to be said.
-    pub(crate) fn text(&self, palette: Palette) -> Option<String> {
+    /// Returns the text for standard error, with its hint; `None` if everything was reported before.
+    pub(crate) fn text(&self, colours: TextColours) -> Option<String> {
         let (message, hint) = match self {
-            Self::Program | Self::ReaderGone | Self::EditorGone => return None,
+            Self::LoadedProgram | Self::ReaderGone | Self::EditorGone => return None,
             Self::Input { message, hint } | Self::Usage { message, hint } => {
                 (message.clone(), hint.clone())
             }
@@ -96,9 +96,9 @@ impl Failure {
         } else {
             "error"
         };
-        let mut text = format!("{}: {message}\n", palette.error(internal));
+        let mut text = format!("{}: {message}\n", colours.error(internal));
         if let Some(hint) = hint {
-            text.push_str(&format!("  {}: {hint}\n", palette.help("help")));
+            text.push_str(&format!("  {}: {hint}\n", colours.help("help")));
         }
         Some(text)
     }
@@ -115,7 +115,7 @@ mod tests {
             reason: "it is a directory".into(),
         };
         assert_eq!(
-            failure.text(Palette::plain()).as_deref(),
+            failure.text(TextColours::plain()).as_deref(),
             Some("error: cannot read `a.gtr`: it is a directory\n")
         );
     }
@@ -127,7 +127,7 @@ mod tests {
             hint: Some("did you mean `f`?".into()),
         };
         assert_eq!(
-            failure.text(Palette::plain()).as_deref(),
+            failure.text(TextColours::plain()).as_deref(),
             Some("error: there is no surface `g`\n  help: did you mean `f`?\n")
         );
     }

@@ -1,6 +1,6 @@
-//! Numbers as people read and write them.
+//! Numbers in the arguments and in texts for people.
 
-/// Reads a finite number, as it stands on the command line.
+/// Parses a finite number of the command line.
 pub(crate) fn parse(text: &str) -> Result<f64, String> {
     let text = text.trim();
     match text.parse::<f64>() {
@@ -14,8 +14,8 @@ pub(crate) fn parse(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The shortest text that reads back as the same number; very large and very small ones with an exponent.
-/// A number that does not exist is `undefined`; zero has no sign.
+/// Formats a number as the shortest text that parses to the same number; very large and very small numbers have an
+/// exponent. NaN becomes `undefined`, and zero has no sign.
 pub(crate) fn show(value: f64) -> String {
     let magnitude = value.abs();
     let value = if value == 0.0 { 0.0 } else { value };
@@ -30,7 +30,7 @@ pub(crate) fn show(value: f64) -> String {
     }
 }
 
-/// A number, or a tuple in brackets.
+/// Formats one number, or several as a tuple.
 pub(crate) fn show_all(values: &[f64]) -> String {
     match values {
         [value] => show(*value),
@@ -41,13 +41,13 @@ pub(crate) fn show_all(values: &[f64]) -> String {
     }
 }
 
-/// A count with its noun, in the plural where it needs one: `1 error`, `2 errors`.
+/// Formats a count with its noun, in the plural where needed: `1 error`, `2 errors`.
 pub(crate) fn count(number: usize, noun: &str) -> String {
     let plural = if number == 1 { "" } else { "s" };
     format!("{} {noun}{plural}", grouped(number as u64))
 }
 
-/// A whole number with its digits in groups of three: `10,000`.
+/// Formats a whole number with its digits in groups of three: `10,000`.
 pub(crate) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut text = String::with_capacity(digits.len() + digits.len() / 3);

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use export::whole_file::{check_target, phrase, write_whole_with};
 
 use crate::failure::Failure;
-use crate::style::Palette;
+use crate::style::TextColours;
 
 /// Writes to standard output.
 ///
@@ -26,14 +26,14 @@ pub(crate) fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
         .map_err(stdout_failure)
 }
 
-/// Writes to standard error. Nothing is left to be done where even that fails.
+/// Writes to standard error, and ignores errors: no other stream is left to report them on.
 pub(crate) fn print_error(text: &str) {
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 
 /// Reports a failure on standard error.
 pub(crate) fn print_failure(failure: &Failure) {
-    if let Some(text) = failure.text(Palette::for_stderr()) {
+    if let Some(text) = failure.text(TextColours::for_stderr()) {
         print_error(&text);
     }
 }
@@ -59,14 +59,14 @@ fn stdout_failure(error: io::Error) -> Failure {
     }
 }
 
-/// Keeps a text in the directory for temporary files, for a report of our own mistake.
+/// Saves a text in the directory for temporary files, for a report of an internal error. Returns `None` if that fails.
 pub(crate) fn keep_for_report(text: &str) -> Option<PathBuf> {
     let path = std::env::temp_dir().join(format!("geotrace-{}.wgsl", std::process::id()));
     fs::write(&path, text).ok()?;
     Some(path)
 }
 
-/// A system error as one phrase.
+/// Formats a system's error as a phrase.
 pub(crate) fn reason(error: &io::Error) -> String {
     phrase(&error.to_string())
 }
@@ -74,7 +74,7 @@ pub(crate) fn reason(error: &io::Error) -> String {
 /// A file, or standard output, that will be written: it is checked before the work starts, and a file appears only when
 /// it is whole.
 #[derive(Debug)]
-pub(crate) struct Target {
+pub(crate) struct OutputTarget {
     /// `None` for standard output, given as `-`.
     path: Option<PathBuf>,
 }
@@ -94,7 +94,7 @@ impl From<io::Error> for WriteError {
     }
 }
 
-impl Target {
+impl OutputTarget {
     /// Checks that a file can be written at `path`, as far as that shows beforehand.
     ///
     /// # Errors

@@ -1,4 +1,5 @@
-//! Programs ready for a command: read, compiled, their findings reported, their params set.
+//! Programs of commands: a path flows in; a scene, values of its params, and numbers of the arguments flow out.
+//! Diagnostics are reported on the way.
 
 use std::path::Path;
 
@@ -12,26 +13,26 @@ use crate::argument::{Assignment, Format, Quantity};
 use crate::failure::Failure;
 use crate::output;
 use crate::report::{self, SeverityCounts, json};
-use crate::source::Source;
-use crate::style::Palette;
+use crate::source::SourceText;
+use crate::style::TextColours;
 
 /// A program without errors.
 #[derive(Debug)]
-pub(crate) struct Program {
-    /// Its text.
-    pub(crate) source: Source,
-    /// What it means; it has a scene.
+pub(crate) struct LoadedProgram {
+    /// The text.
+    pub(crate) source: SourceText,
+    /// The result of the compiler; it has a scene.
     pub(crate) compilation: Compilation,
 }
 
-/// Reads and compiles a program, whatever is wrong with it.
+/// Reads and compiles a program that may have errors.
 ///
 /// # Errors
 /// [`Failure::Unreadable`].
-pub(crate) fn compile(path: &Path) -> Result<(Source, Compilation), Failure> {
-    let source = Source::read(path)?;
+pub(crate) fn compile(path: &Path) -> Result<(SourceText, Compilation), Failure> {
+    let source = SourceText::read(path)?;
     let mut compilation = match source.undecodable {
-        // What cannot be read declares nothing.
+        // A text that is not UTF-8 declares nothing.
         Some(_) => scene::geotrace::compile(""),
         None => scene::geotrace::compile(&source.text),
     };
@@ -42,7 +43,7 @@ pub(crate) fn compile(path: &Path) -> Result<(Source, Compilation), Failure> {
     Ok((source, compilation))
 }
 
-impl Program {
+impl LoadedProgram {
     /// Reads and compiles a program. Its warnings go to standard error; its errors too, and in JSON to
     /// standard output.
     ///
@@ -57,12 +58,15 @@ impl Program {
         })
     }
 
-    /// What it draws.
+    /// The scene.
     ///
     /// # Errors
-    /// None in a loaded program: one with an error is not loaded, and only an error takes the scene away.
+    /// [`Failure::Program`] if there is none, which does not happen: only a program without errors is loaded.
     pub(crate) fn scene(&self) -> Result<&Scene, Failure> {
-        self.compilation.scene.as_ref().ok_or(Failure::Program)
+        self.compilation
+            .scene
+            .as_ref()
+            .ok_or(Failure::LoadedProgram)
     }
 
     /// The first instance of a surface or a metric, ready for geodesics.
@@ -93,7 +97,7 @@ impl Program {
         Some(&scene.objects.get(id.0 as usize)?.name)
     }
 
-    /// The params at their minima, then as the `--set` arguments say.
+    /// The params at their minima, changed by the `--set` arguments.
     ///
     /// # Errors
     /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
@@ -114,10 +118,10 @@ impl Program {
         Ok(settings)
     }
 
-    /// The number that was given to an option, an expression being read with the names at the program's end.
+    /// Evaluates the number that was given to an option. An expression may use all names of the program.
     ///
     /// # Errors
-    /// [`Failure::Usage`] where the expression is wrong, or no number.
+    /// [`Failure::Usage`] if the expression has an error or is not a number.
     pub(crate) fn number(
         &self,
         option: &str,
@@ -153,7 +157,7 @@ impl Program {
         }
     }
 
-    /// The numbers of a point or a direction; as [`Program::number`].
+    /// Evaluates the numbers of a point or a direction, each as [`Program::number`] does.
     pub(crate) fn numbers<const N: usize>(
         &self,
         option: &str,
@@ -167,10 +171,10 @@ impl Program {
         Ok(numbers)
     }
 
-    /// The surface or metric of a name; without a name the first one.
+    /// Finds a surface or metric by its name; without a name, the first one.
     ///
     /// # Errors
-    /// [`Failure::Usage`] where there is none.
+    /// [`Failure::Usage`] if there is no such surface.
     pub(crate) fn surface(&self, name: Option<&str>) -> Result<(ObjectId, &Object), Failure> {
         let scene = self.scene()?;
         let surfaces = || {
@@ -236,28 +240,28 @@ fn refused(scene: &Scene, error: &SetError) -> Failure {
     }
 }
 
-/// Prints what was found in a text: for people on standard error, errors in JSON on standard output too.
+/// Prints diagnostics: for people on standard error, and errors in JSON on standard output too.
 ///
 /// # Errors
 /// [`Failure::Program`] if there is an error among them.
 pub(crate) fn report_findings(
-    source: &Source,
+    source: &SourceText,
     diagnostics: &[syntax::diagnostic::Diagnostic],
     format: Format,
 ) -> Result<(), Failure> {
     if diagnostics.is_empty() {
         return Ok(());
     }
-    let counts = SeverityCounts::of(diagnostics);
-    let text = report::text(source, diagnostics, Palette::for_stderr());
+    let counts = SeverityCounts::count(diagnostics);
+    let text = report::text(source, diagnostics, TextColours::for_stderr());
     output::print_error(&format!("{text}{}: {}\n", source.name, counts.text()));
     if counts.errors == 0 {
         return Ok(());
     }
     if format == Format::Json {
-        let mut document = json::Document::default();
+        let mut document = json::DiagnosticsJson::default();
         document.add(source, diagnostics);
         output::print_json(&document)?;
     }
-    Err(Failure::Program)
+    Err(Failure::LoadedProgram)
 }

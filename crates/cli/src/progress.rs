@@ -1,15 +1,15 @@
-//! A progress bar for what takes long: on standard error, on a terminal only, and not before it is wanted.
+//! Progress bars, by `indicatif`: on standard error, on a terminal only, and only for work that takes long.
 
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// How long a piece of work may take without a bar: most pictures are ready before a bar could be read.
+/// The delay before a bar appears: most pictures are ready before a bar could be read.
 const PATIENCE: Duration = Duration::from_millis(400);
-/// Steps of the bar.
+/// The number of steps of the bar.
 const STEPS: u64 = 1000;
 
-/// A bar that shows itself once the work has taken long enough. Without a terminal it does nothing.
+/// A bar that appears once the work has taken long enough. Without a terminal it does nothing.
 #[derive(Debug)]
 pub(crate) struct Progress {
     bar: ProgressBar,
@@ -17,7 +17,7 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// A bar for a piece of work that starts now; `label` is a short phrase such as `drawing`.
+    /// Starts the clock of a piece of work; `label` is a short phrase such as `drawing`.
     pub(crate) fn start(label: &'static str) -> Self {
         // indicatif draws nothing where standard error is no terminal.
         let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
@@ -33,7 +33,7 @@ impl Progress {
         }
     }
 
-    /// The work is done to this fraction, 0 to 1. May be called from any thread, often.
+    /// Reports that the work is done to this fraction, 0 to 1. May be called from any thread, and often.
     pub(crate) fn reach(&self, fraction: f32) {
         if self.start.elapsed() > PATIENCE {
             let step = f64::from(fraction.clamp(0.0, 1.0)) * STEPS as f64;

@@ -1,4 +1,5 @@
-//! Diagnostics for people: one line with the place and the sentence, the source below it, and what to do.
+//! Diagnostics for people: one line with the position and the sentence, the source below it (by `annotate-snippets`), and
+//! a hint.
 //!
 //! ```text
 //! sphere.gtr:3:12: error[undefined-name]: `foo` is not defined
@@ -20,20 +21,20 @@ use syntax::line_index::LineIndex;
 use syntax::span::Span;
 
 use crate::number;
-use crate::source::Source;
-use crate::style::Palette;
+use crate::source::SourceText;
+use crate::style::TextColours;
 use excerpt::Excerpt;
 
-/// How many diagnostics of a file are shown with their source.
+/// The number of diagnostics of a file that are shown with their source.
 const WITH_SNIPPET: usize = 100;
-/// How many diagnostics of a file are shown at all. JSON has every one.
+/// The number of diagnostics of a file that are shown at all. JSON has every one.
 const SHOWN: usize = 1000;
-/// The longest sentence that is shown, in characters; a sentence may quote a word of any length.
+/// The number of characters at which a sentence is cut: it may quote a word of any length.
 const LONGEST_SENTENCE: usize = 400;
-/// The width that snippets are trimmed to.
+/// The width of snippets, in columns.
 const WIDTH: usize = 110;
 
-/// How many diagnostics of each severity there are.
+/// The numbers of errors and warnings.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub(crate) struct SeverityCounts {
     /// Errors.
@@ -43,8 +44,8 @@ pub(crate) struct SeverityCounts {
 }
 
 impl SeverityCounts {
-    /// Counts.
-    pub(crate) fn of(diagnostics: &[Diagnostic]) -> Self {
+    /// Counts diagnostics by severity.
+    pub(crate) fn count(diagnostics: &[Diagnostic]) -> Self {
         let of = |severity| {
             diagnostics
                 .iter()
@@ -57,7 +58,7 @@ impl SeverityCounts {
         }
     }
 
-    /// Both together.
+    /// Adds two counts.
     pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             errors: self.errors + other.errors,
@@ -65,7 +66,7 @@ impl SeverityCounts {
         }
     }
 
-    /// `2 errors, 1 warning`; `no errors` where there is nothing.
+    /// Formats the counts: `2 errors, 1 warning`, or `no errors`.
     pub(crate) fn text(self) -> String {
         let mut parts = Vec::new();
         if self.errors > 0 {
@@ -82,13 +83,17 @@ impl SeverityCounts {
     }
 }
 
-/// The diagnostics of one text, in their order.
-pub(crate) fn text(source: &Source, diagnostics: &[Diagnostic], palette: Palette) -> String {
+/// Formats the diagnostics of one text, in their order.
+pub(crate) fn text(
+    source: &SourceText,
+    diagnostics: &[Diagnostic],
+    colours: TextColours,
+) -> String {
     let page = Page {
         source,
         lines: source.lines(),
-        renderer: palette.renderer().term_width(WIDTH),
-        palette,
+        renderer: colours.renderer().term_width(WIDTH),
+        colours,
     };
     let mut text = String::new();
     for (index, diagnostic) in diagnostics.iter().take(SHOWN).enumerate() {
@@ -108,7 +113,7 @@ pub(crate) fn text(source: &Source, diagnostics: &[Diagnostic], palette: Palette
             let _ = writeln!(
                 text,
                 "{}: {}",
-                palette.help("note"),
+                colours.help("note"),
                 readable(&related.message)
             );
             page.snippet(&mut text, related.span, Level::NOTE, None);
@@ -126,23 +131,23 @@ pub(crate) fn text(source: &Source, diagnostics: &[Diagnostic], palette: Palette
     text
 }
 
-/// What every diagnostic of a text is shown with.
+/// The parts that all diagnostics of a text share.
 struct Page<'a> {
-    source: &'a Source,
+    source: &'a SourceText,
     lines: LineIndex<'a>,
     renderer: Renderer,
-    palette: Palette,
+    colours: TextColours,
 }
 
 impl Page<'_> {
-    /// `file:line:column: `
+    /// Writes `file:line:column: `.
     fn place(&self, text: &mut String, span: Span) {
         let start = self.lines.position(span.start);
         let place = format!("{}:{}:{}:", self.source.name, start.line, start.column);
-        let _ = write!(text, "{} ", self.palette.strong(&place));
+        let _ = write!(text, "{} ", self.colours.strong(&place));
     }
 
-    /// `file:line:column: error[code]: sentence`
+    /// Writes `file:line:column: error[code]: sentence`.
     fn head(&self, text: &mut String, diagnostic: &Diagnostic) {
         self.place(text, diagnostic.span);
         let word = format!(
@@ -151,15 +156,15 @@ impl Page<'_> {
             diagnostic.code.0
         );
         let word = match diagnostic.severity {
-            Severity::Error => self.palette.error(&word),
-            Severity::Warning => self.palette.warning(&word),
-            Severity::Hint => self.palette.help(&word),
+            Severity::Error => self.colours.error(&word),
+            Severity::Warning => self.colours.warning(&word),
+            Severity::Hint => self.colours.help(&word),
         };
-        let sentence = self.palette.strong(&readable(&diagnostic.message));
+        let sentence = self.colours.strong(&readable(&diagnostic.message));
         let _ = writeln!(text, "{word}: {sentence}");
     }
 
-    /// The source at a place, and what to do about it.
+    /// Writes the source at a range, and a hint.
     fn snippet(&self, text: &mut String, span: Span, level: Level<'_>, hint: Option<&str>) {
         let excerpt = Excerpt::new(&self.source.text, span);
         let mut group = Group::with_level(level).element(
@@ -176,7 +181,7 @@ impl Page<'_> {
     }
 }
 
-/// One line, of bounded length, with nothing in it that moves a terminal's cursor.
+/// Makes a sentence one line of bounded length, without control characters, which could move the terminal's cursor.
 fn readable(sentence: &str) -> String {
     let mut text: String = sentence
         .chars()
@@ -203,8 +208,8 @@ mod tests {
     use super::*;
     use syntax::diagnostic::{Code, Related};
 
-    fn source(text: &str) -> Source {
-        Source::new("a.gtr".into(), text.into())
+    fn source(text: &str) -> SourceText {
+        SourceText::new("a.gtr".into(), text.into())
     }
 
     fn error(span: Span, message: &str) -> Diagnostic {
@@ -243,7 +248,7 @@ a.gtr:1:1: note: see here
   | ^^^
 
 ";
-        assert_eq!(text(&source, &[diagnostic], Palette::plain()), expected);
+        assert_eq!(text(&source, &[diagnostic], TextColours::plain()), expected);
     }
 
     #[test]
@@ -265,7 +270,7 @@ a.gtr:1:1: note: see here
             for &start in &ends {
                 for &end in ends.iter().filter(|end| **end >= start) {
                     let span = Span::new(start as u32, end as u32);
-                    let shown = text(&source, &[error(span, "wrong")], Palette::plain());
+                    let shown = text(&source, &[error(span, "wrong")], TextColours::plain());
                     assert!(
                         shown.contains("error[undefined-name]: wrong\n"),
                         "{sample:?} {span:?}"
@@ -292,7 +297,7 @@ a.gtr:1:1: note: see here
             let shown = text(
                 &source,
                 &[error(Span::new(start, end), &line)],
-                Palette::plain(),
+                TextColours::plain(),
             );
             let widest = shown.lines().skip(1).map(|line| line.chars().count()).max();
             assert!(widest < Some(130), "{shown}");
@@ -304,7 +309,7 @@ a.gtr:1:1: note: see here
     fn a_flood_is_capped_and_counted() {
         let source = source("x\n");
         let diagnostics = vec![error(Span::new(0, 1), "wrong"); 5000];
-        let shown = text(&source, &diagnostics, Palette::plain());
+        let shown = text(&source, &diagnostics, TextColours::plain());
         assert_eq!(shown.matches("error[undefined-name]").count(), SHOWN);
         assert_eq!(shown.matches('^').count(), WITH_SNIPPET);
         assert!(shown.contains("… and 4,000 more in a.gtr"), "{shown}");
@@ -314,8 +319,10 @@ a.gtr:1:1: note: see here
     fn colours_come_only_when_asked_for() {
         let source = source("x\n");
         let diagnostics = [error(Span::new(0, 1), "wrong")];
-        assert!(!text(&source, &diagnostics, Palette::plain()).contains('\u{1b}'));
-        assert!(text(&source, &diagnostics, Palette::coloured()).contains("\u{1b}[1m\u{1b}[31m"));
+        assert!(!text(&source, &diagnostics, TextColours::plain()).contains('\u{1b}'));
+        assert!(
+            text(&source, &diagnostics, TextColours::coloured()).contains("\u{1b}[1m\u{1b}[31m")
+        );
     }
 
     #[test]

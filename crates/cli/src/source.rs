@@ -1,4 +1,4 @@
-//! Source texts: from a file or standard input to text with line numbers.
+//! SourceText texts: a path flows in, a text with its line index flows out.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -10,22 +10,22 @@ use syntax::line_index::LineIndex;
 
 use crate::failure::Failure;
 
-/// The longest program that is read. A text beyond it is not a program but a mistake (`/dev/zero`), and
-/// would not fit in the memory that a check may take.
+/// The longest program that is read, in bytes. A longer text is a mistake (`/dev/zero`), and would exceed the memory that
+/// a check may take.
 const LONGEST: u64 = 64 << 20;
 
-/// A text, its name, and where its lines are.
+/// A text and its name.
 #[derive(Debug)]
-pub(crate) struct Source {
-    /// As it was given: a path, or `-` for standard input.
+pub(crate) struct SourceText {
+    /// The path as it was given, or `-` for standard input.
     pub(crate) name: String,
-    /// The text. Where the file is not UTF-8, its readable part.
+    /// The text. If the file is not UTF-8, replacement characters stand for the invalid bytes.
     pub(crate) text: String,
-    /// What stopped the reading of the text, if anything did.
+    /// The diagnostic of a file that is not UTF-8.
     pub(crate) undecodable: Option<Diagnostic>,
 }
 
-impl Source {
+impl SourceText {
     /// Reads a file, or standard input for `-`.
     ///
     /// # Errors
@@ -49,7 +49,7 @@ impl Source {
         })
     }
 
-    /// A text that came by another way, such as an argument.
+    /// Wraps a text from elsewhere, such as an argument.
     pub(crate) fn new(name: String, text: String) -> Self {
         Self {
             name,
@@ -58,7 +58,7 @@ impl Source {
         }
     }
 
-    /// Where its lines are: for questions about places. Building it costs a pass over the text.
+    /// Builds the line index, which costs a pass over the text.
     pub(crate) fn lines(&self) -> LineIndex<'_> {
         LineIndex::new(&self.text)
     }

@@ -11,30 +11,30 @@ const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 const HELP: Style = AnsiColor::Cyan.on_default().bold();
 const STRONG: Style = Style::new().bold();
 
-/// Paints the words of a text, or leaves them plain.
+/// The colours of a text for people, or none.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Palette {
+pub(crate) struct TextColours {
     has_colour: bool,
 }
 
-impl Palette {
-    /// The palette of standard output.
+impl TextColours {
+    /// The colours of standard output.
     pub(crate) fn for_stdout() -> Self {
         Self::for_stream(&std::io::stdout())
     }
 
-    /// The palette of standard error.
+    /// The colours of standard error.
     pub(crate) fn for_stderr() -> Self {
         Self::for_stream(&std::io::stderr())
     }
 
-    /// The palette without colours.
+    /// No colours.
     #[cfg(test)]
     pub(crate) fn plain() -> Self {
         Self { has_colour: false }
     }
 
-    /// The palette with colours, whatever the streams are.
+    /// Colours, whatever the streams are.
     #[cfg(test)]
     pub(crate) fn coloured() -> Self {
         Self { has_colour: true }

@@ -26,7 +26,7 @@ use scene::{ParamValues, SetError};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Script {
     /// Params and grids that change from one value to another.
-    pub changes: Vec<Change>,
+    pub changes: Vec<ParamChange>,
     /// The distance that the geodesic camera moves along its X axis; negative is backwards. The camera is that of a
     /// geodesic view, or the one that a 3D view shows.
     pub walk: Option<f64>,
@@ -44,7 +44,7 @@ const LOOKS: u32 = 9;
 
 /// A param or grid that changes from one value to another.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Change {
+pub struct ParamChange {
     /// Its name.
     pub name: String,
     /// The first value: one number per component.
@@ -76,7 +76,7 @@ impl Script {
         share: f64,
     ) -> Result<(ParamValues, Request), ScriptError> {
         let (mut settings, mut request) = (settings.clone(), request.clone());
-        for Change { name, from, to } in &self.changes {
+        for ParamChange { name, from, to } in &self.changes {
             let between = |(from, to): (&f64, &f64)| {
                 // Rounding must not change the values at both ends.
                 if share <= 0.0 {

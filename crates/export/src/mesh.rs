@@ -75,14 +75,14 @@ pub enum Geometry {
     /// A surface, and its image.
     Surface(Mesh, Arc<Texture>),
     /// Curves, geodesics and vectors.
-    Lines(Lines),
+    Lines(Polylines),
     /// Points.
     Points(Vec<[f64; 3]>),
 }
 
 /// Polylines.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Lines {
+pub struct Polylines {
     /// Points in space.
     pub places: Vec<[f64; 3]>,
     /// Indices into the places, at least two for each line; a closed line ends with its first place.
@@ -236,7 +236,7 @@ impl Part {
     }
 }
 
-impl Lines {
+impl Polylines {
     /// Adds a polyline. A missing place interrupts it; coinciding ends close it.
     fn add(&mut self, places: &[Option<[f64; 3]>]) {
         let defined = places.iter().flatten();
@@ -295,7 +295,7 @@ fn geometry(
         (Shape::Vector { direction, origin }, Samples::Vectors(samples)) => {
             let origins = positions(scene, settings, object, origin);
             let directions = positions(scene, settings, object, direction);
-            let mut lines = Lines::default();
+            let mut lines = Polylines::default();
             for ((from, by), sample) in origins.iter().zip(&directions).zip(samples) {
                 if sample.defined != 0.0 {
                     let tip = [0, 1, 2].map(|k| from[k] + by[k]);
@@ -306,7 +306,7 @@ fn geometry(
         }
         (Shape::Curve { position, .. }, Samples::Curves { count, samples }) => {
             let places = positions(scene, settings, object, position);
-            let mut lines = Lines::default();
+            let mut lines = Polylines::default();
             let count = *count as usize;
             for (places, samples) in places.chunks(count).zip(samples.chunks(count)) {
                 let pairs = places.iter().zip(samples);
@@ -316,7 +316,7 @@ fn geometry(
             Geometry::Lines(lines)
         }
         (Shape::Geodesic { .. }, Samples::Curves { .. }) => {
-            let mut lines = Lines::default();
+            let mut lines = Polylines::default();
             for line in &follow_declared(scene, settings, id).lines {
                 let line = line.iter().map(|knot| knot.and_then(|knot| knot.position));
                 lines.add(&line.collect::<Vec<_>>());

@@ -4,7 +4,7 @@ mod scenes;
 
 use std::io::Cursor;
 
-use export::animation::{AnimationFormat, Change, Clip, Recorder, Script, ScriptError};
+use export::animation::{AnimationFormat, Clip, ParamChange, Recorder, Script, ScriptError};
 use gif::ColorOutput;
 use glam::DVec3;
 use image::{AnimationDecoder, Rgba, RgbaImage};
@@ -135,7 +135,7 @@ fn params_run_from_one_end_to_the_other() {
     let settings = ParamValues::initial(&scene);
     let request = Request::space([8, 8]);
     let script = Script {
-        changes: vec![Change {
+        changes: vec![ParamChange {
             name: "r".into(),
             from: vec![3.0],
             to: vec![1.0],
@@ -162,7 +162,7 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
     let mut settings = ParamValues::initial(&scene);
     let request = Request::space([64, 64]);
     let script = Script {
-        changes: vec![Change {
+        changes: vec![ParamChange {
             name: "r".into(),
             from: vec![1.0],
             to: vec![3.0],

@@ -6,7 +6,7 @@ use scene::ParamValues;
 use scene::{Object, ObjectId, Sampling, Scene, Shape};
 
 use crate::manifold::Manifold;
-use crate::polyline::{Knot, Start, knots_at};
+use crate::polyline::{GeodesicStart, Knot, knots_at};
 
 /// The most points of all instances of a declared geodesic; further instances are not drawn.
 pub const MAX_POINTS: u64 = 2_000_000;
@@ -63,7 +63,7 @@ pub fn follow_declared(scene: &Scene, settings: &ParamValues, id: ObjectId) -> F
         match launcher.clone().evaluate(&uniforms) {
             Ok(launch) => {
                 let surface = manifold.surface();
-                let from = Start::Chart(launch.start, launch.direction);
+                let from = GeodesicStart::Chart(launch.start, launch.direction);
                 (knots_at(surface, &from, &lengths), None)
             }
             Err(fault) => (nowhere(), Some(fault.to_string())),

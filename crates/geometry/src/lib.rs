@@ -15,5 +15,5 @@ mod polyline_cache;
 
 pub use declared::{FollowedGeodesic, MAX_POINTS, follow_declared, lies_in_space};
 pub use manifold::{Manifold, ManifoldError};
-pub use polyline::{Knot, Start, knots_at};
+pub use polyline::{GeodesicStart, Knot, knots_at};
 pub use polyline_cache::{ChartPolyline, GeodesicSegment};

@@ -15,13 +15,13 @@ use crate::polyline_cache::{ChartPolyline, GeodesicSegment, PolylineCache};
 /// A surface or a metric of a scene, with the numbers of one instance in place.
 #[derive(Clone, Debug)]
 pub struct Manifold {
-    kind: Kind,
+    kind: ManifoldKind,
     /// Shared by clones, because they are the same manifold.
     polylines: Arc<PolylineCache>,
 }
 
 #[derive(Clone, Debug)]
-enum Kind {
+enum ManifoldKind {
     /// A surface in space.
     Surface(Box<ParametricSurface>),
     /// A metric, which has no shape in space.
@@ -59,12 +59,12 @@ impl Manifold {
             Shape::Surface {
                 position, domain, ..
             } => ParametricSurface::new(graph, *position, intervals(domain), uniforms)
-                .map(|surface| Kind::Surface(Box::new(surface)))
+                .map(|surface| ManifoldKind::Surface(Box::new(surface)))
                 .map_err(too_large),
             Shape::Metric {
                 components, domain, ..
             } => MetricSurface::new(graph, *components, intervals(domain), uniforms)
-                .map(|metric| Kind::Metric(Box::new(metric)))
+                .map(|metric| ManifoldKind::Metric(Box::new(metric)))
                 .map_err(too_large),
             _ => Err(ManifoldError::NoSurface { name: Some(name()) }),
         };
@@ -77,16 +77,16 @@ impl Manifold {
     /// The surface or metric that geodesics are computed on.
     pub fn surface(&self) -> &dyn Surface {
         match &self.kind {
-            Kind::Surface(surface) => surface.as_ref(),
-            Kind::Metric(metric) => metric.as_ref(),
+            ManifoldKind::Surface(surface) => surface.as_ref(),
+            ManifoldKind::Metric(metric) => metric.as_ref(),
         }
     }
 
     /// The surface in space; `None` for a metric.
     pub fn parametric(&self) -> Option<&ParametricSurface> {
         match &self.kind {
-            Kind::Surface(surface) => Some(surface),
-            Kind::Metric(_) => None,
+            ManifoldKind::Surface(surface) => Some(surface),
+            ManifoldKind::Metric(_) => None,
         }
     }
 

@@ -18,14 +18,14 @@ pub struct Knot {
 
 /// The start of a geodesic.
 #[derive(Clone, Copy, Debug)]
-pub enum Start<'a> {
+pub enum GeodesicStart<'a> {
     /// At (u, v), in a direction a σu + b σv; its length does not matter.
     Chart([f64; 2], [f64; 2]),
     /// At a frame, towards a point of its picture.
     Frame(&'a Frame, [f64; 2]),
 }
 
-impl Start<'_> {
+impl GeodesicStart<'_> {
     fn trace(&self, surface: &dyn Surface, length: f64) -> Result<Trace, TraceError> {
         let sign = if length < 0.0 { -1.0 } else { 1.0 };
         let options = Options::default();
@@ -44,7 +44,11 @@ impl Start<'_> {
 
 /// Follows a geodesic to ascending arc lengths; negative ones lie behind the start. A geodesic that ends early has one
 /// knot at its end and `None` from there on.
-pub fn knots_at(surface: &dyn Surface, start: &Start, lengths: &[f64]) -> Vec<Option<Knot>> {
+pub fn knots_at(
+    surface: &dyn Surface,
+    start: &GeodesicStart,
+    lengths: &[f64],
+) -> Vec<Option<Knot>> {
     let ahead = lengths.partition_point(|&t| t < 0.0);
     let behind: Vec<f64> = lengths[..ahead].iter().rev().copied().collect();
     let mut knots = one_way(surface, start, &behind);
@@ -54,7 +58,7 @@ pub fn knots_at(surface: &dyn Surface, start: &Start, lengths: &[f64]) -> Vec<Op
 }
 
 /// Follows a geodesic to arc lengths of one sign, each farther from the start than the one before.
-fn one_way(surface: &dyn Surface, start: &Start, lengths: &[f64]) -> Vec<Option<Knot>> {
+fn one_way(surface: &dyn Surface, start: &GeodesicStart, lengths: &[f64]) -> Vec<Option<Knot>> {
     let mut knots = Vec::with_capacity(lengths.len());
     // The last trace, which holds the direction of the geodesic at its end, and its arc length.
     let mut last: Option<(Trace, f64)> = None;

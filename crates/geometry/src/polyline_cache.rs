@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use geodesic::surface::Surface;
 use rayon::prelude::*;
 
-use crate::polyline::{Start, knots_at};
+use crate::polyline::{GeodesicStart, knots_at};
 
 /// The most points that the cache keeps.
 const MOST_KEPT: usize = 1 << 18;
@@ -93,7 +93,7 @@ impl GeodesicSegment {
         let lengths: Vec<f64> = (0..=self.pieces)
             .map(|k| low + (high - low) * f64::from(k) / count)
             .collect();
-        let start = Start::Chart(self.start, self.direction);
+        let start = GeodesicStart::Chart(self.start, self.direction);
         let knots = knots_at(surface, &start, &lengths);
         knots.iter().map(|knot| knot.map(|k| k.uv)).collect()
     }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
 
 use egui::{Align2, ComboBox, DragValue, Grid, ProgressBar, Ui};
-use export::animation::{self, Change, Clip};
+use export::animation::{self, Clip, ParamChange};
 
 use crate::mail::{Letter, Mail};
 use crate::model::InsideCamera;
@@ -39,7 +39,7 @@ pub(crate) struct RecordDialog {
 #[derive(Clone, Debug, PartialEq)]
 enum Moves {
     /// A param, from values to values.
-    Param(Change),
+    Param(ParamChange),
     /// The geodesic camera, in a direction of its own: along X and Y.
     Walk(&'static str, [f64; 2]),
     /// The geodesic camera, on the way whose trail is shown.
@@ -67,7 +67,7 @@ pub(crate) fn ask(window: &mut Window) {
         let ranges = param.ranges.iter();
         let (from, to) = ranges.map(|range| (range.min, range.max)).unzip();
         let name = param.name.clone();
-        moves.push(Moves::Param(Change { name, from, to }));
+        moves.push(Moves::Param(ParamChange { name, from, to }));
     }
     let surface = match &pane {
         PaneKey::Inside(name) => Some(name.clone()),

@@ -19,7 +19,7 @@ mod encoding;
 mod frames;
 mod incoming;
 mod outgoing;
-mod parent;
+mod platform;
 mod preview;
 mod session;
 mod settings;

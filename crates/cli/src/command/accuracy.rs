@@ -1,8 +1,8 @@
 //! `geotrace accuracy`: error against run time, for every method, on one view.
 //!
 //! ```text
-//! program ──▶ opening view ──measure.rs──▶ rows ──▶ table (text.rs) | JSON | diagram (plot.rs)
-//!                               └ method.rs: what is measured
+//! program ──▶ initial view ──measure.rs──▶ rows ──▶ table (text.rs) | JSON | diagram (plot.rs)
+//!                               └ method.rs: the methods and their settings
 //! ```
 
 mod measure;
@@ -19,18 +19,18 @@ use render::Request;
 use render::geodesic_view::Inside;
 use serde::Serialize;
 
-use self::measure::{Measured, STATUSES, Threads, View};
+use self::measure::{Measured, MeasuredView, STATUSES, Threads};
 use self::method::{Kind, SERIES, STEPS, Setting};
 use crate::argument::{self, Assignment, Format, Size};
 use crate::failure::Failure;
-use crate::output::{self, Target};
-use crate::program::Program;
+use crate::output::{self, OutputTarget};
+use crate::program::LoadedProgram;
 use crate::progress::Progress;
 
-/// Multiples of the picture's size and of the view's length over which the growth of the cost is shown.
+/// The growth of the cost is measured at these multiples of the picture's size and of the view's length.
 const SIZES: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
 const LENGTHS: [f64; 4] = [0.5, 1.0, 2.0, 4.0];
-/// The longest side of a picture: a map twice as long each way must fit into memory.
+/// The longest side of a picture, in pixels: a map of twice the width and height must fit into memory.
 const LONGEST: u32 = 2048;
 /// The error at which methods are compared, in pixels.
 const EQUAL: f64 = 0.25;
@@ -74,17 +74,17 @@ pub(super) struct Arguments {
 
 /// The JSON document. Times are in milliseconds, errors in pixels.
 #[derive(Debug, Serialize)]
-struct Document {
+struct Measurements {
     file: String,
     surface: String,
     size: [u32; 2],
     zoom: f64,
     threads: usize,
     reference: Sampled,
-    rows: Vec<Row>,
-    /// How cost grows with the picture's size …
+    rows: Vec<MethodRow>,
+    /// The cost by the size of the picture.
     by_size: Vec<Growth>,
-    /// … and with the length of the view.
+    /// The cost by the length of the view.
     by_length: Vec<Growth>,
 }
 
@@ -95,7 +95,7 @@ struct Sampled {
 }
 
 #[derive(Debug, Serialize)]
-struct Row {
+struct MethodRow {
     method: &'static str,
     steps: Option<u32>,
     tolerance: Option<f64>,
@@ -111,16 +111,16 @@ struct Row {
 struct Growth {
     size: [u32; 2],
     zoom: f64,
-    rows: Vec<Row>,
+    rows: Vec<MethodRow>,
 }
 
-/// Measures, and prints what came out.
+/// Measures all methods and prints the results.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let program = Program::load(&arguments.file, arguments.format)?;
+    let program = LoadedProgram::load(&arguments.file, arguments.format)?;
     let settings = program.settings(&arguments.set)?;
     let (id, object) = program.surface(arguments.surface.as_deref())?;
     let target = match &arguments.output {
-        Some(path) => Some(Target::new(path)?),
+        Some(path) => Some(OutputTarget::new(path)?),
         None => None,
     };
     if arguments.size.0.iter().any(|side| *side > LONGEST) {
@@ -157,7 +157,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What is measured.
+/// The view that is measured.
 struct Subject<'s, S: Surface + ?Sized> {
     file: String,
     name: String,
@@ -170,7 +170,7 @@ fn measure<S: Surface + ?Sized>(
     subject: Subject<'_, S>,
     threads: &Threads,
     progress: &dyn Fn(f32),
-) -> Document {
+) -> Measurements {
     let Subject {
         file,
         name,
@@ -185,17 +185,17 @@ fn measure<S: Surface + ?Sized>(
         done += 1.0;
         progress(done / parts);
     };
-    let mut view = View::new(surface, frame, size);
+    let mut view = MeasuredView::new(surface, frame, size);
     let (pixels, unknown) = view.sampled();
     let mut rows = Vec::new();
     for setting in settings {
-        rows.push(Row::new(setting, view.measure(&setting, threads)));
+        rows.push(MethodRow::new(setting, view.measure(&setting, threads)));
         reach();
     }
     let mut grown = |larger: f64, longer: f64| {
         let size = size.map(|side| ((larger * f64::from(side)) as u32).max(1));
         let frame = frame.zoomed(longer);
-        let mut view = View::new(surface, frame, size);
+        let mut view = MeasuredView::new(surface, frame, size);
         let rows = growth(&mut view, threads);
         reach();
         Growth {
@@ -206,7 +206,7 @@ fn measure<S: Surface + ?Sized>(
     };
     let by_size = SIZES.map(|larger| grown(larger, 1.0)).into();
     let by_length = LENGTHS.map(|longer| grown(1.0, longer)).into();
-    Document {
+    Measurements {
         file,
         surface: name,
         size,
@@ -219,8 +219,12 @@ fn measure<S: Surface + ?Sized>(
     }
 }
 
-/// The thesis' method with the fewest steps that are exact enough, the adaptive one, and the fan.
-fn growth<S: Surface + ?Sized>(view: &mut View<'_, S>, threads: &Threads) -> Vec<Row> {
+/// Chooses the settings that are compared as pictures grow: the thesis' method with the fewest steps that are exact
+/// enough, the adaptive method, and the fan.
+fn growth<S: Surface + ?Sized>(
+    view: &mut MeasuredView<'_, S>,
+    threads: &Threads,
+) -> Vec<MethodRow> {
     let of = |kind: Kind| SERIES.iter().position(|series| series.kind == kind);
     let mut rows = Vec::new();
     if let Some(series) = of(Kind::Rk4(geodesic::map::Arithmetic::F64Lanes)) {
@@ -230,7 +234,7 @@ fn growth<S: Surface + ?Sized>(view: &mut View<'_, S>, threads: &Threads) -> Vec
                 steps: Some(steps),
                 tolerance: None,
             };
-            let row = Row::new(setting, view.measure(&setting, threads));
+            let row = MethodRow::new(setting, view.measure(&setting, threads));
             let enough = row.measured.error_px.max <= EQUAL;
             if enough || steps == STEPS[STEPS.len() - 1] {
                 rows.push(row);
@@ -245,13 +249,13 @@ fn growth<S: Surface + ?Sized>(view: &mut View<'_, S>, threads: &Threads) -> Vec
                 steps: None,
                 tolerance: Some(0.1),
             };
-            rows.push(Row::new(setting, view.measure(&setting, threads)));
+            rows.push(MethodRow::new(setting, view.measure(&setting, threads)));
         }
     }
     rows
 }
 
-impl Row {
+impl MethodRow {
     fn new(setting: Setting, measured: Measured) -> Self {
         let status = STATUSES
             .iter()
@@ -270,7 +274,7 @@ impl Row {
 }
 
 /// The work–precision diagram.
-fn diagram(document: &Document) -> String {
+fn diagram(document: &Measurements) -> String {
     let series: Vec<plot::Series> = SERIES
         .iter()
         .map(|series| plot::Series {

@@ -1,10 +1,10 @@
-//! What moves in `geotrace render`: params, the geodesic camera; and the files that hold many pictures.
+//! Animations of `geotrace render`: params and the geodesic camera that move, and the files that hold many pictures.
 
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use export::animation::{
-    self, AnimationFormat, Change, Clip, RecordError, Recorder, Script, ScriptError,
+    self, AnimationFormat, Clip, ParamChange, RecordError, Recorder, Script, ScriptError,
 };
 use export::whole_file::FileSeries;
 use render::Picture;
@@ -13,13 +13,13 @@ use scene::ParamValues;
 use super::render::{failure as render_failure, png};
 use crate::argument::{self, Animated, Quantity};
 use crate::failure::Failure;
-use crate::output::{self, Target, WriteError};
-use crate::program::Program;
+use crate::output::{self, OutputTarget, WriteError};
+use crate::program::LoadedProgram;
 use crate::progress::Progress;
 
-/// GIF counts hundredths of a second, and viewers take one of them for ten.
+/// The highest rate of a GIF that viewers show: GIF counts hundredths of a second, and viewers take one of them for ten.
 const FASTEST_GIF: f64 = 50.0;
-/// Extensions of what is neither a picture nor an animation that can be written.
+/// Extensions of formats that cannot be written.
 const NEITHER: [&str; 11] = [
     "jpg", "jpeg", "bmp", "webp", "tif", "tiff", "svg", "pdf", "ppm", "exr", "gtr",
 ];
@@ -46,27 +46,28 @@ pub(super) struct Arguments {
     fps: Option<f64>,
 }
 
-/// Where an animation goes.
+/// An animation that is to be written.
 #[derive(Debug)]
-pub(super) struct Film {
+pub(super) struct Animation {
     output: PathBuf,
-    /// A picture for each frame if there is none.
+    /// `None` for a sequence of PNG files.
     format: Option<AnimationFormat>,
     frames: u32,
     rate: f64,
 }
 
-/// Draws the picture at a share of the animation; told how much of it is done.
+/// Draws the picture at a share of the animation, and reports its progress to the second argument.
 type Draw<'a> = dyn Fn(f64, &(dyn Fn(f32) + Sync)) -> Result<Picture, Failure> + 'a;
 
 impl Arguments {
-    /// What moves, checked at both ends. `has_camera` says whether there is a geodesic camera that may walk.
+    /// Builds the script from the options, and checks the values at both ends. `has_camera` says whether there is a
+    /// geodesic camera that can move.
     ///
     /// # Errors
     /// [`Failure::Usage`].
     pub(super) fn script(
         &self,
-        program: &Program,
+        program: &LoadedProgram,
         settings: &ParamValues,
         has_camera: bool,
     ) -> Result<Script, Failure> {
@@ -81,7 +82,7 @@ impl Arguments {
                 let number = |q| program.number(&option, q, settings);
                 quantities.iter().map(number).collect()
             };
-            let change = Change {
+            let change = ParamChange {
                 name: name.clone(),
                 from: values(from)?,
                 to: values(to)?,
@@ -104,11 +105,11 @@ impl Arguments {
         Ok(script)
     }
 
-    /// Where the animation goes; `None` if a single picture is asked for.
+    /// The animation that the options and the file's name ask for; `None` for a single picture.
     ///
     /// # Errors
-    /// [`Failure::Usage`] where the file's name and the options do not fit together.
-    pub(super) fn film(&self, output: &Path) -> Result<Option<Film>, Failure> {
+    /// [`Failure::Usage`] if the file's name and the options contradict each other.
+    pub(super) fn animation(&self, output: &Path) -> Result<Option<Animation>, Failure> {
         let name = output.display();
         let wrong = |message: String, hint: String| Failure::Usage {
             message,
@@ -150,7 +151,7 @@ impl Arguments {
         if output.as_os_str() == "-" {
             return Err(Failure::usage("an animation needs a file: `-o OUT.gif`"));
         }
-        Ok(Some(Film {
+        Ok(Some(Animation {
             output: output.to_owned(),
             format,
             frames: self.frames.unwrap_or(animation::FRAMES),
@@ -159,24 +160,24 @@ impl Arguments {
     }
 }
 
-impl Film {
-    /// Draws all pictures, one after the other, and writes them; then says so, by what `summary` tells of the first
-    /// picture and a file's name.
+impl Animation {
+    /// Draws all pictures, one after the other, and writes them; then prints `summary` of the first picture and the
+    /// file's name.
     ///
     /// # Errors
-    /// Those of drawing and writing; no file is there then.
-    pub(super) fn shoot(
+    /// Those of drawing and writing; no file is left then.
+    pub(super) fn write(
         &self,
         size: [u32; 2],
         draw: &Draw<'_>,
         summary: impl Fn(&Picture, &str) -> String,
     ) -> Result<(), Failure> {
         let progress = Progress::start("drawing");
-        let mut told = None;
+        let mut first_summary = None;
         let mut frame = |number: u32| -> Result<image::RgbaImage, Failure> {
             let done = |share: f32| progress.reach((number as f32 + share) / self.frames as f32);
             let picture = draw(Script::share(number, self.frames), &done)?;
-            told.get_or_insert_with(|| summary(&picture, &self.name()));
+            first_summary.get_or_insert_with(|| summary(&picture, &self.name()));
             Ok(picture.image)
         };
         match self.format {
@@ -186,7 +187,7 @@ impl Film {
                     size,
                     rate: self.rate,
                 };
-                Target::new(&self.output)?.write_with(|out| {
+                OutputTarget::new(&self.output)?.write_with(|out| {
                     let mut recorder = Recorder::new(format, clip, out).map_err(fault)?;
                     for number in 0..self.frames {
                         let image = frame(number).map_err(WriteError::Content)?;
@@ -196,8 +197,8 @@ impl Film {
                 })?;
             }
             None => {
-                // Whether files can be written there shows before anything is drawn.
-                Target::new(&animation::numbered(&self.output, 0, self.frames))?;
+                // Checked before anything is drawn.
+                OutputTarget::new(&animation::numbered(&self.output, 0, self.frames))?;
                 let mut series = FileSeries::default();
                 for number in 0..self.frames {
                     let path = animation::numbered(&self.output, number, self.frames);
@@ -211,7 +212,7 @@ impl Film {
         }
         drop(progress);
         let frames = self.frames;
-        let mut text = told.unwrap_or_default();
+        let mut text = first_summary.unwrap_or_default();
         text.truncate(text.trim_end().len());
         text.push_str(&match self.format {
             Some(_) => format!(
@@ -229,7 +230,7 @@ impl Film {
         Ok(())
     }
 
-    /// The file, or the first one.
+    /// The name of the file, or of the first one.
     fn name(&self) -> String {
         match self.format {
             Some(_) => self.output.display().to_string(),
@@ -250,7 +251,7 @@ fn fault(error: RecordError) -> WriteError {
     }
 }
 
-/// Why a frame cannot be drawn.
+/// Converts the error of a script into a failure of the command.
 pub(super) fn failure(error: ScriptError) -> Failure {
     match error {
         ScriptError::Set(error) => Failure::usage(format!("--animate: {error}")),

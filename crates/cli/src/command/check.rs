@@ -1,4 +1,4 @@
-//! `geotrace check`: every finding in some programs.
+//! `geotrace check`: all diagnostics of some programs.
 
 use std::path::{Path, PathBuf};
 
@@ -10,7 +10,7 @@ use crate::number;
 use crate::output;
 use crate::program;
 use crate::report::{self, SeverityCounts, json};
-use crate::style::Palette;
+use crate::style::TextColours;
 
 /// Say what is wrong with programs: where, what, and what to do about it.
 ///
@@ -31,7 +31,7 @@ pub(super) struct Arguments {
     format: Format,
 }
 
-/// Checks every file, also where one cannot be read.
+/// Checks every file, also if one of them cannot be read.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let twice = arguments
         .files
@@ -42,18 +42,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if twice {
         return Err(Failure::usage("standard input (`-`) can be read only once"));
     }
-    let palette = Palette::for_stdout();
-    let mut document = json::Document::default();
+    let colours = TextColours::for_stdout();
+    let mut document = json::DiagnosticsJson::default();
     let mut counts = SeverityCounts::default();
     let mut checked = 0;
     let mut unreadable = None;
-    // A reader that has stopped reading does not change what the status says.
+    // A reader that has closed the stream does not change the exit status.
     let mut printed = Ok(());
     for file in &arguments.files {
         let (source, compilation) = match program::compile(file) {
             Ok(compiled) => compiled,
             Err(failure) => {
-                // The other files are checked all the same; the last such failure ends the run.
+                // The other files are checked nevertheless; the last such failure ends the run.
                 if let Some(earlier) = unreadable.replace(failure) {
                     output::print_failure(&earlier);
                 }
@@ -61,10 +61,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         };
         checked += 1;
-        counts = counts.plus(SeverityCounts::of(&compilation.diagnostics));
+        counts = counts.plus(SeverityCounts::count(&compilation.diagnostics));
         match arguments.format {
             Format::Human => {
-                let text = report::text(&source, &compilation.diagnostics, palette);
+                let text = report::text(&source, &compilation.diagnostics, colours);
                 if !text.is_empty() && printed.is_ok() {
                     printed = output::print(&text);
                 }
@@ -85,7 +85,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     match (unreadable, printed) {
         (Some(failure), _) => Err(failure),
-        (None, Ok(()) | Err(Failure::ReaderGone)) if counts.errors > 0 => Err(Failure::Program),
+        (None, Ok(()) | Err(Failure::ReaderGone)) if counts.errors > 0 => {
+            Err(Failure::LoadedProgram)
+        }
         (None, printed) => printed,
     }
 }

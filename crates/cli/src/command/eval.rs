@@ -11,8 +11,8 @@ use crate::argument::{self, Assignment, Format};
 use crate::failure::Failure;
 use crate::number;
 use crate::output;
-use crate::program::{self, Program};
-use crate::source::Source;
+use crate::program::{self, LoadedProgram};
+use crate::source::SourceText;
 
 /// Print the value of an expression that may use everything the program declares.
 ///
@@ -41,7 +41,7 @@ pub(super) struct Arguments {
 /// The JSON document; undefined numbers are null.
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Document<'a> {
+enum EvaluationJson<'a> {
     Single { value: JsonValue<'a> },
     Instances { instances: Vec<JsonInstance<'a>> },
 }
@@ -61,14 +61,14 @@ enum JsonValue<'a> {
 
 /// Evaluates one expression.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let program = Program::load(&arguments.file, arguments.format)?;
+    let program = LoadedProgram::load(&arguments.file, arguments.format)?;
     let settings = program.settings(&arguments.set)?;
-    let expression = Source::new("<expression>".into(), arguments.expression.clone());
+    let expression = SourceText::new("<expression>".into(), arguments.expression.clone());
     let evaluation = match program.compilation.evaluate(&expression.text, &settings) {
         Ok(evaluation) => evaluation,
         Err(diagnostics) => {
             program::report_findings(&expression, &diagnostics, arguments.format)?;
-            return Err(Failure::Program);
+            return Err(Failure::LoadedProgram);
         }
     };
     program::report_findings(&expression, &evaluation.warnings, arguments.format)?;
@@ -109,12 +109,12 @@ fn shown(value: &Value) -> String {
     }
 }
 
-fn document(outcome: &Outcome) -> Document<'_> {
+fn document(outcome: &Outcome) -> EvaluationJson<'_> {
     match outcome {
-        Outcome::Single(value) => Document::Single {
+        Outcome::Single(value) => EvaluationJson::Single {
             value: json_value(value),
         },
-        Outcome::Instances(instances) => Document::Instances {
+        Outcome::Instances(instances) => EvaluationJson::Instances {
             instances: instances.iter().map(json_instance).collect(),
         },
     }

@@ -14,7 +14,7 @@ use crate::argument::Format;
 use crate::failure::Failure;
 use crate::number::{count, grouped};
 use crate::output;
-use crate::program::Program;
+use crate::program::LoadedProgram;
 
 /// Tell what is built for a program, what is left out, and what each part costs.
 ///
@@ -35,7 +35,7 @@ pub(super) struct Arguments {
 
 /// The JSON document.
 #[derive(Serialize)]
-struct Document {
+struct Explanation {
     #[serde(skip)]
     objects: usize,
     params: Vec<Dial>,
@@ -44,14 +44,14 @@ struct Document {
     intrinsic: Vec<IntrinsicEntry>,
 }
 
-/// A param or a grid, and how many uniforms hold its components.
+/// A param or a grid, and the number of uniforms that hold its components.
 #[derive(Serialize)]
 struct Dial {
     name: String,
     uniforms: usize,
 }
 
-/// What one view needs.
+/// The plan of one view.
 #[derive(Serialize)]
 struct ViewEntry {
     view: String,
@@ -95,7 +95,7 @@ struct BuiltEntry {
     samplers: u32,
 }
 
-/// A metric, or a geodesic on a surface or a metric: what its own expressions are.
+/// The expressions of a metric, or of a geodesic on a surface or a metric.
 #[derive(Serialize)]
 struct IntrinsicEntry {
     name: String,
@@ -114,7 +114,7 @@ struct IntrinsicEntry {
 
 /// Plans every view of the program and prints the plans.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let program = Program::load(&arguments.file, arguments.format)?;
+    let program = LoadedProgram::load(&arguments.file, arguments.format)?;
     let scene = program.scene()?;
     let document = document(scene);
     match arguments.format {
@@ -123,7 +123,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-fn document(scene: &Scene) -> Document {
+fn document(scene: &Scene) -> Explanation {
     let settings = ParamValues::initial(scene);
     // The size of a picture changes nothing of what is built for it.
     let size = [512, 512];
@@ -142,7 +142,7 @@ fn document(scene: &Scene) -> Document {
         .iter()
         .map(|param| (&param.name, param.ranges.len()));
     let grids = scene.grids.iter().map(|grid| (&grid.name, grid.axes.len()));
-    Document {
+    Explanation {
         objects: scene.objects.len(),
         params: params.map(dial).collect(),
         grids: grids.map(dial).collect(),
@@ -281,7 +281,7 @@ fn source(source: Source) -> &'static str {
     }
 }
 
-fn text(document: &Document, file: &str) -> String {
+fn text(document: &Explanation, file: &str) -> String {
     // Writing to a string cannot fail.
     let mut text = String::new();
     let _ = writeln!(

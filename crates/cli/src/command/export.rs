@@ -11,8 +11,8 @@ use super::render::textures;
 use crate::argument::{self, Assignment, Choice, Format, TextureFile};
 use crate::failure::Failure;
 use crate::number;
-use crate::output::{self, Target};
-use crate::program::Program;
+use crate::output::{self, OutputTarget};
+use crate::program::LoadedProgram;
 
 /// Write a program's surfaces, curves, vectors and points as a mesh, for modelling, printing, or a paper.
 ///
@@ -64,7 +64,7 @@ const FORMATS: [Choice<MeshFormat>; 5] = [
 /// Builds the meshes and writes the file.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let format = file_format(arguments)?;
-    let program = Program::load(&arguments.file, Format::Human)?;
+    let program = LoadedProgram::load(&arguments.file, Format::Human)?;
     let scene = program.scene()?;
     let settings = program.settings(&arguments.set)?;
     let objects = objects(scene, &arguments.object, &program.source.name)?;
@@ -72,13 +72,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         textures: textures(&arguments.texture, &program)?.at(scene, &settings)?,
         ..Request::space([1, 1])
     };
-    let target = Target::new(&arguments.output)?;
+    let target = OutputTarget::new(&arguments.output)?;
     let model = mesh::model(scene, &settings, &request, objects.as_deref());
     let mut notes = model.notes.clone();
     target.write_with(|out| {
         model
             .write(format, out)
-            .map(|told| notes.extend(told))
+            .map(|more| notes.extend(more))
             .map_err(|error| match error {
                 ExportError::Write(error) => output::WriteError::System(error),
                 ExportError::Nothing { .. } | ExportError::TooLarge { .. } => {
@@ -138,7 +138,7 @@ fn file_format(arguments: &Arguments) -> Result<MeshFormat, Failure> {
     })
 }
 
-/// The objects of the names; all where none are given.
+/// Finds the objects by their names; `None` if no names are given.
 fn objects(scene: &Scene, names: &[String], file: &str) -> Result<Option<Vec<ObjectId>>, Failure> {
     if names.is_empty() {
         return Ok(None);

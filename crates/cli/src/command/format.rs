@@ -7,8 +7,8 @@ use ide::Reading;
 
 use crate::failure::Failure;
 use crate::number;
-use crate::output::{self, Target};
-use crate::source::Source;
+use crate::output::{self, OutputTarget};
+use crate::source::SourceText;
 
 /// Bring programs into the canonical layout; what they mean never changes.
 ///
@@ -43,7 +43,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         match one(file, arguments.check) {
             Ok(same) => others += usize::from(!same),
             Err(failure) => {
-                // The other files are laid out all the same; the last such failure ends the run.
+                // The other files are formatted nevertheless; the last such failure ends the run.
                 if let Some(earlier) = failed.replace(failure) {
                     output::print_failure(&earlier);
                 }
@@ -63,9 +63,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Lays out one program, or looks at it. Whether it was laid out so already.
+/// Formats one program, or only compares it. Returns whether it had the canonical layout already.
 fn one(file: &Path, check: bool) -> Result<bool, Failure> {
-    let source = Source::read(file)?;
+    let source = SourceText::read(file)?;
     if source.undecodable.is_some() {
         return Err(Failure::Unreadable {
             file: source.name,
@@ -82,7 +82,7 @@ fn one(file: &Path, check: bool) -> Result<bool, Failure> {
     } else if file == Path::new("-") {
         output::print(&text)?;
     } else if !same {
-        Target::new(file)?.write(text.as_bytes())?;
+        OutputTarget::new(file)?.write(text.as_bytes())?;
     }
     Ok(same)
 }

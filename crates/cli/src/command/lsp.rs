@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-/// What the server starts for a preview: this program again, if it was built with a window.
+/// The program that the server starts for a preview: this program, if it was built with a window.
 fn window(given: &[OsString]) -> Option<WindowProgram> {
     if let Some((program, arguments)) = given.split_first() {
         return Some(WindowProgram {
@@ -46,7 +46,7 @@ fn window(given: &[OsString]) -> Option<WindowProgram> {
         });
     }
     if cfg!(feature = "window") {
-        // Where the system does not tell which program runs there is none to start.
+        // Fails if the system does not report the path of this program; then there is no window.
         WindowProgram::own(["preview", "--attached"]).ok()
     } else {
         None

@@ -43,12 +43,12 @@ const BACKENDS: [Choice<Backend>; 3] = [
     ),
 ];
 
-/// Why there is no window.
+/// Why no window was opened.
 #[derive(Debug)]
 pub(super) enum NoWindow {
-    /// None can be had here; a sentence without its end.
+    /// No window is possible here; a sentence without its full stop.
     NotHere(String),
-    /// The window was not what failed.
+    /// Something other than the window failed.
     #[cfg_attr(
         not(feature = "window"),
         expect(dead_code, reason = "without a window nothing else can fail")

@@ -20,8 +20,8 @@ use crate::argument::{
 };
 use crate::failure::Failure;
 use crate::number;
-use crate::output::{self, Target};
-use crate::program::Program;
+use crate::output::{self, OutputTarget};
+use crate::program::LoadedProgram;
 use crate::progress::Progress;
 
 /// Make a picture of a program, or an animation: in 3D, or of a surface from inside.
@@ -152,7 +152,7 @@ const METHODS: [Choice<Method>; 5] = [
 
 /// Draws one picture and writes it.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let program = Program::load(&arguments.file, Format::Human)?;
+    let program = LoadedProgram::load(&arguments.file, Format::Human)?;
     let scene = program.scene()?;
     let settings = program.settings(&arguments.set)?;
     let images = textures(&arguments.texture, &program)?;
@@ -179,7 +179,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     };
     let moves = arguments.view != ViewName::Space || request.show_camera.is_some();
     let script = arguments.motion.script(&program, &settings, moves)?;
-    let film = arguments.motion.film(&arguments.output)?;
+    let animation = arguments.motion.animation(&arguments.output)?;
     let request = script
         .steady(scene, &settings, &request)
         .map_err(animation::failure)?;
@@ -195,14 +195,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         picture.notes.extend(images.notes(&program, &request));
         Ok(picture)
     };
-    if let Some(film) = film {
-        return film.shoot(arguments.size.0, &draw, |picture, what| {
+    if let Some(animation) = animation {
+        return animation.write(arguments.size.0, &draw, |picture, what| {
             summary(picture, what, &request, &program)
         });
     }
-    let target = Target::new(&arguments.output)?;
+    let target = OutputTarget::new(&arguments.output)?;
     let progress = Progress::start("drawing");
-    // One picture shows how it ends.
+    // A single picture shows the end of the script.
     let drawn = draw(1.0, &|done| progress.reach(done));
     drop(progress);
     let picture = drawn?;
@@ -211,7 +211,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn view(arguments: &Arguments, program: &Program, settings: &ParamValues) -> Result<View, Failure> {
+fn view(
+    arguments: &Arguments,
+    program: &LoadedProgram,
+    settings: &ParamValues,
+) -> Result<View, Failure> {
     let place = |option: &str, triple: &Option<Triple>| match triple {
         Some(triple) => program.numbers(option, &triple.0, settings).map(Some),
         None => Ok(None),
@@ -242,7 +246,7 @@ fn view(arguments: &Arguments, program: &Program, settings: &ParamValues) -> Res
 fn standpoint(
     name: &str,
     arguments: &Arguments,
-    program: &Program,
+    program: &LoadedProgram,
     settings: &ParamValues,
 ) -> Result<Standpoint, Failure> {
     Ok(Standpoint {
@@ -260,15 +264,15 @@ fn standpoint(
     })
 }
 
-/// The images that surfaces show.
+/// The images of the surfaces.
 pub(super) struct Images {
     loaded: Vec<(ObjectId, Arc<Texture>)>,
-    /// Surfaces that show their curvature, which may change with the params.
+    /// Surfaces that are coloured by curvature, which may change with the params.
     curved: Vec<ObjectId>,
 }
 
 impl Images {
-    /// The images at these settings.
+    /// The images for these values of the params.
     pub(super) fn at(
         &self,
         scene: &Scene,
@@ -282,11 +286,11 @@ impl Images {
         Ok([self.loaded.clone(), curved?].concat())
     }
 
-    /// What the colours of curvature mean.
-    fn notes(&self, program: &Program, request: &Request) -> Vec<String> {
+    /// Notes on the colours of curvature.
+    fn notes(&self, program: &LoadedProgram, request: &Request) -> Vec<String> {
         let note = |&surface: &ObjectId| {
             let most = request.texture(surface).curvature_scale()?.most;
-            // Four digits.
+            // Rounded to four digits.
             let rounded = format!("{most:.3e}").parse().unwrap_or(most);
             let most = number::show(rounded);
             Some(format!(
@@ -298,18 +302,18 @@ impl Images {
     }
 }
 
-/// What is written instead of a file for the colours of curvature.
+/// The word that stands for the colours of curvature in place of a file.
 const CURVATURE: &str = "curvature";
 
 /// Reads the image files.
-pub(super) fn textures(files: &[TextureFile], program: &Program) -> Result<Images, Failure> {
+pub(super) fn textures(files: &[TextureFile], program: &LoadedProgram) -> Result<Images, Failure> {
     let mut images = Images {
         loaded: Vec::new(),
         curved: Vec::new(),
     };
     for file in files {
         let (surface, _) = program.surface(Some(&file.surface))?;
-        // The last one counts.
+        // The last option for a surface applies.
         images.curved.retain(|&other| other != surface);
         if file.path.as_os_str() == CURVATURE {
             images.curved.push(surface);
@@ -322,7 +326,7 @@ pub(super) fn textures(files: &[TextureFile], program: &Program) -> Result<Image
     Ok(images)
 }
 
-/// Options that the chosen view does not use.
+/// Notes on options that the chosen view does not use.
 fn idle_options(arguments: &Arguments) -> Vec<String> {
     let placed = [
         ("--at", arguments.at.is_some()),
@@ -366,8 +370,8 @@ pub(super) fn png(image: &RgbaImage) -> Result<Vec<u8>, Failure> {
     Ok(bytes.into_inner())
 }
 
-/// What was drawn, by what, and what the reader of the picture should know.
-fn summary(picture: &Picture, name: &str, request: &Request, program: &Program) -> String {
+/// The lines for standard error: the notes of the picture, its view and its backend.
+fn summary(picture: &Picture, name: &str, request: &Request, program: &LoadedProgram) -> String {
     let mut text = String::new();
     for note in &picture.notes {
         text.push_str(&format!("note: {note}\n"));

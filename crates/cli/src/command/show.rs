@@ -9,7 +9,7 @@ use super::preview::{self, NoWindow};
 use crate::argument::Format;
 use crate::failure::Failure;
 use crate::output;
-use crate::program::Program;
+use crate::program::LoadedProgram;
 
 /// See a program: in the live window, or, where there is no display, as pictures.
 ///
@@ -29,17 +29,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             output::print_error(&format!("note: {reason}; here are pictures instead\n"));
         }
     }
-    let program = Program::load(&arguments.file, Format::Human)?;
+    let program = LoadedProgram::load(&arguments.file, Format::Human)?;
     program.scene()?;
     draw(arguments, "3d", ".png")?;
-    // What has no surface has no inside.
+    // A program without a surface has no geodesic view.
     if program.surface(None).is_ok() {
         draw(arguments, "geodesic", "-inside.png")?;
     }
     Ok(())
 }
 
-/// Draws as `geotrace render` does, to a file that is named after the program.
+/// Runs `geotrace render`, to a file that is named after the program.
 fn draw(arguments: &Arguments, view: &str, ending: &str) -> Result<(), Failure> {
     let mut output = arguments.file.file_stem().unwrap_or_default().to_owned();
     output.push(ending);

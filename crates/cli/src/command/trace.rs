@@ -13,7 +13,7 @@ use crate::argument::{self, Assignment, Choice, Format, Pair, Quantity};
 use crate::failure::Failure;
 use crate::number::{self, show};
 use crate::output;
-use crate::program::Program;
+use crate::program::LoadedProgram;
 
 /// Follow one geodesic of a surface or a metric: the straightest line from a point in a direction.
 ///
@@ -90,7 +90,7 @@ const METHODS: [Choice<PictureMethod>; 4] = [
 
 /// The JSON document; numbers that do not exist are null.
 #[derive(Serialize)]
-struct Document {
+struct TraceJson {
     u: f64,
     v: f64,
     position: Option<[f64; 3]>,
@@ -105,7 +105,7 @@ struct Document {
 
 /// Traces one geodesic.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let program = Program::load(&arguments.file, arguments.format)?;
+    let program = LoadedProgram::load(&arguments.file, arguments.format)?;
     let settings = program.settings(&arguments.set)?;
     let (id, _) = program.surface(arguments.surface.as_deref())?;
     let manifold = program.manifold(id, &settings)?;
@@ -171,8 +171,8 @@ fn options(arguments: &Arguments) -> Result<Options, Failure> {
     Ok(options)
 }
 
-fn document(trace: &Trace) -> Document {
-    Document {
+fn document(trace: &Trace) -> TraceJson {
+    TraceJson {
         u: trace.uv[0],
         v: trace.uv[1],
         position: trace.position,
@@ -232,7 +232,7 @@ fn text(trace: &Trace, from: [f64; 2]) -> String {
     )
 }
 
-/// An error to the two digits that it is good for.
+/// Formats an error estimate with two digits; more would not be exact.
 fn rough(error: f64) -> String {
     if error == 0.0 {
         "0".into()
@@ -252,7 +252,8 @@ fn status_word(status: Status) -> &'static str {
     }
 }
 
-/// A start where no geodesic begins is an end too, with a status; any other error is one of the arguments.
+/// Turns a start where the surface is undefined or degenerate into a trace of length zero with that status. Any other
+/// error is one of the arguments.
 fn stopped_at_start(error: TraceError, surface: &dyn Surface) -> Result<Trace, Failure> {
     let (uv, status) = match error {
         TraceError::UndefinedStart { at } => (at, Status::Undefined),

@@ -1,15 +1,16 @@
-//! The few lines of a text that a diagnostic shows, however long the text's lines are.
+//! Excerpts: a text and a range flow in, the few lines that a diagnostic shows flow out, also of lines of megabytes.
+//!
+//! `annotate-snippets` trims lines to a width too, but reads them as a whole first.
 
 use std::ops::Range;
 
 use syntax::span::Span;
 
-/// How far to either side of the marked place a line is shown, in characters. The renderer trims further;
-/// this only keeps it from seeing a line of megabytes.
+/// The number of characters on either side of the marked range. The renderer trims further.
 const REACH: usize = 200;
-/// How many characters of a longer range are marked on one line: what fits into the renderer's width.
+/// The number of marked characters on one line of a longer range: as many as fit into the renderer's width.
 const MARKED: usize = 96;
-/// How many lines of a longer range are shown.
+/// The number of lines that are shown of a longer range.
 const LINES: usize = 4;
 
 /// A piece of a text, from the line on which a range starts.
@@ -17,12 +18,12 @@ const LINES: usize = 4;
 pub(super) struct Excerpt {
     /// The lines, cut with `…` where they are too long.
     pub(super) text: String,
-    /// The range in `text`, cut as the text is.
+    /// The marked range in `text`.
     pub(super) marked: Range<usize>,
 }
 
 impl Excerpt {
-    /// The lines around `span`. Reads no more than it shows.
+    /// Cuts out the lines around `span`. Reads no more than it returns.
     pub(super) fn new(text: &str, span: Span) -> Self {
         let start = (span.start as usize).min(text.len());
         let end = (span.end as usize).clamp(start, text.len());
@@ -50,7 +51,7 @@ impl Excerpt {
     }
 }
 
-/// The end of `text` that lies on its last line, and whether it had to be cut.
+/// Returns the part of `text` on its last line, and whether it was cut.
 fn line_before(text: &str) -> (&str, bool) {
     let mut letters = text.char_indices().rev();
     let mut start = text.len();
@@ -66,7 +67,7 @@ fn line_before(text: &str) -> (&str, bool) {
     )
 }
 
-/// The start of `text` that lies on its first line, and whether it had to be cut.
+/// Returns the part of `text` on its first line, and whether it was cut.
 fn line_after(text: &str) -> (&str, bool) {
     let mut letters = text.char_indices();
     for _ in 0..REACH {
@@ -83,7 +84,7 @@ fn line_after(text: &str) -> (&str, bool) {
     )
 }
 
-/// As much of a range's text as is shown.
+/// Returns the part of a range's text that is shown.
 fn marked_part(text: &str) -> &str {
     let mut newlines = 0;
     let mut on_line = 0;

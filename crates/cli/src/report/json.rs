@@ -1,20 +1,20 @@
-//! Diagnostics for programs: one JSON document.
+//! Diagnostics for other programs: one JSON document.
 
 use serde::Serialize;
 use syntax::diagnostic::{Diagnostic, Severity};
 
-use crate::source::Source;
+use crate::source::SourceText;
 
 /// `{"diagnostics": […]}`
 #[derive(Debug, Default, Serialize)]
-pub(crate) struct Document {
-    diagnostics: Vec<Entry>,
+pub(crate) struct DiagnosticsJson {
+    diagnostics: Vec<DiagnosticEntry>,
 }
 
-/// One diagnostic. Lines and columns count from 1, columns in Unicode scalar values; the end is the place
-/// after the last character.
+/// One diagnostic. Lines and columns count from 1, columns in Unicode scalar values; the end is the position after the
+/// last character.
 #[derive(Debug, Serialize)]
-struct Entry {
+struct DiagnosticEntry {
     file: String,
     line: u32,
     column: u32,
@@ -26,9 +26,9 @@ struct Entry {
     hint: Option<String>,
 }
 
-impl Document {
+impl DiagnosticsJson {
     /// Adds the diagnostics of one text.
-    pub(crate) fn add(&mut self, source: &Source, diagnostics: &[Diagnostic]) {
+    pub(crate) fn add(&mut self, source: &SourceText, diagnostics: &[Diagnostic]) {
         if diagnostics.is_empty() {
             return;
         }
@@ -37,7 +37,7 @@ impl Document {
             .extend(diagnostics.iter().map(|diagnostic| {
                 let start = lines.position(diagnostic.span.start);
                 let end = lines.position(diagnostic.span.end);
-                Entry {
+                DiagnosticEntry {
                     file: source.name.clone(),
                     line: start.line,
                     column: start.column,
@@ -52,7 +52,7 @@ impl Document {
     }
 }
 
-/// The word for a severity, in JSON and for people.
+/// Returns the word for a severity, in JSON and for people.
 pub(crate) fn severity(severity: Severity) -> &'static str {
     match severity {
         Severity::Error => "error",
@@ -69,8 +69,8 @@ mod tests {
 
     #[test]
     fn entries_have_the_keys_of_the_contract() {
-        let source = Source::new("a.gtr".into(), "π\nérr".into());
-        let mut document = Document::default();
+        let source = SourceText::new("a.gtr".into(), "π\nérr".into());
+        let mut document = DiagnosticsJson::default();
         document.add(
             &source,
             &[Diagnostic {

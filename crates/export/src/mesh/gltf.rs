@@ -37,7 +37,7 @@ const ROUGHNESS: f32 = 0.55;
 
 /// Writes one JSON file, with its buffer as a data URI.
 pub(super) fn write_text(model: &Model, out: &mut dyn Write) -> Result<(), ExportError> {
-    let mut document = Document::of(model, MeshFormat::Gltf)?;
+    let mut document = GltfDocument::of(model, MeshFormat::Gltf)?;
     let uri = format!(
         "data:application/octet-stream;base64,{}",
         BASE64.encode(&document.bytes)
@@ -50,7 +50,7 @@ pub(super) fn write_text(model: &Model, out: &mut dyn Write) -> Result<(), Expor
 
 /// Writes one binary file.
 pub(super) fn write_binary(model: &Model, out: &mut dyn Write) -> Result<(), ExportError> {
-    let document = Document::of(model, MeshFormat::Glb)?;
+    let document = GltfDocument::of(model, MeshFormat::Glb)?;
     let json = document.root.to_vec().map_err(io::Error::from)?;
     // The header, and the chunks with theirs.
     let length = 12 + 8 + json.len().next_multiple_of(4) + 8 + document.bytes.len();
@@ -75,7 +75,7 @@ pub(super) fn write_binary(model: &Model, out: &mut dyn Write) -> Result<(), Exp
 }
 
 /// The JSON description and the binary data that it describes.
-struct Document {
+struct GltfDocument {
     root: Root,
     bytes: Vec<u8>,
     /// The textures that were added, by their images.
@@ -84,7 +84,7 @@ struct Document {
     shift: [f32; 3],
 }
 
-impl Document {
+impl GltfDocument {
     fn of(model: &Model, format: MeshFormat) -> Result<Self, ExportError> {
         let mut document = Self {
             root: Root::default(),

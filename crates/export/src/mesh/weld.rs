@@ -41,7 +41,7 @@ pub struct Vertex {
 impl Mesh {
     /// Adds an instance: the grid's `places`, u fastest, with the normals and the definedness of its `samples`.
     pub(super) fn add(&mut self, count: [u32; 2], places: &[[f64; 3]], samples: &[SurfaceSample]) {
-        let grid = Grid::new(count, places, samples);
+        let grid = SampleGrid::new(count, places, samples);
         let triangles: Vec<[usize; 3]> = grid.triangles().collect();
         // Vertices in the order of the grid, those only that a triangle needs.
         let mut vertex_of = vec![None; places.len()];
@@ -138,7 +138,7 @@ pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// One instance's grid of samples.
-struct Grid<'a> {
+struct SampleGrid<'a> {
     places: &'a [[f64; 3]],
     defined: Vec<bool>,
     /// Columns (samples along u) and rows.
@@ -147,7 +147,7 @@ struct Grid<'a> {
     class: Vec<u32>,
 }
 
-impl<'a> Grid<'a> {
+impl<'a> SampleGrid<'a> {
     fn new(count: [u32; 2], places: &'a [[f64; 3]], samples: &[SurfaceSample]) -> Self {
         // Every format leaves open what single precision cannot hold, so that all formats agree.
         let held = |place: &[f64; 3]| place.iter().all(|x| x.abs() < f64::from(f32::MAX));

@@ -10,7 +10,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use export::animation::{self, Change, Clip, Recorder, Script};
+use export::animation::{self, Clip, ParamChange, Recorder, Script};
 use export::whole_file::{FileSeries, write_whole_with};
 use image::RgbaImage;
 use render::Request;
@@ -34,7 +34,7 @@ pub(crate) struct Film {
     /// The geodesic camera that is looked through, or that the 3D view shows.
     pub(crate) camera: Option<(ObjectId, InsideCamera)>,
     /// A param that runs from one value to another.
-    pub(crate) change: Option<Change>,
+    pub(crate) change: Option<ParamChange>,
     /// What the geodesic camera does.
     pub(crate) motions: Vec<Motion>,
     /// Whether its path is drawn.

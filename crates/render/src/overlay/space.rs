@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use geodesic::trace::{Options, Status};
-use geometry::{Knot, Start, knots_at};
+use geometry::{GeodesicStart, Knot, knots_at};
 use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
@@ -175,7 +175,7 @@ fn camera(
             let lengths: Vec<f64> = (0..=POINTS)
                 .map(|k| length * f64::from(k) / f64::from(POINTS))
                 .collect();
-            knots_at(surface, &Start::Frame(frame, place), &lengths)
+            knots_at(surface, &GeodesicStart::Frame(frame, place), &lengths)
         })
         .collect();
     all.push(curve(&axes, AXES));
@@ -201,7 +201,13 @@ fn camera(
             let lengths: Vec<f64> = (1..=waves as u32).map(|k| spacing * f64::from(k)).collect();
             let rays: Vec<_> = (0..=DIRECTIONS)
                 .into_par_iter()
-                .map(|k| knots_at(surface, &Start::Frame(frame, direction(k)), &lengths))
+                .map(|k| {
+                    knots_at(
+                        surface,
+                        &GeodesicStart::Frame(frame, direction(k)),
+                        &lengths,
+                    )
+                })
                 .collect();
             let rings: Vec<Vec<Option<Knot>>> = (0..lengths.len())
                 .map(|ring| rays.iter().map(|ray| ray[ring]).collect())

@@ -5,7 +5,7 @@
 use geodesic::frame::Frame;
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Trace, TraceError};
-use geometry::{Knot, Manifold, Start, knots_at};
+use geometry::{GeodesicStart, Knot, Manifold, knots_at};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
@@ -56,7 +56,7 @@ impl Trail {
             let lengths: Vec<f64> = (1..pieces)
                 .map(|k| trace.length * f64::from(k) / f64::from(pieces))
                 .collect();
-            let knots = knots_at(surface, &Start::Frame(frame, step), &lengths);
+            let knots = knots_at(surface, &GeodesicStart::Frame(frame, step), &lengths);
             self.points
                 .extend(knots.into_iter().flatten().map(|k| k.uv));
             self.points.push(trace.uv);

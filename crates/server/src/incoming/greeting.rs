@@ -29,7 +29,7 @@ pub(super) async fn initialize(
     }
     if let Some(process) = params.process_id {
         let end = server.end.clone();
-        crate::parent::when_gone(process, move || end.now());
+        crate::platform::when_process_ends(process, move || end.now());
     }
     Ok(lsp::InitializeResult {
         capabilities: outgoing::capabilities(encoding),

@@ -19,6 +19,7 @@ use protocol::{Command, Event};
 use tokio::sync::{Notify, mpsc, watch};
 
 use super::WindowProgram;
+use crate::platform;
 
 /// How much may wait to be heard: behind that an event waits, and a line for the log is dropped.
 const MOST_WAITING: usize = 64;
@@ -82,9 +83,7 @@ impl Process {
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
-        // A key that interrupts an editor in a terminal is not meant for the window.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        platform::detach_from_terminal(&mut command);
         let mut child = command.spawn()?;
         let (input, output, error) = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let process = Arc::new(Self {

@@ -13,16 +13,16 @@ use serde::Serialize;
 use super::method::{Kind, Setting};
 use crate::failure::Failure;
 
-/// Methods that go pixel by pixel are run on every so manyth pixel, along both axes.
+/// Methods that trace each pixel by itself are timed on every `n`th pixel along both axes, with this `n`.
 pub(super) const EVERY: u32 = 8;
-/// How long the repetitions of one run may take together, after the first.
+/// The time that the repetitions of one run may take together, after the first.
 const PATIENCE: Duration = Duration::from_millis(400);
 /// The most runs for one time.
 const RUNS: usize = 9;
-/// How many pixels the reference takes.
+/// The number of pixels that the reference traces.
 const SAMPLE: usize = 4096;
 
-/// All reasons to end, in the order in which shares are given.
+/// All statuses, in the order of the shares.
 pub(super) const STATUSES: [(Status, &str); 6] = [
     (Status::Complete, "complete"),
     (Status::LeftDomain, "left_domain"),
@@ -32,7 +32,7 @@ pub(super) const STATUSES: [(Status, &str); 6] = [
     (Status::WorkLimit, "work_limit"),
 ];
 
-/// One thread, and all.
+/// A thread pool of one thread, and one of all cores.
 #[derive(Debug)]
 pub(super) struct Threads {
     one: ThreadPool,
@@ -40,10 +40,10 @@ pub(super) struct Threads {
 }
 
 impl Threads {
-    /// Starts them.
+    /// Starts both pools.
     ///
     /// # Errors
-    /// [`Failure::Internal`] where the system gives none.
+    /// [`Failure::Internal`] if the system starts no threads.
     pub(super) fn new() -> Result<Self, Failure> {
         let pool = |threads: usize| {
             ThreadPoolBuilder::new()
@@ -60,41 +60,41 @@ impl Threads {
         })
     }
 
-    /// How many all are.
+    /// The number of cores.
     pub(super) fn count(&self) -> usize {
         self.all.current_num_threads()
     }
 }
 
-/// The largest error and the one that 99 % of the pixels stay below, in pixels.
+/// The largest error and the 99th percentile of the errors, in pixels.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(super) struct Bounds {
+pub(super) struct ErrorBounds {
     pub(super) max: f64,
     pub(super) p99: f64,
 }
 
-/// What a run has shown.
+/// The results of one run.
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct Measured {
-    /// In milliseconds, for the whole picture, on one thread.
+    /// The time for the whole picture on one thread, in milliseconds.
     pub(super) time_one_ms: f64,
-    /// The same on all cores.
+    /// The time for the whole picture on all cores, in milliseconds.
     pub(super) time_all_ms: f64,
     pub(super) evaluations_per_pixel: f64,
     pub(super) rays: u64,
-    /// Of the pixels that have an end and should.
-    pub(super) error_px: Bounds,
-    /// What the method says of itself.
-    pub(super) estimate_px: Option<Bounds>,
-    /// The share of the pixels that ended otherwise than they should.
+    /// The errors of the pixels that have an end, as the reference has.
+    pub(super) error_px: ErrorBounds,
+    /// The estimate of the method itself.
+    pub(super) estimate_px: Option<ErrorBounds>,
+    /// The share of the pixels whose status differs from the reference.
     pub(super) unlike: f64,
-    /// The shares of the pixels by the reason why they ended, in the order of [`STATUSES`].
+    /// The shares of the pixels by status, in the order of [`STATUSES`].
     #[serde(skip)]
     pub(super) shares: [f64; STATUSES.len()],
 }
 
 /// A view to be measured.
-pub(super) struct View<'s, S: Surface + ?Sized> {
+pub(super) struct MeasuredView<'s, S: Surface + ?Sized> {
     surface: &'s S,
     frame: Frame,
     size: [u32; 2],
@@ -102,8 +102,8 @@ pub(super) struct View<'s, S: Surface + ?Sized> {
     thin: Reference<'s, S>,
 }
 
-impl<'s, S: Surface + ?Sized> View<'s, S> {
-    /// Takes the references.
+impl<'s, S: Surface + ?Sized> MeasuredView<'s, S> {
+    /// Traces the references.
     pub(super) fn new(surface: &'s S, frame: Frame, size: [u32; 2]) -> Self {
         Self {
             surface,
@@ -114,7 +114,7 @@ impl<'s, S: Surface + ?Sized> View<'s, S> {
         }
     }
 
-    /// How many pixels the reference compares, and how many of them have no known truth.
+    /// The number of pixels of the reference, and the number of those whose true end is unknown.
     pub(super) fn sampled(&mut self) -> (usize, usize) {
         let errors = self.full.errors(&|_| ([f64::NAN; 2], Status::Complete));
         (errors.pixels, errors.unknown)
@@ -137,7 +137,7 @@ impl<'s, S: Surface + ?Sized> View<'s, S> {
         let thin = kind.is_pixel_by_pixel();
         let mut options = kind.options(steps, tolerance);
         let (size, scale) = if thin {
-            // Of the whole picture's pixels, of which one of the thin picture's is several.
+            // Scaled from the pixels that were run to those of the whole picture.
             options.tolerance /= f64::from(EVERY);
             (thinned(self.size), f64::from(EVERY))
         } else {
@@ -157,11 +157,11 @@ impl<'s, S: Surface + ?Sized> View<'s, S> {
             time_all_ms: milliseconds(all),
             evaluations_per_pixel: map.work.evaluations as f64 / pixels,
             rays: map.work.rays,
-            error_px: Bounds {
+            error_px: ErrorBounds {
                 max: scale * errors.max,
                 p99: scale * errors.quantile(0.99),
             },
-            estimate_px: map.estimate.map(|estimate| Bounds {
+            estimate_px: map.estimate.map(|estimate| ErrorBounds {
                 max: scale * estimate.max,
                 p99: scale * estimate.p99,
             }),
@@ -180,12 +180,12 @@ fn make<S: Surface + ?Sized>(
     exponential_map(surface, frame, size, options, &|_| {})
 }
 
-/// The median time of several runs, or the time of one where that takes long; and what it gave.
+/// Returns the median time of several runs, or the time of a single long run, with its result.
 fn timed(make: impl Fn() -> Map) -> (Duration, Map) {
     let start = Instant::now();
     let map = make();
     let first = start.elapsed();
-    // The first run warms the caches; it counts only where it is all there is.
+    // The first run warms the caches; it counts only if it is the only one.
     if first > PATIENCE {
         return (first, map);
     }

@@ -2,18 +2,18 @@
 
 use geodesic::map::{Arithmetic, MapOptions, Method};
 
-/// A method with a setting.
+/// A method with one of its settings.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setting {
-    /// Its place in [`SERIES`].
+    /// The index into [`SERIES`].
     pub(super) series: usize,
-    /// The error that is asked for, in pixels, of the methods that ask.
+    /// The requested error in pixels, for methods with a tolerance.
     pub(super) tolerance: Option<f64>,
-    /// The number of steps, of the methods that have one.
+    /// The number of steps, for methods with fixed steps.
     pub(super) steps: Option<u32>,
 }
 
-/// A method: its name in the table, and what it is.
+/// A method and its name in the table.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Series {
     pub(super) name: &'static str,

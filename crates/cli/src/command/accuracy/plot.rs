@@ -1,28 +1,31 @@
-//! A work–precision diagram as SVG: series of points in, one picture out. Both axes are logarithmic.
+//! A work–precision diagram as SVG: series of points flow in, one picture flows out. Both axes are logarithmic.
+//!
+//! Written by hand: the diagram is about a hundred lines and rectangles, and the plotting libraries bring fonts and
+//! rasterisers with them.
 
 use std::fmt::Write;
 
 /// One method's points.
 #[derive(Clone, Debug)]
 pub(super) struct Series {
-    /// Its name in the legend.
+    /// The name in the legend.
     pub(super) name: String,
-    /// (x, y) with what stands beside the point on request; those that are not positive are left out.
+    /// (x, y) with the tooltip of the point; points with a coordinate that is not positive are left out.
     pub(super) points: Vec<([f64; 2], String)>,
 }
 
-/// What the diagram says of itself.
+/// The texts of the diagram.
 #[derive(Clone, Debug)]
 pub(super) struct Words {
-    /// Above it.
+    /// The title, above the diagram.
     pub(super) title: String,
-    /// Below the title.
+    /// The line below the title.
     pub(super) subtitle: String,
-    /// Along x.
+    /// The label of the x axis.
     pub(super) across: &'static str,
-    /// Along y.
+    /// The label of the y axis.
     pub(super) up: &'static str,
-    /// A height that is marked by a dashed line, with its name.
+    /// A height that a dashed line marks, with its label.
     pub(super) mark: (f64, &'static str),
 }
 
@@ -30,18 +33,18 @@ const WIDTH: f64 = 860.0;
 const HEIGHT: f64 = 540.0;
 /// The frame: left, top, right, bottom.
 const FRAME: [f64; 4] = [74.0, 66.0, 640.0, 480.0];
-/// Colours that the colour-blind can tell apart (Okabe and Ito).
+/// Colours that colour-blind readers can distinguish (M. Okabe and K. Ito, Color Universal Design, 2008).
 const COLOURS: [&str; 8] = [
     "#0072b2", "#56b4e9", "#999999", "#009e73", "#e69f00", "#d55e00", "#cc79a7", "#000000",
 ];
-/// What lies farther off is cut away.
+/// Points farther off are cut off.
 const RANGE: [f64; 2] = [1e-7, 1e7];
 
 /// A logarithmic axis over whole decades.
 struct Axis {
-    /// The decimal logarithms at its ends.
+    /// The decimal logarithms at both ends.
     decades: [i32; 2],
-    /// The coordinates at its ends.
+    /// The coordinates at both ends.
     ends: [f64; 2],
 }
 
@@ -61,13 +64,13 @@ impl Axis {
         }
     }
 
-    fn at(&self, value: f64) -> f64 {
+    fn coordinate(&self, value: f64) -> f64 {
         let [first, last] = self.decades.map(f64::from);
         let share = (value.log10() - first) / (last - first);
         self.ends[0] + share * (self.ends[1] - self.ends[0])
     }
 
-    /// Where lines stand: the value, and whether it begins a decade.
+    /// The values of the grid lines, each with whether it begins a decade.
     fn lines(&self) -> impl Iterator<Item = (f64, bool)> {
         let [first, last] = self.decades;
         (first..=last).flat_map(move |decade| {
@@ -122,7 +125,7 @@ pub(super) fn svg(words: &Words, series: &[Series]) -> String {
     let turned = format!("transform=\"rotate(-90 {} {})\"", side[0], side[1]);
     text(&mut out, side, "middle", &turned, words.up);
     let (height, name) = words.mark;
-    let level = y.at(height);
+    let level = y.coordinate(height);
     line(
         &mut out,
         [left, level],
@@ -153,14 +156,14 @@ pub(super) fn svg(words: &Words, series: &[Series]) -> String {
 fn grid(out: &mut String, x: &Axis, y: &Axis) {
     let [left, top, right, bottom] = FRAME;
     for (value, begins) in x.lines() {
-        let at = x.at(value);
+        let at = x.coordinate(value);
         line(out, [at, top], [at, bottom], shade(begins));
         if begins {
             text(out, [at, bottom + 18.0], "middle", "", &power(value));
         }
     }
     for (value, begins) in y.lines() {
-        let at = y.at(value);
+        let at = y.coordinate(value);
         line(out, [left, at], [right, at], shade(begins));
         if begins {
             text(out, [left - 8.0, at + 4.0], "end", "", &power(value));
@@ -182,7 +185,7 @@ fn shade(begins: bool) -> &'static str {
     }
 }
 
-/// A power of ten as it is written.
+/// Formats a power of ten.
 fn power(value: f64) -> String {
     if (1e-3..1e5).contains(&value) {
         // Rounded, so that 10⁻³ is not written with seventeen digits.
@@ -199,7 +202,7 @@ fn curve(out: &mut String, number: usize, series: &Series, x: &Axis, y: &Axis) {
         .iter()
         .filter(|(at, _)| at.iter().all(|value| shown(*value)));
     let places: Vec<([f64; 2], &str)> = visible
-        .map(|(at, note)| ([x.at(at[0]), y.at(at[1])], note.as_str()))
+        .map(|(at, note)| ([x.coordinate(at[0]), y.coordinate(at[1])], note.as_str()))
         .collect();
     let path: Vec<String> = places
         .iter()
@@ -217,7 +220,7 @@ fn curve(out: &mut String, number: usize, series: &Series, x: &Axis, y: &Axis) {
     }
 }
 
-/// Every series has a shape of its own, so that colour is not all that tells them apart.
+/// Draws the marker of a point. Each series has a shape of its own, so that colour is not the only difference.
 fn marker(out: &mut String, number: usize, [x, y]: [f64; 2], title: &str) {
     let colour = COLOURS[number % COLOURS.len()];
     let hollow = number % 2 == 1;
@@ -292,8 +295,8 @@ mod tests {
     fn decades_enclose_what_is_shown() {
         let axis = Axis::over([0.02, 30.0, f64::NAN, 0.0].into_iter(), [0.0, 100.0]);
         assert_eq!(axis.decades, [-2, 2]);
-        assert!((axis.at(1.0) - 50.0).abs() < 1e-9);
-        assert_eq!(axis.at(100.0), 100.0);
+        assert!((axis.coordinate(1.0) - 50.0).abs() < 1e-9);
+        assert_eq!(axis.coordinate(100.0), 100.0);
         let values: Vec<f64> = axis.lines().map(|(value, _)| value).collect();
         assert_eq!(values.len(), 13);
     }

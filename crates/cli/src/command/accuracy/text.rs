@@ -1,15 +1,15 @@
-//! The tables for people.
+//! The measurements as tables for people.
 
 use std::fmt::Write;
 
 use super::measure::{EVERY, STATUSES};
 use super::method::SERIES;
-use super::{Document, EQUAL, Growth, Row};
+use super::{EQUAL, Growth, Measurements, MethodRow};
 use crate::number;
 
-/// All tables.
-pub(super) fn table(document: &Document) -> String {
-    let Document {
+/// Formats all tables.
+pub(super) fn table(document: &Measurements) -> String {
+    let Measurements {
         file,
         surface,
         size: [width, height],
@@ -66,7 +66,7 @@ pub(super) fn table(document: &Document) -> String {
     out
 }
 
-fn line(row: &Row) -> String {
+fn line(row: &MethodRow) -> String {
     let measured = &row.measured;
     format!(
         "{:19} {:>10} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} {:>8}  {}\n",
@@ -85,7 +85,7 @@ fn line(row: &Row) -> String {
     )
 }
 
-/// Three digits.
+/// Formats a number with three digits.
 fn short(value: f64) -> String {
     if value.is_nan() {
         "–".into()
@@ -112,8 +112,8 @@ fn percent(share: f64) -> String {
     }
 }
 
-/// The shares of the pixels by the reason why they ended; nothing where all are complete.
-fn ended(row: &Row) -> String {
+/// Formats the shares of the pixels by status; empty if all are complete.
+fn ended(row: &MethodRow) -> String {
     let shares = STATUSES.iter().zip(row.measured.shares);
     let parts: Vec<String> = shares
         .filter(|(_, share)| *share > 0.0)
@@ -128,8 +128,8 @@ fn ended(row: &Row) -> String {
     parts.join(", ")
 }
 
-/// For each method the fastest setting that is exact enough.
-fn equal(document: &Document) -> String {
+/// Finds the fastest setting of each method that is exact enough.
+fn equal(document: &Measurements) -> String {
     let mut out = format!("the fastest with at most {EQUAL} px everywhere, on one thread:\n");
     let best = |name: &str| {
         document
