@@ -1,52 +1,37 @@
 //! The live preview window: the 3D view and the geodesic views of a program while it is written.
 //!
 //! ```text
-//! watch.rs (a file) or link.rs (an editor) ──text──▶ compiler.rs ──scene, findings──▶ model.rs
+//! io/: watch (a file), link (an editor) ──text──▶ engine/compiler ──scene, findings──▶ state/model
 //!                                                                                       │
-//!            keys, pointer, sliders ──window.rs, panes/*──▶ model.rs: one plain state ◀─┘
-//!                                                               │ orders.rs: what is to be seen
-//!                                                               ▼
-//!                                     artist.rs: a thread with the stage ──pictures──▶ panes
+//!        ui/: keys, pointer, sliders, menus ──window, panes──▶ state/model: plain data ◀─┘
+//!                                                                  │ engine/request: what is to be seen
+//!                                                                  ▼
+//!                                         engine/render_thread: the renderer ──pictures──▶ ui/panes
 //! ```
+//!
+//! The parts below `ui` know nothing of it: each sends events of its own type over a [`channel`], and the window makes
+//! one enum of them. The folders use each other only downward: `ui`, then `engine`, then `io`, then `state`, then
+//! `channel`, `queue` and `platform`.
 //!
 //! Nothing is drawn unless something has changed: the threads wake the window when they have something to show, and
 //! only an animation or a held key lets it draw by itself. The window's own thread waits for others only where that costs
 //! nothing that is seen: for pictures that are expected within the frame, and for files when it closes.
 
-mod app;
-mod artist;
-mod compiler;
-mod desktop;
-mod files;
-mod highlighting;
-mod link;
-mod mail;
-mod memory;
-mod mend;
-mod menu;
-pub mod model;
-mod motion;
-mod orders;
-mod panes;
-mod pilot;
-mod pointer;
-mod recording;
-mod report;
-mod saving;
-mod screen;
-mod status;
-mod textures;
-mod walked;
-mod watch;
-mod window;
+mod channel;
+mod engine;
+mod io;
+mod platform;
+mod queue;
+pub mod state;
+mod ui;
 
 use std::fmt;
 use std::path::PathBuf;
 
-pub use app::{run, run_with_faults};
+pub use io::report::Counters;
 pub use render::Backend;
-pub use report::Counters;
-pub use window::Window;
+pub use ui::app::{run, run_with_faults};
+pub use ui::window::Window;
 
 /// What a window is opened with.
 #[derive(Debug)]

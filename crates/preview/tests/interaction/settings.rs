@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use egui::{Key, Modifiers, PointerButton, accesskit::Role, vec2};
 use egui_kittest::kittest::Queryable;
-use preview::model::Choice;
+use preview::state::Choice;
 
 use crate::hand::{Hand, SPHERE};
 
@@ -201,7 +201,7 @@ fn settings_of_the_window_are_steps_that_can_be_undone() {
     let before = model(&hand);
     hand.click_on(Role::ComboBox, "Theme");
     hand.click("Dark");
-    assert_eq!(model(&hand).theme, preview::model::Theme::Dark);
+    assert_eq!(model(&hand).theme, preview::state::Theme::Dark);
     hand.settle();
     hand.press(Modifiers::COMMAND, Key::Z);
     assert_eq!(model(&hand), before);
@@ -304,7 +304,8 @@ fn a_drag_within_one_slow_frame_is_a_drag() {
 #[test]
 fn a_picture_that_comes_soon_is_part_of_the_frame_that_asked_for_it() {
     let mut hand = Hand::on(SPHERE);
-    hand.window_mut().be_patient(Duration::from_secs(60));
+    hand.window_mut()
+        .set_frame_wait_budget(Duration::from_secs(60));
     let slider = hand.harness.get_by_role_and_label(Role::Slider, "r");
     slider.focus();
     hand.settle();

@@ -1,0 +1,208 @@
+//! The thread that compiles: texts flow in, the latest wins; scenes and findings flow out.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::Instant;
+
+use syntax::diagnostic::{Diagnostic, Severity};
+use syntax::line_index::LineIndex;
+use syntax::span::Span;
+
+use crate::channel::EventSender;
+use crate::engine::mend::{Mender, Read};
+use crate::queue::LatestQueue;
+use crate::state::{Compiled, Finding};
+
+/// Hands texts to the thread, which ends with the last clone; cheap to clone.
+#[derive(Clone, Debug)]
+pub(crate) struct Compiler {
+    queue: Arc<Texts>,
+}
+
+/// The queue that the clones share. The thread has the queue itself, so that it does not keep itself alive.
+#[derive(Debug)]
+struct Texts(LatestQueue<(), Waiting>);
+
+/// A text that waits to be compiled.
+#[derive(Debug)]
+struct Waiting {
+    version: i32,
+    text: Arc<str>,
+    arrived: Instant,
+}
+
+impl Compiler {
+    /// Starts the thread.
+    pub(crate) fn start(events: EventSender<Compiled>) -> Self {
+        Self::reading_by(events, Mender::read)
+    }
+
+    /// Starts the thread with another function that reads texts.
+    fn reading_by(
+        events: EventSender<Compiled>,
+        read: impl Fn(&mut Mender, &str) -> Read + Send + 'static,
+    ) -> Self {
+        let queue = LatestQueue::default();
+        let own = queue.clone();
+        std::thread::spawn(move || work(&own, &events, read));
+        Self {
+            queue: Arc::new(Texts(queue)),
+        }
+    }
+
+    /// Has a text compiled, in the place of one that has not been begun.
+    pub(crate) fn compile(&self, version: i32, text: Arc<str>) {
+        self.queue.0.update(0, (), |before| Waiting {
+            version,
+            text,
+            // The text that is overtaken has waited since it arrived, and so has the one that takes its place.
+            arrived: before.map_or_else(Instant::now, |it| it.arrived),
+        });
+    }
+}
+
+impl Drop for Texts {
+    fn drop(&mut self) {
+        self.0.abandon();
+    }
+}
+
+/// Makes the event of a text that has just arrived and was read in no time.
+pub(crate) fn compiled(version: i32, text: Arc<str>, read: Read) -> Compiled {
+    let findings = findings(&text, &read.diagnostics);
+    Compiled {
+        version,
+        ok: findings.iter().all(|it| it.severity != Severity::Error),
+        findings,
+        scene: read.scene.map(Arc::new),
+        stale: read.stale,
+        lacks: read.lacks,
+        declared: read.declared,
+        text,
+        arrived: Instant::now(),
+        took: std::time::Duration::ZERO,
+    }
+}
+
+fn work(
+    queue: &LatestQueue<(), Waiting>,
+    events: &EventSender<Compiled>,
+    read: impl Fn(&mut Mender, &str) -> Read,
+) {
+    let mut mender = Mender::default();
+    while let Some(((), order)) = queue.take() {
+        let start = Instant::now();
+        // A panic must not end the thread: it becomes a sentence, and what it has touched is dropped.
+        let read = catch_unwind(AssertUnwindSafe(|| read(&mut mender, &order.text)));
+        let (read, fault) = match read {
+            Ok(read) => (read, None),
+            Err(_) => {
+                mender = Mender::default();
+                (Read::default(), Some(fault()))
+            }
+        };
+        let mut compiled = compiled(order.version, order.text, read);
+        if let Some(fault) = fault {
+            compiled.ok = false;
+            compiled.findings.push(fault);
+        }
+        compiled.arrived = order.arrived;
+        compiled.took = start.elapsed();
+        if !events.send(compiled) {
+            return;
+        }
+    }
+}
+
+/// Makes the finding for a text whose compilation panicked.
+fn fault() -> Finding {
+    Finding {
+        severity: Severity::Error,
+        span: Span::default(),
+        line: 1,
+        column: 1,
+        message: "internal error: the program could not be read".to_owned(),
+        hint: Some("please report it, with the program".to_owned()),
+    }
+}
+
+/// Adds lines and columns to diagnostics.
+fn findings(text: &str, diagnostics: &[Diagnostic]) -> Vec<Finding> {
+    if diagnostics.is_empty() {
+        return Vec::new();
+    }
+    let index = LineIndex::new(text);
+    let finding = |diagnostic: &Diagnostic| {
+        let place = index.position(diagnostic.span.start);
+        Finding {
+            severity: diagnostic.severity,
+            span: diagnostic.span,
+            line: place.line,
+            column: place.column,
+            message: diagnostic.message.clone(),
+            hint: diagnostic.hint.clone(),
+        }
+    };
+    diagnostics.iter().map(finding).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::{Receiver, channel};
+
+    use super::Compiler;
+    use crate::channel::EventSender;
+    use crate::engine::mend::Mender;
+    use crate::state::Compiled;
+
+    fn next(events: &Receiver<Compiled>) -> Compiled {
+        events.recv().expect("the thread lives")
+    }
+
+    #[test]
+    fn a_fault_of_the_compiler_is_a_finding_and_the_next_text_is_read() {
+        let (sender, events) = EventSender::new(egui::Context::default());
+        let compiler = Compiler::reading_by(sender, |mender, text| {
+            assert!(!text.contains("fault"), "a fault");
+            mender.read(text)
+        });
+        compiler.compile(1, "point p = (1, 2, 3);".into());
+        assert!(next(&events).ok);
+        compiler.compile(2, "point fault = (1, 2, 3);".into());
+        let fault = next(&events);
+        assert_eq!((fault.version, fault.ok), (2, false));
+        assert!(fault.scene.is_none() && fault.stale.is_empty());
+        let [finding] = &fault.findings[..] else {
+            panic!("{:?}", fault.findings);
+        };
+        let wanted = "internal error: the program could not be read";
+        assert_eq!((finding.line, finding.message.as_str()), (1, wanted));
+        compiler.compile(3, "point q = (1, 2, 3);".into());
+        let good = next(&events);
+        assert!(good.ok && good.findings.is_empty());
+        assert_eq!(good.scene.expect("a scene").objects[0].name, "q");
+    }
+
+    #[test]
+    fn of_texts_that_come_while_one_is_read_the_last_is_the_only_one_that_is() {
+        let (sender, events) = EventSender::new(egui::Context::default());
+        let (begun, begins) = channel();
+        let (go_on, may_go_on) = channel();
+        let compiler = Compiler::reading_by(sender, move |mender: &mut Mender, text| {
+            begun.send(()).expect("the test listens");
+            may_go_on.recv().expect("the test lives");
+            mender.read(text)
+        });
+        compiler.compile(1, "".into());
+        begins.recv().expect("it begins");
+        for version in 2..=200 {
+            compiler.compile(version, "".into());
+        }
+        for version in [1, 200] {
+            go_on.send(()).expect("it waits");
+            assert_eq!(next(&events).version, version);
+        }
+        drop(compiler);
+        assert!(events.recv().is_err(), "no other is read");
+    }
+}

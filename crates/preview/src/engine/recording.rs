@@ -1,0 +1,85 @@
+//! A recording that runs: a thread that draws the pictures of an animation and writes them.
+
+pub(crate) mod film;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::thread::JoinHandle;
+
+use crate::channel::EventSender;
+use crate::state::StatusMessage;
+use film::{Ended, Film};
+
+/// A recording that runs. Dropped, it is called off, and leaves nothing behind.
+#[derive(Debug)]
+pub(crate) struct Recording {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    frames: u32,
+    /// The picture that is being drawn, counted from 1; 0 before the first.
+    now: AtomicU32,
+    cancelled: AtomicBool,
+    ended: AtomicBool,
+}
+
+impl Recording {
+    pub(crate) fn start(events: EventSender<StatusMessage>, film: Film, path: PathBuf) -> Self {
+        let shared = Arc::new(Shared {
+            frames: film.clip.frames,
+            now: AtomicU32::new(0),
+            cancelled: AtomicBool::new(false),
+            ended: AtomicBool::new(false),
+        });
+        let own = Arc::clone(&shared);
+        let work = move || {
+            let result = film.shoot(&path, &|number| {
+                own.now.store(number + 1, Ordering::Relaxed);
+                events.wake();
+                !own.cancelled.load(Ordering::Relaxed)
+            });
+            own.ended.store(true, Ordering::Release);
+            events.send(match result {
+                Ok(text) => StatusMessage::info(text),
+                Err(Ended::Failed(text) | Ended::Unwritten(text)) => StatusMessage::error(text),
+                Err(Ended::Cancelled) => {
+                    StatusMessage::info("The recording was called off: there is no file")
+                }
+            });
+        };
+        Self {
+            shared,
+            thread: Some(std::thread::spawn(work)),
+        }
+    }
+
+    /// Calls the recording off.
+    pub(crate) fn cancel(&self) {
+        self.shared.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// Returns the number of the picture that is being drawn, from 1 (0 before the first), and the number of pictures.
+    pub(crate) fn progress(&self) -> (u32, u32) {
+        (self.shared.now.load(Ordering::Relaxed), self.shared.frames)
+    }
+
+    /// Returns whether nothing more comes of it.
+    pub(crate) fn has_ended(&self) -> bool {
+        let panicked = self.thread.as_ref().is_some_and(JoinHandle::is_finished);
+        self.shared.ended.load(Ordering::Acquire) || panicked
+    }
+}
+
+impl Drop for Recording {
+    fn drop(&mut self) {
+        self.shared.cancelled.store(true, Ordering::Relaxed);
+        // It ends with the picture that it draws now.
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}

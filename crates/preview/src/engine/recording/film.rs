@@ -1,0 +1,262 @@
+//! The pictures of a recording, one after the other, and the files that hold them.
+//!
+//! ```text
+//! Film: order, camera, what moves ──share of the whole──▶ settings, camera ──software path──▶ picture ──▶ Reel
+//!                                                                    Reel: one file, or a file for each picture
+//! ```
+//!
+//! The processor draws, so that neither the window's GPU nor its loss has anything to do with it.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use export::animation::{self, Clip, ParamChange, Recorder, Script};
+use export::whole_file::{FileSeries, write_whole_with};
+use image::RgbaImage;
+use render::Request;
+use render::live::Stage;
+use render::request::View;
+use scene::ObjectId;
+use scene::ParamValues;
+
+use crate::engine::camera_controller::{CameraController, Flight};
+use crate::engine::request::{Look, Order, Standing};
+use crate::io::files;
+use crate::state::InsideCamera;
+use crate::state::motion::Motion;
+use crate::state::path::between;
+
+/// What is recorded.
+#[derive(Debug)]
+pub(crate) struct Film {
+    /// The picture of the view as it is.
+    pub(crate) order: Order,
+    /// The geodesic camera that is looked through, or that the 3D view shows.
+    pub(crate) camera: Option<(ObjectId, InsideCamera)>,
+    /// A param that runs from one value to another.
+    pub(crate) change: Option<ParamChange>,
+    /// What the geodesic camera does.
+    pub(crate) motions: Vec<Motion>,
+    /// Whether its path is drawn.
+    pub(crate) trail: bool,
+    pub(crate) transparent: bool,
+    pub(crate) clip: Clip,
+}
+
+/// How a recording ended without its file.
+#[derive(Debug)]
+pub(crate) enum Ended {
+    /// It was called off.
+    Cancelled,
+    /// A picture could not be drawn, or the file's name makes no sense: a sentence.
+    Failed(String),
+    /// The file could not be written: why.
+    Unwritten(String),
+}
+
+impl From<std::io::Error> for Ended {
+    fn from(error: std::io::Error) -> Self {
+        Self::Unwritten(error.to_string())
+    }
+}
+
+impl From<animation::RecordError> for Ended {
+    fn from(error: animation::RecordError) -> Self {
+        Self::Unwritten(error.to_string())
+    }
+}
+
+/// What a file's name says of the format.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Kind {
+    /// One file with all pictures.
+    Film(animation::AnimationFormat),
+    /// A PNG file for each picture.
+    Series,
+}
+
+impl Kind {
+    /// The kinds and their extensions, in the order of a menu.
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+        (Self::Film(animation::AnimationFormat::Gif), "GIF", "gif"),
+        (Self::Film(animation::AnimationFormat::Apng), "APNG", "apng"),
+        (Self::Series, "PNG sequence", "png"),
+    ];
+
+    /// The kind that a file's extension means.
+    pub(crate) fn of(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_string_lossy().to_lowercase();
+        let mut all = Self::ALL.into_iter();
+        all.find(|(_, _, known)| *known == extension)
+            .map(|(kind, _, _)| kind)
+    }
+}
+
+impl Film {
+    /// Draws all pictures and writes them; `next` is called before each with its number, and says whether to go on.
+    ///
+    /// # Errors
+    /// See [`Ended`]; nothing is left behind then.
+    pub(crate) fn shoot(self, path: &Path, next: &dyn Fn(u32) -> bool) -> Result<String, Ended> {
+        let kind = Kind::of(path).ok_or_else(|| {
+            Ended::Failed(format!(
+                "`{}` does not end in gif, apng or png",
+                path.display()
+            ))
+        })?;
+        let clip = self.clip;
+        let frames = clip.frames;
+        let mut pictures = Pictures::new(self)?;
+        let mut picture = |number: u32| -> Result<RgbaImage, Ended> {
+            if !next(number) {
+                return Err(Ended::Cancelled);
+            }
+            pictures.draw(number)
+        };
+        let cannot = |error: Ended| match error {
+            Ended::Unwritten(reason) => {
+                Ended::Failed(format!("cannot write `{}`: {reason}", path.display()))
+            }
+            other => other,
+        };
+        match kind {
+            Kind::Film(format) => {
+                write_whole_with(path, |out| -> Result<(), Ended> {
+                    let mut recorder = Recorder::new(format, clip, out)?;
+                    for number in 0..frames {
+                        recorder.add(&picture(number)?)?;
+                    }
+                    Ok(recorder.finish()?)
+                })
+                .map_err(cannot)?;
+                let seconds = f64::from(frames) / clip.rate;
+                Ok(format!(
+                    "{frames} pictures in {seconds:.2} s are in `{}`",
+                    path.display()
+                ))
+            }
+            Kind::Series => {
+                let mut series = FileSeries::default();
+                for number in 0..frames {
+                    let bytes = files::png(&picture(number)?).map_err(Ended::Failed)?;
+                    let place = animation::numbered(path, number, frames);
+                    let added = series.add(&place, &bytes);
+                    added.map_err(|error| cannot(error.into()))?;
+                }
+                let finished = series.finish();
+                finished.map_err(|(_, error)| cannot(error.into()))?;
+                let first = animation::numbered(path, 0, frames);
+                Ok(format!(
+                    "{frames} pictures: `{}` and so on",
+                    first.display()
+                ))
+            }
+        }
+    }
+}
+
+/// Draws pictures in their order.
+struct Pictures {
+    film: Film,
+    script: Script,
+    /// Where the 3D view is seen from, for the whole animation.
+    base: Request,
+    pilot: CameraController,
+    stage: Stage,
+    textures: Option<Textures>,
+    done: f64,
+}
+
+/// The settings and the textures of curvature that belong to them.
+type Textures = (
+    Arc<ParamValues>,
+    Vec<(ObjectId, Arc<render::texture::Texture>)>,
+);
+
+impl Pictures {
+    fn new(film: Film) -> Result<Self, Ended> {
+        let script = Script {
+            changes: film.change.iter().cloned().collect(),
+            ..Script::default()
+        };
+        let mut request = film.order.request(film.camera.map(|(_, camera)| camera));
+        request.size = film.clip.size;
+        let base = script
+            .steady(&film.order.scene, &film.order.settings, &request)
+            .map_err(|error| Ended::Failed(error.to_string()))?;
+        Ok(Self {
+            film,
+            script,
+            base,
+            pilot: CameraController::default(),
+            stage: Stage::software(),
+            textures: None,
+            done: 0.0,
+        })
+    }
+
+    fn draw(&mut self, number: u32) -> Result<RgbaImage, Ended> {
+        let failed = |error: String| Ended::Failed(error);
+        let film = &self.film;
+        let scene = &film.order.scene;
+        let share = Script::share(number, film.clip.frames);
+        let at = self
+            .script
+            .frame_at(scene, &film.order.settings, &self.base, share);
+        let (settings, _) = at.map_err(|error| failed(error.to_string()))?;
+        let mut order = film.order.clone();
+        order.settings = Arc::new(settings);
+        if let Some((surface, start)) = film.camera {
+            let motions = between(&film.motions, [self.done, share]);
+            self.done = share;
+            let camera = self.pilot.fly(&Flight {
+                scene,
+                settings: &order.settings,
+                surface,
+                placed: 0,
+                camera: Some(start),
+                way: None,
+                motions: &motions,
+                trail: film.trail.then_some(0),
+            });
+            let camera = camera.map_err(|error| failed(error.to_string()))?;
+            match &mut order.look {
+                Look::Space { standpoint, .. } => {
+                    *standpoint = Some(Standing {
+                        surface,
+                        name: String::new(),
+                        placed: 0,
+                        camera: Some(camera),
+                    });
+                }
+                Look::Inside { camera: own, .. } => *own = Some(camera),
+            }
+        }
+        let inside = match &order.look {
+            Look::Inside { camera, .. } => *camera,
+            Look::Space { .. } => None,
+        };
+        let mut request = order.request(inside);
+        if let View::Space { .. } = request.view {
+            request.view = self.base.view.clone();
+        }
+        request.size = film.clip.size;
+        request.trails = self
+            .pilot
+            .walked()
+            .iter()
+            .map(|way| Arc::clone(&way.trail))
+            .collect();
+        if film.transparent {
+            request.background = Some([0; 4]);
+        }
+        if !matches!(&self.textures, Some((known, _)) if *known == order.settings) {
+            self.textures = Some((Arc::clone(&order.settings), order.curvatures()));
+        }
+        let curved = self.textures.iter().flat_map(|(_, textures)| textures);
+        request.textures.extend(curved.cloned());
+        let shot = self.stage.draw(scene, &order.settings, &request);
+        let image = shot.and_then(|shot| self.stage.read(shot.pixels));
+        image.map_err(|error| failed(error.to_string()))
+    }
+}

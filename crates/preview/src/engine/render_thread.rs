@@ -1,0 +1,274 @@
+//! The thread that draws: requests flow in, the latest of each pane wins; pictures flow out. How one is drawn is in
+//! `worker.rs`.
+
+mod worker;
+
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use geodesic::ends::{Estimate, Work};
+use render::gpu::Canvas;
+use render::live::{Counters, Hit, Stage};
+use scene::Scene;
+
+use crate::channel::EventSender;
+use crate::engine::request::Order;
+use crate::queue::LatestQueue;
+use crate::state::motion::{Motion, push};
+use crate::state::pane::PaneKey;
+use crate::state::{CameraPath, InsideCamera, Model, SpaceCamera};
+use worker::Worker;
+
+/// An event of the render thread.
+#[derive(Debug)]
+pub(crate) enum RenderEvent {
+    /// A picture, or the sentence that says why there is none.
+    Drawn {
+        pane: PaneKey,
+        picture: Result<Box<Drawing>, String>,
+        order: Box<Order>,
+        counters: Counters,
+    },
+    /// What is under a place of the 3D view.
+    Picked {
+        scene: Arc<Scene>,
+        hit: Option<Hit>,
+        purpose: Purpose,
+        /// Where a geodesic camera stands there, if it can.
+        camera: Option<InsideCamera>,
+    },
+    /// Where everything is seen from.
+    Framed(SpaceCamera),
+}
+
+/// A finished picture.
+#[derive(Debug)]
+pub(crate) struct Drawing {
+    pub(crate) pixels: Painted,
+    pub(crate) notes: Vec<String>,
+    pub(crate) overlays: Vec<&'static str>,
+    /// Of a geodesic view: its cost and how exact it is.
+    pub(crate) inside: Option<(Work, Option<Estimate>)>,
+    /// Where the 3D view is seen from.
+    pub(crate) space_camera: Option<SpaceCamera>,
+    /// The surface and the place of the geodesic camera that it is seen with or that it shows, and the count of placings
+    /// that it has heeded.
+    pub(crate) inside_camera: Option<(String, InsideCamera, u64)>,
+    /// The way that the geodesic camera has gone, where it leaves a trail.
+    pub(crate) walked: Option<Arc<CameraPath>>,
+    pub(crate) took: Duration,
+}
+
+impl Drawing {
+    /// Whether the geodesic camera in it is where the model has put it last.
+    pub(crate) fn heeds(&self, model: &Model) -> bool {
+        let camera = self.inside_camera.as_ref();
+        camera.is_some_and(|(name, _, heeded)| *heeded == model.placed(name))
+    }
+}
+
+/// Where a finished picture is.
+#[derive(Debug)]
+pub(crate) enum Painted {
+    /// In memory.
+    Image(image::RgbaImage),
+    /// On the window's own GPU.
+    Canvas(Canvas),
+}
+
+impl Painted {
+    /// How many pixels it has.
+    pub(crate) fn pixels(&self) -> usize {
+        match self {
+            Self::Image(image) => image.width() as usize * image.height() as usize,
+            Self::Canvas(canvas) => canvas.size().iter().map(|side| *side as usize).product(),
+        }
+    }
+}
+
+/// Why someone asks what is under a place.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Purpose {
+    /// The geodesic camera is to go there; the number of the click that says so.
+    Place(u64),
+    /// Its declaration is to be shown.
+    Open,
+}
+
+/// The longest time for which a finished picture waits for another one, so that the window draws itself once for both.
+const TOGETHER: Duration = Duration::from_millis(16);
+
+/// Hands requests to the thread.
+#[derive(Debug)]
+pub(crate) struct RenderThread {
+    queue: LatestQueue<Key, Job>,
+    motions: Motions,
+    /// The number of requests that are no pictures: each has a key of its own.
+    asked: u64,
+}
+
+/// The motions of geodesic cameras that wait for a picture, by surface.
+type Motions = Arc<Mutex<BTreeMap<String, Vec<Motion>>>>;
+
+/// The key of a job: a newer job takes the place of a waiting one with the same key.
+#[derive(Clone, Debug, Eq, Ord, PartialEq, PartialOrd)]
+enum Key {
+    Stage,
+    Question(u64),
+    Pane(PaneKey),
+}
+
+/// The rank of a job: those of a lower rank are done first.
+#[derive(Clone, Copy, Debug)]
+enum Rank {
+    Stage,
+    Pick,
+    Frame,
+    Draw,
+}
+
+/// A job for the thread.
+#[derive(Debug)]
+enum Job {
+    Move(Box<Stage>),
+    Draw(Box<Order>),
+    Pick(Box<Order>, [f64; 2], Purpose),
+    Frame(Box<Order>),
+}
+
+impl RenderThread {
+    /// Starts the thread, which draws on a stage. The pictures of a stage on the window's own GPU stay there.
+    pub(crate) fn start(events: EventSender<RenderEvent>, stage: Stage) -> Self {
+        let queue = LatestQueue::default();
+        let motions = Motions::default();
+        let (own, moves) = (queue.clone(), Arc::clone(&motions));
+        std::thread::spawn(move || work(&own, &moves, &events, stage));
+        Self {
+            queue,
+            motions,
+            asked: 0,
+        }
+    }
+
+    /// Draws on another stage from now on.
+    pub(crate) fn set_stage(&self, stage: Stage) {
+        let job = Job::Move(Box::new(stage));
+        self.queue.push(Rank::Stage as u8, Key::Stage, job);
+    }
+
+    /// Asks for a picture, in the place of one of the same pane that has not been begun.
+    pub(crate) fn draw(&self, pane: PaneKey, order: Order) {
+        let job = Job::Draw(Box::new(order));
+        self.queue.push(Rank::Draw as u8, Key::Pane(pane), job);
+    }
+
+    /// Moves a geodesic camera with its next picture.
+    pub(crate) fn walk(&self, surface: &str, motion: Motion) {
+        let mut motions = lock(&self.motions);
+        push(motions.entry(surface.to_owned()).or_default(), motion);
+    }
+
+    /// Returns whether motions of a camera wait for a picture.
+    pub(crate) fn has_motions(&self, surface: &str) -> bool {
+        let motions = lock(&self.motions);
+        motions.get(surface).is_some_and(|it| !it.is_empty())
+    }
+
+    /// Drops the motions of a geodesic camera, which has been put elsewhere since it was asked to move.
+    pub(crate) fn stay(&self, surface: &str) {
+        lock(&self.motions).remove(surface);
+    }
+
+    /// Drops the request of a pane, and motions that would otherwise be made when it is on the screen again.
+    pub(crate) fn forget(&self, pane: &PaneKey) {
+        self.queue.remove(&Key::Pane(pane.clone()));
+        if let PaneKey::Inside(surface) = pane {
+            self.stay(surface);
+        }
+    }
+
+    /// Asks what is under a pixel of the 3D view that a request describes.
+    pub(crate) fn pick(&mut self, order: Order, at: [f64; 2], purpose: Purpose) {
+        self.ask(Rank::Pick, Job::Pick(Box::new(order), at, purpose));
+    }
+
+    /// Asks for the camera that sees everything that a request shows.
+    pub(crate) fn frame(&mut self, order: Order) {
+        self.ask(Rank::Frame, Job::Frame(Box::new(order)));
+    }
+
+    fn ask(&mut self, rank: Rank, job: Job) {
+        self.asked += 1;
+        self.queue.push(rank as u8, Key::Question(self.asked), job);
+    }
+}
+
+impl Drop for RenderThread {
+    fn drop(&mut self) {
+        self.queue.abandon();
+    }
+}
+
+fn lock(motions: &Motions) -> MutexGuard<'_, BTreeMap<String, Vec<Motion>>> {
+    motions.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn work(
+    queue: &LatestQueue<Key, Job>,
+    motions: &Motions,
+    events: &EventSender<RenderEvent>,
+    stage: Stage,
+) {
+    let mut worker = Worker::new(stage);
+    while let Some((key, job)) = queue.take() {
+        // A panic must not take the window with it: it becomes a sentence.
+        let answer = catch_unwind(AssertUnwindSafe(|| match (&key, &job) {
+            (Key::Pane(pane), Job::Draw(order)) => {
+                let motions = match pane {
+                    PaneKey::Inside(name) => lock(motions).remove(name).unwrap_or_default(),
+                    PaneKey::Space => Vec::new(),
+                };
+                Some(worker.draw(pane, order, &motions))
+            }
+            (_, Job::Pick(order, at, purpose)) => Some(worker.pick(order, *at, *purpose)),
+            (_, Job::Frame(order)) => worker.frame(order),
+            _ => None,
+        }));
+        let event = match (answer, key, job) {
+            (_, _, Job::Move(stage)) => {
+                worker.move_to(*stage);
+                continue;
+            }
+            (Ok(Some(event)), ..) => event,
+            (Ok(None), ..) => continue,
+            (Err(_), Key::Pane(pane), Job::Draw(order)) => {
+                worker.move_to(Stage::software());
+                RenderEvent::Drawn {
+                    pane,
+                    picture: Err("internal error: the picture could not be drawn".to_owned()),
+                    order,
+                    counters: worker.counters(),
+                }
+            }
+            (Err(_), ..) => {
+                worker.move_to(Stage::software());
+                continue;
+            }
+        };
+        // The next picture wakes the window for this one too, if it is expected soon.
+        let follows = match queue.next_key() {
+            Some(Key::Pane(pane)) => worker.took(&pane).is_some_and(|took| took < TOGETHER),
+            _ => false,
+        };
+        let sent = if follows {
+            events.send_quietly(event)
+        } else {
+            events.send(event)
+        };
+        if !sent {
+            return;
+        }
+    }
+}

@@ -1,0 +1,294 @@
+//! What a job needs and what is kept for the next one; a job in, an answer out.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::DVec3;
+use render::bounds::Bounds;
+use render::camera::Camera;
+use render::geodesic_view::Inside;
+use render::live::{Counters, Hit, Pixels, Shot, Stage};
+use render::texture::Texture;
+use render::{RenderError, Request, View};
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
+
+use super::{Drawing, Painted, Purpose, RenderEvent};
+use crate::engine::camera_controller::{CameraController, Flight};
+use crate::engine::request::{Look, Order, Standing};
+use crate::state::motion::Motion;
+use crate::state::pane::PaneKey;
+use crate::state::{InsideCamera, SpaceCamera};
+
+/// What is kept from one picture to the next.
+pub(super) struct Worker {
+    stage: Stage,
+    /// Whether the stage's GPU is the window's.
+    shares_gpu: bool,
+    pilots: BTreeMap<String, CameraController>,
+    /// Where everything of a scene is seen from, at the settings and size where it was asked for.
+    home: Option<Home>,
+    curvatures: Option<Curvatures>,
+    /// How long the last picture of each pane took.
+    took: BTreeMap<PaneKey, Duration>,
+}
+
+/// A scene with its params, the size of its picture, what is hidden, and the place from which all of the rest is seen.
+type Home = (
+    Arc<Scene>,
+    Arc<ParamValues>,
+    [u32; 2],
+    Vec<ObjectId>,
+    SpaceCamera,
+);
+
+/// Textures of curvature, of a scene with its params.
+type Curvatures = (Arc<Scene>, Arc<ParamValues>, Vec<(ObjectId, Arc<Texture>)>);
+
+impl Worker {
+    /// Draws on a stage. If that is on the window's own GPU, pictures stay there.
+    pub(super) fn new(stage: Stage) -> Self {
+        Self {
+            shares_gpu: stage.gpu().is_some(),
+            stage,
+            pilots: BTreeMap::new(),
+            home: None,
+            curvatures: None,
+            took: BTreeMap::new(),
+        }
+    }
+
+    /// Draws on another stage from now on.
+    pub(super) fn move_to(&mut self, stage: Stage) {
+        self.shares_gpu = stage.gpu().is_some();
+        self.stage = stage;
+    }
+
+    /// How long the last picture of a pane took.
+    pub(super) fn took(&self, pane: &PaneKey) -> Option<Duration> {
+        self.took.get(pane).copied()
+    }
+
+    /// What the stage has done so far.
+    pub(super) fn counters(&self) -> Counters {
+        self.stage.counters()
+    }
+
+    /// Draws a pane's picture.
+    pub(super) fn draw(
+        &mut self,
+        pane: &PaneKey,
+        order: &Order,
+        motions: &[Motion],
+    ) -> RenderEvent {
+        let start = Instant::now();
+        let mut picture = self.picture(order, motions, start);
+        if picture.is_err() && self.stage.is_lost() {
+            // The processor is never lost.
+            self.move_to(Stage::software());
+            picture = self.picture(order, &[], start);
+        }
+        self.took.insert(pane.clone(), start.elapsed());
+        RenderEvent::Drawn {
+            pane: pane.clone(),
+            picture: picture.map(Box::new).map_err(|error| error.to_string()),
+            order: Box::new(order.clone()),
+            counters: self.stage.counters(),
+        }
+    }
+
+    /// Finds what is under a pixel.
+    pub(super) fn pick(&mut self, order: &Order, at: [f64; 2], purpose: Purpose) -> RenderEvent {
+        let request = order.request(None);
+        let hit = self.stage.pick(&order.scene, &order.settings, &request, at);
+        let hit = hit.ok().flatten();
+        RenderEvent::Picked {
+            scene: Arc::clone(&order.scene),
+            camera: hit.and_then(|hit| self.placed(order, &hit)),
+            hit,
+            purpose,
+        }
+    }
+
+    /// Finds the camera that sees everything.
+    pub(super) fn frame(&mut self, order: &Order) -> Option<RenderEvent> {
+        Some(RenderEvent::Framed(self.home(order).ok()?))
+    }
+
+    fn picture(
+        &mut self,
+        order: &Order,
+        motions: &[Motion],
+        start: Instant,
+    ) -> Result<Drawing, RenderError> {
+        let mut space_camera = None;
+        let inside_camera;
+        let mut walked = None;
+        let mut request: Request = match &order.look {
+            Look::Space {
+                camera, standpoint, ..
+            } => {
+                let seen_from = match camera {
+                    Some(camera) => *camera,
+                    None => self.home(order)?,
+                };
+                space_camera = Some(seen_from);
+                // Where the scene is another one, so is the camera that stands in it: its own picture may come later.
+                let shown = standpoint.as_ref().and_then(|it| self.standing(order, it));
+                let mut order = order.clone();
+                if let Look::Space {
+                    camera, standpoint, ..
+                } = &mut order.look
+                {
+                    *camera = Some(seen_from);
+                    standpoint.clone_from(&shown);
+                }
+                inside_camera = shown.and_then(|it| Some((it.name, it.camera?, it.placed)));
+                order.request(None)
+            }
+            Look::Inside {
+                surface,
+                name,
+                placed,
+                camera,
+                way,
+                trail,
+            } => {
+                let pilot = self.pilots.entry(name.clone()).or_default();
+                let camera = pilot.fly(&Flight {
+                    scene: &order.scene,
+                    settings: &order.settings,
+                    surface: *surface,
+                    placed: *placed,
+                    camera: *camera,
+                    way: way.as_ref(),
+                    motions,
+                    trail: *trail,
+                })?;
+                inside_camera = Some((name.clone(), camera, *placed));
+                walked = pilot.walked().cloned();
+                let mut request = order.request(Some(camera));
+                let trail = walked.iter().map(|it| Arc::clone(&it.trail));
+                request.trails.extend(trail);
+                request
+            }
+        };
+        request.textures.extend(self.curvatures(order));
+        let shot: Shot = self.stage.draw(&order.scene, &order.settings, &request)?;
+        let pixels = match shot.pixels {
+            Pixels::Texture(canvas) if self.shares_gpu => Painted::Canvas(canvas),
+            pixels => Painted::Image(self.stage.read(pixels)?),
+        };
+        Ok(Drawing {
+            pixels,
+            notes: shot.notes,
+            overlays: shot.overlays,
+            inside: shot.inside,
+            space_camera,
+            inside_camera,
+            walked,
+            took: start.elapsed(),
+        })
+    }
+
+    /// A geodesic camera as it is now.
+    fn standing(&mut self, order: &Order, told: &Standing) -> Option<Standing> {
+        let pilot = self.pilots.entry(told.name.clone()).or_default();
+        let trail = pilot.trail();
+        let ways = match &order.look {
+            Look::Space { ways, .. } => ways.as_slice(),
+            Look::Inside { .. } => &[],
+        };
+        let mut ways = ways.iter().filter(|(id, _)| *id == told.surface);
+        let camera = pilot.fly(&Flight {
+            scene: &order.scene,
+            settings: &order.settings,
+            surface: told.surface,
+            placed: told.placed,
+            camera: told.camera,
+            way: ways.next().map(|(_, way)| way),
+            motions: &[],
+            // It is left where it is seen from inside.
+            trail,
+        });
+        Some(Standing {
+            camera: Some(camera.ok()?),
+            ..told.clone()
+        })
+    }
+
+    /// Where everything is seen from.
+    fn home(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
+        let request = order.request(None);
+        if let Some((scene, settings, size, hidden, camera)) = &self.home
+            && Arc::ptr_eq(scene, &order.scene)
+            && *settings == order.settings
+            && *size == order.size
+            && *hidden == request.hidden
+        {
+            return Ok(*camera);
+        }
+        let bounds = Bounds::shown(&order.scene, &order.settings, &request);
+        let camera = Camera::new(&bounds, None, None, order.size)?;
+        let (centre, radius) = (
+            DVec3::from(bounds.placement.centre),
+            bounds.placement.radius,
+        );
+        let world = |place: DVec3| (centre + radius * place).to_array();
+        let ahead = camera.eye.dot(camera.axes[2]);
+        let camera = SpaceCamera {
+            eye: world(camera.eye),
+            target: world(camera.eye - camera.axes[2] * ahead),
+            radius,
+            moved: false,
+        };
+        self.home = Some((
+            Arc::clone(&order.scene),
+            Arc::clone(&order.settings),
+            order.size,
+            request.hidden,
+            camera,
+        ));
+        Ok(camera)
+    }
+
+    /// The textures of curvature, made anew only where the scene or its params are others.
+    fn curvatures(&mut self, order: &Order) -> Vec<(ObjectId, Arc<Texture>)> {
+        if order.curved.is_empty() {
+            return Vec::new();
+        }
+        if let Some((scene, settings, textures)) = &self.curvatures
+            && Arc::ptr_eq(scene, &order.scene)
+            && *settings == order.settings
+            && order
+                .curved
+                .iter()
+                .all(|id| textures.iter().any(|(it, _)| it == id))
+        {
+            let wanted = textures.iter().filter(|(id, _)| order.curved.contains(id));
+            return wanted.cloned().collect();
+        }
+        let textures = order.curvatures();
+        let (scene, settings) = (Arc::clone(&order.scene), Arc::clone(&order.settings));
+        self.curvatures = Some((scene, settings, textures.clone()));
+        textures
+    }
+
+    /// A geodesic camera where something was hit, as long as the one that is on that surface.
+    fn placed(&self, order: &Order, hit: &Hit) -> Option<InsideCamera> {
+        let object = order.scene.objects.get(hit.object.0 as usize)?;
+        object.shape.manifold()?;
+        let camera = self
+            .pilots
+            .get(&object.name)
+            .and_then(CameraController::camera);
+        let mut request = Request::geodesic(hit.object, order.size);
+        if let View::Geodesic { at, zoom, .. } = &mut request.view {
+            *at = Some(hit.parameters);
+            *zoom = camera.map(|camera| camera.zoom);
+        }
+        let inside = Inside::new(&order.scene, &order.settings, &request).ok()?;
+        Some(InsideCamera::of(&inside.frame, inside.zoom, true))
+    }
+}

@@ -1,0 +1,8 @@
+//! What connects the window with the world: the server's messages, files, the desktop's dialogs.
+
+pub(crate) mod file_dialogs;
+pub(crate) mod files;
+pub(crate) mod link;
+pub(crate) mod persistence;
+pub(crate) mod report;
+pub(crate) mod watch;

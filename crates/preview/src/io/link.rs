@@ -1,0 +1,188 @@
+//! The editor's side: the server's commands flow in over standard input, events flow out over standard output.
+//!
+//! Reading and writing have a thread each, so that the window waits for neither. What is not told for a reader that
+//! does not read is bounded: of values and of texts that were shown only the latest is kept.
+
+use std::io::{BufReader, Read, Write};
+use std::sync::Arc;
+
+use protocol::line::{self, ReadError};
+use protocol::{Command, Event, Hello, handshake};
+
+use crate::channel::EventSender;
+use crate::queue::LatestQueue;
+
+/// An event of the conversation.
+#[derive(Debug)]
+pub(crate) enum LinkEvent {
+    /// The server has sent a command.
+    Command(Command),
+    /// A view is to be shown of the text of a version.
+    Show {
+        /// The view; the 3D view where none is named.
+        view: Option<protocol::View>,
+        /// The version of the last text that came before, if one did.
+        version: Option<i32>,
+    },
+    /// Nothing more comes from the server.
+    Disconnected(DisconnectReason),
+}
+
+/// How the conversation with a server has ended.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub(crate) enum DisconnectReason {
+    /// It is gone; in the system's words, unless its commands just end.
+    Gone(Option<String>),
+    /// It does not speak the window's version of the messages; a sentence.
+    Refused(String),
+}
+
+/// The conversation with a server.
+#[derive(Debug)]
+pub(crate) struct Link {
+    outbox: Outbox,
+}
+
+/// The events for a server that does not read them yet.
+#[derive(Clone, Debug, Default)]
+struct Outbox {
+    queue: LatestQueue<Kind, Event>,
+    sent: Arc<std::sync::atomic::AtomicU64>,
+}
+
+/// The kind of an event: of some kinds only the latest is kept.
+#[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
+enum Kind {
+    Values,
+    Shown,
+    Each(u64),
+}
+
+/// Says hello. A server that does not listen any more is noticed by who reads.
+pub(crate) fn greet(output: &mut impl Write) {
+    let _ = line::write(output, &Event::Hello(Hello::own()));
+}
+
+impl Link {
+    /// Starts the conversation, behind [`greet`]: listens, and says what it is given. Texts go to `compile` without
+    /// waiting for the window.
+    pub(crate) fn start(
+        events: EventSender<LinkEvent>,
+        compile: impl Fn(i32, Arc<str>) + Send + 'static,
+        input: impl Read + Send + 'static,
+        output: impl Write + Send + 'static,
+    ) -> Self {
+        let outbox = Outbox::default();
+        let own = outbox.clone();
+        std::thread::spawn(move || write(&own.queue, output));
+        let own = outbox.clone();
+        std::thread::spawn(move || read(&events, compile, input, &own));
+        Self { outbox }
+    }
+
+    /// Sends an event to the server, without waiting.
+    pub(crate) fn say(&self, event: Event) {
+        self.outbox.say(event);
+    }
+}
+
+impl Drop for Link {
+    fn drop(&mut self) {
+        self.outbox.queue.close();
+    }
+}
+
+impl Outbox {
+    fn say(&self, event: Event) {
+        let kind = match &event {
+            Event::Values { .. } => Kind::Values,
+            Event::Shown { .. } => Kind::Shown,
+            _ => Kind::Each(self.sent.fetch_add(1, std::sync::atomic::Ordering::Relaxed)),
+        };
+        // The later event is about later texts and pictures: it goes behind what was said meanwhile.
+        self.queue.remove(&kind);
+        self.queue.push(0, kind, event);
+    }
+}
+
+fn write(queue: &LatestQueue<Kind, Event>, mut output: impl Write) {
+    while let Some((_, event)) = queue.take() {
+        // A reader that has ended is noticed by the thread that reads too.
+        if line::write(&mut output, &event).is_err() {
+            return;
+        }
+    }
+}
+
+fn read(
+    events: &EventSender<LinkEvent>,
+    compile: impl Fn(i32, Arc<str>),
+    input: impl Read,
+    outbox: &Outbox,
+) {
+    let mut reader = line::Reader::<_, Command>::new(BufReader::new(input));
+    let mut greeted = false;
+    let mut document = None;
+    let mut last = None;
+    loop {
+        let command = match reader.read() {
+            Ok(Some(command)) => command,
+            Ok(None) => {
+                events.send(LinkEvent::Disconnected(DisconnectReason::Gone(None)));
+                return;
+            }
+            Err(ReadError::Stream(error)) => {
+                events.send(LinkEvent::Disconnected(DisconnectReason::Gone(Some(
+                    error.to_string(),
+                ))));
+                return;
+            }
+            // What is no message is passed by.
+            Err(_) => continue,
+        };
+        if !greeted {
+            if let Err(error) = handshake::check(&command) {
+                let text = error.to_string();
+                let error = true;
+                outbox.say(Event::Message {
+                    error,
+                    text: text.clone(),
+                });
+                events.send(LinkEvent::Disconnected(DisconnectReason::Refused(text)));
+                return;
+            }
+            greeted = true;
+            continue;
+        }
+        if let Command::Text {
+            uri,
+            path,
+            version,
+            text,
+        } = &command
+        {
+            // Compiled without waiting for the window, which is told only of a document that is another one.
+            let (version, text) = (*version, text.clone());
+            let same = document.as_ref() == Some(&(uri.clone(), path.clone()));
+            if !same {
+                document = Some((uri.clone(), path.clone()));
+                if !events.send(LinkEvent::Command(command)) {
+                    return;
+                }
+            }
+            compile(version, text);
+            last = Some(version);
+            continue;
+        }
+        let event = match command {
+            Command::Show { view } => LinkEvent::Show {
+                view,
+                version: last,
+            },
+            command => LinkEvent::Command(command),
+        };
+        if !events.send(event) {
+            return;
+        }
+    }
+}

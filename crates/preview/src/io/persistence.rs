@@ -1,0 +1,261 @@
+//! What the window remembers between runs: a small JSON file beside the program's.
+//!
+//! `dir/name.gtr` has `dir/.name.gtr.geotrace.json`. The file holds a [`View`], the places of the panes, and a format number. What it does not
+//! have is at its default, what is not known is passed by, and what makes no sense is left out; a file that cannot be
+//! read is kept under another name before it is written over.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use export::whole_file::write_whole;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use crate::channel::EventSender;
+use crate::state::layout::Layout;
+use crate::state::{StatusMessage, View};
+
+/// The number of the format that is written.
+const FORMAT: u32 = 1;
+
+#[derive(Debug, Deserialize, Serialize)]
+struct Remembered {
+    format: u32,
+    #[serde(flatten)]
+    known: Known,
+}
+
+/// What is remembered of a program.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+pub(crate) struct Known {
+    /// What the user has chosen to see.
+    pub(crate) view: View,
+    /// Where the panes are, for a window alone and for one beside an editor.
+    #[serde(default)]
+    pub(crate) layouts: BTreeMap<String, Value>,
+}
+
+/// Where a program's view is remembered.
+pub(crate) fn place(program: &Path) -> Option<PathBuf> {
+    let name = program.file_name()?.to_str()?;
+    Some(program.with_file_name(format!(".{name}.geotrace.json")))
+}
+
+/// What was remembered, or the default, with a sentence where that was not to be read.
+pub(crate) fn load(program: &Path) -> (Known, Option<String>) {
+    let Some(place) = place(program) else {
+        return (Known::default(), None);
+    };
+    let bytes = match std::fs::read(&place) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            return (Known::default(), None);
+        }
+        Err(error) => {
+            let sentence = format!(
+                "the view that was remembered cannot be read (`{}`: {error})",
+                place.display()
+            );
+            return (Known::default(), Some(sentence));
+        }
+    };
+    match serde_json::from_slice::<Remembered>(&bytes) {
+        Ok(Remembered { format, known }) if format <= FORMAT => {
+            let view = known.view.sane();
+            (Known { view, ..known }, None)
+        }
+        Ok(_) => (
+            Known::default(),
+            Some(set_aside(&place, "it is of a later version")),
+        ),
+        Err(error) => (
+            Known::default(),
+            Some(set_aside(&place, &error.to_string())),
+        ),
+    }
+}
+
+/// Renames a file that cannot be read, so that it is not lost when the window writes its own.
+fn set_aside(place: &Path, reason: &str) -> String {
+    let aside = place.with_extension("json.unreadable");
+    let kept = match std::fs::rename(place, &aside) {
+        Ok(()) => format!("it is kept as `{}`", aside.display()),
+        Err(_) => format!("see `{}`", place.display()),
+    };
+    format!("the view that was remembered cannot be used ({reason}); {kept}")
+}
+
+/// Writes what is to be remembered, whole or not at all.
+///
+/// # Errors
+/// A sentence; what was remembered before still is.
+pub(crate) fn save(program: &Path, known: &Known) -> Result<(), String> {
+    let Some(place) = place(program) else {
+        return Ok(());
+    };
+    let remembered = Remembered {
+        format: FORMAT,
+        known: known.clone(),
+    };
+    let text = serde_json::to_vec_pretty(&remembered).map_err(|error| error.to_string())?;
+    write_whole(&place, &text).map_err(|error| {
+        format!(
+            "the view cannot be remembered (`{}`: {error})",
+            place.display()
+        )
+    })
+}
+
+/// For how long a view must stay the same before it is written.
+const QUIET: Duration = Duration::from_millis(400);
+/// For how long an animation may keep it from being written.
+const LONGEST: Duration = Duration::from_secs(5);
+
+/// Writes the view when it has changed, on a thread of its own; and once more, if need be, when it is dropped.
+#[derive(Debug)]
+pub(crate) struct ViewStore {
+    last: Known,
+    sender: Option<Sender<Known>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl ViewStore {
+    /// Starts to keep the view of a program; `known` is what is remembered already.
+    pub(crate) fn start(
+        program: PathBuf,
+        known: Known,
+        events: EventSender<StatusMessage>,
+    ) -> Self {
+        let (sender, views) = channel::<Known>();
+        let mut written = Known {
+            view: kept(&known.view),
+            ..known
+        };
+        let last = written.clone();
+        let thread = std::thread::spawn(move || {
+            while let Ok(mut view) = views.recv() {
+                let begun = Instant::now();
+                let closed = loop {
+                    match views.recv_timeout(QUIET) {
+                        Ok(next) => view = next,
+                        Err(RecvTimeoutError::Timeout) => break false,
+                        Err(RecvTimeoutError::Disconnected) => break true,
+                    }
+                    if begun.elapsed() > LONGEST {
+                        break false;
+                    }
+                };
+                if view != written {
+                    match save(&program, &view) {
+                        Ok(()) => written = view,
+                        Err(text) => {
+                            events.send(StatusMessage::error(text));
+                        }
+                    }
+                }
+                if closed {
+                    return;
+                }
+            }
+        });
+        Self {
+            last,
+            sender: Some(sender),
+            thread: Some(thread),
+        }
+    }
+
+    /// Takes a view to be remembered, and the panes' places in a kind of window if they were arranged, without waiting.
+    pub(crate) fn keep(&mut self, view: &View, window: &str, layout: Option<&Layout>) {
+        let mut next = Known {
+            view: kept(view),
+            layouts: self.last.layouts.clone(),
+        };
+        if let Some(Ok(layout)) = layout.map(serde_json::to_value) {
+            next.layouts.insert(window.to_owned(), layout);
+        }
+        if next == self.last {
+            return;
+        }
+        self.last = next.clone();
+        if let Some(sender) = &self.sender {
+            let _ = sender.send(next);
+        }
+    }
+}
+
+impl Drop for ViewStore {
+    fn drop(&mut self) {
+        self.sender = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// What of a view the user has chosen: a camera that nobody has moved is found again.
+fn kept(view: &View) -> View {
+    let mut view = view.clone();
+    view.space = view.space.filter(|camera| camera.moved);
+    view.inside.retain(|_, camera| camera.moved);
+    view
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Known, load, place, save};
+    use crate::state::{Choice, Look, View};
+
+    fn known() -> Known {
+        let mut view = View::default();
+        view.params.insert("a".into(), vec![Some(0.5), None]);
+        let look = Look {
+            colour: Some([1, 2, 3]),
+            texture: Choice::Image("map.png".into()),
+            hidden: true,
+        };
+        view.looks.insert("s".into(), look);
+        let layouts = [("alone".to_owned(), serde_json::json!({"pane": "space"}))];
+        Known {
+            view,
+            layouts: layouts.into(),
+        }
+    }
+
+    #[test]
+    fn a_view_comes_back_as_it_was() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let program = folder.path().join("a.gtr");
+        assert_eq!(load(&program), (Known::default(), None));
+        save(&program, &known()).expect("written");
+        assert_eq!(load(&program), (known(), None));
+        let files = std::fs::read_dir(folder.path()).expect("a folder").count();
+        assert_eq!(files, 1, "nothing but the file is left behind");
+    }
+
+    #[test]
+    fn a_broken_file_is_kept_and_told() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let program = folder.path().join("a.gtr");
+        let beside = place(&program).expect("a name");
+        std::fs::write(&beside, "{ not json").expect("written");
+        let (loaded, sentence) = load(&program);
+        assert_eq!(loaded, Known::default());
+        assert!(sentence.expect("told").contains("it is kept as"));
+        save(&program, &known()).expect("written");
+        let kept = beside.with_extension("json.unreadable");
+        assert_eq!(std::fs::read_to_string(kept).expect("kept"), "{ not json");
+    }
+
+    #[test]
+    fn a_file_of_a_later_version_is_kept_and_told() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let program = folder.path().join("a.gtr");
+        let beside = place(&program).expect("a name");
+        std::fs::write(&beside, r#"{"format": 99, "view": {}}"#).expect("written");
+        assert!(load(&program).1.expect("told").contains("later version"));
+    }
+}

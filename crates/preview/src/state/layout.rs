@@ -1,0 +1,105 @@
+//! The panes' places as data: what is remembered between runs.
+
+use serde::{Deserialize, Serialize};
+
+use super::pane::Pane;
+
+/// An arrangement of the views.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Arrangement {
+    /// As when a program is opened.
+    First,
+    /// All in a row.
+    Row,
+    /// All in a column.
+    Column,
+    /// One behind the other.
+    Tabs,
+}
+
+impl Arrangement {
+    /// All of them, with their titles.
+    pub(crate) const ALL: [(&'static str, Self); 4] = [
+        ("As at first", Self::First),
+        ("Views side by side", Self::Row),
+        ("Views one above the other", Self::Column),
+        ("Views as tabs", Self::Tabs),
+    ];
+}
+
+/// Panes and how they are arranged.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) enum Layout {
+    /// A pane.
+    Pane(Pane),
+    /// One behind the other.
+    Tabs {
+        /// From left to right.
+        children: Vec<Self>,
+        /// Which one is in front, counted from 0.
+        active: usize,
+    },
+    /// Side by side.
+    Row(Vec<Share>),
+    /// One above the other.
+    Column(Vec<Share>),
+}
+
+/// A part of a row or a column.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(crate) struct Share {
+    /// How much room it has, compared with its neighbours.
+    pub(crate) share: f32,
+    pub(crate) content: Layout,
+}
+
+impl Layout {
+    /// What is written, one above the other and `side` wide, and beside it the views, which have the room 1 together.
+    pub(crate) fn set_out(
+        written: &[Pane],
+        views: &[Pane],
+        arrangement: Arrangement,
+        side: f32,
+    ) -> Self {
+        let even = |layouts: Vec<Self>| -> Vec<Share> {
+            let share = |content| Share {
+                share: 1.0,
+                content,
+            };
+            layouts.into_iter().map(share).collect()
+        };
+        let alone = |pane: &Pane| Self::Pane(pane.clone());
+        let tabs = |panes: &[Pane]| Self::Tabs {
+            children: panes.iter().map(alone).collect(),
+            active: 0,
+        };
+        let each: Vec<Self> = views.iter().map(alone).collect();
+        let shown = match arrangement {
+            Arrangement::Row => Self::Row(even(each)),
+            Arrangement::Column => Self::Column(even(each)),
+            Arrangement::Tabs => tabs(views),
+            Arrangement::First => {
+                let (space, inside): (Vec<Pane>, Vec<Pane>) =
+                    views.iter().cloned().partition(|pane| *pane == Pane::Space);
+                Self::Row(even(vec![tabs(&space), tabs(&inside)]))
+            }
+        };
+        let width = match arrangement {
+            Arrangement::Row => views.len() as f32,
+            Arrangement::First => 2.0,
+            Arrangement::Column | Arrangement::Tabs => 1.0,
+        };
+        Self::Row(vec![
+            Share {
+                share: side,
+                content: Self::Column(even(written.iter().map(alone).collect())),
+            },
+            Share {
+                share: width,
+                content: shown,
+            },
+        ])
+    }
+}

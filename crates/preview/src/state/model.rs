@@ -1,0 +1,380 @@
+//! The window's state: the program that is shown, what the user has chosen, and what can be undone.
+
+mod placement;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use scene::ParamValues;
+use scene::{Object, ObjectId, Scene, Shape};
+use syntax::span::Span;
+
+use super::difference::Difference;
+use super::history::{History, Step, Travelled};
+use super::path::CameraPath;
+use super::program::{Compiled, Declared, Finding};
+use super::view::{Animation, Opening, View};
+use placement::Placement;
+
+/// The window's state.
+#[derive(Debug, Default)]
+pub struct Model {
+    /// What the user has chosen to see.
+    pub view: View,
+    /// What can be undone.
+    pub history: History,
+    /// What is shown.
+    pub scene: Option<Arc<Scene>>,
+    /// The text that was compiled last.
+    pub text: Arc<str>,
+    /// Its version.
+    pub version: i32,
+    /// Whether it compiled.
+    pub ok: bool,
+    /// Whether any text has been compiled.
+    pub read: bool,
+    /// What compiling it took.
+    pub took: std::time::Duration,
+    /// What is wrong or surprising in it.
+    pub findings: Vec<Finding>,
+    /// The objects that are shown as they last were, and those that read something that is.
+    pub stale: BTreeSet<String>,
+    /// Something of the text is not shown at all.
+    pub lacks: bool,
+    /// What the text declares, in its order.
+    pub declared: Vec<Declared>,
+    /// The object whose declaration the cursor stands on.
+    pub highlighted: Option<String>,
+    /// Counts for each surface the times that its geodesic camera was put somewhere by other means than walking.
+    placed: BTreeMap<String, u64>,
+    /// The ways that geodesic cameras have gone, by their surfaces' names, where they leave trails.
+    pub walked: BTreeMap<String, Arc<CameraPath>>,
+    /// Counts the times that trails were begun anew.
+    pub trails_begun: u64,
+    settings: Option<Arc<ParamValues>>,
+    /// The click whose step is not told yet.
+    placing: Option<Placement>,
+}
+
+impl Model {
+    /// Takes over what was remembered of another program: no step leads back to the one before.
+    pub(crate) fn turn_to(&mut self, view: View) {
+        self.history = History::default();
+        self.placing = None;
+        let cameras = self.view.inside.keys().chain(view.inside.keys());
+        for surface in cameras.cloned().collect::<BTreeSet<_>>() {
+            self.count_placement(&surface, None);
+        }
+        self.view = view;
+        self.settings = None;
+    }
+
+    /// Takes over what a text compiled to. What it does not say stays as it is.
+    pub(crate) fn take(&mut self, compiled: Compiled) {
+        self.text = compiled.text;
+        self.version = compiled.version;
+        self.ok = compiled.ok;
+        self.read = true;
+        self.took = compiled.took;
+        self.findings = compiled.findings;
+        self.declared = compiled.declared;
+        self.lacks = compiled.lacks || compiled.scene.is_none();
+        if let Some(scene) = compiled.scene {
+            self.heed_openings(&scene);
+            // A camera that nobody has moved is one of its scene.
+            self.history.settle_anew();
+            self.scene = Some(scene);
+            self.stale = compiled.stale.into_iter().collect();
+            self.settings = None;
+        } else {
+            // All that is shown is of another text.
+            let objects = self.scene.iter().flat_map(|scene| &scene.objects);
+            self.stale = objects.map(|object| object.name.clone()).collect();
+        }
+    }
+
+    /// Where the text gives a param another value than before, that is the one it has now: what was said last holds.
+    fn heed_openings(&mut self, scene: &Scene) {
+        for param in &scene.params {
+            let now = Opening::all(param);
+            let Some(before) = self.view.openings.remove(&param.name) else {
+                continue;
+            };
+            let both = before.iter().zip(&now).enumerate();
+            for (k, _) in both.filter(|(_, (before, now))| before.differs(now)) {
+                self.view.choose(&param.name, k, None);
+                self.history.drop_value(&param.name, k);
+            }
+        }
+        self.note_openings(scene);
+    }
+
+    /// Remembers what the text says of each param that has a value.
+    fn note_openings(&mut self, scene: &Scene) {
+        let View {
+            params, openings, ..
+        } = &mut self.view;
+        openings.retain(|name, _| params.contains_key(name));
+        for name in params.keys() {
+            if openings.contains_key(name) {
+                continue;
+            }
+            let param = scene.params.iter().find(|param| param.name == *name);
+            openings.extend(param.map(|param| (name.clone(), Opening::all(param))));
+        }
+    }
+
+    /// Whether the text has errors, so that not all is shown as it is there.
+    pub fn is_stale(&self) -> bool {
+        !self.ok && self.read
+    }
+
+    /// Whether the 3D view shows something as it is no more in the text, or does not show something of it.
+    pub fn is_stale_in_space(&self) -> bool {
+        let objects = self.scene.iter().flat_map(|scene| &scene.objects);
+        let mut stale = objects.filter(|it| self.stale.contains(&it.name));
+        let is_shown = |it: &Object| self.has_place(it) && !self.view.look(&it.name).hidden;
+        self.is_stale() && (self.lacks || stale.any(is_shown))
+    }
+
+    /// Whether the geodesic view of a surface shows that, or a geodesic on it, as it is no more in the text.
+    pub fn is_stale_inside(&self, surface: &str) -> bool {
+        if !self.is_stale() {
+            return false;
+        }
+        let id = self.object(surface).map(|(id, _)| id);
+        let objects = self.scene.iter().flat_map(|scene| &scene.objects);
+        let mut on_it = objects.filter(|object| match &object.shape {
+            Shape::Geodesic { surface, .. } => Some(*surface) == id,
+            _ => false,
+        });
+        id.is_none()
+            || self.stale.contains(surface)
+            || on_it.any(|it| self.stale.contains(&it.name))
+    }
+
+    /// Whether an object has a place in space: a metric has none, and what lies on it neither.
+    fn has_place(&self, object: &Object) -> bool {
+        let objects = self.scene.as_ref().map_or(&[][..], |scene| &scene.objects);
+        match &object.shape {
+            Shape::Metric { .. } => false,
+            Shape::Geodesic { surface, .. } => objects
+                .get(surface.0 as usize)
+                .is_none_or(|it| !matches!(it.shape, Shape::Metric { .. })),
+            _ => true,
+        }
+    }
+
+    /// Does a step that can be undone.
+    pub fn change(&mut self, step: Step, edit: impl FnOnce(&mut View)) {
+        self.keep_placement();
+        let before = self.view.clone();
+        self.adjust(edit);
+        let replaced = Difference::of(&before, &self.view);
+        if !replaced.is_empty() {
+            self.history.record(step, replaced);
+        }
+    }
+
+    /// A geodesic camera is about to walk: where it is then comes back by [`Model::adjust`].
+    pub fn begin_walk(&mut self, step: Step, surface: &str) {
+        self.keep_placement();
+        let camera = self.view.inside.get(surface).copied();
+        let replaced = Difference::camera(surface, camera);
+        self.history.record(step, replaced);
+    }
+
+    /// Changes the view without a step: an animation, or what a worker has found out.
+    pub fn adjust(&mut self, edit: impl FnOnce(&mut View)) {
+        edit(&mut self.view);
+        self.settings = None;
+        if let Some(scene) = self.scene.clone() {
+            self.note_openings(&scene);
+        }
+    }
+
+    /// Puts the 3D camera anew where everything is seen, unless the user has moved it.
+    pub(crate) fn reframe(&mut self) {
+        if self.view.space.is_some_and(|camera| !camera.moved) {
+            self.adjust(|view| view.space = None);
+        }
+        self.history.reframe();
+    }
+
+    /// Takes the last step back; its name, and the surfaces whose geodesic cameras are elsewhere now. Where `moves` holds,
+    /// motions of a surface's camera are still to be made.
+    pub fn undo(&mut self, moves: &dyn Fn(&str) -> bool) -> Option<(&'static str, Vec<String>)> {
+        self.keep_placement();
+        let travelled = self.history.undo(&mut self.view, moves)?;
+        Some(self.arrive(travelled))
+    }
+
+    /// Does the last step again that was taken back; as [`Model::undo`].
+    pub fn redo(&mut self, moves: &dyn Fn(&str) -> bool) -> Option<(&'static str, Vec<String>)> {
+        self.keep_placement();
+        let travelled = self.history.redo(&mut self.view, moves)?;
+        Some(self.arrive(travelled))
+    }
+
+    fn arrive(&mut self, travelled: Travelled) -> (&'static str, Vec<String>) {
+        for surface in &travelled.cameras {
+            self.count_placement(surface, None);
+        }
+        self.adjust(|_| {});
+        (travelled.title, travelled.cameras)
+    }
+
+    /// The params' values for the scene: those that were chosen, kept within their intervals.
+    pub fn settings(&mut self) -> Option<Arc<ParamValues>> {
+        let scene = self.scene.as_ref()?;
+        let view = &self.view;
+        let settings = self.settings.get_or_insert_with(|| {
+            let mut settings = ParamValues::initial(scene);
+            for param in &scene.params {
+                let Some(values) = view.params.get(&param.name) else {
+                    continue;
+                };
+                let mut all = settings.param(param).to_vec();
+                for ((value, chosen), range) in all.iter_mut().zip(values).zip(&param.ranges) {
+                    if let Some(chosen) = chosen.filter(|it| it.is_finite()) {
+                        *value = chosen.clamp(range.min, range.max);
+                    }
+                }
+                // Within their intervals, they are not refused.
+                let _ = settings.set(scene, &param.name, &all);
+            }
+            Arc::new(settings)
+        });
+        Some(Arc::clone(settings))
+    }
+
+    /// The objects of the scene that are hidden in space.
+    pub fn hidden(&self) -> Vec<ObjectId> {
+        let objects = self.scene.iter().flat_map(|scene| &scene.objects);
+        let numbered = (0..).map(ObjectId).zip(objects);
+        let hidden = numbered.filter(|(_, object)| self.view.look(&object.name).hidden);
+        hidden.map(|(id, _)| id).collect()
+    }
+
+    /// The object of a name.
+    pub fn object(&self, name: &str) -> Option<(ObjectId, &Object)> {
+        self.scene.as_ref()?.object(name)
+    }
+
+    /// Whether there are metrics, geodesics on them, and nothing else: no object has a place in space.
+    pub fn has_only_metrics(&self) -> bool {
+        let objects = self.scene.as_ref().map_or(&[][..], |scene| &scene.objects);
+        !objects.is_empty() && !objects.iter().any(|object| self.has_place(object))
+    }
+
+    /// The names of the surfaces and metrics, in the order of the text.
+    pub fn surfaces(&self) -> Vec<String> {
+        let objects = self.scene.iter().flat_map(|scene| &scene.objects);
+        objects
+            .filter(|object| object.shape.manifold().is_some())
+            .map(|object| object.name.clone())
+            .collect()
+    }
+
+    /// The object that is declared around a place of the text.
+    pub fn declared_at(&self, offset: u32) -> Option<&str> {
+        let next = self.declared.partition_point(|it| it.span.start <= offset);
+        let declared = self.declared.get(next.checked_sub(1)?)?;
+        let name = self
+            .name(declared)
+            .filter(|_| offset <= declared.span.end)?;
+        Some(&self.object(name)?.1.name)
+    }
+
+    /// Where the text declares a name.
+    pub fn place_of(&self, name: &str) -> Option<Span> {
+        let mut declared = self.declared.iter();
+        let found = declared.find(|it| self.name(it) == Some(name))?;
+        Some(found.name_span)
+    }
+
+    fn name(&self, declared: &Declared) -> Option<&str> {
+        let Span { start, end } = declared.name_span;
+        self.text.get(start as usize..end as usize)
+    }
+
+    /// What the status line says of the text.
+    pub fn status(&self) -> String {
+        let errors = self.errors().count();
+        match self.errors().next() {
+            None if !self.read => "Status: reading".to_owned(),
+            None => "Status: OK".to_owned(),
+            Some(first) => {
+                let more = match errors - 1 {
+                    0 => String::new(),
+                    1 => " (and 1 more)".to_owned(),
+                    n => format!(" (and {n} more)"),
+                };
+                format!(
+                    "Status: line {}, column {}: {}{more}",
+                    first.line, first.column, first.message
+                )
+            }
+        }
+    }
+
+    /// The errors among the findings.
+    pub fn errors(&self) -> impl Iterator<Item = &Finding> {
+        let is_error = |it: &&Finding| it.severity == syntax::diagnostic::Severity::Error;
+        self.findings.iter().filter(is_error)
+    }
+
+    /// Moves what is animated by some seconds, each up to its greatest value and then from its least; whether
+    /// anything has moved.
+    pub fn animate(&mut self, seconds: f64) -> bool {
+        let Some(scene) = self.scene.clone() else {
+            return false;
+        };
+        let Some(settings) = self.settings() else {
+            return false;
+        };
+        let mut moved = false;
+        for param in &scene.params {
+            let Some(animation) = self.view.animations.get(&param.name) else {
+                continue;
+            };
+            let Animation { on, speed } = animation.clone();
+            let values = settings.param(param).iter().zip(&param.ranges);
+            let numbered = values.enumerate().zip(on);
+            for ((k, (value, range)), _) in numbered.filter(|(_, on)| *on) {
+                let next = advanced(*value, seconds * speed, range.min, range.max);
+                self.adjust(|view| view.choose(&param.name, k, Some(next)));
+                moved = true;
+            }
+        }
+        moved
+    }
+
+    /// Whether anything is animated.
+    pub fn is_animated(&self) -> bool {
+        let params = self.scene.iter().flat_map(|scene| &scene.params);
+        params
+            .filter_map(|param| {
+                let animation = self.view.animations.get(&param.name)?;
+                Some(animation.on.iter().take(param.ranges.len()).any(|on| *on))
+            })
+            .any(|on| on)
+    }
+}
+
+/// A value that has grown by a step and begins anew at the least when it passes the greatest.
+fn advanced(value: f64, step: f64, min: f64, max: f64) -> f64 {
+    let next = value + step;
+    if (min..=max).contains(&next) {
+        return next;
+    }
+    let width = max - min;
+    if width.is_finite() && width > 0.0 {
+        (min + (next - min).rem_euclid(width)).clamp(min, max)
+    } else {
+        min
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,93 @@
+//! Geodesic cameras that are put somewhere, by other means than walking.
+//!
+//! A click puts one somewhere at once, and may turn out to be the first half of a double click, which means something
+//! else: until that is known it is no step, and can be withdrawn as though it had never been.
+
+use std::sync::Arc;
+
+use super::Model;
+use crate::state::difference::Difference;
+use crate::state::{CameraPath, InsideCamera, Step};
+
+/// A placing that can be withdrawn.
+#[derive(Debug)]
+pub(super) struct Placement {
+    surface: String,
+    before: Option<InsideCamera>,
+    /// The way that led to where the camera was.
+    way: Option<Arc<CameraPath>>,
+}
+
+impl Model {
+    /// How often the geodesic camera of a surface was put somewhere by other means than walking.
+    pub fn placed(&self, surface: &str) -> u64 {
+        self.placed.get(surface).copied().unwrap_or_default()
+    }
+
+    /// Puts the geodesic camera of a surface at its first place.
+    pub fn reset(&mut self, surface: &str) {
+        let step = Step::new("Reset the geodesic camera", surface);
+        self.change(step, |view| {
+            view.inside.remove(surface);
+        });
+        self.history.settle();
+        self.count_placement(surface, None);
+    }
+
+    /// Puts the geodesic camera of a surface somewhere, until [`Model::keep_placement`] makes a step of it or
+    /// [`Model::withdraw_placement`] undoes it.
+    pub fn place(&mut self, surface: &str, camera: InsideCamera) {
+        self.keep_placement();
+        self.placing = Some(Placement {
+            surface: surface.to_owned(),
+            before: self.view.inside.get(surface).copied(),
+            way: self.walked.get(surface).cloned(),
+        });
+        self.put(surface, Some(camera), None);
+    }
+
+    /// A camera that was put somewhere stays there: a step of its own.
+    pub fn keep_placement(&mut self) {
+        if let Some(Placement {
+            surface, before, ..
+        }) = self.placing.take()
+        {
+            self.history.settle();
+            let replaced = Difference::camera(&surface, before);
+            let step = Step::new("Place the geodesic camera", surface);
+            self.history.record(step, replaced);
+            self.history.settle();
+        }
+    }
+
+    /// Puts a camera back where it was before it was put somewhere, with the trail that led there.
+    pub fn withdraw_placement(&mut self) {
+        if let Some(Placement {
+            surface,
+            before,
+            way,
+        }) = self.placing.take()
+        {
+            self.put(&surface, before, way);
+        }
+    }
+
+    fn put(&mut self, surface: &str, camera: Option<InsideCamera>, way: Option<Arc<CameraPath>>) {
+        self.adjust(|view| {
+            match camera {
+                Some(camera) => view.inside.insert(surface.to_owned(), camera),
+                None => view.inside.remove(surface),
+            };
+        });
+        self.count_placement(surface, way);
+    }
+
+    /// The camera of a surface is elsewhere, at the end of this way, if of any.
+    pub(super) fn count_placement(&mut self, surface: &str, way: Option<Arc<CameraPath>>) {
+        *self.placed.entry(surface.to_owned()).or_default() += 1;
+        match way {
+            Some(way) => self.walked.insert(surface.to_owned(), way),
+            None => self.walked.remove(surface),
+        };
+    }
+}

@@ -1,0 +1,470 @@
+use super::{Animation, Model, Step, View, advanced};
+use crate::engine::mend::Mender;
+use crate::state::Compiled;
+use crate::state::{InsideCamera, SpaceCamera};
+
+fn compiled(text: &str) -> Compiled {
+    read(&mut Mender::default(), text)
+}
+
+fn read(mender: &mut Mender, text: &str) -> Compiled {
+    crate::engine::compiler::compiled(1, text.into(), mender.read(text))
+}
+
+fn model(text: &str) -> Model {
+    let mut model = Model::default();
+    model.take(compiled(text));
+    model
+}
+
+#[test]
+fn a_param_keeps_its_value_by_name_through_compiles_within_its_interval() {
+    let mut model = model("param a : [0, 4]; point p = (a, 0, 0);");
+    model.change(Step::new("Move a", "a"), |view| {
+        view.choose("a", 0, Some(3.0));
+    });
+    let value = |model: &mut Model| {
+        let settings = model.settings().expect("a scene");
+        let scene = model.scene.clone().expect("a scene");
+        settings
+            .param(&scene.params[scene.params.len() - 1])
+            .to_vec()
+    };
+    assert_eq!(value(&mut model), [3.0]);
+    model.take(compiled(
+        "param b : [7, 9]; param a : [0, 2]; point p = (a, b, 0);",
+    ));
+    assert_eq!(value(&mut model), [2.0]);
+    model.take(compiled("param a : [0, 4]; point p = (a, 0, 0);"));
+    assert_eq!(value(&mut model), [3.0]);
+}
+
+#[test]
+fn a_value_that_the_text_gives_anew_takes_the_place_of_the_sliders() {
+    let mut model = model("param a = 1 : [0, 4]; point p = (a, 0, 0);");
+    model.adjust(|view| {
+        view.choose("a", 0, Some(3.0));
+    });
+    model.take(compiled("param a = 1 : [0, 4]; point p = (a, 1, 0);"));
+    assert_eq!(model.view.params["a"], [Some(3.0)]);
+    model.take(compiled("param a = 2 : [0, 4]; point p = (a, 1, 0);"));
+    let settings = model.settings().expect("a scene");
+    assert_eq!(settings.uniforms(), [2.0]);
+}
+
+#[test]
+fn what_is_hidden_is_known_by_its_place_in_the_scene_also_where_a_geodesic_lies_on_it() {
+    let mut model = model(
+        "point p = (1,1,1); surface s(u,v) = (u,v,0), u : [0,1], v : [0,1];
+         geodesic g(t) : s = (1,0) @ (0.5,0.5), t : [0, 0.2];",
+    );
+    let hide = |model: &mut Model, name: &str| {
+        model.adjust(|view| view.looks.entry(name.into()).or_default().hidden = true);
+        model.hidden().iter().map(|id| id.0).collect::<Vec<_>>()
+    };
+    assert_eq!(hide(&mut model, "s"), [1]);
+    assert_eq!(hide(&mut model, "p"), [0, 1]);
+    assert_eq!(hide(&mut model, "another"), [0, 1]);
+    assert_eq!(hide(&mut model, "g"), [0, 1, 2]);
+}
+
+fn undo(model: &mut Model) -> Option<&'static str> {
+    model.undo(&|_| false).map(|(title, _)| title)
+}
+
+fn redo(model: &mut Model) -> Option<&'static str> {
+    model.redo(&|_| false).map(|(title, _)| title)
+}
+
+#[test]
+fn steps_of_one_gesture_are_undone_together_and_done_again() {
+    let mut model = model("param a : [0, 4]; point p = (a, 0, 0);");
+    let set = |model: &mut Model, value: f64| {
+        model.change(Step::new("Move a", "a"), |view| {
+            view.choose("a", 0, Some(value));
+        });
+    };
+    set(&mut model, 1.0);
+    set(&mut model, 2.0);
+    model.history.settle();
+    set(&mut model, 3.0);
+    assert_eq!(undo(&mut model), Some("Move a"));
+    assert_eq!(model.view.params["a"], [Some(2.0)]);
+    assert_eq!(undo(&mut model), Some("Move a"));
+    assert!(model.view.params.is_empty());
+    assert_eq!(undo(&mut model), None);
+    redo(&mut model);
+    redo(&mut model);
+    assert_eq!(model.view.params["a"], [Some(3.0)]);
+    assert_eq!(redo(&mut model), None);
+}
+
+const SURFACE: &str = "param a : [0, 4]; surface s(u,v) = (u, v, a), u : [0,1], v : [0,1];
+    surface t(u,v) = (u, v, 0), u : [0,1], v : [0,1];";
+
+fn inside(at: [f64; 2]) -> InsideCamera {
+    InsideCamera {
+        at,
+        x: [1.0, 0.0],
+        y: [0.0, 1.0],
+        pole: None,
+        zoom: 1.0,
+        moved: true,
+    }
+}
+
+fn set(model: &mut Model, name: &str, value: f64) {
+    model.change(Step::new("Move a param", name), |view| {
+        view.choose(name, 0, Some(value));
+    });
+    model.history.settle();
+}
+
+#[test]
+fn a_step_takes_back_what_it_has_changed_and_nothing_else() {
+    let mut model = model(SURFACE);
+    model.change(Step::new("Move the 3D camera", "keys"), |view| {
+        view.space = Some(camera().moved([1.0, 0.0, 0.0]));
+    });
+    // No step: a pane is closed, a param moves by itself, a geodesic camera walks.
+    model.adjust(|view| {
+        view.closed.insert("s".into());
+        view.choose("a", 0, Some(3.0));
+        view.inside.insert("s".into(), inside([0.5, 0.5]));
+    });
+    let others = model.view.clone();
+    assert_eq!(undo(&mut model), Some("Move the 3D camera"));
+    assert_eq!(
+        model.view,
+        View {
+            space: None,
+            ..others.clone()
+        }
+    );
+    assert_eq!(redo(&mut model), Some("Move the 3D camera"));
+    assert_eq!(model.view, others);
+}
+
+#[test]
+fn what_the_text_gives_anew_no_step_brings_back() {
+    let mut model = model("param a = 1 : [0, 4]; param b : [0, 9]; point p = (a, b, 0);");
+    set(&mut model, "a", 2.0);
+    set(&mut model, "a", 3.0);
+    set(&mut model, "b", 5.0);
+    assert_eq!(undo(&mut model), Some("Move a param"));
+    model.take(compiled(
+        "param a = 3 : [0, 4]; param b : [0, 9]; point p = (a, b, 0);",
+    ));
+    assert!(model.view.params.is_empty(), "{:?}", model.view.params);
+    assert_eq!(model.history.last(), None, "there is nothing to undo of a");
+    assert_eq!(undo(&mut model), None);
+    assert_eq!(redo(&mut model), Some("Move a param"));
+    assert_eq!(model.view.params["b"], [Some(5.0)]);
+    assert!(!model.view.params.contains_key("a"));
+}
+
+#[test]
+fn a_step_that_changes_nothing_any_more_is_passed_by() {
+    let mut model = model(SURFACE);
+    set(&mut model, "a", 2.0);
+    model.change(Step::new("Show or hide", "s"), |view| {
+        view.looks.entry("s".into()).or_default().hidden = true;
+    });
+    model.adjust(|view| {
+        view.looks.remove("s");
+    });
+    assert_eq!(undo(&mut model), Some("Move a param"));
+}
+
+#[test]
+fn a_value_is_known_with_what_the_text_said_when_it_was_chosen() {
+    let mut before =
+        model("param a = 1 : [0, 4]; param b : [0, 2], [0, 2]; point p = (a, b_1, b_2);");
+    set(&mut before, "a", 3.0);
+    before.change(Step::new("Move a param", "b_2"), |view| {
+        view.choose("b", 1, Some(1.5));
+    });
+    let text = serde_json::to_string(&before.view).expect("data");
+    // Meanwhile the file was edited: another value of a, another interval of b.
+    let again = |file: &str| {
+        let mut after = Model::default();
+        after.turn_to(serde_json::from_str::<View>(&text).expect("data").sane());
+        assert_eq!(after.view, before.view);
+        after.take(compiled(file));
+        after.settings().expect("a scene").uniforms().to_vec()
+    };
+    assert_eq!(
+        again("param a = 1 : [0, 4]; param b : [0, 2], [0, 2]; point p = (a, b_1, b_2);"),
+        [3.0, 0.0, 1.5]
+    );
+    assert_eq!(
+        again("param a = 2 : [0, 4]; param b : [1, 2], [1, 2]; point p = (a, b_1, b_2);"),
+        [2.0, 1.0, 1.5]
+    );
+    assert_eq!(
+        again("param a = 2 : [1, 5]; param b = (1, 1) : [0, 2], [0, 2]; point p = (a, b_1, b_2);"),
+        [2.0, 1.0, 1.0]
+    );
+}
+
+#[test]
+fn placings_are_counted_for_each_surface_where_its_camera_is_another_one() {
+    let mut model = model(SURFACE);
+    let counts = |model: &Model| ["s", "t"].map(|name| model.placed(name));
+    set(&mut model, "a", 2.0);
+    model.undo(&|_| false);
+    model.redo(&|_| false);
+    assert_eq!(counts(&model), [0, 0], "a param is no camera");
+    model.place("s", inside([0.5, 0.5]));
+    assert_eq!(counts(&model), [1, 0]);
+    model.reset("t");
+    assert_eq!(counts(&model), [1, 1]);
+    model.undo(&|_| false);
+    assert_eq!(counts(&model), [2, 1], "the placing is taken back");
+    // A walk comes back by itself, and is undone as a placing; so is one that is still on its way.
+    model.begin_walk(Step::new("Move the geodesic camera", "t"), "t");
+    model.adjust(|view| {
+        view.inside.insert("t".into(), inside([0.25, 0.5]));
+    });
+    assert_eq!(counts(&model), [2, 1]);
+    model.undo(&|_| false);
+    assert_eq!(counts(&model), [2, 2]);
+    model.begin_walk(Step::new("Move the geodesic camera", "s"), "s");
+    let moving = model.undo(&|surface| surface == "s");
+    assert_eq!(
+        moving,
+        Some(("Move the geodesic camera", vec!["s".to_owned()]))
+    );
+    assert_eq!(counts(&model), [3, 2]);
+}
+
+#[test]
+fn a_placing_that_is_withdrawn_leaves_no_trace() {
+    let mut model = model(SURFACE);
+    model.adjust(|view| {
+        view.inside.insert("s".into(), inside([0.25, 0.25]));
+    });
+    set(&mut model, "a", 2.0);
+    model.undo(&|_| false);
+    let before = model.view.clone();
+    model.place("s", inside([0.5, 0.5]));
+    assert_eq!(model.view.inside["s"].at, [0.5, 0.5], "it is there at once");
+    model.withdraw_placement();
+    assert_eq!(model.view, before);
+    assert_eq!(model.history.last(), None);
+    assert_eq!(redo(&mut model), Some("Move a param"));
+    // One that is kept is a step of its own.
+    model.place("s", inside([0.5, 0.5]));
+    model.keep_placement();
+    model.withdraw_placement();
+    assert_eq!(model.view.inside["s"].at, [0.5, 0.5]);
+    assert_eq!(undo(&mut model), Some("Place the geodesic camera"));
+    assert_eq!(model.view.inside["s"].at, [0.25, 0.25]);
+}
+
+#[test]
+fn another_program_has_its_own_view_and_no_steps_of_the_one_before() {
+    let mut model = model(SURFACE);
+    model.adjust(|view| {
+        view.inside.insert("s".into(), inside([0.25, 0.25]));
+    });
+    set(&mut model, "a", 2.0);
+    model.place("s", inside([0.5, 0.5]));
+    let placed = model.placed("s");
+    let mut other = View::default();
+    other.inside.insert("s".into(), inside([0.75, 0.75]));
+    model.turn_to(other.clone());
+    assert!(model.placed("s") > placed, "its camera is elsewhere");
+    assert_eq!(undo(&mut model), None);
+    assert_eq!(model.view, other);
+}
+
+#[test]
+fn a_camera_that_nobody_had_moved_is_put_anew_where_its_scene_is_another_one() {
+    let mut model = model(SURFACE);
+    let unmoved = InsideCamera {
+        moved: false,
+        ..inside([0.25, 0.25])
+    };
+    model.adjust(|view| {
+        view.inside.insert("s".into(), unmoved);
+        view.space = Some(camera());
+    });
+    model.place("s", inside([0.5, 0.5]));
+    let moved = SpaceCamera {
+        moved: true,
+        ..camera().moved([1.0, 0.0, 0.0])
+    };
+    model.change(Step::new("Move the 3D camera", "keys"), |view| {
+        view.space = Some(moved);
+    });
+    model.take(compiled(
+        "surface s(u,v) = (u, v, 7), u : [5,6], v : [5,6];",
+    ));
+    model.reframe();
+    assert_eq!(model.view.space, Some(moved), "what was moved stays");
+    assert_eq!(undo(&mut model), Some("Move the 3D camera"));
+    assert_eq!(model.view.space, None);
+    assert_eq!(undo(&mut model), Some("Place the geodesic camera"));
+    assert!(!model.view.inside.contains_key("s"));
+}
+
+#[test]
+fn what_is_animated_grows_by_its_speed_and_begins_anew_at_its_least() {
+    assert_eq!(advanced(0.25, 0.5, 0.0, 1.0), 0.75);
+    assert_eq!(advanced(0.75, 0.5, 0.0, 1.0), 0.25);
+    assert_eq!(advanced(2.0, 10.0, 2.0, 5.0), 3.0);
+    assert_eq!(advanced(-0.5, -1.0, -1.0, 1.0), 0.5);
+    let mut model = model("param a : [0, 1], [0, 8]; point p = (a_1, a_2, 0);");
+    assert!(!model.animate(1.0));
+    model.adjust(|view| {
+        let on = Animation {
+            on: vec![false, true],
+            speed: 1.0,
+        };
+        view.animations.insert("a".into(), on);
+    });
+    assert!(model.is_animated() && model.animate(0.5));
+    assert_eq!(model.view.params["a"], [None, Some(0.5)]);
+}
+
+#[test]
+fn the_status_names_line_column_and_sentence() {
+    let model = model("point p = (1,2,3);\npoint q = (1,2);");
+    assert!(
+        model.status().starts_with("Status: line 2, column 11: "),
+        "{}",
+        model.status()
+    );
+    assert!(Model::default().status().contains("reading"));
+}
+
+fn camera() -> SpaceCamera {
+    SpaceCamera {
+        eye: [3.0, -4.0, 2.0],
+        target: [0.0, 0.0, 0.0],
+        radius: 2.0,
+        moved: false,
+    }
+}
+
+#[test]
+fn the_space_camera_keeps_its_distance_while_it_turns_orbits_and_moves() {
+    let distance = |camera: SpaceCamera| {
+        let square = |k: usize| (camera.eye[k] - camera.target[k]).powi(2);
+        (square(0) + square(1) + square(2)).sqrt()
+    };
+    let old = distance(camera());
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} and {b}");
+    let turned = camera().turned(0.3, -0.2);
+    close(distance(turned), old);
+    assert_eq!(turned.eye, camera().eye);
+    let orbited = camera().orbited(0.3, 5.0);
+    close(distance(orbited), old);
+    assert_eq!(orbited.target, camera().target);
+    let up = camera().moved([0.0, 0.0, 1.0]);
+    close(up.eye[2], 4.0);
+    close(up.target[2], 2.0);
+    close(distance(camera().neared(0.5)), 0.5 * old);
+    // Forwards and back, right and left.
+    let there_and_back = camera().moved([1.0, 1.0, 0.0]).moved([-1.0, -1.0, 0.0]);
+    for k in 0..3 {
+        close(there_and_back.eye[k], camera().eye[k]);
+    }
+}
+
+/// What a geodesic view has a mark of, and whether the 3D view has one, after texts one behind the other.
+fn marks(texts: &[&str], surfaces: [&str; 2]) -> (bool, [bool; 2]) {
+    let (mut mender, mut model) = (Mender::default(), Model::default());
+    for text in texts {
+        model.take(read(&mut mender, text));
+    }
+    let inside = surfaces.map(|name| model.is_stale_inside(name));
+    (model.is_stale_in_space(), inside)
+}
+
+#[test]
+fn only_views_that_show_what_is_stood_in_for_are_marked() {
+    let good = "param a = 1 : [0, 4]; function f(x) = a x;
+        surface s(u,v) = (u, v, f(u)), u : [0,1], v : [0,1];
+        surface t(u,v) = (u, v, 2), u : [0,1], v : [0,1];
+        metric m(u,v) = (1, 0, 1 + u^2), u : [0,1], v : [0,1];
+        geodesic g(l) : t = (1, 0) @ (0.5, 0.5), l : [0, 0.2];
+        curve c(x) = (x, 1, 1), x : [0, 1];";
+    let st = |broken: &str| marks(&[good, broken], ["s", "t"]);
+    let mt = |broken: &str| marks(&[good, broken], ["m", "t"]);
+    assert_eq!(st(good), (false, [false, false]));
+    let curve = good.replace("(x, 1, 1)", "(x, 1, ");
+    assert_eq!(st(&curve), (true, [false, false]), "a curve is in space");
+    let function = good.replace("= a x", "= a +");
+    assert_eq!(st(&function), (true, [true, false]), "s reads f");
+    let param = good.replace("a = 1 :", "a = :");
+    assert_eq!(st(&param), (true, [true, false]), "f reads a");
+    let geodesic = good.replace("(0.5, 0.5)", "(0.5");
+    assert_eq!(st(&geodesic), (true, [false, true]), "g lies on t");
+    let metric = good.replace("1 + u^2", "1 + ");
+    assert_eq!(mt(&metric), (false, [true, false]), "m is nowhere in space");
+    // A declaration that was never good is nowhere: the 3D view lacks it.
+    let new = format!("{good} point p = (1, ");
+    assert_eq!(st(&new), (true, [false, false]));
+    // What is mended is not marked, nor what was never there.
+    assert_eq!(
+        marks(&[good, &new, good], ["s", "t"]),
+        (false, [false, false])
+    );
+    assert!(!st("point p = (1, 2, 3);").0);
+}
+
+#[test]
+fn what_is_hidden_marks_no_view() {
+    let (mut mender, mut model) = (Mender::default(), Model::default());
+    let good = "point p = (1, 2, 3); point q = (1, 1, 1);";
+    model.take(read(&mut mender, good));
+    model.adjust(|view| view.looks.entry("p".into()).or_default().hidden = true);
+    model.take(read(&mut mender, &good.replace("2, 3)", "2, ")));
+    assert!(model.is_stale() && !model.is_stale_in_space());
+}
+
+#[test]
+fn a_declaration_is_all_from_its_word_to_its_end() {
+    let text = "# of a sphere; and more
+surface
+  s(u,v) = (u, # one; two
+    v, 0), u : [0,1], v : [0,1];point p = (1, 2, 3);
+param a : [0, 1];";
+    let mut model = model(text);
+    let at = |model: &Model, what: &str| {
+        let offset = text.find(what).expect("there") as u32;
+        model.declared_at(offset).map(str::to_owned)
+    };
+    assert_eq!(at(&model, "# of"), None, "a comment above it is none of it");
+    assert_eq!(at(&model, "surface").as_deref(), Some("s"));
+    assert_eq!(at(&model, "# one").as_deref(), Some("s"));
+    assert_eq!(at(&model, "v, 0)").as_deref(), Some("s"));
+    assert_eq!(at(&model, "point").as_deref(), Some("p"));
+    assert_eq!(at(&model, "3);").as_deref(), Some("p"));
+    assert_eq!(at(&model, "param"), None, "a param is no object");
+    let place = |model: &Model, name: &str| model.place_of(name).map(|it| it.start as usize);
+    assert_eq!(place(&model, "s"), text.find("s(u,v)"));
+    assert_eq!(place(&model, "a"), text.find("a : ["));
+    // Of a text of which nothing can be shown, the places are its own all the same.
+    let moved = format!("\n\n{text}");
+    let compiled = Compiled {
+        scene: None,
+        ..compiled(&moved)
+    };
+    model.take(compiled);
+    assert_eq!(place(&model, "s"), moved.find("s(u,v)"));
+    assert_eq!(place(&model, "gone"), None);
+}
+
+#[test]
+fn a_view_from_a_file_is_brought_to_its_senses() {
+    let text = r#"{"space":{"eye":[0,0,0],"target":[0,0,0],"radius":1},"unknown":7,
+        "preferences":{"cameraSpeed":1e9,"scale":0},"inside":{"s":{"at":[0,0],"x":[1,0],"y":[0,1],"zoom":-1}}}"#;
+    let view: View = serde_json::from_str::<View>(text).expect("tolerant").sane();
+    assert_eq!(view.space, None);
+    assert!(view.inside.is_empty());
+    assert_eq!(view.preferences.camera_speed, 100.0);
+    assert_eq!(view.preferences.scale, 0.5);
+}

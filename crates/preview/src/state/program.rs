@@ -1,0 +1,60 @@
+//! A compiled program, as the window takes it over.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use scene::Scene;
+use syntax::diagnostic::Severity;
+use syntax::span::Span;
+
+/// The result of compiling a text.
+#[derive(Clone, Debug)]
+pub(crate) struct Compiled {
+    /// The text's version.
+    pub(crate) version: i32,
+    /// The text.
+    pub(crate) text: Arc<str>,
+    /// Whether the text has no errors.
+    pub(crate) ok: bool,
+    /// The diagnostics, sorted by place.
+    pub(crate) findings: Vec<Finding>,
+    /// The scene. The scene of a text with errors has the declarations without errors as they are now, and the others
+    /// as they last were. A text of which nothing can be shown has no scene.
+    pub(crate) scene: Option<Arc<Scene>>,
+    /// The objects of the scene that are shown as they last were, and those that read such an object.
+    pub(crate) stale: Vec<String>,
+    /// Whether a part of the text is not shown at all.
+    pub(crate) lacks: bool,
+    /// The declarations of the text, in its order.
+    pub(crate) declared: Vec<Declared>,
+    /// The time at which the text arrived.
+    pub(crate) arrived: Instant,
+    /// The time that compiling took.
+    pub(crate) took: Duration,
+}
+
+/// A diagnostic with its line and column.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Finding {
+    /// How grave it is.
+    pub severity: Severity,
+    /// Its place in the text.
+    pub span: Span,
+    /// Its line, from 1.
+    pub line: u32,
+    /// Its column in characters, from 1.
+    pub column: u32,
+    /// One sentence.
+    pub message: String,
+    /// Advice for the user.
+    pub hint: Option<String>,
+}
+
+/// A declaration of a text.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Declared {
+    /// From its keyword to its `;`.
+    pub span: Span,
+    /// The place of its name.
+    pub name_span: Span,
+}

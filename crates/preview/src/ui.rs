@@ -1,0 +1,12 @@
+//! The window as it is seen and used: panes, menu, dialogs, input, and the GPU that it is shown by.
+
+pub(crate) mod app;
+pub(crate) mod camera_input;
+pub(crate) mod dialogs;
+pub(crate) mod event_splitter;
+pub(crate) mod gpu_surface;
+pub(crate) mod highlighting;
+pub(crate) mod menu;
+pub(crate) mod panes;
+pub(crate) mod status;
+pub(crate) mod window;

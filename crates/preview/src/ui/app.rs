@@ -1,0 +1,391 @@
+//! The window on the desktop: eframe on wgpu.
+
+use std::any::Any;
+use std::cell::RefCell;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::rc::Rc;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use eframe::{App, CreationContext, Frame, NativeOptions};
+use egui::{Ui, ViewportCommand};
+
+use crate::io::report::Report;
+use crate::state::StatusMessage;
+use crate::ui::gpu_surface::GpuSurface;
+use crate::ui::window::Window;
+use crate::{Failure, Faults, Options, Source};
+
+/// How often a lost GPU is replaced before the window gives up.
+const REVIVALS: u32 = 3;
+
+/// Opens the window and runs it until it is closed. Where its GPU is lost, it is opened again on a new one, as it was.
+///
+/// # Errors
+/// See [`Failure`].
+pub fn run(options: Options) -> Result<(), Failure> {
+    open(options, &Faults::default())
+}
+
+/// As [`run`], but with faults of the window's GPU: for tests of what happens then.
+///
+/// # Errors
+/// See [`Failure`].
+pub fn run_with_faults(options: Options, faults: &Faults) -> Result<(), Failure> {
+    open(options, faults)
+}
+
+fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
+    // Read before anything is opened: a file that is not there needs no window.
+    if let Source::File(path) = &options.source {
+        crate::io::watch::read(path).map_err(|reason| Failure::Unreadable {
+            path: path.clone(),
+            reason: reason.to_string(),
+        })?;
+    }
+    if options.source == Source::Attached {
+        // Before a display or a device is looked for, which may take its time: the server waits for a word.
+        crate::io::link::greet(&mut std::io::stdout());
+        crate::platform::lower_priority();
+    }
+    let options = Rc::new(options);
+    on_screens(&Slot::default(), |screen, slot| {
+        let (own, kept) = (Rc::clone(&options), Rc::clone(slot));
+        let mut faults = faults.clone();
+        faults.loses_gpu = faults.loses_gpu.filter(|_| screen < faults.losses);
+        let create = move |context: &CreationContext<'_>| -> Result<Box<dyn App>, Box<dyn std::error::Error + Send + Sync>> {
+            Ok(Box::new(Preview::new(context, &own, kept, &faults)?))
+        };
+        let size = slot.borrow().as_ref().and_then(|window| window.size);
+        let run = || eframe::run_native("geotrace", native(size), Box::new(create));
+        // Whoever draws the controls may meet the loss first, and gives up: the window does not.
+        let ended = catch_unwind(AssertUnwindSafe(run));
+        let mut window = slot.borrow_mut();
+        let lost = window.as_mut().is_some_and(Window::has_lost_its_screen);
+        match ended {
+            Ok(Err(error)) => Ended::Refused(failure(error)),
+            Ok(Ok(())) | Err(_) if lost => Ended::Lost,
+            Ok(Ok(())) => Ended::Closed,
+            Err(panic) => Ended::Broken(panic),
+        }
+    })
+}
+
+/// How a window's time on a screen has ended.
+enum Ended {
+    /// By its user's hand, or its server's.
+    Closed,
+    /// Its GPU is gone.
+    Lost,
+    /// The system has refused to open it.
+    Refused(Failure),
+    /// By a fault of ours.
+    Broken(Box<dyn Any + Send>),
+}
+
+/// Shows the window, which outlives its screens, by `show` on one after the other until it is closed. Where it ends
+/// otherwise, a text that was not saved is not lost.
+fn on_screens(slot: &Slot, mut show: impl FnMut(u32, &Slot) -> Ended) -> Result<(), Failure> {
+    let rescued = || {
+        let window = slot.borrow();
+        window.as_ref().and_then(Window::rescue)
+    };
+    for screen in 0..=REVIVALS {
+        match show(screen, slot) {
+            Ended::Closed => return Ok(()),
+            Ended::Lost => {}
+            Ended::Refused(failure) => return Err(failure.and(rescued())),
+            Ended::Broken(panic) => {
+                if let Some(sentence) = rescued() {
+                    eprintln!("{sentence}");
+                }
+                resume_unwind(panic)
+            }
+        }
+    }
+    let lost = Failure::NoGraphics {
+        reason: format!("the GPU was lost {} times", REVIVALS + 1),
+    };
+    Err(lost.and(rescued()))
+}
+
+/// Where the window is.
+type Slot = Rc<RefCell<Option<Window>>>;
+
+/// What is asked of the desktop; a window that is opened again is as large as it was.
+fn native(size: Option<egui::Vec2>) -> NativeOptions {
+    NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("Geotrace")
+            .with_app_id("geotrace")
+            .with_inner_size(size.unwrap_or(egui::vec2(1280.0, 800.0)))
+            .with_min_inner_size([480.0, 320.0])
+            .with_drag_and_drop(true),
+        // Pictures are shown as they were drawn.
+        dithering: false,
+        ..NativeOptions::default()
+    }
+}
+
+fn failure(error: eframe::Error) -> Failure {
+    match error {
+        eframe::Error::AppCreation(error) => match error.downcast::<Failure>() {
+            Ok(failure) => *failure,
+            Err(error) => Failure::NoDisplay {
+                reason: error.to_string(),
+            },
+        },
+        eframe::Error::Wgpu(error) => Failure::NoGraphics {
+            reason: error.to_string(),
+        },
+        other => Failure::NoDisplay {
+            reason: in_words(&other.to_string()).to_owned(),
+        },
+    }
+}
+
+/// The system's words, without the place in a library's source that some libraries put before them.
+fn in_words(reason: &str) -> &str {
+    let behind_place = reason
+        .rsplit_once(".rs:")
+        .and_then(|(_, rest)| rest.split_once(": "));
+    behind_place
+        .map_or(reason, |(_, words)| words)
+        .trim_end_matches('.')
+}
+
+/// The window on a screen.
+struct Preview {
+    slot: Slot,
+    title: String,
+    /// Whether the GPU is to be given up now, for a test.
+    loses: Arc<AtomicBool>,
+}
+
+impl Preview {
+    fn new(
+        creation: &CreationContext<'_>,
+        options: &Options,
+        slot: Slot,
+        faults: &Faults,
+    ) -> Result<Self, Failure> {
+        let context = &creation.egui_ctx;
+        let mut kept = slot.borrow_mut();
+        let window = match &mut *kept {
+            Some(window) => {
+                let sentence = "the GPU was lost; the window was opened again";
+                window.status_message = Some(StatusMessage::error(sentence.to_owned()));
+                window.report_from(context);
+                window
+            }
+            empty => empty.insert(first(context, options)?),
+        };
+        if let Some(state) = creation.wgpu_render_state.clone() {
+            let screen = GpuSurface::new(state, context);
+            if faults.refuses_samples {
+                screen.refuse_samples();
+            }
+            window.move_to(screen, options.backend, context);
+        }
+        drop(kept);
+        let loses = Arc::new(AtomicBool::new(false));
+        if let Some(sign) = faults.loses_gpu.clone() {
+            let (waker, loses) = (context.clone(), Arc::clone(&loses));
+            std::thread::spawn(move || {
+                while !sign.exists() {
+                    std::thread::sleep(Duration::from_millis(20));
+                }
+                loses.store(true, Ordering::Relaxed);
+                waker.request_repaint();
+            });
+        }
+        Ok(Self {
+            slot,
+            title: String::new(),
+            loses,
+        })
+    }
+}
+
+/// The window as it is opened.
+fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> {
+    let mut window = match &options.source {
+        Source::File(path) => Window::of_file(context, path.clone(), true)?,
+        Source::Attached => Window::attached(context, std::io::stdin(), std::io::stdout()),
+    };
+    if let Some(path) = &options.report {
+        let report = Report::create(path).map_err(|error| Failure::Unreadable {
+            path: path.clone(),
+            reason: error.to_string(),
+        })?;
+        window.report_to(report);
+        window.report_from(context);
+    }
+    Ok(window)
+}
+
+impl App for Preview {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut Frame) {
+        let mut slot = self.slot.borrow_mut();
+        let Some(window) = &mut *slot else {
+            return;
+        };
+        let context = ui.ctx().clone();
+        if self.loses.swap(false, Ordering::Relaxed)
+            && let Some(screen) = &window.screen
+        {
+            screen.lose();
+        }
+        if window.has_lost_its_screen() {
+            // Nothing can be drawn here any more.
+            context.send_viewport_cmd(ViewportCommand::Close);
+            return;
+        }
+        let painting = f64::from(frame.info().cpu_usage.unwrap_or_default());
+        let painting = Duration::try_from_secs_f64(painting).unwrap_or_default();
+        window.painting = painting.saturating_sub(window.waited);
+        let room = ui.input(|input| input.viewport().inner_rect);
+        window.size = room.map(|room| room.size() * context.zoom_factor());
+        window.show(ui);
+        let title = window.title();
+        if title != self.title {
+            self.title.clone_from(&title);
+            context.send_viewport_cmd(ViewportCommand::Title(title));
+        }
+        if std::mem::take(&mut window.raise) {
+            context.send_viewport_cmd(ViewportCommand::Minimized(false));
+            context.send_viewport_cmd(ViewportCommand::Focus);
+        }
+        let asked = ui.input(|input| input.viewport().close_requested());
+        if asked && !window.closing && window.has_unsaved() {
+            context.send_viewport_cmd(ViewportCommand::CancelClose);
+            window.dialogs.leaving = true;
+            context.request_repaint();
+        } else if window.closing && !asked {
+            context.send_viewport_cmd(ViewportCommand::Close);
+        }
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        // What is behind the panes: no rectangle is painted for it.
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+
+    fn on_exit(&mut self) {
+        let mut slot = self.slot.borrow_mut();
+        if let Some(window) = &mut *slot
+            && !window.closing
+            && !window.has_lost_its_screen()
+        {
+            window.say(protocol::Event::Closed);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::{Ended, REVIVALS, Slot, in_words, on_screens};
+    use crate::{Failure, Window};
+
+    const MINE: &str = "point mine = (1, 2, 3);\n";
+
+    /// A window on a file, with a text that is not saved.
+    fn written(folder: &Path) -> Slot {
+        let path = folder.join("a.gtr");
+        std::fs::write(&path, "point p = (0, 0, 0);\n").expect("written");
+        let window = Window::of_file(&egui::Context::default(), path, false);
+        let mut window = window.expect("the file is there");
+        window.set_text(MINE.to_owned());
+        let slot = Slot::default();
+        slot.replace(Some(window));
+        slot
+    }
+
+    fn text(folder: &Path, name: &str) -> String {
+        std::fs::read_to_string(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    #[test]
+    fn a_gpu_that_is_lost_again_and_again_ends_the_window_but_not_its_text() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let folder = folder.path();
+        let slot = written(folder);
+        // Another one's has its name already.
+        std::fs::write(folder.join("a.unsaved.gtr"), "theirs").expect("written");
+        let mut screens = Vec::new();
+        let ended = on_screens(&slot, |screen, _| {
+            screens.push(screen);
+            Ended::Lost
+        });
+        assert_eq!(screens, (0..=REVIVALS).collect::<Vec<_>>());
+        let Err(Failure::NoGraphics { reason }) = ended else {
+            panic!("{ended:?}");
+        };
+        let place = folder.join("a.unsaved-2.gtr");
+        let wanted = format!(
+            "the GPU was lost 4 times; the text that was not saved is in `{}`",
+            place.display()
+        );
+        assert_eq!(reason, wanted);
+        assert_eq!(text(folder, "a.unsaved-2.gtr"), MINE);
+        assert_eq!(text(folder, "a.unsaved.gtr"), "theirs");
+        assert_eq!(text(folder, "a.gtr"), "point p = (0, 0, 0);\n");
+    }
+
+    #[test]
+    fn a_display_that_refuses_the_window_anew_does_not_lose_its_text() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let folder = folder.path();
+        let ended = on_screens(&written(folder), |screen, _| match screen {
+            0 => Ended::Lost,
+            _ => Ended::Refused(Failure::NoDisplay {
+                reason: "no such display".to_owned(),
+            }),
+        });
+        let told = ended.expect_err("it is refused").to_string();
+        for part in ["no such display", "the text that was not saved is in `"] {
+            assert!(told.contains(part), "{told}");
+        }
+        assert_eq!(text(folder, "a.unsaved.gtr"), MINE);
+    }
+
+    #[test]
+    fn a_fault_of_ours_does_not_lose_the_text() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let slot = written(folder.path());
+        let show = |_, _: &Slot| Ended::Broken(Box::new("a fault"));
+        let run = std::panic::AssertUnwindSafe(|| on_screens(&slot, show));
+        assert!(std::panic::catch_unwind(run).is_err(), "it goes on");
+        assert_eq!(text(folder.path(), "a.unsaved.gtr"), MINE);
+    }
+
+    #[test]
+    fn a_window_that_is_closed_writes_nothing() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let ended = on_screens(&written(folder.path()), |_, _| Ended::Closed);
+        assert_eq!(ended, Ok(()));
+        assert!(!folder.path().join("a.unsaved.gtr").exists());
+        let saved = written(folder.path());
+        let text = "point p = (0, 0, 0);\n".to_owned();
+        saved
+            .borrow_mut()
+            .as_mut()
+            .expect("a window")
+            .set_text(text);
+        assert!(on_screens(&saved, |_, _| Ended::Lost).is_err());
+        assert!(
+            !folder.path().join("a.unsaved.gtr").exists(),
+            "all is saved"
+        );
+    }
+
+    #[test]
+    fn what_the_system_says_is_told_without_a_place_in_a_source() {
+        let told = "winit EventLoopError: os error at /a/winit-0.30.13/src/linux/mod.rs:788: Failed to connect.";
+        assert_eq!(in_words(told), "Failed to connect");
+        assert_eq!(in_words("no display: none"), "no display: none");
+    }
+}

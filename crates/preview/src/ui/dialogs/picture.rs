@@ -1,0 +1,293 @@
+//! Pictures and meshes for other programs: what is asked before they are written.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::{DragValue, Grid, Ui};
+use export::mesh::{self, MeshFormat};
+use export::whole_file::write_whole;
+use render::Request;
+use render::overlay::Trail;
+use scene::ParamValues;
+use scene::Scene;
+
+use crate::channel::report_when_done;
+use crate::engine::request::Order;
+use crate::io::files;
+use crate::state::InsideCamera;
+use crate::state::pane::PaneKey;
+use crate::ui::window::Window;
+
+/// What is asked about a picture.
+#[derive(Clone, Debug)]
+pub(crate) struct PictureDialog {
+    pane: PaneKey,
+    size: [u32; 2],
+    transparent: bool,
+    pub(crate) path: String,
+}
+
+/// What a dialog was left with.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub(crate) enum Decision {
+    Stay,
+    Save,
+    Choose,
+    Cancel,
+}
+
+/// Opens the dialog for a picture of the active view.
+pub(crate) fn ask_for_picture(window: &mut Window) {
+    let Some(order) = window.kept(&window.active) else {
+        return;
+    };
+    let name = match &window.active {
+        PaneKey::Space => "3d.png".to_owned(),
+        PaneKey::Inside(name) => format!("{name}.png"),
+    };
+    window.dialogs.picture = Some(PictureDialog {
+        pane: window.active.clone(),
+        size: order.size,
+        transparent: false,
+        path: in_folder(window, &name),
+    });
+}
+
+/// Opens the dialog for a mesh.
+pub(crate) fn ask_for_mesh(window: &mut Window) {
+    window.dialogs.mesh = Some(in_folder(window, "scene.glb"));
+}
+
+/// A name in the program's folder.
+pub(crate) fn in_folder(window: &Window, name: &str) -> String {
+    let folder = window.folder().unwrap_or_default();
+    folder.join(name).display().to_string()
+}
+
+/// Copies the active view's picture.
+pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
+    let Some((order, camera)) = ordered(window, &window.active) else {
+        return;
+    };
+    let trails = trails(window, &window.active);
+    let context = ui.ctx().clone();
+    report_when_done(window.status_sender(), move || {
+        let mut request = order.whole_request(camera);
+        request.trails.extend(trails);
+        let picture = render::render(&order.scene, &order.settings, &request, &|_| {});
+        let image = picture.map_err(|error| error.to_string())?.image;
+        let size = [image.width() as usize, image.height() as usize];
+        let image = egui::ColorImage::from_rgba_unmultiplied(size, image.as_raw());
+        context.copy_image(image);
+        Ok(format!(
+            "A picture of {}×{} pixels was copied",
+            size[0], size[1]
+        ))
+    });
+}
+
+/// The order of a view's picture, and its geodesic camera.
+fn ordered(window: &Window, pane: &PaneKey) -> Option<(Order, Option<InsideCamera>)> {
+    let order = window.kept(pane)?;
+    let camera = match pane {
+        PaneKey::Inside(name) => window.model.view.inside.get(name).copied(),
+        PaneKey::Space => None,
+    };
+    Some((order, camera))
+}
+
+/// The trail in a geodesic view's picture; an order for the 3D view has its own.
+fn trails(window: &Window, pane: &PaneKey) -> Vec<Arc<Trail>> {
+    let way = match pane {
+        PaneKey::Inside(name) => window.model.walked.get(name),
+        PaneKey::Space => None,
+    };
+    let shown = way.filter(|_| window.model.view.preferences.marks.trail);
+    shown.iter().map(|way| Arc::clone(&way.trail)).collect()
+}
+
+/// The dialogs that are open.
+pub(crate) fn show(window: &mut Window, ui: &Ui) {
+    if let Some(mut dialog) = window.dialogs.picture.take() {
+        match picture(&mut dialog, ui) {
+            Decision::Stay => window.dialogs.picture = Some(dialog),
+            Decision::Cancel => {}
+            Decision::Choose => {
+                choose(window, "Save picture", &dialog.path);
+                window.dialogs.picture = Some(dialog);
+            }
+            Decision::Save => write_picture(window, &dialog),
+        }
+    }
+    if let Some(mut path) = window.dialogs.mesh.take() {
+        match mesh(&mut path, ui) {
+            Decision::Stay => window.dialogs.mesh = Some(path),
+            Decision::Cancel => {}
+            Decision::Choose => {
+                choose(window, "Export mesh", &path);
+                window.dialogs.mesh = Some(path);
+            }
+            Decision::Save => write_mesh(window, &path),
+        }
+    }
+}
+
+fn picture(dialog: &mut PictureDialog, ui: &Ui) -> Decision {
+    modal(ui, "Save picture", "Save", |ui| {
+        let mut choose = false;
+        Grid::new("picture").num_columns(2).show(ui, |ui| {
+            let sides = 1..=render::request::MAX_SIDE;
+            for (side, name) in dialog.size.iter_mut().zip(["Width", "Height"]) {
+                let label = ui.label(name);
+                ui.add(DragValue::new(side).range(sides.clone()).suffix(" px"))
+                    .labelled_by(label.id);
+                ui.end_row();
+            }
+            choose = file(ui, &mut dialog.path);
+        });
+        if dialog.pane == PaneKey::Space {
+            ui.checkbox(&mut dialog.transparent, "Transparent background");
+        }
+        replaced(ui, Path::new(&dialog.path));
+        choose
+    })
+}
+
+fn mesh(path: &mut String, ui: &Ui) -> Decision {
+    modal(ui, "Export mesh", "Save", |ui| {
+        let mut choose = false;
+        Grid::new("mesh").num_columns(2).show(ui, |ui| {
+            choose = file(ui, path);
+        });
+        ui.label("The extension says which format: obj, ply, stl, gltf or glb.");
+        replaced(ui, Path::new(path));
+        choose
+    })
+}
+
+/// A field for a file; whether it is to be chosen in the desktop's dialog.
+pub(crate) fn file(ui: &mut Ui, path: &mut String) -> bool {
+    let label = ui.label("File");
+    let choose = ui
+        .horizontal(|ui| {
+            let edit = egui::TextEdit::singleline(path).desired_width(320.0);
+            ui.add(edit).labelled_by(label.id);
+            let choose = egui::Button::new("Choose…");
+            ui.add_enabled(crate::io::file_dialogs::has_dialogs(), choose)
+                .clicked()
+        })
+        .inner;
+    ui.end_row();
+    if !crate::io::file_dialogs::has_dialogs() {
+        ui.label("");
+        ui.label(crate::io::file_dialogs::NO_DIALOG);
+        ui.end_row();
+    }
+    choose
+}
+
+/// Says that a file will be replaced, if there is one.
+pub(crate) fn replaced(ui: &mut Ui, path: &Path) {
+    if path.is_file() {
+        ui.colored_label(
+            ui.visuals().warn_fg_color,
+            "There is such a file: it will be replaced.",
+        );
+    }
+}
+
+/// A dialog with `content`, which says whether a file is to be chosen, and a button that does what `verb` says.
+pub(crate) fn modal(
+    ui: &Ui,
+    title: &str,
+    verb: &str,
+    content: impl FnOnce(&mut Ui) -> bool,
+) -> Decision {
+    let mut decision = Decision::Stay;
+    let modal = egui::Modal::new(egui::Id::unique(title)).show(ui.ctx(), |ui| {
+        ui.heading(title);
+        if content(ui) {
+            decision = Decision::Choose;
+        }
+        ui.horizontal(|ui| {
+            if ui.button(verb).clicked() {
+                decision = Decision::Save;
+            }
+            if ui.button("Cancel").clicked() {
+                decision = Decision::Cancel;
+            }
+        });
+    });
+    if modal.should_close() {
+        decision = Decision::Cancel;
+    }
+    decision
+}
+
+/// Lets the user choose the file in the desktop's dialog.
+pub(crate) fn choose(window: &Window, title: &str, path: &str) {
+    crate::io::file_dialogs::choose_target(
+        window.file_choices(),
+        title.to_owned(),
+        PathBuf::from(path),
+    );
+}
+
+fn write_picture(window: &Window, dialog: &PictureDialog) {
+    let Some((order, camera)) = ordered(window, &dialog.pane) else {
+        return;
+    };
+    let mut request = order.request(camera);
+    request.trails.extend(trails(window, &dialog.pane));
+    request.size = dialog.size;
+    if dialog.transparent {
+        request.background = Some([0; 4]);
+    }
+    let path = PathBuf::from(&dialog.path);
+    report_when_done(window.status_sender(), move || {
+        // They take their time to make, and this thread has it.
+        request.textures.extend(order.curvatures());
+        files::save_picture(&path, &order.scene, &order.settings, &request)
+    });
+}
+
+fn write_mesh(window: &Window, path: &str) {
+    // Colours and textures are the 3D view's.
+    let order = window
+        .sent(&PaneKey::Space)
+        .or_else(|| window.sent(&window.active));
+    let Some(order) = order.cloned() else {
+        return;
+    };
+    let path = PathBuf::from(path);
+    report_when_done(window.status_sender(), move || {
+        let request = order.whole_request(None);
+        save_mesh(&path, &order.scene, &order.settings, &request)
+    });
+}
+
+fn save_mesh(
+    path: &Path,
+    scene: &Arc<Scene>,
+    settings: &Arc<ParamValues>,
+    request: &Request,
+) -> Result<String, String> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    let format = MeshFormat::of_extension(&extension).ok_or_else(|| {
+        let known = MeshFormat::ALL.map(MeshFormat::extension).join(", ");
+        format!("`{}` does not end in one of {known}", path.display())
+    })?;
+    let model = mesh::model(scene, settings, request, None);
+    let mut bytes = Vec::new();
+    let told = model.write(format, &mut bytes);
+    let told = told.map_err(|error| error.to_string())?;
+    write_whole(path, &bytes)
+        .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
+    let triangles: usize = model.parts.iter().map(|part| part.triangles()).sum();
+    let notes = model.notes.iter().chain(&told).cloned();
+    let sentence = format!("{triangles} triangles are in `{}`", path.display());
+    Ok(std::iter::once(sentence)
+        .chain(notes)
+        .collect::<Vec<_>>()
+        .join("; "))
+}

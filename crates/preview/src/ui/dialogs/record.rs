@@ -1,0 +1,304 @@
+//! Animations for papers and lectures: what is asked before one is recorded, and how far it has come.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Align2, ComboBox, DragValue, Grid, ProgressBar, Ui};
+use export::animation::{self, Clip, ParamChange};
+
+use super::picture::{self, Decision};
+use crate::engine::recording::Recording;
+use crate::engine::recording::film::{Film, Kind};
+use crate::engine::request::Look;
+use crate::state::motion::Motion;
+use crate::state::pane::PaneKey;
+use crate::state::{InsideCamera, StatusMessage};
+use crate::ui::window::Window;
+
+/// What is asked about a recording.
+#[derive(Clone, Debug)]
+pub(crate) struct RecordDialog {
+    pane: PaneKey,
+    /// What may move, and which of it does.
+    moves: Vec<Moves>,
+    chosen: usize,
+    /// The geodesic camera that may walk, and its surface.
+    camera: Option<(String, InsideCamera)>,
+    /// How far it walks, in the surface's units; backwards if negative.
+    length: f64,
+    trail: bool,
+    transparent: bool,
+    clip: Clip,
+    pub(crate) path: String,
+}
+
+/// What moves.
+#[derive(Clone, Debug, PartialEq)]
+enum Moves {
+    /// A param, from values to values.
+    Param(ParamChange),
+    /// The geodesic camera, in a direction of its own: along X and Y.
+    Walk(&'static str, [f64; 2]),
+    /// The geodesic camera, on the way whose trail is shown.
+    Again(InsideCamera, Vec<Motion>),
+}
+
+impl Moves {
+    fn words(&self, surface: &str) -> String {
+        match self {
+            Self::Param(change) => format!("Param {}", change.name),
+            Self::Walk(direction, _) => format!("Walk on {surface}, {direction}"),
+            Self::Again(..) => format!("Walk on {surface}, the way just walked"),
+        }
+    }
+}
+
+/// Opens the dialog for a recording of the active view.
+pub(crate) fn ask(window: &mut Window) {
+    let pane = window.active.clone();
+    let Some(size) = window.kept(&pane).map(|order| order.size) else {
+        return;
+    };
+    let mut moves = Vec::new();
+    for param in window.model.scene.iter().flat_map(|scene| &scene.params) {
+        let ranges = param.ranges.iter();
+        let (from, to) = ranges.map(|range| (range.min, range.max)).unzip();
+        let name = param.name.clone();
+        moves.push(Moves::Param(ParamChange { name, from, to }));
+    }
+    let surface = match &pane {
+        PaneKey::Inside(name) => Some(name.clone()),
+        PaneKey::Space => window.active_surface.clone(),
+    };
+    let view = &window.model.view;
+    let camera = surface.and_then(|name| Some((name.clone(), *view.inside.get(&name)?)));
+    if let Some((name, _)) = &camera {
+        let way = window.model.walked.get(name);
+        let way = way.filter(|way| view.preferences.marks.trail && !way.motions().is_empty());
+        moves.extend(way.map(|way| Moves::Again(way.start, way.motions().to_vec())));
+        moves.push(Moves::Walk("forward", [0.0, 1.0]));
+        moves.push(Moves::Walk("to the right", [1.0, 0.0]));
+    }
+    let name = match &pane {
+        PaneKey::Space => "3d.gif".to_owned(),
+        PaneKey::Inside(name) => format!("{name}.gif"),
+    };
+    window.dialogs.record = Some(RecordDialog {
+        // Twice as far as what is seen.
+        length: camera
+            .as_ref()
+            .map_or(1.0, |(_, it)| rounded(2.0 * it.zoom)),
+        camera,
+        pane,
+        moves,
+        chosen: 0,
+        trail: true,
+        transparent: false,
+        clip: Clip {
+            frames: animation::FRAMES,
+            size,
+            rate: animation::RATE,
+        },
+        path: picture::in_folder(window, &name),
+    });
+}
+
+/// A number of two digits.
+fn rounded(x: f64) -> f64 {
+    let unit = 10f64.powf(x.abs().log10().floor() - 1.0);
+    let near = (x / unit).round() * unit;
+    if near.is_finite() { near } else { x }
+}
+
+/// The dialog, or the recording that runs.
+pub(crate) fn show(window: &mut Window, ui: &Ui) {
+    if window
+        .dialogs
+        .recording
+        .as_ref()
+        .is_some_and(Recording::has_ended)
+    {
+        window.dialogs.recording = None;
+    }
+    if let Some(recording) = &window.dialogs.recording {
+        progress(recording, ui);
+    }
+    let Some(mut dialog) = window.dialogs.record.take() else {
+        return;
+    };
+    let decision = picture::modal(ui, "Record", "Record", |ui| fields(&mut dialog, ui));
+    match decision {
+        Decision::Stay => window.dialogs.record = Some(dialog),
+        Decision::Cancel => {}
+        Decision::Choose => {
+            picture::choose(window, "Record", &dialog.path);
+            window.dialogs.record = Some(dialog);
+        }
+        Decision::Save
+            if dialog.moves.is_empty() || Kind::of(Path::new(&dialog.path)).is_none() =>
+        {
+            window.dialogs.record = Some(dialog);
+        }
+        Decision::Save => begin(window, &dialog),
+    }
+}
+
+/// The fields of the dialog; whether the file is to be chosen in the desktop's dialog.
+fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
+    if dialog.moves.is_empty() {
+        ui.label("Nothing moves here: a param, or a surface to walk on, is needed.");
+        return false;
+    }
+    let surface = dialog.camera.as_ref().map_or("", |(name, _)| name);
+    let mut choose = false;
+    Grid::new("record").num_columns(2).show(ui, |ui| {
+        let label = ui.label("What moves");
+        let words = |k: usize| dialog.moves[k].words(surface);
+        ComboBox::from_id_salt("what moves")
+            .selected_text(words(dialog.chosen))
+            .width(240.0)
+            .show_ui(ui, |ui| {
+                for k in 0..dialog.moves.len() {
+                    ui.selectable_value(&mut dialog.chosen, k, words(k));
+                }
+            })
+            .response
+            .labelled_by(label.id);
+        ui.end_row();
+        match &mut dialog.moves[dialog.chosen] {
+            Moves::Param(change) => {
+                for (title, values) in [("From", &mut change.from), ("To", &mut change.to)] {
+                    let label = ui.label(title);
+                    ui.horizontal(|ui| {
+                        for value in values.iter_mut() {
+                            ui.add(DragValue::new(value).speed(0.01))
+                                .labelled_by(label.id);
+                        }
+                    });
+                    ui.end_row();
+                }
+            }
+            Moves::Walk(..) => {
+                let label = ui.label("Arc length");
+                let speed = 0.01 * dialog.length.abs().max(1e-3);
+                ui.add(DragValue::new(&mut dialog.length).speed(speed))
+                    .labelled_by(label.id);
+                ui.end_row();
+            }
+            Moves::Again(..) => {}
+        }
+        let label = ui.label("Frames");
+        ui.add(DragValue::new(&mut dialog.clip.frames).range(2..=100_000))
+            .labelled_by(label.id);
+        ui.end_row();
+        let label = ui.label("Frames a second");
+        ui.add(DragValue::new(&mut dialog.clip.rate).range(0.1..=1000.0))
+            .labelled_by(label.id);
+        ui.end_row();
+        let sides = 1..=render::request::MAX_SIDE;
+        for (side, name) in dialog.clip.size.iter_mut().zip(["Width", "Height"]) {
+            let label = ui.label(name);
+            ui.add(DragValue::new(side).range(sides.clone()).suffix(" px"))
+                .labelled_by(label.id);
+            ui.end_row();
+        }
+        let label = ui.label("Format");
+        ui.horizontal(|ui| {
+            let now = Kind::of(Path::new(&dialog.path));
+            for (kind, name, extension) in Kind::ALL {
+                if ui.selectable_label(now == Some(kind), name).clicked() {
+                    let path = Path::new(&dialog.path).with_extension(extension);
+                    dialog.path = path.display().to_string();
+                }
+            }
+        })
+        .response
+        .labelled_by(label.id);
+        ui.end_row();
+        choose = picture::file(ui, &mut dialog.path);
+    });
+    if !matches!(dialog.moves[dialog.chosen], Moves::Param(_)) {
+        ui.checkbox(&mut dialog.trail, "Draw the trail");
+    }
+    if dialog.pane == PaneKey::Space {
+        ui.checkbox(&mut dialog.transparent, "Transparent background");
+    }
+    let path = Path::new(&dialog.path);
+    let first = match Kind::of(path) {
+        Some(Kind::Series) => animation::numbered(path, 0, dialog.clip.frames),
+        _ => path.to_owned(),
+    };
+    if Kind::of(path).is_none() {
+        ui.colored_label(
+            ui.visuals().error_fg_color,
+            "The file's name must end in gif, apng or png.",
+        );
+    } else {
+        picture::replaced(ui, &first);
+    }
+    choose
+}
+
+/// Begins to record what a dialog was left with.
+fn begin(window: &mut Window, dialog: &RecordDialog) {
+    let Some(mut order) = window.kept(&dialog.pane) else {
+        return;
+    };
+    let id_of = |name: &str| order.scene.object(name).map(|(id, _)| id);
+    let mut camera = dialog
+        .camera
+        .as_ref()
+        .and_then(|(name, camera)| Some((id_of(name)?, *camera)));
+    let mut change = None;
+    let mut motions = Vec::new();
+    match &dialog.moves[dialog.chosen] {
+        Moves::Param(it) => change = Some(it.clone()),
+        Moves::Walk(_, [x, y]) => {
+            let zoom = camera.map_or(1.0, |(_, camera)| camera.zoom);
+            let way = dialog.length / zoom;
+            motions.push(Motion::Walk([x * way, y * way]));
+        }
+        Moves::Again(start, way) => {
+            camera = camera.map(|(id, _)| (id, *start));
+            motions.clone_from(way);
+        }
+    }
+    if change.is_none() && camera.is_none() {
+        let sentence = "the surface is not shown in the 3D view, so no walk on it is seen";
+        window.status_message = Some(StatusMessage::error(sentence));
+        return;
+    }
+    if let Look::Space { standpoint, .. } = &mut order.look {
+        // A param is recorded with what the view shows, a walk with the camera that walks.
+        if change.is_some() && standpoint.is_none() {
+            camera = None;
+        }
+    }
+    let film = Film {
+        order,
+        camera,
+        trail: dialog.trail && change.is_none(),
+        change,
+        motions,
+        transparent: dialog.transparent,
+        clip: dialog.clip,
+    };
+    let path = PathBuf::from(&dialog.path);
+    window.dialogs.recording = Some(Recording::start(window.status_sender(), film, path));
+}
+
+/// How far a recording has come, and the button that calls it off.
+fn progress(recording: &Recording, ui: &Ui) {
+    egui::Window::new("Recording")
+        .anchor(Align2::RIGHT_BOTTOM, [-12.0, -36.0])
+        .collapsible(false)
+        .resizable(false)
+        .show(ui.ctx(), |ui| {
+            let (now, frames) = recording.progress();
+            let done = now.saturating_sub(1) as f32 / frames.max(1) as f32;
+            let words = format!("picture {} of {frames}", now.max(1));
+            ui.add(ProgressBar::new(done).desired_width(220.0).text(words));
+            if ui.button("Cancel the recording").clicked() {
+                recording.cancel();
+            }
+        });
+}

@@ -1,0 +1,121 @@
+//! The pointer's events, so that none of them is lost in a slow frame.
+//!
+//! What comes between two frames is handed over in one go, and egui then knows where the pointer is at the end, not where
+//! it was pressed, and takes what is pressed and released within a frame for no drag. So a press, the motion behind it,
+//! and the release behind that have a frame each, as though the frames had been quick; and what is typed behind a click
+//! has one, since what was clicked on has the keys only then.
+
+use egui::{Context, Event, Id, Key, Modifiers, Plugin, RawInput};
+
+/// Hands over events in parts.
+#[derive(Debug, Default)]
+pub(crate) struct EventSplitter {
+    /// Events that come in the next frame, or later.
+    later: Vec<Event>,
+}
+
+impl EventSplitter {
+    /// Has the key Tab pressed once more in the next frame, with Shift where that is held.
+    pub(crate) fn press_tab(context: &Context) {
+        let modifiers = context.input(|input| input.modifiers);
+        context.data_mut(|data| data.insert_temp(Self::again(), modifiers));
+        context.request_repaint();
+    }
+
+    fn again() -> Id {
+        Id::unique("press Tab again")
+    }
+}
+
+impl Plugin for EventSplitter {
+    fn debug_name(&self) -> &'static str {
+        "events of the pointer in their order"
+    }
+
+    fn input_hook(&mut self, context: &Context, input: &mut RawInput) {
+        let mut events = std::mem::take(&mut self.later);
+        let again = context.data_mut(|data| data.remove_temp::<Modifiers>(Self::again()));
+        if let Some(modifiers) = again {
+            events.extend([true, false].map(|pressed| Event::Key {
+                key: Key::Tab,
+                physical_key: None,
+                pressed,
+                repeat: false,
+                modifiers,
+            }));
+        }
+        events.append(&mut input.events);
+        self.later = events.split_off(first_part(&events));
+        input.events = events;
+        if !self.later.is_empty() {
+            context.request_repaint();
+        }
+    }
+}
+
+/// How many events one frame can take.
+fn first_part(events: &[Event]) -> usize {
+    let (mut pressed, mut moved, mut clicked) = (false, false, false);
+    for (at, event) in events.iter().enumerate() {
+        match event {
+            Event::PointerMoved(_) if pressed => return at,
+            Event::PointerMoved(_) => moved = true,
+            Event::PointerButton { pressed: true, .. } => pressed = true,
+            // A release where the pointer was pressed, without any motion, is a click.
+            Event::PointerButton { pressed: false, .. } if moved && !pressed => return at,
+            // What is typed belongs to what was clicked on, which has the keys in the next frame.
+            Event::Key { .. } | Event::Text(_) | Event::Paste(_) | Event::Ime(_) if clicked => {
+                return at;
+            }
+            _ => {}
+        }
+        clicked |= matches!(event, Event::PointerButton { .. });
+    }
+    events.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::first_part;
+    use egui::{Event, Modifiers, PointerButton, Pos2};
+
+    /// The parts in which events are handed over: `m` moves, `p` presses, `r` releases, `t` is a text.
+    fn parts(events: &str) -> Vec<String> {
+        let button = |pressed| Event::PointerButton {
+            pos: Pos2::ZERO,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        let event = |letter: char| match letter {
+            'm' => Event::PointerMoved(Pos2::ZERO),
+            'p' => button(true),
+            'r' => button(false),
+            _ => Event::Text(String::new()),
+        };
+        let all: Vec<Event> = events.chars().map(event).collect();
+        let (mut rest, mut parts) = (events, Vec::new());
+        let mut left = &all[..];
+        while !left.is_empty() {
+            let many = first_part(left);
+            parts.push(rest[..many].to_owned());
+            (rest, left) = (&rest[many..], &left[many..]);
+        }
+        parts
+    }
+
+    #[test]
+    fn a_drag_within_a_frame_is_handed_over_in_parts() {
+        assert_eq!(parts("mpmmr"), ["mp", "mm", "r"]);
+        assert_eq!(parts("mmr"), ["mm", "r"]);
+        assert_eq!(parts("pmtrmp"), ["p", "mt", "rmp"]);
+        assert_eq!(parts("mprttm"), ["mpr", "ttm"]);
+    }
+
+    #[test]
+    fn clicks_and_plain_motion_are_handed_over_in_one() {
+        assert_eq!(parts("mmpr"), ["mmpr"]);
+        assert_eq!(parts("prpr"), ["prpr"]);
+        assert_eq!(parts("mmmt"), ["mmmt"]);
+    }
+}

@@ -1,0 +1,181 @@
+//! The window's own GPU: the one that draws its controls can draw its pictures too, and then they never leave it.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState};
+use egui::{
+    Color32, ColorImage, Context, PaintCallbackInfo, Painter, Rect, TextureHandle, TextureOptions,
+};
+use render::gpu::wgpu::{Backend as Backends, DeviceType, PollType, RenderPass};
+use render::gpu::{Blit, Blitter, Canvas, Gpu};
+use render::live::Stage;
+
+use crate::Backend;
+use crate::engine::render_thread::Painted;
+
+/// What the window is drawn with.
+#[derive(Clone)]
+pub(crate) struct GpuSurface {
+    state: RenderState,
+    gpu: Arc<Gpu>,
+    /// What copies pictures; none where the GPU is lost already.
+    blitter: Option<Arc<Blitter>>,
+}
+
+impl GpuSurface {
+    /// Takes the device over: its errors and its loss no longer end the program.
+    pub(crate) fn new(state: RenderState, context: &Context) -> Self {
+        let name = state.adapter.get_info().name;
+        let waker = context.clone();
+        // Nothing else may wake a window that can no longer be drawn.
+        let lost = move || waker.request_repaint();
+        let gpu = Gpu::adopt(state.device.clone(), state.queue.clone(), name, lost);
+        let blitter = Blitter::new(&gpu, state.target_format).ok();
+        Self {
+            state,
+            gpu: Arc::new(gpu),
+            blitter: blitter.map(Arc::new),
+        }
+    }
+
+    /// The stage that a backend means here, and its name in words. A GPU that is a program on the processor is slower
+    /// than the processor's own way, so it is taken only where it is asked for.
+    pub(crate) fn stage(&self, backend: Backend) -> (Stage, String) {
+        let adapter = self.state.adapter.get_info();
+        // OpenGL can draw the controls, but lacks what the passes need.
+        let is_real = adapter.device_type != DeviceType::Cpu && adapter.backend != Backends::Gl;
+        match backend {
+            Backend::Gpu => {}
+            Backend::Auto if is_real => {}
+            Backend::Auto => return (Stage::software(), "software".to_owned()),
+            Backend::Software => return (Stage::software(), "software, as asked for".to_owned()),
+        }
+        (Stage::on(Arc::clone(&self.gpu)), self.gpu.name().to_owned())
+    }
+
+    /// For how long a frame of the window may wait for its pictures: less than a frame of the screen, or where frames are
+    /// drawn by the processor, about as long as one takes.
+    pub(crate) fn frame_wait_budget(&self) -> Duration {
+        if self.state.adapter.get_info().device_type == DeviceType::Cpu {
+            Duration::from_millis(100)
+        } else {
+            Duration::from_millis(12)
+        }
+    }
+
+    /// Whether the device is gone.
+    pub(crate) fn is_lost(&self) -> bool {
+        // The device tells of its loss when it is looked after.
+        let _ = self.state.device.poll(PollType::Poll);
+        self.gpu.is_lost()
+    }
+
+    /// Has its driver refuse shaders of samples.
+    pub(crate) fn refuse_samples(&self) {
+        self.gpu.refuse_samples();
+    }
+
+    /// Gives the device up, as if it were lost.
+    pub(crate) fn lose(&self) {
+        self.gpu.destroy();
+    }
+}
+
+/// A picture where the window paints it from.
+pub(crate) enum TextureBinding {
+    /// A texture of egui's: where there is no screen, as in tests.
+    Texture(TextureHandle),
+    /// A canvas on the screen's GPU.
+    Canvas {
+        blit: Arc<Blit>,
+        blitter: Arc<Blitter>,
+        /// The canvas is the window's own.
+        is_own: bool,
+    },
+}
+
+impl TextureBinding {
+    /// Hangs a picture up, in the place of another one. Nothing comes of it where the GPU is lost: another one is
+    /// opened then.
+    pub(crate) fn new(
+        painted: Painted,
+        before: Option<Self>,
+        screen: Option<&GpuSurface>,
+        context: &Context,
+    ) -> Option<Self> {
+        let Some(screen) = screen else {
+            let Painted::Image(image) = painted else {
+                return None;
+            };
+            let size = [image.width() as usize, image.height() as usize];
+            // Opaque, so it does not matter whether alpha has been multiplied in; this way is the quick one.
+            let image = ColorImage::from_rgba_premultiplied(size, image.as_raw());
+            let options = TextureOptions::LINEAR;
+            let Some(Self::Texture(mut texture)) = before else {
+                return Some(Self::Texture(
+                    context.load_texture("picture", image, options),
+                ));
+            };
+            texture.set(image, options);
+            return Some(Self::Texture(texture));
+        };
+        let blitter = Arc::clone(screen.blitter.as_ref()?);
+        let (canvas, is_own) = match painted {
+            Painted::Canvas(canvas) => (canvas, false),
+            Painted::Image(image) => {
+                let size = [image.width(), image.height()];
+                if let Some(Self::Canvas { blit, is_own, .. }) = &before
+                    && *is_own
+                    && blit.canvas().size() == size
+                {
+                    blit.canvas().write(&screen.gpu, &image).ok()?;
+                    return before;
+                }
+                (Canvas::with_pixels(&screen.gpu, size, &image).ok()?, true)
+            }
+        };
+        Some(Self::Canvas {
+            blit: Arc::new(blitter.ready(&screen.gpu, canvas)),
+            blitter,
+            is_own,
+        })
+    }
+
+    /// Paints it over a rectangle.
+    pub(crate) fn paint(&self, painter: &Painter, rect: Rect) {
+        match self {
+            Self::Texture(texture) => {
+                let all = Rect::from_min_max(egui::pos2(0.0, 0.0), egui::pos2(1.0, 1.0));
+                painter.image(texture.id(), rect, all, Color32::WHITE);
+            }
+            Self::Canvas { blit, blitter, .. } => {
+                let copy = Copy {
+                    blit: Arc::clone(blit),
+                    blitter: Arc::clone(blitter),
+                };
+                painter.add(Callback::new_paint_callback(rect, copy));
+            }
+        }
+    }
+}
+
+/// What is to be done while the window is painted.
+struct Copy {
+    blit: Arc<Blit>,
+    blitter: Arc<Blitter>,
+}
+
+impl CallbackTrait for Copy {
+    fn paint(
+        &self,
+        info: PaintCallbackInfo,
+        pass: &mut RenderPass<'static>,
+        _resources: &CallbackResources,
+    ) {
+        let place = info.viewport_in_pixels();
+        let rectangle = [place.left_px, place.top_px, place.width_px, place.height_px];
+        self.blitter
+            .copy(pass, &self.blit, rectangle.map(|it| it as f32));
+    }
+}

@@ -1,0 +1,367 @@
+//! The panes: docked side by side or in tabs, moved by dragging their titles.
+
+mod geodesic;
+mod handles;
+pub(crate) mod picture;
+mod program;
+mod settings;
+mod space;
+mod tiles;
+
+use std::collections::BTreeSet;
+
+use egui::{Response, Ui, WidgetText};
+use egui_tiles::{
+    Behavior, Container, EditAction, Linear, LinearDir, SimplificationOptions, TabState, Tile,
+    TileId, Tiles, Tree, UiResponse,
+};
+
+use crate::state::layout::{Arrangement, Layout};
+use crate::state::pane::{Pane, PaneKey};
+use crate::ui::window::Window;
+
+/// The width of what is written beside that of a picture.
+const SIDE: f32 = 0.8;
+/// How many geodesic views are opened without being asked for.
+const OPENED: usize = 8;
+
+/// The panes that are open, and where.
+#[derive(Debug)]
+pub(crate) struct Panes {
+    tree: Tree<Pane>,
+    /// The user has arranged them.
+    pub(crate) arranged: bool,
+    /// The 3D view was left out, since nothing had a place in it.
+    without_space: bool,
+}
+
+impl Panes {
+    /// The first layout.
+    pub(crate) fn new(with_program: bool) -> Self {
+        let mut tiles = Tiles::default();
+        let space = tiles.insert_pane(Pane::Space);
+        let settings = tiles.insert_pane(Pane::Settings);
+        let views = tabs(&mut tiles, space);
+        let settings = tabs(&mut tiles, settings);
+        let side = if with_program {
+            let program = tiles.insert_pane(Pane::Program);
+            let program = tabs(&mut tiles, program);
+            let column = Linear::new(LinearDir::Vertical, vec![program, settings]);
+            tiles.insert_container(Container::Linear(column))
+        } else {
+            settings
+        };
+        let mut row = Linear::new(LinearDir::Horizontal, vec![side, views]);
+        row.shares.set_share(side, SIDE);
+        row.shares.set_share(views, 1.0);
+        let root = tiles.insert_container(Container::Linear(row));
+        Self {
+            tree: Tree::new(egui::Id::unique("panes"), root, tiles),
+            arranged: false,
+            without_space: false,
+        }
+    }
+
+    /// The panes' places, where the user has arranged them.
+    pub(crate) fn layout(&self) -> Option<Layout> {
+        let arranged = self.arranged.then(|| tiles::layout_of(&self.tree));
+        arranged.flatten()
+    }
+
+    /// Puts the panes where they were; whether there were any.
+    pub(crate) fn arrange(&mut self, layout: &Layout) -> bool {
+        let Some(tree) = tiles::tree(layout, egui::Id::unique("panes")) else {
+            return false;
+        };
+        self.tree = tree;
+        self.arranged = true;
+        true
+    }
+
+    /// Sets the open panes out anew: what is written on the left, the views beside it.
+    pub(crate) fn set_out(&mut self, arrangement: Arrangement) {
+        let panes = self.tree.tiles.tiles().filter_map(|tile| match tile {
+            Tile::Pane(pane) => Some(pane.clone()),
+            Tile::Container(_) => None,
+        });
+        let (mut views, mut written): (Vec<Pane>, Vec<Pane>) =
+            panes.partition(|pane| pane.picture().is_some());
+        views.sort_by_key(Pane::picture);
+        written.sort_by_key(|pane| *pane == Pane::Settings);
+        let layout = Layout::set_out(&written, &views, arrangement, SIDE);
+        if let Some(tree) = tiles::tree(&layout, self.tree.id()) {
+            self.tree = tree;
+            self.arranged = arrangement != Arrangement::First;
+        }
+    }
+
+    /// Gives a pane so many times the room beside its neighbours.
+    pub(crate) fn resize(&mut self, pane: &Pane, factor: f32) {
+        let mut tile = self.tree.tiles.find_pane(pane);
+        while let Some(child) = tile {
+            tile = self.tree.tiles.parent_of(child);
+            let Some(parent) = tile else {
+                return;
+            };
+            if let Some(Tile::Container(Container::Linear(line))) = self.tree.tiles.get_mut(parent)
+                && line.children.len() > 1
+            {
+                let share = (line.shares[child] * factor).clamp(0.1, 10.0);
+                line.shares.set_share(child, share);
+                self.arranged = true;
+                return;
+            }
+        }
+    }
+
+    /// Leaves the 3D view out of the first layout, until something has a place in it.
+    pub(crate) fn leave_out_space(&mut self) {
+        if !self.arranged && self.is_open(&Pane::Space) {
+            self.close(&Pane::Space);
+            self.without_space = true;
+        }
+    }
+
+    /// Opens the 3D view where it was left out.
+    pub(crate) fn bring_back_space(&mut self) {
+        if std::mem::take(&mut self.without_space) && !self.arranged {
+            self.open(&Pane::Space);
+        }
+    }
+
+    /// Whether a pane is open.
+    pub(crate) fn is_open(&self, pane: &Pane) -> bool {
+        self.tree.tiles.find_pane(pane).is_some()
+    }
+
+    /// The views that can be seen: open, and behind no other tab.
+    pub(crate) fn in_front(&self) -> Vec<PaneKey> {
+        let tiles = self.tree.active_tiles().into_iter();
+        let panes = tiles.filter_map(|tile| self.tree.tiles.get_pane(&tile));
+        panes.filter_map(Pane::picture).collect()
+    }
+
+    /// Shows a pane, wherever it is.
+    pub(crate) fn bring_forward(&mut self, pane: &Pane) {
+        self.open(pane);
+        let Some(wanted) = self.tree.tiles.find_pane(pane) else {
+            return;
+        };
+        self.tree.make_active(|tile, _| tile == wanted);
+    }
+
+    /// Opens a pane, beside those that are most like it.
+    pub(crate) fn open(&mut self, pane: &Pane) {
+        if self.is_open(pane) {
+            return;
+        }
+        let alike = self.tree.tiles.iter().find_map(|(tile, it)| match it {
+            Tile::Pane(Pane::Inside(_)) if matches!(pane, Pane::Inside(_)) => Some(*tile),
+            _ => None,
+        });
+        let new = self.tree.tiles.insert_pane(pane.clone());
+        let group = alike.and_then(|tile| self.tree.tiles.parent_of(tile));
+        if let Some(group) = group
+            && let Some(Tile::Container(Container::Tabs(tabs))) = self.tree.tiles.get_mut(group)
+        {
+            tabs.add_child(new);
+            return;
+        }
+        let new = tabs(&mut self.tree.tiles, new);
+        // Behind the 3D view, if that is in a row; else at the end of the root.
+        let space = self.tree.tiles.find_pane(&Pane::Space);
+        let group = space.and_then(|tile| self.tree.tiles.parent_of(tile));
+        let row = group.and_then(|tile| self.tree.tiles.parent_of(tile));
+        if let (Some(group), Some(row)) = (group, row)
+            && let Some(Tile::Container(Container::Linear(row))) = self.tree.tiles.get_mut(row)
+        {
+            let at = row.children.iter().position(|child| *child == group);
+            let at = match pane {
+                Pane::Program => 0,
+                Pane::Settings => row.children.len(),
+                _ => at.map_or(row.children.len(), |at| at + 1),
+            };
+            row.children.insert(at, new);
+            row.shares
+                .set_share(new, if *pane == Pane::Settings { SIDE } else { 1.0 });
+            return;
+        }
+        let root = match self.tree.root() {
+            Some(root) => {
+                let row = Linear::new(LinearDir::Horizontal, vec![root, new]);
+                self.tree.tiles.insert_container(Container::Linear(row))
+            }
+            None => new,
+        };
+        self.tree.root = Some(root);
+    }
+
+    /// Closes a pane.
+    pub(crate) fn close(&mut self, pane: &Pane) {
+        if let Some(tile) = self.tree.tiles.find_pane(pane) {
+            self.tree.remove_recursively(tile);
+        }
+    }
+
+    /// Opens the views of new surfaces, and closes those of surfaces that are no more; a text with errors may only miss
+    /// them.
+    pub(crate) fn follow(&mut self, surfaces: &[String], closed: &BTreeSet<String>, ok: bool) {
+        let gone: Vec<Pane> = self
+            .tree
+            .tiles
+            .tiles()
+            .filter_map(|tile| match tile {
+                Tile::Pane(pane @ Pane::Inside(name)) if ok && !surfaces.contains(name) => {
+                    Some(pane.clone())
+                }
+                _ => None,
+            })
+            .collect();
+        for pane in gone {
+            self.close(&pane);
+        }
+        let wanted = surfaces.iter().filter(|name| !closed.contains(*name));
+        for name in wanted.take(OPENED) {
+            self.open(&Pane::Inside(name.clone()));
+        }
+    }
+}
+
+fn tabs(tiles: &mut Tiles<Pane>, pane: TileId) -> TileId {
+    tiles.insert_tab_tile(vec![pane])
+}
+
+/// Draws the panes.
+pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
+    let empty = Tree::empty(egui::Id::unique("no panes"));
+    let mut tree = std::mem::replace(&mut window.panes.tree, empty);
+    // No rectangle behind pictures that cover it: a driver without a GPU paints each pixel of it.
+    let frame = egui::Frame::NONE;
+    let mut closed = Vec::new();
+    egui::CentralPanel::default().frame(frame).show(ui, |ui| {
+        let mut drawer = Drawer {
+            window,
+            closed: &mut closed,
+            tabs: Vec::new(),
+        };
+        tree.ui(&mut drawer, ui);
+        let tabs = drawer.tabs;
+        handles::pass_on(ui, &tabs);
+    });
+    // What was asked for while the panes were drawn went to the empty tree's place.
+    let asked = std::mem::replace(&mut window.panes.tree, tree);
+    for tile in asked.tiles.tiles() {
+        if let Tile::Pane(pane) = tile {
+            window.bring_forward(pane);
+        }
+    }
+    for pane in closed {
+        if let Pane::Inside(name) = pane {
+            window.model.adjust(|view| {
+                view.closed.insert(name);
+            });
+        }
+    }
+}
+
+/// A pane of words, on its ground.
+fn written(window: &mut Window, ui: &mut Ui, show: impl FnOnce(&mut Window, &mut Ui)) {
+    ui.painter()
+        .rect_filled(ui.max_rect(), 0.0, window.background(ui));
+    show(window, ui);
+}
+
+struct Drawer<'a> {
+    window: &'a mut Window,
+    closed: &'a mut Vec<Pane>,
+    tabs: Vec<Response>,
+}
+
+impl Behavior<Pane> for Drawer<'_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
+        match pane {
+            Pane::Space => space::show(self.window, ui),
+            Pane::Inside(name) => geodesic::show(self.window, ui, name),
+            Pane::Settings => written(self.window, ui, settings::show),
+            Pane::Program => written(self.window, ui, program::show),
+        }
+        UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, pane: &Pane) -> WidgetText {
+        match pane {
+            Pane::Space => "3D view".into(),
+            Pane::Inside(name) => format!("Geodesic view – {name}").into(),
+            Pane::Settings => "Settings".into(),
+            Pane::Program => "Program".into(),
+        }
+    }
+
+    fn is_tab_closable(&self, _tiles: &Tiles<Pane>, _tile: TileId) -> bool {
+        true
+    }
+
+    fn on_edit(&mut self, action: EditAction) {
+        // A tab may come to the front by itself.
+        if matches!(action, EditAction::TileDropped | EditAction::TileResized) {
+            self.window.panes.arranged = true;
+        }
+    }
+
+    fn close_button_outer_size(&self) -> f32 {
+        16.0
+    }
+
+    fn on_tab_button(
+        &mut self,
+        tiles: &mut Tiles<Pane>,
+        tile: TileId,
+        button: Response,
+    ) -> Response {
+        if button.clicked() {
+            self.window.panes.arranged = true;
+            if let Some(picture) = tiles.get_pane(&tile).and_then(Pane::picture) {
+                self.window.activate(&picture);
+            }
+        }
+        self.tabs.push(button.clone());
+        button
+    }
+
+    fn on_tab_close(&mut self, tiles: &mut Tiles<Pane>, tile: TileId) -> bool {
+        if let Some(Tile::Pane(pane)) = tiles.get(tile) {
+            self.closed.push(pane.clone());
+            self.window.panes.arranged = true;
+        }
+        true
+    }
+
+    fn tab_text_color(
+        &self,
+        visuals: &egui::Visuals,
+        _tiles: &Tiles<Pane>,
+        _tile: TileId,
+        state: &TabState,
+    ) -> egui::Color32 {
+        if state.active {
+            visuals.strong_text_color()
+        } else {
+            visuals.text_color()
+        }
+    }
+
+    fn gap_width(&self, _style: &egui::Style) -> f32 {
+        4.0
+    }
+
+    fn min_size(&self) -> f32 {
+        80.0
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SimplificationOptions {
+            all_panes_must_have_tabs: true,
+            ..SimplificationOptions::default()
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! What both views have in common: a picture that fills its pane, with focus, a name, and a mark when it is stale.
+
+use egui::{
+    Align2, Color32, EventFilter, FontId, Id, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui,
+    WidgetInfo,
+};
+
+use crate::state::pane::PaneKey;
+use crate::ui::gpu_surface::TextureBinding;
+use crate::ui::window::Window;
+
+/// The picture of a pane among all that can have the focus.
+pub(crate) fn id(pane: &PaneKey) -> Id {
+    Id::unique(("picture", pane))
+}
+
+/// Draws a pane's newest picture, and says for which one it has room.
+pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &PaneKey) -> Response {
+    let room = ui.available_size().max(egui::vec2(16.0, 16.0));
+    let (_, rect) = ui.allocate_space(room);
+    let response = ui.interact(rect, id(pane), Sense::click_and_drag());
+    let scale = ui.pixels_per_point();
+    // As many as there are on the screen between its edges.
+    let [from, to] = [rect.min, rect.max].map(|corner| (corner.to_vec2() * scale).round());
+    let pixels = [to.x - from.x, to.y - from.y].map(|side| side.max(1.0) as u32);
+    window.make_room(pane, pixels);
+    let name = words(window, pane);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+    if response.clicked() || response.drag_started() || response.gained_focus() {
+        response.request_focus();
+        window.activate(pane);
+    }
+    paint(window, ui, pane, rect);
+    if response.has_focus() {
+        // The arrows move its camera, and do not lead away from it.
+        let arrows = EventFilter {
+            horizontal_arrows: true,
+            vertical_arrows: true,
+            ..EventFilter::default()
+        };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+        let stroke = Stroke::new(2.0, ui.visuals().selection.stroke.color);
+        ui.painter()
+            .rect_stroke(rect.shrink(1.0), 0.0, stroke, StrokeKind::Inside);
+    }
+    if is_set_off(window, pane) {
+        let [r, g, b] = render::style::EMPHASIS_COLOUR;
+        let stroke = Stroke::new(3.0, Color32::from_rgb(r, g, b));
+        ui.painter()
+            .rect_stroke(rect.shrink(2.0), 0.0, stroke, StrokeKind::Inside);
+    }
+    let key = match pane {
+        PaneKey::Space => "3d".to_owned(),
+        PaneKey::Inside(name) => format!("geodesic:{name}"),
+    };
+    let place = [rect.left(), rect.top(), rect.width(), rect.height()];
+    window.counters.panes.insert(key, place.map(|x| x * scale));
+    response
+}
+
+fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
+    let painter = ui.painter_at(rect);
+    let stale = is_stale(window, pane);
+    let lines = window.model.errors().count();
+    let mut error = None;
+    let mut covered = false;
+    if let Some(picture) = window.pictures.get_mut(pane) {
+        if let Some(painted) = picture.fresh.take() {
+            let before = picture.binding.take();
+            picture.binding =
+                TextureBinding::new(painted, before, window.screen.as_ref(), ui.ctx());
+        }
+        if let Some(binding) = &picture.binding {
+            binding.paint(&painter, rect);
+            if stale {
+                painter.rect_filled(rect, 0.0, Color32::from_black_alpha(65));
+            }
+            covered = true;
+        }
+        error.clone_from(&picture.error);
+    }
+    if !covered {
+        let [r, g, b] = render::style::BACKGROUND;
+        painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
+    }
+    if stale {
+        let some = if lines == 1 { "an error" } else { "errors" };
+        let text = format!("Stale: the program has {some}");
+        badge(
+            &painter,
+            rect.left_top() + egui::vec2(8.0, 8.0),
+            &text,
+            Color32::from_rgb(176, 32, 24),
+        );
+    } else if let Some(words) = nothing(window, pane) {
+        let place = rect.left_top() + egui::vec2(8.0, 8.0);
+        badge(&painter, place, words, Color32::from_gray(70));
+    }
+    if let Some(error) = error {
+        let place = rect.left_bottom() + egui::vec2(8.0, -34.0);
+        badge(&painter, place, &error, Color32::from_rgb(120, 60, 0));
+    }
+}
+
+/// Whether the view as a whole is that of what is declared at the cursor. In space, that is set off itself.
+fn is_set_off(window: &Window, pane: &PaneKey) -> bool {
+    match (pane, &window.model.highlighted) {
+        (PaneKey::Inside(name), Some(declared)) => name == declared,
+        _ => false,
+    }
+}
+
+/// Whether a view shows something as it is no more in the text.
+fn is_stale(window: &Window, pane: &PaneKey) -> bool {
+    match pane {
+        PaneKey::Space => window.model.is_stale_in_space(),
+        PaneKey::Inside(name) => window.model.is_stale_inside(name),
+    }
+}
+
+/// Why a view is empty, if it is.
+fn nothing(window: &Window, pane: &PaneKey) -> Option<&'static str> {
+    let model = &window.model;
+    let scene = model.scene.as_ref();
+    if model.read && scene.is_none_or(|scene| scene.objects.is_empty()) {
+        return Some("Nothing to show");
+    }
+    let only = *pane == PaneKey::Space && model.has_only_metrics();
+    only.then_some("A metric has no place in space: see its geodesic view")
+}
+
+/// A sentence on a plate, readable over any picture.
+fn badge(painter: &egui::Painter, at: egui::Pos2, text: &str, colour: Color32) {
+    let width = (painter.clip_rect().right() - at.x - 24.0).max(60.0);
+    let galley = painter.layout(
+        text.to_owned(),
+        FontId::proportional(14.0),
+        Color32::WHITE,
+        width,
+    );
+    let plate = Rect::from_min_size(at, galley.size() + egui::vec2(16.0, 8.0));
+    painter.rect_filled(plate, 4.0, colour);
+    let place = Align2::CENTER_CENTER
+        .align_size_within_rect(galley.size(), plate)
+        .min;
+    painter.galley(place, galley, Color32::WHITE);
+}
+
+/// The picture in words.
+fn words(window: &Window, pane: &PaneKey) -> String {
+    let mut words = match pane {
+        PaneKey::Space => {
+            let objects = window
+                .model
+                .scene
+                .as_ref()
+                .map_or(0, |scene| scene.objects.len());
+            let eye = window.model.view.space.map(|camera| camera.eye);
+            let place = eye.map_or(String::new(), |[x, y, z]| {
+                format!(", seen from ({x:.2}, {y:.2}, {z:.2})")
+            });
+            let some = if objects == 1 { "object" } else { "objects" };
+            format!("3D view of {objects} {some}{place}")
+        }
+        PaneKey::Inside(name) => {
+            let place = window
+                .model
+                .view
+                .inside
+                .get(name)
+                .map_or(String::new(), |it| {
+                    let [u, v] = it.at;
+                    format!(
+                        " from (u, v) = ({u:.3}, {v:.3}), {:.3} from centre to edge",
+                        it.zoom
+                    )
+                });
+            format!("Geodesic view of {name}{place}")
+        }
+    };
+    if is_set_off(window, pane) {
+        words.push_str("; declared at the cursor");
+    }
+    if let Some(nothing) = nothing(window, pane) {
+        words.push_str("; ");
+        words.push_str(nothing);
+    }
+    if is_stale(window, pane) {
+        words.push_str("; stale: the program has errors");
+    }
+    if let Some(error) = window.pictures.get(pane).and_then(|it| it.error.as_ref()) {
+        words.push_str("; ");
+        words.push_str(error);
+    }
+    words
+}

@@ -1,0 +1,125 @@
+//! Above the panes, what the user must know; below them, the status line.
+
+use egui::{Panel, RichText, Ui};
+
+use crate::io::link::DisconnectReason;
+use crate::state::StatusMessage;
+use crate::state::pane::PaneKey;
+use crate::ui::window::{TextSource, Window};
+
+/// What the user must know before all else.
+pub(crate) fn banners(window: &mut Window, ui: &mut Ui) {
+    let TextSource::Attached {
+        disconnected: Some(reason),
+        ..
+    } = &window.source
+    else {
+        return;
+    };
+    let visuals = ui.visuals();
+    let (colour, text) = match reason {
+        DisconnectReason::Gone(reason) => {
+            let gone = "The language server has gone: this is the last picture of its text.";
+            let because = reason.as_ref().map(|it| format!(" ({it})"));
+            let text = format!("{gone}{}", because.unwrap_or_default());
+            (visuals.warn_fg_color, text)
+        }
+        DisconnectReason::Refused(sentence) => (visuals.error_fg_color, sentence.clone()),
+    };
+    Panel::top("banner").show(ui, |ui| {
+        ui.colored_label(colour, text);
+    });
+}
+
+/// The status line: one row, so that no sentence moves the pictures; what has no room is told where the pointer rests.
+pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
+    let height = ui.spacing().interact_size.y;
+    let frame = egui::Frame::side_top_panel(ui.style()).fill(window.background(ui));
+    let panel = Panel::bottom("status").frame(frame);
+    panel.exact_size(height).show(ui, |ui| {
+        ui.horizontal_centered(|ui| {
+            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Truncate);
+            let colour = if window.model.ok || !window.model.read {
+                ui.visuals().text_color()
+            } else {
+                ui.visuals().error_fg_color
+            };
+            let status = ui.link(RichText::new(window.model.status()).color(colour));
+            let took = window.model.took.as_secs_f64() * 1e3;
+            let status = status.on_hover_text(format!("compiled in {took:.1} ms"));
+            if status.clicked() {
+                let first = window.model.errors().next().map(|it| it.span);
+                if let Some(span) = first {
+                    window.open_place(span);
+                }
+            }
+            ui.separator();
+            numbers(window, ui);
+            ui.label(&window.backend);
+            notes(window, ui);
+            if let Some(StatusMessage { is_error, text }) = &window.status_message {
+                ui.separator();
+                if *is_error {
+                    ui.colored_label(ui.visuals().error_fg_color, text);
+                } else {
+                    ui.label(text);
+                }
+            }
+        });
+    });
+}
+
+/// What the active pane's picture has cost, and the window's last frame apart from it.
+fn numbers(window: &Window, ui: &mut Ui) {
+    let Some(picture) = window.pictures.get(&window.active) else {
+        return;
+    };
+    let [picture_took, frame_took] =
+        [picture.took, window.painting].map(|time| time.as_secs_f64() * 1e3);
+    ui.label(format!(
+        "picture {picture_took:.1} ms, frame {frame_took:.1} ms"
+    ));
+    if let (Some((work, estimate)), PaneKey::Inside(_)) = (picture.inside, &window.active) {
+        ui.separator();
+        let error = estimate.map_or(String::new(), |it| format!(", error ≤ {:.2} px", it.max));
+        ui.label(format!(
+            "{} steps, {} evaluations{error}",
+            work.steps, work.evaluations
+        ));
+    }
+    let surface = match &window.active {
+        PaneKey::Inside(name) => Some(name),
+        PaneKey::Space => window.active_surface.as_ref(),
+    };
+    let leaves = window.model.view.preferences.marks.trail;
+    let way = surface.and_then(|name| window.model.walked.get(name));
+    if let Some(way) = way.filter(|_| leaves) {
+        ui.separator();
+        ui.label(format!("trail of length {:.4}", way.trail.length));
+    }
+    ui.separator();
+}
+
+/// What a reader of the pictures should know.
+fn notes(window: &Window, ui: &mut Ui) {
+    let mut notes: Vec<&str> = Vec::new();
+    for picture in window.pictures.values() {
+        for note in &picture.notes {
+            // What a picture cost is in the status line itself.
+            let is_number =
+                note.contains("evaluations of the surface") || note.starts_with("the error is");
+            if !is_number && !notes.contains(&note.as_str()) {
+                notes.push(note);
+            }
+        }
+    }
+    if notes.is_empty() {
+        return;
+    }
+    ui.separator();
+    let first = match notes.len() {
+        1 => notes[0].to_owned(),
+        n => format!("{} (and {} more)", notes[0], n - 1),
+    };
+    ui.weak(first).on_hover_text(notes.join("\n"));
+}

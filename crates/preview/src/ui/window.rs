@@ -1,0 +1,469 @@
+//! The window: what it knows, and what it does each time it draws itself.
+//!
+//! ```text
+//! event.rs   the events of all parts          input.rs  shortcuts, keys, animation
+//! events.rs  takes them   └──────────▶ model ◀──────────────┘
+//! menu.rs, status.rs, panes.rs draw it; pictures.rs requests the pictures that have changed; server_events.rs reports to
+//! the server; text.rs has the text of the window's own pane compiled, saved, rescued
+//! ```
+
+mod active;
+mod clicks;
+mod event;
+mod events;
+mod input;
+mod pictures;
+mod server_events;
+mod text;
+
+pub(crate) use pictures::Picture;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::sync::mpsc::Receiver;
+use std::time::{Duration, Instant};
+
+use egui::Ui;
+use render::live::Stage;
+
+use crate::channel::EventSender;
+use crate::engine::compiler::Compiler;
+use crate::engine::editor::Editor;
+use crate::engine::render_thread::RenderThread;
+use crate::engine::request::Order;
+use crate::engine::textures::Library;
+use crate::io::file_dialogs::FileChoice;
+use crate::io::link::{DisconnectReason, Link};
+use crate::io::persistence::ViewStore;
+use crate::io::report::{Counters, Report};
+use crate::io::watch::Watch;
+use crate::state::layout::Layout;
+use crate::state::pane::PaneKey;
+use crate::state::{Model, StatusMessage, Theme};
+use crate::ui::camera_input;
+use crate::ui::dialogs::Dialogs;
+use crate::ui::event_splitter::EventSplitter;
+use crate::ui::gpu_surface::GpuSurface;
+use crate::ui::highlighting;
+use crate::ui::panes::Panes;
+use clicks::{Clicks, DOUBLE_CLICK};
+use event::WindowEvent;
+
+/// Everything that the window is.
+pub struct Window {
+    pub(crate) model: Model,
+    sender: EventSender<WindowEvent>,
+    events: Receiver<WindowEvent>,
+    compiler: Compiler,
+    pub(crate) render_thread: RenderThread,
+    pub(crate) library: Library,
+    pub(crate) source: TextSource,
+    pub(crate) panes: Panes,
+    /// The pane that keys move.
+    pub(crate) active: PaneKey,
+    /// The surface whose camera is shown in 3D.
+    pub(crate) active_surface: Option<String>,
+    pub(crate) pictures: BTreeMap<PaneKey, Picture>,
+    sent: BTreeMap<PaneKey, Order>,
+    /// Panes whose last order has not been answered.
+    waiting: BTreeSet<PaneKey>,
+    /// Panes that were on the screen when the window last drew itself, each with the pixels it had room for.
+    seen: BTreeMap<PaneKey, [u32; 2]>,
+    /// For how long a frame waits for its pictures.
+    frame_wait_budget: Duration,
+    /// For how long this one has waited.
+    pub(crate) waited: Duration,
+    /// Until when a view counts as moving.
+    moving_until: f64,
+    /// Until when what hands do belongs to what they have done.
+    gesture_until: f64,
+    clicks: Clicks,
+    /// The pixels that the 3D pane had room for when the window last drew itself.
+    space_room: Option<[u32; 2]>,
+    pub(crate) status_message: Option<StatusMessage>,
+    pub(crate) painter: highlighting::Painter,
+    pub(crate) dialogs: Dialogs,
+    pub(crate) backend: String,
+    pub(crate) screen: Option<GpuSurface>,
+    view_store: Option<ViewStore>,
+    /// A surface whose view is to be opened when the text of this version has been read.
+    wanted: Option<(String, Option<i32>)>,
+    shown: Option<(i32, bool, Instant)>,
+    /// What the frame before this one took.
+    pub(crate) painting: Duration,
+    told_values: BTreeMap<String, Vec<f64>>,
+    pub(crate) counters: Counters,
+    report: Option<Report>,
+    style: Option<(Theme, f32)>,
+    /// How large it is on its screen, in the screen's points.
+    pub(crate) size: Option<egui::Vec2>,
+    /// A param that keys have changed, and whose value is to stand in the text when they are let go.
+    pub(crate) unwritten: Option<String>,
+    /// The keys were used last, not the pointer.
+    pub(crate) by_keys: bool,
+    /// The window is to come to the front.
+    pub(crate) raise: bool,
+    /// The window is to close.
+    pub(crate) closing: bool,
+}
+
+/// Where the text comes from.
+pub(crate) enum TextSource {
+    /// A file with a pane to edit it.
+    File {
+        editor: Box<Editor>,
+        _watch: Option<Watch>,
+    },
+    /// An editor elsewhere.
+    Attached {
+        link: Link,
+        uri: String,
+        path: Option<PathBuf>,
+        /// Nothing more comes from there.
+        disconnected: Option<DisconnectReason>,
+    },
+}
+
+impl Window {
+    /// A window for a file's text, which it edits and, with `watched`, follows on disk.
+    ///
+    /// # Errors
+    /// [`crate::Failure::Unreadable`].
+    pub fn of_file(
+        context: &egui::Context,
+        path: PathBuf,
+        watched: bool,
+    ) -> Result<Self, crate::Failure> {
+        let text = crate::io::watch::read(&path).map_err(|reason| crate::Failure::Unreadable {
+            path: path.clone(),
+            reason: reason.to_string(),
+        })?;
+        let (sender, events) = EventSender::new(context.clone());
+        let mut message = None;
+        let watch = if watched {
+            match Watch::start(&path, text.clone(), sender.for_part(WindowEvent::File)) {
+                Ok(watch) => Some(watch),
+                Err(reason) => {
+                    let sentence = format!("the file is not watched: {reason}");
+                    message = Some(StatusMessage::error(sentence));
+                    None
+                }
+            }
+        } else {
+            None
+        };
+        let source = TextSource::File {
+            editor: Box::new(Editor::new(path.clone(), text.clone())),
+            _watch: watch,
+        };
+        let compiler = Compiler::start(sender.for_part(WindowEvent::Compiled));
+        let mut window = Self::new(sender, events, compiler, source);
+        window.remember(path);
+        window.status_message = message.or(window.status_message);
+        window.compile(text.into());
+        Ok(window)
+    }
+
+    /// A window for an editor's text, which comes from `input`; events go to `output`.
+    pub fn attached(
+        context: &egui::Context,
+        input: impl std::io::Read + Send + 'static,
+        output: impl std::io::Write + Send + 'static,
+    ) -> Self {
+        let (sender, events) = EventSender::new(context.clone());
+        let compiler = Compiler::start(sender.for_part(WindowEvent::Compiled));
+        let own = compiler.clone();
+        let compile = move |version, text| own.compile(version, text);
+        let commands = sender.for_part(WindowEvent::Link);
+        let link = Link::start(commands, compile, input, output);
+        let source = TextSource::Attached {
+            link,
+            uri: String::new(),
+            path: None,
+            disconnected: None,
+        };
+        Self::new(sender, events, compiler, source)
+    }
+
+    fn new(
+        sender: EventSender<WindowEvent>,
+        events: Receiver<WindowEvent>,
+        compiler: Compiler,
+        source: TextSource,
+    ) -> Self {
+        let edits = matches!(source, TextSource::File { .. });
+        Self {
+            model: Model::default(),
+            compiler,
+            render_thread: RenderThread::start(
+                sender.for_part(|event| WindowEvent::Render(Box::new(event))),
+                Stage::software(),
+            ),
+            library: Library::new(sender.for_part(WindowEvent::Texture)),
+            panes: Panes::new(edits),
+            active: PaneKey::Space,
+            active_surface: None,
+            pictures: BTreeMap::new(),
+            sent: BTreeMap::new(),
+            waiting: BTreeSet::new(),
+            seen: BTreeMap::new(),
+            frame_wait_budget: Duration::ZERO,
+            waited: Duration::ZERO,
+            moving_until: 0.0,
+            gesture_until: 0.0,
+            clicks: Clicks::default(),
+            space_room: None,
+            status_message: None,
+            painter: highlighting::Painter::default(),
+            dialogs: Dialogs::default(),
+            backend: "software".to_owned(),
+            screen: None,
+            view_store: None,
+            wanted: None,
+            shown: None,
+            painting: Duration::ZERO,
+            told_values: BTreeMap::new(),
+            counters: Counters::default(),
+            report: None,
+            style: None,
+            size: None,
+            unwritten: None,
+            by_keys: false,
+            raise: false,
+            closing: false,
+            sender,
+            events,
+            source,
+        }
+    }
+
+    /// Returns a sender of sentences for the status line.
+    pub(crate) fn status_sender(&self) -> EventSender<StatusMessage> {
+        self.sender.for_part(WindowEvent::Status)
+    }
+
+    /// Returns a sender of what the user chooses in the desktop's dialogs.
+    pub(crate) fn file_choices(&self) -> EventSender<FileChoice> {
+        self.sender.for_part(WindowEvent::FileChoice)
+    }
+
+    /// Writes counters after each drawing.
+    pub(crate) fn report_to(&mut self, report: Report) {
+        self.report = Some(report);
+    }
+
+    /// Tells where the controls of a screen are, if it reports at all.
+    pub(crate) fn report_from(&self, context: &egui::Context) {
+        if let Some(report) = &self.report {
+            report.tell_places(context);
+        }
+    }
+
+    /// Shows itself on a screen from now on, and draws on its GPU if that is wanted. All pictures are asked for anew.
+    pub(crate) fn move_to(
+        &mut self,
+        screen: GpuSurface,
+        backend: crate::Backend,
+        context: &egui::Context,
+    ) {
+        self.sender.readdress(context.clone());
+        self.style = None;
+        // A new context counts its time from the beginning.
+        self.moving_until = 0.0;
+        self.gesture_until = 0.0;
+        self.forget_click();
+        self.pictures.clear();
+        self.sent.clear();
+        self.waiting.clear();
+        let (stage, words) = screen.stage(backend);
+        self.backend = words;
+        self.set_frame_wait_budget(screen.frame_wait_budget());
+        self.render_thread.set_stage(stage);
+        self.screen = Some(screen);
+    }
+
+    /// Whether the GPU that it is shown by is gone.
+    pub(crate) fn has_lost_its_screen(&mut self) -> bool {
+        self.screen.as_ref().is_some_and(GpuSurface::is_lost)
+    }
+
+    /// Takes over what was remembered of a program, and remembers on.
+    fn remember(&mut self, program: PathBuf) {
+        let (known, mut trouble) = crate::io::persistence::load(&program);
+        self.model.turn_to(known.view.clone());
+        if let Some(layout) = known.layouts.get(self.kind()) {
+            let layout = serde_json::from_value::<Layout>(layout.clone());
+            if !layout.is_ok_and(|layout| self.panes.arrange(&layout)) {
+                let sentence =
+                    "the places of the panes that were remembered make no sense, and are not used";
+                trouble.get_or_insert_with(|| sentence.to_owned());
+            }
+        }
+        if let Some(sentence) = trouble {
+            self.status_message = Some(StatusMessage::error(sentence));
+        }
+        self.view_store = Some(ViewStore::start(program, known, self.status_sender()));
+    }
+
+    /// The kind of window whose panes are remembered together.
+    fn kind(&self) -> &'static str {
+        match self.source {
+            TextSource::File { .. } => "alone",
+            TextSource::Attached { .. } => "attached",
+        }
+    }
+
+    /// The state that is shown, for tests and assistive tools.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// What has happened so far.
+    pub fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// Whether every view on the screen shows its newest picture, no text waits to be compiled, and no click for another.
+    pub fn is_settled(&self) -> bool {
+        self.waiting.is_empty()
+            && self.model.read
+            && self.counters.compiled > 0
+            && self.clicked_until().is_none()
+            && !self.is_behind()
+    }
+
+    fn is_behind(&self) -> bool {
+        match &self.source {
+            TextSource::File { editor, .. } => editor.version != self.model.version,
+            TextSource::Attached { .. } => false,
+        }
+    }
+
+    /// Draws the window.
+    pub fn show(&mut self, ui: &mut Ui) {
+        let context = ui.ctx().clone();
+        self.apply_style(&context);
+        self.handle_events();
+        // A frame that is laid out once more has been moved by hands already.
+        if context.current_pass_index() == 0 {
+            if ui.input(|input| input.pointer.any_pressed()) {
+                self.model.history.settle();
+            }
+            self.end_old_click(ui);
+            self.shortcuts(ui);
+            self.take_drops(ui);
+            self.animate(ui);
+            self.keys(ui);
+        }
+        crate::ui::menu::bar(self, ui);
+        crate::ui::status::banners(self, ui);
+        crate::ui::status::line(self, ui);
+        self.seen.clear();
+        crate::ui::panes::show(self, ui);
+        crate::ui::dialogs::show(self, ui);
+        self.ask(ui);
+        self.await_pictures(&context);
+        if !context.will_discard() {
+            self.after(ui);
+        }
+    }
+
+    /// The colour of the ground that words stand on. A screen is cleared with it: nothing need be painted there.
+    pub(crate) fn background(&self, ui: &Ui) -> egui::Color32 {
+        match self.screen {
+            Some(_) => egui::Color32::TRANSPARENT,
+            None => ui.visuals().panel_fill,
+        }
+    }
+
+    fn apply_style(&mut self, context: &egui::Context) {
+        let preferences = &self.model.view.preferences;
+        let style = (preferences.theme, preferences.scale);
+        if self.style == Some(style) {
+            return;
+        }
+        self.style = Some(style);
+        // Each context takes it once.
+        context.add_plugin(EventSplitter::default());
+        context.options_mut(|options| {
+            // Its keys change the setting.
+            options.zoom_with_keyboard = false;
+            let input = &mut options.input_options;
+            // A slow hand, or a slow machine, presses a button as well as a quick one.
+            input.max_click_duration = f64::INFINITY;
+            input.max_double_click_delay = DOUBLE_CLICK;
+        });
+        context.set_theme(match style.0 {
+            Theme::System => egui::ThemePreference::System,
+            Theme::Light => egui::ThemePreference::Light,
+            Theme::Dark => egui::ThemePreference::Dark,
+        });
+        context.set_zoom_factor(style.1);
+        context.all_styles_mut(|style| {
+            // A blinking cursor would draw the window again and again.
+            style.visuals.text_cursor.blink = false;
+            style.spacing.slider_width = 150.0;
+            style.spacing.interact_size.y = 22.0;
+        });
+    }
+
+    /// What is done when everything has been drawn.
+    fn after(&mut self, ui: &Ui) {
+        let unseen: Vec<PaneKey> = self
+            .sent
+            .keys()
+            .filter(|pane| !self.seen.contains_key(*pane))
+            .cloned()
+            .collect();
+        if !unseen.is_empty() {
+            // A finished picture may have waited for one of these, and nobody else would wake the window for it.
+            ui.ctx().request_repaint();
+        }
+        for pane in unseen {
+            self.render_thread.forget(&pane);
+            self.sent.remove(&pane);
+            self.waiting.remove(&pane);
+        }
+        let arrows = self.has_arrows(ui);
+        let rests = ui.input(|input| {
+            let held = input.pointer.any_down() || camera_input::Held::new(input, arrows).any();
+            !held && input.time >= self.gesture_until
+        });
+        if rests {
+            self.model.history.settle();
+        }
+        let kind = self.kind();
+        if let Some(store) = &mut self.view_store {
+            let layout = self.panes.layout();
+            store.keep(&self.model.view, kind, layout.as_ref());
+        }
+        self.wake_in_time(ui);
+        self.tell();
+        self.counters.frames += 1;
+        if self.report.is_some() {
+            self.count();
+        }
+        if let Some(report) = &self.report {
+            report.write(&self.counters);
+        }
+    }
+
+    fn count(&mut self) {
+        self.counters.settled = self.is_settled();
+        let model = &mut self.model;
+        self.counters.stale = model.is_stale();
+        self.counters.status = model.status();
+        if let (Some(scene), Some(settings)) = (model.scene.clone(), model.settings()) {
+            let values = |param| settings.param(param).to_vec();
+            let params = scene.params.iter();
+            self.counters.params = params.map(|it| (it.name.clone(), values(it))).collect();
+        }
+        self.counters.eye = model.view.space.map(|camera| camera.eye);
+        let inside = model.view.inside.iter();
+        let walked = model.walked.iter();
+        self.counters.trails = walked
+            .map(|(name, way)| (name.clone(), way.trail.length))
+            .collect();
+        self.counters.inside = inside.map(|(name, it)| (name.clone(), it.at)).collect();
+    }
+}

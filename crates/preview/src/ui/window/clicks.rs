@@ -1,0 +1,135 @@
+//! Clicks on the 3D view: one puts a geodesic camera somewhere, where there can be one; else it shows a declaration, and so
+//! do two.
+//!
+//! The first click is heeded at once. Where a second one makes a double click of it, it is as though it had never been.
+//! What would move the panes under the pointer waits until there can be no second one.
+
+use egui::Ui;
+use render::live::Hit;
+use scene::{Scene, Shape};
+
+use super::Window;
+use crate::engine::render_thread::Purpose;
+use crate::engine::request::Order;
+use crate::state::InsideCamera;
+use crate::state::StatusMessage;
+
+/// The longest time between two clicks that are a double click, in seconds.
+pub(super) const DOUBLE_CLICK: f64 = 0.5;
+
+/// What is remembered of clicks.
+#[derive(Debug, Default)]
+pub(super) struct Clicks {
+    /// How many there were.
+    count: u64,
+    /// The last one that was the first of two.
+    withdrawn: Option<u64>,
+    /// The last one, for as long as another one may follow.
+    open: Option<Open>,
+}
+
+#[derive(Debug)]
+struct Open {
+    until: f64,
+    /// The surface whose camera it has moved.
+    surface: Option<String>,
+    /// The surface whose camera was shown in space before.
+    shown: Option<String>,
+}
+
+impl Window {
+    /// A click on a pixel of a 3D picture. One by a key is never the first half of two.
+    pub(crate) fn click(&mut self, order: Order, at: [f64; 2], by_key: bool, ui: &Ui) {
+        self.end_click();
+        self.clicks.count += 1;
+        self.clicks.open = (!by_key).then(|| Open {
+            until: ui.input(|input| input.time) + DOUBLE_CLICK,
+            surface: None,
+            shown: self.active_surface.clone(),
+        });
+        let purpose = Purpose::Place(self.clicks.count);
+        self.render_thread.pick(order, at, purpose);
+    }
+
+    /// A double click there, whose first half has been taken for a click.
+    pub(crate) fn double_click(&mut self, order: Order, at: [f64; 2]) {
+        if let Some(open) = self.clicks.open.take() {
+            self.clicks.withdrawn = Some(self.clicks.count);
+            self.model.withdraw_placement();
+            if open.surface.is_some() {
+                self.active_surface = open.shown;
+            }
+        }
+        self.render_thread.pick(order, at, Purpose::Open);
+    }
+
+    /// Nothing more comes of the last click than what it has done.
+    pub(super) fn forget_click(&mut self) {
+        self.model.keep_placement();
+        self.clicks.open = None;
+    }
+
+    /// Until when another click may still follow the last one, if it may.
+    pub(super) fn clicked_until(&self) -> Option<f64> {
+        self.clicks.open.as_ref().map(|it| it.until)
+    }
+
+    /// Ends the last click when none can follow it any more.
+    pub(super) fn end_old_click(&mut self, ui: &Ui) {
+        let time = ui.input(|input| input.time);
+        if self.clicks.open.as_ref().is_some_and(|it| time >= it.until) {
+            self.end_click();
+        }
+    }
+
+    /// A click was one, and nothing more.
+    fn end_click(&mut self) {
+        self.model.keep_placement();
+        if let Some(surface) = self.clicks.open.take().and_then(|it| it.surface) {
+            self.show_inside(&surface);
+        }
+    }
+
+    /// What is under the place of a click.
+    pub(super) fn take_hit(
+        &mut self,
+        scene: &Scene,
+        hit: &Hit,
+        purpose: Purpose,
+        camera: Option<InsideCamera>,
+    ) {
+        let Some(object) = scene.objects.get(hit.object.0 as usize) else {
+            return;
+        };
+        let name = object.name.clone();
+        let number = match purpose {
+            Purpose::Place(number) if self.clicks.withdrawn == Some(number) => return,
+            Purpose::Place(number) => number,
+            Purpose::Open => return self.open_declaration(&name),
+        };
+        let [u, v] = hit.parameters;
+        let sentence = match &object.shape {
+            shape if shape.manifold().is_some() => format!("{name} at (u, v) = ({u:.4}, {v:.4})"),
+            Shape::Curve { .. } | Shape::Geodesic { .. } => format!("{name} at t = {u:.4}"),
+            _ => name.clone(),
+        };
+        self.status_message = Some(StatusMessage::info(sentence));
+        let Some(camera) = camera else {
+            if object.shape.manifold().is_none() {
+                // It has no camera to be put there, and nothing else to be asked for.
+                self.show_declaration(&name);
+            }
+            return;
+        };
+        self.model.place(&name, camera);
+        self.render_thread.stay(&name);
+        self.active_surface = Some(name.clone());
+        match &mut self.clicks.open {
+            Some(open) if number == self.clicks.count => open.surface = Some(name),
+            _ => {
+                self.model.keep_placement();
+                self.show_inside(&name);
+            }
+        }
+    }
+}

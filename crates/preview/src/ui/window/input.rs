@@ -1,0 +1,326 @@
+//! What hands do: keys, shortcuts, dropped files; and what moves by itself.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use egui::{Event, Key, KeyboardShortcut, Modifiers, Ui};
+
+use super::Window;
+use crate::engine::render_thread::RenderThread;
+use crate::state::StatusMessage;
+use crate::state::motion::Motion;
+use crate::state::pane::{Pane, PaneKey};
+use crate::state::{Choice, SpaceCamera, Step};
+use crate::ui::camera_input::{self, Held};
+use crate::ui::panes::picture;
+
+/// For how long after its last motion a view counts as moving: the pause between two turns of a wheel.
+const MOTION_PAUSE: f64 = 0.18;
+
+/// What a step is called that adds textures.
+const OPEN_TEXTURES: &str = "Open textures";
+
+/// What is asked of the size of the controls.
+#[derive(Clone, Copy)]
+enum Sizing {
+    Larger,
+    Smaller,
+    Plain,
+}
+
+impl Sizing {
+    /// The size that is next to this one.
+    fn of(self, scale: f32) -> f32 {
+        let mut sizes = crate::state::SCALES.into_iter();
+        let next = match self {
+            Self::Plain => None,
+            Self::Larger => sizes.find(|it| *it > scale + 0.01).or(Some(scale)),
+            Self::Smaller => sizes.rfind(|it| *it < scale - 0.01).or(Some(scale)),
+        };
+        next.unwrap_or(1.0)
+    }
+}
+
+impl Window {
+    pub(super) fn animate(&mut self, ui: &Ui) {
+        if !self.model.is_animated() {
+            return;
+        }
+        let seconds = ui
+            .input(|input| f64::from(input.unstable_dt))
+            .clamp(0.0, 0.1);
+        self.model.animate(seconds);
+        self.is_moving(ui);
+        ui.ctx().request_repaint();
+    }
+
+    /// A hand has moved a view or a param.
+    pub(crate) fn has_moved(&mut self, ui: &Ui) {
+        self.is_moving(ui);
+        // A notch of a wheel is spread over frames, in which no button is held.
+        self.gesture_until = self.moving_until;
+    }
+
+    /// A view or a param is moving.
+    fn is_moving(&mut self, ui: &Ui) {
+        self.moving_until = ui.input(|input| input.time) + MOTION_PAUSE;
+    }
+
+    /// Has the window drawn again when a motion has come to rest and a click can be no double click any more. A frame
+    /// that comes sooner takes what was asked for with it, so each of them asks anew.
+    pub(super) fn wake_in_time(&self, ui: &Ui) {
+        let now = ui.input(|input| input.time);
+        let times = [Some(self.moving_until), self.clicked_until()];
+        let next = times.into_iter().flatten().filter(|time| *time > now);
+        if let Some(time) = next.min_by(f64::total_cmp) {
+            let pause = Duration::from_secs_f64(time - now + 0.01);
+            ui.ctx().request_repaint_after(pause);
+        }
+    }
+
+    /// Held keys move the camera of the active pane, unless a text is being written.
+    pub(super) fn keys(&mut self, ui: &Ui) {
+        // It is known in any case: menus and dialogs are about it too.
+        let has_keys = self.has_keys();
+        if !has_keys || ui.ctx().text_edit_focused() || self.dialogs.is_open() {
+            return;
+        }
+        let speed = self.model.view.preferences.camera_speed;
+        let arrows = self.has_arrows(ui);
+        match self.active.clone() {
+            PaneKey::Space => {
+                self.space_shortcuts(ui);
+                let Some(camera) = self.model.view.space else {
+                    return;
+                };
+                let next = ui.input(|input| {
+                    let held = Held::new(input, arrows);
+                    camera_input::space_keys(held, camera, speed)
+                });
+                if next != camera {
+                    self.move_space("keys", next, ui);
+                }
+            }
+            PaneKey::Inside(name) => {
+                if ui.input(|input| input.key_pressed(Key::R) && input.modifiers.is_none())
+                    || ui.input(|input| input.key_pressed(Key::Home))
+                {
+                    self.reset_inside(&name);
+                }
+                let motions =
+                    ui.input(|input| camera_input::inside_keys(Held::new(input, arrows), speed));
+                for motion in motions {
+                    self.walk(&name, motion, ui);
+                }
+            }
+        }
+        if ui.input(|input| Held::new(input, arrows).any()) {
+            ui.ctx().request_repaint();
+        }
+    }
+
+    /// Whether the arrows belong to the active view: no control has the focus.
+    pub(super) fn has_arrows(&self, ui: &Ui) -> bool {
+        let focused = ui.memory(egui::Memory::focused);
+        focused.is_none_or(|id| id == picture::id(&self.active))
+    }
+
+    fn space_shortcuts(&mut self, ui: &Ui) {
+        let pressed = |key| ui.input(|input| input.key_pressed(key) && input.modifiers.is_none());
+        if pressed(Key::R) || pressed(Key::Home) {
+            self.reset_space();
+        }
+        if pressed(Key::F) {
+            self.frame_all();
+        }
+    }
+
+    /// Moves the 3D camera, as one step with what else `hand` does in one go.
+    pub(crate) fn move_space(&mut self, hand: &str, camera: SpaceCamera, ui: &Ui) {
+        let step = Step::new("Move the 3D camera", hand);
+        self.model.change(step, |view| view.space = Some(camera));
+        self.has_moved(ui);
+    }
+
+    /// Moves a geodesic camera.
+    pub(crate) fn walk(&mut self, surface: &str, motion: Motion, ui: &Ui) {
+        let step = Step::new("Move the geodesic camera", surface);
+        self.model.begin_walk(step, surface);
+        self.render_thread.walk(surface, motion);
+        self.has_moved(ui);
+    }
+
+    /// Puts the 3D camera where everything is seen, from the first direction.
+    pub(crate) fn reset_space(&mut self) {
+        let step = Step::new("Reset the 3D camera", "");
+        self.model.change(step, |view| view.space = None);
+        self.model.history.settle();
+    }
+
+    /// Puts the 3D camera where everything is seen, from where it looks now: the artist knows how far that is.
+    pub(crate) fn frame_all(&mut self) {
+        if let Some(order) = self.sent.get(&PaneKey::Space) {
+            self.render_thread.frame(order.clone());
+        }
+    }
+
+    /// Puts a geodesic camera at its first place.
+    pub(crate) fn reset_inside(&mut self, surface: &str) {
+        self.model.reset(surface);
+        self.render_thread.stay(surface);
+    }
+
+    pub(super) fn shortcuts(&mut self, ui: &Ui) {
+        self.by_keys = ui.input(|input| {
+            let key = |event: &Event| matches!(event, Event::Key { pressed: true, .. });
+            !input.pointer.any_down() && (self.by_keys || input.events.iter().any(key))
+        });
+        let pressed = |modifiers: Modifiers, key: Key| {
+            let shortcut = KeyboardShortcut::new(modifiers, key);
+            ui.input_mut(|input| input.consume_shortcut(&shortcut))
+        };
+        if pressed(Modifiers::COMMAND, Key::S) {
+            self.save_text();
+        }
+        if pressed(Modifiers::NONE, Key::F1) {
+            self.dialogs.shortcuts = !self.dialogs.shortcuts;
+        }
+        if pressed(Modifiers::SHIFT, Key::F6) {
+            self.next_view(ui, true);
+        } else if pressed(Modifiers::NONE, Key::F6) {
+            self.next_view(ui, false);
+        }
+        let size = (pressed(Modifiers::COMMAND, Key::Plus)
+            || pressed(Modifiers::COMMAND, Key::Equals))
+        .then_some(Sizing::Larger)
+        .or(pressed(Modifiers::COMMAND, Key::Minus).then_some(Sizing::Smaller))
+        .or(pressed(Modifiers::COMMAND, Key::Num0).then_some(Sizing::Plain));
+        if let Some(sizing) = size {
+            let step = Step::new("Change a setting", "scale");
+            self.model.change(step, |view| {
+                let scale = &mut view.preferences.scale;
+                *scale = sizing.of(*scale);
+            });
+        }
+        if !self.dialogs.is_open() {
+            crate::ui::menu::file_keys(self, ui);
+        }
+        // In a text, these belong to the text.
+        if !ui.ctx().text_edit_focused() {
+            let arrows = Modifiers::COMMAND | Modifiers::SHIFT;
+            if pressed(arrows, Key::ArrowRight) {
+                self.resize_active(true);
+            }
+            if pressed(arrows, Key::ArrowLeft) {
+                self.resize_active(false);
+            }
+            let redo = pressed(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z)
+                || pressed(Modifiers::COMMAND, Key::Y);
+            if redo {
+                self.redo();
+            } else if pressed(Modifiers::COMMAND, Key::Z) {
+                self.undo();
+            }
+        }
+    }
+
+    /// Gives the keys to the next view that is open, or to the one before.
+    pub(crate) fn next_view(&mut self, ui: &Ui, back: bool) {
+        let inside = self.model.surfaces().into_iter().map(Pane::Inside);
+        let views = std::iter::once(Pane::Space).chain(inside);
+        let views: Vec<Pane> = views.filter(|pane| self.panes.is_open(pane)).collect();
+        if views.is_empty() {
+            return;
+        }
+        let now = views.iter().position(|pane| *pane == self.active.pane());
+        let next = match now {
+            Some(at) if back => (at + views.len() - 1) % views.len(),
+            Some(at) => (at + 1) % views.len(),
+            None => 0,
+        };
+        self.bring_forward(&views[next]);
+        let active = picture::id(&self.active);
+        ui.memory_mut(|memory| memory.request_focus(active));
+    }
+
+    /// Gives the active view more room beside its neighbours, or less.
+    pub(crate) fn resize_active(&mut self, larger: bool) {
+        let factor = if larger { 1.25 } else { 0.8 };
+        self.panes.resize(&self.active.pane(), factor);
+    }
+
+    /// Takes the last change of the view back.
+    pub fn undo(&mut self) {
+        self.forget_click();
+        let (render_thread, waiting) = (&self.render_thread, &self.waiting);
+        let travelled = self
+            .model
+            .undo(&|surface| is_moving(render_thread, waiting, surface));
+        self.arrive("Undone", travelled);
+    }
+
+    /// Does the last change of the view again.
+    pub fn redo(&mut self) {
+        self.forget_click();
+        let (render_thread, waiting) = (&self.render_thread, &self.waiting);
+        let travelled = self
+            .model
+            .redo(&|surface| is_moving(render_thread, waiting, surface));
+        self.arrive("Done again", travelled);
+    }
+
+    /// The view is another one. Cameras that were brought elsewhere do not go on from there.
+    fn arrive(&mut self, verb: &str, travelled: Option<(&'static str, Vec<String>)>) {
+        self.status_message = None;
+        if let Some((title, surfaces)) = travelled {
+            self.status_message = Some(StatusMessage::info(format!("{verb}: {title}")));
+            for surface in surfaces {
+                self.render_thread.stay(&surface);
+            }
+        }
+    }
+
+    pub(super) fn take_drops(&mut self, ui: &Ui) {
+        let paths: Vec<PathBuf> = ui.input(|input| {
+            let files = input.raw.dropped_files.iter();
+            files.map(|file| file.path().to_owned()).collect()
+        });
+        if let Some(last) = paths.last().cloned() {
+            self.open_images(paths);
+            self.lay_over(last);
+        }
+    }
+
+    /// Has the active surface show an image that was dropped: a screen does not tell where.
+    fn lay_over(&mut self, image: PathBuf) {
+        let Some(surface) = self.active_surface.clone() else {
+            return;
+        };
+        let file = image.file_name().unwrap_or(image.as_os_str());
+        let sentence = format!("{} lies on {surface}", file.to_string_lossy());
+        self.status_message = Some(StatusMessage::info(sentence));
+        self.model.change(Step::new(OPEN_TEXTURES, ""), |view| {
+            view.looks.entry(surface).or_default().texture = Choice::Image(image);
+        });
+    }
+
+    /// Adds image files to the list of textures.
+    pub(crate) fn open_images(&mut self, paths: Vec<PathBuf>) {
+        for path in &paths {
+            self.library.read(path.clone());
+        }
+        self.model.change(Step::new(OPEN_TEXTURES, ""), |view| {
+            for path in paths {
+                if !view.textures.contains(&path) {
+                    view.textures.push(path);
+                }
+            }
+        });
+    }
+}
+
+/// Whether a geodesic camera may be elsewhere than it was last told.
+fn is_moving(render_thread: &RenderThread, waiting: &BTreeSet<PaneKey>, surface: &str) -> bool {
+    render_thread.has_motions(surface) || waiting.contains(&PaneKey::Inside(surface.to_owned()))
+}
