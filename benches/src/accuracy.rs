@@ -15,6 +15,7 @@ use testing::inside::{Opening, opening};
 
 use self::baseline::{Baseline, KINDS};
 use crate::measure::{Times, processor_time};
+use crate::thesis::Equations;
 
 /// The error at which both are compared, in pixels.
 const EQUAL: f64 = 0.25;
@@ -110,7 +111,8 @@ fn compare(size: u32, target: f64) {
 }
 
 fn measure(example: &Example, size: u32) -> Option<Row> {
-    let view = view(example)?;
+    let scene = scene(&example.source);
+    let (view, equations) = (opening(&scene)?, Equations::of(&scene)?);
     let (surface, frame) = (view.surface(), view.frame());
     let mut reference = Reference::new(surface, &frame, [size; 2], SAMPLE);
     let make = |tolerance: f64| {
@@ -135,7 +137,7 @@ fn measure(example: &Example, size: u32) -> Option<Row> {
     let (tolerance, map, errors) = chosen?;
     let one = pool(1).install(|| processor_time(|| make(tolerance)));
     let all = pool(cores()).install(|| Times::of(9, || make(tolerance)).median());
-    let baselines = pool(1).install(|| baseline::measure(surface, &frame, size));
+    let baselines = pool(1).install(|| baseline::measure(surface, &equations, &frame, size));
     Some(Row {
         name: example.name.clone(),
         tolerance,
@@ -209,7 +211,7 @@ fn summary(rows: &[Row], target: f64) {
             .baselines
             .iter()
             .zip(KINDS)
-            .filter(|(baseline, kind)| kind.simd == simd && baseline.steps.is_some())
+            .filter(|(baseline, kind)| kind.is_simd() == simd && baseline.steps.is_some())
             .map(|(baseline, _)| baseline.time.as_secs_f64())
             .min_by(f64::total_cmp)?;
         Some(best / row.one.as_secs_f64())

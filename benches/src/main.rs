@@ -25,6 +25,7 @@ mod pictures;
 mod preview;
 mod stage;
 mod stiff;
+mod thesis;
 
 use std::process::ExitCode;
 

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use geodesic::frame::Frame;
-use geodesic::map::{Arithmetic, Map, MapOptions, Method, exponential_map, pixel_place};
+use geodesic::map::{Map, MapOptions, Method, exponential_map, pixel_place};
 use geodesic::metric::{Metric, speed};
 use geodesic::reference::{Errors, Reference};
 use geodesic::surface::Surface;
@@ -166,18 +166,11 @@ fn every_example_is_exact_to_a_tenth_of_a_pixel_as_it_opens() {
 
 #[test]
 fn all_methods_find_the_same_ends() {
-    let rk4 = |arithmetic| Method::Rk4 {
-        steps: 64,
-        arithmetic,
-    };
     let methods = [
         (Method::Fan, 0.1, 0.12),
         (Method::FanLinear, 0.1, 0.2),
         (Method::Adaptive, 0.1, 0.1),
-        (rk4(Arithmetic::F64), 0.1, 0.05),
-        (rk4(Arithmetic::F32), 0.1, 0.05),
-        (rk4(Arithmetic::F64Lanes), 0.1, 0.05),
-        (rk4(Arithmetic::F32Lanes), 0.1, 0.05),
+        (Method::Rk4 { steps: 64 }, 0.1, 0.05),
     ];
     for name in ["torus", "monkey", "klein", "halfplane"] {
         let Some(example) = examples::all()
@@ -345,15 +338,7 @@ fn the_command_measures_every_method_and_draws_a_diagram() {
     let run = geotrace(&arguments).input(program).run();
     let document = run.expect_status(0).json();
     let rows = document["rows"].as_array().expect("rows");
-    let methods = [
-        "rk4-pixel f64",
-        "rk4-pixel f32",
-        "rk4-pixel f64 SIMD",
-        "rk4-pixel f32 SIMD",
-        "adaptive",
-        "fan-linear",
-        "fan",
-    ];
+    let methods = ["rk4-pixel f64", "adaptive", "fan-linear", "fan"];
     for method in methods {
         let rows: Vec<_> = rows.iter().filter(|row| row["method"] == method).collect();
         assert!(rows.len() >= 5, "{method}: {rows:?}");

@@ -3,38 +3,42 @@
 use std::time::Duration;
 
 use geodesic::frame::Frame;
-use geodesic::map::{Arithmetic, Map, MapOptions, Method, exponential_map};
+use geodesic::map::{MapOptions, Method, exponential_map};
 use geodesic::reference::{Errors, Reference};
 use geodesic::surface::Surface;
 
 use super::{EQUAL, SAMPLE};
 use crate::measure::processor_time;
+use crate::thesis::{self, Equations, Picture, Precision};
 
 /// A way to compute.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Kind {
     pub(super) name: &'static str,
-    pub(super) arithmetic: Arithmetic,
+    /// The precision of several pixels at once; `None` for one pixel at a time in f64.
+    vectors: Option<Precision>,
+}
+
+impl Kind {
     /// Whether several pixels go at once.
-    pub(super) simd: bool,
+    pub(super) fn is_simd(self) -> bool {
+        self.vectors.is_some()
+    }
 }
 
 /// All of them. One pixel at a time a processor is as fast in double precision as in single.
 pub(super) const KINDS: [Kind; 3] = [
     Kind {
         name: "f64",
-        arithmetic: Arithmetic::F64,
-        simd: false,
+        vectors: None,
     },
     Kind {
         name: "f64 SIMD",
-        arithmetic: Arithmetic::F64Lanes,
-        simd: true,
+        vectors: Some(Precision::Double),
     },
     Kind {
         name: "f32 SIMD",
-        arithmetic: Arithmetic::F32Lanes,
-        simd: true,
+        vectors: Some(Precision::Single),
     },
 ];
 
@@ -58,26 +62,26 @@ const MOST: u32 = 1024;
 const SPARED: f64 = 0.01;
 
 /// Searches and measures all kinds, on one thread.
-pub(super) fn measure<S: Surface + ?Sized>(surface: &S, frame: &Frame, size: u32) -> Vec<Baseline> {
+pub(super) fn measure(
+    surface: &dyn Surface,
+    equations: &Equations,
+    frame: &Frame,
+    size: u32,
+) -> Vec<Baseline> {
     let scale = f64::from(size) / f64::from(THIN);
     let mut reference = Reference::new(surface, frame, [THIN; 2], SAMPLE);
     KINDS
         .iter()
         .map(|kind| {
-            let make = |steps: u32| {
-                let options = MapOptions {
-                    method: Method::Rk4 {
-                        steps,
-                        arithmetic: kind.arithmetic,
-                    },
-                    max_evaluations: u64::MAX,
-                    by_pixel: false,
-                    ..MapOptions::default()
-                };
-                exponential_map(surface, frame, [THIN; 2], &options, &|_| {})
+            let make = |steps: u32| match kind.vectors {
+                Some(precision) => {
+                    thesis::picture(surface, equations, frame, [THIN; 2], steps, precision)
+                }
+                None => one_by_one(surface, frame, steps),
             };
-            let mut errors =
-                |map: &Map| reference.errors(&|index| (map.uv(index), map.status[index]));
+            let mut errors = |picture: &Picture| {
+                reference.errors(&|index| (picture.ends[index], picture.status[index]))
+            };
             let best = errors(&make(MOST));
             let wrong = |errors: &Errors| errors.wrong(EQUAL / scale);
             let floor = wrong(&best);
@@ -116,4 +120,20 @@ pub(super) fn measure<S: Surface + ?Sized>(surface: &S, frame: &Frame, size: u32
             }
         })
         .collect()
+}
+
+/// The library's own, one pixel at a time.
+fn one_by_one(surface: &dyn Surface, frame: &Frame, steps: u32) -> Picture {
+    let options = MapOptions {
+        method: Method::Rk4 { steps },
+        max_evaluations: u64::MAX,
+        by_pixel: false,
+        ..MapOptions::default()
+    };
+    let map = exponential_map(surface, frame, [THIN; 2], &options, &|_| {});
+    Picture {
+        ends: (0..map.status.len()).map(|index| map.uv(index)).collect(),
+        evaluations: map.work.evaluations,
+        status: map.status,
+    }
 }

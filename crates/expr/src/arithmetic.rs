@@ -2,8 +2,6 @@
 //!
 //! What flows in and out: numbers. These are definitions: shaders follow them step by step.
 
-use crate::real::Real;
-
 /// The largest exponent, in absolute value, for which [`power`] multiplies. The rounding error of repeated
 /// squaring grows with the exponent; beyond this the library's function is better.
 pub const LARGEST_INTEGER_POWER: i32 = 1024;
@@ -63,21 +61,19 @@ pub fn power(x: f64, y: f64) -> f64 {
 /// The product that a zero first factor annihilates: 0 where `a` is 0, whatever `b` is. Derivative rules use
 /// it: n·x^(n−1) is 0 for n = 0, also at x = 0.
 #[inline(always)]
-pub fn zmul<T: Real>(a: T, b: T) -> T {
-    let zero = T::default();
-    if a == zero { zero } else { a * b }
+pub fn zmul(a: f64, b: f64) -> f64 {
+    if a == 0.0 { 0.0 } else { a * b }
 }
 
 /// −1, 0 or 1; 0 for both zeros, NaN for NaN.
 #[inline(always)]
-pub fn sign<T: Real>(x: T) -> T {
-    let zero = T::default();
-    if x > zero {
-        T::ONE
-    } else if x < zero {
-        -T::ONE
-    } else if x == zero {
-        zero
+pub fn sign(x: f64) -> f64 {
+    if x > 0.0 {
+        1.0
+    } else if x < 0.0 {
+        -1.0
+    } else if x == 0.0 {
+        0.0
     } else {
         x
     }

@@ -1,4 +1,4 @@
-//! Elementary functions over lanes of f64 (and, in [`single`], of f32), free of branches so that loops over them become vector instructions.
+//! Elementary functions over lanes of f64, free of branches so that loops over them become vector instructions.
 //!
 //! What flows in: an array of numbers. What flows out: an array of values. Only additions, products, quotients and
 //! comparisons are used, none of them fused, so that the bits are the same on every processor. Polynomials are
@@ -7,10 +7,6 @@
 //! sign of a zero is not kept.
 //!
 //! Angles beyond [`LARGEST_ANGLE`] are handed to `std` lane by lane; so are the inverse functions of angles.
-
-use crate::real::Real;
-
-pub mod single;
 
 /// The largest angle, in absolute value, that is reduced here.
 pub const LARGEST_ANGLE: f64 = 1e5;
@@ -154,8 +150,8 @@ pub fn tanh<const W: usize>(x: &[f64; W]) -> [f64; W] {
 }
 
 #[inline(always)]
-fn each<T: Real, const W: usize>(x: &[T; W], f: impl Fn(T) -> T) -> [T; W] {
-    let mut out = [T::default(); W];
+fn each<const W: usize>(x: &[f64; W], f: impl Fn(f64) -> f64) -> [f64; W] {
+    let mut out = [0.0; W];
     for lane in 0..W {
         out[lane] = f(x[lane]);
     }
@@ -180,7 +176,7 @@ fn has_large_angle<const W: usize>(x: &[f64; W]) -> bool {
 /// A polynomial, the constant first: even and odd powers by Horner's scheme in x², so that a processor can work on
 /// both at a time.
 #[inline(always)]
-fn polynomial<T: Real, const K: usize>(coefficients: &[T; K], x: T) -> T {
+fn polynomial<const K: usize>(coefficients: &[f64; K], x: f64) -> f64 {
     let square = x * x;
     let mut even = coefficients[(K - 1) / 2 * 2];
     for k in (0..(K - 1) / 2).rev() {
@@ -194,13 +190,13 @@ fn polynomial<T: Real, const K: usize>(coefficients: &[T; K], x: T) -> T {
 }
 
 #[inline(always)]
-fn select<T: Real>(condition: bool, yes: T, no: T) -> T {
+fn select(condition: bool, yes: f64, no: f64) -> f64 {
     if condition { yes } else { no }
 }
 
 /// Within ±`limit`; NaN stays.
 #[inline(always)]
-fn clamp<T: Real>(x: T, limit: T) -> T {
+fn clamp(x: f64, limit: f64) -> f64 {
     let x = select(x > limit, limit, x);
     select(x < -limit, -limit, x)
 }

@@ -30,7 +30,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::graph::{Graph, Input, NodeId, TooLarge};
 use crate::jets::assemble::{Code, assemble};
 use crate::jets::expand::{Expansion, expand};
-use crate::real::Real;
 
 mod assemble;
 mod expand;
@@ -161,18 +160,18 @@ impl JetTape {
         }
     }
 
-    /// Evaluates at `N` points, in f64 or in f32: `at` holds the two variables. `out` receives the values of all roots, then their ∂u,
+    /// Evaluates at `N` points: `at` holds the two variables. `out` receives the values of all roots, then their ∂u,
     /// ∂v, ∂uu, ∂uv and ∂vv, as far as the order goes: coefficient k of a root stands at k·[`JetTape::root_count`] +
     /// root. The bits do not depend on `N`, nor on the processor.
     ///
     /// # Panics
     /// If `fixed` is another tape's, or `out` has not one place per root and coefficient.
-    pub fn eval<T: Real, const N: usize>(
+    pub fn eval<const N: usize>(
         &self,
-        registers: &mut JetRegisters<T>,
+        registers: &mut JetRegisters,
         fixed: &Fixed,
-        at: &[[T; N]; 2],
-        out: &mut [[T; N]],
+        at: &[[f64; N]; 2],
+        out: &mut [[f64; N]],
     ) {
         assert_eq!(fixed.tape, self.identity, "fixed numbers of this tape");
         let places = self.code.program.place_count();

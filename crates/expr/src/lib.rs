@@ -9,8 +9,8 @@
 //! ```
 //!
 //! This crate knows no syntax and no GPU: the WGSL column of the table is text. Every evaluator of these
-//! expressions, here or elsewhere, is held to the cases of [`conformance`]. `elementary.rs`, `real.rs` and `processor.rs` are
-//! what jets, and other loops over lanes, are fast by.
+//! expressions, here or elsewhere, is held to the cases of [`conformance`]. `elementary.rs` and `processor.rs` make jets,
+//! and other loops over lanes, fast.
 //!
 //! ```
 //! use expr::tape::{Registers, Tape};
@@ -35,7 +35,6 @@ pub mod number;
 pub mod ops;
 pub mod print;
 pub mod processor;
-pub mod real;
 mod rewrite;
 mod simplify;
 pub mod statistics;

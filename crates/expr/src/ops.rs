@@ -11,7 +11,6 @@ pub(crate) use crate::arithmetic::small_integer;
 pub use crate::arithmetic::{
     LARGEST_INTEGER_POWER, integer_power, integer_power_lanes, power, sign, zmul,
 };
-use crate::graph::{Graph, NodeId};
 
 mod binary;
 mod lanes;
@@ -21,7 +20,7 @@ mod unary;
 pub use binary::Binary;
 pub use lanes::Lanes;
 pub(crate) use power::integer_power_derivative;
-pub use slopes::{Arithmetic, Numbers};
+pub use slopes::{Arithmetic, ExpressionBuilder, Numbers};
 pub use unary::Unary;
 
 /// How an operation is written in WGSL.
@@ -136,7 +135,12 @@ impl Operation {
     }
 
     /// The operation on nodes; `b` counts for two operands only.
-    pub fn node(self, graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
+    pub fn node<B: ExpressionBuilder>(
+        self,
+        graph: &mut B,
+        a: B::Number,
+        b: B::Number,
+    ) -> B::Number {
         match self {
             Self::Unary(op) => graph.unary(op, a),
             Self::Power(n) => graph.integer_power(a, n),
@@ -145,7 +149,11 @@ impl Operation {
     }
 
     /// The operation on nodes; `None` if the number of operands is not its arity.
-    pub fn build(self, graph: &mut Graph, operands: &[NodeId]) -> Option<NodeId> {
+    pub fn build<B: ExpressionBuilder>(
+        self,
+        graph: &mut B,
+        operands: &[B::Number],
+    ) -> Option<B::Number> {
         match (self, operands) {
             (Self::Unary(op), &[x]) => Some(graph.unary(op, x)),
             (Self::Power(n), &[x]) => Some(graph.integer_power(x, n)),

@@ -14,7 +14,7 @@
 //!   divided by it gives.
 
 use crate::graph::{Graph, Node, NodeId};
-use crate::ops::{self, Binary, Unary};
+use crate::ops::{self, Arithmetic, Binary, ExpressionBuilder, Unary};
 
 impl Graph {
     /// a + b.
@@ -215,6 +215,61 @@ impl Graph {
     fn ordered(&self, a: NodeId, b: NodeId) -> (NodeId, NodeId) {
         let rank = |id| (self.value(id).is_none(), id);
         if rank(b) < rank(a) { (b, a) } else { (a, b) }
+    }
+}
+
+/// The rules of derivatives build with the same constructors.
+impl Arithmetic for Graph {
+    type Number = NodeId;
+
+    fn constant(&mut self, value: f64) -> NodeId {
+        Self::constant(self, value)
+    }
+
+    fn neg(&mut self, a: NodeId) -> NodeId {
+        Self::neg(self, a)
+    }
+
+    fn add(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        Self::add(self, a, b)
+    }
+
+    fn sub(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        Self::sub(self, a, b)
+    }
+
+    fn mul(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        Self::mul(self, a, b)
+    }
+
+    fn div(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        Self::div(self, a, b)
+    }
+
+    fn unary(&mut self, op: Unary, a: NodeId) -> NodeId {
+        Self::unary(self, op, a)
+    }
+}
+
+impl ExpressionBuilder for Graph {
+    fn value(&self, a: NodeId) -> Option<f64> {
+        Self::value(self, a)
+    }
+
+    fn integer_power(&mut self, a: NodeId, n: i32) -> NodeId {
+        Self::integer_power(self, a, n)
+    }
+
+    fn power(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        Self::power(self, a, b)
+    }
+
+    fn zmul(&mut self, a: NodeId, b: NodeId) -> NodeId {
+        Self::zmul(self, a, b)
+    }
+
+    fn binary(&mut self, op: Binary, a: NodeId, b: NodeId) -> NodeId {
+        Self::binary(self, op, a, b)
     }
 }
 

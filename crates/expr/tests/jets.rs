@@ -105,28 +105,6 @@ fn every_case_of_the_conformance_list_has_its_value() {
 }
 
 #[test]
-fn single_precision_is_held_to_the_same_cases() {
-    for case in cases().iter().chain(&anchors()) {
-        let mut graph = Graph::default();
-        let [u, v, _] = variables(&mut graph);
-        let root = case.operation.node(&mut graph, u, v);
-        let tape = JetTape::new(&graph, &[root], [U, V], Order::Value).unwrap();
-        let at = case.operands.map(|x| [x as f32; 16]);
-        let mut out = [[f32::NAN; 16]];
-        tape.eval(&mut JetRegisters::default(), &tape.fix(&[]), &at, &mut out);
-        let exact = case.operands.map(|x| f64::from(x as f32));
-        let expected = case
-            .operation
-            .eval(&exact[..case.operation.arity()])
-            .unwrap();
-        let close = out[0].iter().all(|&value| {
-            value == expected as f32 || (f64::from(value) - expected).abs() <= 4e-7 * expected.abs()
-        });
-        assert!(close, "{case:?}: {:?}", out[0]);
-    }
-}
-
-#[test]
 fn every_operation_has_the_derivatives_of_its_symbolic_rule_also_where_they_are_undefined() {
     let numbers = [-2.5, -1.0, -0.4, 0.0, 0.3, 1.0, 2.0];
     for operation in Operation::all() {

@@ -10,9 +10,9 @@ pub(crate) use apex::ApexChart;
 use std::cell::Cell;
 
 use crate::metric::{combine, cross, dot, gaussian_curvature, minus_components, norm};
-use crate::surface::{Jet, Scale, Side, Sides, Surface};
+use crate::status::Status;
+use crate::surface::{Crossing, Jet, Scale, Side, Sides, Surface};
 use crate::topology::Apex;
-use crate::trace::Status;
 
 /// An apex's chart is entered within this share of the chart's reach from the apex, …
 const ENTER: f64 = 0.25;
@@ -58,16 +58,6 @@ pub(crate) struct Local {
     pub(crate) noise: f64,
 }
 
-/// How coordinates changed on the way back into the domain.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Crossing {
-    /// The signs by which the components of a velocity change.
-    pub(crate) signs: [f64; 2],
-    /// Whether left and right have changed places: by a flip, but not by a pole, behind which the formula's own
-    /// coordinates are the mirrored ones.
-    pub(crate) flipped: bool,
-}
-
 /// A surface with what was found of it. It counts its evaluations.
 pub(crate) struct Atlas<'s, S: Surface + ?Sized> {
     surface: &'s S,
@@ -104,42 +94,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
 
     /// Brings a point back through the sides that wrap, and through poles.
     pub(crate) fn bring_back(&self, at: &mut [f64; 2]) -> Crossing {
-        let mut signs = [1.0; 2];
-        let mut flipped = false;
-        for axis in 0..2 {
-            let [low, high] = self.domain[axis];
-            let width = high - low;
-            let sides = self.sides.of(axis);
-            // Through a pole: as far beyond it, half a turn on.
-            for (end, beyond) in [low - at[axis], at[axis] - high].into_iter().enumerate() {
-                if sides[end] == Side::Pole && beyond > 0.0 && beyond <= width {
-                    at[axis] = if end == 0 {
-                        low + beyond
-                    } else {
-                        high - beyond
-                    };
-                    at[1 - axis] += 0.5 * self.width(1 - axis);
-                    signs[axis] = -signs[axis];
-                }
-            }
-        }
-        for axis in 0..2 {
-            let [low, high] = self.domain[axis];
-            let side = self.sides.of(axis)[0];
-            let wraps = matches!(side, Side::Wrap | Side::WrapFlip);
-            if !wraps || (low..=high).contains(&at[axis]) {
-                continue;
-            }
-            let turns = ((at[axis] - low) / (high - low)).floor();
-            at[axis] = (at[axis] - turns * (high - low)).clamp(low, high);
-            if side == Side::WrapFlip && turns.rem_euclid(2.0) == 1.0 {
-                let [low, high] = self.domain[1 - axis];
-                at[1 - axis] = low + high - at[1 - axis];
-                signs[1 - axis] = -signs[1 - axis];
-                flipped = !flipped;
-            }
-        }
-        Crossing { signs, flipped }
+        self.sides.bring_back(self.domain, at)
     }
 
     /// The jet at a point that may lie beyond sides that wrap, in the coordinates that go on there.

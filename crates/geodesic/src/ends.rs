@@ -1,6 +1,6 @@
 //! Where geodesics end, as a function of the pixel: what every method gives and every picture is made of.
 
-use crate::trace::Status;
+use crate::status::Status;
 
 /// The coordinates that an [`Ends`] speaks in.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -10,8 +10,8 @@ mod ray;
 
 use crate::chart::{ApexChart, Atlas, Chart, Local, Motion};
 use crate::integrate::{Pace, Tableau};
+use crate::status::Status;
 use crate::surface::{Side, Surface};
-use crate::trace::Status;
 use ray::{Attempt, ErrorSum, Ray};
 
 /// A step shorter than this share of the ray's own scale is not worth taking.

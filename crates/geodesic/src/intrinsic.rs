@@ -10,38 +10,14 @@ use std::cell::RefCell;
 use expr::graph::TooLarge;
 use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::processor::{Processor, Work};
-use expr::real::Real;
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 
-use crate::accelerations;
-use crate::surface::{Jet, JetBlock, LANES, Lanes, Outline, Scale, Singles, Surface};
-use crate::topology::{Topology, at};
-
-/// E, F, G and their first derivatives at a point: `by_u[0]` is ∂E/∂u.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)]
-pub(crate) struct Form {
-    pub(crate) efg: [f64; 3],
-    pub(crate) by_u: [f64; 3],
-    pub(crate) by_v: [f64; 3],
-    /// −Evv/2 + Fuv − Guu/2, what the second derivatives give of the curvature.
-    bent: f64,
-}
-
-impl Form {
-    /// From the derivatives of E, F and G.
-    #[inline(always)]
-    fn of_lane(forms: &JetBlock, lane: usize) -> Self {
-        let of = |block: &[Lanes; 3]| [block[0][lane], block[1][lane], block[2][lane]];
-        Self {
-            efg: of(&forms.position),
-            by_u: of(&forms.du),
-            by_v: of(&forms.dv),
-            bent: -0.5 * forms.dvv[0][lane] + forms.duv[1][lane] - 0.5 * forms.duu[2][lane],
-        }
-    }
-}
+use crate::jet::{Jet, JetBlock, LANES, Lanes};
+use crate::metric::{Form, norm};
+use crate::scale::{Scale, at};
+use crate::surface::{Outline, Surface};
+use crate::topology::Topology;
 
 /// A metric E du² + 2F du dv + G dv² given by expressions in `Variable(0)` = u and `Variable(1)` = v, with the
 /// uniforms' values fixed.
@@ -57,9 +33,6 @@ pub struct MetricSurface {
     /// E, F, G with their derivatives, for several points at once.
     jets: JetTape,
     fixed: Fixed,
-    /// The same with the first derivatives alone, which accelerations need.
-    slopes: JetTape,
-    fixed_slopes: Fixed,
     outline: Outline,
 }
 
@@ -76,10 +49,6 @@ thread_local! {
     static SCRATCH: RefCell<(Registers, Vec<f64>)> = RefCell::default();
     /// The same for several points at once.
     static BLOCK: RefCell<JetRegisters> = RefCell::default();
-    /// The same for first derivatives, at one point and at several.
-    static SLOPES: RefCell<[JetRegisters; 2]> = RefCell::default();
-    /// And in single precision.
-    static SINGLE_SLOPES: RefCell<JetRegisters<f32>> = RefCell::default();
 }
 
 impl MetricSurface {
@@ -101,12 +70,8 @@ impl MetricSurface {
             Input::Variable(_) => f64::NAN,
             Input::Uniform(k) => uniforms.get(k as usize).copied().unwrap_or(f64::NAN),
         };
-        let slopes = JetTape::new(&graph, &form, variables, Order::First)?;
-        let fix = |tape: &JetTape| {
-            let values: Vec<f64> = tape.uniforms().iter().map(value).collect();
-            tape.fix(&values)
-        };
-        let (fixed, fixed_slopes) = (fix(&jets), fix(&slopes));
+        let values: Vec<f64> = jets.uniforms().iter().map(value).collect();
+        let fixed = jets.fix(&values);
         let by_u = graph.derivatives(&form, Input::Variable(0))?;
         let by_v = graph.derivatives(&form, Input::Variable(1))?;
         let seconds = [
@@ -133,8 +98,6 @@ impl MetricSurface {
             inputs,
             jets,
             fixed,
-            slopes,
-            fixed_slopes,
             outline: Outline::of(domain),
         };
         surface.outline.scale = measure(&|uv| surface.jet(uv), domain);
@@ -145,19 +108,6 @@ impl MetricSurface {
             surface.outline.scale,
         );
         Ok(surface)
-    }
-
-    fn accelerations_in<T: Real, const N: usize>(
-        &self,
-        registers: &mut JetRegisters<T>,
-        at: &[[T; N]; 2],
-        velocity: &[[T; N]; 2],
-        out: &mut [[T; N]; 2],
-    ) {
-        let mut form = [[[T::nearest(f64::NAN); N]; 3]; 3];
-        self.slopes
-            .eval(registers, &self.fixed_slopes, at, form.as_flattened_mut());
-        accelerations::intrinsic(&form, velocity, out);
     }
 
     fn form(&self, uv: [f64; 2]) -> Form {
@@ -202,32 +152,6 @@ impl Surface for MetricSurface {
                 out.set(lane, &jet_of(&Form::of_lane(&forms, lane), [u, v]));
             }
         }
-    }
-
-    fn acceleration(&self, at: [f64; 2], velocity: [f64; 2]) -> [f64; 2] {
-        let mut out = [[f64::NAN]; 2];
-        SLOPES.with_borrow_mut(|[registers, _]| {
-            let [at, velocity] = [at, velocity].map(|x| x.map(|x| [x]));
-            self.accelerations_in(registers, &at, &velocity, &mut out);
-        });
-        out.map(|[x]| x)
-    }
-
-    fn accelerations(&self, at: &[Lanes; 2], velocity: &[Lanes; 2], out: &mut [Lanes; 2]) {
-        SLOPES.with_borrow_mut(|[_, registers]| {
-            self.accelerations_in(registers, at, velocity, out);
-        });
-    }
-
-    fn accelerations_single(
-        &self,
-        at: &[Singles; 2],
-        velocity: &[Singles; 2],
-        out: &mut [Singles; 2],
-    ) {
-        SINGLE_SLOPES.with_borrow_mut(|registers| {
-            self.accelerations_in(registers, at, velocity, out);
-        });
     }
 
     fn is_embedded(&self) -> bool {
@@ -391,7 +315,7 @@ fn measure(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2]) -> Scale {
                     [across, along]
                 };
                 let jet = jet(at(domain, share));
-                let stretch = crate::metric::norm(if axis == 0 { jet.du } else { jet.dv });
+                let stretch = norm(if axis == 0 { jet.du } else { jet.dv });
                 if stretch.is_finite() && stretch > 0.0 {
                     length += stretch * width / f64::from(PIECES);
                     stretches.push(stretch);

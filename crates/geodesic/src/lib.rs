@@ -12,12 +12,10 @@
 //!                                                     reference.rs: how far they are off
 //! ```
 //!
-//! Beside them stand `accelerations.rs`, several geodesics at once for the thesis' method, and `moved.rs`, coordinates that
-//! count from the camera, for deep zooms.
+//! Beside them stands `moved.rs`, coordinates that count from the camera, for deep zooms.
 //!
 //! No GPU, no syntax. Lengths are in the surface's own units, angles in radians, `u`, `v` in the chart's units.
 
-mod accelerations;
 mod chart;
 pub mod ends;
 pub mod fan;
@@ -25,11 +23,17 @@ mod follow;
 pub mod frame;
 mod integrate;
 pub mod intrinsic;
+pub mod jet;
 pub mod map;
 pub mod metric;
 pub mod moved;
 pub mod patchwork;
+pub mod pixels;
+pub mod point;
 pub mod reference;
+pub mod scale;
+pub mod sides;
+pub mod status;
 pub mod surface;
 pub mod topology;
 pub mod trace;

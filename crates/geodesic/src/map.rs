@@ -10,55 +10,14 @@ mod rk4;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::ends::{Estimate, Work};
+use crate::ends::Estimate;
 use crate::fan::{Across, Fan, FanOptions};
 use crate::frame::Frame;
 use crate::moved::Moved;
 use crate::patchwork::Patchwork;
-use crate::surface::{Side, Sides, Surface};
-use crate::trace::Status;
+use crate::surface::{Sides, Surface};
 
-/// For each pixel, row by row from the top, where its geodesic ends.
-#[derive(Clone, Debug, Default)]
-pub struct Map {
-    /// Pixels: width, height.
-    pub size: [u32; 2],
-    /// The camera's (u, v), from which `offset` counts.
-    pub origin: [f64; 2],
-    /// Where each pixel's geodesic ends: (u, v) − origin, going on beyond sides that wrap; [`bring_back`] takes it
-    /// into the domain. Finite for every pixel, without a meaning where the status is not complete.
-    pub offset: Vec<[f32; 2]>,
-    /// ∂(u,v) by one pixel to the right, then by one pixel **down**; empty where a method does not know it.
-    pub by_pixel: Vec<[f32; 4]>,
-    /// Why each pixel's geodesic ended.
-    pub status: Vec<Status>,
-    /// What it cost.
-    pub work: Work,
-    /// How exact it is, as far as the method can tell.
-    pub estimate: Option<Estimate>,
-}
-
-impl Map {
-    /// A pixel's end in (u, v), perhaps beyond sides that wrap.
-    pub fn uv(&self, index: usize) -> [f64; 2] {
-        [0, 1].map(|k| self.origin[k] + f64::from(self.offset[index][k]))
-    }
-}
-
-/// What a classical Runge–Kutta method computes with.
-#[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
-pub enum Arithmetic {
-    /// Pixel by pixel in f64.
-    #[default]
-    F64,
-    /// Pixel by pixel, state and sums rounded to f32; the surface itself is evaluated in f64 at the rounded point. It
-    /// shows the error of single precision, not its speed.
-    F32,
-    /// Eight pixels at a time in f64.
-    F64Lanes,
-    /// Sixteen pixels at a time in f32, the surface too: as fast as the method gets on a processor.
-    F32Lanes,
-}
+pub use crate::pixels::{Map, pixel_place};
 
 /// How a map is made.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
@@ -75,8 +34,6 @@ pub enum Method {
     Rk4 {
         /// How many steps; at least one is taken.
         steps: u32,
-        /// In which arithmetic.
-        arithmetic: Arithmetic,
     },
 }
 
@@ -118,35 +75,11 @@ impl MapOptions {
     }
 }
 
-/// The place of a pixel's centre in the picture: [−1,1] spans the shorter side, x to the right, y up.
-pub fn pixel_place(size: [u32; 2], column: u32, row: u32) -> [f64; 2] {
-    let half = 0.5 * f64::from(size[0].min(size[1]).max(1));
-    [
-        (f64::from(column) + 0.5 - 0.5 * f64::from(size[0])) / half,
-        (0.5 * f64::from(size[1]) - f64::from(row) - 0.5) / half,
-    ]
-}
-
 /// Brings a point back through the sides that wrap, and gives the signs by which the components of a vector change: a
 /// flip turns the other one over.
 pub fn bring_back(domain: [[f64; 2]; 2], sides: Sides, mut at: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-    let mut signs = [1.0; 2];
-    for axis in 0..2 {
-        let [low, high] = domain[axis];
-        let side = sides.of(axis)[0];
-        let wraps = matches!(side, Side::Wrap | Side::WrapFlip);
-        if !wraps || (low..=high).contains(&at[axis]) {
-            continue;
-        }
-        let turns = ((at[axis] - low) / (high - low)).floor();
-        at[axis] = (at[axis] - turns * (high - low)).clamp(low, high);
-        if side == Side::WrapFlip && turns.rem_euclid(2.0) == 1.0 {
-            let [low, high] = domain[1 - axis];
-            at[1 - axis] = low + high - at[1 - axis];
-            signs[1 - axis] = -signs[1 - axis];
-        }
-    }
-    (at, signs)
+    let crossing = sides.wrap(domain, &mut at);
+    (at, crossing.signs)
 }
 
 /// The whole map, on all cores of the current rayon pool; it does not depend on how many they are. `progress` is told

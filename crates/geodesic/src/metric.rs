@@ -1,6 +1,6 @@
 //! The first fundamental form at a point: jets in; lengths, angles, accelerations and curvature out.
 
-use crate::surface::Jet;
+use crate::jet::{Jet, JetBlock, Lanes};
 
 /// The dot product.
 pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -81,6 +81,31 @@ impl Metric {
             -(a * self.f + b * self.g) / self.r,
             (a * self.e + b * self.f) / self.r,
         ]
+    }
+}
+
+/// E, F, G and their first derivatives at a point: `by_u[0]` is ∂E/∂u.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[allow(missing_docs)]
+pub(crate) struct Form {
+    pub(crate) efg: [f64; 3],
+    pub(crate) by_u: [f64; 3],
+    pub(crate) by_v: [f64; 3],
+    /// −Evv/2 + Fuv − Guu/2, what the second derivatives give of the curvature.
+    pub(crate) bent: f64,
+}
+
+impl Form {
+    /// From the derivatives of E, F and G.
+    #[inline(always)]
+    pub(crate) fn of_lane(forms: &JetBlock, lane: usize) -> Self {
+        let of = |block: &[Lanes; 3]| [block[0][lane], block[1][lane], block[2][lane]];
+        Self {
+            efg: of(&forms.position),
+            by_u: of(&forms.du),
+            by_v: of(&forms.dv),
+            bent: -0.5 * forms.dvv[0][lane] + forms.duv[1][lane] - 0.5 * forms.duu[2][lane],
+        }
     }
 }
 

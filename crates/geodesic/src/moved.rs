@@ -7,7 +7,7 @@
 use crate::ends::Coordinates;
 use crate::frame::Frame;
 use crate::metric::speed;
-use crate::surface::{Jet, JetBlock, Lanes, Outline, Singles, Surface};
+use crate::surface::{Jet, JetBlock, Lanes, Outline, Surface};
 
 /// A surface σ(u₀ + u, v₀ + v), as a function of (u, v).
 #[derive(Clone, Copy, Debug)]
@@ -75,25 +75,6 @@ impl<S: Surface + ?Sized> Surface for Moved<'_, S> {
     fn jets(&self, at: &[Lanes; 2], out: &mut JetBlock) {
         let at = [0, 1].map(|k| at[k].map(|x| self.by[k] + x));
         self.surface.jets(&at, out);
-    }
-
-    fn acceleration(&self, at: [f64; 2], velocity: [f64; 2]) -> [f64; 2] {
-        self.surface.acceleration(self.there(at), velocity)
-    }
-
-    fn accelerations(&self, at: &[Lanes; 2], velocity: &[Lanes; 2], out: &mut [Lanes; 2]) {
-        let at = [0, 1].map(|k| at[k].map(|x| self.by[k] + x));
-        self.surface.accelerations(&at, velocity, out);
-    }
-
-    fn accelerations_single(
-        &self,
-        at: &[Singles; 2],
-        velocity: &[Singles; 2],
-        out: &mut [Singles; 2],
-    ) {
-        let at = [0, 1].map(|k| at[k].map(|x| self.by[k] as f32 + x));
-        self.surface.accelerations_single(&at, velocity, out);
     }
 
     fn is_embedded(&self) -> bool {

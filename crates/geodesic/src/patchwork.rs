@@ -24,8 +24,8 @@ use expr::processor::Processor;
 use rayon::prelude::*;
 
 use crate::ends::{Coordinates, Ends, Estimate, Polar};
-use crate::map::Map;
-use crate::trace::Status;
+use crate::pixels::Map;
+use crate::status::Status;
 use cut::{Cutter, Piece, Pieces};
 use evaluate::Band;
 use fit::Fit;

@@ -9,11 +9,12 @@ use std::fmt;
 
 use crate::chart::Atlas;
 use crate::frame::Frame;
-use crate::map::pixel_place;
 use crate::metric::{combine, norm};
+use crate::pixels::pixel_place;
+use crate::status::Status;
 use crate::surface::{Jet, Side, Surface};
 use crate::topology::Apex;
-use crate::trace::{Options, Status};
+use crate::trace::Options;
 
 /// Within this share of the domain's width from a pole, points are compared in polar coordinates too.
 const NEAR_POLE: f64 = 0.1;

@@ -6,9 +6,10 @@
 
 use std::f64::consts::TAU;
 
-use crate::intrinsic::Form;
-use crate::metric::{combine, cross, dot, gaussian_curvature, norm};
-use crate::surface::{Jet, Scale, Side, Sides};
+use crate::jet::Jet;
+use crate::metric::{Form, combine, cross, dot, gaussian_curvature, norm};
+use crate::scale::{Scale, at};
+use crate::sides::{Side, Sides};
 
 /// A side that has collapsed to one point, seen as the tip of a cone. With ρ the parameter's distance to the side and
 /// t the other parameter, (a, b) = r (cos kt, sin kt), r = ρ^(1/power), are coordinates in which the metric stays
@@ -63,8 +64,7 @@ impl Topology {
         Self::with(pairs, collapsed, &|axis, end| apex(jet, domain, axis, end))
     }
 
-    /// Looks at the sides of a metric's domain, of which the coefficients and the jets are given: see
-    /// [`crate::intrinsic::MetricSurface`].
+    /// Looks at the sides of a metric's domain, whose coefficients and jets are given.
     pub(crate) fn of_metric(
         form: &dyn Fn([f64; 2]) -> Form,
         jet: &dyn Fn([f64; 2]) -> Jet,
@@ -111,19 +111,6 @@ impl Topology {
         }
         topology
     }
-}
-
-/// The point of the domain at these shares of its widths.
-pub(crate) fn at(domain: [[f64; 2]; 2], share: [f64; 2]) -> [f64; 2] {
-    [0, 1].map(|k| {
-        let [low, high] = domain[k];
-        // The ends come out exactly.
-        if share[k] == 1.0 {
-            high
-        } else {
-            low + share[k] * (high - low)
-        }
-    })
 }
 
 fn place(axis: usize, along: f64, across: f64) -> [f64; 2] {

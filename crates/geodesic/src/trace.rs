@@ -8,23 +8,7 @@ use crate::integrate::{DOP853, DOPRI5, RK4};
 use crate::metric::{norm, speed};
 use crate::surface::{Side, Surface};
 
-/// Why a geodesic ended.
-#[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
-pub enum Status {
-    /// It has its full length.
-    #[default]
-    Complete,
-    /// It left the domain through a true edge.
-    LeftDomain,
-    /// It ran into the tip of a cone.
-    ConePoint,
-    /// The parametrisation lost its rank: σu and σv are parallel.
-    Degenerate,
-    /// The surface is undefined there (NaN).
-    Undefined,
-    /// It used up its evaluations.
-    WorkLimit,
-}
+pub use crate::status::Status;
 
 /// How a geodesic is integrated.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]

@@ -3,7 +3,7 @@
 use super::shapes::*;
 use super::{Case, Measured, Random, complete, go, worst};
 use geodesic::frame::Frame;
-use geodesic::map::{self, Arithmetic, MapOptions, exponential_map, pixel_place};
+use geodesic::map::{self, MapOptions, exponential_map, pixel_place};
 use geodesic::metric::{acceleration, speed};
 use geodesic::surface::Surface;
 use geodesic::trace::{Method, Options, Status};
@@ -106,8 +106,8 @@ fn return_home(options: &Options) -> Measured {
     }))
 }
 
-/// Pictures that are so deep that nothing is curved: against the exponential map to second order. The thesis' method
-/// in single precision, as it is there. Evaluations are a whole picture's.
+/// Pictures that are so deep that nothing is curved: against the exponential map to second order. Evaluations are a
+/// whole picture's.
 fn deep(zoom: f64, options: &Options) -> Measured {
     let surfaces: Vec<(Box<dyn Surface>, [f64; 2])> = vec![
         (Box::new(spheroid(1.0, 1.0)), [1.0, 0.9]),
@@ -122,10 +122,7 @@ fn deep(zoom: f64, options: &Options) -> Measured {
     let unit = zoom * 4.0 / 512.0;
     let method = match options.method {
         Method::Adaptive => map::Method::Fan,
-        Method::Rk4 { steps } => map::Method::Rk4 {
-            steps,
-            arithmetic: Arithmetic::F32Lanes,
-        },
+        Method::Rk4 { steps } => map::Method::Rk4 { steps },
     };
     let options = MapOptions {
         method,

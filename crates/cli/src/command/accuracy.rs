@@ -47,8 +47,7 @@ Examples:
   geotrace accuracy torus.gtr --set r=0.5 -o torus.svg
 
 Errors are distances on the surface, in pixels. The methods:
-  rk4-pixel    steps of equal length for each pixel, as in the thesis: in double or single precision, one pixel
-               after the other or eight at once (SIMD); f32 shows the errors of single precision, not its speed
+  rk4-pixel    steps of equal length for each pixel, as in the thesis, in double precision
   adaptive     steps as long as the tolerance allows, for each pixel
   fan-linear   rays that all pixels share, with linear interpolation between them
   fan          rays with their Jacobi fields: what `render` uses")]
@@ -227,7 +226,7 @@ fn growth<S: Surface + ?Sized>(
 ) -> Vec<MethodRow> {
     let of = |kind: Kind| SERIES.iter().position(|series| series.kind == kind);
     let mut rows = Vec::new();
-    if let Some(series) = of(Kind::Rk4(geodesic::map::Arithmetic::F64Lanes)) {
+    if let Some(series) = of(Kind::Rk4) {
         for steps in STEPS {
             let setting = Setting {
                 series,

@@ -5,15 +5,15 @@
 //! another's cache. All arithmetic is that of [`crate::ops`] and [`crate::elementary`], the same for any number of
 //! lanes.
 
-use crate::arithmetic::{sign, zmul};
+use crate::arithmetic::{power, sign, zmul};
+use crate::elementary;
 use crate::jets::assemble::{Code, FEW, FIRST_FIXED, Instruction, Op, Program, Steps};
 use crate::processor::{Processor, Work};
-use crate::real::Real;
 
 /// Registers, reused between evaluations so that none allocates. One per thread, for any tapes.
 #[derive(Clone, Debug, Default)]
-pub struct JetRegisters<T = f64> {
-    numbers: Vec<T>,
+pub struct JetRegisters {
+    numbers: Vec<f64>,
     /// Whose fixed numbers stand in the registers, and in how many lanes; 0 for nobody's.
     filled: (u64, usize),
     processor: Processor,
@@ -24,7 +24,7 @@ const LINE: usize = 8;
 /// How many bytes a line of cache holds.
 const CACHE_LINE: usize = 64;
 
-impl<T: Real> JetRegisters<T> {
+impl JetRegisters {
     /// Registers for a kind of processor that is not this one's best.
     pub fn on(processor: Processor) -> Self {
         Self {
@@ -38,16 +38,16 @@ impl<T: Real> JetRegisters<T> {
         code: &Code,
         fixed: &[f64],
         identity: u64,
-        at: &[[T; N]; 2],
-        out: &mut [[T; N]],
+        at: &[[f64; N]; 2],
+        out: &mut [[f64; N]],
     ) {
         let length = N * match code.program {
             Program::Few(_) => FEW,
             Program::Many(_) => code.register_count,
         };
-        let slack = CACHE_LINE / size_of::<T>();
+        let slack = CACHE_LINE / size_of::<f64>();
         if self.numbers.len() < length + slack {
-            self.numbers = vec![T::default(); length + slack];
+            self.numbers = vec![0.0; length + slack];
             self.filled = (0, 0);
         }
         // Registers begin where a line does, so that no vector straddles two.
@@ -59,7 +59,7 @@ impl<T: Real> JetRegisters<T> {
             self.filled = (identity, N);
             let places = registers[FIRST_FIXED * N..].chunks_exact_mut(N);
             for (place, &number) in places.zip(fixed) {
-                place.fill(T::nearest(number));
+                place.fill(number);
             }
         }
         let run = Run {
@@ -73,7 +73,6 @@ impl<T: Real> JetRegisters<T> {
             // One point is no vector.
             1 => run.lines::<1, 1, { FEW }>(),
             8 => self.processor.run(Eight(run)),
-            16 => self.processor.run(Sixteen(run)),
             64 => self.processor.run(SixtyFour(run)),
             _ => run.lines::<1, N, 0>(),
         }
@@ -81,25 +80,22 @@ impl<T: Real> JetRegisters<T> {
 }
 
 /// An evaluation.
-struct Run<'a, T, const N: usize> {
+struct Run<'a, const N: usize> {
     code: &'a Code,
     /// Of the results.
     factors: &'a [f64],
-    registers: &'a mut [T],
-    at: &'a [[T; N]; 2],
-    out: &'a mut [[T; N]],
+    registers: &'a mut [f64],
+    at: &'a [[f64; N]; 2],
+    out: &'a mut [[f64; N]],
 }
 
 /// One line to a register.
-struct Eight<'a, T, const N: usize>(Run<'a, T, N>);
-
-/// One line of twice the length to a register: as wide as eight in double precision.
-struct Sixteen<'a, T, const N: usize>(Run<'a, T, N>);
+struct Eight<'a, const N: usize>(Run<'a, N>);
 
 /// Eight lines to a register.
-struct SixtyFour<'a, T, const N: usize>(Run<'a, T, N>);
+struct SixtyFour<'a, const N: usize>(Run<'a, N>);
 
-impl<T: Real, const N: usize> Work for Eight<'_, T, N> {
+impl<const N: usize> Work for Eight<'_, N> {
     type Output = ();
 
     #[inline(always)]
@@ -108,16 +104,7 @@ impl<T: Real, const N: usize> Work for Eight<'_, T, N> {
     }
 }
 
-impl<T: Real, const N: usize> Work for Sixteen<'_, T, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        self.0.lines::<{ 2 * LINE }, 1, { FEW }>();
-    }
-}
-
-impl<T: Real, const N: usize> Work for SixtyFour<'_, T, N> {
+impl<const N: usize> Work for SixtyFour<'_, N> {
     type Output = ();
 
     #[inline(always)]
@@ -146,37 +133,37 @@ impl Name for u32 {
 }
 
 /// The lines that hold registers.
-trait Lines<T, const W: usize> {
-    fn get(&self, line: usize) -> [T; W];
-    fn set(&mut self, line: usize, value: [T; W]);
+trait Lines<const W: usize> {
+    fn get(&self, line: usize) -> [f64; W];
+    fn set(&mut self, line: usize, value: [f64; W]);
 }
 
-impl<T: Real, const W: usize> Lines<T, W> for [[T; W]] {
+impl<const W: usize> Lines<W> for [[f64; W]] {
     #[inline(always)]
-    fn get(&self, line: usize) -> [T; W] {
+    fn get(&self, line: usize) -> [f64; W] {
         self[line]
     }
 
     #[inline(always)]
-    fn set(&mut self, line: usize, value: [T; W]) {
+    fn set(&mut self, line: usize, value: [f64; W]) {
         self[line] = value;
     }
 }
 
 /// So many lines that a byte cannot name one outside: the compiler leaves out the checks of bounds.
-impl<T: Real, const W: usize, const ALL: usize> Lines<T, W> for [[T; W]; ALL] {
+impl<const W: usize, const ALL: usize> Lines<W> for [[f64; W]; ALL] {
     #[inline(always)]
-    fn get(&self, line: usize) -> [T; W] {
+    fn get(&self, line: usize) -> [f64; W] {
         self[line]
     }
 
     #[inline(always)]
-    fn set(&mut self, line: usize, value: [T; W]) {
+    fn set(&mut self, line: usize, value: [f64; W]) {
         self[line] = value;
     }
 }
 
-impl<T: Real, const N: usize> Run<'_, T, N> {
+impl<const N: usize> Run<'_, N> {
     /// Evaluates with `COUNT` lines of `W` lanes to a register, N = W·COUNT; `ALL` are the lines of [`FEW`]
     /// registers.
     #[inline(always)]
@@ -187,12 +174,12 @@ impl<T: Real, const N: usize> Run<'_, T, N> {
         match &self.code.program {
             Program::Few(steps) => match registers.first_chunk_mut::<ALL>() {
                 Some(all) if ALL > 0 => {
-                    evaluate::<T, W, COUNT, N, u8, _>(steps, self.factors, all, self.out)
+                    evaluate::<W, COUNT, N, u8, _>(steps, self.factors, all, self.out)
                 }
-                _ => evaluate::<T, W, COUNT, N, u8, _>(steps, self.factors, registers, self.out),
+                _ => evaluate::<W, COUNT, N, u8, _>(steps, self.factors, registers, self.out),
             },
             Program::Many(steps) => {
-                evaluate::<T, W, COUNT, N, u32, _>(steps, self.factors, registers, self.out);
+                evaluate::<W, COUNT, N, u32, _>(steps, self.factors, registers, self.out);
             }
         }
     }
@@ -200,22 +187,20 @@ impl<T: Real, const N: usize> Run<'_, T, N> {
 
 /// Runs the instructions, and copies coefficients to where the caller wants them, with their factors.
 #[inline(always)]
-fn evaluate<T, const W: usize, const COUNT: usize, const N: usize, R, L>(
+fn evaluate<const W: usize, const COUNT: usize, const N: usize, R, L>(
     steps: &Steps<R>,
     factors: &[f64],
     registers: &mut L,
-    out: &mut [[T; N]],
+    out: &mut [[f64; N]],
 ) where
-    T: Real,
     R: Name,
-    L: Lines<T, W> + ?Sized,
+    L: Lines<W> + ?Sized,
 {
     for instruction in &steps.instructions {
-        step::<T, W, COUNT, R, L>(instruction, registers);
+        step::<W, COUNT, R, L>(instruction, registers);
     }
     for ((out, register), &factor) in out.iter_mut().zip(&steps.places).zip(factors) {
         let (out, _) = out.as_chunks_mut::<W>();
-        let factor = T::nearest(factor);
         for (line, out) in out.iter_mut().enumerate() {
             let value = registers.get(register.index() * COUNT + line);
             for lane in 0..W {
@@ -228,11 +213,10 @@ fn evaluate<T, const W: usize, const COUNT: usize, const N: usize, R, L>(
 /// Runs one instruction, line by line. Macros rather than closures: what is not inlined is not compiled for the
 /// processor at hand.
 #[inline(always)]
-fn step<T, const W: usize, const COUNT: usize, R, L>(i: &Instruction<R>, registers: &mut L)
+fn step<const W: usize, const COUNT: usize, R, L>(i: &Instruction<R>, registers: &mut L)
 where
-    T: Real,
     R: Name,
-    L: Lines<T, W> + ?Sized,
+    L: Lines<W> + ?Sized,
 {
     macro_rules! read {
         ($line:ident, $k:literal) => {
@@ -243,7 +227,7 @@ where
         (|$($x:ident = $k:literal),+| $value:expr) => {
             for line in 0..COUNT {
                 $(let $x = read!(line, $k);)+
-                let mut out = [T::default(); W];
+                let mut out = [0.0; W];
                 for lane in 0..W {
                     $(let $x = $x[lane];)+
                     out[lane] = $value;
@@ -275,7 +259,7 @@ where
         Op::Sub => each!(|a = 0, b = 1| a - b),
         Op::Mul => each!(|a = 0, b = 1| a * b),
         Op::Div => each!(|a = 0, b = 1| a / b),
-        Op::Pow => each!(|a = 0, b = 1| T::power(a, b)),
+        Op::Pow => each!(|a = 0, b = 1| power(a, b)),
         Op::Zmul => each!(|a = 0, b = 1| zmul(a, b)),
         Op::ProductPlus => each!(|a = 0, b = 1, c = 2| a * b + c),
         Op::ProductMinus => each!(|a = 0, b = 1, c = 2| a * b - c),
@@ -289,11 +273,11 @@ where
         Op::Asin => each!(|a = 0| a.asin()),
         Op::Acos => each!(|a = 0| a.acos()),
         Op::Atan => each!(|a = 0| a.atan()),
-        Op::Tan => one!(T::tan),
-        Op::Exp => one!(T::exp),
-        Op::Log => one!(T::log),
-        Op::Tanh => one!(T::tanh),
-        Op::SinCos => pair!(T::sin_cos),
-        Op::SinhCosh => pair!(T::sinh_cosh),
+        Op::Tan => one!(elementary::tan),
+        Op::Exp => one!(elementary::exp),
+        Op::Log => one!(elementary::log),
+        Op::Tanh => one!(elementary::tanh),
+        Op::SinCos => pair!(elementary::sin_cos),
+        Op::SinhCosh => pair!(elementary::sinh_cosh),
     }
 }

@@ -3,10 +3,9 @@
 //! What flows in: nothing, or operands. What flows out: the enum [`Binary`], and each column as a function.
 
 use crate::arithmetic::{power, zmul};
-use crate::graph::{Graph, NodeId};
 use crate::ops::lanes::{Lanes, each_pair};
 use crate::ops::power::{power_by_base, power_by_exponent};
-use crate::ops::{Row, Wgsl};
+use crate::ops::{ExpressionBuilder, Row, Wgsl};
 
 macro_rules! binary_operations {
     ($(
@@ -75,13 +74,13 @@ macro_rules! binary_operations {
 
             /// The derivative of `y`, which is this operation on `operands`, where those of the operands are
             /// `d`.
-            pub(crate) fn derivative(
+            pub(crate) fn derivative<B: ExpressionBuilder>(
                 self,
-                graph: &mut Graph,
-                operands: [NodeId; 2],
-                y: NodeId,
-                d: [NodeId; 2],
-            ) -> NodeId {
+                graph: &mut B,
+                operands: [B::Number; 2],
+                y: B::Number,
+                d: [B::Number; 2],
+            ) -> B::Number {
                 match self {
                     $(Self::$variant => {
                         let ($graph, $operands, $y, $d) = (graph, operands, y, d);

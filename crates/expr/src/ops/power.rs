@@ -3,11 +3,15 @@
 //! What flows in: base, exponent and their derivatives. What flows out: the terms of the power's derivative,
 //! written so that a factor that is zero annihilates what is undefined.
 
-use crate::graph::{Graph, NodeId};
-use crate::ops::Unary;
+use crate::ops::{ExpressionBuilder, Unary};
 
 /// n x^(n−1) x'.
-pub(crate) fn integer_power_derivative(graph: &mut Graph, x: NodeId, n: i32, dx: NodeId) -> NodeId {
+pub(crate) fn integer_power_derivative<B: ExpressionBuilder>(
+    graph: &mut B,
+    x: B::Number,
+    n: i32,
+    dx: B::Number,
+) -> B::Number {
     let lower = match n.checked_sub(1) {
         Some(lower) => graph.integer_power(x, lower),
         None => {
@@ -21,7 +25,12 @@ pub(crate) fn integer_power_derivative(graph: &mut Graph, x: NodeId, n: i32, dx:
 }
 
 /// b a^(b−1) a'.
-pub(super) fn power_by_base(graph: &mut Graph, a: NodeId, b: NodeId, da: NodeId) -> NodeId {
+pub(super) fn power_by_base<B: ExpressionBuilder>(
+    graph: &mut B,
+    a: B::Number,
+    b: B::Number,
+    da: B::Number,
+) -> B::Number {
     if graph.value(da) == Some(0.0) {
         return da;
     }
@@ -33,7 +42,12 @@ pub(super) fn power_by_base(graph: &mut Graph, a: NodeId, b: NodeId, da: NodeId)
 }
 
 /// b' y log a for y = a^b.
-pub(super) fn power_by_exponent(graph: &mut Graph, a: NodeId, y: NodeId, db: NodeId) -> NodeId {
+pub(super) fn power_by_exponent<B: ExpressionBuilder>(
+    graph: &mut B,
+    a: B::Number,
+    y: B::Number,
+    db: B::Number,
+) -> B::Number {
     if graph.value(db) == Some(0.0) {
         return db;
     }

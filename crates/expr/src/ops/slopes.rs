@@ -1,6 +1,6 @@
-//! Arithmetics that the rules of first and second derivatives are written for: numbers, and what makes code for them.
+//! Arithmetics that the rules of derivatives are written for: numbers, code for them, and expressions.
 
-use crate::ops::Unary;
+use crate::ops::{Binary, Unary};
 
 /// What a rule can do with numbers.
 pub trait Arithmetic {
@@ -20,6 +20,21 @@ pub trait Arithmetic {
     fn div(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
     /// Any operation on one number.
     fn unary(&mut self, op: Unary, a: Self::Number) -> Self::Number;
+}
+
+/// An arithmetic whose numbers are expressions: what the rules of symbolic derivatives ask for. The graph implements it,
+/// so that the table does not depend on the graph.
+pub trait ExpressionBuilder: Arithmetic {
+    /// The value of a constant; `None` for any other expression.
+    fn value(&self, a: Self::Number) -> Option<f64>;
+    /// a^n, see [`crate::ops::integer_power`].
+    fn integer_power(&mut self, a: Self::Number, n: i32) -> Self::Number;
+    /// a^b, see [`crate::ops::power`].
+    fn power(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// The product that a zero first factor annihilates, see [`crate::ops::zmul`].
+    fn zmul(&mut self, a: Self::Number, b: Self::Number) -> Self::Number;
+    /// Any operation on two numbers.
+    fn binary(&mut self, op: Binary, a: Self::Number, b: Self::Number) -> Self::Number;
 }
 
 /// The arithmetic of numbers themselves.

@@ -3,13 +3,12 @@
 //! What flows in: nothing, or an operand. What flows out: the enum [`Unary`], and each column as a function.
 
 use crate::arithmetic::sign;
-use crate::graph::{Graph, NodeId};
 use crate::ops::lanes::each;
 use crate::ops::slopes::{
     Arithmetic, one_minus_square as complement, reciprocal_of_complement,
     reciprocal_of_one_plus_square,
 };
-use crate::ops::{Row, Wgsl};
+use crate::ops::{ExpressionBuilder, Row, Wgsl};
 
 macro_rules! unary_operations {
     ($(
@@ -93,13 +92,13 @@ macro_rules! unary_operations {
             }
 
             /// The derivative of `y`, which is this operation on `x`, where that of `x` is `dx`.
-            pub(crate) fn derivative(
+            pub(crate) fn derivative<B: ExpressionBuilder>(
                 self,
-                graph: &mut Graph,
-                x: NodeId,
-                y: NodeId,
-                dx: NodeId,
-            ) -> NodeId {
+                graph: &mut B,
+                x: B::Number,
+                y: B::Number,
+                dx: B::Number,
+            ) -> B::Number {
                 match self {
                     $(Self::$variant => {
                         let ($graph, $a, $y, $da) = (graph, x, y, dx);
@@ -255,7 +254,7 @@ unary_operations! {
 }
 
 /// (1 − x)(1 + x): 1 − x² without its cancellation near ±1.
-fn one_minus_square(graph: &mut Graph, x: NodeId) -> NodeId {
+fn one_minus_square<B: ExpressionBuilder>(graph: &mut B, x: B::Number) -> B::Number {
     let one = graph.constant(1.0);
     let less = graph.sub(one, x);
     let more = graph.add(one, x);
@@ -263,7 +262,7 @@ fn one_minus_square(graph: &mut Graph, x: NodeId) -> NodeId {
 }
 
 /// √(1 − x²).
-fn sine_of_complement(graph: &mut Graph, x: NodeId) -> NodeId {
+fn sine_of_complement<B: ExpressionBuilder>(graph: &mut B, x: B::Number) -> B::Number {
     let square = one_minus_square(graph, x);
     graph.unary(Unary::Sqrt, square)
 }

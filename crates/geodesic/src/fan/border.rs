@@ -4,7 +4,7 @@
 //! statuses.
 
 use super::ray::{Ray, Stop};
-use crate::trace::Status;
+use crate::status::Status;
 
 /// Where both rays end at an edge that lies aslant, one of them says nothing about where only the other still is. There
 /// places at equal shares of the way to the edge are compared, instead of equal arc lengths.

@@ -7,7 +7,7 @@ use super::coordinates::{Chart, Kind, Space};
 use super::ray::{Ray, Sample, same};
 use crate::ends::{Coordinates, End};
 use crate::fan::Across;
-use crate::trace::Status;
+use crate::status::Status;
 
 /// What lies at a place between two rays.
 #[derive(Clone, Copy, Debug)]

@@ -335,24 +335,13 @@ impl Space {
         }
     }
 
-    /// Brings a point back through the sides that wrap, with the signs that its coordinates' derivatives change by.
+    /// Brings a finite point back through the sides that wrap, with the signs that its coordinates' derivatives change
+    /// by.
     pub(super) fn bring_back(&self, mut at: [f64; 2]) -> ([f64; 2], [f64; 2]) {
-        let mut signs = [1.0; 2];
-        for axis in 0..2 {
-            let [low, high] = self.domain[axis];
-            let side = self.sides.of(axis)[0];
-            let wraps = matches!(side, Side::Wrap | Side::WrapFlip);
-            if !wraps || (low..=high).contains(&at[axis]) || !at[axis].is_finite() {
-                continue;
-            }
-            let turns = ((at[axis] - low) / (high - low)).floor();
-            at[axis] = (at[axis] - turns * (high - low)).clamp(low, high);
-            if side == Side::WrapFlip && turns.rem_euclid(2.0) == 1.0 {
-                let [low, high] = self.domain[1 - axis];
-                at[1 - axis] = low + high - at[1 - axis];
-                signs[1 - axis] = -signs[1 - axis];
-            }
+        if !at.iter().all(|x| x.is_finite()) {
+            return (at, [1.0; 2]);
         }
-        (at, signs)
+        let crossing = self.sides.wrap(self.domain, &mut at);
+        (at, crossing.signs)
     }
 }

@@ -14,8 +14,8 @@ use expr::processor::{Processor, Work};
 use crate::chart::{Atlas, Motion};
 use crate::follow;
 use crate::integrate::DOPRI5;
+use crate::status::Status;
 use crate::surface::{LANES, Lanes, Surface};
-use crate::trace::Status;
 
 /// The most evaluations to find out why steps lead nowhere.
 const CAREFUL: u64 = 4000;

@@ -3,7 +3,7 @@
 
 use super::coordinates::{Chart, Kind};
 use super::sectors::{BINS, Profile, most};
-use crate::trace::Status;
+use crate::status::Status;
 
 /// A ray's state at a step's end.
 #[derive(Clone, Copy, Debug)]

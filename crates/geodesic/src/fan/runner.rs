@@ -3,7 +3,7 @@
 use super::coordinates::{Chart, Kind, Space};
 use super::ray::{Knot, Ray, Segment, Stop};
 use super::sectors::{BINS, Profile, bin};
-use crate::trace::Status;
+use crate::status::Status;
 
 /// A ray on its way.
 #[derive(Clone, Debug)]

@@ -9,8 +9,8 @@ use crate::chart::Atlas;
 use crate::ends::{Coordinates, End};
 use crate::follow;
 use crate::frame::Frame;
+use crate::status::Status;
 use crate::surface::Surface;
-use crate::trace::Status;
 
 /// The start of all rays.
 #[derive(Clone, Debug)]

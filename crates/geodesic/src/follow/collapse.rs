@@ -4,8 +4,8 @@ use super::ray::Ray;
 use super::stalled_at;
 use crate::chart::Chart;
 use crate::metric::{cross, dot, norm};
+use crate::status::Status;
 use crate::surface::{Side, Surface};
-use crate::trace::Status;
 
 /// Below this share of its typical value R = |σu×σv| is watched.
 const LOW: f64 = 1e-2;

@@ -6,8 +6,8 @@ use super::stalled_at;
 use crate::chart::{Chart, Local, Motion};
 use crate::integrate::{Pace, Step};
 use crate::metric::{combine, dot, norm};
+use crate::status::Status;
 use crate::surface::Surface;
-use crate::trace::Status;
 
 /// The least change of the speed within a step that is looked into.
 const NOTICED: f64 = 1e-9;

@@ -4,8 +4,8 @@ use super::ray::{Attempt, Ray};
 use super::stalled_at;
 use crate::chart::{Chart, Motion};
 use crate::integrate::{Pace, Step};
+use crate::status::Status;
 use crate::surface::{Side, Surface};
-use crate::trace::Status;
 
 /// A tip of a cone is hit by what passes it within this share of its chart's radius.
 const HIT: f64 = 1e-12;

@@ -7,8 +7,8 @@ use super::{Plan, stalled_at};
 use crate::chart::{Atlas, Chart, Local, Motion, REACH, rotated};
 use crate::integrate::{self, Pace, Step};
 use crate::metric::{combine, norm};
+use crate::status::Status;
 use crate::surface::Surface;
-use crate::trace::Status;
 
 /// Steps shorter than this share of the ray's scale have something singular near by.
 const SHORT: f64 = 0.01;

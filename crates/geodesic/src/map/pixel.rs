@@ -1,14 +1,15 @@
 //! The methods that follow a geodesic for each pixel: one row of a picture in, its ends out.
 
-use super::{Arithmetic, MOST_FOR_PIXEL, MapOptions, Method, bring_back, pixel_place, rk4};
+use super::{MOST_FOR_PIXEL, MapOptions, Method, bring_back, pixel_place, rk4};
 use crate::chart::{Atlas, Motion};
 use crate::ends::{Coordinates, End, Work};
 use crate::follow::{self, Noting, Plan, Start};
 use crate::frame::Frame;
 use crate::integrate::{DOP853, DOPRI5};
 use crate::metric::Metric;
-use crate::surface::{LANES, SINGLES, Side, Surface};
-use crate::trace::{self, Status};
+use crate::status::Status;
+use crate::surface::{Side, Surface};
+use crate::trace;
 
 /// One row of a map; what its parts mean is told by [`Map`](super::Map).
 #[derive(Clone, Debug, Default)]
@@ -92,13 +93,13 @@ pub(super) fn row<S: Surface + ?Sized>(
     let places = (0..size[0]).map(|column| pixel_place(size, column, row));
     let share = options.evaluations_per_pixel(size);
     match options.method {
-        Method::Rk4 { steps, arithmetic } => {
+        Method::Rk4 { steps } => {
             // A fixed number of steps is a limit by itself, within reason.
             let affordable = share.max(MOST_FOR_PIXEL) / 4;
             let steps = u64::from(steps.max(1));
             let limited = steps > affordable;
             let steps = steps.min(affordable) as u32;
-            line.rk4(places, steps, arithmetic, limited, &mut out);
+            line.rk4(places, steps, limited, &mut out);
         }
         _ => {
             let share = usize::try_from(share).unwrap_or(usize::MAX);
@@ -246,56 +247,15 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
         &self,
         places: impl Iterator<Item = [f64; 2]>,
         steps: u32,
-        arithmetic: Arithmetic,
         limited: bool,
         out: &mut Row,
     ) {
-        match arithmetic {
-            Arithmetic::F64Lanes => self.several::<f64, LANES>(places, steps, limited, out),
-            Arithmetic::F32Lanes => self.several::<f32, SINGLES>(places, steps, limited, out),
-            Arithmetic::F64 | Arithmetic::F32 => {
-                for place in places {
-                    if let Some(start) = self.whole(place, out) {
-                        let single = arithmetic == Arithmetic::F32;
-                        let end = rk4::one(self.atlas, self.surface, start, steps, single);
-                        self.put(end, limited, out);
-                    }
-                }
-            }
-        }
-    }
-
-    fn several<T: rk4::Precision<N>, const N: usize>(
-        &self,
-        places: impl Iterator<Item = [f64; 2]>,
-        steps: u32,
-        limited: bool,
-        out: &mut Row,
-    ) {
-        let mut waiting: Vec<Motion> = Vec::with_capacity(N);
-        let follow = |waiting: &mut Vec<Motion>, out: &mut Row| {
-            let count = waiting.len();
-            if let Some(&last) = waiting.last() {
-                waiting.resize(N, last);
-                let starts = std::array::from_fn(|lane| waiting[lane]);
-                let ends = rk4::several::<T, N, S>(self.atlas, self.surface, starts, steps);
-                for end in ends.into_iter().take(count) {
-                    self.put(end, limited, out);
-                }
-                waiting.clear();
-            }
-        };
         for place in places {
-            // What needs no geodesic is put down at once: in its turn.
-            if place == [0.0; 2] {
-                follow(&mut waiting, out);
-            }
-            waiting.extend(self.whole(place, out));
-            if waiting.len() == N {
-                follow(&mut waiting, out);
+            if let Some(start) = self.whole(place, out) {
+                let end = rk4::follow(self.atlas, self.surface, start, steps);
+                self.put(end, limited, out);
             }
         }
-        follow(&mut waiting, out);
     }
 
     /// A pixel's start in (u,v), with a velocity that takes it to its end in the time 1.

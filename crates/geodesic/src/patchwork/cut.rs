@@ -5,7 +5,7 @@ use std::array::from_fn;
 use super::fit::{CHECKS, COUNT, Fit, Grid, highest, truncate, value};
 use super::{BLOCK, Patch, Single};
 use crate::ends::{Coordinates, End, Ends};
-use crate::trace::Status;
+use crate::status::Status;
 
 /// The error at the places of the check is a sample: the largest one may be this much larger.
 const WIDENING: f64 = 2.0;

@@ -6,15 +6,15 @@ use super::angle::{angle, larger_and_ratio};
 use super::fit::COUNT;
 use super::{BLOCK, Cover, Patch, Patchwork};
 use crate::ends::{Coordinates, Polar};
-use crate::trace::Status;
+use crate::status::Status;
 
 /// Some rows of pixels, of the picture's whole width; each part may be empty where it is not wanted.
 pub struct Rows<'a> {
-    /// As in [`Map`](crate::map::Map).
+    /// As in [`Map`](crate::pixels::Map).
     pub offset: &'a mut [[f32; 2]],
-    /// As in [`Map`](crate::map::Map).
+    /// As in [`Map`](crate::pixels::Map).
     pub by_pixel: &'a mut [[f32; 4]],
-    /// As in [`Map`](crate::map::Map).
+    /// As in [`Map`](crate::pixels::Map).
     pub status: &'a mut [Status],
 }
 

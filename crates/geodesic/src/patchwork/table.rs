@@ -30,7 +30,7 @@
 
 use super::{BLOCK, Cover, DEGREE, Patchwork};
 use crate::ends::Coordinates;
-use crate::trace::Status;
+use crate::status::Status;
 
 /// Words before the covers.
 pub const HEADER_WORDS: usize = 44;

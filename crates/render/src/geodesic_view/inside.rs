@@ -6,7 +6,7 @@ use expr::Input;
 use geodesic::ends::{Coordinates, Ends};
 use geodesic::fan::{Across, Fan, FanOptions};
 use geodesic::frame::Frame;
-use geodesic::map::{self, Arithmetic, Map, MapOptions, exponential_map};
+use geodesic::map::{self, Map, MapOptions, exponential_map};
 use geodesic::moved::Moved;
 use geodesic::patchwork::Patchwork;
 use geodesic::surface::{Sides, Surface};
@@ -210,13 +210,7 @@ impl Inside {
             Method::Auto | Method::Fan => (map::Method::Fan, self.tolerance),
             Method::FanLinear => (map::Method::FanLinear, self.tolerance),
             Method::Adaptive => (map::Method::Adaptive, self.tolerance),
-            Method::Rk4Pixel => {
-                let rk4 = map::Method::Rk4 {
-                    steps: RK4_STEPS,
-                    arithmetic: Arithmetic::F64,
-                };
-                (rk4, self.tolerance)
-            }
+            Method::Rk4Pixel => (map::Method::Rk4 { steps: RK4_STEPS }, self.tolerance),
         };
         let options = MapOptions {
             method,

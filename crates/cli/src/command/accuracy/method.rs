@@ -1,6 +1,6 @@
 //! The methods that are measured, and their settings.
 
-use geodesic::map::{Arithmetic, MapOptions, Method};
+use geodesic::map::{MapOptions, Method};
 
 /// A method with one of its settings.
 #[derive(Clone, Copy, Debug)]
@@ -24,7 +24,7 @@ pub(super) struct Series {
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(super) enum Kind {
     /// The thesis' Runge–Kutta method for each pixel.
-    Rk4(Arithmetic),
+    Rk4,
     /// Adaptive steps for each pixel.
     Adaptive,
     /// Shared rays, linear between them.
@@ -34,22 +34,10 @@ pub(super) enum Kind {
 }
 
 /// All methods, the thesis' first.
-pub(super) const SERIES: [Series; 7] = [
+pub(super) const SERIES: [Series; 4] = [
     Series {
         name: "rk4-pixel f64",
-        kind: Kind::Rk4(Arithmetic::F64),
-    },
-    Series {
-        name: "rk4-pixel f32",
-        kind: Kind::Rk4(Arithmetic::F32),
-    },
-    Series {
-        name: "rk4-pixel f64 SIMD",
-        kind: Kind::Rk4(Arithmetic::F64Lanes),
-    },
-    Series {
-        name: "rk4-pixel f32 SIMD",
-        kind: Kind::Rk4(Arithmetic::F32Lanes),
+        kind: Kind::Rk4,
     },
     Series {
         name: "adaptive",
@@ -73,15 +61,14 @@ pub(super) const TOLERANCES: [f64; 5] = [1.0, 0.3, 0.1, 0.01, 0.001];
 impl Kind {
     /// Whether the cost of a pixel does not depend on how many there are.
     pub(super) fn is_pixel_by_pixel(self) -> bool {
-        matches!(self, Self::Rk4(_) | Self::Adaptive)
+        matches!(self, Self::Rk4 | Self::Adaptive)
     }
 
     /// The options of a map; without a number of steps or a tolerance the method's usual ones.
     pub(super) fn options(self, steps: Option<u32>, tolerance: Option<f64>) -> MapOptions {
         let method = match self {
-            Self::Rk4(arithmetic) => Method::Rk4 {
+            Self::Rk4 => Method::Rk4 {
                 steps: steps.unwrap_or(128),
-                arithmetic,
             },
             Self::Adaptive => Method::Adaptive,
             Self::FanLinear => Method::FanLinear,
@@ -111,7 +98,7 @@ impl Setting {
                 steps: None,
             });
             match method.kind {
-                Kind::Rk4(_) => by_steps.to_vec(),
+                Kind::Rk4 => by_steps.to_vec(),
                 _ => by_tolerance.to_vec(),
             }
         });

@@ -1,13 +1,15 @@
-//! What lanes are made of: f64, or f32 where it is to be compared how fast single precision is, and how exact.
+//! The numbers that lanes are made of: f64, or f32, to compare how fast and how exact single precision is.
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::{arithmetic, elementary};
+use expr::{elementary, ops};
 
-/// A number that expressions can be evaluated in. Functions over lanes are those of [`crate::elementary`], or their
-/// counterparts in this precision.
-pub trait Real:
+use super::single;
+
+/// A number that expressions can be evaluated in. Functions over lanes are those of [`expr::elementary`], or
+/// their counterparts in this precision.
+pub(super) trait Real:
     Copy
     + Debug
     + Default
@@ -132,8 +134,8 @@ macro_rules! real {
     };
 }
 
-real!(f64, elementary, |x| x, |x, y| arithmetic::power(x, y));
-real!(f32, elementary::single, |x| x as f32, |x, y| {
+real!(f64, elementary, |x| x, |x, y| ops::power(x, y));
+real!(f32, single, |x| x as f32, |x, y| {
     // Rare: by way of f64.
-    arithmetic::power(f64::from(x), f64::from(y)) as f32
+    ops::power(f64::from(x), f64::from(y)) as f32
 });

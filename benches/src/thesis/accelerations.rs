@@ -1,25 +1,22 @@
 //! Several geodesics side by side: derivatives at their points and velocities in, accelerations (u'', v'') out.
 //!
-//! These are the thesis' equations (system 2.2) as they stand, for its method: cheap, in any precision, and with less
-//! care for sheared charts than [`crate::metric::acceleration`] takes.
+//! These are the thesis' equations (system 2.2) as they stand: cheap, in any precision, and with less care for sheared
+//! charts than [`geodesic::metric::acceleration`] takes.
 
 use expr::processor::{Processor, Work};
-use expr::real::Real;
 
-/// u and v, or their derivatives, lane by lane.
-pub(crate) type Pair<T, const N: usize> = [[T; N]; 2];
-
-/// A vector's components, or E, F and G, lane by lane.
-pub(crate) type Triple<T, const N: usize> = [[T; N]; 3];
+use super::real::Real;
+use super::{Pair, Triple};
 
 /// From the derivatives σ, σu, σv, σuu, σuv, σvv: [E F; F G]·(u'',v'') = −(σu·A, σv·A) with A = σuu u'² + 2σuv u'v' +
 /// σvv v'².
-pub(crate) fn embedded<T: Real, const N: usize>(
+pub(super) fn embedded<T: Real, const N: usize>(
+    processor: Processor,
     derivatives: &[Triple<T, N>; 6],
     velocity: &Pair<T, N>,
     out: &mut Pair<T, N>,
 ) {
-    Processor::here().run(Embedded {
+    processor.run(Embedded {
         derivatives,
         velocity,
         out,
@@ -28,12 +25,13 @@ pub(crate) fn embedded<T: Real, const N: usize>(
 
 /// From E, F, G, then their derivatives by u, then by v, by the Christoffel symbols of the first kind. NaN where it is
 /// no metric.
-pub(crate) fn intrinsic<T: Real, const N: usize>(
+pub(super) fn intrinsic<T: Real, const N: usize>(
+    processor: Processor,
     form: &[Triple<T, N>; 3],
     velocity: &Pair<T, N>,
     out: &mut Pair<T, N>,
 ) {
-    Processor::here().run(Intrinsic {
+    processor.run(Intrinsic {
         form,
         velocity,
         out,

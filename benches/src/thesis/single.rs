@@ -1,12 +1,10 @@
-//! The same functions in f32: shorter polynomials, no rounding errors carried along.
+//! The functions of [`expr::elementary`] in f32: shorter polynomials, no rounding errors carried along.
 //!
 //! Greatest errors found, in units in the last place of the true value: `sin`, `cos`, `exp`, `log` 2, `sinh`, `cosh`,
 //! `tan`, `tanh` 4. Angles beyond [`LARGEST_ANGLE`] are handed to `std` lane by lane.
 
-use super::{clamp, each, polynomial, select};
-
 /// The largest angle, in absolute value, that is reduced here.
-pub const LARGEST_ANGLE: f32 = 300.0;
+pub(super) const LARGEST_ANGLE: f32 = 300.0;
 
 /// 1.5·2²³: added to a number of moderate size, it leaves its nearest integer in the lowest bits.
 const ROUND: f32 = 12_582_912.0;
@@ -40,7 +38,7 @@ const SINH: [f32; 4] = [0.166_666_67, 0.008_333_35, 0.000_198_360_66, 2.817_439_
 
 /// Sine and cosine.
 #[inline(always)]
-pub fn sin_cos<const W: usize>(x: &[f32; W]) -> ([f32; W], [f32; W]) {
+pub(super) fn sin_cos<const W: usize>(x: &[f32; W]) -> ([f32; W], [f32; W]) {
     let (mut sin, mut cos) = ([0.0; W], [0.0; W]);
     for lane in 0..W {
         (sin[lane], cos[lane]) = reduced_sin_cos(x[lane]);
@@ -57,7 +55,7 @@ pub fn sin_cos<const W: usize>(x: &[f32; W]) -> ([f32; W], [f32; W]) {
 
 /// Tangent.
 #[inline(always)]
-pub fn tan<const W: usize>(x: &[f32; W]) -> [f32; W] {
+pub(super) fn tan<const W: usize>(x: &[f32; W]) -> [f32; W] {
     let (sin, cos) = sin_cos(x);
     let mut out = [0.0; W];
     for lane in 0..W {
@@ -68,19 +66,19 @@ pub fn tan<const W: usize>(x: &[f32; W]) -> [f32; W] {
 
 /// The exponential function.
 #[inline(always)]
-pub fn exp<const W: usize>(x: &[f32; W]) -> [f32; W] {
+pub(super) fn exp<const W: usize>(x: &[f32; W]) -> [f32; W] {
     each(x, |x| scaled_exp(x, 0.0))
 }
 
 /// Natural logarithm; undefined below zero, minus infinity at zero.
 #[inline(always)]
-pub fn log<const W: usize>(x: &[f32; W]) -> [f32; W] {
+pub(super) fn log<const W: usize>(x: &[f32; W]) -> [f32; W] {
     each(x, ln)
 }
 
 /// Hyperbolic sine and cosine.
 #[inline(always)]
-pub fn sinh_cosh<const W: usize>(x: &[f32; W]) -> ([f32; W], [f32; W]) {
+pub(super) fn sinh_cosh<const W: usize>(x: &[f32; W]) -> ([f32; W], [f32; W]) {
     let (mut sinh, mut cosh) = ([0.0; W], [0.0; W]);
     for lane in 0..W {
         (sinh[lane], cosh[lane]) = hyperbolic(x[lane]);
@@ -90,12 +88,49 @@ pub fn sinh_cosh<const W: usize>(x: &[f32; W]) -> ([f32; W], [f32; W]) {
 
 /// Hyperbolic tangent.
 #[inline(always)]
-pub fn tanh<const W: usize>(x: &[f32; W]) -> [f32; W] {
+pub(super) fn tanh<const W: usize>(x: &[f32; W]) -> [f32; W] {
     each(x, |x| {
         // Beyond, the tangent is ±1.
         let (sinh, cosh) = hyperbolic(clamp(x, 20.0));
         sinh / cosh
     })
+}
+
+#[inline(always)]
+fn each<const W: usize>(x: &[f32; W], f: impl Fn(f32) -> f32) -> [f32; W] {
+    let mut out = [0.0; W];
+    for lane in 0..W {
+        out[lane] = f(x[lane]);
+    }
+    out
+}
+
+/// A polynomial, the constant first: even and odd powers by Horner's scheme in x², so that a processor can work on
+/// both at a time.
+#[inline(always)]
+fn polynomial<const K: usize>(coefficients: &[f32; K], x: f32) -> f32 {
+    let square = x * x;
+    let mut even = coefficients[(K - 1) / 2 * 2];
+    for k in (0..(K - 1) / 2).rev() {
+        even = even * square + coefficients[2 * k];
+    }
+    let mut odd = coefficients[K / 2 * 2 - 1];
+    for k in (0..K / 2 - 1).rev() {
+        odd = odd * square + coefficients[2 * k + 1];
+    }
+    even + x * odd
+}
+
+#[inline(always)]
+fn select(condition: bool, yes: f32, no: f32) -> f32 {
+    if condition { yes } else { no }
+}
+
+/// Within ±`limit`; NaN stays.
+#[inline(always)]
+fn clamp(x: f32, limit: f32) -> f32 {
+    let x = select(x > limit, limit, x);
+    select(x < -limit, -limit, x)
 }
 
 #[inline(always)]
@@ -186,4 +221,74 @@ fn hyperbolic(x: f32) -> (f32, f32) {
     let small = size + size * z * polynomial(&SINH, z);
     let sinh = select(size < 1.0, small, half - quarter);
     (select(x < 0.0, -sinh, sinh), half + quarter)
+}
+
+#[cfg(test)]
+mod tests {
+    /// Numbers spread evenly over a range, on no lattice; then any, and those that are special.
+    fn arguments(low: f64, high: f64) -> Vec<f64> {
+        let spread = |n: u32| (f64::from(n) * 0.754_877_666_246_693).fract();
+        let within = (0..100_000).map(|n| low + (high - low) * spread(n));
+        let any = (0..50_000_u32).map(|n| f32::from_bits(n.wrapping_mul(2_654_435_761)).into());
+        let special = [0.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e-45];
+        within.chain(any).chain(special).collect()
+    }
+
+    /// The greatest distance of a function in f32 from the true value, in units in the last place of f32, at most `bound`.
+    #[track_caller]
+    fn check_single(
+        what: &str,
+        bound: f64,
+        arguments: &[f64],
+        f: impl Fn(f32) -> f32,
+        g: impl Fn(f64) -> f64,
+    ) {
+        let error = |x: f64| {
+            let x = x as f32;
+            let (is, should) = (f(x), g(f64::from(x)));
+            if is.is_nan() && should.is_nan() || is == should as f32 {
+                return 0.0;
+            }
+            let size = (should as f32).abs();
+            let unit = f64::from(size.next_up() - size).max(f64::from(f32::MIN_POSITIVE));
+            let error = (f64::from(is) - should).abs() / unit;
+            assert!(!error.is_nan(), "{what}({x:?}): {is:?}, not {should:?}");
+            error
+        };
+        let worst = arguments.iter().copied().map(error).fold(0.0, f64::max);
+        assert!(worst <= bound, "{what}: {worst}");
+    }
+
+    #[test]
+    fn functions_in_single_precision_are_those_of_double_precision() {
+        let mut angles = arguments(-40.0, 40.0);
+        angles.extend(arguments(-400.0, 400.0));
+        check_single("sin", 2.0, &angles, |x| super::sin_cos(&[x]).0[0], f64::sin);
+        check_single("cos", 2.0, &angles, |x| super::sin_cos(&[x]).1[0], f64::cos);
+        check_single("tan", 4.0, &angles, |x| super::tan(&[x])[0], f64::tan);
+        let mut all = arguments(-100.0, 90.0);
+        all.extend([88.722, 88.73, -87.3, -87.4, -103.9, -104.1]);
+        check_single("exp", 2.0, &all, |x| super::exp(&[x])[0], f64::exp);
+        let mut all = arguments(0.0, 4.0);
+        all.extend(arguments(0.99, 1.01));
+        all.extend([1e-40, 1e-45, 1e38]);
+        check_single("log", 2.0, &all, |x| super::log(&[x])[0], f64::ln);
+        let mut all = arguments(-90.0, 90.0);
+        all.extend(arguments(-2.0, 2.0));
+        check_single(
+            "sinh",
+            4.0,
+            &all,
+            |x| super::sinh_cosh(&[x]).0[0],
+            f64::sinh,
+        );
+        check_single(
+            "cosh",
+            4.0,
+            &all,
+            |x| super::sinh_cosh(&[x]).1[0],
+            f64::cosh,
+        );
+        check_single("tanh", 4.0, &all, |x| super::tanh(&[x])[0], f64::tanh);
+    }
 }
