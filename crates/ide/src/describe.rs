@@ -131,18 +131,16 @@ fn written_intervals(reading: &Reading, item: &Item<'_>) -> String {
 
 /// The value of a constant: for one that params move, that at their start.
 fn value(reading: &Reading, item: &Item<'_>) -> Option<String> {
-    let compilation = reading.compile_alone([item.index])?;
-    if let Some(value) = constant(&compilation, item.name) {
+    let excerpt = reading.excerpt([item.index]);
+    if let Some(value) = constant(&excerpt, item.name) {
         return Some(if reading.depends_on_settings(item.symbol?) {
             format!("= {value}, with every param at its start")
         } else {
             format!("= {value}")
         });
     }
-    let settings = ParamValues::initial(compilation.scene.as_ref()?);
-    let scene::Outcome::Instances(instances) =
-        compilation.evaluate(item.name, &settings).ok()?.outcome
-    else {
+    let values = ParamValues::initial(excerpt.scene());
+    let scene::Outcome::Instances(instances) = excerpt.value(item.name, &values)? else {
         return None;
     };
     let first = instances.first()?;

@@ -18,8 +18,8 @@ const VANISHED: f64 = 1e-9;
 /// Sentences about the surface that an item declares; none for what is no surface.
 pub(crate) fn of(reading: &Reading, item: &Item<'_>) -> Vec<String> {
     let sentences = || {
-        let compilation = reading.compile_alone([item.index])?;
-        let scene = compilation.scene.as_ref()?;
+        let excerpt = reading.excerpt([item.index]);
+        let scene = excerpt.scene();
         let mut objects = (0..).map(ObjectId).zip(&scene.objects);
         let (id, object) = objects.find(|(_, object)| object.name == item.name)?;
         // At the params' start and the first instance.

@@ -1,6 +1,6 @@
 //! What an editor writes between the letters: how words are split, and the values of constants.
 
-use scene::geotrace::Compilation;
+use scene::geotrace::Excerpt;
 use scene::{Outcome, ParamValues, Value};
 use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::geotrace::token::TokenKind;
@@ -75,13 +75,11 @@ fn values(reading: &Reading, range: Span) -> Vec<Hint> {
                 .is_some_and(|symbol| !reading.depends_on_settings(symbol))
     };
     let wanted: Vec<Item<'_>> = reading.items_in(range).filter(is_wanted).collect();
-    let Some(compilation) = reading.compile_alone(wanted.iter().map(|item| item.index)) else {
-        return Vec::new();
-    };
+    let excerpt = reading.excerpt(wanted.iter().map(|item| item.index));
     wanted
         .into_iter()
         .filter_map(|item| {
-            let value = constant(&compilation, item.name)?;
+            let value = constant(&excerpt, item.name)?;
             Some(Hint {
                 offset: item.span.end.saturating_sub(1),
                 label: format!("= {value}"),
@@ -103,9 +101,9 @@ fn is_literal(reading: &Reading, span: Span) -> bool {
 }
 
 /// The value of a name that does not depend on grids, for people; params are at their start.
-pub(crate) fn constant(compilation: &Compilation, name: &str) -> Option<String> {
-    let settings = ParamValues::initial(compilation.scene.as_ref()?);
-    match compilation.evaluate(name, &settings).ok()?.outcome {
+pub(crate) fn constant(excerpt: &Excerpt, name: &str) -> Option<String> {
+    let values = ParamValues::initial(excerpt.scene());
+    match excerpt.value(name, &values)? {
         Outcome::Single(value) => Some(shown(&value)),
         Outcome::Instances(_) => None,
     }

@@ -9,12 +9,12 @@
 //! a declaration is found in logarithmic time, the uses of a name in time proportional to them. What takes the
 //! whole text is made when it is first asked for: [`Reading::text`], [`Reading::compilation`].
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use scene::geotrace::Compilation;
-use syntax::diagnostic::{Diagnostic, Severity};
+use scene::geotrace::{Compilation, Excerpt};
+use syntax::diagnostic::Diagnostic;
 use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::geotrace::document::{Document, Piece, Snapshot, Tokens};
 use syntax::geotrace::symbols::Symbol;
@@ -201,64 +201,13 @@ impl Reading {
             .get_or_init(|| self.compilation().diagnostics.as_slice().into())
     }
 
-    /// What some declarations and all that they use compile to, in time proportional to them: values are told whatever
-    /// else is being written. Declarations with errors are left out, and what uses them; none if nothing is sound. No
-    /// word is read otherwise than in the text: a name that no word uses can go.
-    pub fn compile_alone(&self, items: impl IntoIterator<Item = usize>) -> Option<Compilation> {
-        let mut kept: BTreeSet<usize> = BTreeSet::new();
-        let mut open: Vec<usize> = items.into_iter().collect();
-        while let Some(k) = open.pop() {
-            if let Some(item) = self.item(k)
-                && kept.insert(k)
-            {
-                let used = self.symbols_in(item.span);
-                open.extend(used.into_iter().filter_map(|id| self.item_of(id)));
-            }
-        }
-        self.prune(&mut kept, |item| item.faulty || item.symbol.is_none());
-        // Where something is wrong in the first round, nothing is in the second.
-        for _ in 0..2 {
-            let mut text = String::new();
-            let mut starts: Vec<(u32, usize)> = Vec::new();
-            for item in kept.iter().filter_map(|k| self.item(*k)) {
-                starts.push((text.len() as u32, item.index));
-                text.push_str(&self.slice(item.span));
-                text.push('\n');
-            }
-            if kept.is_empty() {
-                return None;
-            }
-            let compilation = scene::geotrace::compile(&text);
-            if compilation.scene.is_some() {
-                return Some(compilation);
-            }
-            let errors = compilation.diagnostics.iter();
-            let errors = errors.filter(|d| d.severity == Severity::Error);
-            let wrong: HashSet<usize> = errors
-                .filter_map(|d| {
-                    let after = starts.partition_point(|(start, _)| *start <= d.span.start);
-                    Some(starts.get(after.checked_sub(1)?)?.1)
-                })
-                .collect();
-            self.prune(&mut kept, |item| wrong.contains(&item.index));
-        }
-        None
-    }
-
-    /// Leaves out what is wrong, and what uses what has been left out: declarations only use what stands above them.
-    fn prune(&self, kept: &mut BTreeSet<usize>, is_wrong: impl Fn(&Item<'_>) -> bool) {
-        let mut lost: HashSet<SymbolId> = HashSet::new();
-        kept.retain(|&k| {
-            let Some(item) = self.item(k) else {
-                return false;
-            };
-            let used = self.symbols_in(item.span);
-            let stays = !is_wrong(&item) && !used.iter().any(|id| lost.contains(id));
-            if !stays {
-                lost.extend(item.symbol);
-            }
-            stays
-        });
+    /// Some declarations and all that they use, in time proportional to them: values are given whatever else is being
+    /// written.
+    pub fn excerpt(&self, items: impl IntoIterator<Item = usize>) -> Excerpt {
+        let numbers = items
+            .into_iter()
+            .filter_map(|item| u32::try_from(item).ok());
+        Excerpt::new(&self.document, numbers)
     }
 
     /// The symbols that the tokens in a range stand for.

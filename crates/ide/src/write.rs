@@ -158,10 +158,10 @@ fn ranges(reading: &Reading, item: &Item<'_>) -> Option<Vec<Range>> {
     if item.word != DeclarationKeyword::Param {
         return None;
     }
-    let compilation = reading.compile_alone([item.index])?;
-    let params = compilation.scene?.params;
-    let param = params.into_iter().find(|param| param.name == item.name)?;
-    Some(param.ranges)
+    let excerpt = reading.excerpt([item.index]);
+    let mut params = excerpt.scene().params.iter();
+    let param = params.find(|param| param.name == item.name)?;
+    Some(param.ranges.clone())
 }
 
 /// The shortest decimal number within an interval that is nearer to a value of it than half a slider's step.

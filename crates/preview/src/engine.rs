@@ -4,7 +4,7 @@
 pub(crate) mod camera_controller;
 pub(crate) mod compiler;
 pub(crate) mod editor;
-pub(crate) mod mend;
+pub(crate) mod reader;
 pub(crate) mod recording;
 pub(crate) mod render_thread;
 pub(crate) mod request;

@@ -9,10 +9,13 @@
 //!
 //! compile.rs    a text, from scratch            ─┐
 //! document.rs   a text that is edited           ─┴─▶ Compilation: a scene and diagnostics
+//! assembler.rs  declarations that have been read, put together without reading them again
+//! excerpt.rs    some declarations of a text, with what they use
 //! evaluate.rs   a lone expression in a program's scope
 //! ```
 
 mod apply;
+mod assembler;
 mod builtin;
 mod code;
 mod compile;
@@ -22,6 +25,7 @@ mod dependencies;
 mod document;
 mod error;
 mod evaluate;
+mod excerpt;
 mod interval;
 mod intrinsic;
 mod lower;
@@ -33,3 +37,4 @@ pub use builtin::{count as builtin_count, vocabulary};
 pub use compile::{Compilation, compile};
 pub use document::{Document, Work};
 pub use error::CODES;
+pub use excerpt::Excerpt;

@@ -17,6 +17,7 @@ mod initial_conditions;
 pub mod limits;
 mod metric;
 mod param_values;
+mod program_scene;
 mod scene;
 
 pub use evaluation::{Evaluation, Instance, Outcome, Value};
@@ -24,4 +25,5 @@ pub use initial_conditions::{
     InitialConditions, InitialConditionsError, InitialConditionsEvaluator,
 };
 pub use param_values::{ParamValues, SetError};
+pub use program_scene::ProgramScene;
 pub use scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape};

@@ -9,7 +9,7 @@ use syntax::line_index::LineIndex;
 use syntax::span::Span;
 
 use crate::channel::EventSender;
-use crate::engine::mend::{Mender, Read};
+use crate::engine::reader::{Read, Reader};
 use crate::queue::LatestQueue;
 use crate::state::{Compiled, Finding};
 
@@ -34,13 +34,13 @@ struct Waiting {
 impl Compiler {
     /// Starts the thread.
     pub(crate) fn start(events: EventSender<Compiled>) -> Self {
-        Self::reading_by(events, Mender::read)
+        Self::reading_by(events, Reader::read)
     }
 
     /// Starts the thread with another function that reads texts.
     fn reading_by(
         events: EventSender<Compiled>,
-        read: impl Fn(&mut Mender, &str) -> Read + Send + 'static,
+        read: impl Fn(&mut Reader, &str) -> Read + Send + 'static,
     ) -> Self {
         let queue = LatestQueue::default();
         let own = queue.clone();
@@ -74,9 +74,9 @@ pub(crate) fn compiled(version: i32, text: Arc<str>, read: Read) -> Compiled {
         version,
         ok: findings.iter().all(|it| it.severity != Severity::Error),
         findings,
-        scene: read.scene.map(Arc::new),
-        stale: read.stale,
-        lacks: read.lacks,
+        scene: read.program.scene,
+        stale: read.program.stale,
+        lacks: read.program.incomplete,
         declared: read.declared,
         text,
         arrived: Instant::now(),
@@ -87,17 +87,17 @@ pub(crate) fn compiled(version: i32, text: Arc<str>, read: Read) -> Compiled {
 fn work(
     queue: &LatestQueue<(), Waiting>,
     events: &EventSender<Compiled>,
-    read: impl Fn(&mut Mender, &str) -> Read,
+    read: impl Fn(&mut Reader, &str) -> Read,
 ) {
-    let mut mender = Mender::default();
+    let mut reader = Reader::default();
     while let Some(((), order)) = queue.take() {
         let start = Instant::now();
         // A panic must not end the thread: it becomes a sentence, and what it has touched is dropped.
-        let read = catch_unwind(AssertUnwindSafe(|| read(&mut mender, &order.text)));
+        let read = catch_unwind(AssertUnwindSafe(|| read(&mut reader, &order.text)));
         let (read, fault) = match read {
             Ok(read) => (read, None),
             Err(_) => {
-                mender = Mender::default();
+                reader = Reader::default();
                 (Read::default(), Some(fault()))
             }
         };
@@ -152,7 +152,7 @@ mod tests {
 
     use super::Compiler;
     use crate::channel::EventSender;
-    use crate::engine::mend::Mender;
+    use crate::engine::reader::Reader;
     use crate::state::Compiled;
 
     fn next(events: &Receiver<Compiled>) -> Compiled {
@@ -162,9 +162,9 @@ mod tests {
     #[test]
     fn a_fault_of_the_compiler_is_a_finding_and_the_next_text_is_read() {
         let (sender, events) = EventSender::new(egui::Context::default());
-        let compiler = Compiler::reading_by(sender, |mender, text| {
+        let compiler = Compiler::reading_by(sender, |reader, text| {
             assert!(!text.contains("fault"), "a fault");
-            mender.read(text)
+            reader.read(text)
         });
         compiler.compile(1, "point p = (1, 2, 3);".into());
         assert!(next(&events).ok);
@@ -188,10 +188,10 @@ mod tests {
         let (sender, events) = EventSender::new(egui::Context::default());
         let (begun, begins) = channel();
         let (go_on, may_go_on) = channel();
-        let compiler = Compiler::reading_by(sender, move |mender: &mut Mender, text| {
+        let compiler = Compiler::reading_by(sender, move |reader: &mut Reader, text| {
             begun.send(()).expect("the test listens");
             may_go_on.recv().expect("the test lives");
-            mender.read(text)
+            reader.read(text)
         });
         compiler.compile(1, "".into());
         begins.recv().expect("it begins");

@@ -146,6 +146,18 @@ impl Code {
     }
 }
 
+/// The same operator, with another symbol where it has one.
+pub(crate) fn with_symbol(
+    operator: Operator,
+    replace: impl FnOnce(SymbolId) -> SymbolId,
+) -> Operator {
+    match operator {
+        Operator::Constant(symbol) => Operator::Constant(replace(symbol)),
+        Operator::Function(symbol) => Operator::Function(replace(symbol)),
+        other => other,
+    }
+}
+
 /// How many items an operator takes from the stack; each puts one back.
 fn operand_count(operator: Operator) -> usize {
     match operator {

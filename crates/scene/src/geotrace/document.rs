@@ -2,9 +2,10 @@
 //!
 //! ```text
 //! edit ──▶ syntax::document   what was read again
-//!          checker.rs          diagnostics of each declaration; which symbols mean something else now
+//!          checker.rs         diagnostics of each declaration; which symbols mean something else now
 //!          this file          who reads those is checked in turn, going down the text
 //!          compilation()      the scene, put together when it is asked for
+//!          last_good.rs       the scene of a text with errors
 //! ```
 //!
 //! Diagnostics and scene are those of [`compile`] for the text, after every edit. The diagnostics are kept up
@@ -16,25 +17,27 @@
 //! compiled for its diagnostics.
 
 mod checker;
+mod last_good;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::sync::OnceLock;
 
-use syntax::diagnostic::Diagnostic;
+use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::document::{Change, ChunkId, EditError};
-use syntax::geotrace::actions::{self, Actions, Operator};
-use syntax::geotrace::document::Event;
+use syntax::geotrace::document::{Event, Snapshot};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
+use crate::geotrace::assembler::{Assembler, Place, Reading};
 use crate::geotrace::builtin;
 use crate::geotrace::compile::{Compilation, compile};
-use crate::geotrace::declarations::Declarations;
 use crate::geotrace::error::has_errors;
 use crate::geotrace::evaluate::Scope;
 use crate::limits::{MAX_SAMPLES, MAX_UNIFORMS};
+use crate::program_scene::ProgramScene;
 use crate::scene::Scene;
 use checker::{Checked, Checker};
+use last_good::{LastGood, Shown};
 
 /// A program's text, what it was read as, and what is wrong with it.
 #[derive(Clone, Debug)]
@@ -50,6 +53,8 @@ pub struct Document {
     totals: Totals,
     work: Work,
     compilation: OnceLock<Compilation>,
+    last_good: LastGood,
+    shown: OnceLock<Shown>,
 }
 
 /// What is kept of a check.
@@ -140,6 +145,8 @@ impl Document {
             totals: Totals::default(),
             work: Work::default(),
             compilation: OnceLock::new(),
+            last_good: LastGood::default(),
+            shown: OnceLock::new(),
         };
         document.renew();
         Ok(document)
@@ -150,6 +157,9 @@ impl Document {
     /// # Errors
     /// Where there is no such range, or the text would be too large; then nothing is done.
     pub fn edit(&mut self, range: Span, text: &str) -> Result<Change, EditError> {
+        if let Some(shown) = self.shown.take() {
+            self.last_good.note(&self.text, shown);
+        }
         let change = self.text.edit(range, text)?;
         self.compilation = OnceLock::new();
         if self.checker.is_full() {
@@ -351,55 +361,62 @@ impl Document {
 
     /// Compiles what was read, as the parser would have handed it to the compiler.
     fn assemble(&self) -> (Scene, Scope) {
-        let mut declarations = Declarations::new();
-        let mut symbols: HashMap<SymbolId, SymbolId> = HashMap::new();
-        let builtins = builtin::count();
-        let mut next = builtins;
+        let mut assembler = Assembler::new();
+        let snapshot: &Snapshot = &self.text;
         let mut start = 0;
-        for chunk in self.text.chunks() {
-            for event in self.text.events(chunk) {
-                let own = |symbol: SymbolId| match symbol.0 < builtins {
-                    true => symbol,
-                    false => symbols.get(&symbol).copied().unwrap_or(symbol),
+        for chunk in snapshot.chunks() {
+            for (declaration, events) in snapshot.events(chunk).declarations() {
+                let reading = Reading {
+                    snapshot,
+                    declaration,
+                    events,
                 };
-                match event {
-                    Event::Operator(operator, span) => {
-                        let operator = match operator {
-                            Operator::Constant(symbol) => Operator::Constant(own(symbol)),
-                            Operator::Function(symbol) => Operator::Function(own(symbol)),
-                            other => other,
-                        };
-                        declarations.act_operator(operator, span.moved(start));
-                    }
-                    Event::Interval(interval) => declarations.act_interval(actions::Interval {
-                        kind: interval.kind,
-                        span: interval.span.moved(start),
-                        tag: interval.tag.map(|(at, span)| (at, span.moved(start))),
-                    }),
-                    Event::Declaration(read) => {
-                        let symbol = read.symbol.map(|symbol| {
-                            let own = SymbolId(next);
-                            symbols.insert(symbol, own);
-                            next += 1;
-                            own
-                        });
-                        let parameters = read.parameters.moved(start);
-                        declarations.act_declaration(&actions::Declaration {
-                            symbol,
-                            span: read.span.moved(start),
-                            name_span: read.name_span.moved(start),
-                            ..read.as_declaration(&parameters)
-                        });
-                    }
-                    Event::Open(..) | Event::Finding => {}
-                }
+                assembler.add(reading, Place::Chunk(start));
             }
-            start += self.text.chunk_text(chunk).len() as u32;
+            start += snapshot.chunk_text(chunk).len() as u32;
         }
+        let mut declarations = assembler.declarations;
         // They are known: an expression that is evaluated in the program has its own.
         declarations.diagnostics.clear();
         let scene = declarations.scene();
         let scope = Scope::new(&self.text.text(), self.text.parsed(), declarations);
         (scene, scope)
+    }
+
+    /// The scene of the text as it is; of a text with errors, what can be shown of it, with what was last good in the
+    /// place of what is faulty. It is put together at the first call after an edit. What is good is remembered once it
+    /// has been asked for.
+    pub fn scene_with_last_good(&self) -> &ProgramScene {
+        &self.shown().program
+    }
+
+    fn shown(&self) -> &Shown {
+        self.shown.get_or_init(|| match &self.compilation().scene {
+            Some(scene) => Shown::whole(scene.clone()),
+            None => self.last_good.show(&self.text, &self.faulty()),
+        })
+    }
+
+    /// The chunks in which there are errors.
+    fn faulty(&self) -> HashSet<ChunkId> {
+        let is_error = |found: &Diagnostic| found.severity == Severity::Error;
+        let chunks = self.text.diagnosed().into_iter();
+        let mut faulty: HashSet<ChunkId> = chunks
+            .filter(|chunk| self.text.errors(*chunk).next().is_some())
+            .collect();
+        if self.is_beyond_limits() {
+            let found = self.compilation().diagnostics.iter();
+            let places = found
+                .filter(|found| is_error(found))
+                .map(|it| it.span.start);
+            faulty.extend(places.filter_map(|at| Some(self.text.piece_at(at)?.chunk)));
+        } else {
+            let has_error = |chunk: &ChunkId| {
+                let checked = self.checked.get(chunk).into_iter();
+                checked.flat_map(Kept::diagnostics).flatten().any(is_error)
+            };
+            faulty.extend(self.found.iter().copied().filter(has_error));
+        }
+        faulty
     }
 }

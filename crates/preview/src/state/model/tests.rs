@@ -1,14 +1,14 @@
 use super::{Animation, Model, Step, View, advanced};
-use crate::engine::mend::Mender;
+use crate::engine::reader::Reader;
 use crate::state::Compiled;
 use crate::state::{InsideCamera, SpaceCamera};
 
 fn compiled(text: &str) -> Compiled {
-    read(&mut Mender::default(), text)
+    read(&mut Reader::default(), text)
 }
 
-fn read(mender: &mut Mender, text: &str) -> Compiled {
-    crate::engine::compiler::compiled(1, text.into(), mender.read(text))
+fn read(reader: &mut Reader, text: &str) -> Compiled {
+    crate::engine::compiler::compiled(1, text.into(), reader.read(text))
 }
 
 fn model(text: &str) -> Model {
@@ -375,9 +375,9 @@ fn the_space_camera_keeps_its_distance_while_it_turns_orbits_and_moves() {
 
 /// What a geodesic view has a mark of, and whether the 3D view has one, after texts one behind the other.
 fn marks(texts: &[&str], surfaces: [&str; 2]) -> (bool, [bool; 2]) {
-    let (mut mender, mut model) = (Mender::default(), Model::default());
+    let (mut reader, mut model) = (Reader::default(), Model::default());
     for text in texts {
-        model.take(read(&mut mender, text));
+        model.take(read(&mut reader, text));
     }
     let inside = surfaces.map(|name| model.is_stale_inside(name));
     (model.is_stale_in_space(), inside)
@@ -417,11 +417,11 @@ fn only_views_that_show_what_is_stood_in_for_are_marked() {
 
 #[test]
 fn what_is_hidden_marks_no_view() {
-    let (mut mender, mut model) = (Mender::default(), Model::default());
+    let (mut reader, mut model) = (Reader::default(), Model::default());
     let good = "point p = (1, 2, 3); point q = (1, 1, 1);";
-    model.take(read(&mut mender, good));
+    model.take(read(&mut reader, good));
     model.adjust(|view| view.looks.entry("p".into()).or_default().hidden = true);
-    model.take(read(&mut mender, &good.replace("2, 3)", "2, ")));
+    model.take(read(&mut reader, &good.replace("2, 3)", "2, ")));
     assert!(model.is_stale() && !model.is_stale_in_space());
 }
 

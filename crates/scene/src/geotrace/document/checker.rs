@@ -16,12 +16,14 @@ use std::collections::{BTreeMap, HashMap};
 
 use syntax::diagnostic::{Code, Diagnostic};
 use syntax::document::ChunkId;
-use syntax::geotrace::actions::{self, Declaration, Operator};
+use syntax::geotrace::actions::Declaration;
 use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::geotrace::document::{Event, ReadDeclaration};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
+use crate::geotrace::assembler::{MEANINGLESS, moved};
+use crate::geotrace::code::with_symbol;
 use crate::geotrace::declarations::{Declarations, Drawn, SourceData, Uniforms};
 use crate::geotrace::error;
 use crate::geotrace::symbol::Meaning;
@@ -131,9 +133,6 @@ const SLACK: usize = 50_000;
 /// … and how many more symbols: each has steps, places and a meaning, half a kilobyte as a rule.
 const SLACK_SYMBOLS: usize = 4_000;
 
-/// The symbol of what has no meaning.
-const MEANINGLESS: SymbolId = SymbolId(u32::MAX);
-
 impl Checker {
     pub(super) fn new() -> Self {
         let mut declarations = Declarations::new();
@@ -237,15 +236,11 @@ impl Checker {
         for event in document.events(chunk) {
             match event {
                 Event::Operator(operator, span) => {
-                    let operator = self.own_operator(operator);
+                    let operator = with_symbol(operator, |symbol| self.own(symbol));
                     let code = &mut self.declarations.lowerer.code;
                     code.push(operator, span.moved(base));
                 }
-                Event::Interval(interval) => self.declarations.interval(actions::Interval {
-                    kind: interval.kind,
-                    span: interval.span.moved(base),
-                    tag: interval.tag.map(|(at, span)| (at, span.moved(base))),
-                }),
+                Event::Interval(interval) => self.declarations.interval(moved(interval, base)),
                 Event::Declaration(declaration) => {
                     let rank = document.rank(chunk);
                     self.declare(declaration, chunk, rank, base, &mut checked);
@@ -263,14 +258,6 @@ impl Checker {
         self.known
             .get(&symbol)
             .map_or(MEANINGLESS, |known| known.own)
-    }
-
-    fn own_operator(&self, operator: Operator) -> Operator {
-        match operator {
-            Operator::Constant(symbol) => Operator::Constant(self.own(symbol)),
-            Operator::Function(symbol) => Operator::Function(self.own(symbol)),
-            other => other,
-        }
     }
 
     fn declare(

@@ -1,0 +1,174 @@
+//! Puts declarations together that have been read already: without lexing or parsing, in time proportional to them.
+//!
+//! What flows in: declarations as the incremental document has read them, from top to bottom; they may be of different
+//! versions of a text. What flows out: the state of the compiler as the parser would have left it, and whether each of
+//! them has a meaning there. Symbols are found by name, since each version of a text counts them for itself.
+
+use rustc_hash::FxHashMap;
+use syntax::diagnostic::Severity;
+use syntax::geotrace::actions::{self, Actions, Declaration, Operator};
+use syntax::geotrace::document::{Event, Events, ReadDeclaration, Snapshot};
+use syntax::span::Span;
+use syntax::symbol::SymbolId;
+
+use crate::geotrace::builtin;
+use crate::geotrace::code::with_symbol;
+use crate::geotrace::declarations::{Declarations, Understood};
+use crate::geotrace::symbol::Meaning;
+
+/// A symbol that nothing defines.
+pub(crate) const MEANINGLESS: SymbolId = SymbolId(u32::MAX);
+
+/// The compiler, driven by what was read.
+#[derive(Debug)]
+pub(crate) struct Assembler<'s> {
+    pub(crate) declarations: Declarations,
+    names: FxHashMap<&'s str, Named>,
+    /// How many builtin names there are; theirs are the first symbols, in every version of a text.
+    builtins: u32,
+    next: u32,
+}
+
+/// A name that has a meaning.
+#[derive(Clone, Copy, Debug)]
+struct Named {
+    symbol: SymbolId,
+    is_stale: bool,
+}
+
+/// A declaration of a version of a text.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reading<'s> {
+    pub(crate) snapshot: &'s Snapshot,
+    pub(crate) declaration: ReadDeclaration<'s>,
+    /// Its steps and intervals.
+    pub(crate) events: Events<'s>,
+}
+
+/// Where the name of an assembled declaration is said to stand.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Place {
+    /// Where it stands in its chunk, which starts here.
+    Chunk(u32),
+    /// Here, for it stands in for what is written here.
+    Instead(Span),
+}
+
+/// How a declaration that has been assembled stands.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Assembled {
+    /// It is drawn.
+    pub(crate) is_drawn: bool,
+    /// It stands in for another, or depends on one that does.
+    pub(crate) is_stale: bool,
+}
+
+impl<'s> Reading<'s> {
+    /// The names of the symbols in its expressions; those of builtins too.
+    pub(crate) fn symbols(self) -> impl Iterator<Item = SymbolId> + use<'s> {
+        self.events.filter_map(|event| match event {
+            Event::Operator(Operator::Constant(symbol) | Operator::Function(symbol), _) => {
+                Some(symbol)
+            }
+            _ => None,
+        })
+    }
+}
+
+impl<'s> Assembler<'s> {
+    /// Nothing but the builtins.
+    pub(crate) fn new() -> Self {
+        Self {
+            declarations: Declarations::new(),
+            names: FxHashMap::default(),
+            builtins: builtin::count(),
+            next: builtin::count(),
+        }
+    }
+
+    /// The symbol of a name that has a meaning and is no builtin's.
+    pub(crate) fn symbol(&self, name: &str) -> Option<SymbolId> {
+        Some(self.names.get(name)?.symbol)
+    }
+
+    /// Adds a declaration below those that have been added. Where it has no meaning there, nothing is added: it has an
+    /// error, its name is taken, or it uses a name that has no meaning.
+    pub(crate) fn add(&mut self, reading: Reading<'s>, place: Place) -> Option<Assembled> {
+        let read = reading.declaration;
+        let (base, mut is_stale) = match place {
+            Place::Chunk(start) => (start, false),
+            Place::Instead(_) => (0, true),
+        };
+        let mut is_sound = read.symbol.is_some() && !self.names.contains_key(read.name);
+        for event in reading.events {
+            match event {
+                Event::Operator(operator, span) => {
+                    let operator = with_symbol(operator, |symbol| {
+                        if symbol.0 < self.builtins {
+                            return symbol;
+                        }
+                        let named = self.resolve(reading.snapshot, operator, symbol);
+                        is_sound &= named.is_some();
+                        is_stale |= named.is_some_and(|named| named.is_stale);
+                        named.map_or(MEANINGLESS, |named| named.symbol)
+                    });
+                    self.declarations.act_operator(operator, span.moved(base));
+                }
+                Event::Interval(interval) => {
+                    self.declarations.act_interval(moved(interval, base));
+                }
+                Event::Declaration(_) | Event::Open(..) | Event::Finding => {}
+            }
+        }
+        let symbol = SymbolId(self.next);
+        let parameters = read.parameters.moved(base);
+        let declaration = Declaration {
+            symbol: Some(symbol),
+            span: read.span.moved(base),
+            name_span: match place {
+                Place::Chunk(start) => read.name_span.moved(start),
+                Place::Instead(span) => span,
+            },
+            faulty: read.faulty || !is_sound,
+            ..read.as_declaration(&parameters)
+        };
+        let understood = self.declarations.understand(&declaration);
+        // A symbol is used once: what has been found of its bodies is kept under it.
+        self.next += 1;
+        if !is_understood(&understood) || self.is_full() {
+            return None;
+        }
+        let is_drawn = understood.drawn.is_some();
+        self.declarations.add(&declaration, understood);
+        self.names.insert(read.name, Named { symbol, is_stale });
+        Some(Assembled { is_drawn, is_stale })
+    }
+
+    /// What a declared symbol stands for here: a constant where it was read as one, else what is applied.
+    fn resolve(&self, snapshot: &Snapshot, operator: Operator, symbol: SymbolId) -> Option<Named> {
+        let named = *self.names.get(&*snapshot.symbol(symbol)?.name)?;
+        let meaning = self.declarations.lowerer.symbols.meaning(named.symbol);
+        let is_constant = matches!(meaning, Meaning::Constant(_));
+        (is_constant == matches!(operator, Operator::Constant(_))).then_some(named)
+    }
+
+    /// There is no room for more expressions, and what has been found since is not to be trusted.
+    pub(crate) fn is_full(&self) -> bool {
+        self.declarations.lowerer.graph.overflowed()
+    }
+}
+
+/// An interval, so many bytes further down.
+pub(crate) fn moved(interval: actions::Interval, bytes: u32) -> actions::Interval {
+    actions::Interval {
+        kind: interval.kind,
+        span: interval.span.moved(bytes),
+        tag: interval.tag.map(|(at, span)| (at, span.moved(bytes))),
+    }
+}
+
+/// Whether a declaration has a meaning and no error.
+fn is_understood(understood: &Understood) -> bool {
+    let mut found = understood.diagnostics.iter();
+    understood.meaning.is_some() && found.all(|found| found.severity != Severity::Error)
+}

@@ -1,0 +1,84 @@
+//! Some declarations of a text and what they use, compiled alone: what a reader is told of them costs what they cost, and
+//! does not hang on what else is being written.
+
+use std::collections::BTreeSet;
+
+use syntax::geotrace::document::Snapshot;
+
+use crate::evaluation::Outcome;
+use crate::geotrace::assembler::{Assembler, Place, Reading};
+use crate::geotrace::declarations::Declarations;
+use crate::geotrace::evaluate::outcome;
+use crate::geotrace::symbol::Meaning;
+use crate::param_values::ParamValues;
+use crate::scene::Scene;
+
+/// The scene of some declarations, and the values of their names.
+#[derive(Debug)]
+pub struct Excerpt {
+    scene: Scene,
+    declarations: Declarations,
+    names: Vec<(String, Meaning)>,
+}
+
+impl Excerpt {
+    /// The declarations of these numbers, from 0, and all that they use. Those with errors are left out, and those that use
+    /// them.
+    pub fn new(snapshot: &Snapshot, declarations: impl IntoIterator<Item = u32>) -> Self {
+        let wanted: Vec<u32> = declarations.into_iter().collect();
+        let mut needed: BTreeSet<u32> = BTreeSet::new();
+        let mut open = wanted.clone();
+        while let Some(number) = open.pop() {
+            if let Some(reading) = reading(snapshot, number)
+                && needed.insert(number)
+            {
+                let used = reading.symbols();
+                open.extend(used.filter_map(|symbol| snapshot.declaration_of(symbol)));
+            }
+        }
+        let mut assembler = Assembler::new();
+        for reading in needed.iter().filter_map(|it| reading(snapshot, *it)) {
+            assembler.add(reading, Place::Chunk(0));
+        }
+        let named = wanted.iter().filter_map(|number| {
+            let name = reading(snapshot, *number)?.declaration.name;
+            let symbol = assembler.symbol(name)?;
+            let symbols = &assembler.declarations.lowerer.symbols;
+            Some((name.to_owned(), symbols.meaning(symbol).clone()))
+        });
+        Self {
+            names: named.collect(),
+            scene: assembler.declarations.scene(),
+            declarations: assembler.declarations,
+        }
+    }
+
+    /// The scene. Places in it mean nothing.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The value of one of the declarations that were asked for; none where it has errors, is applied to something, or
+    /// has too many values. `values` are those of [`Excerpt::scene`].
+    pub fn value(&self, name: &str, values: &ParamValues) -> Option<Outcome> {
+        let (_, meaning) = self.names.iter().find(|(named, _)| named == name)?;
+        match meaning {
+            Meaning::Constant(constant) => {
+                let (value, dependencies) = (&constant.value, constant.dependencies);
+                outcome(&self.declarations, value, dependencies, values).ok()
+            }
+            _ => None,
+        }
+    }
+}
+
+/// A declaration by its number.
+fn reading(snapshot: &Snapshot, number: u32) -> Option<Reading<'_>> {
+    let (piece, index) = snapshot.piece_of_declaration(number)?;
+    let (declaration, events) = piece.declarations().nth(index)?;
+    Some(Reading {
+        snapshot,
+        declaration,
+        events,
+    })
+}
