@@ -1,4 +1,9 @@
 //! Where geodesics end, as a function of the pixel: what every method gives and every picture is made of.
+//!
+//! An end has two coordinates in a chart, or three where geodesics run on a surface in space that has no chart: all that
+//! interpolates ends is generic over their number.
+
+use std::array::from_fn;
 
 use crate::status::Status;
 
@@ -20,17 +25,17 @@ pub enum Coordinates {
     },
 }
 
-/// Where the geodesic of one place in the picture ends.
+/// Where the geodesic of one place in the picture ends: a place with `N` coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct End {
+pub struct End<const N: usize = 2> {
     /// What `at` means.
     pub coordinates: Coordinates,
     /// Its end.
-    pub at: [f64; 2],
+    pub at: [f64; N],
     /// The ray's unit tangent there, in these coordinates.
-    pub along: [f64; 2],
+    pub along: [f64; N],
     /// The unit normal to it, towards the side on which the frame's Y lies of X at the start.
-    pub across: [f64; 2],
+    pub across: [f64; N],
     /// m/s, the Jacobi field over the arc length (1 at the centre): along the ray the surface is seen at its own
     /// scale, across it at this one, negative behind a conjugate point. NaN where it is not known.
     pub stretch: f64,
@@ -41,9 +46,9 @@ pub struct End {
     pub error: f64,
 }
 
-impl End {
+impl<const N: usize> End<N> {
     /// ∂at/∂x and ∂at/∂y at a place of the picture, whose unit is `zoom` long on the surface.
-    pub fn by_place(&self, place: [f64; 2], zoom: f64) -> [[f64; 2]; 2] {
+    pub fn by_place(&self, place: [f64; 2], zoom: f64) -> [[f64; N]; 2] {
         let radius = (place[0] * place[0] + place[1] * place[1]).sqrt();
         let [cos, sin] = if radius > 0.0 {
             place.map(|x| x / radius)
@@ -53,17 +58,21 @@ impl End {
         let (along, across) = (self.along, self.across);
         let m = self.stretch;
         [
-            [0, 1].map(|k| zoom * (along[k] * cos - m * across[k] * sin)),
-            [0, 1].map(|k| zoom * (along[k] * sin + m * across[k] * cos)),
+            from_fn(|k| zoom * (along[k] * cos - m * across[k] * sin)),
+            from_fn(|k| zoom * (along[k] * sin + m * across[k] * cos)),
         ]
     }
 
-    /// The length on the surface of a small difference in the coordinates.
-    pub fn length(&self, difference: [f64; 2]) -> f64 {
-        let ([a, b], [c, d]) = (self.along, self.across);
-        let [x, y] = difference;
-        let determinant = a * d - b * c;
-        ((x * d - y * c) / determinant).hypot((a * y - b * x) / determinant)
+    /// The length on the surface of a small difference in the coordinates: in a chart by its components along the unit
+    /// tangent and normal, in space as it is.
+    pub fn length(&self, difference: [f64; N]) -> f64 {
+        match (&self.along[..], &self.across[..], &difference[..]) {
+            (&[a, b], &[c, d], &[x, y]) => {
+                let determinant = a * d - b * c;
+                ((x * d - y * c) / determinant).hypot((a * y - b * x) / determinant)
+            }
+            _ => difference.iter().map(|x| x * x).sum::<f64>().sqrt(),
+        }
     }
 }
 
@@ -84,25 +93,29 @@ pub struct Polar {
 }
 
 /// The exponential map of a camera, by any method.
-pub trait Ends: Sync {
+pub trait Ends<const N: usize = 2>: Sync {
     /// Where the geodesic of a place (x, y) of the picture ends; the coordinates are the method's choice.
-    fn end(&self, place: [f64; 2]) -> End;
+    fn end(&self, place: [f64; 2]) -> End<N>;
     /// Appends the ends of several places: the same as [`Ends::end`] of each, for less.
-    fn ends(&self, places: &[[f64; 2]], out: &mut Vec<End>) {
+    fn ends(&self, places: &[[f64; 2]], out: &mut Vec<End<N>>) {
         out.extend(places.iter().map(|place| self.end(*place)));
     }
     /// The camera's zoom: the length on the surface of the picture's unit.
     fn zoom(&self) -> f64;
-    /// The camera's (u, v).
-    fn origin(&self) -> [f64; 2];
+    /// The camera's place, in the plain coordinates.
+    fn origin(&self) -> [f64; N];
     /// An end in other coordinates, for a common polynomial with its neighbours; `None` where those are of no use.
-    fn in_coordinates(&self, end: &End, coordinates: Coordinates) -> Option<End>;
+    fn in_coordinates(&self, end: &End<N>, coordinates: Coordinates) -> Option<End<N>> {
+        (end.coordinates == coordinates).then_some(*end)
+    }
     /// The coordinate periods that an end may be off its neighbour by, behind a pole: 0 where the axis has none.
-    fn periods(&self) -> [f64; 2];
-    /// `[[u min, u max], [v min, v max]]`: a geodesic whose end would lie beyond has left the domain. Infinite where no
+    fn periods(&self) -> [f64; N] {
+        [0.0; N]
+    }
+    /// The least and the largest of each coordinate, such as `[[u min, u max], [v min, v max]]`: a geodesic whose end would lie beyond has left the domain. Infinite where no
     /// edge is.
-    fn bounds(&self) -> [[f64; 2]; 2] {
-        [[f64::NEG_INFINITY, f64::INFINITY]; 2]
+    fn bounds(&self) -> [[f64; 2]; N] {
+        [[f64::NEG_INFINITY, f64::INFINITY]; N]
     }
     /// The coordinates about the apex at an end of an axis, if any end may be in them.
     fn polar(&self, axis: u8, end: u8) -> Option<Polar> {

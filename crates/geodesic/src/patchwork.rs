@@ -20,13 +20,15 @@ pub mod table;
 pub use angle::ARC_TANGENT;
 pub use evaluate::Rows;
 
+use std::array::from_fn;
+
 use expr::processor::Processor;
 use rayon::prelude::*;
 
 use crate::ends::{Coordinates, Ends, Estimate, Polar};
 use crate::pixels::Map;
 use crate::status::Status;
-use cut::{Cutter, Piece, Pieces};
+use cut::{Piece, Pieces, Subdivider};
 use evaluate::Band;
 use fit::Fit;
 
@@ -40,7 +42,7 @@ const LARGEST: u32 = 256;
 
 /// A square of pixels on which the ends are one polynomial.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Patch {
+pub struct Patch<const N: usize = 2> {
     /// The column and the row (from the top) of its first pixel.
     pub corner: [u32; 2],
     /// Pixels along each side: a power of two times [`BLOCK`]; it may reach beyond the picture.
@@ -50,10 +52,10 @@ pub struct Patch {
     /// What the polynomial's values mean.
     pub coordinates: Coordinates,
     /// The value at the middle of its extent; the polynomials are offsets from it.
-    pub centre: [f64; 2],
+    pub centre: [f64; N],
     /// `[coordinate][j][i]` multiplies X^i Y^j, X to the right and Y **down**, in [−1, 1] over the extent: a pixel's
     /// centre lies at (2n+1)/extent − 1.
-    pub coefficients: [[[f32; DEGREE + 1]; DEGREE + 1]; 2],
+    pub coefficients: [[[f32; DEGREE + 1]; DEGREE + 1]; N],
     /// The estimated error of the polynomials, in pixels.
     pub error: f32,
     /// Whether an edge goes through it: a pixel whose value lies beyond [`Patchwork::bounds`] has left the domain. Only in
@@ -63,11 +65,11 @@ pub struct Patch {
 
 /// A block of pixels that have been evaluated one by one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Single {
-    /// Offsets of (u,v), plain coordinates, from [`Patchwork::origin`]; 64 pixels, row by row.
-    pub offset: Vec<[f32; 2]>,
-    /// ∂(u,v) by one pixel to the right, then by one pixel **down**.
-    pub by_pixel: Vec<[f32; 4]>,
+pub struct Single<const N: usize = 2> {
+    /// Offsets of the ends, in plain coordinates, from [`Patchwork::origin`]; 64 pixels, row by row.
+    pub offset: Vec<[f32; N]>,
+    /// Their derivatives by one pixel to the right, then by one pixel **down**.
+    pub by_pixel: Vec<[[f32; N]; 2]>,
     /// Why they ended.
     pub status: Vec<Status>,
 }
@@ -84,41 +86,59 @@ pub enum Cover {
 }
 
 /// The whole picture.
-#[derive(Clone, Debug, Default)]
-pub struct Patchwork {
+#[derive(Clone, Debug)]
+pub struct Patchwork<const N: usize = 2> {
     /// Pixels: width, height.
     pub size: [u32; 2],
-    /// The camera's (u, v), from which offsets count. To be set anew where the ends were those of a
-    /// [`Moved`](crate::moved::Moved) surface.
-    pub origin: [f64; 2],
-    /// The same in the coordinates of the ends, in which patches are.
-    base: [f64; 2],
+    /// The camera's place, from which offsets count: its (u, v) in a chart. To be set anew where the ends were those of a
+    /// surface in recentred coordinates.
+    pub origin: [f64; N],
+    /// The camera's place in the coordinates of the ends, in which patches are.
+    base: [f64; N],
     /// What covers each block, row by row from the top.
     pub covers: Vec<Cover>,
     /// The polynomials.
-    pub patches: Vec<Patch>,
+    pub patches: Vec<Patch<N>>,
     /// The pixels evaluated one by one.
-    pub singles: Vec<Single>,
+    pub singles: Vec<Single<N>>,
     /// `[axis][end]`: the coordinates about apexes, those that patches may be in.
     pub polars: [[Option<Polar>; 2]; 2],
     /// Offsets from the camera beyond which an end has left the domain, `[axis][end]`: infinite where no edge is.
-    pub bounds: [[f32; 2]; 2],
-    /// ∂(u,v) by pixel at the camera's own place, which a picture of odd sizes shows exactly.
-    pub centre_by_pixel: [f32; 4],
+    pub bounds: [[f32; 2]; N],
+    /// The derivatives by pixel at the camera's own place, which a picture of odd sizes shows exactly.
+    pub centre_by_pixel: [[f32; N]; 2],
     /// The polynomials' own error, beside that of the ends.
     pub estimate: Estimate,
     /// How often the ends have been evaluated.
     pub samples: u64,
 }
 
-impl Patchwork {
+impl<const N: usize> Default for Patchwork<N> {
+    fn default() -> Self {
+        Self {
+            size: [0; 2],
+            origin: [0.0; N],
+            base: [0.0; N],
+            covers: Vec::new(),
+            patches: Vec::new(),
+            singles: Vec::new(),
+            polars: [[None; 2]; 2],
+            bounds: [[0.0; 2]; N],
+            centre_by_pixel: [[0.0; N]; 2],
+            estimate: Estimate::default(),
+            samples: 0,
+        }
+    }
+}
+
+impl<const N: usize> Patchwork<N> {
     /// Cuts a picture, on all cores of the current rayon pool; the outcome does not depend on their number.
     /// `tolerance` is what the polynomials may add to the error, in pixels of the length that one has on the surface.
-    pub fn cut(ends: &dyn Ends, size: [u32; 2], tolerance: f64) -> Self {
+    pub fn cut(ends: &dyn Ends<N>, size: [u32; 2], tolerance: f64) -> Self {
         let zoom = ends.zoom();
         let per_place = 2.0 / f64::from(size[0].min(size[1]).max(1));
         let origin = ends.origin().map(|x| if x.is_finite() { x } else { 0.0 });
-        let cutter = Cutter {
+        let subdivider = Subdivider {
             ends,
             size,
             origin,
@@ -138,12 +158,12 @@ impl Patchwork {
         let squares: Vec<[u32; 2]> = (0..rows)
             .flat_map(|row| (0..columns).map(move |column| [column * side, row * side]))
             .collect();
-        let parts: Vec<Pieces> = squares
+        let parts: Vec<Pieces<N>> = squares
             .into_par_iter()
             .with_min_len(1)
             .map(|corner| {
                 let mut pieces = Pieces::default();
-                cutter.cover(corner, side, &mut pieces);
+                subdivider.cover(corner, side, &mut pieces);
                 pieces
             })
             .collect();
@@ -153,7 +173,7 @@ impl Patchwork {
             origin,
             base: origin,
             covers: vec![Cover::Nothing(Status::Undefined); across * down],
-            bounds: [0, 1].map(|axis| cutter.bounds[axis].map(|x| (x - origin[axis]) as f32)),
+            bounds: from_fn(|axis| subdivider.bounds[axis].map(|x| (x - origin[axis]) as f32)),
             polars: [0, 1].map(|axis| [0, 1].map(|end| ends.polar(axis, end))),
             ..Self::default()
         };
@@ -161,7 +181,7 @@ impl Patchwork {
             let end = ends.end([0.0; 2]);
             patchwork.samples += 1;
             if end.status == Status::Complete {
-                patchwork.centre_by_pixel = cutter.pixel(end, [0.0; 2]).1;
+                patchwork.centre_by_pixel = subdivider.pixel(end, [0.0; 2]).1;
             }
         }
         for part in parts {
@@ -174,7 +194,7 @@ impl Patchwork {
         patchwork
     }
 
-    fn put(&mut self, piece: Piece) {
+    fn put(&mut self, piece: Piece<N>) {
         let (corner, side, cover) = match piece {
             Piece::Patch(patch) => {
                 let place = (patch.corner, patch.side);
@@ -203,7 +223,7 @@ impl Patchwork {
 
     /// The polynomials' errors, each for as many pixels as it covers.
     fn estimated(&self) -> Estimate {
-        let area = |patch: &Patch| u64::from(patch.extent[0]) * u64::from(patch.extent[1]);
+        let area = |patch: &Patch<N>| u64::from(patch.extent[0]) * u64::from(patch.extent[1]);
         let mut errors: Vec<(f32, u64)> = self
             .patches
             .iter()
@@ -228,14 +248,14 @@ impl Patchwork {
 
     /// All pixels, on all cores of the current rayon pool; bit by bit the same on any number of them. `by_pixel` says
     /// whether the derivatives are wanted, two thirds of the numbers.
-    pub fn map(&self, by_pixel: bool) -> Map {
+    pub fn map(&self, by_pixel: bool) -> Map<N> {
         let [width, height] = self.size.map(|n| n as usize);
         let pixels = width * height;
         let mut map = Map {
             size: self.size,
             origin: self.origin,
-            offset: vec![[0.0; 2]; pixels],
-            by_pixel: vec![[0.0; 4]; if by_pixel { pixels } else { 0 }],
+            offset: vec![[0.0; N]; pixels],
+            by_pixel: vec![[[0.0; N]; 2]; if by_pixel { pixels } else { 0 }],
             status: vec![Status::default(); pixels],
             estimate: Some(self.estimate),
             ..Map::default()
@@ -279,7 +299,7 @@ impl Patchwork {
     ///
     /// # Panics
     /// If there is no such row.
-    pub fn block_row(&self, row: u32, rows: Rows<'_>) {
+    pub fn block_row(&self, row: u32, rows: Rows<'_, N>) {
         let [width, height] = self.size;
         let Rows {
             offset,
@@ -300,7 +320,7 @@ impl Patchwork {
         if odd && height / 2 / BLOCK == row && self.is_in_patch(width / 2, height / 2) {
             let index = ((height / 2 - row * BLOCK) * width + width / 2) as usize;
             if let Some(offset) = offset.get_mut(index) {
-                *offset = [0.0; 2];
+                *offset = [0.0; N];
             }
             if let Some(by_pixel) = by_pixel.get_mut(index) {
                 *by_pixel = self.centre_by_pixel;

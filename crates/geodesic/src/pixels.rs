@@ -4,23 +4,39 @@ use crate::ends::{Estimate, Work};
 use crate::status::Status;
 
 /// For each pixel, row by row from the top, where its geodesic ends.
-#[derive(Clone, Debug, Default)]
-pub struct Map {
+#[derive(Clone, Debug)]
+pub struct Map<const N: usize = 2> {
     /// Pixels: width, height.
     pub size: [u32; 2],
-    /// The camera's (u, v), from which `offset` counts.
-    pub origin: [f64; 2],
-    /// Where each pixel's geodesic ends: (u, v) − origin, going on beyond sides that wrap; [`Sides::wrap`](crate::sides::Sides::wrap) takes it
-    /// into the domain. Finite for every pixel, without a meaning where the status is not complete.
-    pub offset: Vec<[f32; 2]>,
-    /// ∂(u,v) by one pixel to the right, then by one pixel **down**; empty where a method does not know it.
-    pub by_pixel: Vec<[f32; 4]>,
+    /// The camera's place, from which `offset` counts: its (u, v) in a chart.
+    pub origin: [f64; N],
+    /// Where each pixel's geodesic ends, less `origin`. In a chart (u, v) goes on beyond sides that wrap;
+    /// [`Sides::wrap`](crate::sides::Sides::wrap) takes it into the domain. Finite for every pixel, without a meaning
+    /// where the status is not complete.
+    pub offset: Vec<[f32; N]>,
+    /// The derivatives of the end by one pixel to the right, then by one pixel **down**; empty where a method does not
+    /// know them.
+    pub by_pixel: Vec<[[f32; N]; 2]>,
     /// Why each pixel's geodesic ended.
     pub status: Vec<Status>,
     /// What it cost.
     pub work: Work,
     /// How exact it is, as far as the method can tell.
     pub estimate: Option<Estimate>,
+}
+
+impl<const N: usize> Default for Map<N> {
+    fn default() -> Self {
+        Self {
+            size: [0; 2],
+            origin: [0.0; N],
+            offset: Vec::new(),
+            by_pixel: Vec::new(),
+            status: Vec::new(),
+            work: Work::default(),
+            estimate: None,
+        }
+    }
 }
 
 impl Map {

@@ -199,9 +199,9 @@ fn off_sphere(sphere: &Sphere, patchwork: &Patchwork) -> (f64, f64) {
             combine(pixel * cos, along, -pixel * stretch * sin, across),
             combine(-pixel * sin, along, -pixel * stretch * cos, across),
         ];
-        let by = map.by_pixel[index].map(f64::from);
+        let by = map.by_pixel[index].map(|d| d.map(f64::from));
         for (k, truth) in truth.into_iter().enumerate() {
-            let found = combine(by[2 * k] * at[1].cos(), east, by[2 * k + 1], north);
+            let found = combine(by[k][0] * at[1].cos(), east, by[k][1], north);
             let off = combine(1.0, found, -1.0, truth);
             // So near a pole that the angle is rounded, directions are too.
             if at[1].cos() > 0.1 * pixel {
@@ -567,7 +567,13 @@ fn the_middle_of_an_odd_picture_is_the_camera_itself_and_no_zoom_is_finite() {
         let patchwork = Patchwork::cut(&sphere, size, TOLERANCE);
         let map = patchwork.map(true);
         assert!(map.offset.as_flattened().iter().all(|x| x.is_finite()));
-        assert!(map.by_pixel.as_flattened().iter().all(|x| x.is_finite()));
+        assert!(
+            map.by_pixel
+                .as_flattened()
+                .as_flattened()
+                .iter()
+                .all(|x| x.is_finite())
+        );
         assert!(patchwork.estimate.max.is_finite() && patchwork.estimate.max <= TOLERANCE);
         if size[0] % 2 == 1 && size[1] % 2 == 1 {
             let middle = map.offset.len() / 2;

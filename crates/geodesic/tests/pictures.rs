@@ -198,7 +198,7 @@ fn a_pixel_s_derivatives_are_the_differences_to_its_neighbours() {
             for (k, pair) in [[left, right], [up, down]].into_iter().enumerate() {
                 let [a, b] = pair.map(|n| map.offset[n].map(f64::from));
                 let central = [0, 1].map(|k| 0.5 * (b[k] - a[k]));
-                let off = [0, 1].map(|c| f64::from(known[2 * k + c]) - central[c]);
+                let off = [0, 1].map(|c| f64::from(known[k][c]) - central[c]);
                 let pixel = 2.0 * zoom / 65.0;
                 // Where the neighbours have been brought back by other periods there is nothing to compare.
                 if central[0].abs() > 1.0 || central[1].abs() > 1.0 || metric.r < 0.3 * metric.g {

@@ -225,11 +225,11 @@ fn a_known_derivative_is_the_footprint_whatever_the_neighbours_are() {
     // All pixels end in one texel: by differences it is seen large, by the derivative far away.
     let mut ends = map(16, |_, _| ([0.5 / 256.0; 2], Status::Complete));
     assert_eq!(resolve(&ends, &paint(&checker)).get_pixel(8, 8).0, [255; 4]);
-    ends.by_pixel = vec![[0.06, 0.01, -0.01, 0.07]; 256];
+    ends.by_pixel = vec![[[0.06, 0.01], [-0.01, 0.07]]; 256];
     let seen = resolve(&ends, &paint(&checker)).get_pixel(8, 8).0;
     assert!(seen[0].abs_diff(style::encode(0.5)) <= 3, "{seen:?}");
     // What is not known (NaN) is taken from the neighbours.
-    ends.by_pixel = vec![[f32::NAN; 4]; 256];
+    ends.by_pixel = vec![[[f32::NAN; 2]; 2]; 256];
     assert_eq!(resolve(&ends, &paint(&checker)).get_pixel(8, 8).0, [255; 4]);
 }
 
@@ -340,7 +340,7 @@ fn a_coarse_picture_takes_one_of_two_levels_as_often_as_a_fine_one_blends_them()
             (at, Status::Complete)
         });
         let centres = Map {
-            by_pixel: vec![[footprint * texel, 0.0, 0.0, footprint * texel]; 64 * 64],
+            by_pixel: vec![[[footprint * texel, 0.0], [0.0, footprint * texel]]; 64 * 64],
             ..centres
         };
         // How far a pixel is from grey.

@@ -15,7 +15,7 @@ use crate::trace;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Row {
     pub(super) offset: Vec<[f32; 2]>,
-    pub(super) by_pixel: Vec<[f32; 4]>,
+    pub(super) by_pixel: Vec<[[f32; 2]; 2]>,
     pub(super) status: Vec<Status>,
     /// The estimated errors of the complete pixels, in pixels, where the method has them.
     pub(super) errors: Vec<f32>,
@@ -302,9 +302,10 @@ impl Row {
         self.offset.push(offset.map(|x| x as f32));
         if let Some(by_place) = by_place {
             let [x, y] = by_place.map(|d| d.map(|c| (c * per_place) as f32));
-            let by_pixel = [x[0], x[1], -y[0], -y[1]];
-            let finite = by_pixel.iter().all(|x| x.is_finite());
-            self.by_pixel.push(if finite { by_pixel } else { [0.0; 4] });
+            let by_pixel = [x, y.map(|c| -c)];
+            let finite = by_pixel.iter().flatten().all(|x| x.is_finite());
+            self.by_pixel
+                .push(if finite { by_pixel } else { [[0.0; 2]; 2] });
         }
         self.status.push(status);
     }

@@ -39,12 +39,12 @@ const FIRST: [[u32; 2]; 9] = [
     [4, 4],
 ];
 
-/// What covers a square.
-pub(super) enum Piece {
-    Patch(Box<Patch>),
+/// The cover of one square.
+pub(super) enum Piece<const N: usize> {
+    Patch(Box<Patch<N>>),
     Single {
         corner: [u32; 2],
-        single: Single,
+        single: Single<N>,
     },
     Nothing {
         corner: [u32; 2],
@@ -53,21 +53,21 @@ pub(super) enum Piece {
     },
 }
 
-/// What one part of the picture has become.
+/// The squares that one part of the picture has been divided into.
 #[derive(Default)]
-pub(super) struct Pieces {
-    pub(super) all: Vec<Piece>,
+pub(super) struct Pieces<const N: usize> {
+    pub(super) all: Vec<Piece<N>>,
     pub(super) samples: u64,
     /// The ends that have been looked at last.
-    seen: Vec<End>,
+    seen: Vec<End<N>>,
 }
 
-/// What all squares share.
-pub(super) struct Cutter<'e> {
-    pub(super) ends: &'e dyn Ends,
+/// Divides the picture until each square is covered; shared by all squares.
+pub(super) struct Subdivider<'e, const N: usize> {
+    pub(super) ends: &'e dyn Ends<N>,
     pub(super) size: [u32; 2],
-    /// The camera's (u, v).
-    pub(super) origin: [f64; 2],
+    /// The camera's place.
+    pub(super) origin: [f64; N],
     /// The error that a polynomial may add, in pixels.
     pub(super) tolerance: f64,
     /// A pixel's width on the surface.
@@ -76,7 +76,7 @@ pub(super) struct Cutter<'e> {
     pub(super) per_place: f64,
     pub(super) zoom: f64,
     /// [`Ends::bounds`].
-    pub(super) bounds: [[f64; 2]; 2],
+    pub(super) bounds: [[f64; 2]; N],
     pub(super) fit: Fit,
 }
 
@@ -88,16 +88,67 @@ struct Square {
     extent: [u32; 2],
 }
 
-/// What became of an attempt to cover a square by one polynomial.
-enum Attempt {
-    Covered(Piece),
+/// The outcome of an attempt to cover a square by one polynomial.
+enum Attempt<const N: usize> {
+    Covered(Piece<N>),
     /// To be divided, so many times.
     Divide(u32),
 }
 
-impl Cutter<'_> {
+/// What the ends that have been looked at in a square have in common.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Agreement {
+    /// All have this status.
+    Alike(Status),
+    /// Some have left the domain, the others are complete, and all say where they are: an edge goes through the square.
+    Edge,
+}
+
+/// The ends of a square that its polynomial is made from.
+struct SquareSamples<const N: usize> {
+    agreement: Agreement,
+    corners: [End<N>; CORNERS],
+    /// At the nodes, row by row.
+    nodes: Vec<(Place, End<N>)>,
+}
+
+/// A polynomial for each coordinate, as offsets from one end.
+struct Polynomials<const N: usize> {
+    coordinates: Coordinates,
+    periods: [f64; N],
+    reference: End<N>,
+    powers: [Grid; N],
+    /// The largest error that is expected, in pixels.
+    worst: f64,
+}
+
+impl<const N: usize> Polynomials<N> {
+    /// The value of a coordinate at (X, Y) in the square.
+    fn value(&self, k: usize, at: [f64; 2]) -> f64 {
+        self.reference.at[k] + value(&self.powers[k], at)
+    }
+}
+
+impl Agreement {
+    /// What these ends have in common with those before, of which `first` was the first one; `None` where nothing does.
+    fn with<const N: usize>(self, first: &End<N>, ends: &[End<N>]) -> Option<Self> {
+        let alike = |status: Status| ends.iter().all(|end| end.status == status);
+        match self {
+            Self::Alike(status) if alike(status) => Some(self),
+            _ => (goes_on(first) && ends.iter().all(goes_on)).then_some(Self::Edge),
+        }
+    }
+}
+
+/// Whether an end says where it is, although its geodesic may have left the domain before.
+fn goes_on<const N: usize>(end: &End<N>) -> bool {
+    let left = end.status == Status::LeftDomain && end.coordinates == Coordinates::Plain;
+    end.status == Status::Complete || left && end.at[0].is_finite()
+}
+
+impl<const N: usize> Subdivider<'_, N> {
     /// Covers the square at a corner.
-    pub(super) fn cover(&self, corner: [u32; 2], side: u32, pieces: &mut Pieces) {
+    pub(super) fn cover(&self, corner: [u32; 2], side: u32, pieces: &mut Pieces<N>) {
         if corner[0] >= self.size[0] || corner[1] >= self.size[1] {
             return;
         }
@@ -136,41 +187,83 @@ impl Cutter<'_> {
     }
 
     /// Looks at the ends of several places: `pieces.seen`.
-    fn look(&self, places: &[Place], pieces: &mut Pieces) {
+    fn look(&self, places: &[Place], pieces: &mut Pieces<N>) {
         pieces.samples += places.len() as u64;
         pieces.seen.clear();
         self.ends.ends(places, &mut pieces.seen);
     }
 
-    fn attempt(&self, square: &Square, pieces: &mut Pieces) -> Attempt {
-        // Corners that differ cost four looks, not all.
-        let outermost = square.extent.map(|n| 1.0 - 1.0 / f64::from(n));
-        let places = self.fit.checks;
-        let check_at = |n: usize| [0, 1].map(|k| places[n][k] * outermost[k]);
-        let check_places: [Place; CHECKS] = from_fn(|n| self.place(square, check_at(n)));
-        self.look(&check_places[..CORNERS], pieces);
-        let Ok(corners) = <[End; CORNERS]>::try_from(pieces.seen.as_slice()) else {
+    /// Tries one polynomial for the whole square. Ends are looked at in groups, the cheapest refusals first: corners that
+    /// differ cost four evaluations, not all.
+    fn attempt(&self, square: &Square, pieces: &mut Pieces<N>) -> Attempt<N> {
+        let Some(mut samples) = self.sample(square, pieces) else {
             return Attempt::Divide(1);
         };
-        let first = corners[0];
-        let mut status = first.status;
-        // Where an edge goes through it, or may: the others have left, and would be somewhere.
-        let mut edge = false;
-        let goes_on = |end: &End| {
-            let left = end.status == Status::LeftDomain && end.coordinates == Coordinates::Plain;
-            end.status == Status::Complete || left && end.at[0].is_finite()
-        };
-        let mut unlike = |ends: &[End]| {
-            if !edge && ends.iter().all(|end| end.status == status) {
-                return false;
+        match samples.agreement {
+            Agreement::Alike(Status::Complete) => {}
+            Agreement::Alike(status) => {
+                return Attempt::Covered(Piece::Nothing {
+                    corner: square.corner,
+                    side: square.side,
+                    status,
+                });
             }
-            // Also all that have been looked at before.
-            edge = goes_on(&first) && ends.iter().all(goes_on);
-            !edge
-        };
-        if unlike(&corners) {
-            return Attempt::Divide(1);
+            // The polynomial itself will say where the edge is: so every end has to lie on its side of it.
+            Agreement::Edge => {
+                let lies_right = |(_, end): &(Place, End<N>)| {
+                    end.coordinates == Coordinates::Plain
+                        && goes_on(end)
+                        && self.is_on_its_side(end)
+                };
+                if !samples.nodes.iter().all(lies_right) {
+                    return Attempt::Divide(1);
+                }
+            }
         }
+        let Some(coordinates) = self.common(&mut samples.nodes) else {
+            return Attempt::Divide(1);
+        };
+        let periods = self.periods(coordinates);
+        self.unify(&mut samples.nodes, periods);
+        let mut polynomials = self.polynomials(&samples, coordinates, periods);
+        if let Some(times) = self.divisions(polynomials.worst) {
+            return Attempt::Divide(times);
+        }
+        if let Err(times) = self.check(square, &samples, &mut polynomials, pieces) {
+            return Attempt::Divide(times);
+        }
+        let Polynomials {
+            reference, powers, ..
+        } = polynomials;
+        Attempt::Covered(Piece::Patch(Box::new(Patch {
+            corner: square.corner,
+            side: square.side,
+            extent: square.extent,
+            coordinates,
+            centre: from_fn(|k| reference.at[k] + powers[k][0][0]),
+            coefficients: powers.map(|powers| {
+                let mut rows = powers.map(|row| row.map(|c| c as f32));
+                rows[0][0] = 0.0;
+                rows
+            }),
+            error: polynomials.worst as f32,
+            edge: samples.agreement == Agreement::Edge,
+        })))
+    }
+
+    /// (X, Y) of the n-th place of the check: among the square's outermost pixels, or between them.
+    fn check_at(&self, square: &Square, n: usize) -> [f64; 2] {
+        let outermost = square.extent.map(|n| 1.0 - 1.0 / f64::from(n));
+        [0, 1].map(|k| self.fit.checks[n][k] * outermost[k])
+    }
+
+    /// Looks at the corners, then at the nodes; `None` as soon as the ends have too little in common.
+    fn sample(&self, square: &Square, pieces: &mut Pieces<N>) -> Option<SquareSamples<N>> {
+        let places: [Place; CORNERS] = from_fn(|n| self.place(square, self.check_at(square, n)));
+        self.look(&places, pieces);
+        let corners = <[End<N>; CORNERS]>::try_from(pieces.seen.as_slice()).ok()?;
+        let first = corners[0];
+        let mut agreement = Agreement::Alike(first.status).with(&first, &corners)?;
         let nodes = self.fit.nodes;
         let node = |n: usize| self.place(square, [nodes[n % COUNT], nodes[n / COUNT]]);
         // Far from each other one after the other: a line between two statuses is soon met.
@@ -180,108 +273,94 @@ impl Cutter<'_> {
             let indices: [usize; COUNT] = from_fn(|n| order(COUNT * group + n));
             let places = indices.map(node);
             self.look(&places, pieces);
-            if unlike(&pieces.seen) {
-                return Attempt::Divide(1);
-            }
+            agreement = agreement.with(&first, &pieces.seen)?;
             for ((index, place), end) in indices.into_iter().zip(places).zip(&pieces.seen) {
                 samples[index] = (place, *end);
             }
         }
-        if edge {
-            if samples
-                .iter()
-                .any(|(_, end)| !goes_on(end) || !self.is_on_its_side(end))
-                || samples
-                    .iter()
-                    .any(|(_, end)| end.coordinates != Coordinates::Plain)
-            {
-                return Attempt::Divide(1);
-            }
-            status = Status::Complete;
-        }
-        if status != Status::Complete {
-            return Attempt::Covered(Piece::Nothing {
-                corner: square.corner,
-                side: square.side,
-                status,
-            });
-        }
-        let Some(coordinates) = self.common(&mut samples) else {
-            return Attempt::Divide(1);
-        };
-        let periods = self.periods(coordinates);
-        self.unify(&mut samples, periods);
+        Some(SquareSamples {
+            agreement,
+            corners,
+            nodes: samples,
+        })
+    }
 
+    /// The polynomials through the nodes, with the error to be expected of the degrees that they leave out.
+    fn polynomials(
+        &self,
+        samples: &SquareSamples<N>,
+        coordinates: Coordinates,
+        periods: [f64; N],
+    ) -> Polynomials<N> {
         // The middle sample's value is taken away first: what is left is small.
-        let reference = samples[COUNT * COUNT / 2 + COUNT / 2].1;
-        let lengths = [[1.0, 0.0], [0.0, 1.0]].map(|v| reference.length(v) / self.pixel);
-        let mut powers = [[[0.0; COUNT]; COUNT]; 2];
+        let reference = samples.nodes[COUNT * COUNT / 2 + COUNT / 2].1;
+        let mut powers = [[[0.0; COUNT]; COUNT]; N];
         let mut worst = 0.0_f64;
         for (k, powers) in powers.iter_mut().enumerate() {
+            let length = reference.length(unit(k)) / self.pixel;
             let values: Grid =
-                from_fn(|j| from_fn(|i| samples[COUNT * j + i].1.at[k] - reference.at[k]));
+                from_fn(|j| from_fn(|i| samples.nodes[COUNT * j + i].1.at[k] - reference.at[k]));
             let mut series = self.fit.series(&values);
             let [last, before] = highest(&series);
             let beyond = (BEYOND * last).max(BEYOND * BEYOND * before);
-            worst = worst.max(lengths[k] * beyond);
-            truncate(&mut series, NEGLIGIBLE * self.tolerance / lengths[k]);
+            worst = worst.max(length * beyond);
+            truncate(&mut series, NEGLIGIBLE * self.tolerance / length);
             *powers = self.fit.powers(&series);
         }
-        if let Some(times) = self.divisions(worst) {
-            return Attempt::Divide(times);
+        Polynomials {
+            coordinates,
+            periods,
+            reference,
+            powers,
+            worst,
         }
+    }
+
+    /// Compares the polynomials with ends that took no part in them, the corners first, and raises their error. An error
+    /// says how often the square is to be divided.
+    fn check(
+        &self,
+        square: &Square,
+        samples: &SquareSamples<N>,
+        polynomials: &mut Polynomials<N>,
+        pieces: &mut Pieces<N>,
+    ) -> Result<(), u32> {
         for part in [0..CORNERS, CORNERS..CHECKS] {
             if part.start == 0 {
                 pieces.seen.clear();
-                pieces.seen.extend(corners);
+                pieces.seen.extend(samples.corners);
             } else {
-                self.look(&check_places[part.clone()], pieces);
+                let places: Vec<Place> = part
+                    .clone()
+                    .map(|n| self.place(square, self.check_at(square, n)))
+                    .collect();
+                self.look(&places, pieces);
             }
             for (n, end) in part.zip(&pieces.seen) {
-                let at = check_at(n);
-                let error = self.discrepancy(end, coordinates, periods, |k| {
-                    reference.at[k] + value(&powers[k], at)
-                });
-                // A NaN is no proof either.
-                let like = if edge {
-                    goes_on(end) && self.is_on_its_side(end)
-                } else {
-                    end.status == Status::Complete
+                let error = self.discrepancy(end, polynomials, self.check_at(square, n));
+                let like = match samples.agreement {
+                    Agreement::Edge => goes_on(end) && self.is_on_its_side(end),
+                    Agreement::Alike(_) => end.status == Status::Complete,
                 };
+                // A NaN is no proof either.
                 if !like || error.is_nan() {
-                    return Attempt::Divide(1);
+                    return Err(1);
                 }
-                worst = worst.max(WIDENING * error);
-                if let Some(times) = self.divisions(worst) {
-                    return Attempt::Divide(times);
+                polynomials.worst = polynomials.worst.max(WIDENING * error);
+                if let Some(times) = self.divisions(polynomials.worst) {
+                    return Err(times);
                 }
             }
         }
-        let centre = [0, 1].map(|k| reference.at[k] + powers[k][0][0]);
-        Attempt::Covered(Piece::Patch(Box::new(Patch {
-            corner: square.corner,
-            side: square.side,
-            extent: square.extent,
-            coordinates,
-            centre,
-            coefficients: [0, 1].map(|k| {
-                let mut rows = powers[k].map(|row| row.map(|c| c as f32));
-                rows[0][0] = 0.0;
-                rows
-            }),
-            error: worst as f32,
-            edge,
-        })))
+        Ok(())
     }
 
     /// Whether an end lies beyond the edges if it has left through one, and within them if not; a little beside an edge
     /// it may be either.
-    fn is_on_its_side(&self, end: &End) -> bool {
+    fn is_on_its_side(&self, end: &End<N>) -> bool {
         let mut inside = f64::INFINITY;
-        for axis in 0..2 {
-            let mut step = [0.0; 2];
-            step[axis] = 1.0;
-            let length = end.length(step) / self.pixel;
+        for axis in 0..N {
+            let length = end.length(unit(axis)) / self.pixel;
             let [low, high] = self.bounds[axis];
             let room = (end.at[axis] - low).min(high - end.at[axis]);
             inside = inside.min(room * length);
@@ -300,7 +379,7 @@ impl Cutter<'_> {
     }
 
     /// Brings all samples into common coordinates, where there are such.
-    fn common(&self, samples: &mut [(Place, End)]) -> Option<Coordinates> {
+    fn common(&self, samples: &mut [(Place, End<N>)]) -> Option<Coordinates> {
         let apex = samples
             .iter()
             .map(|(_, end)| end.coordinates)
@@ -312,7 +391,7 @@ impl Cutter<'_> {
             Coordinates::Apex { axis, end } => self.ends.polar(axis, end).is_some(),
             Coordinates::Plain => true,
         };
-        let about: Option<Vec<End>> = samples
+        let about: Option<Vec<End<N>>> = samples
             .iter()
             .map(|(_, end)| self.ends.in_coordinates(end, apex))
             .collect();
@@ -326,16 +405,16 @@ impl Cutter<'_> {
         Some(coordinates)
     }
 
-    fn periods(&self, coordinates: Coordinates) -> [f64; 2] {
+    fn periods(&self, coordinates: Coordinates) -> [f64; N] {
         match coordinates {
             Coordinates::Plain => self.ends.periods(),
-            Coordinates::Apex { .. } => [0.0; 2],
+            Coordinates::Apex { .. } => [0.0; N],
         }
     }
 
     /// Adds periods so that each sample lies where the derivatives at it and at a neighbour expect it.
-    fn unify(&self, samples: &mut [(Place, End)], periods: [f64; 2]) {
-        if periods == [0.0; 2] {
+    fn unify(&self, samples: &mut [(Place, End<N>)], periods: [f64; N]) {
+        if periods == [0.0; N] {
             return;
         }
         for n in 1..samples.len() {
@@ -345,9 +424,9 @@ impl Cutter<'_> {
             let way = [0, 1].map(|k| to[k] - from[k]);
             let [a, b] = [(from, &known), (*to, &*end)].map(|(place, end)| {
                 let [x, y] = end.by_place(place, self.zoom);
-                [0, 1].map(|k| x[k] * way[0] + y[k] * way[1])
+                from_fn::<f64, N, _>(|k| x[k] * way[0] + y[k] * way[1])
             });
-            for k in 0..2 {
+            for k in 0..N {
                 if periods[k] > 0.0 {
                     let expected = 0.5 * (a[k] + b[k]);
                     let expected = if expected.is_finite() { expected } else { 0.0 };
@@ -361,33 +440,27 @@ impl Cutter<'_> {
         }
     }
 
-    /// How far a polynomial's value is off an end, in pixels.
-    fn discrepancy(
-        &self,
-        end: &End,
-        coordinates: Coordinates,
-        periods: [f64; 2],
-        value: impl Fn(usize) -> f64,
-    ) -> f64 {
-        let Some(end) = self.ends.in_coordinates(end, coordinates) else {
+    /// The distance in pixels of the polynomials' value at (X, Y) from an end; NaN where they have no coordinates in common.
+    fn discrepancy(&self, end: &End<N>, polynomials: &Polynomials<N>, at: [f64; 2]) -> f64 {
+        let Some(end) = self.ends.in_coordinates(end, polynomials.coordinates) else {
             return f64::NAN;
         };
-        let off = [0, 1].map(|k| {
-            let off = value(k) - end.at[k];
-            if periods[k] > 0.0 {
-                off - periods[k] * (off / periods[k]).round()
+        let off: [f64; N] = from_fn(|k| {
+            let (off, period) = (polynomials.value(k, at) - end.at[k], polynomials.periods[k]);
+            if period > 0.0 {
+                off - period * (off / period).round()
             } else {
                 off
             }
         });
-        if off == [0.0; 2] {
+        if off == [0.0; N] {
             return 0.0;
         }
         end.length(off) / self.pixel
     }
 
     /// The pixels of the smallest square, one by one.
-    fn single(&self, square: &Square, pieces: &mut Pieces) -> Piece {
+    fn single(&self, square: &Square, pieces: &mut Pieces<N>) -> Piece<N> {
         let place = |[column, row]: [u32; 2]| {
             let at = [(column, 0), (row, 1)]
                 .map(|(n, k)| (2.0 * f64::from(n) + 1.0) / f64::from(square.extent[k]) - 1.0);
@@ -409,11 +482,11 @@ impl Cutter<'_> {
         }
         let mut known = [false; (BLOCK * BLOCK) as usize];
         let mut single = Single {
-            offset: vec![[0.0; 2]; pixels],
-            by_pixel: vec![[0.0; 4]; pixels],
+            offset: vec![[0.0; N]; pixels],
+            by_pixel: vec![[[0.0; N]; 2]; pixels],
             status: vec![Status::default(); pixels],
         };
-        let mut put = |pixels: &[[u32; 2]], places: &[Place], ends: &[End]| {
+        let mut put = |pixels: &[[u32; 2]], places: &[Place], ends: &[End<N>]| {
             for ((pixel, place), end) in pixels.iter().zip(places).zip(ends) {
                 let index = index(*pixel);
                 single.status[index] = end.status;
@@ -441,33 +514,38 @@ impl Cutter<'_> {
     }
 
     /// A complete end as an offset, with its derivatives by pixel.
-    pub(super) fn pixel(&self, end: End, place: [f64; 2]) -> ([f32; 2], [f32; 4]) {
+    pub(super) fn pixel(&self, end: End<N>, place: [f64; 2]) -> ([f32; N], [[f32; N]; 2]) {
         let plain = self.ends.in_coordinates(&end, Coordinates::Plain);
         let mut end = plain.unwrap_or(end);
         if end.stretch.is_nan() {
             end.stretch = 1.0;
         }
-        let offset = [0, 1].map(|k| (end.at[k] - self.origin[k]) as f32);
+        let offset = from_fn(|k| (end.at[k] - self.origin[k]) as f32);
         let [x, y] = end
             .by_place(place, self.zoom)
             .map(|d| d.map(|c| (c * self.per_place) as f32));
-        let by_pixel = [x[0], x[1], -y[0], -y[1]];
+        let by_pixel = [x, y.map(|c| -c)];
         let finite = |all: &[f32]| all.iter().all(|x| x.is_finite());
         (
-            if finite(&offset) { offset } else { [0.0; 2] },
-            if finite(&by_pixel) {
+            if finite(&offset) { offset } else { [0.0; N] },
+            if finite(by_pixel.as_flattened()) {
                 by_pixel
             } else {
-                [0.0; 4]
+                [[0.0; N]; 2]
             },
         )
     }
 }
 
+/// The unit vector along an axis.
+fn unit<const N: usize>(axis: usize) -> [f64; N] {
+    from_fn(|k| if k == axis { 1.0 } else { 0.0 })
+}
+
 type Place = [f64; 2];
 
 /// Whether an apex is so near to ends about it that their polar coordinates would bend.
-fn is_near(ends: &[End]) -> bool {
+fn is_near<const N: usize>(ends: &[End<N>]) -> bool {
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];
     let mut nearest = f64::INFINITY;

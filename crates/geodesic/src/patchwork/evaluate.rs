@@ -1,5 +1,7 @@
 //! The pixels of a patchwork, some rows at a time: polynomials in, offsets out, in loops that become vectors.
 
+use std::array::from_fn;
+
 use expr::processor::Work;
 
 use super::angle::{angle, larger_and_ratio};
@@ -9,24 +11,24 @@ use crate::ends::{Coordinates, Polar};
 use crate::status::Status;
 
 /// Some rows of pixels, of the picture's whole width; each part may be empty where it is not wanted.
-pub struct Rows<'a> {
+pub struct Rows<'a, const N: usize = 2> {
     /// As in [`Map`](crate::pixels::Map).
-    pub offset: &'a mut [[f32; 2]],
+    pub offset: &'a mut [[f32; N]],
     /// As in [`Map`](crate::pixels::Map).
-    pub by_pixel: &'a mut [[f32; 4]],
+    pub by_pixel: &'a mut [[[f32; N]; 2]],
     /// As in [`Map`](crate::pixels::Map).
     pub status: &'a mut [Status],
 }
 
 /// The blocks of one row of blocks, to be evaluated into rows that begin with it.
-pub(super) struct Band<'a, 'r> {
-    pub(super) patchwork: &'a Patchwork,
-    /// Which row of blocks.
+pub(super) struct Band<'a, 'r, const N: usize> {
+    pub(super) patchwork: &'a Patchwork<N>,
+    /// The number of the row of blocks, from the top.
     pub(super) block_row: u32,
-    pub(super) rows: Rows<'r>,
+    pub(super) rows: Rows<'r, N>,
 }
 
-impl Work for Band<'_, '_> {
+impl<const N: usize> Work for Band<'_, '_, N> {
     type Output = ();
 
     #[inline(always)]
@@ -71,8 +73,8 @@ impl Work for Band<'_, '_> {
                         copy(&single.status[first..], part(rows.status, &pixels));
                     }
                     (Cover::Nothing(status), _) => {
-                        part(rows.offset, &pixels).fill([0.0; 2]);
-                        part(rows.by_pixel, &pixels).fill([0.0; 4]);
+                        part(rows.offset, &pixels).fill([0.0; N]);
+                        part(rows.by_pixel, &pixels).fill([[0.0; N]; 2]);
                         part(rows.status, &pixels).fill(status);
                     }
                     (Cover::Patch(_), Some(strip)) => strip.evaluate(row, &mut rows, pixels),
@@ -100,21 +102,21 @@ fn copy<T: Copy>(from: &[T], to: &mut [T]) {
 type Column = [f32; BLOCK as usize];
 
 /// Some rows of a patch: polynomials in X alone, a row's coefficients at its index in each column.
-struct Strip {
+struct Strip<const N: usize> {
     /// The values, without the centre.
-    value: [[Column; COUNT]; 2],
+    value: [[Column; COUNT]; N],
     /// By one pixel to the right.
-    right: [[Column; COUNT]; 2],
+    right: [[Column; COUNT]; N],
     /// By one pixel down.
-    down: [[Column; COUNT]; 2],
-    /// What is added to the values.
-    centre: [f32; 2],
+    down: [[Column; COUNT]; N],
+    /// The place that the values are offsets from, less the camera's.
+    centre: [f32; N],
     /// X of the first pixel, and from a pixel to the next.
     start: f32,
     step: f32,
     apex: Option<(usize, About)>,
     /// [`Patchwork::bounds`], where an edge goes through it.
-    bounds: Option<[[f32; 2]; 2]>,
+    bounds: Option<[[f32; 2]; N]>,
 }
 
 /// [`Polar`] in single precision, from the camera.
@@ -128,7 +130,7 @@ struct About {
 
 impl About {
     #[inline(always)]
-    fn of(axis: usize, polar: &Polar, origin: [f64; 2]) -> Self {
+    fn of<const N: usize>(axis: usize, polar: &Polar, origin: [f64; N]) -> Self {
         Self {
             base: (polar.base - origin[axis]) as f32,
             sign: polar.sign as f32,
@@ -190,18 +192,18 @@ fn bounded(x: f32) -> f32 {
     if x < -1e30 { -1e30 } else { x }
 }
 
-impl Strip {
+impl<const N: usize> Strip<N> {
     /// The rows from `row` on, the pixels from `column` on.
     #[inline(always)]
-    fn of(patchwork: &Patchwork, patch: &Patch, row: u32, column: u32) -> Self {
+    fn of(patchwork: &Patchwork<N>, patch: &Patch<N>, row: u32, column: u32) -> Self {
         let step = [2.0 / patch.extent[0] as f32, 2.0 / patch.extent[1] as f32];
         let mut y: Column = [0.0; BLOCK as usize];
         for (n, y) in y.iter_mut().enumerate() {
             *y = ((row - patch.corner[1]) as f32 + n as f32 + 0.5) * step[1] - 1.0;
         }
-        let nothing = [[[0.0; BLOCK as usize]; COUNT]; 2];
+        let nothing = [[[0.0; BLOCK as usize]; COUNT]; N];
         let (mut value, mut right, mut down) = (nothing, nothing, nothing);
-        for k in 0..2 {
+        for k in 0..N {
             for i in 0..COUNT {
                 let mut sum = [patch.coefficients[k][COUNT - 1][i]; BLOCK as usize];
                 let mut slope = [0.0; BLOCK as usize];
@@ -228,17 +230,14 @@ impl Strip {
         let origin = patchwork.base;
         let (apex, centre) = match patch.coordinates {
             Coordinates::Plain => {
-                let [a, b] = patch.centre;
-                (None, [(a - origin[0]) as f32, (b - origin[1]) as f32])
+                let centre = from_fn(|k| (patch.centre[k] - origin[k]) as f32);
+                (None, centre)
             }
             Coordinates::Apex { axis, end } => {
                 let axis = usize::from(axis.min(1));
                 let polar = patchwork.polars[axis][usize::from(end.min(1))].unwrap_or_default();
                 let about = About::of(axis, &polar, origin);
-                (
-                    Some((axis, about)),
-                    [patch.centre[0] as f32, patch.centre[1] as f32],
-                )
+                (Some((axis, about)), patch.centre.map(|x| x as f32))
             }
         };
         Self {
@@ -255,7 +254,7 @@ impl Strip {
 
     /// One row. The loops' bodies know nothing of their neighbours, so that the compiler makes vectors of them.
     #[inline(always)]
-    fn evaluate(&self, row: usize, rows: &mut Rows<'_>, pixels: std::ops::Range<usize>) {
+    fn evaluate(&self, row: usize, rows: &mut Rows<'_, N>, pixels: std::ops::Range<usize>) {
         let status = part(rows.status, &pixels);
         status.fill(Status::Complete);
         let offset = part(rows.offset, &pixels);
@@ -265,9 +264,12 @@ impl Strip {
             Some((0, about)) => self.about::<0>(about, row, offset, by_pixel),
             Some((_, about)) => self.about::<1>(about, row, offset, by_pixel),
         }
-        if let Some([[a, b], [c, d]]) = self.bounds {
-            for (status, [u, v]) in status.iter_mut().zip(offset) {
-                let left = (*u < a) | (*u > b) | (*v < c) | (*v > d);
+        if let Some(bounds) = self.bounds {
+            for (status, offset) in status.iter_mut().zip(offset) {
+                let mut left = false;
+                for k in 0..N {
+                    left |= (offset[k] < bounds[k][0]) | (offset[k] > bounds[k][1]);
+                }
                 if left {
                     *status = Status::LeftDomain;
                 }
@@ -276,69 +278,69 @@ impl Strip {
     }
 
     #[inline(always)]
-    fn plain(&self, row: usize, offset: &mut [[f32; 2]], by_pixel: &mut [[f32; 4]]) {
-        let [a, b] = [at_row(&self.value[0], row), at_row(&self.value[1], row)];
-        let [centre_a, centre_b] = self.centre;
+    fn plain(&self, row: usize, offset: &mut [[f32; N]], by_pixel: &mut [[[f32; N]; 2]]) {
+        let (value, centre) = (at_row(&self.value, row), self.centre);
         let (start, step) = (self.start, self.step);
         for (n, offset) in (0_i32..).zip(offset.iter_mut()) {
             let x = n as f32 * step + start;
-            *offset = [horner(&a, x) + centre_a, horner(&b, x) + centre_b];
+            for k in 0..N {
+                offset[k] = horner(&value[k], x) + centre[k];
+            }
         }
-        let right = [at_row(&self.right[0], row), at_row(&self.right[1], row)];
-        let down = [at_row(&self.down[0], row), at_row(&self.down[1], row)];
+        let (right, down) = (at_row(&self.right, row), at_row(&self.down, row));
         for (n, by_pixel) in (0_i32..).zip(by_pixel.iter_mut()) {
             let x = n as f32 * step + start;
-            *by_pixel = [
-                horner(&right[0], x),
-                horner(&right[1], x),
-                horner(&down[0], x),
-                horner(&down[1], x),
-            ];
+            for k in 0..N {
+                by_pixel[0][k] = horner(&right[k], x);
+                by_pixel[1][k] = horner(&down[k], x);
+            }
         }
     }
 
-    /// About an apex at an end of the axis `AXIS`.
+    /// About an apex at an end of the axis `AXIS`; only charts, with their two coordinates, have any.
     #[inline(always)]
     fn about<const AXIS: usize>(
         &self,
         about: &About,
         row: usize,
-        offset: &mut [[f32; 2]],
-        by_pixel: &mut [[f32; 4]],
+        offset: &mut [[f32; N]],
+        by_pixel: &mut [[[f32; N]; 2]],
     ) {
-        let value = [at_row(&self.value[0], row), at_row(&self.value[1], row)];
-        let right = [at_row(&self.right[0], row), at_row(&self.right[1], row)];
-        let down = [at_row(&self.down[0], row), at_row(&self.down[1], row)];
-        let [centre_a, centre_b] = self.centre;
+        let value = at_row(&self.value, row);
+        let (right, down) = (at_row(&self.right, row), at_row(&self.down, row));
+        let centre = [self.centre[0], self.centre[1]];
         let (start, step) = (self.start, self.step);
         for (n, offset) in (0_i32..).zip(offset.iter_mut()) {
             let x = n as f32 * step + start;
             let at = [
-                horner(&value[0], x) + centre_a,
-                horner(&value[1], x) + centre_b,
+                horner(&value[0], x) + centre[0],
+                horner(&value[1], x) + centre[1],
             ];
             let at = about.point(at);
-            *offset = [at[AXIS], at[1 - AXIS]];
+            (offset[AXIS], offset[1 - AXIS]) = (at[0], at[1]);
         }
         for (n, by_pixel) in (0_i32..).zip(by_pixel.iter_mut()) {
             let x = n as f32 * step + start;
             let at = [
-                horner(&value[0], x) + centre_a,
-                horner(&value[1], x) + centre_b,
+                horner(&value[0], x) + centre[0],
+                horner(&value[1], x) + centre[1],
             ];
             let right = about.vector(at, [horner(&right[0], x), horner(&right[1], x)]);
             let down = about.vector(at, [horner(&down[0], x), horner(&down[1], x)]);
-            *by_pixel = [right[AXIS], right[1 - AXIS], down[AXIS], down[1 - AXIS]];
+            (by_pixel[0][AXIS], by_pixel[0][1 - AXIS]) = (right[0], right[1]);
+            (by_pixel[1][AXIS], by_pixel[1][1 - AXIS]) = (down[0], down[1]);
         }
     }
 }
 
-/// A row's coefficients.
+/// A row's coefficients, for each coordinate.
 #[inline(always)]
-fn at_row(columns: &[Column; COUNT], row: usize) -> [f32; COUNT] {
-    let mut coefficients = [0.0; COUNT];
-    for (coefficient, column) in coefficients.iter_mut().zip(columns) {
-        *coefficient = column[row];
+fn at_row<const N: usize>(columns: &[[Column; COUNT]; N], row: usize) -> [[f32; COUNT]; N] {
+    let mut coefficients = [[0.0; COUNT]; N];
+    for (coefficients, columns) in coefficients.iter_mut().zip(columns) {
+        for (coefficient, column) in coefficients.iter_mut().zip(columns) {
+            *coefficient = column[row];
+        }
     }
     coefficients
 }

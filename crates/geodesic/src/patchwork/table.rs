@@ -106,7 +106,8 @@ impl Patchwork {
         for single in &self.singles {
             let pixels = single.offset.iter().zip(&single.by_pixel);
             for ((offset, by_pixel), status) in pixels.zip(&single.status) {
-                words.extend(offset.iter().chain(by_pixel).map(|x| x.to_bits()));
+                let numbers = offset.iter().chain(by_pixel.as_flattened());
+                words.extend(numbers.map(|x| x.to_bits()));
                 words.extend([code_of(*status), 0]);
             }
         }

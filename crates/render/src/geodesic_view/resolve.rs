@@ -56,7 +56,7 @@ pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
                 width,
                 height,
                 offset: &map.offset,
-                by_pixel: &map.by_pixel,
+                by_pixel: bytemuck::cast_slice(&map.by_pixel),
                 status: &map.status,
                 tint: paint.colour,
                 cover,
@@ -101,7 +101,7 @@ pub(super) fn resolve_patchwork(
             let (offset, by_pixel) = (&mut offset[..count], &mut by_pixel[..count]);
             let rows = Rows {
                 offset: &mut *offset,
-                by_pixel: &mut *by_pixel,
+                by_pixel: bytemuck::cast_slice_mut(by_pixel),
                 status: &mut *status,
             };
             patchwork.block_row(number as u32, rows);

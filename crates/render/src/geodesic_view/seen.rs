@@ -155,7 +155,7 @@ impl Seen {
                     let status = &mut status[..count];
                     let rows = Rows {
                         offset: &mut *offset,
-                        by_pixel: &mut *by_pixel,
+                        by_pixel: bytemuck::cast_slice_mut(by_pixel),
                         status: &mut *status,
                     };
                     patchwork.block_row(row as u32, rows);
@@ -174,7 +174,9 @@ impl Seen {
                 let ends = EndsOfRows {
                     origin: map.origin,
                     offset: &map.offset[here.clone()],
-                    by_pixel: map.by_pixel.get(here.clone()).unwrap_or_default(),
+                    by_pixel: bytemuck::cast_slice(
+                        map.by_pixel.get(here.clone()).unwrap_or_default(),
+                    ),
                     status: &map.status[here],
                 };
                 layer.lay(ends, pixels);

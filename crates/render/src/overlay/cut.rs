@@ -108,7 +108,7 @@ fn beyond(map: &Map, inside: &Inside) -> Vec<bool> {
         }
         let [column, row] = place_of(size, index);
         let (uv, signs) = bring_back(domain, sides, map.uv(index));
-        let [a, b, c, d] = map.by_pixel[index].map(f64::from);
+        let [[a, b], [c, d]] = map.by_pixel[index].map(|d| d.map(f64::from));
         let determinant = a * d - b * c;
         let place = [
             f64::from(column) + 0.5 - 0.5 * f64::from(size[0]),

@@ -51,10 +51,10 @@ pub(super) fn conjugate_points(image: &mut RgbaImage, map: &Map, inside: &Inside
         .zip(&map.status)
         .map(|(d, status)| {
             let [a, b, c, d] = [
-                d[0] / widths[0],
-                d[1] / widths[1],
-                d[2] / widths[0],
-                d[3] / widths[1],
+                d[0][0] / widths[0],
+                d[0][1] / widths[1],
+                d[1][0] / widths[0],
+                d[1][1] / widths[1],
             ];
             if *status == Status::Complete {
                 (a * d - b * c) / (a * a + b * b + c * c + d * d)
