@@ -113,7 +113,7 @@ impl Reading {
     /// A token by its number, from 0.
     pub fn token(&self, token: usize) -> Option<Lexeme<'_>> {
         let (piece, index) = self.document.piece_of_token(u32::try_from(token).ok()?)?;
-        Some(lexeme(piece, piece.tokens.get(index)?))
+        Some(lexeme(piece, piece.tokens().get(index)?))
     }
 
     /// Tokens by their numbers, in the order of the text.
@@ -122,7 +122,7 @@ impl Reading {
         let first = first.and_then(|first| self.document.piece_of_token(first));
         let skipped = first.map_or(0, |(_, index)| index);
         let pieces = self.document.pieces_from(first.map(|(piece, _)| piece));
-        let all = pieces.flat_map(|piece| piece.tokens.iter().map(move |it| lexeme(piece, it)));
+        let all = pieces.flat_map(|piece| piece.tokens().iter().map(move |it| lexeme(piece, it)));
         all.skip(skipped).take(range.len())
     }
 
@@ -262,7 +262,7 @@ impl Reading {
 
     /// What a token of a piece stands for.
     pub(crate) fn target_in(&self, piece: Piece<'_>, index: usize) -> Option<Target> {
-        let Token { kind, span } = piece.tokens.get(index)?;
+        let Token { kind, span } = piece.tokens().get(index)?;
         match kind {
             TokenKind::Constant(id) | TokenKind::Function(id) => {
                 // Where a name that is taken is declared again, the word is no use of it.
@@ -273,7 +273,7 @@ impl Reading {
             }
             TokenKind::Variable(position) => {
                 let position = position as usize;
-                let item = match derived_function(piece.tokens, index) {
+                let item = match derived_function(piece.tokens(), index) {
                     Some(function) => self.item_of(function)?,
                     None => item_in(piece, span.start)?.index,
                 };
@@ -339,11 +339,11 @@ impl Reading {
             _ => document.pieces_from(document.piece_at(0)).collect(),
         };
         let all = pieces.into_iter().flat_map(|piece| {
-            let tokens = 0..piece.tokens.len();
+            let tokens = 0..piece.tokens().len();
             tokens
                 // The text is compared before the meaning is looked for.
                 .filter(move |&k| {
-                    let span = piece.tokens.span(k);
+                    let span = piece.tokens().span(k);
                     span.is_some_and(|span| span.text(piece.text) == name)
                 })
                 .filter(move |&k| self.target_in(piece, k) == Some(target))
@@ -400,7 +400,7 @@ fn item_in(piece: Piece<'_>, offset: u32) -> Option<Item<'_>> {
 
 /// Whether a token of a piece introduces a name.
 pub(crate) fn introduces_in(piece: Piece<'_>, index: usize) -> bool {
-    let span = piece.tokens.span(index);
+    let span = piece.tokens().span(index);
     span.is_some_and(|span| {
         item_in(piece, span.start).is_some_and(|item| {
             item.name_span == span && item.symbol.is_some() || item.has_parameter(span)

@@ -187,7 +187,7 @@ struct Renamed {
 impl Renamed {
     fn new(reading: &Reading, edits: &[Edit]) -> Self {
         let before = reading.document();
-        let mut document = Document::of(before.clone());
+        let mut document = Document::from_snapshot(before.clone());
         let mut read = HashSet::new();
         // From the last to the first, so that the places of the others stay.
         for edit in edits.iter().rev() {
@@ -209,7 +209,8 @@ impl Renamed {
             let (piece, other) = (before.piece_of(*chunk), after.piece_of(*chunk));
             let first = piece.first_token as usize;
             let is_same = |k: usize| {
-                let (Some(token), Some(read)) = (piece.tokens.get(k), other.tokens.get(k)) else {
+                let (Some(token), Some(read)) = (piece.tokens().get(k), other.tokens().get(k))
+                else {
                     return false;
                 };
                 let text = match renamed.binary_search(&(first + k)) {
@@ -220,9 +221,9 @@ impl Renamed {
                     && text == read.span.text(other.text)
                     && introduces_in(piece, k) == introduces_in(other, k)
             };
-            let count = piece.tokens.len();
+            let count = piece.tokens().len();
             let differs = (0..count).find(|k| !is_same(*k));
-            let longer = (other.tokens.len() > count).then(|| count.saturating_sub(1));
+            let longer = (other.tokens().len() > count).then(|| count.saturating_sub(1));
             differs.or(longer).map(|k| first + k)
         })
     }
@@ -244,7 +245,7 @@ impl Renamed {
             let is_more = found.next().is_some();
             if last.is_some() || is_more {
                 let piece = old.document().piece_of(chunk);
-                let span = last.or(piece.tokens.span(0)).unwrap_or_default();
+                let span = last.or(piece.tokens().span(0)).unwrap_or_default();
                 return Err(RenameError::ReadOtherwise {
                     word: span.text(piece.text).to_owned(),
                     line: line(old, span.moved(piece.start).start),
@@ -329,7 +330,7 @@ mod tests {
             let again = Renamed::new(&reading, &edits(&reading, &renamed, &[], "length"));
             assert_eq!(again.read.len(), 5);
             assert_eq!(again.first_difference(&reading, &renamed, "length"), None);
-            let work = again.document.work();
+            let work = again.document.counters();
             (work.cut, work.edited, work.reread)
         };
         let (cut, edited, reread) = work(4_000);

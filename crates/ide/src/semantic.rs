@@ -99,7 +99,7 @@ pub fn semantic_tokens(reading: &Reading, range: Span) -> Vec<SemanticToken> {
     let first = first.and_then(|token| document.piece_of_token(token));
     let pieces = document.pieces_from(first.map(|(piece, _)| piece));
     let all = pieces.flat_map(|piece| {
-        let tokens = 0..piece.tokens.len();
+        let tokens = 0..piece.tokens().len();
         tokens.map(move |index| (piece, index))
     });
     let skipped = first.map_or(0, |(_, index)| index);
@@ -109,7 +109,7 @@ pub fn semantic_tokens(reading: &Reading, range: Span) -> Vec<SemanticToken> {
 }
 
 fn token(reading: &Reading, piece: Piece<'_>, index: usize) -> Option<SemanticToken> {
-    let token = lexeme(piece, piece.tokens.get(index)?);
+    let token = lexeme(piece, piece.tokens().get(index)?);
     let span = token.span;
     let plain = |token_type| (token_type, Modifiers::default());
     let (token_type, modifiers) = match token.kind {

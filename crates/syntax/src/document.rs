@@ -1,110 +1,110 @@
-//! A text that is edited: read declaration by declaration, and again only where an edit can be noticed.
+//! A text that is edited: it is read chunk by chunk, and again only where an edit makes a difference.
 //!
 //! ```text
-//! edit ──▶ edit.rs       which chunks are cut anew, and who reads again what has changed
-//!          chunk.rs      cuts the text behind each `;`: a chunk is a declaration with what stands before it
-//!          record.rs, tags.rs   what was read of a chunk, packed
-//!          sequence.rs   the chunks in order, with sums: offsets and lines in logarithmic time
-//!          names.rs      what a word means at a place; who reads a name
-//!          open_words.rs who would read a name if it were defined
-//!          above.rs      the names as the parser sees them, through `symbols::Scope`
-//!          findings.rs   diagnostics, finished with lines and names of other places when they are asked for
-//! ask  ──▶ snapshot.rs, pieces.rs   the text, its tokens, declarations, symbols and lines, at one version
-//!          shelf.rs, chunk_set.rs   lists and sets that a snapshot shares with the document
+//! edit ──▶ edit.rs          the chunks that are cut anew, and those that are read again
+//!          grammar.rs       what a document asks of a language
+//!          chunk.rs         a piece of the text, with what reading it has given
+//!          sequence.rs      the chunks in order, with sums: offsets and lines in logarithmic time
+//!          names.rs         the meaning of a word at a place; the chunks that use a name
+//!          lookups.rs       the chunks that a new name would change
+//!          scope.rs         the names as a grammar sees them while it reads a chunk
+//!          diagnostics.rs   diagnostics, completed with lines and names of other places when they are asked for
+//!          surroundings.rs  the text around a chunk, for that
+//! ask  ──▶ snapshot.rs, index.rs   the text, its tokens, symbols and lines, at one version
+//!          chunk_set.rs     sets of chunks that snapshots share with the document
 //! ```
 //!
-//! `;` and `#` delimit declarations whatever any name means, so an edit cuts anew only the chunks it touches.
-//! They are read again, and so are those below that read a name whose meaning has changed, or would read a
-//! new one: a chunk tells each word that it has looked up. Reading a chunk may change names in turn; going
-//! down the text, each is read once at most. Equal to reading the whole text after every edit, always.
+//! The language, a [`Grammar`], cuts the text into chunks without knowing the meaning of any name. An edit cuts anew only the
+//! chunks that it touches. They are read again, and so are those below that use a name whose meaning has changed, or hold a
+//! word that a new name changes: reading a chunk records each name and word that it has looked up. Reading a chunk may change
+//! names in turn; the chunks are read from top to bottom, each once at most. After every edit the document equals one that is
+//! made from the whole text.
 //!
-//! All that is kept of a chunk counts from its start, and a symbol keeps its identifier for as long as its
-//! declaration does: what is above and below may change without a chunk being touched.
+//! All that is kept of a chunk counts from its start, and a symbol keeps its handle for as long as its declaration is there:
+//! edits above and below leave a chunk as it is.
 
-mod above;
 mod chunk;
 mod chunk_set;
+mod diagnostics;
 mod edit;
-mod findings;
+mod grammar;
+mod index;
+mod lookups;
 mod names;
-mod open_words;
-mod pieces;
-mod record;
+mod scope;
 mod sequence;
-mod shelf;
 mod snapshot;
-mod tags;
+mod surroundings;
 
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::ops::Deref;
 
-use crate::geotrace::symbols::Vocabulary;
+use crate::persistent_vector::PersistentVector;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-use chunk::cut;
+use diagnostics::Split;
 use edit::Pass;
-use findings::HiddenSplit;
+use lookups::{Lookup, UnresolvedWords};
 use names::Names;
-use open_words::{Lookup, OpenWords};
 use sequence::Sequence;
-use shelf::Shelf;
 
-pub use chunk::{Event, ReadDeclaration};
-pub use pieces::Piece;
-pub use record::{Events, Parameters, Tokens};
+pub use grammar::{Analysis, Definition, Grammar, Reading, ShadowedSplit};
+pub use index::Piece;
+pub use scope::ScopeView;
 pub use sequence::ChunkId;
 pub use snapshot::Snapshot;
+pub use surroundings::Surroundings;
 
-/// A text and what it has been read as: its present [`Snapshot`], and what is needed to change it.
+/// A text and what reading it has given: its present [`Snapshot`], and what is needed to change it.
 #[derive(Clone, Debug)]
-pub struct Document {
-    snapshot: Snapshot,
+pub struct Document<G: Grammar> {
+    snapshot: Snapshot<G>,
     free: Vec<ChunkId>,
-    open: OpenWords,
-    /// The symbols whose letters are split above them.
-    hidden: HashMap<SymbolId, HiddenSplit>,
+    unresolved: UnresolvedWords,
+    /// The symbols whose names are read as several tokens above their declarations.
+    shadowed: HashMap<SymbolId, Split>,
     version: u64,
     journal: VecDeque<Change>,
-    work: Work,
+    counters: Counters,
 }
 
-impl Deref for Document {
-    type Target = Snapshot;
+impl<G: Grammar> Deref for Document<G> {
+    type Target = Snapshot<G>;
 
-    fn deref(&self) -> &Snapshot {
+    fn deref(&self) -> &Snapshot<G> {
         &self.snapshot
     }
 }
 
-/// What an edit has done.
+/// The effect of an edit.
 #[derive(Clone, Debug, Default, Eq, PartialEq)]
 pub struct Change {
-    /// The document's version after it.
+    /// The document's version after the edit.
     pub version: u64,
-    /// The chunks that are there no longer. A handle may come back for a new chunk.
+    /// The chunks that the edit has removed. A later edit may use a handle again for a new chunk.
     pub removed: Vec<ChunkId>,
-    /// The chunks that were read, from top to bottom; new ones too.
+    /// The chunks that were read, new ones among them, from top to bottom.
     pub read: Vec<ChunkId>,
-    /// The symbols that are declared no longer. A handle may come back for a new symbol.
+    /// The symbols that are no longer defined. A later edit may use a handle again for a new symbol.
     pub forgotten: Vec<SymbolId>,
 }
 
-/// How much has been done since the document was made.
+/// Counters of the work that a document has done since it was made.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
-pub struct Work {
-    /// Bytes that were searched for the ends of declarations.
+pub struct Counters {
+    /// The bytes that were searched for the ends of chunks.
     pub cut: u64,
-    /// Chunks that were lexed and parsed because their text is new.
+    /// The chunks that were read because their text was new.
     pub edited: u64,
-    /// Chunks that were lexed and parsed again because of the names above them.
+    /// The chunks that were read again because of the names above them.
     pub reread: u64,
 }
 
-/// Why an edit is not made; the document is as it was.
+/// The reason why an edit is refused. The document is as it was before.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum EditError {
-    /// The range ends beyond the text, or before it starts.
+    /// The range ends behind the text's end, or before its own start.
     OutOfRange,
     /// An end of the range lies inside a character.
     InsideCharacter,
@@ -124,24 +124,24 @@ impl std::fmt::Display for EditError {
 
 impl std::error::Error for EditError {}
 
-/// How many changes are remembered.
+/// The number of changes that [`Document::changes_since`] can go back.
 const MAX_JOURNAL: usize = 256;
 
-impl Document {
+impl<G: Grammar> Document<G> {
     /// Reads a text.
     ///
     /// # Errors
     /// [`EditError::TooLarge`].
-    pub fn new(text: &str, vocabulary: &Vocabulary) -> Result<Self, EditError> {
-        let mut document = Self::begun(Snapshot {
+    pub fn new(text: &str, builtins: &G::Builtins) -> Result<Self, EditError> {
+        let mut document = Self::unindexed(Snapshot {
             sequence: Sequence::default(),
-            chunks: Shelf::default(),
-            names: Names::new(vocabulary),
+            chunks: PersistentVector::default(),
+            names: Names::new(G::builtins(builtins)),
         });
         check_size(text.len())?;
         let mut ends = Vec::new();
-        cut(text, 0, false, &mut ends);
-        document.work.cut += text.len() as u64;
+        G::cut(text, 0, G::CutState::default(), &mut ends);
+        document.counters.cut += text.len() as u64;
         ends.push(text.len());
         let mut start = 0;
         let mut last = None;
@@ -153,35 +153,35 @@ impl Document {
             let sequence = &mut document.snapshot.sequence;
             sequence.insert(last, chunk, measure);
             document.read(chunk, None, &mut pool, &mut touched);
-            document.work.edited += 1;
+            document.counters.edited += 1;
             (start, last) = (end, Some(chunk));
         }
         for name in touched {
-            document.find_hidden(name);
+            document.find_shadowed(name);
         }
         Ok(document)
     }
 
-    /// A document of a snapshot, of which it knows no more than is in it.
-    fn begun(snapshot: Snapshot) -> Self {
+    /// A document of a snapshot, without the indexes that a snapshot does not hold.
+    fn unindexed(snapshot: Snapshot<G>) -> Self {
         Self {
             snapshot,
             free: Vec::new(),
-            open: OpenWords::default(),
-            hidden: HashMap::new(),
+            unresolved: UnresolvedWords::default(),
+            shadowed: HashMap::new(),
             version: 0,
             journal: VecDeque::new(),
-            work: Work::default(),
+            counters: Counters::default(),
         }
     }
 
-    /// A document that goes on from what another was at a version: for trying edits out. Nothing is read for it.
-    pub fn of(snapshot: Snapshot) -> Self {
-        let mut document = Self::begun(snapshot);
+    /// A document that goes on from a snapshot of another, for trying edits out. Nothing is read for it.
+    pub fn from_snapshot(snapshot: Snapshot<G>) -> Self {
+        let mut document = Self::unindexed(snapshot);
         let Self {
             snapshot,
             free,
-            open,
+            unresolved,
             ..
         } = &mut document;
         let mut touched = BTreeSet::new();
@@ -199,13 +199,13 @@ impl Document {
                 } = *lookup
                 {
                     let rest = &chunk.text[start as usize..end as usize];
-                    open.enter(id, rest, length, is_split);
+                    unresolved.insert(id, rest, length, is_split);
                 }
             }
             snapshot.touch(chunk, &mut touched);
         }
         for name in touched {
-            document.find_hidden(name);
+            document.find_shadowed(name);
         }
         document
     }
@@ -213,7 +213,7 @@ impl Document {
     /// Replaces the bytes of a range.
     ///
     /// # Errors
-    /// Where there is no such range, or the text would be too large; then nothing is done.
+    /// If the text does not have the range, or would be too large. The document is then as it was before.
     pub fn edit(&mut self, range: Span, text: &str) -> Result<Change, EditError> {
         let length = self.len();
         if range.start > range.end || range.end > length {
@@ -230,12 +230,12 @@ impl Document {
         self.read_edited(&chunks, &mut pass);
         self.read_below(&mut pass);
         for name in std::mem::take(&mut pass.touched) {
-            self.find_hidden(name);
+            self.find_shadowed(name);
         }
         let mut forgotten: Vec<SymbolId> = pass.pool.into_values().collect();
         forgotten.sort_unstable();
         for id in &forgotten {
-            self.hidden.remove(id);
+            self.shadowed.remove(id);
             self.snapshot.names.free(*id);
         }
         let change = Change {
@@ -251,26 +251,26 @@ impl Document {
         Ok(change)
     }
 
-    /// The document as it is now, whatever becomes of it.
-    pub fn snapshot(&self) -> Snapshot {
+    /// The document as it is now. Later edits do not change the snapshot.
+    pub fn snapshot(&self) -> Snapshot<G> {
         self.snapshot.clone()
     }
 
-    /// Counts the edits, from 0.
+    /// The number of edits so far.
     pub fn version(&self) -> u64 {
         self.version
     }
 
-    /// What has been done since a version; none where that is too long ago, or yet to come.
+    /// The changes since a version. Returns `None` if that is too long ago, or not reached yet.
     pub fn changes_since(&self, version: u64) -> Option<impl Iterator<Item = &Change>> {
         let oldest = self.version - self.journal.len() as u64;
         (oldest <= version && version <= self.version)
             .then(|| self.journal.iter().filter(move |it| it.version > version))
     }
 
-    /// How much has been done so far.
-    pub fn work(&self) -> Work {
-        self.work
+    /// The counters of the work so far.
+    pub fn counters(&self) -> Counters {
+        self.counters
     }
 }
 

@@ -46,6 +46,7 @@ pub mod grammar;
 pub mod highlight;
 pub mod lexer;
 pub mod parser;
+mod records;
 pub mod symbols;
 pub mod token;
 

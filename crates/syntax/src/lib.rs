@@ -14,6 +14,7 @@ pub mod diagnostic;
 pub mod document;
 pub mod geotrace;
 pub mod line_index;
+mod persistent_vector;
 pub mod span;
 pub mod spelling;
 pub mod symbol;

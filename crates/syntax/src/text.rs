@@ -1,10 +1,26 @@
-//! From the bytes of a file to a text, or to the diagnostic that says why they are none.
+//! Texts of any language: from the bytes of a file to a text, or to the diagnostic that says why they are not one; and the
+//! limits of a text.
 
 use crate::codes;
 use crate::diagnostic::Diagnostic;
 use crate::span::Span;
 
-/// The bytes as a text.
+/// The greatest number of diagnostics for one text; the last one says that others are left out.
+pub const MAX_DIAGNOSTICS: usize = 100_000;
+
+/// The last diagnostic of a text with [`MAX_DIAGNOSTICS`] or more, at the place of the one whose place it takes.
+pub(crate) fn too_many_diagnostics(span: Span) -> Diagnostic {
+    let message = format!("more than {MAX_DIAGNOSTICS} findings: the rest is left out");
+    Diagnostic::error(codes::TOO_MANY_ERRORS, span, message)
+}
+
+/// The diagnostic of a text of 4 GiB or more, which is not read.
+pub(crate) fn too_large() -> Diagnostic {
+    let message = "this text is too large: 4 GiB are the limit";
+    Diagnostic::error(codes::FILE_TOO_LARGE, Span::default(), message)
+}
+
+/// Returns the bytes as a text.
 ///
 /// # Errors
 /// One diagnostic, `invalid-utf8`, at the first byte that is not UTF-8. Its span is a place in the lossy

@@ -338,7 +338,7 @@ fn storm(seed: u64, edits: usize) {
             let before = text.clone();
             if random.below(20) == 0 {
                 // One that goes on from what this one was is none the worse.
-                document = Document::of(document.snapshot());
+                document = Document::from_snapshot(document.snapshot());
             }
             let outcome = document.edit(range, &inserted);
             assert!(outcome.is_ok(), "{outcome:?}");
@@ -486,13 +486,13 @@ fn an_edit_among_ten_thousand_declarations_reads_one_of_them() {
     text = text.replacen("n0;", "0;", 1);
     let mut document = Document::new(&text, &vocabulary()).expect("a text");
     assert_eq!(document.diagnostics(), []);
-    let before = document.work();
+    let before = document.counters();
     for place in [0, text.len() / 2, text.len()] {
         let at = text[..place].rfind("= ").map_or(11, |at| at + 2) as u32;
         let change = document.edit(Span::new(at, at), "1").expect("an edit");
         assert_eq!(change.read.len(), 1);
     }
-    let after = document.work();
+    let after = document.counters();
     assert_eq!(after.edited - before.edited, 3);
     assert_eq!(after.reread, before.reread);
     assert!(after.cut - before.cut < 200);

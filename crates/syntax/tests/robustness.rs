@@ -8,8 +8,9 @@ use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::geotrace::actions::Actions;
 use syntax::geotrace::codes;
 use syntax::geotrace::highlight::highlight;
-use syntax::geotrace::parser::{MAX_DEPTH, MAX_DIAGNOSTICS};
+use syntax::geotrace::parser::MAX_DEPTH;
 use syntax::geotrace::{parse_expression, parse_program};
+use syntax::text::MAX_DIAGNOSTICS;
 
 /// Counts, and keeps nothing.
 #[derive(Default)]

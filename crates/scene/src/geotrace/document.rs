@@ -120,7 +120,7 @@ struct Totals {
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct Work {
     /// What the parser has done.
-    pub reading: syntax::document::Work,
+    pub reading: syntax::document::Counters,
     /// Chunks that were checked.
     pub checked: u64,
     /// Declarations that were lowered.
@@ -193,7 +193,7 @@ impl Document {
     /// How much has been done so far.
     pub fn work(&self) -> Work {
         Work {
-            reading: self.text.work(),
+            reading: self.text.counters(),
             ..self.work
         }
     }
@@ -259,7 +259,7 @@ impl Document {
                 _ => {}
             }
         }
-        all.extend(self.text.hidden_of(chunk));
+        all.extend(self.text.shadowed_splits_of(chunk));
         Diagnostic::sort(&mut all);
         all
     }

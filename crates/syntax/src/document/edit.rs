@@ -1,78 +1,90 @@
-//! One edit: which chunks are cut anew, and who reads again what has changed.
+//! One edit: the chunks that are cut anew, and those that are read again because a name has changed.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
-use crate::geotrace::parser::parse_piece;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
 use super::Document;
-use super::above::Above;
-use super::chunk::{Chunk, Finding, Recorder, cut};
-use super::names::{NameId, Signature};
-use super::open_words::Lookup;
-use super::record::Records;
+use super::chunk::{Chunk, Finding};
+use super::grammar::{Definition, Grammar, Reading};
+use super::lookups::Lookup;
+use super::names::NameId;
+use super::scope::ScopeView;
 use super::sequence::ChunkId;
 use super::snapshot::Snapshot;
 
-/// What is known while an edit goes on.
-#[derive(Debug, Default)]
-pub(super) struct Pass {
-    /// What the chunks declared that are being read, by name.
-    before: HashMap<NameId, (SymbolId, Signature)>,
-    /// The symbols that are not declared at the moment, by name.
+type Signature<G> = <<G as Grammar>::Symbol as Definition>::Signature;
+
+/// The state of an edit in progress.
+#[derive(Debug)]
+pub(super) struct Pass<G: Grammar> {
+    /// What the chunks that are being read defined before, by name.
+    before: HashMap<NameId, (SymbolId, Signature<G>)>,
+    /// The handles of the symbols that are not defined at the moment, by name.
     pub(super) pool: HashMap<Arc<str>, SymbolId>,
-    /// The names for whose letters splits are to be looked for.
+    /// The names whose shadowed splits may have changed.
     pub(super) touched: BTreeSet<NameId>,
-    /// The chunks to be read again, from top to bottom.
+    /// The chunks that are still to be read again, by rank.
     affected: BTreeMap<u32, ChunkId>,
-    /// How many chunks stand above what is new.
+    /// The number of chunks above the new text.
     above: u32,
     pub(super) removed: Vec<ChunkId>,
     pub(super) read: Vec<ChunkId>,
 }
 
-impl Document {
-    fn chunk_mut(&mut self, chunk: ChunkId) -> &mut Chunk {
+impl<G: Grammar> Default for Pass<G> {
+    fn default() -> Self {
+        Self {
+            before: HashMap::new(),
+            pool: HashMap::new(),
+            touched: BTreeSet::new(),
+            affected: BTreeMap::new(),
+            above: 0,
+            removed: Vec::new(),
+            read: Vec::new(),
+        }
+    }
+}
+
+impl<G: Grammar> Document<G> {
+    fn chunk_mut(&mut self, chunk: ChunkId) -> &mut Chunk<G> {
         let place = self.snapshot.chunks.get_mut(chunk.0 as usize);
         let read = place.and_then(Option::as_mut);
         Arc::make_mut(read.expect("a chunk of this document"))
     }
 
     pub(super) fn allocate(&mut self, text: &str) -> ChunkId {
-        let mut chunk = Chunk {
-            text: text.into(),
-            version: self.version,
-            ..Chunk::default()
-        };
-        chunk.scan();
+        let chunk = Chunk::unread(text, self.version);
         let id = self.free.pop().unwrap_or(ChunkId(self.chunks.len() as u32));
         let place = id.0 as usize;
         let chunks = &mut self.snapshot.chunks;
         chunks.set(place, Some(Arc::new(chunk)), None);
-        self.enter_declared(id);
+        self.insert_declared(id);
         id
     }
 
-    fn enter_declared(&mut self, id: ChunkId) {
+    fn insert_declared(&mut self, id: ChunkId) {
         let Snapshot { chunks, names, .. } = &mut self.snapshot;
         let chunk = chunks.get(id.0 as usize).and_then(Option::as_deref);
         for (name, _) in chunk.into_iter().flat_map(Chunk::declared) {
-            names.enter_declared(name, id);
+            names.insert_declared(name, id);
         }
     }
 
-    fn strike_declared(&mut self, id: ChunkId) {
+    fn remove_declared(&mut self, id: ChunkId) {
         let Snapshot { chunks, names, .. } = &mut self.snapshot;
         let chunk = chunks.get(id.0 as usize).and_then(Option::as_deref);
         for (name, _) in chunk.into_iter().flat_map(Chunk::declared) {
-            names.strike_declared(name, id);
+            names.remove_declared(name, id);
         }
     }
 
-    /// The chunks that an edit touches, and the texts that take their place: as many as need be for the last
-    /// to end where the chunk after it begins.
+    /// Returns the chunks that an edit replaces, and the texts that take their place.
+    ///
+    /// The new text is cut from the start of the first chunk that the edit touches. Chunks below are taken in until the new
+    /// text ends where a chunk does: an edit that opens a comment or a block may change where many of them end.
     pub(super) fn replace(&mut self, range: Span, text: &str) -> (Vec<ChunkId>, Vec<String>) {
         let Some((first, before)) = self.sequence.at_byte(range.start) else {
             return (Vec::new(), Vec::new());
@@ -93,9 +105,9 @@ impl Document {
         let mut all = [head, text, tail].concat();
         let mut ends = Vec::new();
         let mut cut_to = 0;
-        let mut in_comment = false;
+        let mut state = G::CutState::default();
         loop {
-            in_comment = cut(&all, cut_to, in_comment, &mut ends);
+            state = G::cut(&all, cut_to, state, &mut ends);
             cut_to = all.len();
             let Some(next) = self.sequence.next(last) else {
                 ends.push(all.len());
@@ -108,7 +120,7 @@ impl Document {
             old.push(next);
             last = next;
         }
-        self.work.cut += all.len() as u64;
+        self.counters.cut += all.len() as u64;
         let mut start = 0;
         let texts = ends.into_iter().map(|end| {
             let piece = all[start..end].to_owned();
@@ -118,13 +130,16 @@ impl Document {
         (old, texts.collect())
     }
 
-    /// Puts new texts in the place of old chunks and says which chunks are to be read. What the old ones
-    /// declared and asked is struck out; where a text has not changed, the chunk stays.
+    /// Replaces old chunks by chunks with new texts, and returns those that are to be read.
+    ///
+    /// Chunks at either end whose text is the same stay as they are. Of the others, what they defined and asked is removed;
+    /// their handles go to the new texts from the end, because the last new text is most likely what the last old chunk has
+    /// become.
     pub(super) fn rearrange(
         &mut self,
         mut old: Vec<ChunkId>,
         mut new: Vec<String>,
-        pass: &mut Pass,
+        pass: &mut Pass<G>,
     ) -> Vec<ChunkId> {
         let start = old.first().map_or(0, |first| self.start(*first));
         let above = start
@@ -151,10 +166,9 @@ impl Document {
         let old = old.split_off(kept);
         let new = new.split_off(kept);
         for chunk in &old {
-            self.withdraw(*chunk, pass);
-            self.strike_declared(*chunk);
+            self.clear_reading(*chunk, pass);
+            self.remove_declared(*chunk);
         }
-        // The last new text is most likely what the last old chunk has become.
         let surplus = old.len().saturating_sub(new.len());
         let fresh = new.len().saturating_sub(old.len());
         for chunk in &old[..surplus] {
@@ -169,8 +183,8 @@ impl Document {
                     let chunk = old[surplus + index];
                     let read = self.chunk_mut(chunk);
                     read.text = text.as_str().into();
-                    read.scan();
-                    self.enter_declared(chunk);
+                    read.find_declared();
+                    self.insert_declared(chunk);
                     let measure = self.chunk(chunk).measure();
                     self.snapshot.sequence.measure(chunk, measure);
                     chunk
@@ -189,15 +203,16 @@ impl Document {
         chunks
     }
 
-    /// Strikes out all that a chunk has declared and asked. Its symbols may be declared again, under the same
-    /// identifiers.
-    fn withdraw(&mut self, id: ChunkId, pass: &mut Pass) {
-        let chunk = self.snapshot.chunks[id.0 as usize].clone();
-        let chunk = chunk.unwrap_or_default();
+    /// Removes all that a chunk has defined and asked. Its symbols wait in the pool: defined again under the same names, they
+    /// keep their handles.
+    fn clear_reading(&mut self, id: ChunkId, pass: &mut Pass<G>) {
+        let Some(chunk) = self.snapshot.chunks[id.0 as usize].clone() else {
+            return;
+        };
         self.touch(&chunk, &mut pass.touched);
         for lookup in &chunk.lookups {
             match *lookup {
-                Lookup::Used(name) => self.snapshot.names.strike_use(name, id),
+                Lookup::Used(name) => self.snapshot.names.remove_use(name, id),
                 Lookup::Open {
                     start,
                     end,
@@ -205,30 +220,26 @@ impl Document {
                     is_split,
                 } => {
                     let rest = &chunk.text[start as usize..end as usize];
-                    self.open.strike(id, rest, length, is_split);
+                    self.unresolved.remove(id, rest, length, is_split);
                 }
             }
         }
         let names = &mut self.snapshot.names;
-        for symbol in chunk.defines() {
+        for symbol in chunk.defined() {
             if let (Some(signature), Some(defined)) = (names.signature(symbol), names.get(symbol)) {
                 let name = defined.name();
-                let text = Arc::clone(&defined.symbol.name);
+                let text = Arc::clone(defined.symbol.name());
                 pass.before.insert(name, (symbol, signature));
                 pass.pool.insert(text, symbol);
-                names.withdraw(symbol);
+                names.undefine(symbol);
             }
         }
-        let withdrawn = Chunk {
-            text: chunk.text.clone(),
-            declared: chunk.declared.clone(),
-            ..Chunk::default()
-        };
+        let cleared = Arc::new(chunk.without_reading());
         let chunks = &mut self.snapshot.chunks;
-        chunks.set(id.0 as usize, Some(Arc::new(withdrawn)), None);
+        chunks.set(id.0 as usize, Some(cleared), None);
     }
 
-    /// Reads a chunk with the names above it. All that it had declared and asked has been struck out.
+    /// Reads a chunk with the names above it. All that it had defined and asked has been removed.
     pub(super) fn read(
         &mut self,
         id: ChunkId,
@@ -242,26 +253,27 @@ impl Document {
         };
         let version = self.version;
         let chunk = self.chunk(id);
-        let above = Above::new(&self.names, &self.sequence, rank, pool);
-        let mut recorder = Recorder::default();
-        let (above, untold) = parse_piece(&chunk.text, is_first, above, &mut recorder);
-        let (symbols, lookups) = above.finish();
-        let mut untold = untold.into_iter().peekable();
-        let findings = recorder.diagnostics.into_iter().enumerate();
-        let findings = findings.map(|(number, diagnostic)| Finding {
+        let scope = ScopeView::new(&self.names, &self.sequence, rank, pool);
+        let (scope, reading) = G::read(&chunk.text, is_first, scope);
+        let (symbols, lookups) = scope.finish();
+        let Reading {
+            analysis,
+            diagnostics,
+            deferred,
+            known_from,
+        } = reading;
+        let mut deferred = deferred.into_iter().peekable();
+        let findings = diagnostics.into_iter().enumerate();
+        let findings = findings.map(|(index, diagnostic)| Finding {
             diagnostic,
-            elsewhere: untold
-                .next_if(|(told, _)| *told == number)
-                .map(|(_, elsewhere)| elsewhere),
+            deferred: deferred
+                .next_if(|(at, _)| *at == index)
+                .map(|(_, deferred)| deferred),
         });
         let findings = findings.collect();
-        let text = &chunk.text;
-        let tokens = Records::of_tokens(&recorder.tokens, text);
-        let events = recorder.events.finish(text);
-        let known_from: HashMap<SymbolId, u32> = recorder.declared.into_iter().collect();
+        let known_from: HashMap<SymbolId, u32> = known_from.into_iter().collect();
         let chunk = self.chunk_mut(id);
-        chunk.tokens = tokens;
-        chunk.events = events;
+        chunk.analysis = analysis;
         chunk.findings = findings;
         chunk.lookups = lookups.into_boxed_slice();
         chunk.version = version;
@@ -276,7 +288,7 @@ impl Document {
         };
         for lookup in &chunk.lookups {
             match *lookup {
-                Lookup::Used(name) => names.enter_use(name, id),
+                Lookup::Used(name) => names.insert_use(name, id),
                 Lookup::Open {
                     start,
                     end,
@@ -284,7 +296,7 @@ impl Document {
                     is_split,
                 } => {
                     let rest = &chunk.text[start as usize..end as usize];
-                    self.open.enter(id, rest, length, is_split);
+                    self.unresolved.insert(id, rest, length, is_split);
                 }
             }
         }
@@ -293,34 +305,40 @@ impl Document {
     }
 
     /// Reads the chunks whose text is new.
-    pub(super) fn read_edited(&mut self, chunks: &[ChunkId], pass: &mut Pass) {
+    pub(super) fn read_edited(&mut self, chunks: &[ChunkId], pass: &mut Pass<G>) {
         let first = pass.above;
         for (rank, chunk) in (first..).zip(chunks) {
             self.read(*chunk, Some(rank), &mut pass.pool, &mut pass.touched);
-            self.work.edited += 1;
+            self.counters.edited += 1;
             pass.read.push(*chunk);
         }
         self.compare(chunks, first + chunks.len() as u32, pass);
     }
 
-    /// Reads the chunks below that notice what has changed.
-    pub(super) fn read_below(&mut self, pass: &mut Pass) {
+    /// Reads the chunks below that a change of names concerns.
+    ///
+    /// Reading one may change names in turn, but only for chunks below it. So the chunk of the lowest rank is always read
+    /// next, and each chunk is read at most once.
+    pub(super) fn read_below(&mut self, pass: &mut Pass<G>) {
         while let Some((rank, chunk)) = pass.affected.pop_first() {
-            self.withdraw(chunk, pass);
+            self.clear_reading(chunk, pass);
             self.read(chunk, Some(rank), &mut pass.pool, &mut pass.touched);
-            self.work.reread += 1;
+            self.counters.reread += 1;
             pass.read.push(chunk);
             self.compare(&[chunk], rank + 1, pass);
         }
     }
 
-    /// Compares what chunks declare with what they declared before, and marks whoever below notices; `rank`
-    /// is that of the first chunk below.
-    fn compare(&mut self, chunks: &[ChunkId], rank: u32, pass: &mut Pass) {
+    /// Compares what chunks define with what they defined before, and marks the chunks below that a difference concerns.
+    /// `rank` is that of the first chunk below.
+    ///
+    /// A name that changed or went concerns the chunks that use it. A new name also concerns the chunks with a word that
+    /// begins with it and was read otherwise.
+    fn compare(&mut self, chunks: &[ChunkId], rank: u32, pass: &mut Pass<G>) {
         let mut before = std::mem::take(&mut pass.before);
         let mut changed: Vec<(NameId, bool)> = Vec::new();
         for chunk in chunks {
-            for symbol in self.chunk(*chunk).defines() {
+            for symbol in self.chunk(*chunk).defined() {
                 let Some(name) = self.names.name_of(symbol) else {
                     continue;
                 };
@@ -339,8 +357,9 @@ impl Document {
         changed.extend(before.into_keys().map(|name| (name, false)));
         for (name, is_new) in changed {
             let users = self.names.users(name);
-            let open = self.open.of(self.names.text(name)).filter(|_| is_new);
-            for chunk in users.chain(open.map(|(chunk, _)| chunk)) {
+            let words = self.unresolved.beginning_with(self.names.text(name));
+            let words = words.filter(|_| is_new);
+            for chunk in users.chain(words.map(|(chunk, _)| chunk)) {
                 let place = self.sequence.rank(chunk);
                 if place >= rank {
                     pass.affected.insert(place, chunk);
@@ -351,9 +370,9 @@ impl Document {
     }
 }
 
-impl Snapshot {
-    /// Notes the names whose letters a chunk splits.
-    pub(super) fn touch(&self, chunk: &Chunk, touched: &mut BTreeSet<NameId>) {
+impl<G: Grammar> Snapshot<G> {
+    /// Adds to `touched` the names whose letters a chunk reads as several tokens.
+    pub(super) fn touch(&self, chunk: &Chunk<G>, touched: &mut BTreeSet<NameId>) {
         for lookup in &chunk.lookups {
             if let Lookup::Open {
                 start,
@@ -363,7 +382,7 @@ impl Snapshot {
             } = *lookup
             {
                 let rest = &chunk.text[start as usize..end as usize];
-                self.names.hiding(rest, length, |name| {
+                self.names.longer_prefixes(rest, length, |name| {
                     touched.insert(name);
                 });
             }

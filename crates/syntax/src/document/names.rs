@@ -1,31 +1,31 @@
-//! Which names a document defines, where, and who would notice if that changed.
+//! The names that a document defines, where, and which chunks a change of one concerns.
 //!
-//! What flows in: the symbols that a chunk declares, and the names it reads. What flows out: what a word means
-//! at a place (the names defined above it, in one trie for all places), and the chunks that read a name.
+//! What flows in: the symbols that each chunk defines, and the names it uses. What flows out: the meaning of a word at a place
+//! (one trie holds the names of all places; the rank of the defining chunk decides), and the chunks that use a name.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use crate::geotrace::symbols::{Parsed, Symbol, Vocabulary};
+use crate::persistent_vector::PersistentVector;
 use crate::spelling::Search;
 use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
 use super::chunk_set::ChunkSet;
+use super::grammar::{Definition, Grammar};
 use super::sequence::{ChunkId, Sequence};
-use super::shelf::Shelf;
 
-/// Names a name that the document defines or has defined.
+/// Identifies a name that the document defines, or has defined or looked up.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub(super) struct NameId(u32);
 
-/// All names of a document. A clone costs next to nothing.
+/// All names of a document. A clone shares them.
 #[derive(Clone, Debug)]
-pub(super) struct Names {
+pub(super) struct Names<G: Grammar> {
     pub(super) trie: Trie<NameId>,
-    entries: Shelf<Arc<Entry>>,
+    entries: PersistentVector<Arc<Entry>>,
     /// By [`SymbolId`], the builtins first.
-    symbols: Shelf<Option<Arc<Defined>>>,
+    symbols: PersistentVector<Option<Arc<Defined<G>>>>,
     free: Vec<SymbolId>,
     builtins: usize,
 }
@@ -33,70 +33,62 @@ pub(super) struct Names {
 #[derive(Clone, Debug)]
 struct Entry {
     name: Arc<str>,
-    /// Those who declare it; but while an edit goes on, one. A builtin stays the only one.
+    /// The symbols of this name. Between edits there is at most one; a builtin is always the only one.
     definers: Vec<SymbolId>,
     uses: ChunkSet,
-    /// The chunks in which it stands behind a declaring word.
+    /// The chunks that seem to declare it.
     declared: ChunkSet,
 }
 
-/// A symbol and where it is declared.
+/// A symbol and the chunk that defines it.
 #[derive(Clone, Debug)]
-pub(super) struct Defined {
-    /// Its places count from the start of its chunk.
-    pub(super) symbol: Symbol,
-    /// None for a builtin.
+pub(super) struct Defined<G: Grammar> {
+    /// The symbol; its places count from the start of its chunk.
+    pub(super) symbol: G::Symbol,
+    /// The chunk that defines it. Builtins have none.
     pub(super) home: Option<ChunkId>,
-    /// Where in its chunk it is known from.
+    /// The offset in its chunk from which on it is known.
     pub(super) known_from: u32,
     name: NameId,
 }
 
-/// What those below see of a symbol.
-#[derive(Clone, Debug, Eq, PartialEq)]
-pub(super) struct Signature {
-    word: Option<crate::geotrace::declarations::DeclarationKeyword>,
-    parameters: Vec<String>,
-    faulty: bool,
-}
-
-impl Defined {
+impl<G: Grammar> Defined<G> {
     pub(super) fn name(&self) -> NameId {
         self.name
     }
 }
 
-impl Names {
-    pub(super) fn new(vocabulary: &Vocabulary) -> Self {
+impl<G: Grammar> Names<G> {
+    pub(super) fn new(builtins: Vec<G::Symbol>) -> Self {
         let mut names = Self {
             trie: Trie::default(),
-            entries: Shelf::default(),
-            symbols: Shelf::default(),
+            entries: PersistentVector::default(),
+            symbols: PersistentVector::default(),
             free: Vec::new(),
-            builtins: 0,
+            builtins: builtins.len(),
         };
-        let Parsed { trie, symbols } = vocabulary.start();
-        for (id, symbol) in symbols.iter() {
-            let name = names.name(&symbol.name);
-            if trie.get(&symbol.name) == Some(id) {
-                names.entry_mut(name).definers.push(id);
+        for (id, symbol) in (0..).map(SymbolId).zip(builtins) {
+            let name = names.name(symbol.name());
+            // Of equal names the first is found.
+            let definers = &mut names.entry_mut(name).definers;
+            if definers.is_empty() {
+                definers.push(id);
             }
             names.symbols.push(Some(Arc::new(Defined {
-                symbol: symbol.clone(),
+                symbol,
                 home: None,
                 known_from: 0,
                 name,
             })));
         }
-        names.builtins = names.symbols.len();
         names
     }
 
-    pub(super) fn get(&self, id: SymbolId) -> Option<&Defined> {
+    pub(super) fn get(&self, id: SymbolId) -> Option<&Defined<G>> {
         self.symbols.get(id.0 as usize)?.as_deref()
     }
 
-    /// The identifier that the next new symbol takes where so many are about to be taken before it.
+    /// The handle of the next new symbol after `taken` others that are about to be defined.
     pub(super) fn fresh(&self, taken: usize) -> SymbolId {
         match self.free.len().checked_sub(1 + taken) {
             Some(index) => self.free[index],
@@ -108,24 +100,18 @@ impl Names {
         (id.0 as usize) < self.builtins
     }
 
-    /// All symbols that are declared.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (SymbolId, &Defined)> {
+    /// All symbols that are defined.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (SymbolId, &Defined<G>)> {
         let ids = (0..).map(SymbolId);
         ids.zip(self.symbols.iter())
             .filter_map(|(id, symbol)| Some((id, symbol.as_deref()?)))
     }
 
-    pub(super) fn signature(&self, id: SymbolId) -> Option<Signature> {
-        let symbol = &self.get(id)?.symbol;
-        let parameters = symbol.parameters.iter();
-        Some(Signature {
-            word: symbol.word,
-            parameters: parameters.map(|parameter| parameter.name.clone()).collect(),
-            faulty: symbol.faulty,
-        })
+    pub(super) fn signature(&self, id: SymbolId) -> Option<<G::Symbol as Definition>::Signature> {
+        Some(self.get(id)?.symbol.signature())
     }
 
-    /// The name's handle; it may be one that nobody declares.
+    /// The name's handle. The name need not be defined.
     pub(super) fn name(&mut self, name: &str) -> NameId {
         if let Some(id) = self.trie.get(name) {
             return id;
@@ -147,8 +133,8 @@ impl Names {
         Arc::make_mut(entry.expect("a name of this document"))
     }
 
-    /// The symbol of an identifier that is known to be in use.
-    pub(super) fn symbol(&self, id: SymbolId) -> &Symbol {
+    /// The symbol of a handle that is known to be in use.
+    pub(super) fn symbol(&self, id: SymbolId) -> &G::Symbol {
         let defined = self.get(id).expect("a symbol that a lookup has returned");
         &defined.symbol
     }
@@ -161,23 +147,23 @@ impl Names {
         Some(self.get(id)?.name)
     }
 
-    /// The one symbol of a name that the document declares, once an edit is done.
+    /// The symbol of a name that the text defines. Only between edits is it unique.
     pub(super) fn declared(&self, name: NameId) -> Option<SymbolId> {
         let definers = &self.entries[name.0 as usize].definers;
         definers.first().copied().filter(|id| !self.is_builtin(*id))
     }
 
-    /// The symbol that a name stands for below all chunks.
+    /// The symbol that a name means at the end of the text.
     pub(super) fn named(&self, name: &str) -> Option<SymbolId> {
         let name = self.trie.get(name)?;
         self.entries[name.0 as usize].definers.first().copied()
     }
 
-    /// Visits the symbols that names which begin with `prefix` stand for below all chunks.
+    /// Visits the symbols that the names that begin with `prefix` mean at the end of the text.
     pub(super) fn each_named(
         &self,
         prefix: &str,
-        mut visit: impl FnMut(SymbolId, &Defined) -> ControlFlow<()>,
+        mut visit: impl FnMut(SymbolId, &Defined<G>) -> ControlFlow<()>,
     ) {
         self.trie.each_from(prefix, |_, name| {
             let id = self.entries[name.0 as usize].definers.first().copied();
@@ -188,20 +174,18 @@ impl Names {
         });
     }
 
-    /// A chunk declares a symbol.
+    /// Adds a symbol that a chunk defines.
     pub(super) fn define(
         &mut self,
         id: SymbolId,
-        mut symbol: Symbol,
+        mut symbol: G::Symbol,
         home: ChunkId,
         known_from: u32,
     ) {
-        let name = self.name(&symbol.name);
-        // A list that grew by itself has room for four; the name is there already.
-        symbol.parameters.shrink_to_fit();
-        symbol.name = Arc::clone(&self.entries[name.0 as usize].name);
+        let name = self.name(symbol.name());
+        symbol.share_name(&self.entries[name.0 as usize].name);
         let index = id.0 as usize;
-        // Fresh identifiers are taken from the end of the list, in order.
+        // Fresh handles are taken from the end of the list, in order.
         if self.free.last() == Some(&id) {
             self.free.pop();
         }
@@ -215,45 +199,45 @@ impl Names {
         self.entry_mut(name).definers.push(id);
     }
 
-    /// The chunk that declares a symbol does so no longer, or is about to be read again.
-    pub(super) fn withdraw(&mut self, id: SymbolId) {
+    /// Removes the definition of a symbol whose chunk is about to be read again or removed. Its handle stays taken.
+    pub(super) fn undefine(&mut self, id: SymbolId) {
         if let Some(name) = self.name_of(id) {
             let definers = &mut self.entry_mut(name).definers;
             definers.retain(|definer| *definer != id);
         }
     }
 
-    /// Nothing names the symbol any more.
+    /// Frees the handle of a symbol that is not defined.
     pub(super) fn free(&mut self, id: SymbolId) {
         self.symbols.set(id.0 as usize, None, None);
         self.free.push(id);
     }
 
-    /// A name stands behind a declaring word of a chunk.
-    pub(super) fn enter_declared(&mut self, name: &str, chunk: ChunkId) {
+    /// Adds a chunk that seems to declare a name.
+    pub(super) fn insert_declared(&mut self, name: &str, chunk: ChunkId) {
         let name = self.name(name);
         self.entry_mut(name).declared.insert(chunk);
     }
 
-    /// A name stands behind no declaring word of a chunk any more.
-    pub(super) fn strike_declared(&mut self, name: &str, chunk: ChunkId) {
+    /// Removes a chunk that seemed to declare a name.
+    pub(super) fn remove_declared(&mut self, name: &str, chunk: ChunkId) {
         let name = self.name(name);
         self.entry_mut(name).declared.remove(chunk);
     }
 
-    /// The chunks in which a name stands behind a declaring word.
+    /// The chunks that seem to declare a name.
     pub(super) fn declaring(&self, name: &str) -> impl Iterator<Item = ChunkId> + '_ {
         let name = self.trie.get(name).into_iter();
         name.flat_map(|name| self.entries[name.0 as usize].declared.iter())
     }
 
-    /// A token of a chunk is this name.
-    pub(super) fn enter_use(&mut self, name: NameId, chunk: ChunkId) {
+    /// Adds a chunk in which a token is this name.
+    pub(super) fn insert_use(&mut self, name: NameId, chunk: ChunkId) {
         self.entry_mut(name).uses.insert(chunk);
     }
 
-    /// No token of a chunk is this name any more.
-    pub(super) fn strike_use(&mut self, name: NameId, chunk: ChunkId) {
+    /// Removes a chunk in which a token was this name.
+    pub(super) fn remove_use(&mut self, name: NameId, chunk: ChunkId) {
         self.entry_mut(name).uses.remove(chunk);
     }
 
@@ -262,8 +246,8 @@ impl Names {
         self.entries[name.0 as usize].uses.iter()
     }
 
-    /// The declared names that `rest` begins with and that are longer than `length`.
-    pub(super) fn hiding(&self, rest: &str, length: u32, mut found: impl FnMut(NameId)) {
+    /// Calls `found` with each name that the text defines, that `rest` begins with and that is longer than `length`.
+    pub(super) fn longer_prefixes(&self, rest: &str, length: u32, mut found: impl FnMut(NameId)) {
         self.trie.each_prefix(rest, |name_length, name| {
             if name_length > length as usize && self.declared(name).is_some() {
                 found(name);
@@ -271,7 +255,7 @@ impl Names {
         });
     }
 
-    /// The symbol that a name stands for where `rank` chunks stand above; none: below all.
+    /// The symbol that a name means to a chunk with `rank` chunks above it; without a rank, at the end of the text.
     pub(super) fn visible(
         &self,
         name: NameId,
@@ -295,7 +279,7 @@ impl Names {
             .map(|(_, id)| id)
     }
 
-    /// Considers the names that are known at an offset of a chunk.
+    /// Offers a search the names that are known at an offset of a chunk.
     pub(super) fn search(
         &self,
         search: &mut Search<'_>,

@@ -8,7 +8,7 @@
 use std::ops::{Add, AddAssign};
 use std::sync::Arc;
 
-use super::shelf::Shelf;
+use crate::persistent_vector::PersistentVector;
 
 /// Names a chunk of a document for as long as it is there.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
@@ -38,11 +38,11 @@ pub(super) struct Measure {
 /// Chunks in order.
 #[derive(Clone, Debug)]
 pub(super) struct Sequence {
-    nodes: Shelf<Arc<Node>>,
+    nodes: PersistentVector<Arc<Node>>,
     free: Vec<u32>,
     root: u32,
     /// The leaf of each chunk, by its handle.
-    leaves: Shelf<u32>,
+    leaves: PersistentVector<u32>,
 }
 
 #[derive(Clone, Debug)]
@@ -62,7 +62,7 @@ const NONE: u32 = u32::MAX;
 
 impl Default for Sequence {
     fn default() -> Self {
-        let mut nodes = Shelf::default();
+        let mut nodes = PersistentVector::default();
         nodes.push(Arc::new(Node {
             parent: NONE,
             is_leaf: true,
@@ -72,7 +72,7 @@ impl Default for Sequence {
             nodes,
             free: Vec::new(),
             root: 0,
-            leaves: Shelf::default(),
+            leaves: PersistentVector::default(),
         }
     }
 }

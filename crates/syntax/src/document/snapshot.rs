@@ -1,39 +1,37 @@
-//! A text and what it has been read as, at one version: what can be asked of it.
+//! A text and what reading it has given, at one version.
 //!
-//! Its parts are shared with the document that it is of, and copied by that only where an edit changes them: it
-//! costs next to nothing to take, and stays as it is.
+//! A snapshot shares its parts with the document that it is taken from; the document copies a part before an edit changes it.
+//! Taking one costs a few reference counts, and it never changes.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use crate::diagnostic::{Code, Severity};
-use crate::geotrace::symbols::{Parsed, Symbol};
-use crate::geotrace::token::Token;
 use crate::line_index::Position;
+use crate::persistent_vector::PersistentVector;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-use super::chunk::{Chunk, ReadDeclaration};
+use super::chunk::Chunk;
+use super::grammar::{Definition, Grammar};
 use super::names::Names;
-use super::record::Events;
 use super::sequence::{ChunkId, Sequence};
-use super::shelf::Shelf;
 
-/// A text and what it has been read as.
+/// A text and what reading it has given.
 #[derive(Clone, Debug)]
-pub struct Snapshot {
+pub struct Snapshot<G: Grammar> {
     pub(super) sequence: Sequence,
-    pub(super) chunks: Shelf<Option<Arc<Chunk>>>,
-    pub(super) names: Names,
+    pub(super) chunks: PersistentVector<Option<Arc<Chunk<G>>>>,
+    pub(super) names: Names<G>,
 }
 
-impl Snapshot {
+impl<G: Grammar> Snapshot<G> {
     /// The length of the text in bytes.
     pub fn len(&self) -> u32 {
         self.sequence.total().bytes
     }
 
-    /// Whether there is no text.
+    /// Returns true if the text is empty.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -43,7 +41,7 @@ impl Snapshot {
         self.slice(Span::new(0, self.len())).unwrap_or_default()
     }
 
-    /// The text of a range; none where there is no such range or it ends inside a character.
+    /// The text of a range. Returns `None` if the text does not have the range or an end lies inside a character.
     pub fn slice(&self, range: Span) -> Option<String> {
         if range.end > self.len() || range.start > range.end {
             return None;
@@ -58,7 +56,7 @@ impl Snapshot {
         Some(text)
     }
 
-    /// How many lines there are, at least 1.
+    /// The number of lines, at least 1.
     pub fn line_count(&self) -> u32 {
         self.sequence.total().lines + 1
     }
@@ -86,7 +84,7 @@ impl Snapshot {
         before.lines + ends.count() as u32 + 1
     }
 
-    /// Where a line, from 1, starts; none where there is no such line.
+    /// The offset at which a line, from 1, starts. Returns `None` if the text has fewer lines.
     pub fn line_start(&self, line: u32) -> Option<u32> {
         let ends = line.checked_sub(1)?;
         if ends == 0 {
@@ -102,8 +100,8 @@ impl Snapshot {
         Some(before.bytes + at as u32 + 1)
     }
 
-    /// The offset of the character at a place. A column past the line's end gives the line's end; none where
-    /// there is no such line, or for a 0.
+    /// The offset of the character at a position. A column past the line's end gives the line's end. Returns `None` if the
+    /// text has fewer lines, or for a line or column 0.
     pub fn offset(&self, position: Position) -> Option<u32> {
         let start = self.line_start(position.line)?;
         let end = match self.line_start(position.line + 1) {
@@ -144,89 +142,62 @@ impl Snapshot {
             .take_while(move |(_, start)| *start < range.end || *start <= range.start)
     }
 
-    /// Where a chunk starts.
+    /// The offset at which a chunk starts.
     pub fn start(&self, chunk: ChunkId) -> u32 {
         self.sequence.before(chunk).bytes
     }
 
-    /// How many chunks stand above a chunk.
+    /// The number of chunks above a chunk.
     pub fn rank(&self, chunk: ChunkId) -> u32 {
         self.sequence.rank(chunk)
     }
 
-    /// The text of a chunk: declarations up to a `;`, one as a rule, with what stands before it.
+    /// The text of a chunk.
     pub fn chunk_text(&self, chunk: ChunkId) -> &str {
         &self.chunk(chunk).text
     }
 
-    /// The version since which a chunk has been read as it is.
+    /// The version of the document at which a chunk was read.
     pub fn chunk_version(&self, chunk: ChunkId) -> u64 {
         self.chunk(chunk).version
     }
 
-    /// What was read of a chunk; places count from its start.
-    pub fn events(&self, chunk: ChunkId) -> Events<'_> {
-        self.chunk(chunk).events()
-    }
-
-    /// The errors that the parser has found in a chunk, in its order; places count from the chunk's start.
+    /// The errors of a chunk in the order in which they were found. Places count from the chunk's start.
     pub fn errors(&self, chunk: ChunkId) -> impl Iterator<Item = (Code, Span)> + '_ {
         let findings = self.chunk(chunk).findings.iter();
         let errors = findings.filter(|it| it.diagnostic.severity == Severity::Error);
         errors.map(|it| (it.diagnostic.code, it.diagnostic.span))
     }
 
-    /// The tokens that a range touches, comments too, in order; places are those of the text.
-    pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
-        let chunks = self.chunks_in(range);
-        chunks.flat_map(move |(chunk, start)| {
-            let tokens = self.chunk(chunk).tokens().iter();
-            let moved = tokens.map(move |token| Token {
-                kind: token.kind,
-                span: token.span.moved(start),
-            });
-            moved
-                .filter(move |token| token.span.end >= range.start && token.span.start <= range.end)
-        })
-    }
-
-    /// The declarations in order, each with its chunk; places count from the chunk's start.
-    pub fn declarations(&self) -> impl Iterator<Item = (ChunkId, ReadDeclaration<'_>)> {
-        self.chunks().flat_map(|chunk| {
-            let declarations = self.chunk(chunk).declarations();
-            declarations.map(move |declaration| (chunk, declaration))
-        })
-    }
-
-    /// A builtin, or a symbol that the text declares; its places count from the start of its chunk.
-    pub fn symbol(&self, id: SymbolId) -> Option<&Symbol> {
+    /// A builtin, or a symbol that the text defines. Its places count from the start of its chunk.
+    pub fn symbol(&self, id: SymbolId) -> Option<&G::Symbol> {
         Some(&self.names.get(id)?.symbol)
     }
 
-    /// The chunk that declares a symbol; none for a builtin.
+    /// The chunk that defines a symbol. Returns `None` for a builtin.
     pub fn home(&self, id: SymbolId) -> Option<ChunkId> {
         self.names.get(id)?.home
     }
 
-    /// The symbol of a name at the end of the text: a builtin, or declared.
+    /// The symbol that a name means at the end of the text.
     pub fn named(&self, name: &str) -> Option<SymbolId> {
         self.names.named(name)
     }
 
-    /// Visits the symbols that stand at the end of the text for the names that begin with `prefix`, in the order of
-    /// the alphabet, until told to break.
+    /// Visits the symbols that the names that begin with `prefix` mean at the end of the text, in alphabetical order, until
+    /// `visit` breaks.
     pub fn each_named(
         &self,
         prefix: &str,
-        mut visit: impl FnMut(SymbolId, &Symbol) -> ControlFlow<()>,
+        mut visit: impl FnMut(SymbolId, &G::Symbol) -> ControlFlow<()>,
     ) {
         self.names
             .each_named(prefix, |id, defined| visit(id, &defined.symbol));
     }
 
-    /// Where the run of letters and digits begins that ends at an offset; the offset where there is none.
+    /// The start of the run of letters and digits that ends at an offset. Returns the offset if the run is empty.
     pub fn word_start(&self, offset: u32) -> u32 {
-        // A `;` ends a chunk, so no word lies in two.
+        // A chunk does not end inside a word.
         let before = offset.checked_sub(1).and_then(|last| self.piece_at(last));
         before.map_or(offset, |piece| {
             let inside = ((offset - piece.start) as usize).min(piece.text.len());
@@ -238,50 +209,30 @@ impl Snapshot {
         })
     }
 
-    /// Where the text names a symbol that it declares.
+    /// The place where the text declares a symbol. Returns `None` for a builtin.
     pub fn place(&self, id: SymbolId) -> Option<Span> {
         let defined = self.names.get(id)?;
         let start = self.start(defined.home?);
-        Some(defined.symbol.name_span?.moved(start))
+        Some(defined.symbol.name_span()?.moved(start))
     }
 
-    /// All symbols, the builtins first, then in no order.
-    pub fn symbols(&self) -> impl Iterator<Item = (SymbolId, &Symbol)> {
+    /// All symbols: the builtins in their order, then the others in no particular order.
+    pub fn symbols(&self) -> impl Iterator<Item = (SymbolId, &G::Symbol)> {
         self.names.iter().map(|(id, defined)| (id, &defined.symbol))
     }
 
-    /// The chunks that read a symbol, in no order; its own may be among them.
+    /// The chunks that use a symbol, in no particular order. Its own may be among them.
     pub fn readers(&self, id: SymbolId) -> impl Iterator<Item = ChunkId> + '_ {
         let name = self.names.name_of(id);
         name.into_iter().flat_map(|name| self.names.users(name))
     }
 
-    /// The names as they stand at the end of the text, as [`parse_program`](crate::geotrace::parse_program) gives them:
-    /// with other identifiers, which count up in the order of the text.
-    pub fn parsed(&self) -> Parsed {
-        let builtins = self.names.iter().map(|(_, defined)| defined);
-        let builtins = builtins.filter(|defined| defined.home.is_none());
-        let mut parsed = Parsed::default();
-        for builtin in builtins {
-            parsed.define(builtin.symbol.clone());
-        }
-        let mut start = 0;
-        for chunk in self.chunks() {
-            let chunk = self.chunk(chunk);
-            for defined in chunk.defines().filter_map(|id| self.names.get(id)) {
-                let mut symbol = defined.symbol.clone();
-                symbol.name_span = symbol.name_span.map(|span| span.moved(start));
-                for parameter in &mut symbol.parameters {
-                    parameter.span = parameter.span.moved(start);
-                }
-                parsed.define(symbol);
-            }
-            start += chunk.text.len() as u32;
-        }
-        parsed
+    /// What reading a chunk has given. Places count from the chunk's start.
+    pub fn analysis(&self, chunk: ChunkId) -> &G::Analysis {
+        &self.chunk(chunk).analysis
     }
 
-    pub(super) fn chunk(&self, chunk: ChunkId) -> &Chunk {
+    pub(super) fn chunk(&self, chunk: ChunkId) -> &Chunk<G> {
         self.chunks[chunk.0 as usize]
             .as_deref()
             .expect("a chunk of this document")

@@ -1,5 +1,414 @@
-//! A Geotrace program that is edited.
+//! A Geotrace program that is edited: the language as a [`Grammar`] of the kernel's document.
+//!
+//! `;` delimits declarations and `#` comments whatever any name means, so a chunk is a declaration up to its `;`, with the
+//! white space and comments before it. The parser reads a chunk through a [`Scope`] that the document's [`ScopeView`]
+//! implements; what the hooks are called with is recorded, packed.
 
-pub use crate::document::{
-    Document, Event, Events, Parameters, Piece, ReadDeclaration, Snapshot, Tokens,
+use std::sync::Arc;
+
+use crate::diagnostic::Diagnostic;
+use crate::document::{
+    self, Analysis, ChunkId, Definition, Grammar, Reading, ScopeView, ShadowedSplit,
 };
+use crate::span::Span;
+use crate::spelling::Search;
+use crate::symbol::SymbolId;
+use crate::trie::Trie;
+
+use super::actions::{Actions, Declaration, Interval, Operator, Parameter};
+use super::declarations::DeclarationKeyword;
+use super::parser::deferred::{Deferred, References};
+use super::parser::lints::shadowed_split;
+use super::parser::parse_chunk;
+use super::parser::suggestions::each_declared;
+use super::records::{EventRecorder, Records};
+use super::symbols::{Parsed, Scope, Symbol, Vocabulary};
+use super::token::{Token, TokenKind};
+
+pub use super::records::{Events, Parameters, Tokens};
+
+/// The Geotrace language.
+#[derive(Clone, Copy, Debug)]
+pub struct Geotrace;
+
+/// A program that is edited.
+pub type Document = document::Document<Geotrace>;
+/// A program at one version.
+pub type Snapshot = document::Snapshot<Geotrace>;
+/// A chunk of a program at its place.
+pub type Piece<'d> = document::Piece<'d, Geotrace>;
+
+/// What reading a chunk gives: its tokens and the calls of the hooks, packed.
+#[derive(Clone, Debug, Default)]
+pub struct ChunkAnalysis {
+    tokens: Records,
+    events: Records,
+}
+
+/// The part of a symbol that the declarations below notice.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct Signature {
+    keyword: Option<DeclarationKeyword>,
+    parameters: Vec<String>,
+    faulty: bool,
+}
+
+/// One call of a hook, as reading a chunk has recorded it.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'d> {
+    /// A declaration starts.
+    Open(DeclarationKeyword, Span),
+    /// A step of an expression.
+    Operator(Operator, Span),
+    /// An interval.
+    Interval(Interval),
+    /// A declaration has been read.
+    Declaration(ReadDeclaration<'d>),
+    /// A diagnostic: the next one of [`findings_of`](Document::findings_of).
+    Finding,
+}
+
+/// A [`Declaration`] that a document keeps.
+#[derive(Clone, Copy, Debug)]
+pub struct ReadDeclaration<'d> {
+    /// The word that opens it.
+    pub word: DeclarationKeyword,
+    /// From the word to the `;`.
+    pub span: Span,
+    /// What it declares, unless its name was not read or not free.
+    pub symbol: Option<SymbolId>,
+    /// The name as it is written; empty where it was not read.
+    pub name: &'d str,
+    /// Where the name stands; empty where it was not read.
+    pub name_span: Span,
+    /// The parameters, for what is applied.
+    pub parameters: Parameters<'d>,
+    /// An error lies in it.
+    pub faulty: bool,
+}
+
+impl<'d> ReadDeclaration<'d> {
+    /// As the hooks take it, with its parameters as they take those.
+    pub fn as_declaration<'a>(&self, parameters: &'a [Parameter]) -> Declaration<'a>
+    where
+        'd: 'a,
+    {
+        Declaration {
+            word: self.word,
+            span: self.span,
+            symbol: self.symbol,
+            name: self.name,
+            name_span: self.name_span,
+            parameters,
+            faulty: self.faulty,
+        }
+    }
+}
+
+impl Grammar for Geotrace {
+    /// Whether a comment has not ended.
+    type CutState = bool;
+    type Builtins = Vocabulary;
+    type Symbol = Symbol;
+    type Analysis = ChunkAnalysis;
+    type Deferred = Deferred;
+
+    fn cut(text: &str, from: usize, mut in_comment: bool, ends: &mut Vec<usize>) -> bool {
+        for (at, byte) in text.bytes().enumerate().skip(from) {
+            match byte {
+                b'\n' => in_comment = false,
+                b'#' => in_comment = true,
+                b';' if !in_comment => ends.push(at + 1),
+                _ => {}
+            }
+        }
+        in_comment
+    }
+
+    fn builtins(vocabulary: &Vocabulary) -> Vec<Symbol> {
+        vocabulary.symbols().to_vec()
+    }
+
+    fn each_declared<'t>(text: &'t str, found: impl FnMut(&'t str, u32)) {
+        each_declared(text, found);
+    }
+
+    fn read<'d>(
+        text: &str,
+        is_first: bool,
+        scope: ScopeView<'d, Self>,
+    ) -> (ScopeView<'d, Self>, Reading<Self>) {
+        let mut recorder = Recorder::default();
+        let (scope, deferred) = parse_chunk(text, is_first, scope, &mut recorder);
+        let analysis = ChunkAnalysis {
+            tokens: Records::from_tokens(&recorder.tokens, text),
+            events: recorder.events.finish(text),
+        };
+        let reading = Reading {
+            analysis,
+            diagnostics: recorder.diagnostics,
+            deferred,
+            known_from: recorder.known_from,
+        };
+        (scope, reading)
+    }
+
+    fn searches(deferred: &Deferred) -> bool {
+        deferred.searches()
+    }
+
+    fn complete(
+        deferred: &Deferred,
+        diagnostic: &mut Diagnostic,
+        surroundings: &document::Surroundings<'_, Self>,
+        searches: usize,
+    ) {
+        deferred.complete(diagnostic, surroundings, searches);
+    }
+
+    fn shadowed_split(split: ShadowedSplit<'_>) -> Option<Diagnostic> {
+        Some(shadowed_split(split))
+    }
+}
+
+impl Definition for Symbol {
+    type Signature = Signature;
+
+    fn name(&self) -> &Arc<str> {
+        &self.name
+    }
+
+    fn share_name(&mut self, name: &Arc<str>) {
+        self.name = Arc::clone(name);
+        // A vector that has grown by itself has room for four.
+        self.parameters.shrink_to_fit();
+    }
+
+    fn name_span(&self) -> Option<Span> {
+        self.name_span
+    }
+
+    fn signature(&self) -> Signature {
+        let parameters = self.parameters.iter();
+        Signature {
+            keyword: self.word,
+            parameters: parameters.map(|parameter| parameter.name.clone()).collect(),
+            faulty: self.faulty,
+        }
+    }
+}
+
+impl Analysis for ChunkAnalysis {
+    fn token_count(&self) -> usize {
+        self.tokens.len()
+    }
+
+    fn token_span(&self, index: usize) -> Option<Span> {
+        self.tokens.span(index)
+    }
+
+    fn declaration_spans<'a>(&'a self, text: &'a str) -> impl Iterator<Item = Span> + 'a {
+        let declarations = self.events(text).declarations();
+        declarations.map(|(declaration, _)| declaration.span)
+    }
+
+    fn defined<'a>(&'a self, text: &'a str) -> impl Iterator<Item = SymbolId> + 'a {
+        let declarations = self.events(text).declarations();
+        declarations.filter_map(|(declaration, _)| declaration.symbol)
+    }
+}
+
+impl ChunkAnalysis {
+    fn tokens<'d>(&'d self, text: &'d str) -> Tokens<'d> {
+        Tokens::new(&self.tokens, text)
+    }
+
+    fn events<'d>(&'d self, text: &'d str) -> Events<'d> {
+        Events::new(&self.events, text)
+    }
+}
+
+impl Scope for ScopeView<'_, Geotrace> {
+    const IS_CHUNK: bool = true;
+
+    fn longest_prefix(&self, word: &str) -> Option<(usize, SymbolId)> {
+        self.longest_prefix(word)
+    }
+
+    fn get(&self, name: &str) -> Option<SymbolId> {
+        self.get(name)
+    }
+
+    fn symbol(&self, id: SymbolId) -> &Symbol {
+        self.symbol(id)
+    }
+
+    fn define(&mut self, symbol: Symbol) -> SymbolId {
+        self.define(symbol)
+    }
+
+    fn record_prefix_lookup(&mut self, rest: &str, start: u32, length: usize, kind: TokenKind) {
+        let mut length = length as u32;
+        match kind {
+            TokenKind::Constant(id) | TokenKind::Function(id) => self.record_use(id),
+            TokenKind::Undefined => length = 0,
+            TokenKind::Declare(_) => return,
+            // A parameter that a longer name takes the letters of is reported where the parameter is declared.
+            _ => {}
+        }
+        self.record_prefix_lookup(Span::new(start, start + rest.len() as u32), length);
+    }
+
+    fn record_name_lookup(&mut self, name: &str, start: u32, kind: TokenKind) {
+        match kind {
+            TokenKind::Constant(id) | TokenKind::Function(id) => self.record_use(id),
+            TokenKind::Declare(_) => {}
+            _ => self.record_name_lookup(Span::new(start, start + name.len() as u32)),
+        }
+    }
+
+    fn search(&self, _: &mut Search<'_>) {
+        // Diagnostics of a chunk name words that are spelt alike only when they are completed.
+    }
+}
+
+impl References for document::Surroundings<'_, Geotrace> {
+    fn line(&self, offset: u32) -> u32 {
+        self.line(offset)
+    }
+
+    fn declaration(&self, symbol: SymbolId) -> Option<(&Symbol, Span, u32)> {
+        self.declaration(symbol)
+    }
+
+    fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)> {
+        self.declared_below(name, offset)
+    }
+
+    fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str, offset: u32) -> Option<String> {
+        self.nearest(parameters, word, offset)
+    }
+}
+
+/// Records the calls of the hooks while a chunk is read.
+#[derive(Debug, Default)]
+struct Recorder {
+    tokens: Vec<Token>,
+    events: EventRecorder,
+    diagnostics: Vec<Diagnostic>,
+    /// The symbols that are declared, each with the offset from which on it is known.
+    known_from: Vec<(SymbolId, u32)>,
+}
+
+impl Actions for Recorder {
+    fn act_advance(&mut self, token: Token) {
+        self.tokens.push(token);
+    }
+
+    fn act_declaration_start(&mut self, word: DeclarationKeyword, span: Span) {
+        self.events.open(word, span);
+    }
+
+    fn act_operator(&mut self, operator: Operator, span: Span) {
+        self.events.operator(operator, span);
+    }
+
+    fn act_interval(&mut self, interval: Interval) {
+        self.events.interval(interval);
+    }
+
+    fn act_declaration(&mut self, declaration: &Declaration<'_>) {
+        self.events.declaration(declaration);
+        let known_from = declaration.span.end;
+        let known = declaration.symbol.map(|symbol| (symbol, known_from));
+        self.known_from.extend(known);
+    }
+
+    fn act_error(&mut self, diagnostic: Diagnostic) {
+        self.events.finding();
+        self.diagnostics.push(diagnostic);
+    }
+}
+
+impl<'d> Piece<'d> {
+    /// Its tokens, comments among them, in order.
+    pub fn tokens(&self) -> Tokens<'d> {
+        self.analysis.tokens(self.text)
+    }
+
+    /// The calls of the hooks, in order.
+    pub fn events(&self) -> Events<'d> {
+        self.analysis.events(self.text)
+    }
+
+    /// The declarations in order, each with its steps and intervals.
+    pub fn declarations(
+        &self,
+    ) -> impl Iterator<Item = (ReadDeclaration<'d>, Events<'d>)> + use<'d> {
+        self.events().declarations()
+    }
+}
+
+impl Snapshot {
+    /// The calls of the hooks while a chunk was read. Places count from its start.
+    pub fn events(&self, chunk: ChunkId) -> Events<'_> {
+        self.analysis(chunk).events(self.chunk_text(chunk))
+    }
+
+    /// The tokens that a range touches, comments among them, in order. Places are those of the text.
+    pub fn tokens(&self, range: Span) -> impl Iterator<Item = Token> + '_ {
+        let chunks = self.chunks_in(range);
+        chunks.flat_map(move |(chunk, start)| {
+            let tokens = self.analysis(chunk).tokens(self.chunk_text(chunk)).iter();
+            let moved = tokens.map(move |token| Token {
+                kind: token.kind,
+                span: token.span.moved(start),
+            });
+            moved
+                .filter(move |token| token.span.end >= range.start && token.span.start <= range.end)
+        })
+    }
+
+    /// The declarations in order, each with its chunk. Places count from the chunk's start.
+    pub fn declarations(&self) -> impl Iterator<Item = (ChunkId, ReadDeclaration<'_>)> {
+        self.chunks().flat_map(|chunk| {
+            let declarations = self.events(chunk).declarations();
+            declarations.map(move |(declaration, _)| (chunk, declaration))
+        })
+    }
+
+    /// The number of the declaration of a symbol. Returns `None` for a builtin.
+    pub fn declaration_of(&self, symbol: SymbolId) -> Option<u32> {
+        let piece = self.piece_of(self.home(symbol)?);
+        let mut declarations = piece.declarations();
+        let place = declarations.position(|(it, _)| it.symbol == Some(symbol))?;
+        Some(piece.first_declaration + place as u32)
+    }
+
+    /// The names at the end of the text as [`parse_program`](super::parse_program) gives them: with other handles, which
+    /// count up in the order of the text.
+    pub fn parsed(&self) -> Parsed {
+        let mut parsed = Parsed::default();
+        let builtins = self
+            .symbols()
+            .take_while(|(id, _)| self.home(*id).is_none());
+        for (_, builtin) in builtins {
+            parsed.define(builtin.clone());
+        }
+        let mut start = 0;
+        for chunk in self.chunks() {
+            let text = self.chunk_text(chunk);
+            let defined = self.analysis(chunk).defined(text);
+            for symbol in defined.filter_map(|id| self.symbol(id)) {
+                let mut symbol = symbol.clone();
+                symbol.name_span = symbol.name_span.map(|span| span.moved(start));
+                for parameter in &mut symbol.parameters {
+                    parameter.span = parameter.span.moved(start);
+                }
+                parsed.define(symbol);
+            }
+            start += text.len() as u32;
+        }
+        parsed
+    }
+}

@@ -8,43 +8,40 @@
 //! - `declaration`: `DECL` and all that is not an expression.
 //! - `expression`: `EXPR` and all below it.
 //! - `names`: which token a word is, new names, words that mean nothing.
-//! - `readings`: warnings about legal text that is not read as it looks.
-//! - `elsewhere`: what diagnostics tell of other places of the text.
+//! - `lints`: warnings about legal text that is not read as it looks.
+//! - `deferred`: the parts of diagnostics that depend on other places of the text.
 //! - `suggestions`: what such a word may have been meant to be.
 //! - `messages`: the sentences of lexical and syntax errors.
 
 mod declaration;
-pub(crate) mod elsewhere;
+pub(crate) mod deferred;
 mod expression;
+pub(crate) mod lints;
 mod messages;
 mod names;
-pub(crate) mod readings;
 pub(crate) mod suggestions;
 
 use std::cell::OnceCell;
 
-use crate::codes;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::geotrace::actions::{Actions, Interval, Operator, Parameter};
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::{Fault, Lexer};
-use crate::geotrace::symbols::{Parsed, Scope, Vocabulary};
+use crate::geotrace::symbols::{Parsed, Scope, Symbol, Vocabulary};
 use crate::geotrace::token::{Token, TokenKind};
 use crate::line_index::LineIndex;
 use crate::span::Span;
 use crate::spelling::Search;
 use crate::symbol::SymbolId;
+use crate::text::{MAX_DIAGNOSTICS, too_large, too_many_diagnostics};
 use crate::trie::Trie;
-use elsewhere::{Elsewhere, Surroundings};
+use deferred::{Deferred, References};
 use names::Mode;
 use suggestions::DeclaredNames;
 
 /// How deep an expression may be nested: brackets, prefix operators, exponents and functions of functions
 /// all count. A thread with 2 MiB of stack holds this many levels in a debug build.
 pub const MAX_DEPTH: u32 = 256;
-
-/// The most diagnostics for one text; a last one says that the rest is left out.
-pub const MAX_DIAGNOSTICS: usize = 100_000;
 
 /// Reads a whole program, `PROG`.
 ///
@@ -57,7 +54,7 @@ pub fn parse_program<A: Actions>(source: &str, vocabulary: &Vocabulary, actions:
     };
     let mut parser = Parser::new(Lexer::new(source), parsed, actions);
     parser.program();
-    parser.warn_hidden_splits();
+    parser.warn_shadowed_splits();
     parser.parsed
 }
 
@@ -72,35 +69,30 @@ pub fn parse_expression<A: Actions>(source: &str, parsed: &Parsed, actions: &mut
     !parser.state.faulty
 }
 
-/// Reads a piece of a program that begins and ends where declarations do, with the names that stand above it.
-/// Gives back the names, and for diagnostics, by their number, what is yet to be told of other places.
+/// Reads a chunk of a program, which begins and ends where declarations do, with the names above it. Returns the scope and,
+/// by diagnostic index, the cross-references that the caller must still fill in.
 ///
-/// Diagnostics that compare the piece with what stands below it are the caller's business.
-pub(crate) fn parse_piece<A: Actions, S: Scope>(
+/// The caller also compares the chunk with the names below it ([`shadowed_split`](lints::shadowed_split)).
+pub(crate) fn parse_chunk<A: Actions, S: Scope>(
     source: &str,
     is_first: bool,
     scope: S,
     actions: &mut A,
-) -> (S, Vec<(usize, Elsewhere)>) {
+) -> (S, Vec<(usize, Deferred)>) {
     let lexer = match is_first {
         true => Lexer::new(source),
         false => Lexer::inside(source),
     };
     let mut parser = Parser::new(lexer, scope, actions);
     parser.program();
-    (parser.parsed, parser.untold)
+    (parser.parsed, parser.deferred)
 }
 
 fn accept_length<'s>(source: &'s str, actions: &mut impl Actions) -> Option<&'s str> {
     if u32::try_from(source.len()).is_ok_and(|length| length < u32::MAX) {
         return Some(source);
     }
-    let message = "this text is too large: 4 GiB are the limit";
-    actions.act_error(Diagnostic::error(
-        codes::FILE_TOO_LARGE,
-        Span::default(),
-        message,
-    ));
+    actions.act_error(too_large());
     None
 }
 
@@ -127,11 +119,11 @@ struct Parser<'s, 'a, A, S> {
     accepted: usize,
     diagnostics: usize,
     state: State<'s>,
-    readings: readings::Readings,
+    lints: lints::LintState,
     /// The words that mean nothing reported so far.
     searches: usize,
     /// What the diagnostics, by their number, have yet to tell of the text around a piece.
-    untold: Vec<(usize, Elsewhere)>,
+    deferred: Vec<(usize, Deferred)>,
     lines: OnceCell<LineIndex<'s>>,
     declared_below: OnceCell<suggestions::DeclaredNames<'s>>,
 }
@@ -175,9 +167,9 @@ impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
             accepted: 0,
             diagnostics: 0,
             state: State::default(),
-            readings: readings::Readings::default(),
+            lints: lints::LintState::default(),
             searches: 0,
-            untold: Vec::new(),
+            deferred: Vec::new(),
             lines: OnceCell::new(),
             declared_below: OnceCell::new(),
         };
@@ -287,21 +279,20 @@ impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
         if self.diagnostics < MAX_DIAGNOSTICS {
             self.actions.act_error(diagnostic);
         } else if self.diagnostics == MAX_DIAGNOSTICS {
-            let message = format!("more than {MAX_DIAGNOSTICS} findings: the rest is left out");
-            let last = Diagnostic::error(codes::TOO_MANY_ERRORS, diagnostic.span, message);
-            self.actions.act_error(last);
+            self.actions
+                .act_error(too_many_diagnostics(diagnostic.span));
         }
     }
 
     /// The same for one that tells of other places of the text.
     #[cold]
-    fn report_elsewhere(&mut self, mut diagnostic: Diagnostic, elsewhere: Elsewhere) {
+    fn report_deferred(&mut self, mut diagnostic: Diagnostic, deferred: Deferred) {
         let searches = self.searches;
-        self.searches += usize::from(elsewhere.is_search());
-        if S::IS_PIECE {
-            self.untold.push((self.diagnostics, elsewhere));
+        self.searches += usize::from(deferred.searches());
+        if S::IS_CHUNK {
+            self.deferred.push((self.diagnostics, deferred));
         } else if !self.is_muted() {
-            elsewhere.complete(&mut diagnostic, self, searches);
+            deferred.complete(&mut diagnostic, self, searches);
         }
         self.report(diagnostic);
     }
@@ -332,16 +323,15 @@ impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
 }
 
 /// A whole text is its own surroundings.
-impl<A: Actions, S: Scope> Surroundings for Parser<'_, '_, A, S> {
+impl<A: Actions, S: Scope> References for Parser<'_, '_, A, S> {
     fn line(&self, offset: u32) -> u32 {
         self.line_of(offset)
     }
 
-    fn declaration(&self, symbol: SymbolId) -> Option<(&str, &'static str, Span, u32)> {
+    fn declaration(&self, symbol: SymbolId) -> Option<(&Symbol, Span, u32)> {
         let symbol = self.parsed.symbol(symbol);
         let span = symbol.name_span?;
-        let line = self.line_of(span.start);
-        Some((&symbol.name, symbol.word?.text(), span, line))
+        Some((symbol, span, self.line_of(span.start)))
     }
 
     fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)> {

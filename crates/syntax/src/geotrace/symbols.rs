@@ -55,9 +55,9 @@ pub struct Symbols(Vec<Symbol>);
 
 /// The names that the parser sees at a place of a text, and what it adds to them.
 pub(crate) trait Scope {
-    /// What is said of other places of the text is left to whoever drives the parser: it reads a piece and
-    /// knows no others.
-    const IS_PIECE: bool;
+    /// The parser reads a chunk and does not know the rest of the text: the parts of diagnostics that depend on it are
+    /// deferred.
+    const IS_CHUNK: bool;
 
     /// The longest name that `word` begins with: its length in bytes, and what it names.
     fn longest_prefix(&self, word: &str) -> Option<(usize, SymbolId)>;
@@ -71,15 +71,15 @@ pub(crate) trait Scope {
     /// Adds a symbol whose name is free.
     fn define(&mut self, symbol: Symbol) -> SymbolId;
 
-    /// The rest of a word, from `start` on, has been looked up, and a token of so many bytes was made of it: another name that
-    /// the rest begins with would have been taken if it were longer.
-    fn note(&mut self, rest: &str, start: u32, length: usize, kind: TokenKind);
+    /// Records that the rest of a word, from `start` on, was looked up and its first `length` bytes became a token. Any longer
+    /// name that the rest begins with would have been taken instead.
+    fn record_prefix_lookup(&mut self, rest: &str, start: u32, length: usize, kind: TokenKind);
 
-    /// Looks for a name that is spelt alike among all names.
+    /// Offers all names to a search.
     fn search(&self, search: &mut Search<'_>);
 
-    /// Exactly this name has been looked up.
-    fn note_whole(&mut self, name: &str, start: u32, kind: TokenKind);
+    /// Records that exactly this name was looked up.
+    fn record_name_lookup(&mut self, name: &str, start: u32, kind: TokenKind);
 }
 
 /// What a whole text defines.
@@ -123,7 +123,12 @@ impl Vocabulary {
         self
     }
 
-    /// What a text starts with.
+    /// The builtins in the order of their handles.
+    pub(crate) fn symbols(&self) -> &[Symbol] {
+        &self.builtins
+    }
+
+    /// The names that a text starts with.
     pub(crate) fn start(&self) -> Parsed {
         let mut parsed = Parsed::default();
         for symbol in &self.builtins {
@@ -181,7 +186,7 @@ impl Symbol {
 }
 
 impl Scope for Parsed {
-    const IS_PIECE: bool = false;
+    const IS_CHUNK: bool = false;
 
     #[inline]
     fn longest_prefix(&self, word: &str) -> Option<(usize, SymbolId)> {
@@ -207,10 +212,10 @@ impl Scope for Parsed {
     }
 
     #[inline]
-    fn note(&mut self, _: &str, _: u32, _: usize, _: TokenKind) {}
+    fn record_prefix_lookup(&mut self, _: &str, _: u32, _: usize, _: TokenKind) {}
 
     #[inline]
-    fn note_whole(&mut self, _: &str, _: u32, _: TokenKind) {}
+    fn record_name_lookup(&mut self, _: &str, _: u32, _: TokenKind) {}
 }
 
 impl Parsed {

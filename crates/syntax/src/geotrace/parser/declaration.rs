@@ -53,7 +53,11 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
                 .parsed
                 .get(text)
                 .map(|id| names::meaning(&self.parsed, id));
-            (self.parsed).note_whole(text, word.start, found.unwrap_or(TokenKind::Undefined));
+            (self.parsed).record_name_lookup(
+                text,
+                word.start,
+                found.unwrap_or(TokenKind::Undefined),
+            );
         }
         if is_word && (guess.is_some() || is_free) {
             // Whatever was split off the word, the whole of it is looked at.

@@ -1,8 +1,8 @@
 //! Expressions: `EXPR` and all below it. Each function reads its nonterminal from the current token on,
 //! hands its steps to the hooks in postfix order and returns where it stands.
 
+use super::lints::{Argument, Touching};
 use super::names::Mode;
-use super::readings::{Argument, Touching};
 use super::{MAX_DEPTH, Parse, Parser, Stop};
 use crate::geotrace::actions::{Actions, Operator};
 use crate::geotrace::codes;
@@ -112,13 +112,13 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         }
         if self.opens_bracket() && self.current.span.start == function.end {
             let bracket = self.current.span.start;
-            self.readings.touching = Some(Touching { function, bracket });
+            self.lints.touching = Some(Touching { function, bracket });
         }
         let operand = self.unary()?;
         let span = function.to(operand);
         self.operator(Operator::Apply, span);
         if let TokenKind::Number(_) = self.previous.kind {
-            self.readings.argument = Some(Argument { function, operand });
+            self.lints.argument = Some(Argument { function, operand });
         }
         Ok(span)
     }
@@ -167,7 +167,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
 
     /// `POW = COMP "^" UNARY | COMP`
     fn pow(&mut self) -> Parse {
-        let touching = self.readings.touching.take();
+        let touching = self.lints.touching.take();
         let base = self.comp(touching)?;
         if self.current.kind != TokenKind::Caret {
             return Ok(base);

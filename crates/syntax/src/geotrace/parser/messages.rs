@@ -1,6 +1,6 @@
 //! The sentences of lexical and syntax errors, in the user's words.
 
-use super::elsewhere::Elsewhere;
+use super::deferred::Deferred;
 use super::{Parser, Stop};
 use crate::diagnostic::{Code, Diagnostic, Fix};
 use crate::geotrace::actions::Actions;
@@ -120,22 +120,22 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     /// Reports that the current token was not accepted, unless what stands before it has been reported, or
     /// it is itself reported already.
     pub(super) fn reject(&mut self, diagnostic: Diagnostic) -> Stop {
-        self.reject_elsewhere(diagnostic, None)
+        self.reject_deferred(diagnostic, None)
     }
 
     /// The same, where something has to be told of another place.
-    pub(super) fn reject_elsewhere(
+    pub(super) fn reject_deferred(
         &mut self,
         diagnostic: Diagnostic,
-        elsewhere: Option<Elsewhere>,
+        deferred: Option<Deferred>,
     ) -> Stop {
         self.state.faulty = true;
         self.state.silent = true;
         // A missing `;` is an error of its own, whatever stands before it.
         let is_own = diagnostic.code == codes::MISSING_SEMICOLON;
         if !self.state.rejected && (is_own || !self.flagged) {
-            match elsewhere {
-                Some(elsewhere) => self.report_elsewhere(diagnostic, elsewhere),
+            match deferred {
+                Some(deferred) => self.report_deferred(diagnostic, deferred),
                 None => self.report(diagnostic),
             }
         }
@@ -212,11 +212,11 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
                     )
                     .with_related(Span::new(end, end), "the `;` belongs here")
                     .with_fix(Fix::insert("Insert `;`", end, ";"));
-                let elsewhere = Elsewhere::Semicolon {
+                let deferred = Deferred::Semicolon {
                     after: describe(self.source, self.previous),
                     offset: self.previous.span.start,
                 };
-                return self.reject_elsewhere(diagnostic, Some(elsewhere));
+                return self.reject_deferred(diagnostic, Some(deferred));
             }
             TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => self.here(
                 codes::UNEXPECTED_TOKEN,

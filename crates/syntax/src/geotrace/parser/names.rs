@@ -1,7 +1,7 @@
 //! Words: which token a word is at this place, whether a new name is free, and what to say about a word that
 //! means nothing.
 
-use super::elsewhere::{Elsewhere, Undefined};
+use super::deferred::{Deferred, Undefined};
 use super::messages::quote;
 use super::suggestions::nearest_keyword;
 use super::{Parser, State, Stop};
@@ -42,21 +42,21 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
             lexer,
             parsed,
             state,
-            readings,
+            lints,
             ..
         } = self;
         lexer.next(|word| match mode {
             Mode::Expression => {
                 let (length, kind) = expression_word(parsed, state, word);
-                if length < word.rest.len() && !S::IS_PIECE {
-                    readings.record_split(word, length);
+                if length < word.rest.len() && !S::IS_CHUNK {
+                    lints.record_split(word, length);
                 }
-                parsed.note(word.rest, word.start, length, kind);
+                parsed.record_prefix_lookup(word.rest, word.start, length, kind);
                 (length, kind)
             }
             Mode::Name => {
                 let (length, kind) = whole_word(parsed, word);
-                parsed.note_whole(word.rest, word.start, kind);
+                parsed.record_name_lookup(word.rest, word.start, kind);
                 (length, kind)
             }
             Mode::Tag => match state.parameter_trie.get(word.rest) {
@@ -132,7 +132,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
             }
             TokenKind::Constant(id) | TokenKind::Function(id) => {
                 let diagnostic = self.name_taken(id);
-                self.report_elsewhere(diagnostic, Elsewhere::Taken(id));
+                self.report_deferred(diagnostic, Deferred::Taken(id));
                 return Ok(false);
             }
             TokenKind::Declare(_) if !self.is_followed_by_word() => {
@@ -152,7 +152,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
         Ok(false)
     }
 
-    /// Of a name that is declared in the text, [`Elsewhere::Taken`] tells where.
+    /// Of a name that is declared in the text, [`Deferred::Taken`] tells where.
     fn name_taken(&self, id: SymbolId) -> Diagnostic {
         let symbol = self.parsed.symbol(id);
         let kind = match symbol.kind {
@@ -242,7 +242,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
             hint: self.undefined_hint(whole, word),
             parameters: (self.state.in_body).then(|| self.state.parameter_trie.clone()),
         };
-        self.report_elsewhere(diagnostic, Elsewhere::Undefined(undefined));
+        self.report_deferred(diagnostic, Deferred::Undefined(undefined));
     }
 
     /// What to do about a word that means nothing and is not declared below, as far as that follows from the
@@ -311,13 +311,13 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
             }
             diagnostic
         };
-        let elsewhere = Elsewhere::Declared(function);
+        let deferred = Deferred::Declared(function);
         if !is_word {
-            return Err(self.reject_elsewhere(diagnostic, Some(elsewhere)));
+            return Err(self.reject_deferred(diagnostic, Some(deferred)));
         }
         // A function whose own declaration failed may lack parameters.
         if !symbol.faulty {
-            self.report_elsewhere(diagnostic, elsewhere);
+            self.report_deferred(diagnostic, deferred);
         }
         self.state.faulty = true;
         self.state.silent = true;

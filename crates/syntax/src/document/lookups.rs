@@ -1,4 +1,4 @@
-//! The words that would be read otherwise if a name were defined that they begin with.
+//! What chunks have asked of the names above them, and the index of the words that a new name would change.
 
 use std::collections::BTreeMap;
 use std::ops::Bound;
@@ -7,13 +7,13 @@ use super::chunk_set::ChunkSet;
 use super::names::NameId;
 use super::sequence::ChunkId;
 
-/// What a chunk has asked of the names above it.
+/// A question that reading a chunk has asked about the names above it.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 pub(super) enum Lookup {
-    /// A token is this name, which the document declares.
+    /// A token is this name, which the text declares.
     Used(NameId),
-    /// The chunk's text from `start` to `end` was looked up, and every name longer than `length` that it
-    /// begins with would be noticed.
+    /// The chunk's text from `start` to `end` was looked up, and any name longer than `length` that it begins with
+    /// would have changed the reading.
     Open {
         start: u32,
         end: u32,
@@ -23,12 +23,12 @@ pub(super) enum Lookup {
     },
 }
 
-/// By the words that were looked up and are not one whole name: in lexicographic order, so that those that begin
-/// with a name stand together.
+/// An index from words that are not one whole name to the chunks that have looked them up. The order is lexicographic, so
+/// that the words that begin with a name are neighbours.
 #[derive(Clone, Debug, Default)]
-pub(super) struct OpenWords(BTreeMap<Box<str>, Vec<Group>>);
+pub(super) struct UnresolvedWords(BTreeMap<Box<str>, Vec<Group>>);
 
-/// Chunks that have looked up the same word with the same result.
+/// The chunks that have looked up one word with one result.
 #[derive(Clone, Debug)]
 struct Group {
     length: u32,
@@ -36,9 +36,9 @@ struct Group {
     chunks: ChunkSet,
 }
 
-impl OpenWords {
-    /// A chunk has looked up a word, of which a token of `length` bytes was made.
-    pub(super) fn enter(&mut self, chunk: ChunkId, rest: &str, length: u32, is_split: bool) {
+impl UnresolvedWords {
+    /// Adds a chunk that has looked up a word, whose first `length` bytes became a token.
+    pub(super) fn insert(&mut self, chunk: ChunkId, rest: &str, length: u32, is_split: bool) {
         if !self.0.contains_key(rest) {
             self.0.insert(rest.into(), Vec::new());
         }
@@ -51,7 +51,7 @@ impl OpenWords {
             None => {
                 let mut chunks = ChunkSet::default();
                 chunks.insert(chunk);
-                // As a rule it stays the only one: a list that grows by itself starts with four places.
+                // Most words have one group; a vector that grows by itself would reserve four.
                 groups.reserve_exact(1);
                 groups.push(Group {
                     length,
@@ -62,8 +62,8 @@ impl OpenWords {
         }
     }
 
-    /// Strikes out what has been entered.
-    pub(super) fn strike(&mut self, chunk: ChunkId, rest: &str, length: u32, is_split: bool) {
+    /// Removes what [`insert`](Self::insert) has added.
+    pub(super) fn remove(&mut self, chunk: ChunkId, rest: &str, length: u32, is_split: bool) {
         let Some(groups) = self.0.get_mut(rest) else {
             return;
         };
@@ -78,8 +78,11 @@ impl OpenWords {
         }
     }
 
-    /// The chunks that would notice a name if it were defined above them, each with whether a token was split off.
-    pub(super) fn of<'w>(&'w self, name: &'w str) -> impl Iterator<Item = (ChunkId, bool)> + 'w {
+    /// The chunks that a definition of `name` above them would change, each with a flag that a token was split off.
+    pub(super) fn beginning_with<'w>(
+        &'w self,
+        name: &'w str,
+    ) -> impl Iterator<Item = (ChunkId, bool)> + 'w {
         let from = (Bound::Included(name), Bound::Unbounded);
         self.0
             .range::<str, _>(from)

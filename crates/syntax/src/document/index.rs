@@ -1,57 +1,71 @@
 //! Tokens and declarations by their number, in the order of the text.
 //!
-//! What flows in: a number, or an offset. What flows out: the chunk that it lies in, with all that was read of it,
-//! in logarithmic time.
+//! What flows in: a number, or an offset. What flows out: the chunk that holds it, with what reading it has given, in
+//! logarithmic time.
 
 use crate::span::Span;
-use crate::symbol::SymbolId;
 
-use super::chunk::ReadDeclaration;
-use super::record::{Events, Tokens};
+use super::grammar::{Analysis, Grammar};
 use super::sequence::{ChunkId, Measure};
 use super::snapshot::Snapshot;
 
-/// A chunk in its place. What was read of it counts from its start.
-#[derive(Clone, Copy, Debug)]
-pub struct Piece<'d> {
-    /// Which chunk it is.
+/// A chunk at its place in the text. The places in its analysis count from its start.
+#[derive(Debug)]
+pub struct Piece<'d, G: Grammar> {
+    /// The chunk.
     pub chunk: ChunkId,
-    /// Where it starts in the text.
+    /// Its start in the text.
     pub start: u32,
-    /// How many tokens stand before it.
+    /// The number of tokens above it.
     pub first_token: u32,
-    /// How many declarations stand before it.
+    /// The number of declarations above it.
     pub first_declaration: u32,
     /// Its text.
     pub text: &'d str,
-    /// Its tokens, comments too.
-    pub tokens: Tokens<'d>,
-    /// What was read of it, in order.
-    pub events: Events<'d>,
+    /// What reading it has given.
+    pub analysis: &'d G::Analysis,
 }
 
-impl<'d> Piece<'d> {
-    /// The declarations in order, each with what was read of it: its steps and intervals.
-    pub fn declarations(
-        &self,
-    ) -> impl Iterator<Item = (ReadDeclaration<'d>, Events<'d>)> + use<'d> {
-        self.events.declarations()
+impl<G: Grammar> Clone for Piece<'_, G> {
+    fn clone(&self) -> Self {
+        *self
     }
 }
 
-impl Snapshot {
-    /// How many tokens there are, comments too.
+impl<G: Grammar> Copy for Piece<'_, G> {}
+
+impl<'d, G: Grammar> Piece<'d, G> {
+    fn declaration_spans(&self) -> impl Iterator<Item = Span> + use<'d, G> {
+        self.analysis.declaration_spans(self.text)
+    }
+
+    /// The number of tokens at its start for which `holds`, a predicate that is true up to some token and false behind it.
+    fn tokens_that(&self, holds: impl Fn(Span) -> bool) -> usize {
+        let (mut low, mut high) = (0, self.analysis.token_count());
+        while low < high {
+            let middle = low.midpoint(high);
+            match self.analysis.token_span(middle).is_some_and(&holds) {
+                true => low = middle + 1,
+                false => high = middle,
+            }
+        }
+        low
+    }
+}
+
+impl<G: Grammar> Snapshot<G> {
+    /// The number of tokens.
     pub fn token_count(&self) -> u32 {
         self.sequence.total().tokens
     }
 
-    /// How many declarations there are.
+    /// The number of declarations.
     pub fn declaration_count(&self) -> u32 {
         self.sequence.total().declarations
     }
 
     /// The piece that holds the token of this number, from 0, and the token's number in it.
-    pub fn piece_of_token(&self, token: u32) -> Option<(Piece<'_>, usize)> {
+    pub fn piece_of_token(&self, token: u32) -> Option<(Piece<'_, G>, usize)> {
         if token >= self.token_count() {
             return None;
         }
@@ -60,7 +74,7 @@ impl Snapshot {
     }
 
     /// The piece that holds the declaration of this number, from 0, and the declaration's number in it.
-    pub fn piece_of_declaration(&self, declaration: u32) -> Option<(Piece<'_>, usize)> {
+    pub fn piece_of_declaration(&self, declaration: u32) -> Option<(Piece<'_, G>, usize)> {
         if declaration >= self.declaration_count() {
             return None;
         }
@@ -69,28 +83,31 @@ impl Snapshot {
     }
 
     /// The piece that holds the byte at an offset, or the last one.
-    pub fn piece_at(&self, offset: u32) -> Option<Piece<'_>> {
+    pub fn piece_at(&self, offset: u32) -> Option<Piece<'_, G>> {
         Some(self.piece(self.sequence.at_byte(offset)?))
     }
 
     /// A chunk in its place.
-    pub fn piece_of(&self, chunk: ChunkId) -> Piece<'_> {
+    pub fn piece_of(&self, chunk: ChunkId) -> Piece<'_, G> {
         self.piece((chunk, self.sequence.before(chunk)))
     }
 
     /// A piece and all below it.
-    pub fn pieces_from<'d>(&'d self, first: Option<Piece<'d>>) -> impl Iterator<Item = Piece<'d>> {
+    pub fn pieces_from<'d>(
+        &'d self,
+        first: Option<Piece<'d, G>>,
+    ) -> impl Iterator<Item = Piece<'d, G>> {
         std::iter::successors(first, |piece| {
             let chunk = self.sequence.next(piece.chunk)?;
             let read = self.chunk(chunk);
             Some(Piece {
                 chunk,
                 start: piece.start + piece.text.len() as u32,
-                first_token: piece.first_token + piece.tokens.len() as u32,
-                first_declaration: piece.first_declaration + piece.declarations().count() as u32,
+                first_token: piece.first_token + piece.analysis.token_count() as u32,
+                first_declaration: piece.first_declaration
+                    + piece.declaration_spans().count() as u32,
                 text: &read.text,
-                tokens: read.tokens(),
-                events: read.events(),
+                analysis: &read.analysis,
             })
         })
     }
@@ -105,13 +122,11 @@ impl Snapshot {
         self.tokens_that(offset, |token, offset| token.start < offset)
     }
 
-    /// How many tokens hold what holds of all before an offset and of none behind it.
+    /// The number of tokens for which `holds`, a predicate that is true up to some token and false behind it.
     fn tokens_that(&self, offset: u32, holds: impl Fn(Span, u32) -> bool) -> u32 {
         self.piece_at(offset).map_or(0, |piece| {
             let inside = offset - piece.start;
-            let tokens = piece.tokens;
-            let count = tokens.partition_point(|span| holds(span, inside));
-            piece.first_token + count as u32
+            piece.first_token + piece.tokens_that(|span| holds(span, inside)) as u32
         })
     }
 
@@ -128,22 +143,13 @@ impl Snapshot {
     fn declarations_that(&self, offset: u32, holds: impl Fn(Span, u32) -> bool) -> u32 {
         self.piece_at(offset).map_or(0, |piece| {
             let inside = offset - piece.start;
-            let begun = piece
-                .declarations()
-                .take_while(|(it, _)| holds(it.span, inside));
-            piece.first_declaration + begun.count() as u32
+            let spans = piece.declaration_spans();
+            let count = spans.take_while(|span| holds(*span, inside)).count();
+            piece.first_declaration + count as u32
         })
     }
 
-    /// The number of the declaration of a symbol; none for a builtin.
-    pub fn declaration_of(&self, symbol: SymbolId) -> Option<u32> {
-        let piece = self.piece_of(self.home(symbol)?);
-        let mut declarations = piece.declarations();
-        let place = declarations.position(|(it, _)| it.symbol == Some(symbol))?;
-        Some(piece.first_declaration + place as u32)
-    }
-
-    fn piece(&self, (chunk, before): (ChunkId, Measure)) -> Piece<'_> {
+    fn piece(&self, (chunk, before): (ChunkId, Measure)) -> Piece<'_, G> {
         let read = self.chunk(chunk);
         Piece {
             chunk,
@@ -151,8 +157,7 @@ impl Snapshot {
             first_token: before.tokens,
             first_declaration: before.declarations,
             text: &read.text,
-            tokens: read.tokens(),
-            events: read.events(),
+            analysis: &read.analysis,
         }
     }
 }

@@ -1,10 +1,11 @@
-//! Warnings about text that is legal but is not read as it looks.
+//! Ambiguity lints: warnings about text that is legal but is not read as it looks.
 
 use std::collections::HashSet;
 
 use super::Parser;
 use super::messages::quote;
 use crate::diagnostic::{Diagnostic, Fix};
+use crate::document::ShadowedSplit;
 use crate::geotrace::actions::Actions;
 use crate::geotrace::codes;
 use crate::geotrace::lexer::Word;
@@ -13,10 +14,10 @@ use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-/// What has been read so far that may turn out to be surprising.
+/// What the lints remember of the text that has been read.
 #[derive(Default)]
-pub(super) struct Readings {
-    /// A bracket that opens right behind a function; taken by the operand that begins with it.
+pub(super) struct LintState {
+    /// The last bracket that opens right behind a function. The operand that begins with it takes it.
     pub(super) touching: Option<Touching>,
     /// The last application whose operand ended with a number.
     pub(super) argument: Option<Argument>,
@@ -37,21 +38,21 @@ pub(super) struct Argument {
     pub(super) operand: Span,
 }
 
-/// A word, or what was left of it, of which a token was split off.
+/// A word, or the rest of one, from which a token was split off.
 struct Split {
     start: u32,
     token_end: u32,
     word_end: u32,
 }
 
-/// How many splits are remembered; those after are not compared with later names.
+/// The number of splits, from the top, that are compared with later names.
 const MAX_SPLITS: usize = 1_000_000;
 
 /// The longest exponent that is looked at as a possible `-1`.
 const MAX_INVERSE_LENGTH: usize = 16;
 
-impl Readings {
-    /// Remembers that `length` bytes were split off a word.
+impl LintState {
+    /// Records that a token of `length` bytes was split off a word.
     #[inline]
     pub(super) fn record_split(&mut self, word: Word<'_>, length: usize) {
         if self.splits.len() < MAX_SPLITS {
@@ -65,8 +66,8 @@ impl Readings {
 }
 
 impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
-    /// `written`: what can be written in the place of what is read otherwise than it looks.
-    fn surprising(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
+    /// Reports a warning. `written` are texts that say one of the two readings without doubt, for fixes.
+    fn warn(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
         if !self.state.silent {
             let mut warning = Diagnostic::warning(codes::SURPRISING_READING, span, message);
             let fixes = written.iter().map(|text| Fix::write(span, text));
@@ -78,7 +79,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     /// `sin 2x`: the current token is a factor that touches the number before it.
     #[inline]
     pub(super) fn warn_number_argument(&mut self) {
-        if let Some(argument) = self.readings.argument
+        if let Some(argument) = self.lints.argument
             && argument.operand.end == self.current.span.start
         {
             self.warn_touched_number(argument);
@@ -114,7 +115,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         };
         let (read, meant) = (quote(&read), quote(&meant));
         let message = format!("{written} is read as {read}");
-        self.surprising(
+        self.warn(
             span,
             message,
             format!("write {meant}, or {read} if that is meant"),
@@ -144,7 +145,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
             quote(name)
         );
         // The operand is yet to be read.
-        self.surprising(function.to(exponent), message, hint, &[]);
+        self.warn(function.to(exponent), message, hint, &[]);
     }
 
     /// `sin(x)^y`: the exponent belongs to the operand.
@@ -180,7 +181,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
             let written = quote(&format!("{name}{base}^{power}"));
             let read = quote(&format!("{name}({base}^{power})"));
             let message = format!("{written} is read as {read}");
-            self.surprising(function.to(exponent), message, hint, fixes);
+            self.warn(function.to(exponent), message, hint, fixes);
         }
     }
 
@@ -202,18 +203,19 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
             let meant = format!("({name}{value_text}){index}");
             let message = format!("{written} is read as {read}");
             let hint = format!("write {} for a component of the value", quote(&meant));
-            self.surprising(function.to(component), message, hint, &[&meant]);
+            self.warn(function.to(component), message, hint, &[&meant]);
         }
     }
 }
 
 impl<A: Actions> Parser<'_, '_, A, Parsed> {
-    /// A name that is longer than a token above which was split off the same letters. Called once, at the
-    /// end of the text: one walk through the trie for each split.
-    pub(super) fn warn_hidden_splits(&mut self) {
+    /// Reports each name that is declared below a word whose letters begin with it and were split after fewer letters.
+    ///
+    /// Called once, at the end of the text, when all names are known: one walk through the trie for each split.
+    pub(super) fn warn_shadowed_splits(&mut self) {
         let mut warned = HashSet::new();
         let mut warnings = Vec::new();
-        for split in std::mem::take(&mut self.readings.splits) {
+        for split in std::mem::take(&mut self.lints.splits) {
             let rest = Span::new(split.start, split.word_end).text(self.source);
             let token = Span::new(split.start, split.token_end).text(self.source);
             self.parsed.trie.each_prefix(rest, |length, id| {
@@ -225,8 +227,13 @@ impl<A: Actions> Parser<'_, '_, A, Parsed> {
                 {
                     let place = Span::new(split.start, split.start + length as u32);
                     let line = self.line_of(split.start);
-                    let warning = hidden_split(&symbol.name, name_span, token.len(), place, line);
-                    warnings.push(warning);
+                    warnings.push(shadowed_split(ShadowedSplit {
+                        name: &symbol.name,
+                        name_span,
+                        token_length: token.len(),
+                        place,
+                        line,
+                    }));
                 }
             });
         }
@@ -236,14 +243,15 @@ impl<A: Actions> Parser<'_, '_, A, Parsed> {
     }
 }
 
-/// The warning at a name whose letters are split above, at `place`, where a token of `token` bytes is read.
-pub(crate) fn hidden_split(
-    name: &str,
-    name_span: Span,
-    token: usize,
-    place: Span,
-    line: u32,
-) -> Diagnostic {
+/// The warning at a name whose letters are read as several tokens above.
+pub(crate) fn shadowed_split(split: ShadowedSplit<'_>) -> Diagnostic {
+    let ShadowedSplit {
+        name,
+        name_span,
+        token_length: token,
+        place,
+        line,
+    } = split;
     let reading = quote(&format!("{} {}", &name[..token], &name[token..]));
     let name = quote(name);
     let message =

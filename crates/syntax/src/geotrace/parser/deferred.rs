@@ -1,90 +1,97 @@
-//! What a diagnostic tells of other places of the text: lines, names that are declared above or below, names
-//! that are spelt alike.
+//! Deferred cross-references: the parts of a diagnostic that depend on other places of the text, such as lines, names that
+//! are declared above or below, and names that are spelt alike.
 //!
-//! A declaration's own diagnostics flow in, each with what it wants to know ([`Elsewhere`]). The finished
-//! diagnostic flows out. It is a step of its own because the answers change when nothing of the declaration
-//! does: a line inserted at the top of a text moves every line below.
+//! A declaration's own diagnostics flow in, some with a [`Deferred`] part. The completed diagnostic flows out. Completing is a
+//! step of its own because the answers change while the declaration does not: a line inserted at the top of a text moves every
+//! line below.
 
 use super::messages::quote;
 use crate::diagnostic::{Diagnostic, Fix, Related};
+use crate::geotrace::symbols::Symbol;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
-/// How many words that mean nothing are looked up in a text for names that are spelt alike: the first ones.
-/// Ten thousand misspelt words among ten thousand names would take longer than anyone reads.
+/// The number of undefined words, from the top of a text, for which names that are spelt alike are searched. Ten thousand
+/// misspelt words among ten thousand names would take seconds.
 pub(crate) const MAX_SEARCHES: usize = 1_000;
 
-/// What is still to be told.
+/// The part of a diagnostic that is still to be completed.
 #[derive(Clone, Debug)]
-pub(crate) enum Elsewhere {
-    /// Where the name is declared that cannot be declared again.
+pub enum Deferred {
+    /// The place of the declaration whose name cannot be declared again.
     Taken(SymbolId),
-    /// The function is declared there.
+    /// The place of the declaration of a function.
     Declared(SymbolId),
-    /// The `;` is missing after the token, as it is described here, that starts at this offset.
-    Semicolon { after: String, offset: u32 },
-    /// A word that means nothing.
+    /// The line of the token after which a `;` is missing.
+    Semicolon {
+        /// The token as a sentence names it.
+        after: String,
+        /// The offset at which it starts.
+        offset: u32,
+    },
+    /// A word that is not defined.
     Undefined(Undefined),
 }
 
-/// A word that means nothing: it may be declared below, or spelt wrong.
+/// A word that is not defined: it may be declared below, or spelt wrong.
 #[derive(Clone, Debug)]
-pub(crate) struct Undefined {
-    /// The whole word, and where it starts.
+pub struct Undefined {
+    /// The whole word.
     pub(crate) whole: String,
-    /// What is left of it once the tokens before have been split off.
+    /// The rest of it behind the tokens that have been split off.
     pub(crate) word: String,
-    /// Where that starts.
+    /// The offset at which the rest starts.
     pub(crate) offset: u32,
-    /// What to do about it, where that follows from the declaration alone.
+    /// The hint that follows from the declaration alone.
     pub(crate) hint: Option<String>,
     /// The parameters that may have been meant.
     pub(crate) parameters: Option<Trie<u32>>,
 }
 
-/// What can be asked of the text around a declaration.
-pub(crate) trait Surroundings {
+/// The answers of the text around a declaration.
+pub(crate) trait References {
     /// The line, from 1, of an offset of the declaration.
     fn line(&self, offset: u32) -> u32;
 
-    /// A symbol that is declared in the text: its name, its word, the place of the name and its line. None
-    /// for a builtin.
-    fn declaration(&self, symbol: SymbolId) -> Option<(&str, &'static str, Span, u32)>;
+    /// A symbol that the text declares, the place of its name, and the line of that place. Returns `None` for a builtin.
+    fn declaration(&self, symbol: SymbolId) -> Option<(&Symbol, Span, u32)>;
 
-    /// The last place in the text where the name stands behind a declaring word, if that comes after this
-    /// offset of the declaration, and its line.
+    /// The last place where the text has the name behind a declaration keyword, and its line, if that place is behind this
+    /// offset of the declaration.
     fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)>;
 
-    /// The name defined above this offset of the declaration that is spelt most like the word, or the
-    /// parameter.
+    /// The name that is spelt most like the word, among the parameters and the names defined above this offset of the
+    /// declaration.
     fn nearest(&self, parameters: Option<&Trie<u32>>, word: &str, offset: u32) -> Option<String>;
 }
 
-impl Elsewhere {
-    /// Whether names that are spelt alike may be looked for.
-    pub(crate) fn is_search(&self) -> bool {
+impl Deferred {
+    /// Returns true if completing it may search for names that are spelt alike.
+    pub(crate) fn searches(&self) -> bool {
         matches!(self, Self::Undefined(_))
     }
 
-    /// Finishes a diagnostic. `searches` words that mean nothing have been reported before it.
+    /// Completes a diagnostic. `searches` diagnostics before it have searched for names.
     pub(crate) fn complete(
         &self,
         diagnostic: &mut Diagnostic,
-        around: &impl Surroundings,
+        around: &impl References,
         searches: usize,
     ) {
         match self {
             Self::Taken(symbol) => {
-                if let Some((name, word, span, line)) = around.declaration(*symbol) {
-                    let name = quote(name);
+                if let Some((symbol, span, line)) = around.declaration(*symbol)
+                    && let Some(word) = symbol.word
+                {
+                    let (name, word) = (quote(&symbol.name), word.text());
                     diagnostic.message =
                         format!("{name} is already declared, as a {word} in line {line}");
                     relate(diagnostic, span, format!("{name} is declared here"));
                 }
             }
             Self::Declared(symbol) => {
-                if let Some((_, _, span, _)) = around.declaration(*symbol) {
+                if let Some((_, span, _)) = around.declaration(*symbol) {
                     relate(diagnostic, span, "it is declared here".to_owned());
                 }
             }
@@ -98,7 +105,7 @@ impl Elsewhere {
 }
 
 impl Undefined {
-    fn complete(&self, diagnostic: &mut Diagnostic, around: &impl Surroundings, searches: usize) {
+    fn complete(&self, diagnostic: &mut Diagnostic, around: &impl References, searches: usize) {
         let below = |name| around.declared_below(name, self.offset);
         if let Some((name, (span, line))) = [&self.whole, &self.word]
             .into_iter()

@@ -11,12 +11,14 @@ use crate::geotrace::token::Token;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-use super::chunk::{Event, ReadDeclaration};
-use super::tags::{STEPS_END, of_operator, of_token, operator, token_kind, word, word_index};
+use super::document::{Event, ReadDeclaration};
+use tags::{STEPS_END, of_operator, of_token, operator, token_kind, word, word_index};
+
+mod tags;
 
 /// A list of entries.
 #[derive(Clone, Debug)]
-pub(super) enum Records {
+pub(crate) enum Records {
     /// Start, end, tag with the upper bits of the number, and its lower bits.
     Narrow(Box<[[u16; 4]]>),
     Wide(Box<[Entry]>),
@@ -24,7 +26,7 @@ pub(super) enum Records {
 
 /// A place, what stands there, and a number whose meaning that tells.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Entry {
+pub(crate) struct Entry {
     span: Span,
     tag: u8,
     number: u32,
@@ -81,7 +83,7 @@ impl Records {
     }
 
     /// Packs the tokens of a text.
-    pub(super) fn of_tokens(tokens: &[Token], text: &str) -> Self {
+    pub(crate) fn from_tokens(tokens: &[Token], text: &str) -> Self {
         let entries = tokens.iter().map(|token| {
             let (tag, number) = of_token(token.kind);
             let span = token.span;
@@ -91,11 +93,16 @@ impl Records {
         Self::new(&entries, text.len())
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::Narrow(entries) => entries.len(),
             Self::Wide(entries) => entries.len(),
         }
+    }
+
+    /// The place of an entry.
+    pub(crate) fn span(&self, index: usize) -> Option<Span> {
+        Some(self.get(index)?.span)
     }
 
     fn get(&self, index: usize) -> Option<Entry> {
@@ -114,7 +121,7 @@ impl Records {
 }
 
 impl<'d> Tokens<'d> {
-    pub(super) fn new(records: &'d Records, text: &'d str) -> Self {
+    pub(crate) fn new(records: &'d Records, text: &'d str) -> Self {
         Self { records, text }
     }
 
@@ -139,47 +146,34 @@ impl<'d> Tokens<'d> {
 
     /// Where a token stands: cheaper than the whole token.
     pub fn span(&self, index: usize) -> Option<Span> {
-        Some(self.records.get(index)?.span)
+        self.records.span(index)
     }
 
     /// All of them, in order.
     pub fn iter(self) -> impl DoubleEndedIterator<Item = Token> + use<'d> {
         (0..self.len()).filter_map(move |index| self.get(index))
     }
-
-    /// How many at the start satisfy what holds of the places of none behind the first for which it fails.
-    pub fn partition_point(&self, holds: impl Fn(Span) -> bool) -> usize {
-        let (mut low, mut high) = (0, self.len());
-        while low < high {
-            let middle = low.midpoint(high);
-            match self.span(middle).is_some_and(&holds) {
-                true => low = middle + 1,
-                false => high = middle,
-            }
-        }
-        low
-    }
 }
 
 /// Collects what is read of a chunk.
 #[derive(Debug, Default)]
-pub(super) struct EventRecorder(Vec<Entry>);
+pub(crate) struct EventRecorder(Vec<Entry>);
 
 impl EventRecorder {
     fn push(&mut self, tag: u8, span: Span, number: u32) {
         self.0.push(Entry { span, tag, number });
     }
 
-    pub(super) fn open(&mut self, word: DeclarationKeyword, span: Span) {
+    pub(crate) fn open(&mut self, word: DeclarationKeyword, span: Span) {
         self.push(OPEN + word_index(word), span, 0);
     }
 
-    pub(super) fn operator(&mut self, operator: Operator, span: Span) {
+    pub(crate) fn operator(&mut self, operator: Operator, span: Span) {
         let (tag, number) = of_operator(operator);
         self.push(tag, span, number);
     }
 
-    pub(super) fn interval(&mut self, interval: Interval) {
+    pub(crate) fn interval(&mut self, interval: Interval) {
         let is_grid = u8::from(interval.kind == IntervalKind::Grid);
         let Some((parameter, span)) = interval.tag else {
             return self.push(INTERVAL + is_grid, interval.span, 0);
@@ -191,11 +185,11 @@ impl EventRecorder {
         }
     }
 
-    pub(super) fn finding(&mut self) {
+    pub(crate) fn finding(&mut self) {
         self.push(FINDING, Span::default(), 0);
     }
 
-    pub(super) fn declaration(&mut self, declaration: &crate::geotrace::actions::Declaration<'_>) {
+    pub(crate) fn declaration(&mut self, declaration: &crate::geotrace::actions::Declaration<'_>) {
         let parameters = declaration.parameters;
         let tag = match declaration.faulty {
             true => FAULTY_DECLARATION,
@@ -213,13 +207,13 @@ impl EventRecorder {
     }
 
     /// Packs what was read of a text.
-    pub(super) fn finish(self, text: &str) -> Records {
+    pub(crate) fn finish(self, text: &str) -> Records {
         Records::new(&self.0, text.len())
     }
 }
 
 impl<'d> Events<'d> {
-    pub(super) fn new(records: &'d Records, text: &'d str) -> Self {
+    pub(crate) fn new(records: &'d Records, text: &'d str) -> Self {
         Self {
             records,
             text,
@@ -355,9 +349,9 @@ const SOME: u8 = 1;
 
 #[cfg(test)]
 mod tests {
-    use super::super::tags::{PLAIN, STEPS};
+    use super::Event;
+    use super::tags::{PLAIN, STEPS};
     use super::{Entry, EventRecorder, Events, Records, Tokens};
-    use crate::document::Event;
     use crate::geotrace::actions::{Declaration, Interval, IntervalKind, Operator, Parameter};
     use crate::geotrace::declarations::DeclarationKeyword;
     use crate::geotrace::token::{Token, TokenKind};
@@ -388,14 +382,13 @@ mod tests {
                 kind,
                 span: span(k + 5),
             }));
-            let records = Records::of_tokens(&tokens, &text);
+            let records = Records::from_tokens(&tokens, &text);
             let is_narrow = matches!(records, Records::Narrow(_));
             assert_eq!(is_narrow, length < 1 << 16 && id < 1 << 24);
             let found = Tokens::new(&records, &text);
             assert_eq!(found.iter().collect::<Vec<_>>(), tokens);
             assert_eq!(found.get(3), Some(tokens[3]));
             assert_eq!(found.get(tokens.len()), None);
-            assert_eq!(found.partition_point(|span| span.start < 9), 5);
         }
         assert_eq!(size_of::<Entry>(), 16);
     }

@@ -1,0 +1,141 @@
+//! What a document asks of a language.
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use crate::diagnostic::Diagnostic;
+use crate::span::Span;
+use crate::symbol::SymbolId;
+
+use super::scope::ScopeView;
+use super::surroundings::Surroundings;
+
+/// A language whose texts a [`Document`](super::Document) holds.
+///
+/// The document cuts a text into chunks and reads each with the names that the chunks above it define. It reads a chunk
+/// again only if its text changes or a name that it has asked for. For an edited document to equal one that is made from the
+/// whole text, the language keeps two rules:
+///
+/// - Where a chunk ends depends on the text from its start to its end only ([`cut`](Self::cut)).
+/// - What [`read`](Self::read) returns depends on its arguments only, and it records at the [`ScopeView`] each name that it
+///   uses and each word that it would read otherwise if another name were defined.
+///
+/// A language without such chunks cuts nothing; its texts are documents of one chunk.
+pub trait Grammar: Clone + Debug + Sized {
+    /// What [`cut`](Self::cut) knows between two calls, such as a comment that has not ended or the depth of nested
+    /// blocks. The default is the state at the start of a chunk.
+    type CutState: Copy + Default;
+    /// The names that every text starts with.
+    type Builtins;
+    /// The meaning of a name.
+    type Symbol: Definition;
+    /// What reading a chunk gives.
+    type Analysis: Analysis;
+    /// A part of a diagnostic that depends on other places of the text: it is completed when the diagnostic is asked for,
+    /// because it may change while the chunk does not.
+    type Deferred: Clone + Debug;
+
+    /// Appends to `ends` the offsets behind the chunks that end in `text[from..]`, and returns the state behind it. `state` is
+    /// the one before `from`.
+    fn cut(text: &str, from: usize, state: Self::CutState, ends: &mut Vec<usize>)
+    -> Self::CutState;
+
+    /// The builtin symbols. Their handles count up from 0 in this order; of equal names the first is found.
+    fn builtins(builtins: &Self::Builtins) -> Vec<Self::Symbol>;
+
+    /// Calls `found` with each name that a chunk seems to declare, and its place, without reading the chunk.
+    fn each_declared<'t>(text: &'t str, found: impl FnMut(&'t str, u32));
+
+    /// Reads a chunk with the names above it. Places count from its start. `is_first` says that it is the first of the text,
+    /// where a byte order mark is white space.
+    fn read<'d>(
+        text: &str,
+        is_first: bool,
+        scope: ScopeView<'d, Self>,
+    ) -> (ScopeView<'d, Self>, Reading<Self>);
+
+    /// Returns true if completing the diagnostic searches all names. The document counts these, so that
+    /// [`complete`](Self::complete) can limit them.
+    fn searches(deferred: &Self::Deferred) -> bool {
+        let _ = deferred;
+        false
+    }
+
+    /// Completes a diagnostic of a chunk. `searches` diagnostics before it search all names.
+    fn complete(
+        deferred: &Self::Deferred,
+        diagnostic: &mut Diagnostic,
+        surroundings: &Surroundings<'_, Self>,
+        searches: usize,
+    );
+
+    /// The warning about a name whose letters are read as several tokens above its declaration. A language that does not
+    /// split words into tokens has none.
+    fn shadowed_split(split: ShadowedSplit<'_>) -> Option<Diagnostic> {
+        let _ = split;
+        None
+    }
+}
+
+/// The meaning of a name, as far as a document looks at it.
+pub trait Definition: Clone + Debug {
+    /// What the text below notices of it: while this stays equal, nothing below is read again.
+    type Signature: Clone + Debug + Eq;
+
+    /// The name.
+    fn name(&self) -> &Arc<str>;
+
+    /// Replaces the name by an equal one that the document shares, and gives back room that is not used.
+    fn share_name(&mut self, name: &Arc<str>);
+
+    /// The place where the text declares it, counted from its chunk's start. Builtins have none.
+    fn name_span(&self) -> Option<Span>;
+
+    /// What the text below notices.
+    fn signature(&self) -> Self::Signature;
+}
+
+/// What reading a chunk gives, as far as a document looks at it. The default is that of a chunk that has not been read.
+///
+/// The text of the chunk is handed to what may leave to the text what it says.
+pub trait Analysis: Clone + Debug + Default {
+    /// The number of tokens.
+    fn token_count(&self) -> usize;
+
+    /// The place of a token by its number, from 0. Tokens are in the order of the text and do not overlap.
+    fn token_span(&self, index: usize) -> Option<Span>;
+
+    /// The places of the declarations, in the order of the text.
+    fn declaration_spans<'a>(&'a self, text: &'a str) -> impl Iterator<Item = Span> + 'a;
+
+    /// The symbols that [`ScopeView::define`] has returned, in the order of the text.
+    fn defined<'a>(&'a self, text: &'a str) -> impl Iterator<Item = SymbolId> + 'a;
+}
+
+/// What reading a chunk returns.
+#[derive(Clone, Debug)]
+pub struct Reading<G: Grammar> {
+    /// What the document keeps.
+    pub analysis: G::Analysis,
+    /// The diagnostics, in the order in which they were found.
+    pub diagnostics: Vec<Diagnostic>,
+    /// By the index of a diagnostic, in ascending order, the part that is still to be completed.
+    pub deferred: Vec<(usize, G::Deferred)>,
+    /// The offset from which on each defined symbol is known, for suggestions.
+    pub known_from: Vec<(SymbolId, u32)>,
+}
+
+/// A name that is declared below a place where its letters are read as several tokens.
+#[derive(Clone, Copy, Debug)]
+pub struct ShadowedSplit<'d> {
+    /// The name.
+    pub name: &'d str,
+    /// The place of its declaration.
+    pub name_span: Span,
+    /// The length of the first token that is read above.
+    pub token_length: usize,
+    /// The place above, as long as the name.
+    pub place: Span,
+    /// The line of that place, from 1.
+    pub line: u32,
+}

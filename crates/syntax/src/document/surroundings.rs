@@ -1,0 +1,82 @@
+//! The text around a chunk, for diagnostics that tell of other places.
+
+use crate::span::Span;
+use crate::spelling::Search;
+use crate::symbol::SymbolId;
+use crate::trie::Trie;
+
+use super::Document;
+use super::chunk::count_lines;
+use super::grammar::Grammar;
+use super::sequence::{ChunkId, Measure};
+
+/// A document as seen from one of its chunks.
+#[derive(Debug)]
+pub struct Surroundings<'d, G: Grammar> {
+    document: &'d Document<G>,
+    chunk: ChunkId,
+    before: Measure,
+}
+
+impl<'d, G: Grammar> Surroundings<'d, G> {
+    pub(super) fn new(document: &'d Document<G>, chunk: ChunkId) -> Self {
+        Self {
+            document,
+            chunk,
+            before: document.sequence.before(chunk),
+        }
+    }
+
+    /// The sum over the chunks above.
+    pub(super) fn before(&self) -> Measure {
+        self.before
+    }
+
+    /// The line, from 1, of an offset of the chunk.
+    pub fn line(&self, offset: u32) -> u32 {
+        let text = &self.document.chunk(self.chunk).text;
+        self.before.lines + count_lines(&text[..offset as usize]) + 1
+    }
+
+    /// A symbol that the text declares, the place of its name in the text, and the line of that place. Returns `None` for a
+    /// builtin.
+    pub fn declaration(&self, symbol: SymbolId) -> Option<(&'d G::Symbol, Span, u32)> {
+        let span = self.document.place(symbol)?;
+        let symbol = &self.document.names.get(symbol)?.symbol;
+        Some((symbol, span, self.document.line(span.start)))
+    }
+
+    /// The last place where the text seems to declare a name, and its line, if that place is behind an offset of the chunk.
+    pub fn declared_below(&self, name: &str, offset: u32) -> Option<(Span, u32)> {
+        let document = self.document;
+        let ranked = document
+            .names
+            .declaring(name)
+            .map(|chunk| (document.sequence.before(chunk), chunk));
+        let (before, chunk) = ranked.max_by_key(|(before, _)| before.chunks)?;
+        let read = document.chunk(chunk);
+        let (_, last) = read.declared().find(|(declared, _)| *declared == name)?;
+        let start = before.bytes + last;
+        if start <= self.before.bytes + offset {
+            return None;
+        }
+        let line = before.lines + count_lines(&read.text[..last as usize]) + 1;
+        Some((Span::new(start, start + name.len() as u32), line))
+    }
+
+    /// The name that is spelt most like `word`, among `parameters` and the names that are known at an offset of the chunk.
+    pub fn nearest(
+        &self,
+        parameters: Option<&Trie<u32>>,
+        word: &str,
+        offset: u32,
+    ) -> Option<String> {
+        let (names, sequence) = (&self.document.names, &self.document.sequence);
+        Search::nearest(word, |search| {
+            if let Some(parameters) = parameters {
+                search.among(parameters, |_| true);
+            }
+            names.search(search, sequence, self.chunk, offset);
+        })
+    }
+}
