@@ -5,7 +5,7 @@ use std::path::Path;
 
 use geometry::{Manifold, ManifoldError};
 use scene::geotrace::Compilation;
-use scene::{Object, ObjectId, Scene, Shape};
+use scene::{Object, ObjectId, Scene};
 use scene::{Outcome, Value};
 use scene::{ParamValues, SetError};
 
@@ -79,7 +79,7 @@ impl LoadedProgram {
         settings: &ParamValues,
     ) -> Result<Manifold, Failure> {
         let scene = self.scene()?;
-        let object = scene.objects.get(id.0 as usize);
+        let object = scene.get(id);
         let uniforms = object.map(|object| settings.first_instance(scene, object));
         let manifold = Manifold::new(scene, id, &uniforms.unwrap_or_default());
         manifold.map_err(|error| match error {
@@ -94,7 +94,7 @@ impl LoadedProgram {
     /// The name of an object.
     pub(crate) fn object_name(&self, id: ObjectId) -> Option<&str> {
         let scene = self.compilation.scene.as_ref()?;
-        Some(&scene.objects.get(id.0 as usize)?.name)
+        Some(&scene.get(id)?.name)
     }
 
     /// The params at their minima, changed by the `--set` arguments.
@@ -196,8 +196,7 @@ impl LoadedProgram {
                 Some(name) => format!("`{file}` declares no surface `{name}`"),
                 None => format!("`{file}` declares no surface"),
             };
-            let kind = |shape: &Shape| matches!(shape, Shape::Metric { .. });
-            let some_metric = scene.objects.iter().any(|object| kind(&object.shape));
+            let some_metric = scene.objects.iter().any(|object| object.shape.is_metric());
             let hint = match &names[..] {
                 [] => "a surface is declared like this: surface s(u,v) = (u, v, u v), u : [-1,1], v : [-1,1];".into(),
                 [only] if some_metric => format!("its metric is {only}"),

@@ -29,7 +29,7 @@ use render::sample::{Samples, positions, sample_with_notes};
 use render::style;
 use render::texture::Texture;
 use scene::ParamValues;
-use scene::{Object, ObjectId, Scene, Shape};
+use scene::{Object, ObjectId, Scene};
 
 /// A file format.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
@@ -285,14 +285,18 @@ fn geometry(
     placement: &Placement,
 ) -> (Option<Geometry>, Vec<String>) {
     let (samples, notes) = sample_with_notes(scene, settings, id, placement);
-    let geometry = match (&object.shape, &samples) {
-        (Shape::Point { position }, Samples::Points(samples)) => {
+    // A geodesic has samples, but no expression for its position.
+    let geometry = match (&samples, object.shape.position()) {
+        (Samples::Points(samples), Some(position)) => {
             let places = positions(scene, settings, object, position);
             let defined = samples.iter().map(|sample| sample.defined != 0.0);
             let kept = places.into_iter().zip(defined).filter(|(_, kept)| *kept);
             Geometry::Points(kept.map(|(place, _)| place).collect())
         }
-        (Shape::Vector { direction, origin }, Samples::Vectors(samples)) => {
+        (Samples::Vectors(samples), _) => {
+            let Some((direction, origin)) = object.shape.vector() else {
+                return (None, notes);
+            };
             let origins = positions(scene, settings, object, origin);
             let directions = positions(scene, settings, object, direction);
             let mut lines = Polylines::default();
@@ -304,7 +308,7 @@ fn geometry(
             }
             Geometry::Lines(lines)
         }
-        (Shape::Curve { position, .. }, Samples::Curves { count, samples }) => {
+        (Samples::Curves { count, samples }, Some(position)) => {
             let places = positions(scene, settings, object, position);
             let mut lines = Polylines::default();
             let count = *count as usize;
@@ -315,7 +319,7 @@ fn geometry(
             }
             Geometry::Lines(lines)
         }
-        (Shape::Geodesic { .. }, Samples::Curves { .. }) => {
+        (Samples::Curves { .. }, None) => {
             let mut lines = Polylines::default();
             for line in &follow_declared(scene, settings, id).lines {
                 let line = line.iter().map(|knot| knot.and_then(|knot| knot.position));
@@ -323,7 +327,7 @@ fn geometry(
             }
             Geometry::Lines(lines)
         }
-        (Shape::Surface { position, .. }, Samples::Surfaces { count, samples }) => {
+        (Samples::Surfaces { count, samples }, Some(position)) => {
             let places = positions(scene, settings, object, position);
             let mut mesh = Mesh::default();
             let size = count[0] as usize * count[1] as usize;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use scene::InitialConditionsEvaluator;
 use scene::ParamValues;
-use scene::{Object, ObjectId, Sampling, Scene, Shape};
+use scene::{Object, ObjectId, Sampling, Scene};
 
 use crate::manifold::Manifold;
 use crate::polyline::{GeodesicStart, Knot, knots_at};
@@ -27,7 +27,7 @@ pub fn follow_declared(scene: &Scene, settings: &ParamValues, id: ObjectId) -> F
     let Some((object, surface, domain)) = parts(scene, id) else {
         return FollowedGeodesic::default();
     };
-    let Some(launcher) = InitialConditionsEvaluator::new(scene, id) else {
+    let Some(initial_conditions) = InitialConditionsEvaluator::new(scene, id) else {
         return FollowedGeodesic::default();
     };
     let name = &object.name;
@@ -41,7 +41,7 @@ pub fn follow_declared(scene: &Scene, settings: &ParamValues, id: ObjectId) -> F
     }
     let lengths: Vec<f64> = (0..domain.count).map(|i| domain.value(i)).collect();
     // Only a surface that depends on grids differs from instance to instance.
-    let on = scene.objects.get(surface.0 as usize);
+    let on = scene.get(surface);
     let shared = on
         .filter(|on| on.grids.is_empty())
         .map(|on| Manifold::new(scene, surface, &settings.first_instance(scene, on)));
@@ -60,10 +60,10 @@ pub fn follow_declared(scene: &Scene, settings: &ParamValues, id: ObjectId) -> F
             Ok(manifold) => manifold,
             Err(error) => return (nowhere(), Some(error.to_string())),
         };
-        match launcher.clone().evaluate(&uniforms) {
-            Ok(launch) => {
+        match initial_conditions.clone().evaluate(&uniforms) {
+            Ok(initial) => {
                 let surface = manifold.surface();
-                let from = GeodesicStart::Chart(launch.start, launch.direction);
+                let from = GeodesicStart::Chart(initial.start, initial.direction);
                 (knots_at(surface, &from, &lengths), None)
             }
             Err(fault) => (nowhere(), Some(fault.to_string())),
@@ -88,19 +88,13 @@ pub fn follow_declared(scene: &Scene, settings: &ParamValues, id: ObjectId) -> F
 
 /// Reports whether an object is a geodesic on a surface in space, so that the 3D view draws it.
 pub fn lies_in_space(scene: &Scene, id: ObjectId) -> bool {
-    parts(scene, id).is_some_and(|(_, surface, _)| {
-        let on = scene.objects.get(surface.0 as usize);
-        on.is_some_and(|on| matches!(on.shape, Shape::Surface { .. }))
-    })
+    let surface = parts(scene, id).and_then(|(_, surface, _)| scene.get(surface));
+    surface.is_some_and(|surface| surface.shape.is_surface())
 }
 
-/// The object, its surface and its arc lengths; `None` for what is no geodesic.
+/// The object, its surface and its arc lengths; `None` for objects other than geodesics.
 fn parts(scene: &Scene, id: ObjectId) -> Option<(&Object, ObjectId, &Sampling)> {
-    let object = scene.objects.get(id.0 as usize)?;
-    match &object.shape {
-        Shape::Geodesic {
-            surface, domain, ..
-        } => Some((object, *surface, domain)),
-        _ => None,
-    }
+    let object = scene.get(id)?;
+    let (surface, domain) = object.shape.geodesic()?;
+    Some((object, surface, domain))
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use geodesic::intrinsic::MetricSurface;
 use geodesic::surface::{ParametricSurface, Surface};
 use geodesic::topology::Apex;
-use scene::{ObjectId, Sampling, Scene, Shape};
+use scene::{ObjectId, Sampling, Scene};
 
 use crate::polyline_cache::{ChartPolyline, GeodesicSegment, PolylineCache};
 
@@ -49,24 +49,23 @@ impl Manifold {
     /// # Errors
     /// See [`ManifoldError`].
     pub fn new(scene: &Scene, object: ObjectId, uniforms: &[f64]) -> Result<Self, ManifoldError> {
-        let Some(object) = scene.objects.get(object.0 as usize) else {
+        let Some(object) = scene.get(object) else {
             return Err(ManifoldError::NoSurface { name: None });
         };
         let name = || object.name.clone();
         let too_large = |_| ManifoldError::TooLarge { name: name() };
         let graph = &scene.graph;
-        let kind = match &object.shape {
-            Shape::Surface {
-                position, domain, ..
-            } => ParametricSurface::new(graph, *position, intervals(domain), uniforms)
+        let shape = &object.shape;
+        let kind = if let Some((position, domain)) = shape.surface() {
+            ParametricSurface::new(graph, *position, intervals(domain), uniforms)
                 .map(|surface| ManifoldKind::Surface(Box::new(surface)))
-                .map_err(too_large),
-            Shape::Metric {
-                components, domain, ..
-            } => MetricSurface::new(graph, *components, intervals(domain), uniforms)
+                .map_err(too_large)
+        } else if let Some((components, domain)) = shape.metric() {
+            MetricSurface::new(graph, *components, intervals(domain), uniforms)
                 .map(|metric| ManifoldKind::Metric(Box::new(metric)))
-                .map_err(too_large),
-            _ => Err(ManifoldError::NoSurface { name: Some(name()) }),
+                .map_err(too_large)
+        } else {
+            Err(ManifoldError::NoSurface { name: Some(name()) })
         };
         Ok(Self {
             kind: kind?,

@@ -7,7 +7,7 @@ use clap::Args;
 use render::plan::{self, ObjectPlan, Painter, Plan, Source};
 use render::{Request, View};
 use scene::ParamValues;
-use scene::{Object, ObjectId, Scene, Shape};
+use scene::{Object, ObjectId, Scene};
 use serde::Serialize;
 
 use crate::argument::Format;
@@ -153,21 +153,18 @@ fn document(scene: &Scene) -> Explanation {
 
 fn intrinsic(scene: &Scene, settings: &ParamValues) -> Vec<IntrinsicEntry> {
     let entries = scene.objects.iter().filter_map(|object| {
-        let (on, per_instance) = match &object.shape {
-            Shape::Metric { .. } => (None, None),
-            Shape::Geodesic {
-                surface, domain, ..
-            } => {
-                let surface = scene.objects.get(surface.0 as usize)?;
-                (Some(surface.name.clone()), Some(u64::from(domain.count)))
-            }
-            _ => return None,
+        let (on, per_instance) = if object.shape.is_metric() {
+            (None, None)
+        } else {
+            let (surface, domain) = object.shape.geodesic()?;
+            let surface = scene.get(surface)?;
+            (Some(surface.name.clone()), Some(u64::from(domain.count)))
         };
         let instances = settings.instance_count(scene, object);
         let (params, grids) = inputs(scene, object);
         Some(IntrinsicEntry {
             name: object.name.clone(),
-            kind: kind(&object.shape),
+            kind: object.shape.kind(),
             on,
             instances,
             samples: per_instance.map(|samples| samples.saturating_mul(instances)),
@@ -197,12 +194,12 @@ fn inputs(scene: &Scene, object: &Object) -> (Vec<String>, Vec<String>) {
 
 fn view(scene: &Scene, settings: &ParamValues, request: &Request) -> ViewEntry {
     let plan = plan::plan(scene, settings, request);
-    let name = |id: ObjectId| match scene.objects.get(id.0 as usize) {
+    let name = |id: ObjectId| match scene.get(id) {
         Some(object) => object.name.clone(),
         None => String::new(),
     };
     let objects = plan.objects.iter().filter_map(|planned| {
-        let object = scene.objects.get(planned.object.0 as usize)?;
+        let object = scene.get(planned.object)?;
         Some(object_entry(scene, object, planned))
     });
     ViewEntry {
@@ -215,8 +212,8 @@ fn view(scene: &Scene, settings: &ParamValues, request: &Request) -> ViewEntry {
         painters: plan.painters().into_iter().map(painter).collect(),
         geodesic: plan.geodesic.as_ref().map(|geodesic| GeodesicEntry {
             surface: name(geodesic.surface),
-            kind: match scene.objects.get(geodesic.surface.0 as usize) {
-                Some(object) => kind(&object.shape),
+            kind: match scene.get(geodesic.surface) {
+                Some(object) => object.shape.kind(),
                 None => "surface",
             },
             source: source(geodesic.source),
@@ -242,7 +239,7 @@ fn object_entry(scene: &Scene, object: &Object, planned: &ObjectPlan) -> ObjectE
     let (params, grids) = inputs(scene, object);
     ObjectEntry {
         name: object.name.clone(),
-        kind: kind(&object.shape),
+        kind: object.shape.kind(),
         instances: planned.instances,
         samples: planned.samples,
         source: source(planned.source),
@@ -251,17 +248,6 @@ fn object_entry(scene: &Scene, object: &Object, planned: &ObjectPlan) -> ObjectE
         uniforms: planned.uniforms.len(),
         operations: planned.operations,
         operations_with_normals: planned.operations_with_normals,
-    }
-}
-
-fn kind(shape: &Shape) -> &'static str {
-    match shape {
-        Shape::Point { .. } => "point",
-        Shape::Vector { .. } => "vector",
-        Shape::Curve { .. } => "curve",
-        Shape::Surface { .. } => "surface",
-        Shape::Metric { .. } => "metric",
-        Shape::Geodesic { .. } => "geodesic",
     }
 }
 
