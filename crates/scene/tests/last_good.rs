@@ -83,7 +83,7 @@ impl Reference {
             .map(|(read, _)| (read.name_span, read.name))
             .collect();
         let mut written = String::new();
-        for token in piece.tokens.iter() {
+        for token in piece.tokens().iter() {
             let own = token.span.text(piece.text);
             let symbol = match token.kind {
                 TokenKind::Constant(id) | TokenKind::Function(id) if id.0 >= builtins => Some(id),
@@ -107,7 +107,7 @@ impl Reference {
             }
             written.push_str(&word);
         }
-        let used = piece.events.filter_map(|event| match event {
+        let used = piece.events().filter_map(|event| match event {
             Event::Operator(Operator::Constant(id) | Operator::Function(id), _) => Some(id),
             _ => None,
         });
