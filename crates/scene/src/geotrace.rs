@@ -5,7 +5,7 @@
 //!                              declare.rs, params.rs, intrinsic.rs   what each kind of declaration means
 //!                              interval.rs      the numbers between `[` and `]`
 //!                              lower.rs ──▶ apply.rs ──▶ lowerer.rs   from steps to values over one graph
-//!                              code.rs, symbol.rs, builtin.rs, dependencies.rs, error.rs
+//!                              code.rs, operation.rs, symbol.rs, builtin.rs, dependencies.rs, error.rs
 //!
 //! compile.rs    a text, from scratch            ─┐
 //! document.rs   a text that is edited           ─┴─▶ Compilation: a scene and diagnostics
@@ -30,6 +30,7 @@ mod interval;
 mod intrinsic;
 mod lower;
 mod lowerer;
+mod operation;
 mod params;
 mod symbol;
 

@@ -17,9 +17,10 @@ use syntax::symbol::SymbolId;
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};
 use crate::geotrace::lowerer::{
-    BodyId, BodyKey, BodyOutcome, Components, Derivation, Effect, Function, Item, Lowerer,
-    dimension_error, too_large,
+    BodyId, BodyKey, BodyOutcome, Components, Effect, Function, Item, Lowerer, dimension_error,
+    too_large,
 };
+use crate::geotrace::operation::Derivation;
 use crate::geotrace::symbol::{Declared, Meaning};
 
 impl Lowerer {

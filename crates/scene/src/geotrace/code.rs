@@ -10,6 +10,8 @@ use syntax::geotrace::actions::Operator;
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
+use crate::geotrace::operation::operation;
+
 /// One operator, and the place of it with its operands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Step {
@@ -82,7 +84,7 @@ impl Code {
                 return None;
             }
             start -= 1;
-            missing = missing - 1 + operand_count(self.steps[start].operator);
+            missing = missing - 1 + operation(self.steps[start].operator).operand_count();
         }
         Some(Expression {
             start: u32::try_from(start).ok()?,
@@ -155,32 +157,6 @@ pub(crate) fn with_symbol(
         Operator::Constant(symbol) => Operator::Constant(replace(symbol)),
         Operator::Function(symbol) => Operator::Function(replace(symbol)),
         other => other,
-    }
-}
-
-/// How many items an operator takes from the stack; each puts one back.
-fn operand_count(operator: Operator) -> usize {
-    match operator {
-        Operator::Number(_)
-        | Operator::Constant(_)
-        | Operator::Variable(_)
-        | Operator::Function(_) => 0,
-        Operator::Partial(_)
-        | Operator::Total
-        | Operator::Plus
-        | Operator::Negate
-        | Operator::Square
-        | Operator::Reciprocal
-        | Operator::Component(_) => 1,
-        Operator::FunctionPower
-        | Operator::Apply
-        | Operator::Add
-        | Operator::Subtract
-        | Operator::Juxtapose
-        | Operator::Multiply
-        | Operator::Divide
-        | Operator::Power => 2,
-        Operator::Tuple(count) => count as usize,
     }
 }
 

@@ -9,8 +9,7 @@
 
 use std::sync::Arc;
 
-use expr::ops::power;
-use expr::value::{self, Value};
+use expr::value::{self, DimensionError, Value};
 use syntax::diagnostic::Diagnostic;
 use syntax::geotrace::actions::Operator;
 use syntax::span::Span;
@@ -20,9 +19,9 @@ use crate::geotrace::code::Expression;
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::SemanticError;
 use crate::geotrace::lowerer::{
-    BodyKey, BodyOutcome, Derivation, Effect, Function, Item, Lowered, Lowerer, dimension_error,
-    too_large,
+    BodyKey, BodyOutcome, Effect, Function, Item, Lowered, Lowerer, dimension_error, too_large,
 };
+use crate::geotrace::operation::{Derivation, Operation, operation};
 use crate::geotrace::symbol::{Constant, Meaning, Symbols};
 
 /// One expression being run.
@@ -134,21 +133,20 @@ impl Lowerer {
         operator: Operator,
         span: Span,
     ) -> Result<Effect, (SemanticError, Span)> {
-        let item = match operator {
-            Operator::Number(number) => Item::Number(number),
-            Operator::Constant(symbol) => self.constant(frame, symbol),
-            Operator::Variable(position) => match frame.parameters.get(position as usize) {
+        let item = match operation(operator) {
+            Operation::Number(number) => Item::Number(number),
+            Operation::Constant(symbol) => self.constant(frame, symbol),
+            Operation::Variable(position) => match frame.parameters.get(position as usize) {
                 Some(value) => Item::Value(value.clone()),
                 None => Item::Poison,
             },
-            Operator::Function(symbol) => Item::Function(Box::new(Function {
+            Operation::Function(symbol) => Item::Function(Box::new(Function {
                 symbol,
                 derivations: Vec::new(),
                 powers: Vec::new(),
             })),
-            Operator::Partial(position) => derived(pop(stack), Derivation::By(position)),
-            Operator::Total => self.total(pop(stack), span)?,
-            Operator::FunctionPower => {
+            Operation::Derive(derivation) => self.derived(pop(stack), derivation, span)?,
+            Operation::FunctionPower => {
                 let exponent = self.value(pop(stack))?;
                 match pop(stack) {
                     Item::Function(mut function) => {
@@ -158,62 +156,37 @@ impl Lowerer {
                     _ => Item::Poison,
                 }
             }
-            Operator::Apply => {
+            Operation::Apply => {
                 let operand = pop(stack);
                 let function = pop(stack);
                 return self.apply(function, operand, span, stack, &mut frame.dependencies);
             }
-            Operator::Tuple(count) => self.tuple(stack, count as usize, span)?,
-            Operator::Plus
-            | Operator::Negate
-            | Operator::Square
-            | Operator::Reciprocal
-            | Operator::Component(_) => {
-                let a = pop(stack);
-                if let Some(number) = folded_unary(operator, &a) {
-                    return Ok(Effect::Push(Item::Number(number)));
-                }
-                let Some(a) = self.value(a)? else {
-                    return Ok(Effect::Push(Item::Poison));
-                };
-                let graph = &mut self.graph;
-                let result = match operator {
-                    Operator::Negate => Ok(value::negate(graph, &a)),
-                    Operator::Square => Ok(value::square(graph, &a)),
-                    Operator::Reciprocal => value::reciprocal(graph, &a),
-                    Operator::Component(n) => value::component(&a, n),
-                    _ => Ok(a),
-                };
-                Item::Value(result.map_err(|error| (dimension_error(&error), span))?)
-            }
-            Operator::Add
-            | Operator::Subtract
-            | Operator::Juxtapose
-            | Operator::Multiply
-            | Operator::Divide
-            | Operator::Power => {
-                let (b, a) = (pop(stack), pop(stack));
-                if let (Item::Number(a), Item::Number(b)) = (&a, &b) {
-                    return Ok(Effect::Push(Item::Number(folded(operator, *a, *b))));
-                }
-                let b = self.value(b);
-                let a = self.value(a)?;
-                match (a, b?) {
-                    (Some(a), Some(b)) => {
-                        let graph = &mut self.graph;
-                        let result = match operator {
-                            Operator::Add => value::add(graph, &a, &b),
-                            Operator::Subtract => value::subtract(graph, &a, &b),
-                            Operator::Juxtapose => value::juxtapose(graph, &a, &b),
-                            Operator::Multiply => value::multiply(graph, &a, &b),
-                            Operator::Divide => value::divide(graph, &a, &b),
-                            _ => value::power(graph, &a, &b),
-                        };
-                        Item::Value(result.map_err(|error| (dimension_error(&error), span))?)
+            Operation::Tuple(count) => self.tuple(stack, count as usize, span)?,
+            Operation::Component(index) => match self.value(pop(stack))? {
+                Some(value) => computed(value::component(&value, index), span)?,
+                None => Item::Poison,
+            },
+            Operation::Unary(row) => match pop(stack) {
+                Item::Number(number) => Item::Number((row.number)(number)),
+                item => match self.value(item)? {
+                    Some(value) => computed((row.value)(&mut self.graph, &value), span)?,
+                    None => Item::Poison,
+                },
+            },
+            Operation::Binary(row) => match (pop(stack), pop(stack)) {
+                (Item::Number(b), Item::Number(a)) => Item::Number((row.numbers)(a, b)),
+                (b, a) => {
+                    // Nodes are made in the order of the stack; of two errors the left one is reported.
+                    let b = self.value(b);
+                    let a = self.value(a)?;
+                    match (a, b?) {
+                        (Some(a), Some(b)) => {
+                            computed((row.values)(&mut self.graph, &a, &b), span)?
+                        }
+                        _ => Item::Poison,
                     }
-                    _ => Item::Poison,
                 }
-            }
+            },
         };
         Ok(Effect::Push(item))
     }
@@ -231,14 +204,23 @@ impl Lowerer {
         }
     }
 
-    /// `f'`: only a function of one parameter has *the* derivative.
-    fn total(&self, item: Item, span: Span) -> Result<Item, (SemanticError, Span)> {
-        if let Item::Function(function) = &item
+    /// A function with one derivative more; only one of a single parameter has *the* derivative, `f'`.
+    fn derived(
+        &self,
+        item: Item,
+        derivation: Derivation,
+        span: Span,
+    ) -> Result<Item, (SemanticError, Span)> {
+        let Item::Function(mut function) = item else {
+            return Ok(Item::Poison);
+        };
+        if derivation == Derivation::Total
             && let Some(error) = self.symbols.total_error(function.symbol)
         {
             return Err((error, span));
         }
-        Ok(derived(item, Derivation::Total))
+        function.derivations.push(derivation);
+        Ok(Item::Function(function))
     }
 
     /// A bracketed list. One with vectors in it may still be an argument list.
@@ -300,36 +282,13 @@ fn pop(stack: &mut Vec<Item>) -> Item {
     stack.pop().unwrap_or(Item::Poison)
 }
 
-/// The value of an operator on two known numbers: as the graph folds it, but without a node for each step of
-/// a long sum.
-fn folded(operator: Operator, a: f64, b: f64) -> f64 {
-    match operator {
-        Operator::Add => a + b,
-        Operator::Subtract => a - b,
-        Operator::Divide => a / b,
-        Operator::Power => power(a, b),
-        _ => a * b,
-    }
-}
-
-/// The same for an operator on one known number; none for anything else.
-fn folded_unary(operator: Operator, a: &Item) -> Option<f64> {
-    let Item::Number(a) = *a else { return None };
-    match operator {
-        Operator::Plus => Some(a),
-        Operator::Negate => Some(-a),
-        Operator::Square => Some(a * a),
-        Operator::Reciprocal => Some(1.0 / a),
-        _ => None,
-    }
-}
-
-fn derived(item: Item, derivation: Derivation) -> Item {
-    match item {
-        Item::Function(mut function) => {
-            function.derivations.push(derivation);
-            Item::Function(function)
-        }
-        _ => Item::Poison,
+/// The value of an operation on values, or what is wrong with their dimensions.
+fn computed(
+    result: Result<Value, DimensionError>,
+    span: Span,
+) -> Result<Item, (SemanticError, Span)> {
+    match result {
+        Ok(value) => Ok(Item::Value(value)),
+        Err(error) => Err((dimension_error(&error), span)),
     }
 }

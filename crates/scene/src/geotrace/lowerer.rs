@@ -16,6 +16,7 @@ use syntax::symbol::SymbolId;
 use crate::geotrace::code::{Code, Expression};
 use crate::geotrace::dependencies::{Dependencies, DependencySets};
 use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::operation::Derivation;
 use crate::geotrace::symbol::Symbols;
 
 /// Everything that the meaning of an expression depends on.
@@ -67,15 +68,6 @@ pub(crate) enum Effect {
     Push(Item),
     /// Nothing yet: the body has to be run first, with these parameters, and then the step again.
     Run(BodyKey, Expression, Vec<Value>),
-}
-
-/// One derivative of a function.
-#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub(crate) enum Derivation {
-    /// `f_u`, by the parameter at this position.
-    By(u32),
-    /// `f'`, by the only parameter.
-    Total,
 }
 
 /// Which body: that of a function for these dimensions of its arguments (1 for a number).

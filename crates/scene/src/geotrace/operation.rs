@@ -1,0 +1,140 @@
+//! The table of operators: what each does to the items on the stack.
+//!
+//! An operator on values has one row, with what it does to two numbers that are known while compiling (no node of the
+//! graph stands for each step of a long sum) and to values over the graph.
+
+use expr::Graph;
+use expr::ops::power;
+use expr::value::{self, DimensionError, Value};
+use syntax::geotrace::actions::Operator;
+use syntax::symbol::SymbolId;
+
+/// One derivative of a function.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub(crate) enum Derivation {
+    /// `f_u`, by the parameter at this position.
+    By(u32),
+    /// `f'`, by the only parameter.
+    Total,
+}
+
+/// What an operator does: it pops its operands and pushes one item.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Operation {
+    Number(f64),
+    Constant(SymbolId),
+    Variable(u32),
+    Function(SymbolId),
+    /// Derives the function on top.
+    Derive(Derivation),
+    /// Raises what the function below the exponent gives.
+    FunctionPower,
+    Apply,
+    Tuple(u32),
+    Component(u32),
+    Unary(&'static Unary),
+    Binary(&'static Binary),
+}
+
+/// An operator on one value.
+#[derive(Debug)]
+pub(crate) struct Unary {
+    pub(crate) number: fn(f64) -> f64,
+    pub(crate) value: fn(&mut Graph, &Value) -> Result<Value, DimensionError>,
+}
+
+/// An operator on two values.
+#[derive(Debug)]
+pub(crate) struct Binary {
+    pub(crate) numbers: fn(f64, f64) -> f64,
+    pub(crate) values: fn(&mut Graph, &Value, &Value) -> Result<Value, DimensionError>,
+}
+
+/// The operation of an operator.
+pub(crate) fn operation(operator: Operator) -> Operation {
+    use Operation::{Binary, Unary};
+    match operator {
+        Operator::Number(number) => Operation::Number(number),
+        Operator::Constant(symbol) => Operation::Constant(symbol),
+        Operator::Variable(position) => Operation::Variable(position),
+        Operator::Function(symbol) => Operation::Function(symbol),
+        Operator::Partial(position) => Operation::Derive(Derivation::By(position)),
+        Operator::Total => Operation::Derive(Derivation::Total),
+        Operator::FunctionPower => Operation::FunctionPower,
+        Operator::Apply => Operation::Apply,
+        Operator::Tuple(count) => Operation::Tuple(count),
+        Operator::Component(index) => Operation::Component(index),
+        Operator::Plus => Unary(&PLUS),
+        Operator::Negate => Unary(&NEGATE),
+        Operator::Square => Unary(&SQUARE),
+        Operator::Reciprocal => Unary(&RECIPROCAL),
+        Operator::Add => Binary(&ADD),
+        Operator::Subtract => Binary(&SUBTRACT),
+        Operator::Juxtapose => Binary(&JUXTAPOSE),
+        Operator::Multiply => Binary(&MULTIPLY),
+        Operator::Divide => Binary(&DIVIDE),
+        Operator::Power => Binary(&POWER),
+    }
+}
+
+impl Operation {
+    /// How many items it takes from the stack; each operation puts one back.
+    pub(crate) fn operand_count(self) -> usize {
+        match self {
+            Self::Number(_) | Self::Constant(_) | Self::Variable(_) | Self::Function(_) => 0,
+            Self::Derive(_) | Self::Unary(_) | Self::Component(_) => 1,
+            Self::FunctionPower | Self::Apply | Self::Binary(_) => 2,
+            Self::Tuple(count) => count as usize,
+        }
+    }
+}
+
+static PLUS: Unary = Unary {
+    number: |a| a,
+    value: |_, a| Ok(a.clone()),
+};
+
+static NEGATE: Unary = Unary {
+    number: |a| -a,
+    value: |graph, a| Ok(value::negate(graph, a)),
+};
+
+static SQUARE: Unary = Unary {
+    number: |a| a * a,
+    value: |graph, a| Ok(value::square(graph, a)),
+};
+
+static RECIPROCAL: Unary = Unary {
+    number: |a| 1.0 / a,
+    value: value::reciprocal,
+};
+
+static ADD: Binary = Binary {
+    numbers: |a, b| a + b,
+    values: value::add,
+};
+
+static SUBTRACT: Binary = Binary {
+    numbers: |a, b| a - b,
+    values: value::subtract,
+};
+
+static JUXTAPOSE: Binary = Binary {
+    numbers: |a, b| a * b,
+    values: value::juxtapose,
+};
+
+static MULTIPLY: Binary = Binary {
+    numbers: |a, b| a * b,
+    values: value::multiply,
+};
+
+static DIVIDE: Binary = Binary {
+    numbers: |a, b| a / b,
+    values: value::divide,
+};
+
+static POWER: Binary = Binary {
+    numbers: power,
+    values: value::power,
+};
