@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use std::process::Stdio;
 use std::time::Duration;
 
+use ide::Languages;
 use serde_json::{Value, json};
 use server::WindowProgram;
 use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
@@ -64,6 +65,16 @@ impl Editor {
 
     /// Starts a server that starts this program for a preview; the binary starts its own if there is none.
     pub fn start_with(place: Place, name: &str, window: Option<&WindowProgram>) -> Self {
+        Self::start_for(place, name, Languages::standard(), window)
+    }
+
+    /// Starts a server for documents in these languages; the binary has its own.
+    pub fn start_for(
+        place: Place,
+        name: &str,
+        languages: Languages,
+        window: Option<&WindowProgram>,
+    ) -> Self {
         let (reader, writer, server): (
             Box<dyn AsyncRead + Unpin + Send>,
             Box<dyn AsyncWrite + Unpin + Send>,
@@ -72,7 +83,7 @@ impl Editor {
             Place::Here => {
                 let (writer, input) = tokio::io::duplex(BUFFER);
                 let (output, reader) = tokio::io::duplex(BUFFER);
-                let task = tokio::spawn(server::serve(input, output, window.cloned()));
+                let task = tokio::spawn(server::serve(input, output, languages, window.cloned()));
                 (Box::new(reader), Box::new(writer), Server::Here(task))
             }
             Place::Binary => {

@@ -1,7 +1,8 @@
 //! Random edits through the language server: after every one, what it says is what the text alone says.
 
-use ide::Reading;
-use ide::semantic::{TokenType, semantic_tokens};
+use ide::geotrace::GeotraceAnalysis;
+use ide::geotrace::semantic::semantic_tokens;
+use ide::semantic::TokenType;
 use serde_json::{Value, json};
 use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::span::Span;
@@ -226,7 +227,7 @@ impl Mirror {
         let (mut line, mut column) = (0, 0);
         let starts = self.lines();
         let mut data = Vec::new();
-        for token in semantic_tokens(&Reading::new(self.text.as_str()), span) {
+        for token in semantic_tokens(&GeotraceAnalysis::new(self.text.as_str()), span) {
             let place = self.position_among(&starts, token.span.start as usize);
             let next = ["line", "character"].map(|key| place[key].as_i64().expect("a number"));
             let down = next[0] - line;

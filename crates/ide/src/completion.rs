@@ -1,32 +1,23 @@
-//! What can be written at a place.
+//! Completions: what the user can write at a place.
 
-use syntax::geotrace::declarations::DeclarationKeyword;
-use syntax::geotrace::symbols::{Symbol, SymbolKind};
-use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
-use crate::describe::{self, Description};
-use crate::item::Item;
-use crate::outline::parameters;
-use crate::reading::Reading;
-use crate::visible::Visible;
-
-/// One thing that can be written.
+/// One entry of a list of completions.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Completion {
     /// The name, as it is written and listed.
     pub label: String,
-    /// What kind of thing it is.
+    /// The kind of its symbol.
     pub kind: CompletionKind,
     /// A short note beside the label.
     pub detail: String,
-    /// What takes the place of the range.
+    /// The text that replaces [`Completions::range`].
     pub insert: String,
-    /// Whether `insert` holds places to fill in: `${1:name}`.
+    /// True if `insert` holds places to fill in: `${1:name}`.
     pub snippet: bool,
 }
 
-/// What kind of thing a completion is.
+/// The kind of a completion, which editors show as a symbol.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 #[allow(missing_docs)]
 pub enum CompletionKind {
@@ -38,357 +29,24 @@ pub enum CompletionKind {
     Parameter,
 }
 
-/// What can be written at a place.
+/// The completions at a place.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Completions {
-    /// What it takes the place of: what is left of the word before the place.
+    /// The range that a completion replaces: the part of the word that is already written.
     pub range: Span,
-    /// What can be written.
+    /// The entries.
     pub list: Vec<Completion>,
-    /// Whether that is all: of a long text some names are listed, and others when more of the word has been written.
+    /// False if the list was cut off, so that the editor asks again when more of the word is written.
     pub is_complete: bool,
 }
 
-/// Where more declarations stand above, the list holds so many of their names: those that go on from what is written.
-const MOST_NAMES: usize = 256;
-
-/// What can be written at a place.
-pub fn completions(reading: &Reading, offset: u32, snippets: bool) -> Completions {
-    let place = Place::of(reading, offset);
-    let names = Names {
-        visible: Visible::at(reading, offset),
-        written: reading.slice(place.range),
-    };
-    let mut is_complete = true;
-    let list = match place.wanted {
-        Wanted::Nothing => Vec::new(),
-        Wanted::Declaration => DeclarationKeyword::ALL
-            .map(|word| declaring(word, snippets))
-            .to_vec(),
-        Wanted::Parameter(item) => own_parameters(reading, item),
-        Wanted::ParameterOf(item) => own_parameters(reading, item),
-        Wanted::Surface => {
-            is_complete = names.are_few();
-            let all = names.list(reading).into_iter();
-            let is_surface = |symbol: &&Symbol| {
-                matches!(
-                    symbol.word,
-                    Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric)
-                )
-            };
-            all.filter(is_surface).map(of_symbol).collect()
-        }
-        Wanted::Operand(item) => {
-            let mut list = item
-                .map(|item| own_parameters(reading, item))
-                .unwrap_or_default();
-            is_complete = names.are_few();
-            list.extend(names.list(reading).into_iter().map(of_symbol));
-            list
-        }
-    };
-    Completions {
-        range: place.range,
-        list,
-        is_complete,
-    }
-}
-
-/// More about a completion, told when it is chosen from the list.
-pub fn describe(reading: &Reading, offset: u32, label: &str) -> Option<Description> {
-    if let Some(word) = DeclarationKeyword::from_text(label) {
-        return Some(Description {
-            code: form(word).to_owned(),
-            text: vec![purpose(word).to_owned()],
-        });
-    }
-    let id = Visible::at(reading, offset).named(label)?;
-    describe::of_symbol(reading, id)
-}
-
-/// What fits at a place.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Wanted {
-    Nothing,
-    Declaration,
-    /// One of the declaration's own parameters: an interval's tag.
-    Parameter(usize),
-    /// A parameter of the function that this item declares: behind `f_`.
-    ParameterOf(usize),
-    /// A surface or a metric: behind the colon of a geodesic.
-    Surface,
-    /// Any operand, in the body of this item.
-    Operand(Option<usize>),
-}
-
-struct Place {
-    wanted: Wanted,
-    range: Span,
-}
-
-impl Place {
-    fn of(reading: &Reading, offset: u32) -> Self {
-        let start = word_start(reading, offset);
-        let range = Span::new(start, offset);
-        let next = reading.document().tokens_begun(start) as usize;
-        let last = next.checked_sub(1).and_then(|k| reading.token(k));
-        if last.is_some_and(|t| t.kind == TokenKind::Comment && offset <= t.span.end) {
-            return Self {
-                wanted: Wanted::Nothing,
-                range,
-            };
-        }
-        let before = (0..next).rev().filter_map(|k| Some((k, reading.token(k)?)));
-        let mut before = before.filter(|(_, token)| token.kind != TokenKind::Comment);
-        // A declaration that starts here is not yet the one that is being written.
-        let item = reading
-            .item_at(start)
-            .filter(|item| item.span.start < start);
-        let item = item.or_else(|| open_item(reading, start));
-        let number = item.map(|item| item.index);
-        let wanted = match before.next() {
-            None => Wanted::Declaration,
-            Some((at, token)) => match token.kind {
-                TokenKind::Semicolon => Wanted::Declaration,
-                TokenKind::Declare(_) => Wanted::Nothing,
-                TokenKind::Underscore => match function_before(reading, at) {
-                    Some(item) => Wanted::ParameterOf(item),
-                    None => Wanted::Nothing,
-                },
-                TokenKind::Number(_) if range.start == range.end && token.span.end == start => {
-                    Wanted::Operand(number)
-                }
-                TokenKind::Colon => {
-                    let geodesic = item.is_some_and(|it| it.word == DeclarationKeyword::Geodesic);
-                    let behind = at.checked_sub(1).and_then(|k| reading.token(k));
-                    let behind_list = behind.is_none_or(|t| {
-                        let last = t.text.bytes().next_back();
-                        !last.is_some_and(|byte| byte.is_ascii_alphanumeric())
-                    });
-                    if geodesic && behind_list {
-                        Wanted::Surface
-                    } else {
-                        Wanted::Nothing
-                    }
-                }
-                TokenKind::Comma if item.is_some_and(|item| expects_tag(reading, &item, at)) => {
-                    number.map_or(Wanted::Nothing, Wanted::Parameter)
-                }
-                _ => Wanted::Operand(number),
-            },
-        };
-        Self { wanted, range }
-    }
-}
-
-/// Where the part of a word before a place begins that is being written: at the first seam of the word from which a
-/// name goes on as it is written, else at the last one. Of `2pive` that is `ve` where `vel` is defined.
-fn word_start(reading: &Reading, offset: u32) -> u32 {
-    let mut start = reading.document().word_start(offset);
-    // Digits before the first letter are a number.
-    let word = reading.slice(Span::new(start, offset));
-    let digits = word.bytes().take_while(u8::is_ascii_digit).count();
-    let (word, from) = (&word[digits..], start + digits as u32);
-    start = from;
-    let tokens = reading.tokens(reading.tokens_in(Span::new(start, offset)));
-    let seams = tokens.map(|t| t.span.start).filter(|&at| at >= start);
-    let item = reading.item_at(offset);
-    let visible = Visible::at(reading, offset);
-    let goes_on = |at: &u32| {
-        let written = &word[(*at - from) as usize..];
-        let mut parameters = item.iter().flat_map(|item| item.parameters());
-        visible.begins(written) || parameters.any(|(name, _)| name.starts_with(written))
-    };
-    let mut last = start;
-    for at in seams {
-        if goes_on(&at) {
-            return at;
-        }
-        last = at;
-    }
-    last
-}
-
-/// The last declaration before a place, where it has not ended with a `;`.
-fn open_item(reading: &Reading, offset: u32) -> Option<Item<'_>> {
-    // One that starts at the place does not stand before it.
-    let begun = reading
-        .document()
-        .declarations_begun(offset.checked_sub(1)?) as usize;
-    let item = reading.item(begun.checked_sub(1)?)?;
-    let end = item.span.end;
-    // A `;` is a chunk's end: far declarations are closed, and nothing long is looked at.
-    let rest = reading.slice(Span::new(end.saturating_sub(1), offset.max(end)));
-    (!rest.contains(';')).then_some(item)
-}
-
-/// The item of the function before an underscore.
-fn function_before(reading: &Reading, underscore: usize) -> Option<usize> {
-    for token in reading.tokens_before(underscore) {
-        match token.kind {
-            TokenKind::Function(id) => return reading.item_of(id),
-            TokenKind::Variable(_) | TokenKind::Underscore | TokenKind::Prime => {}
-            _ => return None,
-        }
-    }
-    None
-}
-
-/// Whether behind this comma an interval's tag comes: the comma stands outside all brackets, behind the body.
-fn expects_tag(reading: &Reading, item: &Item<'_>, comma: usize) -> bool {
-    let has_intervals = matches!(
-        item.word,
-        DeclarationKeyword::Curve
-            | DeclarationKeyword::Surface
-            | DeclarationKeyword::Metric
-            | DeclarationKeyword::Geodesic
-    );
-    let first = reading.document().tokens_begun(item.span.start) as usize;
-    let depth: i32 = reading
-        .tokens(first..comma)
-        .map(|token| match token.kind {
-            TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => 1,
-            TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => -1,
-            _ => 0,
-        })
-        .sum();
-    has_intervals && depth == 0
-}
-
-fn own_parameters(reading: &Reading, item: usize) -> Vec<Completion> {
-    let Some(item) = reading.item(item) else {
-        return Vec::new();
-    };
-    let parameters = item.parameters();
-    parameters
-        .map(|(name, _)| Completion {
-            label: name.to_owned(),
-            kind: CompletionKind::Parameter,
-            detail: format!("parameter of {}", item.name),
-            insert: name.to_owned(),
-            snippet: false,
-        })
-        .collect()
-}
-
-/// The names that can be written as operands.
-struct Names<'r> {
-    visible: Visible<'r>,
-    /// What is written of one.
-    written: String,
-}
-
-impl<'r> Names<'r> {
-    /// Whether all of them are listed.
-    fn are_few(&self) -> bool {
-        self.visible.above() <= MOST_NAMES
-    }
-
-    /// The builtins first. Of many, those nearest above, or those that go on from what is written.
-    fn list(&self, reading: &'r Reading) -> Vec<&'r Symbol> {
-        let mut list: Vec<&Symbol> = self.visible.builtins().map(|(_, symbol)| symbol).collect();
-        if self.are_few() || self.written.is_empty() {
-            let nearest = self.visible.nearest(MOST_NAMES);
-            list.extend(nearest.map(|(_, symbol)| symbol));
-        } else {
-            let found = self.visible.beginning(&self.written, MOST_NAMES);
-            list.extend(found.into_iter().filter_map(|id| reading.symbol(id)));
-        }
-        list
-    }
-}
-
-fn of_symbol(symbol: &Symbol) -> Completion {
-    let kind = match (symbol.word, symbol.kind) {
-        (Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric), _) => {
-            CompletionKind::Surface
-        }
-        (Some(DeclarationKeyword::Curve | DeclarationKeyword::Geodesic), _) => {
-            CompletionKind::Curve
-        }
-        (_, SymbolKind::Function) => CompletionKind::Function,
-        (_, SymbolKind::Constant) => CompletionKind::Constant,
-    };
-    let word = symbol.word.map_or("builtin", DeclarationKeyword::text);
-    let names = symbol.parameters.iter().map(|p| p.name.as_str());
-    Completion {
-        label: symbol.name.to_string(),
-        kind,
-        detail: format!("{word} {}{}", symbol.name, parameters(names)),
-        insert: symbol.name.to_string(),
-        snippet: false,
-    }
-}
-
-fn declaring(word: DeclarationKeyword, snippets: bool) -> Completion {
-    Completion {
-        label: word.text().to_owned(),
-        kind: CompletionKind::Keyword,
-        detail: purpose(word).to_owned(),
-        insert: if snippets {
-            snippet(word).to_owned()
-        } else {
-            format!("{} ", word.text())
-        },
-        snippet: snippets,
-    }
-}
-
-/// The form of a declaration.
-pub(crate) fn form(word: DeclarationKeyword) -> &'static str {
-    match word {
-        DeclarationKeyword::Param => "param r = 0.5 : [0, 1];",
-        DeclarationKeyword::Grid => "grid k : [0, 1, 5];",
-        DeclarationKeyword::Define => "define a = 2pi;",
-        DeclarationKeyword::Function => "function f(x, y) = x^2 + y;",
-        DeclarationKeyword::Curve => "curve c(t) = (cos t, sin t, 0), t : [0, 2pi];",
-        DeclarationKeyword::Surface => "surface s(u,v) = (u, v, u v), u : [0, 1], v : [0, 1];",
-        DeclarationKeyword::Point => "point p = (1, 2, 3);",
-        DeclarationKeyword::Vector => "vector v = (1, 0, 0) @ p;",
-        DeclarationKeyword::Metric => "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-2, 2], v : [1, 4];",
-        DeclarationKeyword::Geodesic => "geodesic g(t) : s = (1, 0) @ (0, 0), t : [0, 1];",
-    }
-}
-
-/// What a declaration is for.
-pub(crate) fn purpose(word: DeclarationKeyword) -> &'static str {
-    match word {
-        DeclarationKeyword::Param => "a slider, one for each interval",
-        DeclarationKeyword::Grid => {
-            "equally spaced values; what depends on them is drawn once for each"
-        }
-        DeclarationKeyword::Define => "a constant",
-        DeclarationKeyword::Function => "a function of numbers or vectors",
-        DeclarationKeyword::Curve => "a curve in space",
-        DeclarationKeyword::Surface => "a surface in space, seen in 3D and from inside",
-        DeclarationKeyword::Point => "a point in space",
-        DeclarationKeyword::Vector => "an arrow: direction @ origin",
-        DeclarationKeyword::Metric => {
-            "a surface given by its first fundamental form (E, F, G), seen from inside"
-        }
-        DeclarationKeyword::Geodesic => "a straightest line in a surface: direction @ start",
-    }
-}
-
-fn snippet(word: DeclarationKeyword) -> &'static str {
-    match word {
-        DeclarationKeyword::Param => "param ${1:r} : [${2:0}, ${3:1}];",
-        DeclarationKeyword::Grid => "grid ${1:k} : [${2:0}, ${3:1}, ${4:5}];",
-        DeclarationKeyword::Define => "define ${1:a} = ${2:2pi};",
-        DeclarationKeyword::Function => "function ${1:f}(${2:x}) = ${3:x^2};",
-        DeclarationKeyword::Curve => {
-            "curve ${1:c}(${2:t}) = (${3:cos t}, ${4:sin t}, ${5:0}), ${2:t} : [${6:0}, ${7:2pi}];"
-        }
-        DeclarationKeyword::Surface => {
-            "surface ${1:s}(${2:u},${3:v}) = (${4:u}, ${5:v}, ${6:u v}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];"
-        }
-        DeclarationKeyword::Point => "point ${1:p} = (${2:0}, ${3:0}, ${4:0});",
-        DeclarationKeyword::Vector => "vector ${1:v} = (${2:1}, ${3:0}, ${4:0}) @ ${5:(0, 0, 0)};",
-        DeclarationKeyword::Metric => {
-            "metric ${1:h}(${2:u},${3:v}) = (${4:1}, ${5:0}, ${6:1}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];"
-        }
-        DeclarationKeyword::Geodesic => {
-            "geodesic ${1:g}(${2:t}) : ${3:s} = (${4:1}, ${5:0}) @ (${6:0}, ${7:0}), ${2:t} : [0, ${8:1}];"
+impl Completions {
+    /// An empty, complete list at an offset.
+    pub fn empty(offset: u32) -> Self {
+        Self {
+            range: Span::new(offset, offset),
+            list: Vec::new(),
+            is_complete: true,
         }
     }
 }

@@ -1,28 +1,26 @@
-//! What can be done about a mistake, as edits.
+//! Fixes of mistakes, as edits.
 
 use syntax::diagnostic::Diagnostic;
 use syntax::span::Span;
 
 use crate::edit::Edit;
-use crate::reading::Reading;
 
-/// A change that mends something.
+/// A change that fixes a diagnostic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fix {
-    /// What it does, as an order: "Write `sin(2x)`".
+    /// An imperative sentence: "Write `sin(2x)`".
     pub title: String,
     /// The edits.
     pub edits: Vec<Edit>,
-    /// The finding that it mends.
+    /// The diagnostic that the edits fix.
     pub diagnostic: Diagnostic,
-    /// Whether it is the one to take without a thought.
+    /// True for the fix that an editor may apply without asking.
     pub preferred: bool,
 }
 
-/// What can be done about the findings that touch a range.
-pub fn fixes(reading: &Reading, range: Span) -> Vec<Fix> {
-    let touching = reading
-        .diagnostics()
+/// Returns the fixes of the diagnostics that touch a range.
+pub fn fixes(diagnostics: &[Diagnostic], range: Span) -> Vec<Fix> {
+    let touching = diagnostics
         .iter()
         .filter(|d| d.span.start <= range.end && range.start <= d.span.end);
     let fixes = touching.flat_map(|diagnostic| {

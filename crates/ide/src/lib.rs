@@ -1,35 +1,34 @@
-//! What an editor shows of a text beyond its mistakes, as plain data on byte offsets.
+//! What an editor shows of a program beyond its mistakes, as plain data on byte offsets, whatever its language.
 //!
 //! ```text
-//! a text, or a document ──reading.rs──▶ Reading ─┬─▶ semantic    colours by meaning
-//!                                                ├─▶ hover, signature, completion
-//!                                                ├─▶ navigate    definition, occurrences
-//!                                                ├─▶ rename, fix, format, write   edits; rename and format read the result again
-//!                                                └─▶ outline, hints, lens, live
+//! languages     the languages by file extension and name
+//! language      the interface of a language: Language, Program, Analysis
+//! geotrace      the Geotrace language behind it
+//! text          a text by its lines
+//! completion, description, edit, fix, hint, lens, occurrence, outline, rename, semantic, signature, …
+//!               what the features return
 //! ```
 //!
-//! No type of the language server protocol: its numbers of lines and columns, and its names, are the server's business.
+//! The crate names no type of the language server protocol: lines, columns and names of the protocol are the server's
+//! business.
 
 pub mod completion;
-pub mod describe;
+pub mod description;
 pub mod edit;
+pub mod edit_param;
 pub mod fix;
-pub mod format;
-mod geometry;
-pub mod hints;
-pub mod hover;
-mod item;
+pub mod geotrace;
+pub mod highlight;
+pub mod hint;
+pub mod language;
+mod languages;
 pub mod lens;
-pub mod live;
-mod meaning;
-pub mod navigate;
+pub mod occurrence;
 pub mod outline;
-pub mod reading;
 pub mod rename;
 pub mod semantic;
 pub mod signature;
-mod visible;
-pub mod write;
+pub mod text;
 
-pub use item::Item;
-pub use reading::{Lexeme, Reading, Target};
+pub use language::{Analysis, Language, Program};
+pub use languages::Languages;

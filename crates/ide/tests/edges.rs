@@ -1,22 +1,23 @@
 //! Texts that are being written: incomplete, empty, of one long line, with marks of other systems.
 
-use ide::completion::completions;
 use ide::edit::apply;
-use ide::{
-    Reading, fix, format, hints, hover, lens, navigate, outline, rename, semantic, signature,
+use ide::fix;
+use ide::geotrace::completion::completions;
+use ide::geotrace::{
+    GeotraceAnalysis, format, hints, hover, lens, navigation, outline, rename, semantic, signature,
 };
 use syntax::span::Span;
 
 /// The text without its mark, and where the mark stood.
-fn marked(text: &str) -> (Reading, u32) {
+fn marked(text: &str) -> (GeotraceAnalysis, u32) {
     let at = text.find('|').expect("a mark");
     let text = format!("{}{}", &text[..at], &text[at + 1..]);
-    (Reading::new(text), at as u32)
+    (GeotraceAnalysis::new(text), at as u32)
 }
 
 fn labels(text: &str) -> Vec<String> {
-    let (reading, offset) = marked(text);
-    let list = completions(&reading, offset, true).list;
+    let (analysis, offset) = marked(text);
+    let list = completions(&analysis, offset, true).list;
     list.into_iter().map(|c| c.label).collect()
 }
 
@@ -35,11 +36,11 @@ fn values_are_told_while_another_declaration_is_being_written() {
         "surface q(u) = u;",
     ] {
         let text = format!("define a = 2pi;\ndefine b = a/2;\n{unfinished}");
-        let (reading, offset) = marked(&text.replace("a/2", "|a/2"));
-        let (_, told) = hover::hover(&reading, offset).expect("a name");
+        let (analysis, offset) = marked(&text.replace("a/2", "|a/2"));
+        let (_, told) = hover::hover(&analysis, offset).expect("a name");
         assert_eq!(told.text, ["= 6.2832"], "{unfinished}");
-        let all = Span::new(0, reading.text().len() as u32);
-        let values: Vec<String> = hints::hints(&reading, all)
+        let all = Span::new(0, analysis.text().len() as u32);
+        let values: Vec<String> = hints::hints(&analysis, all)
             .into_iter()
             .filter(|hint| hint.apart)
             .map(|hint| hint.label)
@@ -52,14 +53,14 @@ fn values_are_told_while_another_declaration_is_being_written() {
 fn what_uses_a_wrong_declaration_has_no_value() {
     // Without `ab`, the word would be read as the product of `a` and `b`.
     let text = "define a = 2; define b = 3; define ab = sinn 1; define c = |ab + 1; define d = c;";
-    let (reading, offset) = marked(text);
-    let (_, told) = hover::hover(&reading, offset).expect("a name");
+    let (analysis, offset) = marked(text);
+    let (_, told) = hover::hover(&analysis, offset).expect("a name");
     assert!(
         !told.text.iter().any(|text| text.starts_with('=')),
         "{told:?}"
     );
-    let all = Span::new(0, reading.text().len() as u32);
-    let values = hints::hints(&reading, all).into_iter();
+    let all = Span::new(0, analysis.text().len() as u32);
+    let values = hints::hints(&analysis, all).into_iter();
     assert_eq!(values.filter(|hint| hint.apart).count(), 0);
 }
 
@@ -117,15 +118,15 @@ fn every_feature_answers_at_every_place_of_any_text() {
         "param p : [0,1], [",
         long.as_str(),
     ] {
-        let reading = Reading::new(text);
+        let analysis = GeotraceAnalysis::new(text);
         let end = text.len() as u32;
         let whole = Span::new(0, end);
-        outline::outline(&reading);
-        outline::folds(&reading);
-        lens::lenses(&reading);
-        fix::fixes(&reading, whole);
-        let laid_out = apply(text, &format::format(&reading, None));
-        let again = Reading::new(laid_out.as_str());
+        outline::outline(&analysis);
+        outline::folds(&analysis);
+        lens::lenses(&analysis);
+        fix::fixes(analysis.diagnostics(), whole);
+        let laid_out = apply(text, &format::format(&analysis, None));
+        let again = GeotraceAnalysis::new(laid_out.as_str());
         assert_eq!(
             apply(&laid_out, &format::format(&again, None)),
             laid_out,
@@ -134,17 +135,17 @@ fn every_feature_answers_at_every_place_of_any_text() {
         let places = (0..=end).filter(|&at| text.is_char_boundary(at as usize));
         let step = 1 + text.len() / 200;
         for offset in places.step_by(step) {
-            hover::hover(&reading, offset);
-            signature::signature(&reading, offset);
-            navigate::definition(&reading, offset);
-            navigate::occurrences(&reading, offset);
-            let _ = rename::rename(&reading, offset, "zq9");
-            hints::hints(&reading, Span::new(offset, end));
-            semantic::semantic_tokens(&reading, Span::new(offset, offset));
-            format::format(&reading, Some(Span::new(offset, offset)));
-            let range = completions(&reading, offset, true).range;
+            hover::hover(&analysis, offset);
+            signature::signature(&analysis, offset);
+            navigation::definition(&analysis, offset);
+            navigation::occurrences(&analysis, offset);
+            let _ = rename::rename(&analysis, offset, "zq9");
+            hints::hints(&analysis, Span::new(offset, end));
+            semantic::semantic_tokens(&analysis, Span::new(offset, offset));
+            format::format(&analysis, Some(Span::new(offset, offset)));
+            let range = completions(&analysis, offset, true).range;
             assert!(range.end == offset && range.start <= offset, "{text:?}");
-            let chain = outline::selection(&reading, offset);
+            let chain = outline::selection(&analysis, offset);
             assert_eq!(chain.last(), Some(&whole), "{text:?} at {offset}");
             for pair in chain.windows(2) {
                 let [inner, outer] = pair else { continue };
@@ -157,16 +158,17 @@ fn every_feature_answers_at_every_place_of_any_text() {
 #[test]
 fn names_are_renamed_into_words_of_other_declarations_or_refused() {
     // `ab` is the product of `a` and `b`: as the new name of `c` it would swallow them.
-    let (reading, offset) = marked("define a = 2; define b = 3; define |c = 5; define d = ab + c;");
-    let edits = rename::rename(&reading, offset, "ab").expect("a space helps");
+    let (analysis, offset) =
+        marked("define a = 2; define b = 3; define |c = 5; define d = ab + c;");
+    let edits = rename::rename(&analysis, offset, "ab").expect("a space helps");
     assert_eq!(
-        apply(reading.text(), &edits),
+        apply(analysis.text(), &edits),
         "define a = 2; define b = 3; define ab = 5; define d = a b + ab;"
     );
     // A parameter that is renamed into part of a word.
-    let (reading, offset) = marked("define a = 2; function f(|x) = x a + ax;");
-    let edits = rename::rename(&reading, offset, "xa").expect("it is free");
-    let renamed = Reading::new(apply(reading.text(), &edits));
+    let (analysis, offset) = marked("define a = 2; function f(|x) = x a + ax;");
+    let edits = rename::rename(&analysis, offset, "xa").expect("it is free");
+    let renamed = GeotraceAnalysis::new(apply(analysis.text(), &edits));
     assert_eq!(
         renamed.compilation().diagnostics.len(),
         0,
@@ -174,10 +176,10 @@ fn names_are_renamed_into_words_of_other_declarations_or_refused() {
         renamed.text()
     );
     // A use before a name that exists only below stays an error of the same kind.
-    let (reading, offset) = marked("define x = qq; define |a = 1; define b = a;");
-    match rename::rename(&reading, offset, "q") {
+    let (analysis, offset) = marked("define x = qq; define |a = 1; define b = a;");
+    match rename::rename(&analysis, offset, "q") {
         Ok(edits) => {
-            let text = apply(reading.text(), &edits);
+            let text = apply(analysis.text(), &edits);
             assert!(text.starts_with("define x = qq; define q = 1;"), "{text}");
         }
         Err(error) => panic!("{error}"),
@@ -186,12 +188,12 @@ fn names_are_renamed_into_words_of_other_declarations_or_refused() {
 
 #[test]
 fn lines_of_other_systems_stay_lines_when_a_text_is_laid_out() {
-    let reading = Reading::new("define  a=1;\r\n\r\n# é\r\ndefine b = a\r\n+ 1;\r\n");
-    let laid_out = apply(reading.text(), &format::format(&reading, None));
+    let analysis = GeotraceAnalysis::new("define  a=1;\r\n\r\n# é\r\ndefine b = a\r\n+ 1;\r\n");
+    let laid_out = apply(analysis.text(), &format::format(&analysis, None));
     assert_eq!(
         laid_out,
         "define a = 1;\r\n\r\n# é\r\ndefine b = a\r\n    + 1;\r\n"
     );
-    let again = Reading::new(laid_out);
+    let again = GeotraceAnalysis::new(laid_out);
     assert_eq!(format::format(&again, None), []);
 }

@@ -1,35 +1,37 @@
 //! What an editor shows, at a cursor that the texts mark with `|`.
 
-use ide::completion::completions;
-use ide::semantic::{Modifiers, TokenType, semantic_tokens};
-use ide::{Reading, fix, hints, hover, lens, navigate, outline, signature};
+use ide::fix;
+use ide::geotrace::completion::completions;
+use ide::geotrace::semantic::semantic_tokens;
+use ide::geotrace::{GeotraceAnalysis, hints, hover, lens, navigation, outline, signature};
+use ide::semantic::{Modifiers, TokenType};
 use syntax::span::Span;
 
 /// The text without its mark, and where the mark stood.
-fn marked(text: &str) -> (Reading, u32) {
+fn marked(text: &str) -> (GeotraceAnalysis, u32) {
     let at = text.find('|').expect("a mark");
     let text = format!("{}{}", &text[..at], &text[at + 1..]);
-    (Reading::new(text), at as u32)
+    (GeotraceAnalysis::new(text), at as u32)
 }
 
-fn whole(reading: &Reading) -> Span {
-    Span::new(0, reading.text().len() as u32)
+fn whole(analysis: &GeotraceAnalysis) -> Span {
+    Span::new(0, analysis.text().len() as u32)
 }
 
 fn labels(text: &str) -> (String, Vec<String>) {
-    let (reading, offset) = marked(text);
-    let found = completions(&reading, offset, true);
+    let (analysis, offset) = marked(text);
+    let found = completions(&analysis, offset, true);
     assert!(found.is_complete, "of a short text everything is listed");
     let labels = found.list.into_iter().map(|c| c.label).collect();
-    (found.range.text(reading.text()).to_owned(), labels)
+    (found.range.text(analysis.text()).to_owned(), labels)
 }
 
 #[test]
 fn colours_tell_what_a_name_is_and_where_it_is_introduced() {
-    let reading = Reading::new(
+    let analysis = GeotraceAnalysis::new(
         "param r : [1,2]; grid k : [0,1,3];\nsurface s(u,v) = (rcosu, k, v^2), u : [0,1], v : [0,1]; # ∂",
     );
-    let shown: Vec<String> = semantic_tokens(&reading, whole(&reading))
+    let shown: Vec<String> = semantic_tokens(&analysis, whole(&analysis))
         .into_iter()
         .filter(|t| !matches!(t.token_type, TokenType::Operator | TokenType::Number))
         .map(|t| {
@@ -40,7 +42,7 @@ fn colours_tell_what_a_name_is_and_where_it_is_introduced() {
                 .collect();
             format!(
                 "{}:{}:{}",
-                t.span.text(reading.text()),
+                t.span.text(analysis.text()),
                 t.token_type.name(),
                 modifiers.join("+")
             )
@@ -71,11 +73,11 @@ fn colours_tell_what_a_name_is_and_where_it_is_introduced() {
 
 #[test]
 fn a_range_gives_the_tokens_that_touch_it_and_no_more() {
-    let reading = Reading::new("define a = 1;\ndefine b = 2;\ndefine c = a + b;");
+    let analysis = GeotraceAnalysis::new("define a = 1;\ndefine b = 2;\ndefine c = a + b;");
     let second = Span::new(14, 27);
-    let spans: Vec<&str> = semantic_tokens(&reading, second)
+    let spans: Vec<&str> = semantic_tokens(&analysis, second)
         .iter()
-        .map(|t| t.span.text(reading.text()))
+        .map(|t| t.span.text(analysis.text()))
         .collect();
     assert_eq!(spans, ["define", "b", "2"]);
 }
@@ -83,8 +85,8 @@ fn a_range_gives_the_tokens_that_touch_it_and_no_more() {
 #[test]
 fn hover_tells_values_signatures_and_geometry() {
     let tell = |text: &str| {
-        let (reading, offset) = marked(text);
-        hover::hover(&reading, offset).map(|(_, d)| d.markdown())
+        let (analysis, offset) = marked(text);
+        hover::hover(&analysis, offset).map(|(_, d)| d.markdown())
     };
     let told = tell("define tau = 2pi;\ndefine x = ta|u/2;").expect("a hover");
     assert!(
@@ -183,9 +185,9 @@ fn completion_in_a_long_text_lists_the_names_that_go_on_from_what_is_written() {
     let ask = |written: &str| {
         let mut text = text.clone();
         text.insert_str(middle, &format!("define new = 2{written};\n"));
-        let reading = Reading::new(&text);
+        let analysis = GeotraceAnalysis::new(&text);
         let offset = (middle + "define new = 2".len() + written.len()) as u32;
-        let found = completions(&reading, offset, true);
+        let found = completions(&analysis, offset, true);
         assert_eq!(found.range.text(&text), written);
         assert!(!found.is_complete);
         let labels = found.list.into_iter().map(|c| c.label);
@@ -220,8 +222,8 @@ fn completion_in_a_long_text_lists_the_names_that_go_on_from_what_is_written() {
 #[test]
 fn signature_help_counts_the_arguments() {
     let help = |text: &str| {
-        let (reading, offset) = marked(text);
-        signature::signature(&reading, offset)
+        let (analysis, offset) = marked(text);
+        signature::signature(&analysis, offset)
     };
     let text = "function f(a,b) = a b; define x = f(1, sin(2), |3);";
     let signature = help(text).expect("a signature");
@@ -239,18 +241,18 @@ fn signature_help_counts_the_arguments() {
 
 #[test]
 fn definitions_and_occurrences_follow_names_and_parameters() {
-    let (reading, offset) =
+    let (analysis, offset) =
         marked("define ab = 1;\nfunction f(x) = x ab + a|bx;\ndefine c = f_x 1;");
-    let (used, place) = navigate::definition(&reading, offset).expect("a definition");
-    assert_eq!((used.text(reading.text()), place), ("ab", Span::new(7, 9)));
-    let spans: Vec<u32> = navigate::occurrences(&reading, offset)
+    let (used, place) = navigation::definition(&analysis, offset).expect("a definition");
+    assert_eq!((used.text(analysis.text()), place), ("ab", Span::new(7, 9)));
+    let spans: Vec<u32> = navigation::occurrences(&analysis, offset)
         .iter()
         .map(|o| o.span.start)
         .collect();
     assert_eq!(spans, [7, 33, 38]);
-    let (reading, offset) =
+    let (analysis, offset) =
         marked("define ab = 1;\nfunction f(|x) = x ab + abx;\ndefine c = f_x 1;");
-    let occurrences = navigate::occurrences(&reading, offset);
+    let occurrences = navigation::occurrences(&analysis, offset);
     let shown: Vec<(u32, bool)> = occurrences
         .iter()
         .map(|o| (o.span.start, o.introduces))
@@ -261,13 +263,13 @@ fn definitions_and_occurrences_follow_names_and_parameters() {
 #[test]
 fn the_outline_the_folds_and_the_selection_follow_the_declarations() {
     let text = "# One\n# two\nsurface s(u,v) = (u,\n  v, 0), u : [0,1], v : [0,1];\ndefine a = 2(1 + 3);\n";
-    let reading = Reading::new(text);
-    let names: Vec<String> = outline::outline(&reading)
+    let analysis = GeotraceAnalysis::new(text);
+    let names: Vec<String> = outline::outline(&analysis)
         .into_iter()
-        .map(|e| format!("{} {}{}", e.word.text(), e.name, e.detail))
+        .map(|e| format!("{} {}{}", e.keyword, e.name, e.detail))
         .collect();
     assert_eq!(names, ["surface s(u, v)", "define a"]);
-    let folds: Vec<(&str, bool)> = outline::folds(&reading)
+    let folds: Vec<(&str, bool)> = outline::folds(&analysis)
         .iter()
         .map(|f| {
             (
@@ -278,7 +280,7 @@ fn the_outline_the_folds_and_the_selection_follow_the_declarations() {
         .collect();
     assert_eq!(folds, [("#", true), ("surface", false)]);
     let at = text.find("3)").expect("the three") as u32;
-    let chain: Vec<&str> = outline::selection(&reading, at)
+    let chain: Vec<&str> = outline::selection(&analysis, at)
         .iter()
         .map(|s| s.text(text))
         .collect();
@@ -291,10 +293,10 @@ fn the_outline_the_folds_and_the_selection_follow_the_declarations() {
 
 #[test]
 fn hints_show_how_words_are_split_and_what_defines_are() {
-    let reading = Reading::new(
+    let analysis = GeotraceAnalysis::new(
         "define a = 2pi;\nfunction f(v) = piv + cosv;\nparam r : [0,1];\ndefine b = 2r;\ndefine c = 3;",
     );
-    let shown: Vec<(u32, String)> = hints::hints(&reading, whole(&reading))
+    let shown: Vec<(u32, String)> = hints::hints(&analysis, whole(&analysis))
         .into_iter()
         .map(|h| (h.offset, h.label))
         .collect();
@@ -311,8 +313,8 @@ fn hints_show_how_words_are_split_and_what_defines_are() {
 #[test]
 fn mistakes_come_with_the_edits_that_mend_them() {
     let mended = |text: &str, title: &str| {
-        let reading = Reading::new(text);
-        let fixes = fix::fixes(&reading, whole(&reading));
+        let analysis = GeotraceAnalysis::new(text);
+        let fixes = fix::fixes(analysis.diagnostics(), whole(&analysis));
         let titles: Vec<&str> = fixes.iter().map(|f| f.title.as_str()).collect();
         let fix = fixes.iter().find(|f| f.title == title);
         let fix = fix.unwrap_or_else(|| panic!("{title} in {titles:?}"));
@@ -341,12 +343,12 @@ fn mistakes_come_with_the_edits_that_mend_them() {
 
 #[test]
 fn lenses_offer_the_views_of_surfaces() {
-    let reading = Reading::new(
+    let analysis = GeotraceAnalysis::new(
         "surface s(u,v) = (u,v,0), u : [0,1], v : [0,1];\nmetric h(u,v) = (1,0,1), u : [0,1], v : [0,1];",
     );
-    let shown: Vec<String> = lens::lenses(&reading)
+    let shown: Vec<String> = lens::lenses(&analysis)
         .iter()
-        .map(|l| format!("{} {}", l.object, l.title))
+        .map(|l| format!("{} {}", l.span.text(analysis.text()), l.title))
         .collect();
     assert_eq!(shown, ["s 3D", "s inside view", "h inside view"]);
 }

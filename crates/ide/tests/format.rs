@@ -1,11 +1,12 @@
 //! The layout: canonical, stable, and without influence on what a text means.
 
-use ide::format::format;
-use ide::{Reading, edit};
+use ide::edit;
+use ide::geotrace::GeotraceAnalysis;
+use ide::geotrace::format::format;
 use syntax::span::Span;
 
 fn formatted(text: &str) -> String {
-    edit::apply(text, &format(&Reading::new(text), None))
+    edit::apply(text, &format(&GeotraceAnalysis::new(text), None))
 }
 
 #[test]
@@ -41,8 +42,8 @@ fn what_is_laid_out_stays_and_compiles_to_the_same() {
         let once = formatted(&text);
         assert_eq!(formatted(&once), once, "{}", path.display());
         let words = |text: &str| -> Vec<String> {
-            let reading = Reading::new(text);
-            let tokens = reading.tokens(0..reading.token_count());
+            let analysis = GeotraceAnalysis::new(text);
+            let tokens = analysis.tokens(0..analysis.token_count());
             tokens.map(|t| t.text.trim_end().to_owned()).collect()
         };
         assert_eq!(words(&text), words(&once));
@@ -86,8 +87,8 @@ fn faulty_texts_are_laid_out_too_without_losing_a_token() {
 #[test]
 fn a_range_touches_only_its_declarations() {
     let text = "define a=1;\ndefine b=2;\ndefine c=3;";
-    let reading = Reading::new(text);
-    let edits = format(&reading, Some(Span::new(14, 15)));
+    let analysis = GeotraceAnalysis::new(text);
+    let edits = format(&analysis, Some(Span::new(14, 15)));
     assert_eq!(
         edit::apply(text, &edits),
         "define a=1;\ndefine b = 2;\ndefine c=3;"

@@ -1,15 +1,17 @@
 //! Renaming never changes what any other word means.
 
-use ide::rename::{RenameError, rename};
-use ide::{Reading, edit};
+use ide::edit;
+use ide::geotrace::GeotraceAnalysis;
+use ide::geotrace::rename::rename;
+use ide::rename::RenameError;
 use syntax::diagnostic::Severity;
 use syntax::geotrace::token::TokenKind;
 
 fn renamed(text: &str, name: &str) -> Result<String, RenameError> {
     let at = text.find('|').expect("a mark");
     let text = format!("{}{}", &text[..at], &text[at + 1..]);
-    let reading = Reading::new(text.as_str());
-    let edits = rename(&reading, at as u32, name)?;
+    let analysis = GeotraceAnalysis::new(text.as_str());
+    let edits = rename(&analysis, at as u32, name)?;
     Ok(edit::apply(&text, &edits))
 }
 
@@ -86,12 +88,12 @@ fn a_name_that_is_declared_twice_keeps_its_error() {
 }
 
 /// A token's text, and what it means: the number of a declaration, or its own kind.
-fn meanings(reading: &Reading) -> Vec<(String, String)> {
-    let tokens = reading.tokens(0..reading.token_count());
+fn meanings(analysis: &GeotraceAnalysis) -> Vec<(String, String)> {
+    let tokens = analysis.tokens(0..analysis.token_count());
     tokens
         .map(|token| {
             let item = match token.kind {
-                TokenKind::Constant(id) | TokenKind::Function(id) => reading.item_of(id),
+                TokenKind::Constant(id) | TokenKind::Function(id) => analysis.item_of(id),
                 _ => None,
             };
             let meaning = match item {
@@ -123,33 +125,33 @@ fn what_is_renamed_means_what_it_meant_in_programs_of_names_that_begin_with_each
                 _ => format!("define {name} = 1; # {one}\n"),
             };
         }
-        let reading = Reading::new(text.as_str());
-        let old = meanings(&reading);
-        let errors = |reading: &Reading| {
-            let found = reading.diagnostics().iter();
+        let analysis = GeotraceAnalysis::new(text.as_str());
+        let old = meanings(&analysis);
+        let errors = |analysis: &GeotraceAnalysis| {
+            let found = analysis.diagnostics().iter();
             let errors = found.filter(|found| found.severity == Severity::Error);
             errors.map(|error| error.code).collect::<Vec<_>>()
         };
-        for (k, token) in reading.tokens(0..reading.token_count()).enumerate() {
+        for (k, token) in analysis.tokens(0..analysis.token_count()).enumerate() {
             let name = ["s", "ix", "xsi", "b", "is"][random(5)];
-            let Some(target) = reading.target(k) else {
+            let Some(target) = analysis.target(k) else {
                 continue;
             };
-            let Ok(edits) = rename(&reading, token.span.start, name) else {
+            let Ok(edits) = rename(&analysis, token.span.start, name) else {
                 refused += 1;
                 continue;
             };
-            let changed = Reading::new(edit::apply(&text, &edits));
+            let changed = GeotraceAnalysis::new(edit::apply(&text, &edits));
             let mut expected = old.clone();
             if !edits.is_empty() {
-                for occurrence in reading.occurrences(target) {
+                for occurrence in analysis.occurrences(target) {
                     expected[occurrence].0 = name.to_owned();
                 }
             }
             assert_eq!(meanings(&changed), expected, "{name} at {k} of\n{text}");
             assert_eq!(
                 errors(&changed),
-                errors(&reading),
+                errors(&analysis),
                 "{name} at {k} of\n{text}"
             );
             done += 1;

@@ -5,12 +5,13 @@
 //! read, and is made when it is first asked for.
 
 use std::collections::HashMap;
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-use ide::Reading;
-use scene::geotrace::Document;
+use ide::language::EditError;
+use ide::text::Text;
+use ide::{Analysis, Language, Languages, Program};
 use syntax::diagnostic::Diagnostic;
-use syntax::document::EditError;
 use syntax::span::Span;
 
 use crate::encoding::{Encoding, Lines, Place};
@@ -30,25 +31,30 @@ pub(crate) struct Snapshot {
     pub(crate) version: i32,
     /// How the editor counts columns.
     pub(crate) encoding: Encoding,
-    reading: Reading,
+    analysis: Arc<dyn Analysis>,
     lines: Option<Arc<Lines>>,
 }
 
 impl Snapshot {
     /// A text that may not be open anywhere.
-    pub(crate) fn new(uri: &str, version: i32, text: String, encoding: Encoding) -> Self {
+    pub(crate) fn new(uri: &str, language: &dyn Language, text: &str, encoding: Encoding) -> Self {
         Self {
             uri: uri.to_owned(),
-            version,
+            version: 0,
             encoding,
-            lines: own_lines(&text),
-            reading: Reading::new(text),
+            lines: own_lines(text),
+            analysis: language.read(text),
         }
     }
 
-    /// The text, read.
-    pub(crate) fn reading(&self) -> &Reading {
-        &self.reading
+    /// The features of the document.
+    pub(crate) fn analysis(&self) -> &dyn Analysis {
+        &*self.analysis
+    }
+
+    /// The text.
+    pub(crate) fn text(&self) -> &dyn Text {
+        self.analysis.text()
     }
 
     /// The offset of a place.
@@ -58,7 +64,7 @@ impl Snapshot {
 
     fn counted(&self) -> Counted<'_> {
         Counted {
-            text: self.reading.document(),
+            text: self.text(),
             lines: self.lines.as_deref(),
             encoding: self.encoding,
         }
@@ -79,7 +85,7 @@ fn own_lines(text: &str) -> Option<Arc<Lines>> {
 /// A text, and how its editor counts places in it.
 #[derive(Clone, Copy)]
 struct Counted<'t> {
-    text: &'t syntax::geotrace::document::Snapshot,
+    text: &'t dyn Text,
     lines: Option<&'t Lines>,
     encoding: Encoding,
 }
@@ -134,8 +140,10 @@ pub(crate) struct Change {
 }
 
 /// All open documents.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Documents {
+    /// The languages that documents may be in.
+    pub(crate) languages: Languages,
     /// How the editor counts columns.
     pub(crate) encoding: Encoding,
     open: HashMap<String, Open>,
@@ -151,30 +159,51 @@ pub(crate) struct Open {
     /// Counts the changes of all documents: tells two states apart.
     pub(crate) revision: u64,
     encoding: Encoding,
-    document: Document,
+    program: Box<dyn Program>,
     lines: Option<Arc<Lines>>,
-    /// What is wrong with it, once it has been asked for.
-    found: OnceLock<Arc<[Diagnostic]>>,
     snapshot: OnceLock<Arc<Snapshot>>,
 }
 
 impl Documents {
-    /// Opens a document, or replaces it.
+    /// No documents, with positions in the default encoding.
+    pub(crate) fn new(languages: Languages) -> Self {
+        Self {
+            languages,
+            encoding: Encoding::default(),
+            open: HashMap::new(),
+            revision: 0,
+        }
+    }
+
+    /// The language of a document: that of its extension, else the one that the editor names, else the default.
+    fn language(&self, uri: &str, name: &str) -> Arc<dyn Language> {
+        let languages = &self.languages;
+        let language = languages.by_extension(Path::new(uri));
+        let language = language.or_else(|| languages.named(name));
+        language.unwrap_or(languages.default_language()).clone()
+    }
+
+    /// Opens a document, or replaces it. `language` is the name that the editor gives its language.
     ///
     /// # Errors
     /// Where the text is too large; the document is not open then.
-    pub(crate) fn open(&mut self, uri: &str, version: i32, text: &str) -> Result<&Open, EditError> {
+    pub(crate) fn open(
+        &mut self,
+        uri: &str,
+        language: &str,
+        version: i32,
+        text: &str,
+    ) -> Result<&Open, EditError> {
         self.open.remove(uri);
-        let document = Document::new(text)?;
+        let program = self.language(uri, language).open(text)?;
         self.revision += 1;
         let opened = Open {
             uri: uri.to_owned(),
             version,
             revision: self.revision,
             encoding: self.encoding,
-            document,
+            program,
             lines: own_lines(text),
-            found: OnceLock::new(),
             snapshot: OnceLock::new(),
         };
         Ok(self.open.entry(uri.to_owned()).or_insert(opened))
@@ -195,7 +224,6 @@ impl Documents {
         open.version = version;
         open.revision = self.revision;
         open.snapshot = OnceLock::new();
-        open.found = OnceLock::new();
         let made = changes
             .into_iter()
             .try_for_each(|change| open.apply(&change));
@@ -235,7 +263,7 @@ impl Open {
                 uri: self.uri.clone(),
                 version: self.version,
                 encoding: self.encoding,
-                reading: Reading::of(self.document.text().snapshot(), Some(self.diagnostics())),
+                analysis: self.program.snapshot(),
                 lines: self.lines.clone(),
             })
         });
@@ -244,14 +272,11 @@ impl Open {
 
     /// What is wrong with it.
     pub(crate) fn diagnostics(&self) -> Arc<[Diagnostic]> {
-        let found = self
-            .found
-            .get_or_init(|| self.document.diagnostics().into());
-        found.clone()
+        self.program.diagnostics()
     }
 
     fn apply(&mut self, change: &Change) -> Result<(), EditError> {
-        let text = self.document.text();
+        let text = self.program.text();
         let span = match change.range {
             None => Span::new(0, text.len()),
             Some(range) => {
@@ -259,17 +284,17 @@ impl Open {
                 Span::new(start.min(end), start.max(end))
             }
         };
-        self.document.edit(span, &change.text)?;
+        self.program.edit(span, &change.text)?;
         if self.lines.is_some() || change.text.contains('\r') {
             // Rare: a text with carriage returns. It is gone through once for each change.
-            self.lines = Some(Arc::new(Lines::new(&self.document.text().text())));
+            self.lines = Some(Arc::new(Lines::new(&self.program.text().string())));
         }
         Ok(())
     }
 
     fn counted(&self) -> Counted<'_> {
         Counted {
-            text: self.document.text(),
+            text: self.program.text(),
             lines: self.lines.as_deref(),
             encoding: self.encoding,
         }
@@ -286,6 +311,7 @@ impl Places for Open {
 mod tests {
     use super::{Change, Documents, Places, Snapshot};
     use crate::encoding::{Encoding, Lines, Place};
+    use ide::Languages;
     use syntax::span::Span;
 
     #[test]
@@ -307,15 +333,14 @@ mod tests {
             (seed >> 33) as usize % limit
         };
         for encoding in [Encoding::Utf8, Encoding::Utf16, Encoding::Utf32] {
-            let mut documents = Documents {
-                encoding,
-                ..Documents::default()
-            };
+            let mut documents = Documents::new(Languages::standard());
+            documents.encoding = encoding;
+            let geotrace = documents.languages.default_language().clone();
             for carriage in [false, true] {
                 let mut text = String::new();
-                documents.open("a", 0, "").expect("small");
+                documents.open("a", "geotrace", 0, "").expect("small");
                 for version in 1..400 {
-                    let before = Snapshot::new("a", 0, text.clone(), encoding);
+                    let before = Snapshot::new("a", &*geotrace, &text, encoding);
                     let mut ends = [(); 2].map(|()| Place {
                         line: random(8) as u32,
                         column: random(12) as u32,
@@ -334,7 +359,7 @@ mod tests {
                     let open = documents.change("a", version, vec![change]);
                     let open = open.expect("open").expect("small");
                     let snapshot = open.snapshot();
-                    assert_eq!(snapshot.reading().text(), text);
+                    assert_eq!(snapshot.text().string(), text);
                     let lines = Lines::new(&text);
                     for offset in (0..=text.len()).filter(|&k| text.is_char_boundary(k)) {
                         let span = Span::new(offset as u32, text.len() as u32);
@@ -347,7 +372,7 @@ mod tests {
                     }
                     if text.len() > 80 {
                         text.clear();
-                        documents.open("a", version, "").expect("small");
+                        documents.open("a", "geotrace", version, "").expect("small");
                     }
                 }
             }

@@ -29,6 +29,7 @@ mod workspace;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use ide::Languages;
 use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt};
 use tower_lsp::{LspService, Server};
 
@@ -63,30 +64,41 @@ impl End {
 }
 
 /// Serves one editor on standard input and output until it leaves. True if it left as it should: by `shutdown`, then
-/// `exit` or the end of its input. `window` is what is started for a preview; without one the editor is told so.
+/// `exit` or the end of its input. Documents are in one of the `languages`. `window` is what is started for a preview;
+/// without one the editor is told so.
 ///
 /// # Errors
 /// Where no threads or timers can be had from the system.
-pub fn run(window: Option<WindowProgram>) -> std::io::Result<bool> {
+pub fn run(languages: Languages, window: Option<WindowProgram>) -> std::io::Result<bool> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .enable_io()
         .enable_time()
         .build()?;
-    let clean = runtime.block_on(serve(tokio::io::stdin(), tokio::io::stdout(), window));
+    let clean = runtime.block_on(serve(
+        tokio::io::stdin(),
+        tokio::io::stdout(),
+        languages,
+        window,
+    ));
     // A read of standard input may be waiting for an editor that says nothing more.
     runtime.shutdown_background();
     Ok(clean)
 }
 
 /// Serves one editor on any pair of streams; see [`run`].
-pub async fn serve<R, W>(input: R, output: W, window: Option<WindowProgram>) -> bool
+pub async fn serve<R, W>(
+    input: R,
+    output: W,
+    languages: Languages,
+    window: Option<WindowProgram>,
+) -> bool
 where
     R: AsyncRead + Unpin + Send + 'static,
     W: AsyncWrite + Unpin + Send + 'static,
 {
     let end = Arc::new(End::default());
-    let session = Arc::new(Mutex::new(Session::new(window)));
+    let session = Arc::new(Mutex::new(Session::new(languages, window)));
     let (outlet, mut direct) = Outlet::new();
     let faults = outlet.clone();
     let service = LspService::build(|client| {

@@ -3,14 +3,12 @@
 use ide::completion::{Completion, CompletionKind, Completions};
 use ide::edit::Edit;
 use ide::fix::Fix;
-use ide::hints::Hint;
-use ide::hover;
-use ide::lens::{Lens, LensView};
-use ide::outline::{Fold, OutlineEntry};
+use ide::hint::Hint;
+use ide::lens::Lens;
+use ide::outline::{Fold, OutlineEntry, OutlineKind};
 use ide::semantic::{Modifiers, TokenType};
 use ide::signature::Signature;
 use syntax::diagnostic::{Diagnostic, Severity};
-use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::span::Span;
 use tower_lsp::ls_types as lsp;
 
@@ -157,7 +155,7 @@ fn diagnostic(places: &impl Places, uri: &lsp::Uri, diagnostic: &Diagnostic) -> 
     }
 }
 
-fn markup(markdown: bool, description: &ide::describe::Description) -> lsp::MarkupContent {
+fn markup(markdown: bool, description: &ide::description::Description) -> lsp::MarkupContent {
     if markdown {
         lsp::MarkupContent {
             kind: lsp::MarkupKind::Markdown,
@@ -172,7 +170,7 @@ fn markup(markdown: bool, description: &ide::describe::Description) -> lsp::Mark
 }
 
 pub(crate) fn hover(snapshot: &Snapshot, offset: u32, markdown: bool) -> Option<lsp::Hover> {
-    let (span, description) = hover::hover(snapshot.reading(), offset)?;
+    let (span, description) = snapshot.analysis().hover(offset)?;
     Some(lsp::Hover {
         contents: lsp::HoverContents::Markup(markup(markdown, &description)),
         range: Some(range(snapshot, span)),
@@ -227,7 +225,7 @@ fn completion(snapshot: &Snapshot, replaced: Span, completion: Completion) -> ls
 
 /// `markdown` is none where the editor takes strings alone.
 pub(crate) fn documentation(
-    description: &ide::describe::Description,
+    description: &ide::description::Description,
     markdown: Option<bool>,
 ) -> lsp::Documentation {
     match markdown {
@@ -305,17 +303,12 @@ pub(crate) fn action(
     })
 }
 
-fn symbol_kind(word: DeclarationKeyword) -> lsp::SymbolKind {
-    match word {
-        DeclarationKeyword::Param | DeclarationKeyword::Grid => lsp::SymbolKind::VARIABLE,
-        DeclarationKeyword::Define | DeclarationKeyword::Point | DeclarationKeyword::Vector => {
-            lsp::SymbolKind::CONSTANT
-        }
-        DeclarationKeyword::Function => lsp::SymbolKind::FUNCTION,
-        DeclarationKeyword::Curve
-        | DeclarationKeyword::Surface
-        | DeclarationKeyword::Metric
-        | DeclarationKeyword::Geodesic => lsp::SymbolKind::CLASS,
+fn symbol_kind(kind: OutlineKind) -> lsp::SymbolKind {
+    match kind {
+        OutlineKind::Variable => lsp::SymbolKind::VARIABLE,
+        OutlineKind::Constant => lsp::SymbolKind::CONSTANT,
+        OutlineKind::Function => lsp::SymbolKind::FUNCTION,
+        OutlineKind::Object => lsp::SymbolKind::CLASS,
     }
 }
 
@@ -324,11 +317,11 @@ pub(crate) fn document_symbol(snapshot: &Snapshot, entry: &OutlineEntry) -> lsp:
     lsp::DocumentSymbol {
         name: entry.name.clone(),
         detail: Some(
-            format!("{} {}", entry.word.text(), entry.detail)
+            format!("{} {}", entry.keyword, entry.detail)
                 .trim_end()
                 .to_owned(),
         ),
-        kind: symbol_kind(entry.word),
+        kind: symbol_kind(entry.kind),
         tags: None,
         deprecated: None,
         range: range(snapshot, entry.span),
@@ -345,11 +338,11 @@ pub(crate) fn symbol_information(
     #[allow(deprecated)] // As above.
     lsp::SymbolInformation {
         name: entry.name.clone(),
-        kind: symbol_kind(entry.word),
+        kind: symbol_kind(entry.kind),
         tags: None,
         deprecated: None,
         location: lsp::Location::new(uri.clone(), range(snapshot, entry.name_span)),
-        container_name: Some(entry.word.text().to_owned()),
+        container_name: Some(entry.keyword.to_owned()),
     }
 }
 
@@ -396,9 +389,9 @@ pub(crate) fn hint(snapshot: &Snapshot, hint: &Hint) -> lsp::InlayHint {
 }
 
 pub(crate) fn lens(snapshot: &Snapshot, lens: &Lens) -> lsp::CodeLens {
-    let view = match lens.view {
-        LensView::Space => serde_json::json!({ "view": "3d" }),
-        LensView::Inside => serde_json::json!({ "view": "geodesic", "surface": lens.object }),
+    let view = match &lens.object {
+        None => serde_json::json!({ "view": lens.view }),
+        Some(object) => serde_json::json!({ "view": lens.view, "surface": object }),
     };
     lsp::CodeLens {
         range: range(snapshot, lens.span),

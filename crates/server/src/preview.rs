@@ -168,7 +168,7 @@ impl Previews {
             return;
         };
         preview.left = None;
-        let text: Arc<str> = snapshot.reading().text().into();
+        let text: Arc<str> = snapshot.text().string().into();
         let number = preview.sent.put(snapshot.version, text.clone());
         let command = Command::Text {
             uri: snapshot.uri.clone(),

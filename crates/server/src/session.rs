@@ -3,6 +3,8 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
+use ide::Languages;
+
 use crate::documents::Documents;
 use crate::encoding::Place;
 use crate::preview::{Previews, WindowProgram};
@@ -37,7 +39,7 @@ pub(crate) struct Editor {
 }
 
 /// The state of a session: changed only by handlers, before they wait for anything, so in the order of the messages.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Session {
     pub(crate) editor: Editor,
     pub(crate) settings: Settings,
@@ -57,11 +59,19 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    /// A session that starts this program for a preview.
-    pub(crate) fn new(window: Option<WindowProgram>) -> Self {
+    /// A session for documents in these languages, which starts this program for a preview.
+    pub(crate) fn new(languages: Languages, window: Option<WindowProgram>) -> Self {
         Self {
+            editor: Editor::default(),
+            settings: Settings::default(),
+            documents: Documents::new(languages),
+            previews: Previews::default(),
+            cursors: HashMap::new(),
             window: window.map(Arc::new),
-            ..Self::default()
+            folders: Vec::new(),
+            tokens: HashMap::new(),
+            pulled: HashSet::new(),
+            counter: 0,
         }
     }
 

@@ -1,6 +1,6 @@
 //! Semantic tokens as the protocol writes them, and the differences between two lists of them.
 
-use ide::semantic::{TokenType, semantic_tokens};
+use ide::semantic::TokenType;
 use syntax::span::Span;
 
 use crate::documents::{Places, Snapshot};
@@ -12,20 +12,22 @@ pub(crate) type Encoded = [u32; 5];
 
 /// The tokens that touch a range, encoded.
 pub(crate) fn encode(snapshot: &Snapshot, range: Option<[Place; 2]>) -> Vec<Encoded> {
-    let reading = snapshot.reading();
     let span = match range {
-        None => Span::new(0, reading.len()),
+        None => Span::new(0, snapshot.text().len()),
         Some(range) => {
             let [start, end] = range.map(|place| snapshot.offset(place));
             Span::new(start.min(end), start.max(end))
         }
     };
-    let tokens = semantic_tokens(reading, span);
+    let tokens = snapshot.analysis().semantic_tokens(span);
     let (Some(first), Some(last)) = (tokens.first(), tokens.last()) else {
         return Vec::new();
     };
     let first = first.span.start;
-    let text = reading.slice(Span::new(first, last.span.end));
+    let text = snapshot
+        .text()
+        .slice(Span::new(first, last.span.end))
+        .unwrap_or_default();
     let piece = |start: u32, end: u32| &text[(start - first) as usize..(end - first) as usize];
     let mut before = Place::default();
     // Tokens come in order: what stands between two is counted once.

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use ide::Languages;
+
 /// The most programs that are looked for, …
 const MOST: usize = 2000;
 /// … the most folders, …
@@ -9,8 +11,8 @@ const MOST_FOLDERS: usize = 5000;
 /// … and how deep.
 const DEEPEST: usize = 12;
 
-/// The files that end in `.gtr`, in the folders and those within; hidden ones and those of tools are passed by.
-pub(crate) fn programs(folders: &[PathBuf]) -> Vec<PathBuf> {
+/// The files with an extension of one of the languages, in the folders and those within; hidden ones and those of tools are passed by.
+pub(crate) fn programs(folders: &[PathBuf], languages: &Languages) -> Vec<PathBuf> {
     let mut programs = Vec::new();
     let mut open: Vec<(PathBuf, usize)> = folders.iter().map(|f| (f.clone(), 0)).collect();
     let mut visited = 0;
@@ -30,7 +32,7 @@ pub(crate) fn programs(folders: &[PathBuf]) -> Vec<PathBuf> {
             };
             if kind.is_dir() && depth < DEEPEST && !is_skipped(&path) {
                 open.push((path, depth + 1));
-            } else if kind.is_file() && path.extension().is_some_and(|e| e == "gtr") {
+            } else if kind.is_file() && languages.by_extension(&path).is_some() {
                 programs.push(path);
                 if programs.len() >= MOST {
                     return programs;

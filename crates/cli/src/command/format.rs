@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use ide::Reading;
+use ide::Languages;
 
 use crate::failure::Failure;
 use crate::number;
@@ -72,7 +72,10 @@ fn one(file: &Path, check: bool) -> Result<bool, Failure> {
             reason: "it is not UTF-8".to_owned(),
         });
     }
-    let edits = ide::format::format(&Reading::new(source.text.as_str()), None);
+    let edits = Languages::standard()
+        .for_path(file)
+        .read(&source.text)
+        .format(None);
     let text = ide::edit::apply(&source.text, &edits);
     let same = text == source.text;
     if check {

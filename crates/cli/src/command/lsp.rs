@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 
 use clap::Args;
+use ide::Languages;
 use server::WindowProgram;
 
 use crate::failure::Failure;
@@ -22,11 +23,13 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let clean = server::run(window(&arguments.window)).map_err(|error| Failure::Internal {
-        message: format!(
-            "the language server cannot start: {}",
-            output::reason(&error)
-        ),
+    let clean = server::run(Languages::standard(), window(&arguments.window)).map_err(|error| {
+        Failure::Internal {
+            message: format!(
+                "the language server cannot start: {}",
+                output::reason(&error)
+            ),
+        }
     })?;
     if clean {
         Ok(())

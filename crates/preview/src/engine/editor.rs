@@ -151,9 +151,9 @@ impl Editor {
     /// # Errors
     /// A sentence; the text is as it was.
     pub(crate) fn write_param(&mut self, name: &str, value: &[f64]) -> Result<bool, String> {
-        let reading = ide::Reading::new(self.text.as_str());
-        let edit =
-            ide::write::value(&reading, name, value).map_err(|refusal| refusal.to_string())?;
+        let analysis = ide::geotrace::GeotraceAnalysis::new(self.text.as_str());
+        let edit = ide::Analysis::edit_param(&analysis, name, value)
+            .map_err(|refusal| refusal.to_string())?;
         let text = ide::edit::apply(&self.text, &[edit]);
         let changed = text != self.text;
         if changed {

@@ -18,7 +18,12 @@ pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentP
         session.tokens.remove(uri.as_str());
         let documents = &mut session.documents;
         let opened = documents
-            .open(uri.as_str(), document.version, &document.text)
+            .open(
+                uri.as_str(),
+                &document.language_id,
+                document.version,
+                &document.text,
+            )
             .map(|open| Findings::of(open, &uri));
         session.preview(uri.as_str());
         // What an editor reads anew has its window already, which stays where it is.
@@ -166,7 +171,7 @@ impl Backend {
     }
 
     /// Tells the user that a document is too large to be read.
-    async fn refuse(&self, uri: &lsp::Uri, error: syntax::document::EditError) {
+    async fn refuse(&self, uri: &lsp::Uri, error: ide::language::EditError) {
         let message = format!("{}: {error}", uri.as_str());
         self.client
             .show_message(lsp::MessageType::ERROR, message)

@@ -1,6 +1,5 @@
 //! What is asked at a place of a document: hover, completion, definition, rename, …
 
-use ide::{completion, format, navigate, outline, rename, signature};
 use tower_lsp::jsonrpc::{ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
 
@@ -32,7 +31,7 @@ pub(super) async fn completion(server: &Backend, params: lsp::CompletionParams) 
     server
         .answer(&at.text_document.uri, move |snapshot| {
             let offset = snapshot.offset(place(at.position));
-            let found = completion::completions(snapshot.reading(), offset, snippets);
+            let found = snapshot.analysis().completions(offset, snippets);
             outgoing::completions(snapshot, found)
         })
         .await
@@ -57,8 +56,8 @@ pub(super) async fn completion_resolve(
     let described = server.work(move || {
         let offset = u32::try_from(offset)
             .unwrap_or(u32::MAX)
-            .min(snapshot.reading().len());
-        completion::describe(snapshot.reading(), offset, &label)
+            .min(snapshot.text().len());
+        snapshot.analysis().describe_completion(offset, &label)
     });
     if let Some(description) = described.await? {
         item.documentation = Some(outgoing::documentation(&description, format));
@@ -74,7 +73,7 @@ pub(super) async fn signature_help(
     server
         .ask(&at.text_document.uri, move |snapshot| {
             let offset = snapshot.offset(place(at.position));
-            let found = signature::signature(snapshot.reading(), offset)?;
+            let found = snapshot.analysis().signature(offset)?;
             Some(outgoing::signature(&found))
         })
         .await
@@ -89,7 +88,7 @@ pub(super) async fn goto_definition(
     server
         .ask(&uri.clone(), move |snapshot| {
             let offset = snapshot.offset(place(at.position));
-            let (_, declared) = navigate::definition(snapshot.reading(), offset)?;
+            let (_, declared) = snapshot.analysis().definition(offset)?;
             let location = lsp::Location::new(uri, outgoing::range(snapshot, declared));
             Some(lsp::GotoDefinitionResponse::Scalar(location))
         })
@@ -103,7 +102,7 @@ pub(super) async fn references(server: &Backend, params: lsp::ReferenceParams) -
     server
         .answer(&uri.clone(), move |snapshot| {
             let offset = snapshot.offset(place(at.position));
-            let found = navigate::occurrences(snapshot.reading(), offset).into_iter();
+            let found = snapshot.analysis().occurrences(offset).into_iter();
             let wanted = found.filter(|occurrence| declaration || !occurrence.introduces);
             let locations = wanted.map(|occurrence| {
                 lsp::Location::new(uri.clone(), outgoing::range(snapshot, occurrence.span))
@@ -123,7 +122,7 @@ pub(super) async fn document_highlight(
     server
         .ask(&at.text_document.uri, move |snapshot| {
             let offset = snapshot.offset(place(at.position));
-            let found = navigate::occurrences(snapshot.reading(), offset).into_iter();
+            let found = snapshot.analysis().occurrences(offset).into_iter();
             let highlights = found.map(|occurrence| lsp::DocumentHighlight {
                 range: outgoing::range(snapshot, occurrence.span),
                 kind: Some(if occurrence.introduces {
@@ -145,9 +144,12 @@ pub(super) async fn prepare_rename(
     server
         .ask(&uri, move |snapshot| {
             let offset = snapshot.offset(place(params.position));
-            let (span, name) = rename::prepare(snapshot.reading(), offset).map_err(|error| {
-                failed(ErrorCode::ServerError(REQUEST_FAILED), error.to_string())
-            })?;
+            let (span, name) = snapshot
+                .analysis()
+                .prepare_rename(offset)
+                .map_err(|error| {
+                    failed(ErrorCode::ServerError(REQUEST_FAILED), error.to_string())
+                })?;
             Ok(Some(lsp::PrepareRenameResponse::RangeWithPlaceholder {
                 range: outgoing::range(snapshot, span),
                 placeholder: name,
@@ -166,8 +168,10 @@ pub(super) async fn rename(
     server
         .ask(&uri.clone(), move |snapshot| {
             let offset = snapshot.offset(place(at.position));
-            let edits =
-                rename::rename(snapshot.reading(), offset, &params.new_name).map_err(|error| {
+            let edits = snapshot
+                .analysis()
+                .rename(offset, &params.new_name)
+                .map_err(|error| {
                     failed(ErrorCode::ServerError(REQUEST_FAILED), error.to_string())
                 })?;
             Ok(Some(outgoing::workspace_edit(
@@ -185,7 +189,7 @@ pub(super) async fn selection_range(
         .ask(&params.text_document.uri, move |snapshot| {
             let ranges = params.positions.iter().map(|position| {
                 let offset = snapshot.offset(place(*position));
-                let chain = outline::selection(snapshot.reading(), offset);
+                let chain = snapshot.analysis().selection(offset);
                 outgoing::selection(snapshot, &chain)
             });
             Some(ranges.collect())
@@ -200,11 +204,8 @@ pub(super) async fn on_type_formatting(
     let at = params.text_document_position;
     server
         .ask(&at.text_document.uri, move |snapshot| {
-            // The declaration that the `;` before the cursor has ended.
-            let offset = snapshot.offset(place(at.position)).saturating_sub(1);
-            let reading = snapshot.reading();
-            let item = reading.item_at(offset)?;
-            let edits = format::format(reading, Some(item.span));
+            let offset = snapshot.offset(place(at.position));
+            let edits = snapshot.analysis().format_on_type(offset)?;
             Some(outgoing::text_edits(snapshot, &edits))
         })
         .await

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use ide::{fix, format, hints, lens, live, outline};
 use syntax::span::Span;
 use tower_lsp::jsonrpc::Result;
 use tower_lsp::ls_types as lsp;
@@ -21,7 +20,7 @@ pub(super) async fn document_symbol(
     let hierarchical = server.session().editor.hierarchical_symbols;
     server
         .answer(&uri.clone(), move |snapshot| {
-            let entries = outline::outline(snapshot.reading());
+            let entries = snapshot.analysis().outline();
             let entries = entries.iter();
             if hierarchical {
                 let symbols = entries.map(|entry| outgoing::document_symbol(snapshot, entry));
@@ -41,7 +40,7 @@ pub(super) async fn folding_range(
 ) -> Result<Answer> {
     server
         .answer(&params.text_document.uri, |snapshot| {
-            let folds = outline::folds(snapshot.reading());
+            let folds = snapshot.analysis().folds();
             let folds = folds.iter().map(|fold| outgoing::fold(snapshot, fold));
             folds.collect::<Vec<_>>()
         })
@@ -127,9 +126,9 @@ pub(super) async fn inlay_hint(server: &Backend, params: lsp::InlayHintParams) -
     server
         .answer(&params.text_document.uri, move |snapshot| {
             let range = span(snapshot, params.range);
-            let mut found = hints::hints(snapshot.reading(), range);
+            let mut found = snapshot.analysis().hints(range);
             if let Some(values) = values {
-                found.extend(live::live(snapshot.reading(), range, &values));
+                found.extend(snapshot.analysis().preview_values(range, &values));
                 found.sort_by_key(|hint| hint.offset);
             }
             // Values stand apart from the text, splits within it.
@@ -152,7 +151,7 @@ pub(super) async fn code_lens(server: &Backend, params: lsp::CodeLensParams) -> 
     }
     server
         .answer(&params.text_document.uri, |snapshot| {
-            let lenses = lens::lenses(snapshot.reading());
+            let lenses = snapshot.analysis().lenses();
             let lenses = lenses.iter().map(|lens| outgoing::lens(snapshot, lens));
             lenses.collect::<Vec<_>>()
         })
@@ -177,7 +176,7 @@ pub(super) async fn code_action(
     }
     server
         .ask(&uri.clone(), move |snapshot| {
-            let fixes = fix::fixes(snapshot.reading(), span(snapshot, params.range));
+            let fixes = snapshot.analysis().fixes(span(snapshot, params.range));
             let actions = fixes
                 .iter()
                 .map(|fix| outgoing::action(snapshot, &uri, fix, versioned));
@@ -192,7 +191,7 @@ pub(super) async fn formatting(
 ) -> Result<Answer> {
     server
         .answer(&params.text_document.uri, |snapshot| {
-            let edits = format::format(snapshot.reading(), None);
+            let edits = snapshot.analysis().format(None);
             outgoing::text_edits(snapshot, &edits)
         })
         .await
@@ -205,7 +204,7 @@ pub(super) async fn range_formatting(
     server
         .ask(&params.text_document.uri, move |snapshot| {
             let range = span(snapshot, params.range);
-            let edits = format::format(snapshot.reading(), Some(range));
+            let edits = snapshot.analysis().format(Some(range));
             Some(outgoing::text_edits(snapshot, &edits))
         })
         .await

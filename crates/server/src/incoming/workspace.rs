@@ -2,7 +2,6 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use ide::outline;
 use protocol::View;
 use tower_lsp::Client;
 use tower_lsp::jsonrpc::{ErrorCode, Result};
@@ -43,13 +42,14 @@ pub(super) async fn did_change_workspace_folders(
 }
 
 pub(super) async fn symbol(server: &Backend, params: lsp::WorkspaceSymbolParams) -> Result<Answer> {
-    let (open, folders, encoding) = {
+    let (open, folders, encoding, languages) = {
         let session = server.session();
         let documents = &session.documents;
         (
             documents.snapshots(),
             session.folders.clone(),
             documents.encoding,
+            documents.languages.clone(),
         )
     };
     let query = params.query;
@@ -63,7 +63,7 @@ pub(super) async fn symbol(server: &Backend, params: lsp::WorkspaceSymbolParams)
             names.push(snapshot.uri.clone());
             matching(snapshot, &query, &mut found);
         }
-        for path in workspace::programs(&folders) {
+        for path in workspace::programs(&folders, &languages) {
             let Some(uri) = lsp::Uri::from_file_path(&path) else {
                 continue;
             };
@@ -71,7 +71,8 @@ pub(super) async fn symbol(server: &Backend, params: lsp::WorkspaceSymbolParams)
                 continue;
             }
             if let Ok(text) = std::fs::read_to_string(&path) {
-                let snapshot = Snapshot::new(uri.as_str(), 0, text, encoding);
+                let snapshot =
+                    Snapshot::new(uri.as_str(), &**languages.for_path(&path), &text, encoding);
                 matching(&snapshot, &query, &mut found);
             }
         }
@@ -157,7 +158,7 @@ fn matching(snapshot: &Snapshot, query: &str, found: &mut Vec<lsp::SymbolInforma
             .chars()
             .all(|wanted| letters.any(|letter| letter.eq_ignore_ascii_case(&wanted)))
     };
-    let entries = outline::outline(snapshot.reading());
+    let entries = snapshot.analysis().outline();
     let entries = entries.iter().filter(|entry| fits(&entry.name));
     found.extend(entries.map(|entry| outgoing::symbol_information(snapshot, &uri, entry)));
 }

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use ide::write;
 use syntax::span::Span;
 use tokio::sync::mpsc::Receiver;
 use tokio::time::timeout;
@@ -56,7 +55,7 @@ impl Window {
             let [start, end] = range;
             moved(
                 &text,
-                snapshot.reading().text(),
+                &snapshot.text().string(),
                 Span::new(start.min(end), start.max(end)),
             )
         });
@@ -106,12 +105,12 @@ impl Window {
             let edit = {
                 let (snapshot, param, value) =
                     (snapshot.clone(), param.to_owned(), value.to_owned());
-                let write = move || write::value(snapshot.reading(), &param, &value);
+                let write = move || snapshot.analysis().edit_param(&param, &value);
                 let made = tokio::task::spawn_blocking(write).await;
                 let made = made.map_err(|_| "a fault of the server".to_owned())?;
                 made.map_err(|refusal| refusal.to_string())?
             };
-            if edit.span.text(snapshot.reading().text()) == edit.text {
+            if snapshot.text().slice(edit.span).as_ref() == Some(&edit.text) {
                 return Ok(());
             }
             let edit =

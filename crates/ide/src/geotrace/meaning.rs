@@ -6,7 +6,7 @@ use syntax::geotrace::document::Snapshot;
 use syntax::geotrace::token::TokenKind;
 use syntax::symbol::SymbolId;
 
-use crate::reading::Reading;
+use super::analysis::GeotraceAnalysis;
 
 /// What a token means: the same in two texts that declare the same in the same order.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,8 +40,8 @@ pub(crate) struct Meanings {
 }
 
 impl Meanings {
-    pub(crate) fn of(reading: &Reading) -> Self {
-        let items = reading.items();
+    pub(crate) fn of(analysis: &GeotraceAnalysis) -> Self {
+        let items = analysis.items();
         let declared = items.filter_map(|item| Some((item.symbol?, item.index)));
         Self {
             declared: declared.collect(),

@@ -8,33 +8,33 @@ use std::ops::{ControlFlow, Range};
 use syntax::geotrace::symbols::Symbol;
 use syntax::symbol::SymbolId;
 
-use crate::reading::Reading;
+use super::analysis::GeotraceAnalysis;
 
 /// The names that may be used at a place.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Visible<'r> {
-    reading: &'r Reading,
+pub(crate) struct NamesInScope<'r> {
+    analysis: &'r GeotraceAnalysis,
     /// What is declared before this offset is known.
     limit: u32,
     /// How many declarations stand above.
     above: usize,
 }
 
-impl<'r> Visible<'r> {
+impl<'r> NamesInScope<'r> {
     /// The names that may be used at an offset.
-    pub(crate) fn at(reading: &'r Reading, offset: u32) -> Self {
-        let item = reading.item_at(offset);
-        let begun = reading.document().declarations_begun(offset) as usize;
+    pub(crate) fn at(analysis: &'r GeotraceAnalysis, offset: u32) -> Self {
+        let item = analysis.item_at(offset);
+        let begun = analysis.document().declarations_begun(offset) as usize;
         match item {
             Some(item) => Self {
-                reading,
+                analysis,
                 limit: item.span.start,
                 above: item.index,
             },
             None => Self {
-                reading,
+                analysis,
                 limit: offset,
-                above: begun.min(reading.item_count()),
+                above: begun.min(analysis.item_count()),
             },
         }
     }
@@ -47,17 +47,17 @@ impl<'r> Visible<'r> {
     /// The builtins.
     pub(crate) fn builtins(self) -> impl Iterator<Item = (SymbolId, &'r Symbol)> {
         let all = (0..scene::geotrace::builtin_count()).map(SymbolId);
-        let all = all.filter_map(move |id| Some((id, self.reading.symbol(id)?)));
+        let all = all.filter_map(move |id| Some((id, self.analysis.symbol(id)?)));
         all.filter(|(_, symbol)| !symbol.name.is_empty())
     }
 
     /// What the last `most` declarations above declare, in the order of the text.
     pub(crate) fn nearest(self, most: usize) -> impl Iterator<Item = (SymbolId, &'r Symbol)> {
         let numbers: Range<usize> = self.above.saturating_sub(most)..self.above;
-        let items = self.reading.items_from(numbers.start).take(numbers.len());
+        let items = self.analysis.items_from(numbers.start).take(numbers.len());
         let symbols = items.filter_map(|item| item.symbol);
         symbols
-            .filter_map(move |id| Some((id, self.reading.symbol(id)?)))
+            .filter_map(move |id| Some((id, self.analysis.symbol(id)?)))
             // A name that was not free is no name.
             .filter(|(_, symbol)| !symbol.name.is_empty())
     }
@@ -65,7 +65,7 @@ impl<'r> Visible<'r> {
     /// The first `most` declared names that begin with `prefix`, in the order of the alphabet.
     pub(crate) fn beginning(self, prefix: &str, most: usize) -> Vec<SymbolId> {
         let mut found = Vec::new();
-        self.reading.document().each_named(prefix, |id, symbol| {
+        self.analysis.document().each_named(prefix, |id, symbol| {
             if symbol.word.is_some() && self.has(id) {
                 found.push(id);
             }
@@ -80,7 +80,7 @@ impl<'r> Visible<'r> {
     /// Whether a name, builtin or declared, begins so.
     pub(crate) fn begins(self, prefix: &str) -> bool {
         let mut found = false;
-        self.reading.document().each_named(prefix, |id, _| {
+        self.analysis.document().each_named(prefix, |id, _| {
             found = self.has(id);
             match found {
                 true => ControlFlow::Break(()),
@@ -92,13 +92,13 @@ impl<'r> Visible<'r> {
 
     /// What a name stands for.
     pub(crate) fn named(self, name: &str) -> Option<SymbolId> {
-        let id = self.reading.document().named(name)?;
+        let id = self.analysis.document().named(name)?;
         self.has(id).then_some(id)
     }
 
     /// Whether a symbol is builtin, or declared above.
     fn has(self, id: SymbolId) -> bool {
-        let place = self.reading.place(id);
+        let place = self.analysis.place(id);
         place.map_or(id.0 < scene::geotrace::builtin_count(), |place| {
             place.start < self.limit
         })

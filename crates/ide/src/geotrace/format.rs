@@ -10,18 +10,18 @@ use std::ops::Range;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
+use super::analysis::{GeotraceAnalysis, Lexeme};
+use super::meaning::{Meaning, Meanings};
 use crate::edit::{self, Edit};
-use crate::meaning::{Meaning, Meanings};
-use crate::reading::{Lexeme, Reading};
 
 /// The indentation of lines that go on.
 const INDENT: &str = "    ";
 
 /// The edits that bring a text, or the declarations that touch a range of it, into the canonical layout. Empty where
 /// nothing is to be done.
-pub fn format(reading: &Reading, range: Option<Span>) -> Vec<Edit> {
-    let edits = gaps(reading, range);
-    if edits.is_empty() || reads_alike(reading, &edit::apply(reading.text(), &edits)) {
+pub fn format(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
+    let edits = gaps(analysis, range);
+    if edits.is_empty() || reads_alike(analysis, &edit::apply(analysis.text(), &edits)) {
         edits
     } else {
         Vec::new()
@@ -29,28 +29,28 @@ pub fn format(reading: &Reading, range: Option<Span>) -> Vec<Edit> {
 }
 
 /// The edits of the white space between tokens.
-fn gaps(reading: &Reading, range: Option<Span>) -> Vec<Edit> {
-    let wanted = range.map(|range| whole_items(reading, range));
+fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
+    let wanted = range.map(|range| whole_items(analysis, range));
     // What a range holds is laid out from the end of the token before it on: no declaration is open there.
     let first = wanted.map_or(0, |wanted| {
-        reading.document().tokens_ended(wanted.start) as usize
+        analysis.document().tokens_ended(wanted.start) as usize
     });
     let last = match wanted {
-        Some(wanted) => reading.document().tokens_begun(wanted.end) as usize,
-        None => reading.token_count(),
+        Some(wanted) => analysis.document().tokens_begun(wanted.end) as usize,
+        None => analysis.token_count(),
     };
-    let mut before = first.checked_sub(1).and_then(|k| reading.token(k));
+    let mut before = first.checked_sub(1).and_then(|k| analysis.token(k));
     let mut edits = Vec::new();
     let mut layout = Layout::default();
-    let new_line = new_line(reading);
-    let mark = match reading.slice(Span::new(0, reading.len().min(3))) == "\u{FEFF}" {
+    let new_line = new_line(analysis);
+    let mark = match analysis.slice(Span::new(0, analysis.len().min(3))) == "\u{FEFF}" {
         true => 3,
         false => 0,
     };
     let mut end = before.map_or(mark, |token| token.span.end);
-    for token in reading.tokens(first..last.max(first)) {
+    for token in analysis.tokens(first..last.max(first)) {
         let gap = Span::new(end, token.span.start);
-        let written = reading.slice(gap);
+        let written = analysis.slice(gap);
         let next = layout.gap(&written, before, token);
         let next = next.replace('\n', new_line);
         let inside = wanted.is_none_or(|wanted| wanted.start <= gap.start && gap.end <= wanted.end);
@@ -62,9 +62,9 @@ fn gaps(reading: &Reading, range: Option<Span>) -> Vec<Edit> {
         before = Some(token);
     }
     if wanted.is_none() {
-        let rest = Span::new(end, reading.len());
+        let rest = Span::new(end, analysis.len());
         let last = if before.is_none() { "" } else { new_line };
-        if reading.slice(rest) != last {
+        if analysis.slice(rest) != last {
             edits.push(Edit::replace(rest, last));
         }
     }
@@ -72,8 +72,8 @@ fn gaps(reading: &Reading, range: Option<Span>) -> Vec<Edit> {
 }
 
 /// What ends lines: what ends the first, so that a text of another system stays one.
-fn new_line(reading: &Reading) -> &'static str {
-    let document = reading.document();
+fn new_line(analysis: &GeotraceAnalysis) -> &'static str {
+    let document = analysis.document();
     let first = document.line_start(2);
     let end = first.map(|start| Span::new(start.saturating_sub(2), start));
     match end.and_then(|end| document.slice(end)) {
@@ -83,10 +83,10 @@ fn new_line(reading: &Reading) -> &'static str {
 }
 
 /// From the first token of the first declaration that touches the range to the end of the last.
-fn whole_items(reading: &Reading, range: Span) -> Span {
+fn whole_items(analysis: &GeotraceAnalysis, range: Span) -> Span {
     // The one before may end where the range starts.
-    let first = reading.document().declarations_begun(range.start) as usize;
-    let items = reading.items_from(first.saturating_sub(1));
+    let first = analysis.document().declarations_begun(range.start) as usize;
+    let items = analysis.items_from(first.saturating_sub(1));
     let items = items.map(|item| item.span);
     items
         .skip_while(|span| span.end < range.start)
@@ -96,22 +96,25 @@ fn whole_items(reading: &Reading, range: Span) -> Span {
 }
 
 /// Whether a text has the same tokens, written alike.
-fn reads_alike(reading: &Reading, text: &str) -> bool {
-    let again = Reading::new(text);
-    let all = |reading: &Reading| 0..reading.token_count();
-    let tokens = |reading| reading_tokens(reading, all(reading));
-    reading.token_count() == again.token_count()
-        && tokens(reading).eq(tokens(&again))
-        && reading
+fn reads_alike(analysis: &GeotraceAnalysis, text: &str) -> bool {
+    let again = GeotraceAnalysis::new(text);
+    let all = |analysis: &GeotraceAnalysis| 0..analysis.token_count();
+    let tokens = |analysis| reading_tokens(analysis, all(analysis));
+    analysis.token_count() == again.token_count()
+        && tokens(analysis).eq(tokens(&again))
+        && analysis
             .items()
             .map(|item| item.faulty)
             .eq(again.items().map(|item| item.faulty))
 }
 
 /// The tokens, each with what it means and how it is written.
-fn reading_tokens(reading: &Reading, range: Range<usize>) -> impl Iterator<Item = (Meaning, &str)> {
-    let meanings = Meanings::of(reading);
-    let tokens = reading.tokens(range);
+fn reading_tokens(
+    analysis: &GeotraceAnalysis,
+    range: Range<usize>,
+) -> impl Iterator<Item = (Meaning, &str)> {
+    let meanings = Meanings::of(analysis);
+    let tokens = analysis.tokens(range);
     tokens.map(move |token| (meanings.get(token.kind), token.text.trim_end()))
 }
 

@@ -5,12 +5,17 @@ use std::collections::BTreeMap;
 use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::span::Span;
 
-use crate::hints::{Hint, short};
-use crate::reading::Reading;
+use super::analysis::GeotraceAnalysis;
+use super::hints::short;
+use crate::hint::Hint;
 
 /// `= 0.25` behind each param in a range that has a value; `values` are by name, one number per component.
-pub fn live(reading: &Reading, range: Span, values: &BTreeMap<String, Vec<f64>>) -> Vec<Hint> {
-    reading
+pub fn preview_values(
+    analysis: &GeotraceAnalysis,
+    range: Span,
+    values: &BTreeMap<String, Vec<f64>>,
+) -> Vec<Hint> {
+    analysis
         .items_in(range)
         .filter(|item| item.word == DeclarationKeyword::Param)
         .filter_map(|item| {
@@ -33,8 +38,8 @@ pub fn live(reading: &Reading, range: Span, values: &BTreeMap<String, Vec<f64>>)
 
 #[cfg(test)]
 mod tests {
-    use super::live;
-    use crate::Reading;
+    use super::preview_values;
+    use crate::geotrace::GeotraceAnalysis;
     use syntax::span::Span;
 
     #[test]
@@ -46,9 +51,9 @@ mod tests {
             ("b".to_owned(), vec![9.0]),
             ("gone".to_owned(), vec![9.0]),
         ];
-        let reading = Reading::new(text);
+        let analysis = GeotraceAnalysis::new(text);
         let shown = |range: Span| -> Vec<(String, String)> {
-            let hints = live(&reading, range, &values.clone().into());
+            let hints = preview_values(&analysis, range, &values.clone().into());
             let hints = hints.into_iter();
             hints
                 .map(|hint| (text[..hint.offset as usize].to_owned(), hint.label))

@@ -2,12 +2,12 @@
 //!
 //! ```text
 //! text alone ──▶ syntax::document ─┐
-//! a document that is edited ───────┴─▶ its snapshot ──▶ Reading ──▶ tokens, items, targets
+//! a document that is edited ───────┴─▶ its snapshot ──▶ GeotraceAnalysis ──▶ tokens, items, targets
 //! ```
 //!
 //! A reading of a document costs next to nothing to take, and what is asked of it costs what is asked: a token or
 //! a declaration is found in logarithmic time, the uses of a name in time proportional to them. What takes the
-//! whole text is made when it is first asked for: [`Reading::text`], [`Reading::compilation`].
+//! whole text is made when it is first asked for: [`GeotraceAnalysis::text`], [`GeotraceAnalysis::compilation`].
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -22,11 +22,11 @@ use syntax::geotrace::token::{Token, TokenKind};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
-use crate::item::Item;
+use super::item::Item;
 
 /// A text, read. Offsets are bytes of the text.
 #[derive(Debug)]
-pub struct Reading {
+pub struct GeotraceAnalysis {
     document: Snapshot,
     text: OnceLock<String>,
     found: OnceLock<Arc<[Diagnostic]>>,
@@ -60,7 +60,7 @@ pub enum Target {
     },
 }
 
-impl Reading {
+impl GeotraceAnalysis {
     /// Reads a text.
     pub fn new(text: impl AsRef<str>) -> Self {
         let read = |text| Document::new(text, &scene::geotrace::vocabulary());
@@ -196,7 +196,7 @@ impl Reading {
     }
 
     /// What is wrong with the text.
-    pub fn diagnostics(&self) -> &[Diagnostic] {
+    pub fn diagnostics(&self) -> &Arc<[Diagnostic]> {
         self.found
             .get_or_init(|| self.compilation().diagnostics.as_slice().into())
     }

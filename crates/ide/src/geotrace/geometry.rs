@@ -6,9 +6,9 @@ use geometry::Manifold;
 use scene::ObjectId;
 use scene::ParamValues;
 
-use crate::hints::short;
-use crate::item::Item;
-use crate::reading::Reading;
+use super::analysis::GeotraceAnalysis;
+use super::hints::short;
+use super::item::Item;
 
 /// Points along each axis at which a surface is looked at, its sides included.
 const LATTICE: u32 = 25;
@@ -16,9 +16,9 @@ const LATTICE: u32 = 25;
 const VANISHED: f64 = 1e-9;
 
 /// Sentences about the surface that an item declares; none for what is no surface.
-pub(crate) fn of(reading: &Reading, item: &Item<'_>) -> Vec<String> {
+pub(crate) fn of(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<String> {
     let sentences = || {
-        let excerpt = reading.excerpt([item.index]);
+        let excerpt = analysis.excerpt([item.index]);
         let scene = excerpt.scene();
         let mut objects = (0..).map(ObjectId).zip(&scene.objects);
         let (id, object) = objects.find(|(_, object)| object.name == item.name)?;

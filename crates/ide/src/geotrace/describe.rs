@@ -7,55 +7,41 @@ use syntax::geotrace::symbols::{Symbol, SymbolKind};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
-use crate::geometry;
-use crate::hints::{constant, shown};
-use crate::item::Item;
-use crate::outline::parameters;
-use crate::reading::{Reading, Target};
-use crate::write;
+use super::NAME;
+use super::analysis::{GeotraceAnalysis, Target};
+use super::edit_param;
+use super::geometry;
+use super::hints::{constant, shown};
+use super::item::Item;
+use super::outline::parameters;
+use crate::description::Description;
 
-/// A name, told to a reader: `code` in the language, `text` in Markdown.
-#[derive(Clone, Debug, Eq, PartialEq)]
-pub struct Description {
-    /// One line of code: `surface s(u, v)`.
-    pub code: String,
-    /// Paragraphs of Markdown.
-    pub text: Vec<String>,
-}
-
-impl Description {
-    /// All of it in Markdown.
-    pub fn markdown(&self) -> String {
-        let mut all = vec![format!("```geotrace\n{}\n```", self.code)];
-        all.extend(self.text.iter().cloned());
-        all.join("\n\n")
-    }
-
-    /// All of it as plain text.
-    pub fn plain(&self) -> String {
-        let mut all = vec![self.code.clone()];
-        all.extend(self.text.iter().map(|text| text.replace(['`', '*'], "")));
-        all.join("\n\n")
+/// A description in this language.
+pub(crate) fn description(
+    code: impl Into<String>,
+    text: impl IntoIterator<Item = String>,
+) -> Description {
+    Description {
+        language: NAME,
+        code: code.into(),
+        text: text.into_iter().collect(),
     }
 }
 
-/// What a target is.
-pub fn describe(reading: &Reading, target: Target) -> Option<Description> {
+/// Describes a target.
+pub fn describe(analysis: &GeotraceAnalysis, target: Target) -> Option<Description> {
     match target {
-        Target::Symbol(id) => match reading.item_of(id).and_then(|k| reading.item(k)) {
-            Some(item) => Some(declared(reading, &item)),
-            None => builtin(reading.symbol(id)?),
+        Target::Symbol(id) => match analysis.item_of(id).and_then(|k| analysis.item(k)) {
+            Some(item) => Some(declared(analysis, &item)),
+            None => builtin(analysis.symbol(id)?),
         },
         Target::Parameter { item, position } => {
-            let item = reading.item(item)?;
+            let item = analysis.item(item)?;
             let (parameter, _) = item.parameters().nth(position)?;
             let owner = format!("{}{}", item.name, signature(&item));
             let mut text = vec![format!("a parameter of the {} `{owner}`", item.word.text())];
-            text.extend(interval_of(reading, &item, parameter).map(|i| format!("over `{i}`")));
-            Some(Description {
-                code: parameter.to_owned(),
-                text,
-            })
+            text.extend(interval_of(analysis, &item, parameter).map(|i| format!("over `{i}`")));
+            Some(description(parameter, text))
         }
     }
 }
@@ -65,9 +51,9 @@ fn signature(item: &Item<'_>) -> String {
 }
 
 /// The interval of a parameter, as it is written.
-fn interval_of(reading: &Reading, item: &Item<'_>, name: &str) -> Option<String> {
+fn interval_of(analysis: &GeotraceAnalysis, item: &Item<'_>, name: &str) -> Option<String> {
     // Intervals carry tags; they come in any order.
-    let text = reading.slice(item.span);
+    let text = analysis.slice(item.span);
     let place =
         |span: Span| (span.start - item.span.start) as usize..(span.end - item.span.start) as usize;
     item.intervals().find_map(|span| {
@@ -79,61 +65,61 @@ fn interval_of(reading: &Reading, item: &Item<'_>, name: &str) -> Option<String>
     })
 }
 
-fn declared(reading: &Reading, item: &Item<'_>) -> Description {
+fn declared(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Description {
     let code = format!("{} {}{}", item.word.text(), item.name, signature(item));
     let mut text = Vec::new();
     if item.faulty {
         text.push("This declaration holds an error.".to_owned());
-        return Description { code, text };
+        return description(code, text);
     }
     match item.word {
         DeclarationKeyword::Param => {
-            let intervals = written_intervals(reading, item);
+            let intervals = written_intervals(analysis, item);
             text.push(format!(
                 "a slider over {intervals}; it starts at {}",
-                match write::opening(reading, item) {
-                    Some(span) => format!("`{}`", reading.slice(span)),
+                match edit_param::initial_value(analysis, item) {
+                    Some(span) => format!("`{}`", analysis.slice(span)),
                     None => "its minimum".to_owned(),
                 }
             ));
         }
         DeclarationKeyword::Grid => {
-            let intervals = written_intervals(reading, item);
+            let intervals = written_intervals(analysis, item);
             text.push(format!(
                 "the values {intervals}: what depends on it is drawn once for each"
             ));
         }
         DeclarationKeyword::Define | DeclarationKeyword::Point | DeclarationKeyword::Vector => {
-            text.extend(value(reading, item));
+            text.extend(value(analysis, item));
         }
         DeclarationKeyword::Function => {}
         _ => {
             let lines = item.parameters().filter_map(|(name, _)| {
-                let interval = interval_of(reading, item, name)?;
+                let interval = interval_of(analysis, item, name)?;
                 Some(format!("`{name} : {interval}`"))
             });
             let lines: Vec<String> = lines.collect();
             if !lines.is_empty() {
                 text.push(format!("over {}", lines.join(", ")));
             }
-            text.extend(geometry::of(reading, item));
+            text.extend(geometry::of(analysis, item));
         }
     }
-    text.extend(comment_above(reading, item));
-    Description { code, text }
+    text.extend(comment_above(analysis, item));
+    description(code, text)
 }
 
-fn written_intervals(reading: &Reading, item: &Item<'_>) -> String {
+fn written_intervals(analysis: &GeotraceAnalysis, item: &Item<'_>) -> String {
     let intervals = item.intervals();
-    let intervals = intervals.map(|span| format!("`{}`", reading.slice(span)));
+    let intervals = intervals.map(|span| format!("`{}`", analysis.slice(span)));
     intervals.collect::<Vec<_>>().join(" × ")
 }
 
 /// The value of a constant: for one that params move, that at their start.
-fn value(reading: &Reading, item: &Item<'_>) -> Option<String> {
-    let excerpt = reading.excerpt([item.index]);
+fn value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
+    let excerpt = analysis.excerpt([item.index]);
     if let Some(value) = constant(&excerpt, item.name) {
-        return Some(if reading.depends_on_settings(item.symbol?) {
+        return Some(if analysis.depends_on_settings(item.symbol?) {
             format!("= {value}, with every param at its start")
         } else {
             format!("= {value}")
@@ -152,8 +138,8 @@ fn value(reading: &Reading, item: &Item<'_>) -> Option<String> {
 }
 
 /// The comment right above a declaration, or behind it on its line.
-fn comment_above(reading: &Reading, item: &Item<'_>) -> Option<String> {
-    let document = reading.document();
+fn comment_above(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<String> {
+    let document = analysis.document();
     // Of a line, from 1, what stands before an offset.
     let line = |number: u32, end: u32| {
         let start = document.line_start(number)?;
@@ -194,10 +180,7 @@ fn builtin(symbol: &Symbol) -> Option<Description> {
         let (_, _, doc) = ops::CONSTANTS
             .into_iter()
             .find(|(known, ..)| **known == *name)?;
-        return Some(Description {
-            code: name.to_owned(),
-            text: vec![doc.to_owned()],
-        });
+        return Some(description(name, [doc.to_owned()]));
     }
     let text = match ops::builtin(name) {
         Some(operation) => {
@@ -209,13 +192,10 @@ fn builtin(symbol: &Symbol) -> Option<Description> {
         }
         None => vec!["The identity: gives its operand, a number or a vector.".to_owned()],
     };
-    Some(Description {
-        code: format!("{name} x"),
-        text,
-    })
+    Some(description(format!("{name} x"), text))
 }
 
 /// The description of a symbol, for a list of completions.
-pub(crate) fn of_symbol(reading: &Reading, id: SymbolId) -> Option<Description> {
-    describe(reading, Target::Symbol(id))
+pub(crate) fn of_symbol(analysis: &GeotraceAnalysis, id: SymbolId) -> Option<Description> {
+    describe(analysis, Target::Symbol(id))
 }

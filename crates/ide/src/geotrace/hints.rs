@@ -6,33 +6,21 @@ use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
-use crate::item::Item;
-use crate::reading::Reading;
-
-/// A text that is shown but not written.
-#[derive(Clone, Debug, Eq, PartialEq)]
-pub struct Hint {
-    /// Before which byte.
-    pub offset: u32,
-    /// What is shown.
-    pub label: String,
-    /// What it tells, in one sentence.
-    pub tooltip: String,
-    /// Whether the label keeps a distance from the text before it.
-    pub apart: bool,
-}
+use super::analysis::GeotraceAnalysis;
+use super::item::Item;
+use crate::hint::Hint;
 
 /// The hints in a range, in the order of the text.
-pub fn hints(reading: &Reading, range: Span) -> Vec<Hint> {
-    let mut hints = splits(reading, range);
-    hints.extend(values(reading, range));
+pub fn hints(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
+    let mut hints = splits(analysis, range);
+    hints.extend(values(analysis, range));
     hints.sort_by_key(|hint| hint.offset);
     hints
 }
 
 /// `pi·v`: between the tokens that one word was split into.
-fn splits(reading: &Reading, range: Span) -> Vec<Hint> {
-    let tokens: Vec<_> = reading.tokens(reading.tokens_in(range)).collect();
+fn splits(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
+    let tokens: Vec<_> = analysis.tokens(analysis.tokens_in(range)).collect();
     let is_word = |kind| {
         matches!(
             kind,
@@ -65,17 +53,17 @@ fn splits(reading: &Reading, range: Span) -> Vec<Hint> {
 }
 
 /// `= 6.2832` behind a define that no param or grid changes.
-fn values(reading: &Reading, range: Span) -> Vec<Hint> {
+fn values(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
     let is_wanted = |item: &Item<'_>| {
         item.word == DeclarationKeyword::Define
             && !item.faulty
-            && !is_literal(reading, item.span)
+            && !is_literal(analysis, item.span)
             && item
                 .symbol
-                .is_some_and(|symbol| !reading.depends_on_settings(symbol))
+                .is_some_and(|symbol| !analysis.depends_on_settings(symbol))
     };
-    let wanted: Vec<Item<'_>> = reading.items_in(range).filter(is_wanted).collect();
-    let excerpt = reading.excerpt(wanted.iter().map(|item| item.index));
+    let wanted: Vec<Item<'_>> = analysis.items_in(range).filter(is_wanted).collect();
+    let excerpt = analysis.excerpt(wanted.iter().map(|item| item.index));
     wanted
         .into_iter()
         .filter_map(|item| {
@@ -91,9 +79,9 @@ fn values(reading: &Reading, range: Span) -> Vec<Hint> {
 }
 
 /// Whether a define is a number already: `define a = 2;`.
-fn is_literal(reading: &Reading, span: Span) -> bool {
-    let body = reading
-        .tokens(reading.tokens_in(span))
+fn is_literal(analysis: &GeotraceAnalysis, span: Span) -> bool {
+    let body = analysis
+        .tokens(analysis.tokens_in(span))
         .skip_while(|t| t.kind != TokenKind::Equals)
         .skip(1);
     let mut words = body.filter(|t| !matches!(t.kind, TokenKind::Semicolon | TokenKind::Comment));

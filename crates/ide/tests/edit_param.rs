@@ -1,13 +1,14 @@
 //! Values written into the text: the text read again opens with them.
 
 use ide::edit::apply;
-use ide::write::{self, Refusal};
-use ide::{Reading, hover};
+use ide::edit_param::EditParamError;
+use ide::geotrace::edit_param::edit_param;
+use ide::geotrace::{GeotraceAnalysis, hover};
 use scene::ParamValues;
 
 /// The text with a value written, which compiles and opens with that value, to a slider's step.
 fn written(text: &str, param: &str, values: &[f64]) -> String {
-    let edit = write::value(&Reading::new(text), param, values).expect("an edit");
+    let edit = edit_param(&GeotraceAnalysis::new(text), param, values).expect("an edit");
     let text = apply(text, &[edit]);
     let compilation = scene::geotrace::compile(&text);
     let scene = compilation.scene.as_ref().expect("no errors");
@@ -18,7 +19,7 @@ fn written(text: &str, param: &str, values: &[f64]) -> String {
         assert!((value - opening).abs() <= 0.5 * step, "{value} in {text}");
     }
     // Written twice it is as it was.
-    let again = write::value(&Reading::new(&*text), param, values).expect("an edit");
+    let again = edit_param(&GeotraceAnalysis::new(&*text), param, values).expect("an edit");
     assert_eq!(apply(&text, &[again]), text);
     text
 }
@@ -50,7 +51,7 @@ fn a_value_is_put_before_the_intervals_or_in_place_of_the_one_that_is_there() {
         ),
     ] {
         if text.contains("oops") {
-            let edit = write::value(&Reading::new(text), "r", values).expect("an edit");
+            let edit = edit_param(&GeotraceAnalysis::new(text), "r", values).expect("an edit");
             assert_eq!(apply(text, &[edit]), expected);
         } else {
             assert_eq!(written(text, "r", values), expected);
@@ -61,11 +62,11 @@ fn a_value_is_put_before_the_intervals_or_in_place_of_the_one_that_is_there() {
 #[test]
 fn what_cannot_be_written_is_refused_with_the_reason() {
     let refusal = |text: &str, param: &str, values: &[f64]| {
-        write::value(&Reading::new(text), param, values).expect_err("a refusal")
+        edit_param(&GeotraceAnalysis::new(text), param, values).expect_err("a refusal")
     };
     let text =
         "param r : [0, 1]; grid k : [0, 1, 3]; param q = ; param o = 1 + # one\n 1 : [0, 2];";
-    let none = |name: &str| Refusal::NoParam { name: name.into() };
+    let none = |name: &str| EditParamError::NoParam { name: name.into() };
     assert_eq!(refusal(text, "z", &[0.0]), none("z"));
     assert_eq!(refusal(text, "k", &[0.0]), none("k"));
     assert_eq!(refusal(text, "q", &[0.0]), none("q"));
@@ -79,18 +80,18 @@ fn what_cannot_be_written_is_refused_with_the_reason() {
     );
     assert!(matches!(
         refusal(text, "r", &[f64::NAN]),
-        Refusal::OutOfRange { .. }
+        EditParamError::OutOfRange { .. }
     ));
     assert!(matches!(
         refusal(text, "o", &[1.0]),
-        Refusal::Comment { .. }
+        EditParamError::Comment { .. }
     ));
 }
 
 #[test]
 fn hover_tells_what_a_param_opens_with() {
     let told = |text: &str| {
-        let (_, description) = hover::hover(&Reading::new(text), 6).expect("a param");
+        let (_, description) = hover::hover(&GeotraceAnalysis::new(text), 6).expect("a param");
         description.text.join(" ")
     };
     assert_eq!(

@@ -3,92 +3,15 @@
 //! What flows in: a param's name and a number for each of its components. What flows out: the edit after which the
 //! param opens with them, as in `param r = 0.3 : [0, 1];`.
 
-use std::fmt;
-
 use scene::Range;
 use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
+use super::analysis::GeotraceAnalysis;
+use super::item::Item;
 use crate::edit::Edit;
-use crate::item::Item;
-use crate::reading::Reading;
-
-/// How many places of a slider are told apart: more than a screen has pixels. A value is written with no more digits
-/// than say which of them it is at.
-const STEPS: f64 = 10_000.0;
-
-/// Why a value is not written.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Refusal {
-    /// No param of this name is declared without errors.
-    NoParam {
-        /// The name.
-        name: String,
-    },
-    /// The number of values is not that of the param's components.
-    Components {
-        /// The param.
-        name: String,
-        /// How many components it has.
-        expected: usize,
-        /// How many values were given.
-        given: usize,
-    },
-    /// A value lies outside its interval, or is not a number.
-    OutOfRange {
-        /// The param.
-        name: String,
-        /// The value.
-        value: f64,
-        /// The least value allowed.
-        min: f64,
-        /// The greatest value allowed.
-        max: f64,
-    },
-    /// A comment stands within the value that is written now, and would be lost.
-    Comment {
-        /// The param.
-        name: String,
-    },
-}
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoParam { name } => write!(
-                f,
-                "no param `{name}` is declared without errors, so its value cannot be written"
-            ),
-            Self::Components {
-                name,
-                expected,
-                given,
-            } => {
-                let wanted = match expected {
-                    1 => "one number".to_owned(),
-                    count => format!("{count} numbers"),
-                };
-                write!(f, "`{name}` takes {wanted}, but {given} were given")
-            }
-            Self::OutOfRange {
-                name,
-                value,
-                min,
-                max,
-            } => write!(
-                f,
-                "{value} lies outside the interval [{min}, {max}] of `{name}`"
-            ),
-            Self::Comment { name } => write!(
-                f,
-                "the value of `{name}` has a comment in it, which would be lost: write the value by hand"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for Refusal {}
+use crate::edit_param::EditParamError;
 
 /// The edit after which a param opens with these values, one for each of its components. Each is written with as few
 /// digits as tell it from its neighbours on a slider of ten thousand places, and lies within its interval. Where the
@@ -96,14 +19,18 @@ impl std::error::Error for Refusal {}
 ///
 /// # Errors
 /// Where there is no such param, the values are not its own, or a comment would be lost.
-pub fn value(reading: &Reading, param: &str, values: &[f64]) -> Result<Edit, Refusal> {
-    let no_param = || Refusal::NoParam {
+pub fn edit_param(
+    analysis: &GeotraceAnalysis,
+    param: &str,
+    values: &[f64],
+) -> Result<Edit, EditParamError> {
+    let no_param = || EditParamError::NoParam {
         name: param.to_owned(),
     };
-    let item = reading.declared(param).ok_or_else(no_param)?;
-    let ranges = ranges(reading, &item).ok_or_else(no_param)?;
+    let item = analysis.declared(param).ok_or_else(no_param)?;
+    let ranges = ranges(analysis, &item).ok_or_else(no_param)?;
     if ranges.len() != values.len() {
-        return Err(Refusal::Components {
+        return Err(EditParamError::Components {
             name: param.to_owned(),
             expected: ranges.len(),
             given: values.len(),
@@ -111,7 +38,7 @@ pub fn value(reading: &Reading, param: &str, values: &[f64]) -> Result<Edit, Ref
     }
     if let Some(component) = Range::first_outside(&ranges, values) {
         let Range { min, max } = ranges[component];
-        return Err(Refusal::OutOfRange {
+        return Err(EditParamError::OutOfRange {
             name: param.to_owned(),
             value: values[component],
             min,
@@ -126,25 +53,29 @@ pub fn value(reading: &Reading, param: &str, values: &[f64]) -> Result<Edit, Ref
         [number] => number.clone(),
         _ => format!("({})", numbers.join(", ")),
     };
-    let Some(span) = opening(reading, &item) else {
+    let Some(span) = initial_value(analysis, &item) else {
         return Ok(Edit::insert(item.name_span.end, format!(" = {text}")));
     };
-    let mut tokens = reading.tokens(reading.tokens_in(span));
+    let mut tokens = analysis.tokens(analysis.tokens_in(span));
     if tokens.any(|token| token.kind == TokenKind::Comment) {
-        return Err(Refusal::Comment {
+        return Err(EditParamError::Comment {
             name: param.to_owned(),
         });
     }
     Ok(Edit::replace(span, text))
 }
 
+/// How many places of a slider are told apart: more than a screen has pixels. A value is written with no more digits
+/// than say which of them it is at.
+const STEPS: f64 = 10_000.0;
+
 /// The value that a param opens with, where it is written.
-pub fn opening(reading: &Reading, item: &Item<'_>) -> Option<Span> {
+pub fn initial_value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Span> {
     if item.word != DeclarationKeyword::Param {
         return None;
     }
     let behind = Span::new(item.name_span.end, item.span.end);
-    let tokens = reading.tokens(reading.tokens_in(behind));
+    let tokens = analysis.tokens(analysis.tokens_in(behind));
     let mut tokens = tokens.filter(|token| token.kind != TokenKind::Comment);
     if tokens.next()?.kind != TokenKind::Equals {
         return None;
@@ -154,11 +85,11 @@ pub fn opening(reading: &Reading, item: &Item<'_>) -> Option<Span> {
 }
 
 /// The intervals of a param, where nothing is wrong with it.
-fn ranges(reading: &Reading, item: &Item<'_>) -> Option<Vec<Range>> {
+fn ranges(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Vec<Range>> {
     if item.word != DeclarationKeyword::Param {
         return None;
     }
-    let excerpt = reading.excerpt([item.index]);
+    let excerpt = analysis.excerpt([item.index]);
     let mut params = excerpt.scene().params.iter();
     let param = params.find(|param| param.name == item.name)?;
     Some(param.ranges.clone())

@@ -1,0 +1,75 @@
+//! Why the value of a param cannot be written into the text.
+
+use std::fmt;
+
+/// Why a value is not written.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EditParamError {
+    /// No param of this name is declared without errors.
+    NoParam {
+        /// The name.
+        name: String,
+    },
+    /// The number of values is not that of the param's components.
+    Components {
+        /// The param.
+        name: String,
+        /// How many components it has.
+        expected: usize,
+        /// How many values were given.
+        given: usize,
+    },
+    /// A value lies outside its interval, or is not a number.
+    OutOfRange {
+        /// The param.
+        name: String,
+        /// The value.
+        value: f64,
+        /// The least value allowed.
+        min: f64,
+        /// The greatest value allowed.
+        max: f64,
+    },
+    /// A comment stands within the value that is written now, and would be lost.
+    Comment {
+        /// The param.
+        name: String,
+    },
+}
+
+impl fmt::Display for EditParamError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoParam { name } => write!(
+                f,
+                "no param `{name}` is declared without errors, so its value cannot be written"
+            ),
+            Self::Components {
+                name,
+                expected,
+                given,
+            } => {
+                let wanted = match expected {
+                    1 => "one number".to_owned(),
+                    count => format!("{count} numbers"),
+                };
+                write!(f, "`{name}` takes {wanted}, but {given} were given")
+            }
+            Self::OutOfRange {
+                name,
+                value,
+                min,
+                max,
+            } => write!(
+                f,
+                "{value} lies outside the interval [{min}, {max}] of `{name}`"
+            ),
+            Self::Comment { name } => write!(
+                f,
+                "the value of `{name}` has a comment in it, which would be lost: write the value by hand"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for EditParamError {}

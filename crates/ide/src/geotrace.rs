@@ -1,0 +1,237 @@
+//! The Geotrace language: programs on the incremental document, features on its snapshots.
+//!
+//! ```text
+//! scene::document ──▶ GeotraceProgram ──snapshot──▶ GeotraceAnalysis ─┬─▶ semantic            colours by meaning
+//!                                                                     ├─▶ hover, signature, completion, describe
+//!                                                                     ├─▶ navigation          definition, occurrences
+//!                                                                     ├─▶ rename, format, edit_param     edits
+//!                                                                     └─▶ outline, hints, lens, preview_values
+//! ```
+//!
+//! Rename and format read their results again and refuse what would change a meaning.
+
+pub mod analysis;
+pub mod completion;
+pub mod describe;
+pub mod edit_param;
+pub mod format;
+mod geometry;
+pub mod hints;
+pub mod hover;
+mod item;
+pub mod lens;
+mod meaning;
+mod names_in_scope;
+pub mod navigation;
+pub mod outline;
+pub mod preview_values;
+pub mod rename;
+pub mod semantic;
+pub mod signature;
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
+
+use scene::geotrace::Document;
+use scene::{Evaluation, ParamValues, ProgramScene};
+use syntax::diagnostic::Diagnostic;
+use syntax::geotrace::highlight::highlight;
+use syntax::span::Span;
+
+pub use analysis::{GeotraceAnalysis, Lexeme, Target};
+pub use item::Item;
+
+use crate::completion::Completions;
+use crate::description::Description;
+use crate::edit::Edit;
+use crate::edit_param::EditParamError;
+use crate::highlight::{Highlight, HighlightKind};
+use crate::hint::Hint;
+use crate::language::{Analysis, EditError, Language, Program};
+use crate::lens::Lens;
+use crate::occurrence::Occurrence;
+use crate::outline::{Fold, OutlineEntry};
+use crate::rename::RenameError;
+use crate::semantic::SemanticToken;
+use crate::signature::Signature;
+use crate::text::Text;
+
+/// The name of the language.
+pub(crate) const NAME: &str = "geotrace";
+
+/// The Geotrace language.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Geotrace;
+
+/// A Geotrace program.
+#[derive(Debug)]
+pub struct GeotraceProgram {
+    document: Document,
+    /// The diagnostics of the document, once they have been asked for.
+    diagnostics: OnceLock<Arc<[Diagnostic]>>,
+}
+
+impl Language for Geotrace {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn extensions(&self) -> &'static [&'static str] {
+        &["gtr"]
+    }
+
+    fn open(&self, text: &str) -> Result<Box<dyn Program>, EditError> {
+        Ok(Box::new(GeotraceProgram {
+            document: Document::new(text)?,
+            diagnostics: OnceLock::new(),
+        }))
+    }
+
+    // Reads the tokens only: nothing is checked before a feature needs it.
+    fn read(&self, text: &str) -> Arc<dyn Analysis> {
+        Arc::new(GeotraceAnalysis::new(text))
+    }
+
+    fn highlight(&self, text: &str) -> Vec<Highlight> {
+        let parts = highlight(text, &scene::geotrace::vocabulary()).into_iter();
+        let parts = parts.map(|part| Highlight {
+            span: part.span,
+            kind: highlight_kind(part.kind),
+        });
+        parts.collect()
+    }
+}
+
+fn highlight_kind(kind: syntax::geotrace::highlight::HighlightKind) -> HighlightKind {
+    use syntax::geotrace::highlight::HighlightKind as Kind;
+    match kind {
+        Kind::Comment => HighlightKind::Comment,
+        Kind::Number => HighlightKind::Number,
+        Kind::Keyword => HighlightKind::Keyword,
+        Kind::Constant => HighlightKind::Constant,
+        Kind::Function => HighlightKind::Function,
+        Kind::Variable => HighlightKind::Variable,
+        Kind::Operator => HighlightKind::Operator,
+        Kind::Punctuation => HighlightKind::Punctuation,
+        Kind::Undefined => HighlightKind::Undefined,
+        Kind::Error => HighlightKind::Error,
+    }
+}
+
+impl Program for GeotraceProgram {
+    fn text(&self) -> &dyn Text {
+        &**self.document.text()
+    }
+
+    fn edit(&mut self, range: Span, text: &str) -> Result<(), EditError> {
+        self.document.edit(range, text)?;
+        self.diagnostics = OnceLock::new();
+        Ok(())
+    }
+
+    fn diagnostics(&self) -> Arc<[Diagnostic]> {
+        let diagnostics = || self.document.diagnostics().into();
+        self.diagnostics.get_or_init(diagnostics).clone()
+    }
+
+    fn scene(&self) -> ProgramScene {
+        self.document.scene_with_last_good().clone()
+    }
+
+    fn snapshot(&self) -> Arc<dyn Analysis> {
+        let document = self.document.text().snapshot();
+        Arc::new(GeotraceAnalysis::of(document, Some(self.diagnostics())))
+    }
+
+    fn evaluate(
+        &self,
+        expression: &str,
+        settings: &ParamValues,
+    ) -> Result<Evaluation, Vec<Diagnostic>> {
+        self.document.compilation().evaluate(expression, settings)
+    }
+}
+
+impl Analysis for GeotraceAnalysis {
+    fn text(&self) -> &dyn Text {
+        self.document()
+    }
+
+    fn diagnostics(&self) -> Arc<[Diagnostic]> {
+        self.diagnostics().clone()
+    }
+
+    fn semantic_tokens(&self, range: Span) -> Vec<SemanticToken> {
+        semantic::semantic_tokens(self, range)
+    }
+
+    fn outline(&self) -> Vec<OutlineEntry> {
+        outline::outline(self)
+    }
+
+    fn folds(&self) -> Vec<Fold> {
+        outline::folds(self)
+    }
+
+    fn selection(&self, offset: u32) -> Vec<Span> {
+        outline::selection(self, offset)
+    }
+
+    fn hover(&self, offset: u32) -> Option<(Span, Description)> {
+        hover::hover(self, offset)
+    }
+
+    fn signature(&self, offset: u32) -> Option<Signature> {
+        signature::signature(self, offset)
+    }
+
+    fn completions(&self, offset: u32, snippets: bool) -> Completions {
+        completion::completions(self, offset, snippets)
+    }
+
+    fn describe_completion(&self, offset: u32, label: &str) -> Option<Description> {
+        completion::describe(self, offset, label)
+    }
+
+    fn definition(&self, offset: u32) -> Option<(Span, Span)> {
+        navigation::definition(self, offset)
+    }
+
+    fn occurrences(&self, offset: u32) -> Vec<Occurrence> {
+        navigation::occurrences(self, offset)
+    }
+
+    fn prepare_rename(&self, offset: u32) -> Result<(Span, String), RenameError> {
+        rename::prepare(self, offset)
+    }
+
+    fn rename(&self, offset: u32, name: &str) -> Result<Vec<Edit>, RenameError> {
+        rename::rename(self, offset, name)
+    }
+
+    fn format(&self, range: Option<Span>) -> Vec<Edit> {
+        format::format(self, range)
+    }
+
+    fn format_on_type(&self, offset: u32) -> Option<Vec<Edit>> {
+        // The offset lies behind the `;` that ends the declaration.
+        let item = self.item_at(offset.saturating_sub(1))?;
+        Some(format::format(self, Some(item.span)))
+    }
+
+    fn hints(&self, range: Span) -> Vec<Hint> {
+        hints::hints(self, range)
+    }
+
+    fn preview_values(&self, range: Span, values: &BTreeMap<String, Vec<f64>>) -> Vec<Hint> {
+        preview_values::preview_values(self, range, values)
+    }
+
+    fn lenses(&self) -> Vec<Lens> {
+        lens::lenses(self)
+    }
+
+    fn edit_param(&self, param: &str, values: &[f64]) -> Result<Edit, EditParamError> {
+        edit_param::edit_param(self, param, values)
+    }
+}

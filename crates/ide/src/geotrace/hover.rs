@@ -1,0 +1,21 @@
+//! What stands under the cursor.
+
+use syntax::geotrace::token::TokenKind;
+use syntax::span::Span;
+
+use super::analysis::GeotraceAnalysis;
+use super::completion::{form, purpose};
+use super::describe;
+use crate::description::Description;
+
+/// What there is to say of the word at a place, and where the word stands.
+pub fn hover(analysis: &GeotraceAnalysis, offset: u32) -> Option<(Span, Description)> {
+    let k = analysis.token_at(offset)?;
+    let token = analysis.token(k)?;
+    if let TokenKind::Declare(word) = token.kind {
+        let description = describe::description(form(word), [purpose(word).to_owned()]);
+        return Some((token.span, description));
+    }
+    let description = describe::describe(analysis, analysis.target(k)?)?;
+    Some((token.span, description))
+}

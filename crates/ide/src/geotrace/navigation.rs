@@ -1,0 +1,43 @@
+//! From a use to its declaration, and back to all uses.
+
+use syntax::span::Span;
+use syntax::symbol::SymbolId;
+
+use super::analysis::{GeotraceAnalysis, Target};
+use crate::occurrence::Occurrence;
+
+/// The name at a place, and where it is introduced; none for builtins and for what is no name.
+pub fn definition(analysis: &GeotraceAnalysis, offset: u32) -> Option<(Span, Span)> {
+    let token = analysis.token_at(offset)?;
+    let place = match analysis.target(token)? {
+        Target::Symbol(id) => analysis.place(id)?,
+        Target::Parameter { item, position } => analysis.item(item)?.parameters().nth(position)?.1,
+    };
+    Some((analysis.token(token)?.span, place))
+}
+
+/// Every occurrence of the name at a place, in the order of the text; builtins have occurrences too.
+pub fn occurrences(analysis: &GeotraceAnalysis, offset: u32) -> Vec<Occurrence> {
+    let target = analysis.token_at(offset).and_then(|k| analysis.target(k));
+    let Some(target) = target else {
+        return Vec::new();
+    };
+    let tokens = analysis.occurrences(target).into_iter();
+    tokens
+        .filter_map(|k| {
+            Some(Occurrence {
+                span: analysis.token(k)?.span,
+                introduces: analysis.introduces(k),
+            })
+        })
+        .collect()
+}
+
+/// The object that is declared at or used at a place: what a view should show.
+pub fn object_at(analysis: &GeotraceAnalysis, offset: u32) -> Option<SymbolId> {
+    let used = analysis.token_at(offset).and_then(|k| analysis.target(k));
+    match used {
+        Some(Target::Symbol(id)) if analysis.item_of(id).is_some() => Some(id),
+        _ => analysis.item_at(offset)?.symbol,
+    }
+}

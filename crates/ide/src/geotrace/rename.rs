@@ -1,0 +1,297 @@
+//! Renaming: every use of a name gets another, and every other word keeps its reading.
+//!
+//! Words are split into the longest names that are defined, so a new name may be read where it was never meant. The
+//! edits are therefore made on a copy of the document and what is read again is compared with what it was, token by
+//! token; a word that would be read otherwise is written apart, and what blanks cannot mend is refused. What is not read
+//! again is what it was.
+
+use std::collections::HashSet;
+
+use syntax::document::ChunkId;
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::document::{Document, Snapshot};
+use syntax::geotrace::token::TokenKind;
+use syntax::span::Span;
+
+use super::analysis::{GeotraceAnalysis, Lexeme, Target, introduces_in};
+use super::meaning::Meaning;
+use crate::edit::Edit;
+use crate::rename::RenameError;
+
+/// The name at a place and where it stands, if it can be renamed.
+///
+/// # Errors
+/// [`RenameError::NoName`], [`RenameError::Builtin`].
+pub fn prepare(analysis: &GeotraceAnalysis, offset: u32) -> Result<(Span, String), RenameError> {
+    let (span, target) = target(analysis, offset)?;
+    Ok((span, analysis.name(target).to_owned()))
+}
+
+fn target(analysis: &GeotraceAnalysis, offset: u32) -> Result<(Span, Target), RenameError> {
+    let token = analysis.token_at(offset).ok_or(RenameError::NoName)?;
+    let target = analysis.target(token).ok_or(RenameError::NoName)?;
+    if let Target::Symbol(id) = target
+        && analysis.item_of(id).is_none()
+    {
+        return Err(RenameError::Builtin(analysis.name(target).to_owned()));
+    }
+    let token = analysis.token(token).ok_or(RenameError::NoName)?;
+    Ok((token.span, target))
+}
+
+/// The edits that give the name at a place another, and put blanks where words would else be read otherwise.
+///
+/// # Errors
+/// [`RenameError`], with the reason.
+pub fn rename(
+    analysis: &GeotraceAnalysis,
+    offset: u32,
+    name: &str,
+) -> Result<Vec<Edit>, RenameError> {
+    let (_, target) = target(analysis, offset)?;
+    if analysis.name(target) == name {
+        return Ok(Vec::new());
+    }
+    check_name(analysis, target, name)?;
+    let renamed = analysis.occurrences(target);
+    let mut blanks: Vec<u32> = Vec::new();
+    // Each round writes apart what the last one found; a word is cut at most as often as it has letters.
+    loop {
+        let edits = edits(analysis, &renamed, &blanks, name);
+        let again = Renamed::new(analysis, &edits);
+        let Some(token) = again.first_difference(analysis, &renamed, name) else {
+            return again.keeps_errors(analysis).map(|()| edits);
+        };
+        let before = blanks.len();
+        blanks.extend(seams(analysis, token));
+        blanks.sort_unstable();
+        blanks.dedup();
+        if blanks.len() == before {
+            return Err(RenameError::ReadOtherwise {
+                word: word(analysis, token),
+                line: analysis
+                    .token(token)
+                    .map_or(1, |token| line(analysis, token.span.start)),
+            });
+        }
+    }
+}
+
+/// Whether the name is one, and free.
+fn check_name(analysis: &GeotraceAnalysis, target: Target, name: &str) -> Result<(), RenameError> {
+    let mut letters = name.bytes();
+    let well_formed = letters.next().is_some_and(|b| b.is_ascii_alphabetic())
+        && letters.all(|b| b.is_ascii_alphanumeric());
+    if !well_formed || name.len() > 255 {
+        return Err(RenameError::NotAName(name.to_owned()));
+    }
+    if DeclarationKeyword::from_text(name).is_some() {
+        return Err(RenameError::Keyword(name.to_owned()));
+    }
+    let taken = |line| {
+        Err(RenameError::Taken {
+            name: name.to_owned(),
+            line,
+        })
+    };
+    if let Some(id) = analysis.document().named(name)
+        && Target::Symbol(id) != target
+    {
+        return taken(analysis.place(id).map(|span| line(analysis, span.start)));
+    }
+    // A parameter may not have the name of a symbol above it, nor of its neighbours.
+    let (first, count) = match target {
+        Target::Symbol(id) => (analysis.item_of(id).unwrap_or_default(), usize::MAX),
+        Target::Parameter { item, .. } => (item, 1),
+    };
+    let mut parameters = analysis
+        .items_from(first)
+        .take(count)
+        .flat_map(|item| item.parameters());
+    let clash = parameters.find(|(own, _)| *own == name);
+    match clash {
+        Some((_, place)) => taken(Some(line(analysis, place.start))),
+        None => Ok(()),
+    }
+}
+
+fn edits(analysis: &GeotraceAnalysis, renamed: &[usize], blanks: &[u32], name: &str) -> Vec<Edit> {
+    let mut edits: Vec<Edit> = Vec::new();
+    edits.extend(blanks.iter().map(|&offset| Edit::insert(offset, " ")));
+    let tokens = renamed.iter().filter_map(|&k| analysis.token(k));
+    let spans = tokens.map(|token| token.span);
+    edits.extend(spans.map(|span| Edit::replace(span, name)));
+    // A blank before a name comes before what replaces the name.
+    edits.sort_by_key(|edit| (edit.span.start, edit.span.end));
+    edits
+}
+
+/// A copy of a document with the edits of a renaming.
+struct Renamed {
+    document: Document,
+    /// What was read again, in the order of the text.
+    read: Vec<ChunkId>,
+}
+
+impl Renamed {
+    fn new(analysis: &GeotraceAnalysis, edits: &[Edit]) -> Self {
+        let before = analysis.document();
+        let mut document = Document::from_snapshot(before.clone());
+        let mut read = HashSet::new();
+        // From the last to the first, so that the places of the others stay.
+        for edit in edits.iter().rev() {
+            match document.edit(edit.span, &edit.text) {
+                Ok(change) => read.extend(change.read),
+                // The text would be too large: the name stays what it was, which is found below.
+                Err(_) => read.extend(before.piece_at(edit.span.start).map(|it| it.chunk)),
+            }
+        }
+        let mut read: Vec<ChunkId> = read.into_iter().collect();
+        read.sort_by_key(|chunk| before.rank(*chunk));
+        Self { document, read }
+    }
+
+    /// The first token that is read otherwise, as a position in the old reading.
+    fn first_difference(
+        &self,
+        old: &GeotraceAnalysis,
+        renamed: &[usize],
+        name: &str,
+    ) -> Option<usize> {
+        let (before, after): (&Snapshot, &Snapshot) = (old.document(), &self.document);
+        self.read.iter().find_map(|chunk| {
+            let (piece, other) = (before.piece_of(*chunk), after.piece_of(*chunk));
+            let first = piece.first_token as usize;
+            let is_same = |k: usize| {
+                let (Some(token), Some(read)) = (piece.tokens().get(k), other.tokens().get(k))
+                else {
+                    return false;
+                };
+                let text = match renamed.binary_search(&(first + k)) {
+                    Ok(_) => name,
+                    Err(_) => token.span.text(piece.text),
+                };
+                Meaning::of(before, token.kind) == Meaning::of(after, read.kind)
+                    && text == read.span.text(other.text)
+                    && introduces_in(piece, k) == introduces_in(other, k)
+            };
+            let count = piece.tokens().len();
+            let differs = (0..count).find(|k| !is_same(*k));
+            let longer = (other.tokens().len() > count).then(|| count.saturating_sub(1));
+            differs.or(longer).map(|k| first + k)
+        })
+    }
+
+    /// Whether the same errors are found: a name that was taken would be free where it is declared once more, and would
+    /// then mean something else there.
+    fn keeps_errors(&self, old: &GeotraceAnalysis) -> Result<(), RenameError> {
+        for &chunk in &self.read {
+            let errors = old.document().errors(chunk);
+            let mut found = self.document.errors(chunk).map(|(code, _)| code);
+            let mut last = None;
+            for (code, span) in errors {
+                last = Some(span);
+                if found.next() != Some(code) {
+                    break;
+                }
+                last = None;
+            }
+            let is_more = found.next().is_some();
+            if last.is_some() || is_more {
+                let piece = old.document().piece_of(chunk);
+                let span = last.or(piece.tokens().span(0)).unwrap_or_default();
+                return Err(RenameError::ReadOtherwise {
+                    word: span.text(piece.text).to_owned(),
+                    line: line(old, span.moved(piece.start).start),
+                });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a token is made of letters or digits.
+fn is_word(token: &Lexeme<'_>) -> bool {
+    matches!(
+        token.kind,
+        TokenKind::Constant(_)
+            | TokenKind::Function(_)
+            | TokenKind::Variable(_)
+            | TokenKind::Undefined
+            | TokenKind::Number(_)
+    )
+}
+
+/// The run of touching words and numbers around a token.
+fn run(analysis: &GeotraceAnalysis, token: usize) -> std::ops::Range<usize> {
+    let touch = |k: usize| {
+        let (one, other) = (analysis.token(k), analysis.token(k + 1));
+        one.zip(other).is_some_and(|(one, other)| {
+            is_word(&one) && is_word(&other) && one.span.end == other.span.start
+        })
+    };
+    let mut first = token;
+    while first > 0 && touch(first - 1) {
+        first -= 1;
+    }
+    let mut last = token;
+    while touch(last) {
+        last += 1;
+    }
+    first..last + 1
+}
+
+/// The places where the word around a token can be written apart.
+fn seams(analysis: &GeotraceAnalysis, token: usize) -> Vec<u32> {
+    let mut run = run(analysis, token);
+    run.next();
+    let tokens = analysis.tokens(run);
+    tokens.map(|token| token.span.start).collect()
+}
+
+fn word(analysis: &GeotraceAnalysis, token: usize) -> String {
+    let run = run(analysis, token);
+    let tokens = analysis.tokens(run);
+    let span = tokens.map(|token| token.span).reduce(Span::to);
+    span.map_or_else(String::new, |span| analysis.slice(span))
+}
+
+fn line(analysis: &GeotraceAnalysis, offset: u32) -> u32 {
+    analysis.document().line(offset)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Renamed, edits};
+    use crate::geotrace::analysis::{GeotraceAnalysis, Target};
+
+    #[test]
+    fn what_is_read_again_is_what_uses_the_name_however_long_the_program_is() {
+        let work = |declarations: usize| {
+            let mut text = "define radius = 2;\n".to_owned();
+            for k in 0..declarations {
+                let used = if k % (declarations / 4) == 0 {
+                    "radius"
+                } else {
+                    "pi"
+                };
+                text += &format!("define a{k} = 2{used} + {k};\n");
+            }
+            let analysis = GeotraceAnalysis::new(text.as_str());
+            let symbol = analysis.document().named("radius").expect("declared");
+            let renamed = analysis.occurrences(Target::Symbol(symbol));
+            assert_eq!(renamed.len(), 5);
+            let again = Renamed::new(&analysis, &edits(&analysis, &renamed, &[], "length"));
+            assert_eq!(again.read.len(), 5);
+            assert_eq!(again.first_difference(&analysis, &renamed, "length"), None);
+            let work = again.document.counters();
+            (work.cut, work.edited, work.reread)
+        };
+        let (cut, edited, reread) = work(4_000);
+        assert_eq!((edited, reread), (5, 4));
+        // The numbers in the declarations are longer, the declarations as many.
+        let (shorter, edited, reread) = work(40);
+        assert_eq!((edited, reread), (5, 4));
+        assert!(cut < shorter + 5 * 10, "{cut} and {shorter}");
+    }
+}

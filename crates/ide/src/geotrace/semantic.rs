@@ -1,0 +1,89 @@
+//! Colours by meaning: the text's tokens in the standard types of editors.
+
+use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::document::Piece;
+use syntax::geotrace::symbols::SymbolKind;
+use syntax::geotrace::token::TokenKind;
+use syntax::span::Span;
+
+use super::analysis::{GeotraceAnalysis, Target, introduces_in, lexeme};
+use crate::semantic::{Modifiers, SemanticToken, TokenType};
+
+/// The coloured tokens that touch a range, in the order of the text and without overlap. Punctuation, words without a
+/// meaning and characters that are no token have no colour.
+pub fn semantic_tokens(analysis: &GeotraceAnalysis, range: Span) -> Vec<SemanticToken> {
+    let document = analysis.document();
+    let wanted = analysis.tokens_in(range);
+    let first = u32::try_from(wanted.start).ok();
+    let first = first.and_then(|token| document.piece_of_token(token));
+    let pieces = document.pieces_from(first.map(|(piece, _)| piece));
+    let all = pieces.flat_map(|piece| {
+        let tokens = 0..piece.tokens().len();
+        tokens.map(move |index| (piece, index))
+    });
+    let skipped = first.map_or(0, |(_, index)| index);
+    let all = all.skip(skipped).take(wanted.len());
+    all.filter_map(|(piece, index)| token(analysis, piece, index))
+        .collect()
+}
+
+fn token(analysis: &GeotraceAnalysis, piece: Piece<'_>, index: usize) -> Option<SemanticToken> {
+    let token = lexeme(piece, piece.tokens().get(index)?);
+    let span = token.span;
+    let plain = |token_type| (token_type, Modifiers::default());
+    let (token_type, modifiers) = match token.kind {
+        TokenKind::Comment => plain(TokenType::Comment),
+        TokenKind::Number(_) => plain(TokenType::Number),
+        TokenKind::Declare(_) => plain(TokenType::Keyword),
+        TokenKind::Plus
+        | TokenKind::Minus
+        | TokenKind::Star
+        | TokenKind::Slash
+        | TokenKind::Caret
+        | TokenKind::Underscore
+        | TokenKind::Prime => plain(TokenType::Operator),
+        TokenKind::Constant(_)
+        | TokenKind::Function(_)
+        | TokenKind::Variable(_)
+        | TokenKind::Undefined => {
+            let (token_type, modifiers) = match analysis.target_in(piece, index)? {
+                Target::Parameter { .. } => plain(TokenType::Parameter),
+                Target::Symbol(id) => {
+                    let symbol = analysis.symbol(id)?;
+                    let token_type = match symbol.kind {
+                        SymbolKind::Constant => TokenType::Variable,
+                        SymbolKind::Function => TokenType::Function,
+                    };
+                    (token_type, word_modifier(symbol.word))
+                }
+            };
+            if introduces_in(piece, index) {
+                (token_type, modifiers.with(Modifiers::DECLARATION))
+            } else {
+                (token_type, modifiers)
+            }
+        }
+        _ => return None,
+    };
+    Some(SemanticToken {
+        span,
+        token_type,
+        modifiers,
+    })
+}
+
+fn word_modifier(word: Option<DeclarationKeyword>) -> Modifiers {
+    match word {
+        None => Modifiers::DEFAULT_LIBRARY,
+        Some(DeclarationKeyword::Curve | DeclarationKeyword::Geodesic) => Modifiers::CURVE,
+        Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric) => Modifiers::SURFACE,
+        Some(DeclarationKeyword::Grid) => Modifiers::GRID,
+        Some(DeclarationKeyword::Param) => Modifiers::PARAM,
+        Some(
+            DeclarationKeyword::Define
+            | DeclarationKeyword::Function
+            | DeclarationKeyword::Point
+            | DeclarationKeyword::Vector,
+        ) => Modifiers::default(),
+    }
+}

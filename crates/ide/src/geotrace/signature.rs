@@ -1,0 +1,76 @@
+//! The function whose arguments are being written.
+
+use syntax::geotrace::token::TokenKind;
+
+use super::analysis::GeotraceAnalysis;
+use super::outline::parameters;
+use crate::signature::Signature;
+
+/// The innermost function with a bracket around a place.
+pub fn signature(analysis: &GeotraceAnalysis, offset: u32) -> Option<Signature> {
+    let mut at = analysis.document().tokens_ended(offset) as usize;
+    let mut depth = 0;
+    let mut commas = 0;
+    while let Some(k) = at.checked_sub(1) {
+        at = k;
+        let token = analysis.token(k)?;
+        match token.kind {
+            TokenKind::Comment if token.span.end == offset => return None,
+            TokenKind::Semicolon | TokenKind::Declare(_) => return None,
+            TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => depth += 1,
+            TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen if depth > 0 => {
+                depth -= 1;
+            }
+            TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => {
+                if let Some(signature) = of_function_before(analysis, k, commas) {
+                    return Some(signature);
+                }
+                // A plain bracket: what stands around it.
+                commas = 0;
+            }
+            TokenKind::Comma if depth == 0 => commas += 1,
+            _ => {}
+        }
+    }
+    None
+}
+
+/// The function right before a bracket: `f(`, `f'(`, `f_u(`.
+fn of_function_before(
+    analysis: &GeotraceAnalysis,
+    bracket: usize,
+    active: u32,
+) -> Option<Signature> {
+    for token in analysis.tokens_before(bracket) {
+        match token.kind {
+            TokenKind::Prime | TokenKind::Underscore | TokenKind::Variable(_) => {}
+            TokenKind::Function(id) => {
+                let symbol = analysis.symbol(id)?;
+                let names: Vec<&str> = match symbol.word {
+                    Some(_) => symbol.parameters.iter().map(|p| p.name.as_str()).collect(),
+                    None => vec!["x"],
+                };
+                let label = format!("{}{}", symbol.name, parameters(names.iter().copied()));
+                let mut start = symbol.name.len() as u32 + 1;
+                let places = names.iter().map(|name| {
+                    let place = (start, start + name.len() as u32);
+                    start = place.1 + 2;
+                    place
+                });
+                let places = places.collect();
+                let what = match symbol.word {
+                    Some(word) => word.text().to_owned(),
+                    None => "builtin function".to_owned(),
+                };
+                return Some(Signature {
+                    label,
+                    parameters: places,
+                    active,
+                    what,
+                });
+            }
+            _ => return None,
+        }
+    }
+    None
+}

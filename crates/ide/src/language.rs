@@ -1,0 +1,251 @@
+//! The interface between a language and its users: the language server, the preview window and the command line.
+//!
+//! ```text
+//! Language ──open──▶ Program      a text that is edited; what is wrong with it; its scene
+//!     │                 │ snapshot
+//!     └─────read────▶ Analysis    an immutable state of a program; one method for each feature of an editor
+//! ```
+//!
+//! All places are byte offsets, all results plain data. A small language implements the methods without a default body
+//! and as many features as it likes: without a method of its own, a feature finds nothing.
+
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use scene::{Evaluation, ParamValues, ProgramScene};
+use syntax::diagnostic::{Code, Diagnostic};
+pub use syntax::document::EditError;
+use syntax::span::Span;
+
+use crate::completion::Completions;
+use crate::description::Description;
+use crate::edit::Edit;
+use crate::edit_param::EditParamError;
+use crate::fix::{self, Fix};
+use crate::highlight::{self, Highlight};
+use crate::hint::Hint;
+use crate::lens::Lens;
+use crate::occurrence::Occurrence;
+use crate::outline::{Fold, OutlineEntry};
+use crate::rename::RenameError;
+use crate::semantic::SemanticToken;
+use crate::signature::Signature;
+use crate::text::{PlainText, Text};
+
+/// A scene language.
+pub trait Language: Debug + Send + Sync {
+    /// The identifier by which editors know the language: `geotrace`.
+    fn name(&self) -> &'static str;
+
+    /// The extensions of its files, without a dot: `gtr`.
+    fn extensions(&self) -> &'static [&'static str];
+
+    /// Opens a text, which may have any number of mistakes.
+    ///
+    /// # Errors
+    /// [`EditError::TooLarge`] if the text has 4 GiB or more.
+    fn open(&self, text: &str) -> Result<Box<dyn Program>, EditError>;
+
+    /// Analyses a text that will not be edited. A text that is too large is analysed as an empty one.
+    fn read(&self, text: &str) -> Arc<dyn Analysis> {
+        match self.open(text).or_else(|_| self.open("")) {
+            Ok(program) => program.snapshot(),
+            Err(_) => Arc::new(Unread(PlainText::default())),
+        }
+    }
+
+    /// Returns the coloured parts of a text, in the order of the text and without overlap, for an editor without
+    /// semantic tokens.
+    fn highlight(&self, text: &str) -> Vec<Highlight> {
+        let analysis = self.read(text);
+        let tokens = analysis.semantic_tokens(Span::new(0, analysis.text().len()));
+        highlight::from_tokens(&tokens)
+    }
+}
+
+/// A program of some language: a text that is edited, and what it means.
+pub trait Program: Debug + Send {
+    /// The text as it is now.
+    fn text(&self) -> &dyn Text;
+
+    /// Replaces the bytes of a range.
+    ///
+    /// # Errors
+    /// [`EditError`] if the range is not one of the text, or if the text would be too large; the program is unchanged
+    /// then.
+    fn edit(&mut self, range: Span, text: &str) -> Result<(), EditError>;
+
+    /// Returns everything that is wrong or surprising, sorted by place.
+    fn diagnostics(&self) -> Arc<[Diagnostic]>;
+
+    /// Returns the scene; of a program with errors, as much of it as can be shown.
+    fn scene(&self) -> ProgramScene;
+
+    /// Returns the state of the program for features, which may run on other threads while the program is edited. It
+    /// is cheap: it shares what the program has computed.
+    fn snapshot(&self) -> Arc<dyn Analysis>;
+
+    /// Returns the value of an expression in the scope at the end of the program.
+    ///
+    /// # Errors
+    /// The diagnostics of the expression, with spans in `expression`.
+    fn evaluate(
+        &self,
+        expression: &str,
+        settings: &ParamValues,
+    ) -> Result<Evaluation, Vec<Diagnostic>> {
+        let _ = settings;
+        let span = Span::new(0, u32::try_from(expression.len()).unwrap_or(u32::MAX));
+        let message = "this language has no expressions that can be evaluated";
+        Err(vec![Diagnostic::error(
+            Code("no-expressions"),
+            span,
+            message,
+        )])
+    }
+}
+
+/// An immutable state of a program, and the features that an editor offers on it.
+pub trait Analysis: Debug + Send + Sync {
+    /// The text.
+    fn text(&self) -> &dyn Text;
+
+    /// Returns everything that is wrong or surprising, sorted by place.
+    fn diagnostics(&self) -> Arc<[Diagnostic]>;
+
+    /// Returns the coloured tokens that touch a range, in the order of the text and without overlap.
+    fn semantic_tokens(&self, range: Span) -> Vec<SemanticToken> {
+        let _ = range;
+        Vec::new()
+    }
+
+    /// Returns the named declarations, in the order of the text.
+    fn outline(&self) -> Vec<OutlineEntry> {
+        Vec::new()
+    }
+
+    /// Returns the ranges that can be folded, in the order of the text.
+    fn folds(&self) -> Vec<Fold> {
+        Vec::new()
+    }
+
+    /// Returns the ranges around a place, from the smallest to the whole text, each of which holds the one before.
+    fn selection(&self, offset: u32) -> Vec<Span> {
+        let _ = offset;
+        vec![Span::new(0, self.text().len())]
+    }
+
+    /// Returns the description of the word at a place, and the range of the word.
+    fn hover(&self, offset: u32) -> Option<(Span, Description)> {
+        let _ = offset;
+        None
+    }
+
+    /// Returns the signature of the function around a place.
+    fn signature(&self, offset: u32) -> Option<Signature> {
+        let _ = offset;
+        None
+    }
+
+    /// Returns what can be written at a place, with places to fill in if the editor knows `snippets`.
+    fn completions(&self, offset: u32, snippets: bool) -> Completions {
+        let _ = snippets;
+        Completions::empty(offset)
+    }
+
+    /// Returns the description of a completion by its label.
+    fn describe_completion(&self, offset: u32, label: &str) -> Option<Description> {
+        let _ = (offset, label);
+        None
+    }
+
+    /// Returns the range of the name at a place, and the range where the name is introduced.
+    fn definition(&self, offset: u32) -> Option<(Span, Span)> {
+        let _ = offset;
+        None
+    }
+
+    /// Returns every occurrence of the name at a place, in the order of the text.
+    fn occurrences(&self, offset: u32) -> Vec<Occurrence> {
+        let _ = offset;
+        Vec::new()
+    }
+
+    /// Returns the range and the text of the name at a place, if it can be renamed.
+    ///
+    /// # Errors
+    /// [`RenameError`] with the reason why it cannot.
+    fn prepare_rename(&self, offset: u32) -> Result<(Span, String), RenameError> {
+        let _ = offset;
+        Err(RenameError::NoName)
+    }
+
+    /// Returns the edits that give the name at a place another name.
+    ///
+    /// # Errors
+    /// [`RenameError`] with the reason.
+    fn rename(&self, offset: u32, name: &str) -> Result<Vec<Edit>, RenameError> {
+        let _ = (offset, name);
+        Err(RenameError::NoName)
+    }
+
+    /// Returns the fixes of the diagnostics that touch a range.
+    fn fixes(&self, range: Span) -> Vec<Fix> {
+        fix::fixes(&self.diagnostics(), range)
+    }
+
+    /// Returns the edits that bring the text, or the declarations that touch a range, into the canonical layout.
+    fn format(&self, range: Option<Span>) -> Vec<Edit> {
+        let _ = range;
+        Vec::new()
+    }
+
+    /// Returns the edits that lay out the declaration that ends before a place, or `None` if none ends there.
+    fn format_on_type(&self, offset: u32) -> Option<Vec<Edit>> {
+        let _ = offset;
+        None
+    }
+
+    /// Returns the hints in a range, in the order of the text.
+    fn hints(&self, range: Span) -> Vec<Hint> {
+        let _ = range;
+        Vec::new()
+    }
+
+    /// Returns hints with the values that the params in a range have in a preview. `values` are by name, one number for
+    /// each component.
+    fn preview_values(&self, range: Span, values: &BTreeMap<String, Vec<f64>>) -> Vec<Hint> {
+        let _ = (range, values);
+        Vec::new()
+    }
+
+    /// Returns the views that lines above declarations offer, in the order of the text.
+    fn lenses(&self) -> Vec<Lens> {
+        Vec::new()
+    }
+
+    /// Returns the edit after which a param starts with the given values, one for each of its components.
+    ///
+    /// # Errors
+    /// [`EditParamError`] with the reason.
+    fn edit_param(&self, param: &str, values: &[f64]) -> Result<Edit, EditParamError> {
+        let _ = values;
+        let name = param.to_owned();
+        Err(EditParamError::NoParam { name })
+    }
+}
+
+/// The analysis of a text that its language does not even open empty.
+#[derive(Debug)]
+struct Unread(PlainText);
+
+impl Analysis for Unread {
+    fn text(&self) -> &dyn Text {
+        &self.0
+    }
+
+    fn diagnostics(&self) -> Arc<[Diagnostic]> {
+        Arc::default()
+    }
+}

@@ -1,0 +1,77 @@
+//! The languages that the program knows, as a value: a test or another program may add its own.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::geotrace::Geotrace;
+use crate::language::Language;
+
+/// A list of languages; cheap to clone.
+#[derive(Clone, Debug)]
+pub struct Languages {
+    standard: Arc<dyn Language>,
+    others: Vec<Arc<dyn Language>>,
+}
+
+impl Languages {
+    /// The languages of this program: Geotrace.
+    pub fn standard() -> Self {
+        Self {
+            standard: Arc::new(Geotrace),
+            others: Vec::new(),
+        }
+    }
+
+    /// The languages with another one.
+    #[must_use]
+    pub fn with(mut self, language: impl Language + 'static) -> Self {
+        self.others.push(Arc::new(language));
+        self
+    }
+
+    /// All languages, in the order in which they were added.
+    pub fn all(&self) -> impl Iterator<Item = &Arc<dyn Language>> {
+        std::iter::once(&self.standard).chain(&self.others)
+    }
+
+    /// The language of texts that do not say theirs, as those of standard input: Geotrace.
+    pub fn default_language(&self) -> &Arc<dyn Language> {
+        &self.standard
+    }
+
+    /// The language of a name, as editors use it.
+    pub fn named(&self, name: &str) -> Option<&Arc<dyn Language>> {
+        self.all().find(|language| language.name() == name)
+    }
+
+    /// The language of a file's extension.
+    pub fn by_extension(&self, path: &Path) -> Option<&Arc<dyn Language>> {
+        let extension = path.extension()?.to_str()?;
+        self.all()
+            .find(|language| language.extensions().contains(&extension))
+    }
+
+    /// The language of a file: that of its extension, else the default.
+    pub fn for_path(&self, path: &Path) -> &Arc<dyn Language> {
+        self.by_extension(path).unwrap_or(&self.standard)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::Languages;
+
+    #[test]
+    fn a_file_without_a_known_extension_is_a_geotrace_program() {
+        let languages = Languages::standard();
+        for path in ["a.gtr", "a.txt", "-", "gtr", ".gtr"] {
+            let language = languages.for_path(Path::new(path));
+            assert_eq!(language.name(), "geotrace", "{path}");
+        }
+        assert!(languages.by_extension(Path::new("a.gtr")).is_some());
+        assert!(languages.by_extension(Path::new("a.txt")).is_none());
+        assert!(languages.named("plaintext").is_none());
+    }
+}

@@ -1,0 +1,12 @@
+//! Occurrences of a name.
+
+use syntax::span::Span;
+
+/// A place where a name occurs.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Occurrence {
+    /// The range of the name.
+    pub span: Span,
+    /// True if this occurrence introduces the name.
+    pub introduces: bool,
+}
