@@ -14,13 +14,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 use geodesic::frame::Frame;
+use geodesic::map::Method;
 use geodesic::surface::Surface;
 use render::Request;
 use render::geodesic_view::Inside;
 use serde::Serialize;
 
 use self::measure::{Measured, MeasuredView, STATUSES, Threads};
-use self::method::{Kind, SERIES, STEPS, Setting};
+use self::method::{NAMES, STEPS, Setting};
 use crate::argument::{self, Assignment, Format, Size};
 use crate::failure::Failure;
 use crate::output::{self, OutputTarget};
@@ -224,32 +225,19 @@ fn growth<S: Surface + ?Sized>(
     view: &mut MeasuredView<'_, S>,
     threads: &Threads,
 ) -> Vec<MethodRow> {
-    let of = |kind: Kind| SERIES.iter().position(|series| series.kind == kind);
     let mut rows = Vec::new();
-    if let Some(series) = of(Kind::Rk4) {
-        for steps in STEPS {
-            let setting = Setting {
-                series,
-                steps: Some(steps),
-                tolerance: None,
-            };
-            let row = MethodRow::new(setting, view.measure(&setting, threads));
-            let enough = row.measured.error_px.max <= EQUAL;
-            if enough || steps == STEPS[STEPS.len() - 1] {
-                rows.push(row);
-                break;
-            }
+    for steps in STEPS {
+        let setting = Setting::with_steps(steps);
+        let row = MethodRow::new(setting, view.measure(&setting, threads));
+        let enough = row.measured.error_px.max <= EQUAL;
+        if enough || steps == STEPS[STEPS.len() - 1] {
+            rows.push(row);
+            break;
         }
     }
-    for kind in [Kind::Adaptive, Kind::Fan] {
-        if let Some(series) = of(kind) {
-            let setting = Setting {
-                series,
-                steps: None,
-                tolerance: Some(0.1),
-            };
-            rows.push(MethodRow::new(setting, view.measure(&setting, threads)));
-        }
+    for method in [Method::Adaptive, Method::Fan] {
+        let setting = Setting::with_tolerance(method, 0.1);
+        rows.push(MethodRow::new(setting, view.measure(&setting, threads)));
     }
     rows
 }
@@ -262,8 +250,8 @@ impl MethodRow {
             .map(|((_, name), share)| ((*name).to_owned(), share.into()))
             .collect();
         Self {
-            method: setting.method().name,
-            steps: setting.steps,
+            method: setting.name(),
+            steps: setting.steps(),
             tolerance: setting.tolerance,
             measured,
             status,
@@ -274,14 +262,14 @@ impl MethodRow {
 
 /// The work–precision diagram.
 fn diagram(document: &Measurements) -> String {
-    let series: Vec<plot::Series> = SERIES
+    let series: Vec<plot::Series> = NAMES
         .iter()
-        .map(|series| plot::Series {
-            name: series.name.to_owned(),
+        .map(|name| plot::Series {
+            name: (*name).to_owned(),
             points: document
                 .rows
                 .iter()
-                .filter(|row| row.method == series.name)
+                .filter(|row| row.method == *name)
                 .map(|row| {
                     let at = [row.measured.time_one_ms, row.measured.error_px.max];
                     (at, row.setting.text())

@@ -10,7 +10,7 @@ use geodesic::trace::Status;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 
-use super::method::{Kind, Setting};
+use super::method::Setting;
 use crate::failure::Failure;
 
 /// Methods that trace each pixel by itself are timed on every `n`th pixel along both axes, with this `n`.
@@ -122,20 +122,8 @@ impl<'s, S: Surface + ?Sized> MeasuredView<'s, S> {
 
     /// Measures a method with a setting.
     pub(super) fn measure(&mut self, setting: &Setting, threads: &Threads) -> Measured {
-        let kind = setting.method().kind;
-        self.run(kind, setting.steps, setting.tolerance, threads)
-    }
-
-    /// Measures a method; see [`Kind::options`].
-    pub(super) fn run(
-        &mut self,
-        kind: Kind,
-        steps: Option<u32>,
-        tolerance: Option<f64>,
-        threads: &Threads,
-    ) -> Measured {
-        let thin = kind.is_pixel_by_pixel();
-        let mut options = kind.options(steps, tolerance);
+        let thin = setting.is_pixel_by_pixel();
+        let mut options = setting.options();
         let (size, scale) = if thin {
             // Scaled from the pixels that were run to those of the whole picture.
             options.tolerance /= f64::from(EVERY);

@@ -2,116 +2,86 @@
 
 use geodesic::map::{MapOptions, Method};
 
+/// The names of the methods, in the order of the tables; the thesis' method is the first.
+pub(super) const NAMES: [&str; 4] = ["rk4-pixel f64", "adaptive", "fan-linear", "fan"];
+/// The numbers of steps of the thesis' method.
+pub(super) const STEPS: [u32; 10] = [4, 6, 8, 12, 16, 32, 64, 128, 256, 512];
+/// The tolerances of the other methods, in pixels.
+const TOLERANCES: [f64; 5] = [1.0, 0.3, 0.1, 0.01, 0.001];
+
 /// A method with one of its settings.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setting {
-    /// The index into [`SERIES`].
-    pub(super) series: usize,
-    /// The requested error in pixels, for methods with a tolerance.
+    method: Method,
+    /// The requested error in pixels; `None` for the thesis' method, which has a number of steps instead.
     pub(super) tolerance: Option<f64>,
-    /// The number of steps, for methods with fixed steps.
-    pub(super) steps: Option<u32>,
 }
 
-/// A method and its name in the table.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Series {
-    pub(super) name: &'static str,
-    pub(super) kind: Kind,
-}
-
-/// How a method gets from pixels to ends.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(super) enum Kind {
-    /// The thesis' Runge–Kutta method for each pixel.
-    Rk4,
-    /// Adaptive steps for each pixel.
-    Adaptive,
-    /// Shared rays, linear between them.
-    FanLinear,
-    /// Shared rays with their Jacobi fields.
-    Fan,
-}
-
-/// All methods, the thesis' first.
-pub(super) const SERIES: [Series; 4] = [
-    Series {
-        name: "rk4-pixel f64",
-        kind: Kind::Rk4,
-    },
-    Series {
-        name: "adaptive",
-        kind: Kind::Adaptive,
-    },
-    Series {
-        name: "fan-linear",
-        kind: Kind::FanLinear,
-    },
-    Series {
-        name: "fan",
-        kind: Kind::Fan,
-    },
-];
-
-/// The steps of the thesis' method.
-pub(super) const STEPS: [u32; 10] = [4, 6, 8, 12, 16, 32, 64, 128, 256, 512];
-/// The tolerances, in pixels.
-pub(super) const TOLERANCES: [f64; 5] = [1.0, 0.3, 0.1, 0.01, 0.001];
-
-impl Kind {
-    /// Whether the cost of a pixel does not depend on how many there are.
-    pub(super) fn is_pixel_by_pixel(self) -> bool {
-        matches!(self, Self::Rk4 | Self::Adaptive)
+impl Setting {
+    /// All methods with all their settings.
+    pub(super) fn all() -> Vec<Self> {
+        let by_steps = STEPS.map(Self::with_steps);
+        let adaptive = [Method::Adaptive, Method::FanLinear, Method::Fan];
+        let by_tolerance = adaptive
+            .map(|method| TOLERANCES.map(|tolerance| Self::with_tolerance(method, tolerance)));
+        by_steps
+            .into_iter()
+            .chain(by_tolerance.into_iter().flatten())
+            .collect()
     }
 
-    /// The options of a map; without a number of steps or a tolerance the method's usual ones.
-    pub(super) fn options(self, steps: Option<u32>, tolerance: Option<f64>) -> MapOptions {
-        let method = match self {
-            Self::Rk4 => Method::Rk4 {
-                steps: steps.unwrap_or(128),
-            },
-            Self::Adaptive => Method::Adaptive,
-            Self::FanLinear => Method::FanLinear,
-            Self::Fan => Method::Fan,
-        };
-        MapOptions {
+    /// The thesis' method with a number of steps.
+    pub(super) fn with_steps(steps: u32) -> Self {
+        Self {
+            method: Method::Rk4 { steps },
+            tolerance: None,
+        }
+    }
+
+    /// Another method with a tolerance in pixels.
+    pub(super) fn with_tolerance(method: Method, tolerance: f64) -> Self {
+        Self {
             method,
-            tolerance: tolerance.unwrap_or(0.1),
+            tolerance: Some(tolerance),
+        }
+    }
+
+    /// The name of the method, one of [`NAMES`].
+    pub(super) fn name(&self) -> &'static str {
+        match self.method {
+            Method::Rk4 { .. } => NAMES[0],
+            Method::Adaptive => NAMES[1],
+            Method::FanLinear => NAMES[2],
+            Method::Fan => NAMES[3],
+        }
+    }
+
+    /// The number of steps of the thesis' method.
+    pub(super) fn steps(&self) -> Option<u32> {
+        match self.method {
+            Method::Rk4 { steps } => Some(steps),
+            _ => None,
+        }
+    }
+
+    /// Reports whether the cost of a pixel is independent of the number of pixels.
+    pub(super) fn is_pixel_by_pixel(&self) -> bool {
+        matches!(self.method, Method::Rk4 { .. } | Method::Adaptive)
+    }
+
+    /// The options of a map.
+    pub(super) fn options(&self) -> MapOptions {
+        MapOptions {
+            method: self.method,
+            tolerance: self.tolerance.unwrap_or(0.1),
             by_pixel: false,
             ..MapOptions::default()
         }
     }
-}
-
-impl Setting {
-    /// Every method with every setting.
-    pub(super) fn all() -> Vec<Self> {
-        let settings = SERIES.iter().enumerate().map(|(series, method)| {
-            let by_steps = STEPS.map(|steps| Self {
-                series,
-                tolerance: None,
-                steps: Some(steps),
-            });
-            let by_tolerance = TOLERANCES.map(|tolerance| Self {
-                series,
-                tolerance: Some(tolerance),
-                steps: None,
-            });
-            match method.kind {
-                Kind::Rk4 => by_steps.to_vec(),
-                _ => by_tolerance.to_vec(),
-            }
-        });
-        settings.flatten().collect()
-    }
-
-    pub(super) fn method(&self) -> Series {
-        SERIES[self.series]
-    }
 
     /// The setting in words.
     pub(super) fn text(&self) -> String {
-        match (self.steps, self.tolerance) {
+        match (self.steps(), self.tolerance) {
             (Some(steps), _) => format!("{steps} steps"),
             (None, Some(tolerance)) => format!("{tolerance} px"),
             (None, None) => String::new(),

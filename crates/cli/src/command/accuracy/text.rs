@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::measure::{EVERY, STATUSES};
-use super::method::SERIES;
+use super::method::NAMES;
 use super::{EQUAL, Growth, Measurements, MethodRow};
 use crate::number;
 
@@ -140,12 +140,12 @@ fn equal(document: &Measurements) -> String {
             .min_by(|a, b| a.measured.time_one_ms.total_cmp(&b.measured.time_one_ms))
     };
     let fan = best("fan").map(|row| row.measured.time_one_ms);
-    for series in SERIES {
-        let text = match best(series.name) {
+    for name in NAMES {
+        let text = match best(name) {
             None => "never".to_owned(),
             Some(row) => {
                 let ratio = match fan {
-                    Some(fan) if series.name != "fan" => {
+                    Some(fan) if name != "fan" => {
                         format!(", {:.0} times the fan's", row.measured.time_one_ms / fan)
                     }
                     _ => String::new(),
@@ -158,7 +158,7 @@ fn equal(document: &Measurements) -> String {
                 )
             }
         };
-        let _ = writeln!(out, "  {:19} {text}", series.name);
+        let _ = writeln!(out, "  {:19} {text}", name);
     }
     out
 }
