@@ -16,6 +16,7 @@ mod trace;
 use clap::{Parser, Subcommand};
 
 use crate::failure::Failure;
+use crate::registry::{Context, Registry};
 
 /// The program that the help shows; a test compiles it.
 const FIRST_PROGRAM: &str = "\
@@ -41,6 +42,9 @@ vector v = c'(o) @ p;
     after_help = after_help()
 )]
 pub(crate) struct Arguments {
+    /// The language of the programs, whatever their extension
+    #[arg(long, global = true, hide = true, value_name = "NAME")]
+    language: Option<String>,
     #[command(subcommand)]
     command: Command,
 }
@@ -61,19 +65,23 @@ enum Command {
 }
 
 /// Runs the command that the arguments name.
-pub(crate) fn run(arguments: Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: Arguments, registry: &Registry) -> Result<(), Failure> {
+    let context = Context {
+        registry: registry.clone(),
+        language: arguments.language,
+    };
     match arguments.command {
-        Command::Show(arguments) => show::run(&arguments),
-        Command::Preview(arguments) => preview::run(&arguments),
-        Command::Check(arguments) => check::run(&arguments),
-        Command::Render(arguments) => render::run(&arguments),
-        Command::Export(arguments) => export::run(&arguments),
-        Command::Trace(arguments) => trace::run(&arguments),
-        Command::Eval(arguments) => eval::run(&arguments),
-        Command::Explain(arguments) => explain::run(&arguments),
-        Command::Accuracy(arguments) => accuracy::run(&arguments),
-        Command::Format(arguments) => format::run(&arguments),
-        Command::Lsp(arguments) => lsp::run(&arguments),
+        Command::Show(arguments) => show::run(&arguments, &context),
+        Command::Preview(arguments) => preview::run(&arguments, &context),
+        Command::Check(arguments) => check::run(&arguments, &context),
+        Command::Render(arguments) => render::run(&arguments, &context),
+        Command::Export(arguments) => export::run(&arguments, &context),
+        Command::Trace(arguments) => trace::run(&arguments, &context),
+        Command::Eval(arguments) => eval::run(&arguments, &context),
+        Command::Explain(arguments) => explain::run(&arguments, &context),
+        Command::Accuracy(arguments) => accuracy::run(&arguments, &context),
+        Command::Format(arguments) => format::run(&arguments, &context),
+        Command::Lsp(arguments) => lsp::run(&arguments, &context),
     }
 }
 

@@ -8,7 +8,7 @@ use crate::style::TextColours;
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// The program has errors; they have been printed already.
-    LoadedProgram,
+    ProgramHasErrors,
     /// The program or the arguments ask for a result that does not exist: a camera on a cusp, an image file without an
     /// image.
     Input {
@@ -65,9 +65,10 @@ impl Failure {
     pub(crate) fn exit_code(&self) -> ExitCode {
         match self {
             Self::ReaderGone => ExitCode::SUCCESS,
-            Self::LoadedProgram | Self::Input { .. } | Self::Internal { .. } | Self::EditorGone => {
-                ExitCode::from(1)
-            }
+            Self::ProgramHasErrors
+            | Self::Input { .. }
+            | Self::Internal { .. }
+            | Self::EditorGone => ExitCode::from(1),
             Self::Usage { .. } | Self::Unreadable { .. } | Self::Unwritable { .. } => {
                 ExitCode::from(2)
             }
@@ -77,7 +78,7 @@ impl Failure {
     /// Returns the text for standard error, with its hint; `None` if everything was reported before.
     pub(crate) fn text(&self, colours: TextColours) -> Option<String> {
         let (message, hint) = match self {
-            Self::LoadedProgram | Self::ReaderGone | Self::EditorGone => return None,
+            Self::ProgramHasErrors | Self::ReaderGone | Self::EditorGone => return None,
             Self::Input { message, hint } | Self::Usage { message, hint } => {
                 (message.clone(), hint.clone())
             }

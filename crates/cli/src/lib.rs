@@ -15,6 +15,7 @@ mod number;
 mod output;
 mod program;
 mod progress;
+mod registry;
 mod report;
 mod source;
 mod style;
@@ -23,10 +24,12 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+pub use registry::Registry;
+
 /// Reads the arguments of this process, runs the command that they name, and returns the exit status.
-pub fn run() -> ExitCode {
+pub fn run(registry: &Registry) -> ExitCode {
     let arguments = command::Arguments::parse();
-    match command::run(arguments) {
+    match command::run(arguments, registry) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             output::print_failure(&failure);

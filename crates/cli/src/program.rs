@@ -2,16 +2,17 @@
 //! Diagnostics are reported on the way.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use geometry::{Manifold, ManifoldError};
-use scene::geotrace::Compilation;
-use scene::{Object, ObjectId, Scene};
-use scene::{Outcome, Value};
-use scene::{ParamValues, SetError};
+use ide::language::Program;
+use scene::{Evaluation, Object, ObjectId, Outcome, ParamValues, Scene, SetError, Value};
+use syntax::diagnostic::Diagnostic;
 
 use crate::argument::{Assignment, Format, Quantity};
 use crate::failure::Failure;
 use crate::output;
+use crate::registry::Context;
 use crate::report::{self, SeverityCounts, json};
 use crate::source::SourceText;
 use crate::style::TextColours;
@@ -21,52 +22,69 @@ use crate::style::TextColours;
 pub(crate) struct LoadedProgram {
     /// The text.
     pub(crate) source: SourceText,
-    /// The result of the compiler; it has a scene.
-    pub(crate) compilation: Compilation,
+    program: Box<dyn Program>,
+    scene: Arc<Scene>,
 }
 
-/// Reads and compiles a program that may have errors.
+/// Reads a program that may have errors. There is no program, only a diagnostic, if the file is not UTF-8.
 ///
 /// # Errors
-/// [`Failure::Unreadable`].
-pub(crate) fn compile(path: &Path) -> Result<(SourceText, Compilation), Failure> {
+/// [`Failure::Unreadable`], and those of [`Context::language`].
+pub(crate) fn read(
+    context: &Context,
+    path: &Path,
+) -> Result<(SourceText, Option<Box<dyn Program>>, Arc<[Diagnostic]>), Failure> {
+    let language = context.language(path)?;
     let source = SourceText::read(path)?;
-    let mut compilation = match source.undecodable {
-        // A text that is not UTF-8 declares nothing.
-        Some(_) => scene::geotrace::compile(""),
-        None => scene::geotrace::compile(&source.text),
-    };
     if let Some(diagnostic) = &source.undecodable {
-        compilation.diagnostics = vec![diagnostic.clone()];
-        compilation.scene = None;
+        let diagnostics = Arc::new([diagnostic.clone()]);
+        return Ok((source, None, diagnostics));
     }
-    Ok((source, compilation))
+    let program = language
+        .open(&source.text)
+        .map_err(|error| Failure::Unreadable {
+            file: source.name.clone(),
+            reason: error.to_string(),
+        })?;
+    let diagnostics = program.diagnostics();
+    Ok((source, Some(program), diagnostics))
 }
 
 impl LoadedProgram {
-    /// Reads and compiles a program. Its warnings go to standard error; its errors too, and in JSON to
-    /// standard output.
+    /// Reads a program. Its warnings go to standard error; its errors too, and in JSON to standard output.
     ///
     /// # Errors
-    /// [`Failure::Unreadable`], [`Failure::Program`].
-    pub(crate) fn load(path: &Path, format: Format) -> Result<Self, Failure> {
-        let (source, compilation) = compile(path)?;
-        report_findings(&source, &compilation.diagnostics, format)?;
+    /// Those of [`read`], [`Failure::ProgramHasErrors`], and [`Failure::Input`] if the language makes no scene of the text.
+    pub(crate) fn load(context: &Context, path: &Path, format: Format) -> Result<Self, Failure> {
+        let (source, program, diagnostics) = read(context, path)?;
+        report_diagnostics(&source, &diagnostics, format)?;
+        let program = program.ok_or(Failure::ProgramHasErrors)?;
+        let scene = program.scene().scene.ok_or_else(|| Failure::Input {
+            message: format!("`{}` has no scene", source.name),
+            hint: None,
+        })?;
         Ok(Self {
             source,
-            compilation,
+            program,
+            scene,
         })
     }
 
     /// The scene.
+    pub(crate) fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// Evaluates an expression with the names at the end of the program.
     ///
     /// # Errors
-    /// [`Failure::Program`] if there is none, which does not happen: only a program without errors is loaded.
-    pub(crate) fn scene(&self) -> Result<&Scene, Failure> {
-        self.compilation
-            .scene
-            .as_ref()
-            .ok_or(Failure::LoadedProgram)
+    /// The diagnostics of the expression.
+    pub(crate) fn evaluate(
+        &self,
+        expression: &str,
+        settings: &ParamValues,
+    ) -> Result<Evaluation, Vec<Diagnostic>> {
+        self.program.evaluate(expression, settings)
     }
 
     /// The first instance of a surface or a metric, ready for geodesics.
@@ -78,7 +96,7 @@ impl LoadedProgram {
         id: ObjectId,
         settings: &ParamValues,
     ) -> Result<Manifold, Failure> {
-        let scene = self.scene()?;
+        let scene = self.scene();
         let object = scene.get(id);
         let uniforms = object.map(|object| settings.first_instance(scene, object));
         let manifold = Manifold::new(scene, id, &uniforms.unwrap_or_default());
@@ -93,8 +111,7 @@ impl LoadedProgram {
 
     /// The name of an object.
     pub(crate) fn object_name(&self, id: ObjectId) -> Option<&str> {
-        let scene = self.compilation.scene.as_ref()?;
-        Some(&scene.get(id)?.name)
+        Some(&self.scene.get(id)?.name)
     }
 
     /// The params at their minima, changed by the `--set` arguments.
@@ -102,7 +119,7 @@ impl LoadedProgram {
     /// # Errors
     /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
     pub(crate) fn settings(&self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
-        let scene = self.scene()?;
+        let scene = self.scene();
         let mut settings = ParamValues::initial(scene);
         for assignment in assignments {
             let option = format!("--set {}", assignment.name);
@@ -136,7 +153,7 @@ impl LoadedProgram {
             message: format!("{option}: `{text}`: {reason}"),
             hint,
         };
-        match self.compilation.evaluate(text, settings) {
+        match self.evaluate(text, settings) {
             Ok(evaluation) => match evaluation.outcome {
                 Outcome::Single(Value::Number(Some(value))) => Ok(value),
                 Outcome::Single(Value::Number(None)) => {
@@ -176,7 +193,7 @@ impl LoadedProgram {
     /// # Errors
     /// [`Failure::Usage`] if there is no such surface.
     pub(crate) fn surface(&self, name: Option<&str>) -> Result<(ObjectId, &Object), Failure> {
-        let scene = self.scene()?;
+        let scene = self.scene();
         let surfaces = || {
             scene
                 .numbered()
@@ -242,10 +259,10 @@ fn refused(scene: &Scene, error: &SetError) -> Failure {
 /// Prints diagnostics: for people on standard error, and errors in JSON on standard output too.
 ///
 /// # Errors
-/// [`Failure::Program`] if there is an error among them.
-pub(crate) fn report_findings(
+/// [`Failure::ProgramHasErrors`] if there is an error among them.
+pub(crate) fn report_diagnostics(
     source: &SourceText,
-    diagnostics: &[syntax::diagnostic::Diagnostic],
+    diagnostics: &[Diagnostic],
     format: Format,
 ) -> Result<(), Failure> {
     if diagnostics.is_empty() {
@@ -262,5 +279,5 @@ pub(crate) fn report_findings(
         document.add(source, diagnostics);
         output::print_json(&document)?;
     }
-    Err(Failure::LoadedProgram)
+    Err(Failure::ProgramHasErrors)
 }

@@ -1,4 +1,4 @@
-//! SourceText texts: a path flows in, a text with its line index flows out.
+//! Source texts: a path flows in, a text with its line index flows out.
 
 use std::fs::File;
 use std::io::{self, Read};

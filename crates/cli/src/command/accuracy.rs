@@ -27,6 +27,7 @@ use crate::failure::Failure;
 use crate::output::{self, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::progress::Progress;
+use crate::registry::Context;
 
 /// The growth of the cost is measured at these multiples of the picture's size and of the view's length.
 const SIZES: [f64; 4] = [0.25, 0.5, 1.0, 2.0];
@@ -115,8 +116,8 @@ struct Growth {
 }
 
 /// Measures all methods and prints the results.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let program = LoadedProgram::load(&arguments.file, arguments.format)?;
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
+    let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
     let settings = program.settings(&arguments.set)?;
     let (id, object) = program.surface(arguments.surface.as_deref())?;
     let target = match &arguments.output {
@@ -130,7 +131,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let request = Request::geodesic(id, arguments.size.0);
     let inside =
-        Inside::new(program.scene()?, &settings, &request).map_err(super::render::failure)?;
+        Inside::new(program.scene(), &settings, &request).map_err(super::render::failure)?;
     let surface = inside.ground().surface();
 
     let threads = Threads::new()?;

@@ -71,7 +71,7 @@ impl Arguments {
         settings: &ParamValues,
         has_camera: bool,
     ) -> Result<Script, Failure> {
-        let scene = program.scene()?;
+        let scene = program.scene();
         let mut script = Script {
             trail: self.trail,
             ..Script::default()

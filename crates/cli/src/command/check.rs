@@ -9,6 +9,7 @@ use crate::failure::Failure;
 use crate::number;
 use crate::output;
 use crate::program;
+use crate::registry::Context;
 use crate::report::{self, SeverityCounts, json};
 use crate::style::TextColours;
 
@@ -32,7 +33,7 @@ pub(super) struct Arguments {
 }
 
 /// Checks every file, also if one of them cannot be read.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let twice = arguments
         .files
         .iter()
@@ -50,7 +51,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     // A reader that has closed the stream does not change the exit status.
     let mut printed = Ok(());
     for file in &arguments.files {
-        let (source, compilation) = match program::compile(file) {
+        let (source, _, diagnostics) = match program::read(context, file) {
             Ok(compiled) => compiled,
             Err(failure) => {
                 // The other files are checked nevertheless; the last such failure ends the run.
@@ -61,15 +62,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
         };
         checked += 1;
-        counts = counts.plus(SeverityCounts::count(&compilation.diagnostics));
+        counts = counts.plus(SeverityCounts::count(&diagnostics));
         match arguments.format {
             Format::Human => {
-                let text = report::text(&source, &compilation.diagnostics, colours);
+                let text = report::text(&source, &diagnostics, colours);
                 if !text.is_empty() && printed.is_ok() {
                     printed = output::print(&text);
                 }
             }
-            Format::Json => document.add(&source, &compilation.diagnostics),
+            Format::Json => document.add(&source, &diagnostics),
         }
     }
     match arguments.format {
@@ -86,7 +87,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     match (unreadable, printed) {
         (Some(failure), _) => Err(failure),
         (None, Ok(()) | Err(Failure::ReaderGone)) if counts.errors > 0 => {
-            Err(Failure::LoadedProgram)
+            Err(Failure::ProgramHasErrors)
         }
         (None, printed) => printed,
     }

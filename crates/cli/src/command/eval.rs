@@ -12,6 +12,7 @@ use crate::failure::Failure;
 use crate::number;
 use crate::output;
 use crate::program::{self, LoadedProgram};
+use crate::registry::Context;
 use crate::source::SourceText;
 
 /// Print the value of an expression that may use everything the program declares.
@@ -60,18 +61,18 @@ enum JsonValue<'a> {
 }
 
 /// Evaluates one expression.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let program = LoadedProgram::load(&arguments.file, arguments.format)?;
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
+    let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
     let settings = program.settings(&arguments.set)?;
     let expression = SourceText::new("<expression>".into(), arguments.expression.clone());
-    let evaluation = match program.compilation.evaluate(&expression.text, &settings) {
+    let evaluation = match program.evaluate(&expression.text, &settings) {
         Ok(evaluation) => evaluation,
         Err(diagnostics) => {
-            program::report_findings(&expression, &diagnostics, arguments.format)?;
-            return Err(Failure::LoadedProgram);
+            program::report_diagnostics(&expression, &diagnostics, arguments.format)?;
+            return Err(Failure::ProgramHasErrors);
         }
     };
-    program::report_findings(&expression, &evaluation.warnings, arguments.format)?;
+    program::report_diagnostics(&expression, &evaluation.warnings, arguments.format)?;
     match arguments.format {
         Format::Human => output::print(&text(&evaluation.outcome)),
         Format::Json => output::print_json(&document(&evaluation.outcome)),

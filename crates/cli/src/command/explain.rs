@@ -15,6 +15,7 @@ use crate::failure::Failure;
 use crate::number::{count, grouped};
 use crate::output;
 use crate::program::LoadedProgram;
+use crate::registry::Context;
 
 /// Tell what is built for a program, what is left out, and what each part costs.
 ///
@@ -113,9 +114,9 @@ struct IntrinsicEntry {
 }
 
 /// Plans every view of the program and prints the plans.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let program = LoadedProgram::load(&arguments.file, arguments.format)?;
-    let scene = program.scene()?;
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
+    let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
+    let scene = program.scene();
     let document = document(scene);
     match arguments.format {
         Format::Json => output::print_json(&document),

@@ -13,6 +13,7 @@ use crate::failure::Failure;
 use crate::number;
 use crate::output::{self, OutputTarget};
 use crate::program::LoadedProgram;
+use crate::registry::Context;
 
 /// Write a program's surfaces, curves, vectors and points as a mesh, for modelling, printing, or a paper.
 ///
@@ -62,10 +63,10 @@ const FORMATS: [Choice<MeshFormat>; 5] = [
 ];
 
 /// Builds the meshes and writes the file.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let format = file_format(arguments)?;
-    let program = LoadedProgram::load(&arguments.file, Format::Human)?;
-    let scene = program.scene()?;
+    let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
+    let scene = program.scene();
     let settings = program.settings(&arguments.set)?;
     let objects = objects(scene, &arguments.object, &program.source.name)?;
     let request = Request {

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use ide::Languages;
 
 use crate::failure::Failure;
 use crate::number;
 use crate::output::{self, OutputTarget};
+use crate::registry::Context;
 use crate::source::SourceText;
 
 /// Bring programs into the canonical layout; what they mean never changes.
@@ -29,7 +29,7 @@ pub(super) struct Arguments {
     check: bool,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let standard = arguments
         .files
         .iter()
@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut others = 0;
     let mut failed = None;
     for file in &arguments.files {
-        match one(file, arguments.check) {
+        match one(file, arguments.check, context) {
             Ok(same) => others += usize::from(!same),
             Err(failure) => {
                 // The other files are formatted nevertheless; the last such failure ends the run.
@@ -64,7 +64,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Formats one program, or only compares it. Returns whether it had the canonical layout already.
-fn one(file: &Path, check: bool) -> Result<bool, Failure> {
+fn one(file: &Path, check: bool, context: &Context) -> Result<bool, Failure> {
     let source = SourceText::read(file)?;
     if source.undecodable.is_some() {
         return Err(Failure::Unreadable {
@@ -72,10 +72,7 @@ fn one(file: &Path, check: bool) -> Result<bool, Failure> {
             reason: "it is not UTF-8".to_owned(),
         });
     }
-    let edits = Languages::standard()
-        .for_path(file)
-        .read(&source.text)
-        .format(None);
+    let edits = context.language(file)?.read(&source.text).format(None);
     let text = ide::edit::apply(&source.text, &edits);
     let same = text == source.text;
     if check {

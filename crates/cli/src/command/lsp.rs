@@ -3,11 +3,11 @@
 use std::ffi::OsString;
 
 use clap::Args;
-use ide::Languages;
 use server::WindowProgram;
 
 use crate::failure::Failure;
 use crate::output;
+use crate::registry::Context;
 
 /// Serve an editor: the language server on standard input and output.
 ///
@@ -22,14 +22,16 @@ pub(super) struct Arguments {
     window: Vec<OsString>,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let clean = server::run(Languages::standard(), window(&arguments.window)).map_err(|error| {
-        Failure::Internal {
-            message: format!(
-                "the language server cannot start: {}",
-                output::reason(&error)
-            ),
-        }
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
+    let clean = server::run(
+        context.registry.languages.clone(),
+        window(&arguments.window),
+    )
+    .map_err(|error| Failure::Internal {
+        message: format!(
+            "the language server cannot start: {}",
+            output::reason(&error)
+        ),
     })?;
     if clean {
         Ok(())

@@ -7,6 +7,7 @@ use render::Backend;
 
 use crate::argument::{self, Choice};
 use crate::failure::Failure;
+use crate::registry::Context;
 
 /// Open the live window on a program: its 3D view, and its surfaces from inside.
 ///
@@ -57,7 +58,7 @@ pub(super) enum NoWindow {
 }
 
 /// Opens the window and waits until it is closed.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let hint = match &arguments.file {
         Some(file) => format!(
             "`geotrace render {} -o OUT.png` makes a picture without a window",
@@ -65,7 +66,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         ),
         None => "`geotrace render FILE -o OUT.png` makes a picture without a window".to_owned(),
     };
-    open(arguments).map_err(|failure| match failure {
+    open(arguments, context).map_err(|failure| match failure {
         NoWindow::NotHere(message) => Failure::Input {
             message,
             hint: Some(hint),
@@ -75,17 +76,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Opens the window on a file and waits until it is closed.
-pub(super) fn open_file(file: PathBuf) -> Result<(), NoWindow> {
-    open(&Arguments {
+pub(super) fn open_file(file: PathBuf, context: &Context) -> Result<(), NoWindow> {
+    let arguments = Arguments {
         file: Some(file),
         attached: false,
         backend: Backend::Auto,
         report: None,
-    })
+    };
+    open(&arguments, context)
 }
 
 #[cfg(feature = "window")]
-fn open(arguments: &Arguments) -> Result<(), NoWindow> {
+fn open(arguments: &Arguments, _context: &Context) -> Result<(), NoWindow> {
     use preview::{Options, Source};
 
     let source = match &arguments.file {
@@ -111,7 +113,7 @@ fn open(arguments: &Arguments) -> Result<(), NoWindow> {
 }
 
 #[cfg(not(feature = "window"))]
-fn open(_: &Arguments) -> Result<(), NoWindow> {
+fn open(_: &Arguments, _: &Context) -> Result<(), NoWindow> {
     let message = "this build of geotrace has no window: it was made without the feature `window`";
     Err(NoWindow::NotHere(message.to_owned()))
 }

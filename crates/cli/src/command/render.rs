@@ -23,6 +23,7 @@ use crate::number;
 use crate::output::{self, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::progress::Progress;
+use crate::registry::Context;
 
 /// Make a picture of a program, or an animation: in 3D, or of a surface from inside.
 ///
@@ -151,9 +152,9 @@ const METHODS: [Choice<Method>; 5] = [
 ];
 
 /// Draws one picture and writes it.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let program = LoadedProgram::load(&arguments.file, Format::Human)?;
-    let scene = program.scene()?;
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
+    let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
+    let scene = program.scene();
     let settings = program.settings(&arguments.set)?;
     let images = textures(&arguments.texture, &program)?;
     let request = Request {

@@ -10,6 +10,7 @@ use crate::argument::Format;
 use crate::failure::Failure;
 use crate::output;
 use crate::program::LoadedProgram;
+use crate::registry::Context;
 
 /// See a program: in the live window, or, where there is no display, as pictures.
 ///
@@ -21,26 +22,25 @@ pub(super) struct Arguments {
     file: PathBuf,
 }
 
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    match preview::open_file(arguments.file.clone()) {
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
+    match preview::open_file(arguments.file.clone(), context) {
         Ok(()) => return Ok(()),
         Err(NoWindow::Other(failure)) => return Err(failure),
         Err(NoWindow::NotHere(reason)) => {
             output::print_error(&format!("note: {reason}; here are pictures instead\n"));
         }
     }
-    let program = LoadedProgram::load(&arguments.file, Format::Human)?;
-    program.scene()?;
-    draw(arguments, "3d", ".png")?;
+    let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
+    draw(arguments, context, "3d", ".png")?;
     // A program without a surface has no geodesic view.
     if program.surface(None).is_ok() {
-        draw(arguments, "geodesic", "-inside.png")?;
+        draw(arguments, context, "geodesic", "-inside.png")?;
     }
     Ok(())
 }
 
 /// Runs `geotrace render`, to a file that is named after the program.
-fn draw(arguments: &Arguments, view: &str, ending: &str) -> Result<(), Failure> {
+fn draw(arguments: &Arguments, context: &Context, view: &str, ending: &str) -> Result<(), Failure> {
     let mut output = arguments.file.file_stem().unwrap_or_default().to_owned();
     output.push(ending);
     let words = ["geotrace", "render", "--view", view, "-o"].map(OsString::from);
@@ -49,5 +49,5 @@ fn draw(arguments: &Arguments, view: &str, ending: &str) -> Result<(), Failure> 
     let render = super::Arguments::try_parse_from(words).map_err(|error| Failure::Internal {
         message: format!("a picture cannot be asked for: {error}"),
     })?;
-    super::run(render)
+    super::run(render, &context.registry)
 }

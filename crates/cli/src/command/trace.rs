@@ -14,6 +14,7 @@ use crate::failure::Failure;
 use crate::number::{self, show};
 use crate::output;
 use crate::program::LoadedProgram;
+use crate::registry::Context;
 
 /// Follow one geodesic of a surface or a metric: the straightest line from a point in a direction.
 ///
@@ -104,8 +105,8 @@ struct TraceJson {
 }
 
 /// Traces one geodesic.
-pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let program = LoadedProgram::load(&arguments.file, arguments.format)?;
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
+    let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
     let settings = program.settings(&arguments.set)?;
     let (id, _) = program.surface(arguments.surface.as_deref())?;
     let manifold = program.manifold(id, &settings)?;

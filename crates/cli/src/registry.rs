@@ -1,0 +1,54 @@
+//! The languages and views that the command line knows, as a value: a test or another program may add its own.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use ide::Languages;
+use ide::language::Language;
+
+use crate::failure::Failure;
+
+/// The languages and views of a command line.
+#[derive(Clone, Debug)]
+pub struct Registry {
+    /// The languages of programs; the extension of a file chooses one of them.
+    pub languages: Languages,
+}
+
+impl Registry {
+    /// The languages and views of this program.
+    pub fn standard() -> Self {
+        Self {
+            languages: Languages::standard(),
+        }
+    }
+}
+
+/// What all commands of a run share.
+#[derive(Clone, Debug)]
+pub(crate) struct Context {
+    /// The languages and views.
+    pub(crate) registry: Registry,
+    /// The name of the language of all programs; without it, the extension of each file chooses.
+    pub(crate) language: Option<String>,
+}
+
+impl Context {
+    /// The language of a program.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] if there is no language of the given name.
+    pub(crate) fn language(&self, path: &Path) -> Result<&Arc<dyn Language>, Failure> {
+        let languages = &self.registry.languages;
+        let Some(name) = &self.language else {
+            return Ok(languages.for_path(path));
+        };
+        languages.named(name).ok_or_else(|| {
+            let known = languages.all().map(|known| format!("`{}`", known.name()));
+            Failure::Usage {
+                message: format!("--language: there is no language `{name}`"),
+                hint: Some(format!("there is {}", known.collect::<Vec<_>>().join(", "))),
+            }
+        })
+    }
+}
