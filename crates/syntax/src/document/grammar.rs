@@ -26,7 +26,7 @@ pub trait Grammar: Clone + Debug + Sized {
     /// blocks. The default is the state at the start of a chunk.
     type CutState: Copy + Default;
     /// The names that every text starts with.
-    type Builtins;
+    type Builtins: ?Sized;
     /// The meaning of a name.
     type Symbol: Definition;
     /// What reading a chunk gives.
