@@ -1,7 +1,6 @@
 //! What works for the window on threads of its own: the compiler, the renderer, recordings, textures; and the text of
 //! the window's own editor.
 
-pub(crate) mod camera_controller;
 pub(crate) mod compiler;
 pub(crate) mod editor;
 pub(crate) mod reader;

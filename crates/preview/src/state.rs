@@ -9,6 +9,7 @@
 //! ```
 
 pub(crate) mod camera;
+pub(crate) mod camera_controller;
 pub(crate) mod difference;
 pub(crate) mod history;
 pub(crate) mod layout;

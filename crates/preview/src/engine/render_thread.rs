@@ -3,22 +3,18 @@
 
 mod worker;
 
-use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use geodesic::ends::{Estimate, Work};
 use render::gpu::Canvas;
 use render::live::{Counters, Hit, Stage};
-use scene::Scene;
 
 use crate::channel::EventSender;
 use crate::engine::request::Order;
 use crate::queue::LatestQueue;
-use crate::state::motion::{Motion, push};
+use crate::state::SpaceCamera;
 use crate::state::pane::PaneKey;
-use crate::state::{CameraPath, InsideCamera, Model, SpaceCamera};
 use worker::Worker;
 
 /// An event of the render thread.
@@ -33,11 +29,9 @@ pub(crate) enum RenderEvent {
     },
     /// What is under a place of the 3D view.
     Picked {
-        scene: Arc<Scene>,
+        order: Box<Order>,
         hit: Option<Hit>,
         purpose: Purpose,
-        /// Where a geodesic camera stands there, if it can.
-        camera: Option<InsideCamera>,
     },
     /// Where everything is seen from.
     Framed(SpaceCamera),
@@ -53,20 +47,7 @@ pub(crate) struct Drawing {
     pub(crate) inside: Option<(Work, Option<Estimate>)>,
     /// Where the 3D view is seen from.
     pub(crate) space_camera: Option<SpaceCamera>,
-    /// The surface and the place of the geodesic camera that it is seen with or that it shows, and the count of placings
-    /// that it has heeded.
-    pub(crate) inside_camera: Option<(String, InsideCamera, u64)>,
-    /// The way that the geodesic camera has gone, where it leaves a trail.
-    pub(crate) walked: Option<Arc<CameraPath>>,
     pub(crate) took: Duration,
-}
-
-impl Drawing {
-    /// Whether the geodesic camera in it is where the model has put it last.
-    pub(crate) fn heeds(&self, model: &Model) -> bool {
-        let camera = self.inside_camera.as_ref();
-        camera.is_some_and(|(name, _, heeded)| *heeded == model.placed(name))
-    }
 }
 
 /// Where a finished picture is.
@@ -104,13 +85,9 @@ const TOGETHER: Duration = Duration::from_millis(16);
 #[derive(Debug)]
 pub(crate) struct RenderThread {
     queue: LatestQueue<Key, Job>,
-    motions: Motions,
     /// The number of requests that are no pictures: each has a key of its own.
     asked: u64,
 }
-
-/// The motions of geodesic cameras that wait for a picture, by surface.
-type Motions = Arc<Mutex<BTreeMap<String, Vec<Motion>>>>;
 
 /// The key of a job: a newer job takes the place of a waiting one with the same key.
 #[derive(Clone, Debug, Eq, Ord, PartialEq, PartialOrd)]
@@ -142,14 +119,9 @@ impl RenderThread {
     /// Starts the thread, which draws on a stage. The pictures of a stage on the window's own GPU stay there.
     pub(crate) fn start(events: EventSender<RenderEvent>, stage: Stage) -> Self {
         let queue = LatestQueue::default();
-        let motions = Motions::default();
-        let (own, moves) = (queue.clone(), Arc::clone(&motions));
-        std::thread::spawn(move || work(&own, &moves, &events, stage));
-        Self {
-            queue,
-            motions,
-            asked: 0,
-        }
+        let own = queue.clone();
+        std::thread::spawn(move || work(&own, &events, stage));
+        Self { queue, asked: 0 }
     }
 
     /// Draws on another stage from now on.
@@ -164,29 +136,9 @@ impl RenderThread {
         self.queue.push(Rank::Draw as u8, Key::Pane(pane), job);
     }
 
-    /// Moves a geodesic camera with its next picture.
-    pub(crate) fn walk(&self, surface: &str, motion: Motion) {
-        let mut motions = lock(&self.motions);
-        push(motions.entry(surface.to_owned()).or_default(), motion);
-    }
-
-    /// Returns whether motions of a camera wait for a picture.
-    pub(crate) fn has_motions(&self, surface: &str) -> bool {
-        let motions = lock(&self.motions);
-        motions.get(surface).is_some_and(|it| !it.is_empty())
-    }
-
-    /// Drops the motions of a geodesic camera, which has been put elsewhere since it was asked to move.
-    pub(crate) fn stay(&self, surface: &str) {
-        lock(&self.motions).remove(surface);
-    }
-
-    /// Drops the request of a pane, and motions that would otherwise be made when it is on the screen again.
+    /// Drops the request of a pane that has not been begun.
     pub(crate) fn forget(&self, pane: &PaneKey) {
         self.queue.remove(&Key::Pane(pane.clone()));
-        if let PaneKey::Inside(surface) = pane {
-            self.stay(surface);
-        }
     }
 
     /// Asks what is under a pixel of the 3D view that a request describes.
@@ -211,27 +163,12 @@ impl Drop for RenderThread {
     }
 }
 
-fn lock(motions: &Motions) -> MutexGuard<'_, BTreeMap<String, Vec<Motion>>> {
-    motions.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn work(
-    queue: &LatestQueue<Key, Job>,
-    motions: &Motions,
-    events: &EventSender<RenderEvent>,
-    stage: Stage,
-) {
+fn work(queue: &LatestQueue<Key, Job>, events: &EventSender<RenderEvent>, stage: Stage) {
     let mut worker = Worker::new(stage);
     while let Some((key, job)) = queue.take() {
         // A panic must not take the window with it: it becomes a sentence.
         let answer = catch_unwind(AssertUnwindSafe(|| match (&key, &job) {
-            (Key::Pane(pane), Job::Draw(order)) => {
-                let motions = match pane {
-                    PaneKey::Inside(name) => lock(motions).remove(name).unwrap_or_default(),
-                    PaneKey::Space => Vec::new(),
-                };
-                Some(worker.draw(pane, order, &motions))
-            }
+            (Key::Pane(pane), Job::Draw(order)) => Some(worker.draw(pane, order)),
             (_, Job::Pick(order, at, purpose)) => Some(worker.pick(order, *at, *purpose)),
             (_, Job::Frame(order)) => worker.frame(order),
             _ => None,

@@ -10,7 +10,6 @@ use scene::{ObjectId, Scene};
 
 use crate::engine::textures::Library;
 use crate::state::pane::PaneKey;
-use crate::state::path::CameraPath;
 use crate::state::{Choice, InsideCamera, Marks, Model, SpaceCamera};
 
 /// A picture that is wanted.
@@ -38,37 +37,25 @@ pub(crate) enum Look {
     Space {
         /// None: from where everything is seen.
         camera: Option<SpaceCamera>,
-        /// A geodesic camera to be shown.
-        standpoint: Option<Standing>,
+        /// A geodesic camera to be shown, and its surface.
+        standpoint: Option<(ObjectId, InsideCamera)>,
         /// An object to be told apart.
         highlight: Option<ObjectId>,
         /// Behind everything, sRGB.
         background: [u8; 3],
-        /// The ways whose trails are shown, with the surfaces that they are on.
-        ways: Vec<(ObjectId, Arc<CameraPath>)>,
+        /// The trails that are shown.
+        trails: Vec<Arc<Trail>>,
         /// What is not drawn.
         hidden: Vec<ObjectId>,
     },
-    /// A geodesic view. Its pilot knows where the camera is, unless it has been put somewhere.
+    /// A geodesic view.
     Inside {
         surface: ObjectId,
-        name: String,
-        placed: u64,
+        /// From the first place where there is none.
         camera: Option<InsideCamera>,
-        /// The way that the camera has gone, if it leaves a trail.
-        way: Option<Arc<CameraPath>>,
-        /// The number of the trail that the camera leaves, if it does.
-        trail: Option<u64>,
+        /// The trail that the camera has left, if it does.
+        trail: Option<Arc<Trail>>,
     },
-}
-
-/// A geodesic camera as it was last told. Its pilot knows where it is.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Standing {
-    pub(crate) surface: ObjectId,
-    pub(crate) name: String,
-    pub(crate) placed: u64,
-    pub(crate) camera: Option<InsideCamera>,
 }
 
 impl Order {
@@ -92,7 +79,7 @@ impl Order {
                     standpoint,
                     highlight,
                     background,
-                    ways,
+                    trails,
                     hidden,
                 },
                 Look::Space {
@@ -100,7 +87,7 @@ impl Order {
                     standpoint: standpoint2,
                     highlight: highlight2,
                     background: background2,
-                    ways: ways2,
+                    trails: trails2,
                     hidden: hidden2,
                 },
             ) => {
@@ -110,27 +97,28 @@ impl Order {
                     && highlight == highlight2
                     && background == background2
                     && hidden == hidden2
-                    && ways.len() == ways2.len()
-                    && ways
-                        .iter()
-                        .zip(ways2)
-                        .all(|(a, b)| a.0 == b.0 && Arc::ptr_eq(&a.1, &b.1))
+                    && trails.len() == trails2.len()
+                    && trails.iter().zip(trails2).all(|(a, b)| Arc::ptr_eq(a, b))
             }
-            // The camera comes back with each picture: only its placing is news.
             (
                 Look::Inside {
                     surface,
-                    placed,
+                    camera,
                     trail,
-                    ..
                 },
                 Look::Inside {
                     surface: surface2,
-                    placed: placed2,
+                    camera: camera2,
                     trail: trail2,
-                    ..
                 },
-            ) => surface == surface2 && placed == placed2 && trail == trail2,
+            ) => {
+                let pose = |camera: &Option<InsideCamera>| camera.map(|it| (it.frame(), it.zoom));
+                let same_trail = match (trail, trail2) {
+                    (Some(trail), Some(trail2)) => Arc::ptr_eq(trail, trail2),
+                    (trail, trail2) => trail.is_none() && trail2.is_none(),
+                };
+                surface == surface2 && pose(camera) == pose(camera2) && same_trail
+            }
             _ => false,
         };
         let same_textures = self.textures.len() == other.textures.len()
@@ -161,21 +149,21 @@ impl Order {
     }
 
     /// As [`Order::request`], with all that takes time to make: for a thread that has it.
-    pub(crate) fn whole_request(&self, inside: Option<InsideCamera>) -> Request {
-        let mut request = self.request(inside);
+    pub(crate) fn whole_request(&self) -> Request {
+        let mut request = self.request();
         request.textures.extend(self.curvatures());
         request
     }
 
-    /// As the stage takes it, but for curvatures. The camera of a geodesic view is where its pilot says.
-    pub(crate) fn request(&self, inside: Option<InsideCamera>) -> Request {
+    /// As the renderer takes it, but for curvatures.
+    pub(crate) fn request(&self) -> Request {
         let mut request = match &self.look {
             Look::Space {
                 camera,
                 standpoint,
                 highlight,
                 background: [r, g, b],
-                ways,
+                trails,
                 hidden,
             } => {
                 let mut request = Request::space(self.size);
@@ -186,25 +174,26 @@ impl Order {
                     eye: camera.map(|it| it.eye),
                     target: camera.map(|it| it.target),
                 };
-                let standing = standpoint.as_ref();
-                request.show_camera = standing.and_then(|it| {
-                    let camera = it.camera?;
-                    Some(Standpoint {
-                        surface: it.surface,
-                        at: None,
-                        angle: 0.0,
-                        zoom: Some(camera.zoom),
-                        frame: Some(camera.frame()),
-                    })
+                request.show_camera = standpoint.map(|(surface, camera)| Standpoint {
+                    surface,
+                    at: None,
+                    angle: 0.0,
+                    zoom: Some(camera.zoom),
+                    frame: Some(camera.frame()),
                 });
-                request.trails = ways.iter().map(|(id, way)| trail_on(*id, way)).collect();
+                request.trails.clone_from(trails);
                 request
             }
-            Look::Inside { surface, .. } => {
+            Look::Inside {
+                surface,
+                camera,
+                trail,
+            } => {
                 let mut request = Request::geodesic(*surface, self.size);
                 if let View::Geodesic { frame, .. } = &mut request.view {
-                    *frame = inside.map(|camera| camera.frame());
+                    *frame = camera.map(|camera| camera.frame());
                 }
+                request.trails.extend(trail.clone());
                 request.mark_centre = self.marks.centre;
                 request
             }
@@ -223,17 +212,6 @@ impl Order {
     }
 }
 
-/// The trail of a way, on its surface as it is numbered now: what is declared above it may have become more or less since
-/// it was walked, and nobody walks while its geodesic view is not on the screen.
-fn trail_on(surface: ObjectId, way: &CameraPath) -> Arc<Trail> {
-    if way.trail.surface == surface {
-        return Arc::clone(&way.trail);
-    }
-    let mut trail = (*way.trail).clone();
-    trail.surface = surface;
-    Arc::new(trail)
-}
-
 /// The order of a pane, of so many pixels; none where there is nothing to be seen.
 pub(crate) fn order(
     model: &mut Model,
@@ -245,6 +223,13 @@ pub(crate) fn order(
 ) -> Option<Order> {
     let scene = model.scene.clone()?;
     let settings = model.settings()?;
+    let marks = model.view.preferences.marks;
+    let camera = match pane {
+        PaneKey::Space => active
+            .filter(|_| marks.cameras)
+            .and_then(|name| model.settle_camera(name, false)),
+        PaneKey::Inside(name) => model.settle_camera(name, true),
+    };
     let hidden = match pane {
         PaneKey::Space => model.hidden(),
         PaneKey::Inside(_) => Vec::new(),
@@ -273,42 +258,32 @@ pub(crate) fn order(
             }
         }
     }
-    let camera_of = |name: &str| view.inside.get(name).copied();
     let look = match pane {
         PaneKey::Space => {
-            let standpoint = active
-                .filter(|_| view.preferences.marks.cameras)
-                .and_then(|name| {
-                    Some(Standing {
-                        surface: id_of(name)?,
-                        name: name.to_owned(),
-                        placed: model.placed(name),
-                        camera: camera_of(name),
-                    })
-                });
-            let walked = model.walked.iter().filter(|_| view.preferences.marks.trail);
-            let ways = walked.filter_map(|(name, way)| Some((id_of(name)?, Arc::clone(way))));
+            let shown = active.and_then(id_of);
+            let paths = model.paths.iter().filter(|_| marks.trail);
+            let paths = paths.filter(|(name, _)| id_of(name).is_some());
             let highlighted = model.highlighted.as_deref();
             Look::Space {
                 camera: view.space,
-                standpoint,
+                standpoint: shown.zip(camera),
                 highlight: highlighted.and_then(id_of),
                 background: view
                     .preferences
                     .background
                     .unwrap_or(render::style::BACKGROUND),
-                ways: ways.collect(),
+                trails: paths.map(|(_, path)| Arc::clone(&path.trail)).collect(),
                 hidden,
             }
         }
-        PaneKey::Inside(name) => Look::Inside {
-            surface: id_of(name)?,
-            name: name.clone(),
-            placed: model.placed(name),
-            camera: camera_of(name),
-            way: model.walked.get(name).cloned(),
-            trail: view.preferences.marks.trail.then_some(model.trails_begun),
-        },
+        PaneKey::Inside(name) => {
+            let path = model.paths.get(name).filter(|_| marks.trail);
+            Look::Inside {
+                surface: id_of(name)?,
+                camera,
+                trail: path.map(|path| Arc::clone(&path.trail)),
+            }
+        }
     };
     Some(Order {
         look,
@@ -316,59 +291,10 @@ pub(crate) fn order(
         textures,
         curved,
         colours,
-        marks: view.preferences.marks,
+        marks,
         moving,
         version: model.version,
         scene,
         settings,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn model(text: &str) -> Model {
-        let mut model = Model::default();
-        model.scene = scene::geotrace::compile(text).scene.map(Arc::new);
-        model.view.preferences.marks.trail = true;
-        model
-    }
-
-    #[test]
-    fn a_trail_is_on_its_surface_also_where_that_has_another_number_than_when_it_was_walked() {
-        const SURFACE: &str = "surface s(u,v) = (u,v,0), u : [0,1], v : [0,1];";
-        let trail = Trail {
-            surface: ObjectId(0),
-            points: vec![[0.1, 0.2], [0.3, 0.4]],
-            length: 0.3,
-        };
-        let camera = InsideCamera {
-            at: [0.3, 0.4],
-            x: [0.1, 0.0],
-            y: [0.0, 0.1],
-            pole: None,
-            zoom: 0.1,
-            moved: true,
-        };
-        let way = Arc::new(CameraPath::new(trail, camera));
-        for (text, number) in [
-            (SURFACE.to_owned(), 0),
-            (format!("point p = (0,0,1); {SURFACE}"), 1),
-        ] {
-            let mut model = model(&text);
-            model.walked.insert("s".to_owned(), Arc::clone(&way));
-            let mut library = Library::default();
-            let space = PaneKey::Space;
-            let order = order(&mut model, &mut library, &space, [32, 32], None, false);
-            let request = order.expect("a picture").request(None);
-            let [trail] = request.trails.as_slice() else {
-                panic!("{} trails", request.trails.len());
-            };
-            assert_eq!(trail.surface, ObjectId(number));
-            assert_eq!(trail.points, way.trail.points);
-            // One that has been numbered right is not copied.
-            assert_eq!(Arc::ptr_eq(trail, &way.trail), number == 0);
-        }
-    }
 }

@@ -96,11 +96,6 @@ impl Difference {
         }
     }
 
-    /// The surfaces whose geodesic cameras are among them.
-    pub(super) fn cameras(&self) -> impl Iterator<Item = &String> {
-        self.inside.keys()
-    }
-
     /// Drops a component of a param.
     pub(super) fn drop_value(&mut self, param: &str, component: usize) {
         self.params.remove(&(param.to_owned(), component));

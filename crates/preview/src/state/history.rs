@@ -74,16 +74,11 @@ impl History {
         self.future.last().map(|(step, _)| step.title)
     }
 
-    /// Takes the last step back that has changed anything. The cameras of the surfaces for which `moves` holds are on
-    /// their way to where nobody knows yet.
-    pub(super) fn undo(
-        &mut self,
-        view: &mut View,
-        moves: &dyn Fn(&str) -> bool,
-    ) -> Option<Travelled> {
+    /// Takes the last step back that has changed anything.
+    pub(super) fn undo(&mut self, view: &mut View) -> Option<Travelled> {
         loop {
             let (step, mut other) = self.past.pop_back()?;
-            if let Some(travelled) = travel(&step, &mut other, view, moves) {
+            if let Some(travelled) = travel(&step, &mut other, view) {
                 self.future.push((step, other));
                 self.settled = true;
                 return Some(travelled);
@@ -92,14 +87,10 @@ impl History {
     }
 
     /// Makes the last step again that was taken back and would change anything.
-    pub(super) fn redo(
-        &mut self,
-        view: &mut View,
-        moves: &dyn Fn(&str) -> bool,
-    ) -> Option<Travelled> {
+    pub(super) fn redo(&mut self, view: &mut View) -> Option<Travelled> {
         loop {
             let (step, mut other) = self.future.pop()?;
-            if let Some(travelled) = travel(&step, &mut other, view, moves) {
+            if let Some(travelled) = travel(&step, &mut other, view) {
                 self.past.push_back((step, other));
                 self.settled = true;
                 return Some(travelled);
@@ -131,16 +122,9 @@ impl History {
     }
 }
 
-fn travel(
-    step: &Step,
-    other: &mut Difference,
-    view: &mut View,
-    moves: &dyn Fn(&str) -> bool,
-) -> Option<Travelled> {
-    let Exchanged { any, mut cameras } = other.exchange(view);
-    let moving = other.cameras().filter(|name| moves(name));
-    cameras.extend(moving.cloned());
-    (any || !cameras.is_empty()).then_some(Travelled {
+fn travel(step: &Step, other: &mut Difference, view: &mut View) -> Option<Travelled> {
+    let Exchanged { any, cameras } = other.exchange(view);
+    any.then_some(Travelled {
         title: step.title,
         cameras,
     })

@@ -1,5 +1,6 @@
 //! The window's state: the program that is shown, what the user has chosen, and what can be undone.
 
+mod geodesic_cameras;
 mod placement;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -9,6 +10,7 @@ use scene::ParamValues;
 use scene::{Object, ObjectId, Scene, Shape};
 use syntax::span::Span;
 
+use super::camera_controller::CameraController;
 use super::difference::Difference;
 use super::history::{History, Step, Travelled};
 use super::path::CameraPath;
@@ -45,14 +47,11 @@ pub struct Model {
     pub declared: Vec<Declared>,
     /// The object whose declaration the cursor stands on.
     pub highlighted: Option<String>,
-    /// Counts for each surface the times that its geodesic camera was put somewhere by other means than walking.
-    placed: BTreeMap<String, u64>,
-    /// The ways that geodesic cameras have gone, by their surfaces' names, where they leave trails.
-    pub walked: BTreeMap<String, Arc<CameraPath>>,
-    /// Counts the times that trails were begun anew.
-    pub trails_begun: u64,
+    /// The paths of the geodesic cameras that leave trails, by their surfaces' names.
+    pub paths: BTreeMap<String, Arc<CameraPath>>,
+    controllers: BTreeMap<String, CameraController>,
     settings: Option<Arc<ParamValues>>,
-    /// The click whose step is not told yet.
+    /// A geodesic camera's new place that may still be withdrawn.
     placing: Option<Placement>,
 }
 
@@ -61,10 +60,7 @@ impl Model {
     pub(crate) fn turn_to(&mut self, view: View) {
         self.history = History::default();
         self.placing = None;
-        let cameras = self.view.inside.keys().chain(view.inside.keys());
-        for surface in cameras.cloned().collect::<BTreeSet<_>>() {
-            self.count_placement(&surface, None);
-        }
+        self.paths.clear();
         self.view = view;
         self.settings = None;
     }
@@ -84,6 +80,7 @@ impl Model {
             // A camera that nobody has moved is one of its scene.
             self.history.settle_anew();
             self.scene = Some(scene);
+            self.renumber_paths();
             self.stale = compiled.stale.into_iter().collect();
             self.settings = None;
         } else {
@@ -176,14 +173,6 @@ impl Model {
         }
     }
 
-    /// A geodesic camera is about to walk: where it is then comes back by [`Model::adjust`].
-    pub fn begin_walk(&mut self, step: Step, surface: &str) {
-        self.keep_placement();
-        let camera = self.view.inside.get(surface).copied();
-        let replaced = Difference::camera(surface, camera);
-        self.history.record(step, replaced);
-    }
-
     /// Changes the view without a step: an animation, or what a worker has found out.
     pub fn adjust(&mut self, edit: impl FnOnce(&mut View)) {
         edit(&mut self.view);
@@ -201,27 +190,26 @@ impl Model {
         self.history.reframe();
     }
 
-    /// Takes the last step back; its name, and the surfaces whose geodesic cameras are elsewhere now. Where `moves` holds,
-    /// motions of a surface's camera are still to be made.
-    pub fn undo(&mut self, moves: &dyn Fn(&str) -> bool) -> Option<(&'static str, Vec<String>)> {
+    /// Takes the last step back; returns its name.
+    pub fn undo(&mut self) -> Option<&'static str> {
         self.keep_placement();
-        let travelled = self.history.undo(&mut self.view, moves)?;
+        let travelled = self.history.undo(&mut self.view)?;
         Some(self.arrive(travelled))
     }
 
-    /// Does the last step again that was taken back; as [`Model::undo`].
-    pub fn redo(&mut self, moves: &dyn Fn(&str) -> bool) -> Option<(&'static str, Vec<String>)> {
+    /// Does the last step again that was taken back; returns its name.
+    pub fn redo(&mut self) -> Option<&'static str> {
         self.keep_placement();
-        let travelled = self.history.redo(&mut self.view, moves)?;
+        let travelled = self.history.redo(&mut self.view)?;
         Some(self.arrive(travelled))
     }
 
-    fn arrive(&mut self, travelled: Travelled) -> (&'static str, Vec<String>) {
+    fn arrive(&mut self, travelled: Travelled) -> &'static str {
         for surface in &travelled.cameras {
-            self.count_placement(surface, None);
+            self.paths.remove(surface);
         }
         self.adjust(|_| {});
-        (travelled.title, travelled.cameras)
+        travelled.title
     }
 
     /// The params' values for the scene: those that were chosen, kept within their intervals.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use geodesic::surface::Surface;
 use render::overlay::Trail;
+use scene::ObjectId;
 
 use crate::state::InsideCamera;
 use crate::state::motion::{Motion, push};
@@ -28,11 +29,11 @@ pub struct CameraPath {
 }
 
 impl CameraPath {
-    /// Begins a path.
-    pub(crate) fn new(trail: Trail, start: InsideCamera) -> Self {
+    /// Begins a path where a camera is.
+    pub(crate) fn begin(surface: ObjectId, camera: InsideCamera) -> Self {
         Self {
-            trail: Arc::new(trail),
-            start,
+            trail: Arc::new(Trail::new(surface, camera.at)),
+            start: camera,
             motions: Vec::new(),
             full: false,
         }

@@ -186,11 +186,11 @@ fn overlays(window: &mut Window, ui: &mut Ui) {
     for (on, title) in entries {
         ui.checkbox(on, title);
     }
-    let walked = &window.model.walked;
-    let any = walked.values().any(|way| way.trail.points.len() > 1);
+    let mut paths = window.model.paths.values();
+    let any = paths.any(|path| path.trail.points.len() > 1);
     let clear = egui::Button::new("Clear the trail");
     if ui.add_enabled(any, clear).clicked() {
-        window.model.trails_begun += 1;
+        window.model.clear_trails();
     }
     if marks != before {
         let step = Step::new("Change the overlays", "");

@@ -92,10 +92,10 @@ fn numbers(window: &Window, ui: &mut Ui) {
         PaneKey::Space => window.active_surface.as_ref(),
     };
     let leaves = window.model.view.preferences.marks.trail;
-    let way = surface.and_then(|name| window.model.walked.get(name));
-    if let Some(way) = way.filter(|_| leaves) {
+    let path = surface.and_then(|name| window.model.paths.get(name));
+    if let Some(path) = path.filter(|_| leaves) {
         ui.separator();
-        ui.label(format!("trail of length {:.4}", way.trail.length));
+        ui.label(format!("trail of length {:.4}", path.trail.length));
     }
     ui.separator();
 }

@@ -460,9 +460,9 @@ impl Window {
         }
         self.counters.eye = model.view.space.map(|camera| camera.eye);
         let inside = model.view.inside.iter();
-        let walked = model.walked.iter();
-        self.counters.trails = walked
-            .map(|(name, way)| (name.clone(), way.trail.length))
+        let paths = model.paths.iter();
+        self.counters.trails = paths
+            .map(|(name, path)| (name.clone(), path.trail.length))
             .collect();
         self.counters.inside = inside.map(|(name, it)| (name.clone(), it.at)).collect();
     }

@@ -351,7 +351,7 @@ fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_h
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
     let before = hand.window().model().view.clone();
-    let trail = hand.window().model().walked["s"].trail.length;
+    let trail = hand.window().model().paths["s"].trail.length;
     assert!(before.closed.contains("s") && trail > 0.0);
     let last = hand.window().model().history.last();
     let at = hand.space().center() + vec2(30.0, -20.0);
@@ -360,7 +360,7 @@ fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_h
         hand.settle();
         assert_eq!(hand.window().model().view, before, "{times} clicks");
         assert_eq!(hand.window().model().history.last(), last);
-        assert_eq!(hand.window().model().walked["s"].trail.length, trail);
+        assert_eq!(hand.window().model().paths["s"].trail.length, trail);
         // The text has the declaration, and the keys: they go back.
         hand.until("the declaration is shown", |hand| {
             hand.window().model().highlighted.as_deref() == Some("s")
@@ -613,7 +613,7 @@ fn a_double_click_on_another_surface_leaves_the_one_in_use() {
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
     hand.hold(Key::W, 6);
-    let length = hand.window().model().walked["t"].trail.length;
+    let length = hand.window().model().paths["t"].trail.length;
     let trail = format!("trail of length {length:.4}");
     assert!(length > 0.0 && hand.shows(&trail));
     // The sphere is below the middle, and the plane above it.

@@ -19,7 +19,7 @@ fn with_trail_on(text: &str) -> Hand {
 
 /// The length of the trail on the sphere.
 fn length(hand: &Hand) -> f64 {
-    hand.window().model().walked["s"].trail.length
+    hand.window().model().paths["s"].trail.length
 }
 
 #[test]
@@ -28,7 +28,7 @@ fn no_trail_is_kept_until_it_is_asked_for() {
     let at = hand.inside("s").center();
     hand.click_at(at);
     hand.hold(Key::W, 6);
-    assert!(hand.window().model().walked.is_empty());
+    assert!(hand.window().model().paths.is_empty());
     assert!(!hand.shows("trail of length"));
 }
 
@@ -82,7 +82,7 @@ fn a_trail_is_cleared_reset_and_switched_off() {
     hand.click("Trail of the walk");
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
-    assert!(hand.window().model().walked.is_empty());
+    assert!(hand.window().model().paths.is_empty());
     assert!(!hand.shows("trail of length"));
 }
 

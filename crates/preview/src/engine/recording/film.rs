@@ -19,12 +19,12 @@ use render::request::View;
 use scene::ObjectId;
 use scene::ParamValues;
 
-use crate::engine::camera_controller::{CameraController, Flight};
-use crate::engine::request::{Look, Order, Standing};
+use crate::engine::request::{Look, Order};
 use crate::io::files;
 use crate::state::InsideCamera;
+use crate::state::camera_controller::{CameraController, Subject};
 use crate::state::motion::Motion;
-use crate::state::path::between;
+use crate::state::path::{CameraPath, between};
 
 /// What is recorded.
 #[derive(Debug)]
@@ -159,9 +159,12 @@ impl Film {
 struct Pictures {
     film: Film,
     script: Script,
-    /// Where the 3D view is seen from, for the whole animation.
+    /// The request of the first picture: its view is that of the whole animation.
     base: Request,
-    pilot: CameraController,
+    controller: CameraController,
+    /// The geodesic camera as it is in the picture that was drawn last, and its path where that is drawn.
+    camera: Option<InsideCamera>,
+    path: Option<Arc<CameraPath>>,
     stage: Stage,
     textures: Option<Textures>,
     done: f64,
@@ -179,7 +182,7 @@ impl Pictures {
             changes: film.change.iter().cloned().collect(),
             ..Script::default()
         };
-        let mut request = film.order.request(film.camera.map(|(_, camera)| camera));
+        let mut request = film.order.request();
         request.size = film.clip.size;
         let base = script
             .steady(&film.order.scene, &film.order.settings, &request)
@@ -188,7 +191,9 @@ impl Pictures {
             film,
             script,
             base,
-            pilot: CameraController::default(),
+            controller: CameraController::default(),
+            camera: None,
+            path: None,
             stage: Stage::software(),
             textures: None,
             done: 0.0,
@@ -207,46 +212,41 @@ impl Pictures {
         let mut order = film.order.clone();
         order.settings = Arc::new(settings);
         if let Some((surface, start)) = film.camera {
-            let motions = between(&film.motions, [self.done, share]);
-            self.done = share;
-            let camera = self.pilot.fly(&Flight {
-                scene,
-                settings: &order.settings,
+            let subject = Subject {
+                scene: Arc::clone(scene),
+                settings: Arc::clone(&order.settings),
                 surface,
-                placed: 0,
-                camera: Some(start),
-                way: None,
-                motions: &motions,
-                trail: film.trail.then_some(0),
-            });
-            let camera = camera.map_err(|error| failed(error.to_string()))?;
+            };
+            let before = self.camera.unwrap_or(start);
+            let settled = self
+                .controller
+                .settle(&subject, Some(before), &mut self.path);
+            let mut camera = settled.map_err(|error| failed(error.to_string()))?;
+            if film.trail
+                && !self
+                    .path
+                    .as_ref()
+                    .is_some_and(|path| path.ends_at(camera.at))
+            {
+                self.path = Some(Arc::new(CameraPath::begin(surface, camera)));
+            }
+            for motion in between(&film.motions, [self.done, share]) {
+                camera = self.controller.apply(camera, motion, self.path.as_mut());
+            }
+            self.done = share;
+            self.camera = Some(camera);
             match &mut order.look {
-                Look::Space { standpoint, .. } => {
-                    *standpoint = Some(Standing {
-                        surface,
-                        name: String::new(),
-                        placed: 0,
-                        camera: Some(camera),
-                    });
-                }
+                Look::Space { standpoint, .. } => *standpoint = Some((surface, camera)),
                 Look::Inside { camera: own, .. } => *own = Some(camera),
             }
         }
-        let inside = match &order.look {
-            Look::Inside { camera, .. } => *camera,
-            Look::Space { .. } => None,
-        };
-        let mut request = order.request(inside);
+        let mut request = order.request();
         if let View::Space { .. } = request.view {
             request.view = self.base.view.clone();
         }
         request.size = film.clip.size;
-        request.trails = self
-            .pilot
-            .walked()
-            .iter()
-            .map(|way| Arc::clone(&way.trail))
-            .collect();
+        let trail = self.path.iter().map(|path| Arc::clone(&path.trail));
+        request.trails = trail.collect();
         if film.transparent {
             request.background = Some([0; 4]);
         }

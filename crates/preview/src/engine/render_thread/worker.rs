@@ -7,26 +7,22 @@ use std::time::{Duration, Instant};
 use glam::DVec3;
 use render::bounds::Bounds;
 use render::camera::Camera;
-use render::geodesic_view::Inside;
-use render::live::{Counters, Hit, Pixels, Shot, Stage};
+use render::live::{Counters, Pixels, Shot, Stage};
 use render::texture::Texture;
-use render::{RenderError, Request, View};
+use render::{RenderError, View};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
 use super::{Drawing, Painted, Purpose, RenderEvent};
-use crate::engine::camera_controller::{CameraController, Flight};
-use crate::engine::request::{Look, Order, Standing};
-use crate::state::motion::Motion;
+use crate::engine::request::{Look, Order};
+use crate::state::SpaceCamera;
 use crate::state::pane::PaneKey;
-use crate::state::{InsideCamera, SpaceCamera};
 
 /// What is kept from one picture to the next.
 pub(super) struct Worker {
     stage: Stage,
     /// Whether the stage's GPU is the window's.
     shares_gpu: bool,
-    pilots: BTreeMap<String, CameraController>,
     /// Where everything of a scene is seen from, at the settings and size where it was asked for.
     home: Option<Home>,
     curvatures: Option<Curvatures>,
@@ -52,7 +48,6 @@ impl Worker {
         Self {
             shares_gpu: stage.gpu().is_some(),
             stage,
-            pilots: BTreeMap::new(),
             home: None,
             curvatures: None,
             took: BTreeMap::new(),
@@ -76,18 +71,13 @@ impl Worker {
     }
 
     /// Draws a pane's picture.
-    pub(super) fn draw(
-        &mut self,
-        pane: &PaneKey,
-        order: &Order,
-        motions: &[Motion],
-    ) -> RenderEvent {
+    pub(super) fn draw(&mut self, pane: &PaneKey, order: &Order) -> RenderEvent {
         let start = Instant::now();
-        let mut picture = self.picture(order, motions, start);
+        let mut picture = self.picture(order, start);
         if picture.is_err() && self.stage.is_lost() {
             // The processor is never lost.
             self.move_to(Stage::software());
-            picture = self.picture(order, &[], start);
+            picture = self.picture(order, start);
         }
         self.took.insert(pane.clone(), start.elapsed());
         RenderEvent::Drawn {
@@ -100,12 +90,11 @@ impl Worker {
 
     /// Finds what is under a pixel.
     pub(super) fn pick(&mut self, order: &Order, at: [f64; 2], purpose: Purpose) -> RenderEvent {
-        let request = order.request(None);
+        let request = order.request();
         let hit = self.stage.pick(&order.scene, &order.settings, &request, at);
         let hit = hit.ok().flatten();
         RenderEvent::Picked {
-            scene: Arc::clone(&order.scene),
-            camera: hit.and_then(|hit| self.placed(order, &hit)),
+            order: Box::new(order.clone()),
             hit,
             purpose,
         }
@@ -116,64 +105,19 @@ impl Worker {
         Some(RenderEvent::Framed(self.home(order).ok()?))
     }
 
-    fn picture(
-        &mut self,
-        order: &Order,
-        motions: &[Motion],
-        start: Instant,
-    ) -> Result<Drawing, RenderError> {
+    fn picture(&mut self, order: &Order, start: Instant) -> Result<Drawing, RenderError> {
         let mut space_camera = None;
-        let inside_camera;
-        let mut walked = None;
-        let mut request: Request = match &order.look {
-            Look::Space {
-                camera, standpoint, ..
-            } => {
-                let seen_from = match camera {
-                    Some(camera) => *camera,
-                    None => self.home(order)?,
-                };
-                space_camera = Some(seen_from);
-                // Where the scene is another one, so is the camera that stands in it: its own picture may come later.
-                let shown = standpoint.as_ref().and_then(|it| self.standing(order, it));
-                let mut order = order.clone();
-                if let Look::Space {
-                    camera, standpoint, ..
-                } = &mut order.look
-                {
-                    *camera = Some(seen_from);
-                    standpoint.clone_from(&shown);
-                }
-                inside_camera = shown.and_then(|it| Some((it.name, it.camera?, it.placed)));
-                order.request(None)
-            }
-            Look::Inside {
-                surface,
-                name,
-                placed,
-                camera,
-                way,
-                trail,
-            } => {
-                let pilot = self.pilots.entry(name.clone()).or_default();
-                let camera = pilot.fly(&Flight {
-                    scene: &order.scene,
-                    settings: &order.settings,
-                    surface: *surface,
-                    placed: *placed,
-                    camera: *camera,
-                    way: way.as_ref(),
-                    motions,
-                    trail: *trail,
-                })?;
-                inside_camera = Some((name.clone(), camera, *placed));
-                walked = pilot.walked().cloned();
-                let mut request = order.request(Some(camera));
-                let trail = walked.iter().map(|it| Arc::clone(&it.trail));
-                request.trails.extend(trail);
-                request
-            }
-        };
+        let mut request = order.request();
+        if let (Look::Space { camera, .. }, View::Space { eye, target }) =
+            (&order.look, &mut request.view)
+        {
+            let seen_from = match camera {
+                Some(camera) => *camera,
+                None => self.home(order)?,
+            };
+            (*eye, *target) = (Some(seen_from.eye), Some(seen_from.target));
+            space_camera = Some(seen_from);
+        }
         request.textures.extend(self.curvatures(order));
         let shot: Shot = self.stage.draw(&order.scene, &order.settings, &request)?;
         let pixels = match shot.pixels {
@@ -186,41 +130,13 @@ impl Worker {
             overlays: shot.overlays,
             inside: shot.inside,
             space_camera,
-            inside_camera,
-            walked,
             took: start.elapsed(),
-        })
-    }
-
-    /// A geodesic camera as it is now.
-    fn standing(&mut self, order: &Order, told: &Standing) -> Option<Standing> {
-        let pilot = self.pilots.entry(told.name.clone()).or_default();
-        let trail = pilot.trail();
-        let ways = match &order.look {
-            Look::Space { ways, .. } => ways.as_slice(),
-            Look::Inside { .. } => &[],
-        };
-        let mut ways = ways.iter().filter(|(id, _)| *id == told.surface);
-        let camera = pilot.fly(&Flight {
-            scene: &order.scene,
-            settings: &order.settings,
-            surface: told.surface,
-            placed: told.placed,
-            camera: told.camera,
-            way: ways.next().map(|(_, way)| way),
-            motions: &[],
-            // It is left where it is seen from inside.
-            trail,
-        });
-        Some(Standing {
-            camera: Some(camera.ok()?),
-            ..told.clone()
         })
     }
 
     /// Where everything is seen from.
     fn home(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
-        let request = order.request(None);
+        let request = order.request();
         if let Some((scene, settings, size, hidden, camera)) = &self.home
             && Arc::ptr_eq(scene, &order.scene)
             && *settings == order.settings
@@ -273,22 +189,5 @@ impl Worker {
         let (scene, settings) = (Arc::clone(&order.scene), Arc::clone(&order.settings));
         self.curvatures = Some((scene, settings, textures.clone()));
         textures
-    }
-
-    /// A geodesic camera where something was hit, as long as the one that is on that surface.
-    fn placed(&self, order: &Order, hit: &Hit) -> Option<InsideCamera> {
-        let object = order.scene.objects.get(hit.object.0 as usize)?;
-        object.shape.manifold()?;
-        let camera = self
-            .pilots
-            .get(&object.name)
-            .and_then(CameraController::camera);
-        let mut request = Request::geodesic(hit.object, order.size);
-        if let View::Geodesic { at, zoom, .. } = &mut request.view {
-            *at = Some(hit.parameters);
-            *zoom = camera.map(|camera| camera.zoom);
-        }
-        let inside = Inside::new(&order.scene, &order.settings, &request).ok()?;
-        Some(InsideCamera::of(&inside.frame, inside.zoom, true))
     }
 }

@@ -14,16 +14,11 @@ use crate::state::{CameraPath, InsideCamera, Step};
 pub(super) struct Placement {
     surface: String,
     before: Option<InsideCamera>,
-    /// The way that led to where the camera was.
-    way: Option<Arc<CameraPath>>,
+    /// The path that led to where the camera was.
+    path: Option<Arc<CameraPath>>,
 }
 
 impl Model {
-    /// How often the geodesic camera of a surface was put somewhere by other means than walking.
-    pub fn placed(&self, surface: &str) -> u64 {
-        self.placed.get(surface).copied().unwrap_or_default()
-    }
-
     /// Puts the geodesic camera of a surface at its first place.
     pub fn reset(&mut self, surface: &str) {
         let step = Step::new("Reset the geodesic camera", surface);
@@ -31,7 +26,7 @@ impl Model {
             view.inside.remove(surface);
         });
         self.history.settle();
-        self.count_placement(surface, None);
+        self.paths.remove(surface);
     }
 
     /// Puts the geodesic camera of a surface somewhere, until [`Model::keep_placement`] makes a step of it or
@@ -41,7 +36,7 @@ impl Model {
         self.placing = Some(Placement {
             surface: surface.to_owned(),
             before: self.view.inside.get(surface).copied(),
-            way: self.walked.get(surface).cloned(),
+            path: self.paths.get(surface).cloned(),
         });
         self.put(surface, Some(camera), None);
     }
@@ -65,29 +60,20 @@ impl Model {
         if let Some(Placement {
             surface,
             before,
-            way,
+            path,
         }) = self.placing.take()
         {
-            self.put(&surface, before, way);
+            self.put(&surface, before, path);
         }
     }
 
-    fn put(&mut self, surface: &str, camera: Option<InsideCamera>, way: Option<Arc<CameraPath>>) {
+    fn put(&mut self, surface: &str, camera: Option<InsideCamera>, path: Option<Arc<CameraPath>>) {
         self.adjust(|view| {
             match camera {
                 Some(camera) => view.inside.insert(surface.to_owned(), camera),
                 None => view.inside.remove(surface),
             };
         });
-        self.count_placement(surface, way);
-    }
-
-    /// The camera of a surface is elsewhere, at the end of this way, if of any.
-    pub(super) fn count_placement(&mut self, surface: &str, way: Option<Arc<CameraPath>>) {
-        *self.placed.entry(surface.to_owned()).or_default() += 1;
-        match way {
-            Some(way) => self.walked.insert(surface.to_owned(), way),
-            None => self.walked.remove(surface),
-        };
+        self.put_path(surface, path);
     }
 }

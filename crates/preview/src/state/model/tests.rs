@@ -1,6 +1,11 @@
+use std::sync::Arc;
+
+use scene::ObjectId;
+
 use super::{Animation, Model, Step, View, advanced};
 use crate::engine::reader::Reader;
 use crate::state::Compiled;
+use crate::state::motion::Motion;
 use crate::state::{InsideCamera, SpaceCamera};
 
 fn compiled(text: &str) -> Compiled {
@@ -68,14 +73,6 @@ fn what_is_hidden_is_known_by_its_place_in_the_scene_also_where_a_geodesic_lies_
     assert_eq!(hide(&mut model, "g"), [0, 1, 2]);
 }
 
-fn undo(model: &mut Model) -> Option<&'static str> {
-    model.undo(&|_| false).map(|(title, _)| title)
-}
-
-fn redo(model: &mut Model) -> Option<&'static str> {
-    model.redo(&|_| false).map(|(title, _)| title)
-}
-
 #[test]
 fn steps_of_one_gesture_are_undone_together_and_done_again() {
     let mut model = model("param a : [0, 4]; point p = (a, 0, 0);");
@@ -88,15 +85,15 @@ fn steps_of_one_gesture_are_undone_together_and_done_again() {
     set(&mut model, 2.0);
     model.history.settle();
     set(&mut model, 3.0);
-    assert_eq!(undo(&mut model), Some("Move a"));
+    assert_eq!(model.undo(), Some("Move a"));
     assert_eq!(model.view.params["a"], [Some(2.0)]);
-    assert_eq!(undo(&mut model), Some("Move a"));
+    assert_eq!(model.undo(), Some("Move a"));
     assert!(model.view.params.is_empty());
-    assert_eq!(undo(&mut model), None);
-    redo(&mut model);
-    redo(&mut model);
+    assert_eq!(model.undo(), None);
+    model.redo();
+    model.redo();
     assert_eq!(model.view.params["a"], [Some(3.0)]);
-    assert_eq!(redo(&mut model), None);
+    assert_eq!(model.redo(), None);
 }
 
 const SURFACE: &str = "param a : [0, 4]; surface s(u,v) = (u, v, a), u : [0,1], v : [0,1];
@@ -133,7 +130,7 @@ fn a_step_takes_back_what_it_has_changed_and_nothing_else() {
         view.inside.insert("s".into(), inside([0.5, 0.5]));
     });
     let others = model.view.clone();
-    assert_eq!(undo(&mut model), Some("Move the 3D camera"));
+    assert_eq!(model.undo(), Some("Move the 3D camera"));
     assert_eq!(
         model.view,
         View {
@@ -141,7 +138,7 @@ fn a_step_takes_back_what_it_has_changed_and_nothing_else() {
             ..others.clone()
         }
     );
-    assert_eq!(redo(&mut model), Some("Move the 3D camera"));
+    assert_eq!(model.redo(), Some("Move the 3D camera"));
     assert_eq!(model.view, others);
 }
 
@@ -151,14 +148,14 @@ fn what_the_text_gives_anew_no_step_brings_back() {
     set(&mut model, "a", 2.0);
     set(&mut model, "a", 3.0);
     set(&mut model, "b", 5.0);
-    assert_eq!(undo(&mut model), Some("Move a param"));
+    assert_eq!(model.undo(), Some("Move a param"));
     model.take(compiled(
         "param a = 3 : [0, 4]; param b : [0, 9]; point p = (a, b, 0);",
     ));
     assert!(model.view.params.is_empty(), "{:?}", model.view.params);
     assert_eq!(model.history.last(), None, "there is nothing to undo of a");
-    assert_eq!(undo(&mut model), None);
-    assert_eq!(redo(&mut model), Some("Move a param"));
+    assert_eq!(model.undo(), None);
+    assert_eq!(model.redo(), Some("Move a param"));
     assert_eq!(model.view.params["b"], [Some(5.0)]);
     assert!(!model.view.params.contains_key("a"));
 }
@@ -173,7 +170,7 @@ fn a_step_that_changes_nothing_any_more_is_passed_by() {
     model.adjust(|view| {
         view.looks.remove("s");
     });
-    assert_eq!(undo(&mut model), Some("Move a param"));
+    assert_eq!(model.undo(), Some("Move a param"));
 }
 
 #[test]
@@ -207,35 +204,64 @@ fn a_value_is_known_with_what_the_text_said_when_it_was_chosen() {
     );
 }
 
+/// Walks on a surface, and returns the length of the camera's path.
+fn walk(model: &mut Model, surface: &str) -> f64 {
+    model.move_camera(surface, Motion::Walk([0.1, 0.0]));
+    model.paths[surface].trail.length
+}
+
 #[test]
-fn placings_are_counted_for_each_surface_where_its_camera_is_another_one() {
+fn a_path_ends_where_its_camera_is_put_elsewhere_and_nowhere_else() {
     let mut model = model(SURFACE);
-    let counts = |model: &Model| ["s", "t"].map(|name| model.placed(name));
+    model.adjust(|view| view.preferences.marks.trail = true);
+    let lengths = ["s", "t"].map(|name| walk(&mut model, name));
+    assert!(lengths.iter().all(|length| *length > 0.0));
+    let paths = |model: &Model| ["s", "t"].map(|name| model.paths.contains_key(name));
     set(&mut model, "a", 2.0);
-    model.undo(&|_| false);
-    model.redo(&|_| false);
-    assert_eq!(counts(&model), [0, 0], "a param is no camera");
+    model.undo();
+    model.redo();
+    assert_eq!(paths(&model), [true, true], "a param is no camera");
     model.place("s", inside([0.5, 0.5]));
-    assert_eq!(counts(&model), [1, 0]);
+    assert_eq!(paths(&model), [false, true]);
+    walk(&mut model, "s");
+    assert_eq!(model.undo(), Some("Move the geodesic camera"));
+    assert_eq!(model.view.inside["s"].at, [0.5, 0.5]);
+    assert_eq!(paths(&model), [false, true], "the walk is taken back");
     model.reset("t");
-    assert_eq!(counts(&model), [1, 1]);
-    model.undo(&|_| false);
-    assert_eq!(counts(&model), [2, 1], "the placing is taken back");
-    // A walk comes back by itself, and is undone as a placing; so is one that is still on its way.
-    model.begin_walk(Step::new("Move the geodesic camera", "t"), "t");
+    assert_eq!(paths(&model), [false, false]);
+    assert!(!model.view.inside.contains_key("t"));
+    walk(&mut model, "t");
+    model.clear_trails();
+    assert_eq!(paths(&model), [false, false]);
+}
+
+#[test]
+fn a_motion_that_cannot_be_made_is_no_step() {
+    let mut model = model(SURFACE);
+    let at_edge = inside([1.0, 0.5]);
     model.adjust(|view| {
-        view.inside.insert("t".into(), inside([0.25, 0.5]));
+        view.inside.insert("s".into(), at_edge);
     });
-    assert_eq!(counts(&model), [2, 1]);
-    model.undo(&|_| false);
-    assert_eq!(counts(&model), [2, 2]);
-    model.begin_walk(Step::new("Move the geodesic camera", "s"), "s");
-    let moving = model.undo(&|surface| surface == "s");
-    assert_eq!(
-        moving,
-        Some(("Move the geodesic camera", vec!["s".to_owned()]))
+    model.move_camera("s", Motion::Walk([0.5, 0.0]));
+    assert_eq!(model.view.inside["s"].at, at_edge.at);
+    assert_eq!(model.undo(), None);
+}
+
+#[test]
+fn a_path_is_on_its_surface_also_where_that_has_another_number_than_when_it_was_walked() {
+    let mut model = model(SURFACE);
+    model.adjust(|view| view.preferences.marks.trail = true);
+    walk(&mut model, "s");
+    let before = Arc::clone(&model.paths["s"].trail);
+    model.take(compiled(SURFACE));
+    assert!(
+        Arc::ptr_eq(&model.paths["s"].trail, &before),
+        "one that has the right number is not copied"
     );
-    assert_eq!(counts(&model), [3, 2]);
+    model.take(compiled(&format!("point p = (0,0,1); {SURFACE}")));
+    let path = &model.paths["s"];
+    assert_eq!(path.trail.surface, ObjectId(1));
+    assert_eq!(path.trail.points, before.points);
 }
 
 #[test]
@@ -245,20 +271,20 @@ fn a_placing_that_is_withdrawn_leaves_no_trace() {
         view.inside.insert("s".into(), inside([0.25, 0.25]));
     });
     set(&mut model, "a", 2.0);
-    model.undo(&|_| false);
+    model.undo();
     let before = model.view.clone();
     model.place("s", inside([0.5, 0.5]));
     assert_eq!(model.view.inside["s"].at, [0.5, 0.5], "it is there at once");
     model.withdraw_placement();
     assert_eq!(model.view, before);
     assert_eq!(model.history.last(), None);
-    assert_eq!(redo(&mut model), Some("Move a param"));
+    assert_eq!(model.redo(), Some("Move a param"));
     // One that is kept is a step of its own.
     model.place("s", inside([0.5, 0.5]));
     model.keep_placement();
     model.withdraw_placement();
     assert_eq!(model.view.inside["s"].at, [0.5, 0.5]);
-    assert_eq!(undo(&mut model), Some("Place the geodesic camera"));
+    assert_eq!(model.undo(), Some("Place the geodesic camera"));
     assert_eq!(model.view.inside["s"].at, [0.25, 0.25]);
 }
 
@@ -270,12 +296,10 @@ fn another_program_has_its_own_view_and_no_steps_of_the_one_before() {
     });
     set(&mut model, "a", 2.0);
     model.place("s", inside([0.5, 0.5]));
-    let placed = model.placed("s");
     let mut other = View::default();
     other.inside.insert("s".into(), inside([0.75, 0.75]));
     model.turn_to(other.clone());
-    assert!(model.placed("s") > placed, "its camera is elsewhere");
-    assert_eq!(undo(&mut model), None);
+    assert_eq!(model.undo(), None);
     assert_eq!(model.view, other);
 }
 
@@ -303,9 +327,9 @@ fn a_camera_that_nobody_had_moved_is_put_anew_where_its_scene_is_another_one() {
     ));
     model.reframe();
     assert_eq!(model.view.space, Some(moved), "what was moved stays");
-    assert_eq!(undo(&mut model), Some("Move the 3D camera"));
+    assert_eq!(model.undo(), Some("Move the 3D camera"));
     assert_eq!(model.view.space, None);
-    assert_eq!(undo(&mut model), Some("Place the geodesic camera"));
+    assert_eq!(model.undo(), Some("Place the geodesic camera"));
     assert!(!model.view.inside.contains_key("s"));
 }
 

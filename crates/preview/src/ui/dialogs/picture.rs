@@ -7,14 +7,11 @@ use egui::{DragValue, Grid, Ui};
 use export::mesh::{self, MeshFormat};
 use export::whole_file::write_whole;
 use render::Request;
-use render::overlay::Trail;
 use scene::ParamValues;
 use scene::Scene;
 
 use crate::channel::report_when_done;
-use crate::engine::request::Order;
 use crate::io::files;
-use crate::state::InsideCamera;
 use crate::state::pane::PaneKey;
 use crate::ui::window::Window;
 
@@ -66,14 +63,12 @@ pub(crate) fn in_folder(window: &Window, name: &str) -> String {
 
 /// Copies the active view's picture.
 pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
-    let Some((order, camera)) = ordered(window, &window.active) else {
+    let Some(order) = window.kept(&window.active) else {
         return;
     };
-    let trails = trails(window, &window.active);
     let context = ui.ctx().clone();
     report_when_done(window.status_sender(), move || {
-        let mut request = order.whole_request(camera);
-        request.trails.extend(trails);
+        let request = order.whole_request();
         let picture = render::render(&order.scene, &order.settings, &request, &|_| {});
         let image = picture.map_err(|error| error.to_string())?.image;
         let size = [image.width() as usize, image.height() as usize];
@@ -84,26 +79,6 @@ pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
             size[0], size[1]
         ))
     });
-}
-
-/// The order of a view's picture, and its geodesic camera.
-fn ordered(window: &Window, pane: &PaneKey) -> Option<(Order, Option<InsideCamera>)> {
-    let order = window.kept(pane)?;
-    let camera = match pane {
-        PaneKey::Inside(name) => window.model.view.inside.get(name).copied(),
-        PaneKey::Space => None,
-    };
-    Some((order, camera))
-}
-
-/// The trail in a geodesic view's picture; an order for the 3D view has its own.
-fn trails(window: &Window, pane: &PaneKey) -> Vec<Arc<Trail>> {
-    let way = match pane {
-        PaneKey::Inside(name) => window.model.walked.get(name),
-        PaneKey::Space => None,
-    };
-    let shown = way.filter(|_| window.model.view.preferences.marks.trail);
-    shown.iter().map(|way| Arc::clone(&way.trail)).collect()
 }
 
 /// The dialogs that are open.
@@ -234,11 +209,10 @@ pub(crate) fn choose(window: &Window, title: &str, path: &str) {
 }
 
 fn write_picture(window: &Window, dialog: &PictureDialog) {
-    let Some((order, camera)) = ordered(window, &dialog.pane) else {
+    let Some(order) = window.kept(&dialog.pane) else {
         return;
     };
-    let mut request = order.request(camera);
-    request.trails.extend(trails(window, &dialog.pane));
+    let mut request = order.request();
     request.size = dialog.size;
     if dialog.transparent {
         request.background = Some([0; 4]);
@@ -261,7 +235,7 @@ fn write_mesh(window: &Window, path: &str) {
     };
     let path = PathBuf::from(path);
     report_when_done(window.status_sender(), move || {
-        let request = order.whole_request(None);
+        let request = order.whole_request();
         save_mesh(&path, &order.scene, &order.settings, &request)
     });
 }

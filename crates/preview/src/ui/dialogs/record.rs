@@ -72,7 +72,7 @@ pub(crate) fn ask(window: &mut Window) {
     let view = &window.model.view;
     let camera = surface.and_then(|name| Some((name.clone(), *view.inside.get(&name)?)));
     if let Some((name, _)) = &camera {
-        let way = window.model.walked.get(name);
+        let way = window.model.paths.get(name);
         let way = way.filter(|way| view.preferences.marks.trail && !way.motions().is_empty());
         moves.extend(way.map(|way| Moves::Again(way.start, way.motions().to_vec())));
         moves.push(Moves::Walk("forward", [0.0, 1.0]));

@@ -4,15 +4,17 @@
 //! The first click is heeded at once. Where a second one makes a double click of it, it is as though it had never been.
 //! What would move the panes under the pointer waits until there can be no second one.
 
+use std::sync::Arc;
+
 use egui::Ui;
 use render::live::Hit;
-use scene::{Scene, Shape};
+use scene::Shape;
 
 use super::Window;
 use crate::engine::render_thread::Purpose;
 use crate::engine::request::Order;
-use crate::state::InsideCamera;
 use crate::state::StatusMessage;
+use crate::state::camera_controller::Subject;
 
 /// The longest time between two clicks that are a double click, in seconds.
 pub(super) const DOUBLE_CLICK: f64 = 0.5;
@@ -91,14 +93,8 @@ impl Window {
     }
 
     /// What is under the place of a click.
-    pub(super) fn take_hit(
-        &mut self,
-        scene: &Scene,
-        hit: &Hit,
-        purpose: Purpose,
-        camera: Option<InsideCamera>,
-    ) {
-        let Some(object) = scene.objects.get(hit.object.0 as usize) else {
+    pub(super) fn take_hit(&mut self, order: &Order, hit: &Hit, purpose: Purpose) {
+        let Some(object) = order.scene.objects.get(hit.object.0 as usize) else {
             return;
         };
         let name = object.name.clone();
@@ -114,15 +110,21 @@ impl Window {
             _ => name.clone(),
         };
         self.status_message = Some(StatusMessage::info(sentence));
-        let Some(camera) = camera else {
-            if object.shape.manifold().is_none() {
-                // It has no camera to be put there, and nothing else to be asked for.
-                self.show_declaration(&name);
-            }
+        if object.shape.manifold().is_none() {
+            // It has no camera to be put there, and nothing else to be asked for.
+            self.show_declaration(&name);
+            return;
+        }
+        let subject = Subject {
+            scene: Arc::clone(&order.scene),
+            settings: Arc::clone(&order.settings),
+            surface: hit.object,
+        };
+        let zoom = self.model.view.inside.get(&name).map(|camera| camera.zoom);
+        let Ok(camera) = subject.camera_at(hit.parameters, zoom) else {
             return;
         };
         self.model.place(&name, camera);
-        self.render_thread.stay(&name);
         self.active_surface = Some(name.clone());
         match &mut self.clicks.open {
             Some(open) if number == self.clicks.count => open.surface = Some(name),

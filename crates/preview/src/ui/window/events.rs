@@ -132,11 +132,10 @@ impl Window {
                 }
             }
             RenderEvent::Picked {
-                scene,
+                order,
                 hit: Some(hit),
                 purpose,
-                camera,
-            } => self.take_hit(&scene, &hit, purpose, camera),
+            } => self.take_hit(&order, &hit, purpose),
             RenderEvent::Picked { hit: None, .. } => {}
             RenderEvent::Framed(home) => {
                 if let Some(camera) = self.model.view.space {

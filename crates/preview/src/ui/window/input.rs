@@ -1,13 +1,11 @@
 //! What hands do: keys, shortcuts, dropped files; and what moves by itself.
 
-use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use egui::{Event, Key, KeyboardShortcut, Modifiers, Ui};
 
 use super::Window;
-use crate::engine::render_thread::RenderThread;
 use crate::state::StatusMessage;
 use crate::state::motion::Motion;
 use crate::state::pane::{Pane, PaneKey};
@@ -145,9 +143,7 @@ impl Window {
 
     /// Moves a geodesic camera.
     pub(crate) fn walk(&mut self, surface: &str, motion: Motion, ui: &Ui) {
-        let step = Step::new("Move the geodesic camera", surface);
-        self.model.begin_walk(step, surface);
-        self.render_thread.walk(surface, motion);
+        self.model.move_camera(surface, motion);
         self.has_moved(ui);
     }
 
@@ -168,7 +164,6 @@ impl Window {
     /// Puts a geodesic camera at its first place.
     pub(crate) fn reset_inside(&mut self, surface: &str) {
         self.model.reset(surface);
-        self.render_thread.stay(surface);
     }
 
     pub(super) fn shortcuts(&mut self, ui: &Ui) {
@@ -253,32 +248,19 @@ impl Window {
     /// Takes the last change of the view back.
     pub fn undo(&mut self) {
         self.forget_click();
-        let (render_thread, waiting) = (&self.render_thread, &self.waiting);
-        let travelled = self
-            .model
-            .undo(&|surface| is_moving(render_thread, waiting, surface));
-        self.arrive("Undone", travelled);
+        let title = self.model.undo();
+        self.arrive("Undone", title);
     }
 
     /// Does the last change of the view again.
     pub fn redo(&mut self) {
         self.forget_click();
-        let (render_thread, waiting) = (&self.render_thread, &self.waiting);
-        let travelled = self
-            .model
-            .redo(&|surface| is_moving(render_thread, waiting, surface));
-        self.arrive("Done again", travelled);
+        let title = self.model.redo();
+        self.arrive("Done again", title);
     }
 
-    /// The view is another one. Cameras that were brought elsewhere do not go on from there.
-    fn arrive(&mut self, verb: &str, travelled: Option<(&'static str, Vec<String>)>) {
-        self.status_message = None;
-        if let Some((title, surfaces)) = travelled {
-            self.status_message = Some(StatusMessage::info(format!("{verb}: {title}")));
-            for surface in surfaces {
-                self.render_thread.stay(&surface);
-            }
-        }
+    fn arrive(&mut self, verb: &str, title: Option<&'static str>) {
+        self.status_message = title.map(|title| StatusMessage::info(format!("{verb}: {title}")));
     }
 
     pub(super) fn take_drops(&mut self, ui: &Ui) {
@@ -318,9 +300,4 @@ impl Window {
             }
         });
     }
-}
-
-/// Whether a geodesic camera may be elsewhere than it was last told.
-fn is_moving(render_thread: &RenderThread, waiting: &BTreeSet<PaneKey>, surface: &str) -> bool {
-    render_thread.has_motions(surface) || waiting.contains(&PaneKey::Inside(surface.to_owned()))
 }

@@ -73,8 +73,8 @@ impl Window {
         let Some(order) = order else {
             return;
         };
-        let walks = matches!(pane, PaneKey::Inside(name) if self.render_thread.has_motions(name));
-        if !walks && self.sent.get(pane).is_some_and(|sent| sent.is_like(&order)) {
+        let sent = self.sent.get(pane);
+        if sent.is_some_and(|sent| sent.is_like(&order)) {
             return;
         }
         self.sent.insert(pane.clone(), order.clone());
@@ -162,15 +162,7 @@ impl Window {
     }
 
     pub(super) fn take_drawing(&mut self, pane: PaneKey, drawing: Drawing, order: &Order) {
-        self.take_cameras(&pane, &drawing, order);
-        if let PaneKey::Inside(name) = &pane
-            && drawing.heeds(&self.model)
-        {
-            match drawing.walked {
-                Some(way) => self.model.walked.insert(name.clone(), way),
-                None => self.model.walked.remove(name),
-            };
-        }
+        self.take_space_camera(&pane, &drawing, order);
         let pixels = drawing.pixels.pixels();
         let picture = self.picture(pane, order);
         picture.fresh = Some(drawing.pixels);
@@ -184,38 +176,27 @@ impl Window {
         picture.scene = Arc::clone(&order.scene);
     }
 
-    /// Takes over where a picture is seen from, where nobody has said it.
-    fn take_cameras(&mut self, pane: &PaneKey, drawing: &Drawing, order: &Order) {
-        let inside = drawing.inside_camera.clone();
-        let inside = inside.filter(|_| drawing.heeds(&self.model));
-        let mut first = None;
-        if let Some(sent) = self.sent.get_mut(pane) {
-            let same = sent.is_like(order);
-            let fits = Arc::ptr_eq(&sent.scene, &order.scene) && sent.size == order.size;
-            if let Look::Space {
-                camera, standpoint, ..
-            } = &mut sent.look
-            {
-                // The first place of a scene: from now on it stays, whatever the params do. One for a scene or a pane
-                // that has become another meanwhile does not count.
-                first = drawing
-                    .space_camera
-                    .filter(|_| fits && self.model.view.space.is_none());
-                if same {
-                    *camera = first.or(*camera);
-                    if let (Some(standing), Some((_, camera, _))) = (standpoint, &inside) {
-                        standing.camera = Some(*camera);
-                    }
-                }
-            }
+    /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the params
+    /// do. It is ignored if the scene or the pane's size has changed since the request.
+    fn take_space_camera(&mut self, pane: &PaneKey, drawing: &Drawing, order: &Order) {
+        let Some(first) = drawing.space_camera else {
+            return;
+        };
+        if self.model.view.space.is_some() {
+            return;
         }
-        if let Some(camera) = first {
-            self.model.adjust(|view| view.space = Some(camera));
+        let Some(sent) = self.sent.get_mut(pane) else {
+            return;
+        };
+        if !Arc::ptr_eq(&sent.scene, &order.scene) || sent.size != order.size {
+            return;
         }
-        if let Some((name, camera, _)) = inside {
-            self.model.adjust(|view| {
-                view.inside.insert(name, camera);
-            });
+        let same = sent.is_like(order);
+        if let Look::Space { camera, .. } = &mut sent.look
+            && same
+        {
+            *camera = Some(first);
         }
+        self.model.adjust(|view| view.space = Some(first));
     }
 }

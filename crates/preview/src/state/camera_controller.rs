@@ -1,0 +1,436 @@
+//! The camera of a geodesic view: it is moved on its surface, and keeps its place where the surface changes.
+//!
+//! In: the surface with the params' values, the camera as the model has it, motions. Out: the camera on that surface. A
+//! motion is one geodesic of microseconds, so it is made on the frame's thread, where the model is: each request for a
+//! picture has the camera as it is, and no picture brings one back.
+
+use std::sync::Arc;
+
+use geodesic::frame::Frame;
+use geodesic::surface::Surface;
+use geodesic::trace::{Options, Status, Trace, TraceError};
+use geometry::{Manifold, ManifoldError};
+use render::geodesic_view::Inside;
+use render::request::View;
+use render::{RenderError, Request};
+use scene::{ObjectId, ParamValues, Scene};
+
+use super::camera::InsideCamera;
+use super::motion::Motion;
+use super::path::CameraPath;
+
+/// Moves the camera of one surface.
+#[derive(Debug, Default)]
+pub(crate) struct CameraController {
+    instance: Option<Instance>,
+    /// The camera that was put on the instance last, and the result.
+    settled: Option<(Option<InsideCamera>, Result<InsideCamera, RenderError>)>,
+}
+
+/// A surface or metric of a scene with the params' values.
+#[derive(Clone, Debug)]
+pub(crate) struct Subject {
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) settings: Arc<ParamValues>,
+    pub(crate) surface: ObjectId,
+}
+
+/// A subject that is ready for geodesics.
+#[derive(Debug)]
+struct Instance {
+    subject: Subject,
+    manifold: Result<Manifold, ManifoldError>,
+}
+
+/// The difference between two subjects.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Change {
+    None,
+    /// The params have other values.
+    Values,
+    Scene,
+}
+
+impl CameraController {
+    /// Puts a camera on a surface as it is now. A camera stays where it is as far as the surface allows: X and Y become
+    /// orthogonal and keep their length. Where there is no camera, or it cannot be there, or the scene is another one
+    /// and the user has not moved it, it goes to its first place. The path that led to it ends where it is no path of
+    /// this length on the surface any more.
+    ///
+    /// # Errors
+    /// [`RenderError`] if the surface has no place for a camera.
+    pub(crate) fn settle(
+        &mut self,
+        subject: &Subject,
+        camera: Option<InsideCamera>,
+        path: &mut Option<Arc<CameraPath>>,
+    ) -> Result<InsideCamera, RenderError> {
+        let change = self.change_to(subject, path);
+        if let Some((known, result)) = &self.settled
+            && change == Change::None
+            && *known == camera
+        {
+            return result.clone();
+        }
+        let surface = match self.instance.as_ref().map(|instance| &instance.manifold) {
+            Some(Ok(manifold)) => manifold.surface(),
+            Some(Err(error)) => return Err(error.clone().into()),
+            None => return Err(ManifoldError::NoSurface { name: None }.into()),
+        };
+        // A camera that was put there by other means may be of another time, and not fit the surface as it is.
+        let kept = camera.filter(|camera| camera.moved || change != Change::Scene);
+        let kept = kept.and_then(|camera| settled(surface, &camera));
+        let result = kept.map_or_else(|| first_place(subject), Ok);
+        let known = result.as_ref().ok().copied().or(camera);
+        self.settled = Some((known, result.clone()));
+        result
+    }
+
+    /// Moves a camera that [`CameraController::settle`] has put on the surface, and extends the path that leads to it.
+    /// Returns the camera as it was where the motion cannot be made.
+    pub(crate) fn apply(
+        &mut self,
+        camera: InsideCamera,
+        motion: Motion,
+        path: Option<&mut Arc<CameraPath>>,
+    ) -> InsideCamera {
+        let Some(Instance {
+            manifold: Ok(manifold),
+            ..
+        }) = &self.instance
+        else {
+            return camera;
+        };
+        let next = moved(manifold, camera, motion, path);
+        self.settled = Some((Some(next), Ok(next)));
+        next
+    }
+
+    fn change_to(&mut self, subject: &Subject, path: &mut Option<Arc<CameraPath>>) -> Change {
+        let change = match self.instance.as_ref().map(|instance| &instance.subject) {
+            // A camera that was remembered is where the user left it.
+            None => Change::Values,
+            Some(before) if !before.is_of_scene(subject) => Change::Scene,
+            Some(before) if before.settings != subject.settings => Change::Values,
+            Some(_) => return Change::None,
+        };
+        let manifold = subject.manifold();
+        if let (
+            Some(Instance {
+                manifold: Ok(before),
+                ..
+            }),
+            Ok(after),
+        ) = (&self.instance, &manifold)
+            && let Some(walked) = &path
+            && !walked.fits(before.surface(), after.surface())
+        {
+            *path = None;
+        }
+        self.instance = Some(Instance {
+            subject: subject.clone(),
+            manifold,
+        });
+        change
+    }
+}
+
+impl Subject {
+    fn is_of_scene(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.scene, &other.scene) && self.surface == other.surface
+    }
+
+    fn manifold(&self) -> Result<Manifold, ManifoldError> {
+        let object = self.scene.objects.get(self.surface.0 as usize);
+        let object = object.ok_or(ManifoldError::NoSurface { name: None })?;
+        let uniforms = self.settings.first_instance(&self.scene, object);
+        Manifold::new(&self.scene, self.surface, &uniforms)
+    }
+
+    /// Returns the camera at a chart point of the surface, with a zoom where one is given.
+    ///
+    /// # Errors
+    /// [`RenderError`] if no camera can be there.
+    pub(crate) fn camera_at(
+        &self,
+        at: [f64; 2],
+        zoom: Option<f64>,
+    ) -> Result<InsideCamera, RenderError> {
+        self.camera(Some(at), zoom, true)
+    }
+
+    fn camera(
+        &self,
+        place: Option<[f64; 2]>,
+        length: Option<f64>,
+        moved: bool,
+    ) -> Result<InsideCamera, RenderError> {
+        // The picture's size does not matter to the camera.
+        let mut request = Request::geodesic(self.surface, [256, 256]);
+        if let View::Geodesic { at, zoom, .. } = &mut request.view {
+            (*at, *zoom) = (place, length);
+        }
+        let inside = Inside::new(&self.scene, &self.settings, &request)?;
+        Ok(InsideCamera::of(&inside.frame, inside.zoom, moved))
+    }
+}
+
+/// The share of their length by which X and Y may miss what they should be: what rounding leaves of a long walk.
+const FITS: f64 = 1e-9;
+
+/// Returns the camera's first place on a surface.
+fn first_place(subject: &Subject) -> Result<InsideCamera, RenderError> {
+    subject.camera(None, None, false)
+}
+
+/// Returns the camera with X and Y orthogonal and as long as before, on a surface that has changed. A camera that fits
+/// already is returned as it is; where the surface is degenerate, nothing is returned.
+fn settled(surface: &dyn Surface, camera: &InsideCamera) -> Option<InsideCamera> {
+    let mut frame = camera.frame();
+    for (at, [low, high]) in frame.uv.iter_mut().zip(surface.domain()) {
+        *at = at.clamp(low, high);
+    }
+    let metric = frame.metric(surface);
+    let length = metric.inner(frame.x, frame.x).sqrt();
+    if !(length > 0.0 && length.is_finite()) {
+        return None;
+    }
+    let (x, y) = (frame.x, frame.y);
+    let mirrored = frame.x[0] * frame.y[1] - frame.x[1] * frame.y[0] < 0.0;
+    let hand = if mirrored { -1.0 } else { 1.0 };
+    frame.x = frame.x.map(|a| a / length * camera.zoom);
+    frame.y = metric.turn_left(frame.x).map(|a| hand * a);
+    let fits = |a: [f64; 2], b: [f64; 2]| {
+        let off = metric.inner([a[0] - b[0], a[1] - b[1]], [a[0] - b[0], a[1] - b[1]]);
+        off.sqrt() <= FITS * camera.zoom
+    };
+    if fits(x, frame.x) && fits(y, frame.y) {
+        // Rounded once more, it would be another one.
+        (frame.x, frame.y) = (x, y);
+    }
+    let settled = InsideCamera::of(&frame, camera.zoom, camera.moved);
+    let works = frame.trace(surface, [1.0, 0.0], 0.0, &Options::default());
+    (settled.is_sane() && works.is_ok()).then_some(settled)
+}
+
+/// Returns the camera after a motion, or as it was where the motion cannot be made. A motion that was made extends the
+/// path.
+fn moved(
+    manifold: &Manifold,
+    camera: InsideCamera,
+    motion: Motion,
+    path: Option<&mut Arc<CameraPath>>,
+) -> InsideCamera {
+    let frame = camera.frame();
+    let mut path = path.map(Arc::make_mut);
+    let (frame, zoom): (Frame, f64) = match motion {
+        Motion::Turn(angle) => (frame.turned(angle), camera.zoom),
+        Motion::Zoom(factor) => (frame.zoomed(factor), camera.zoom * factor),
+        Motion::Walk(step) => match walk(manifold, &frame, step, path.as_deref_mut()) {
+            Ok((frame, trace)) if trace.status == Status::Complete || trace.length > 0.0 => {
+                (frame, camera.zoom)
+            }
+            _ => return camera,
+        },
+    };
+    let next = InsideCamera::of(&frame, zoom, true);
+    if !next.is_sane() {
+        return camera;
+    }
+    if let Some(path) = path {
+        path.note(motion);
+    }
+    next
+}
+
+/// Moves a frame, and its trail with it.
+fn walk(
+    manifold: &Manifold,
+    frame: &Frame,
+    step: [f64; 2],
+    path: Option<&mut CameraPath>,
+) -> Result<(Frame, Trace), TraceError> {
+    match path {
+        Some(path) => Arc::make_mut(&mut path.trail).walk(manifold, frame, step),
+        None => frame.advance(manifold.surface(), step, &Options::default()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{CameraController, Subject};
+    use crate::state::InsideCamera;
+    use crate::state::motion::Motion;
+    use crate::state::path::{CameraPath, between};
+    use scene::{ObjectId, ParamValues};
+    use std::sync::Arc;
+
+    const SPHERE: &str = "param r : [1, 3];
+        surface s(u,v) = r(cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi/2];";
+
+    fn subject(text: &str) -> Subject {
+        let scene = scene::geotrace::compile(text).scene.expect("no errors");
+        Subject {
+            settings: Arc::new(ParamValues::initial(&scene)),
+            scene: Arc::new(scene),
+            surface: ObjectId(0),
+        }
+    }
+
+    /// The same surface with another radius.
+    fn with_radius(subject: &Subject, radius: f64) -> Subject {
+        let mut settings = (*subject.settings).clone();
+        settings
+            .set(&subject.scene, "r", &[radius])
+            .expect("in range");
+        Subject {
+            settings: Arc::new(settings),
+            ..subject.clone()
+        }
+    }
+
+    /// A camera with its controller, and its path where it leaves a trail.
+    #[derive(Default)]
+    struct Walker {
+        controller: CameraController,
+        camera: Option<InsideCamera>,
+        path: Option<Arc<CameraPath>>,
+    }
+
+    impl Walker {
+        fn walk(&mut self, subject: &Subject, motions: &[Motion]) -> InsideCamera {
+            let settled = self.controller.settle(subject, self.camera, &mut self.path);
+            let mut camera = settled.expect("a place for a camera");
+            for motion in motions {
+                camera = self.controller.apply(camera, *motion, self.path.as_mut());
+            }
+            self.camera = Some(camera);
+            camera
+        }
+
+        /// Begins a path where the camera is.
+        fn leave_trail(&mut self, subject: &Subject) {
+            let camera = self.walk(subject, &[]);
+            self.path = Some(Arc::new(CameraPath::begin(subject.surface, camera)));
+        }
+    }
+
+    #[test]
+    fn a_walk_around_the_sphere_comes_back() {
+        let world = subject(SPHERE);
+        let mut walker = Walker::default();
+        let start = walker.walk(&world, &[Motion::Turn(0.4)]);
+        let around = 2.0 * std::f64::consts::PI / start.zoom;
+        let step = Motion::Walk([0.0, around / 8.0]);
+        let end = walker.walk(&world, &[step; 8]);
+        for k in 0..2 {
+            assert!(
+                (end.at[k] - start.at[k]).abs() < 1e-6,
+                "{end:?} is not {start:?}"
+            );
+            assert!(
+                (end.x[k] - start.x[k]).abs() < 1e-6,
+                "{end:?} is not {start:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_path_that_is_walked_again_in_parts_ends_where_it_ended() {
+        let world = subject(SPHERE);
+        let motions = [
+            Motion::Walk([0.3, 0.4]),
+            Motion::Turn(0.7),
+            Motion::Zoom(1.5),
+            Motion::Walk([0.0, -0.6]),
+        ];
+        let mut walker = Walker::default();
+        walker.leave_trail(&world);
+        let end = walker.walk(&world, &motions);
+        let path = walker.path.clone().expect("a path");
+        assert!(path.ends_at(end.at));
+        // A walk is as long as its step times the length of X and Y: 1.5 times as long behind the zoom.
+        let expected = path.start.zoom * (0.5 + 1.5 * 0.6);
+        assert!((path.trail.length - expected).abs() < 1e-9 * expected);
+        let mut again = Walker {
+            camera: Some(path.start),
+            ..Walker::default()
+        };
+        again.leave_trail(&world);
+        for k in 0..5 {
+            let shares = [f64::from(k) / 5.0, f64::from(k + 1) / 5.0];
+            again.walk(&world, &between(path.motions(), shares));
+        }
+        let close = |a: [f64; 2], b: [f64; 2]| (0..2).all(|k| (a[k] - b[k]).abs() < 1e-7);
+        let walked = again.camera.expect("a camera");
+        assert!(
+            close(walked.at, end.at) && close(walked.x, end.x) && close(walked.y, end.y),
+            "{walked:?} is not {end:?}"
+        );
+        let length = again.path.expect("a path").trail.length;
+        assert!((length - path.trail.length).abs() < 1e-8, "{length}");
+    }
+
+    #[test]
+    fn a_path_ends_where_its_surface_has_another_shape() {
+        let world = subject(SPHERE);
+        let mut walker = Walker::default();
+        walker.leave_trail(&world);
+        walker.walk(&world, &[Motion::Walk([0.3, 0.2])]);
+        walker.walk(&subject(SPHERE), &[]);
+        assert!(walker.path.is_some(), "the same surface in another scene");
+        walker.walk(&with_radius(&world, 2.0), &[]);
+        assert!(walker.path.is_none());
+    }
+
+    #[test]
+    fn a_camera_keeps_its_length_and_its_place_when_a_param_moves() {
+        let world = subject(SPHERE);
+        let mut walker = Walker::default();
+        let before = walker.walk(&world, &[Motion::Walk([0.3, 0.2])]);
+        let after = walker.walk(&with_radius(&world, 2.0), &[]);
+        assert_eq!(before.at, after.at);
+        assert_eq!(before.zoom, after.zoom);
+        // Twice the radius: half as long in (u, v), still at right angles.
+        for k in 0..2 {
+            assert!((after.x[k] - 0.5 * before.x[k]).abs() < 1e-9);
+            assert!((after.y[k] - 0.5 * before.y[k]).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_camera_that_is_brought_back_fits_the_surface_as_it_is_now() {
+        let world = subject(SPHERE);
+        let larger = with_radius(&world, 2.0);
+        let mut walker = Walker::default();
+        let old = walker.walk(&world, &[Motion::Walk([0.3, 0.2])]);
+        walker.walk(&larger, &[Motion::Walk([0.1, 0.0])]);
+        walker.camera = Some(old);
+        let after = walker.walk(&larger, &[]);
+        assert_eq!(after.at, old.at);
+        for k in 0..2 {
+            assert!((after.x[k] - 0.5 * old.x[k]).abs() < 1e-9, "{after:?}");
+            assert!((after.y[k] - 0.5 * old.y[k]).abs() < 1e-9, "{after:?}");
+        }
+        // One that fits comes back as it was, to the last digit.
+        walker.walk(&larger, &[Motion::Turn(0.1)]);
+        walker.camera = Some(after);
+        assert_eq!(walker.walk(&larger, &[]), after);
+    }
+
+    #[test]
+    fn a_camera_that_was_not_moved_stands_anew_on_another_surface() {
+        let mut walker = Walker::default();
+        walker.walk(&subject(SPHERE), &[]);
+        let plane = subject("surface s(u,v) = (u,v,0), u : [4, 6], v : [4, 6];");
+        let camera = walker.walk(&plane, &[]);
+        assert_eq!(camera.at, [5.0, 5.0]);
+        walker.walk(&plane, &[Motion::Walk([0.1, 0.0])]);
+        let wider = subject("surface s(u,v) = (u,v,0), u : [3, 6], v : [4, 6];");
+        let kept = walker.walk(&wider, &[]);
+        assert!(
+            kept.at[0] > 5.0 && (kept.at[1] - 5.0).abs() < 1e-9,
+            "{kept:?}"
+        );
+    }
+}

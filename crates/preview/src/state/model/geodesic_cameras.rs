@@ -1,0 +1,112 @@
+//! The geodesic cameras of the model: each is put on its surface as that is now, and moved there.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+
+use super::Model;
+use crate::state::camera_controller::{CameraController, Subject};
+use crate::state::difference::Difference;
+use crate::state::motion::Motion;
+use crate::state::{CameraPath, InsideCamera, Step};
+
+impl Model {
+    /// Puts the geodesic camera of a surface on that surface as it is now, and returns it; nothing if the surface has
+    /// no place for a camera. In its own view (`is_own_view`) it leaves a trail, where trails are shown.
+    pub(crate) fn settle_camera(
+        &mut self,
+        surface: &str,
+        is_own_view: bool,
+    ) -> Option<InsideCamera> {
+        let subject = self.subject(surface)?;
+        let before = self.view.inside.get(surface).copied();
+        let mut path = self.paths.remove(surface);
+        let settled = self.control(surface, |controller| {
+            controller.settle(&subject, before, &mut path).ok()
+        });
+        let Some(camera) = settled.flatten() else {
+            self.put_path(surface, path);
+            return None;
+        };
+        if before != Some(camera) {
+            self.view.inside.insert(surface.to_owned(), camera);
+        }
+        let leaves_trail = self.view.preferences.marks.trail;
+        let path = path.filter(|path| path.ends_at(camera.at));
+        let path = match (is_own_view, leaves_trail) {
+            (true, true) => {
+                Some(path.unwrap_or_else(|| Arc::new(CameraPath::begin(subject.surface, camera))))
+            }
+            (true, false) => None,
+            (false, _) => path,
+        };
+        self.put_path(surface, path);
+        Some(camera)
+    }
+
+    /// Moves the geodesic camera of a surface: a step that is joined with those before it of the same gesture.
+    pub(crate) fn move_camera(&mut self, surface: &str, motion: Motion) {
+        self.keep_placement();
+        let Some(camera) = self.settle_camera(surface, true) else {
+            return;
+        };
+        let mut path = self.paths.remove(surface);
+        let moved = self.control(surface, |controller| {
+            controller.apply(camera, motion, path.as_mut())
+        });
+        self.put_path(surface, path);
+        if let Some(moved) = moved.filter(|moved| *moved != camera) {
+            let step = Step::new("Move the geodesic camera", surface);
+            let replaced = Difference::camera(surface, Some(camera));
+            self.history.record(step, replaced);
+            self.view.inside.insert(surface.to_owned(), moved);
+        }
+    }
+
+    /// Begins the trails of all cameras anew.
+    pub(crate) fn clear_trails(&mut self) {
+        self.paths.clear();
+    }
+
+    /// Returns a surface or metric with the params' values.
+    fn subject(&mut self, surface: &str) -> Option<Subject> {
+        Some(Subject {
+            surface: self.object(surface)?.0,
+            settings: self.settings()?,
+            scene: self.scene.clone()?,
+        })
+    }
+
+    /// Has the camera controller of a surface do something. A panic costs the controller, but not the window: the
+    /// surface's picture says what is wrong.
+    fn control<T>(
+        &mut self,
+        surface: &str,
+        work: impl FnOnce(&mut CameraController) -> T,
+    ) -> Option<T> {
+        let mut controller = self.controllers.remove(surface).unwrap_or_default();
+        let done = catch_unwind(AssertUnwindSafe(|| work(&mut controller))).ok()?;
+        self.controllers.insert(surface.to_owned(), controller);
+        Some(done)
+    }
+
+    pub(super) fn put_path(&mut self, surface: &str, path: Option<Arc<CameraPath>>) {
+        match path {
+            Some(path) => self.paths.insert(surface.to_owned(), path),
+            None => self.paths.remove(surface),
+        };
+    }
+
+    /// Gives each path the number that its surface has in the scene: declarations above it may have come or gone.
+    pub(super) fn renumber_paths(&mut self) {
+        let Some(scene) = &self.scene else {
+            return;
+        };
+        for (name, path) in &mut self.paths {
+            if let Some((id, _)) = scene.object(name)
+                && path.trail.surface != id
+            {
+                Arc::make_mut(&mut Arc::make_mut(path).trail).surface = id;
+            }
+        }
+    }
+}
