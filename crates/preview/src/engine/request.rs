@@ -70,6 +70,27 @@ impl Order {
         self
     }
 
+    /// Returns whether another request differs from this one only by the geodesic camera that the 3D view shows, and its
+    /// trail.
+    pub(crate) fn differs_by_shown_camera(&self, other: &Self) -> bool {
+        let mut like = self.clone();
+        if let (
+            Look::Space {
+                standpoint, trails, ..
+            },
+            Look::Space {
+                standpoint: standpoint2,
+                trails: trails2,
+                ..
+            },
+        ) = (&mut like.look, &other.look)
+        {
+            *standpoint = *standpoint2;
+            trails.clone_from(trails2);
+        }
+        !self.is_like(other) && like.is_like(other)
+    }
+
     /// Whether the same picture is asked for.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let same_look = match (&self.look, &other.look) {

@@ -57,7 +57,10 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
         let create = move |context: &CreationContext<'_>| -> Result<Box<dyn App>, Box<dyn std::error::Error + Send + Sync>> {
             Ok(Box::new(Preview::new(context, &own, kept, &faults)?))
         };
-        let size = slot.borrow().as_ref().and_then(|window| window.size);
+        let size = slot
+            .borrow()
+            .as_ref()
+            .and_then(|window| window.display.size);
         let run = || eframe::run_native("geotrace", native(size), Box::new(create));
         // Whoever draws the controls may meet the loss first, and gives up: the window does not.
         let ended = catch_unwind(AssertUnwindSafe(run));
@@ -233,9 +236,9 @@ impl App for Preview {
         };
         let context = ui.ctx().clone();
         if self.loses.swap(false, Ordering::Relaxed)
-            && let Some(screen) = &window.screen
+            && let Some(surface) = &window.display.surface
         {
-            screen.lose();
+            surface.lose();
         }
         if window.has_lost_its_screen() {
             // Nothing can be drawn here any more.
@@ -244,9 +247,10 @@ impl App for Preview {
         }
         let painting = f64::from(frame.info().cpu_usage.unwrap_or_default());
         let painting = Duration::try_from_secs_f64(painting).unwrap_or_default();
-        window.painting = painting.saturating_sub(window.waited);
+        let clock = &mut window.clock;
+        clock.painting = painting.saturating_sub(clock.waited);
         let room = ui.input(|input| input.viewport().inner_rect);
-        window.size = room.map(|room| room.size() * context.zoom_factor());
+        window.display.size = room.map(|room| room.size() * context.zoom_factor());
         window.show(ui);
         let title = window.title();
         if title != self.title {

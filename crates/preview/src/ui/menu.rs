@@ -10,7 +10,7 @@ use crate::ui::window::{TextSource, Window};
 
 /// The menu bar.
 pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
-    let frame = egui::Frame::side_top_panel(ui.style()).fill(window.background(ui));
+    let frame = egui::Frame::side_top_panel(ui.style()).fill(window.display.background(ui));
     Panel::top("menu").frame(frame).show(ui, |ui| {
         MenuBar::new().ui(ui, |ui| {
             ui.menu_button("File", |ui| file(window, ui));

@@ -267,7 +267,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
 /// A pane of words, on its ground.
 fn written(window: &mut Window, ui: &mut Ui, show: impl FnOnce(&mut Window, &mut Ui)) {
     ui.painter()
-        .rect_filled(ui.max_rect(), 0.0, window.background(ui));
+        .rect_filled(ui.max_rect(), 0.0, window.display.background(ui));
     show(window, ui);
 }
 

@@ -34,7 +34,7 @@ pub(crate) fn banners(window: &mut Window, ui: &mut Ui) {
 /// The status line: one row, so that no sentence moves the pictures; what has no room is told where the pointer rests.
 pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
     let height = ui.spacing().interact_size.y;
-    let frame = egui::Frame::side_top_panel(ui.style()).fill(window.background(ui));
+    let frame = egui::Frame::side_top_panel(ui.style()).fill(window.display.background(ui));
     let panel = Panel::bottom("status").frame(frame);
     panel.exact_size(height).show(ui, |ui| {
         ui.horizontal_centered(|ui| {
@@ -55,7 +55,7 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
             }
             ui.separator();
             numbers(window, ui);
-            ui.label(&window.backend);
+            ui.label(&window.display.backend);
             notes(window, ui);
             if let Some(StatusMessage { is_error, text }) = &window.status_message {
                 ui.separator();
@@ -71,11 +71,11 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
 
 /// What the active pane's picture has cost, and the window's last frame apart from it.
 fn numbers(window: &Window, ui: &mut Ui) {
-    let Some(picture) = window.pictures.get(&window.active) else {
+    let Some(picture) = window.shown_picture(&window.active) else {
         return;
     };
     let [picture_took, frame_took] =
-        [picture.took, window.painting].map(|time| time.as_secs_f64() * 1e3);
+        [picture.took, window.clock.painting].map(|time| time.as_secs_f64() * 1e3);
     ui.label(format!(
         "picture {picture_took:.1} ms, frame {frame_took:.1} ms"
     ));
@@ -103,7 +103,11 @@ fn numbers(window: &Window, ui: &mut Ui) {
 /// What a reader of the pictures should know.
 fn notes(window: &Window, ui: &mut Ui) {
     let mut notes: Vec<&str> = Vec::new();
-    for picture in window.pictures.values() {
+    for picture in window
+        .views
+        .values()
+        .filter_map(|view| view.picture.as_ref())
+    {
         for note in &picture.notes {
             // What a picture cost is in the status line itself.
             let is_number =

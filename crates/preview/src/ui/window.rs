@@ -9,19 +9,19 @@
 
 mod active;
 mod clicks;
+mod display;
 mod event;
 mod events;
+mod frame_clock;
 mod input;
+mod pane_view;
 mod pictures;
 mod server_events;
 mod text;
 
-pub(crate) use pictures::Picture;
-
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::mpsc::Receiver;
-use std::time::{Duration, Instant};
 
 use egui::Ui;
 use render::live::Stage;
@@ -30,7 +30,6 @@ use crate::channel::EventSender;
 use crate::engine::compiler::Compiler;
 use crate::engine::editor::Editor;
 use crate::engine::render_thread::RenderThread;
-use crate::engine::request::Order;
 use crate::engine::textures::Library;
 use crate::io::file_dialogs::FileChoice;
 use crate::io::link::{DisconnectReason, Link};
@@ -39,15 +38,18 @@ use crate::io::report::{Counters, Report};
 use crate::io::watch::Watch;
 use crate::state::layout::Layout;
 use crate::state::pane::PaneKey;
-use crate::state::{Model, StatusMessage, Theme};
+use crate::state::{Model, StatusMessage};
 use crate::ui::camera_input;
 use crate::ui::dialogs::Dialogs;
-use crate::ui::event_splitter::EventSplitter;
 use crate::ui::gpu_surface::GpuSurface;
 use crate::ui::highlighting;
 use crate::ui::panes::Panes;
-use clicks::{Clicks, DOUBLE_CLICK};
+use display::Display;
 use event::WindowEvent;
+use frame_clock::FrameClock;
+use input::InputState;
+use pane_view::PaneView;
+use server_events::ServerReports;
 
 /// Everything that the window is.
 pub struct Window {
@@ -63,44 +65,18 @@ pub struct Window {
     pub(crate) active: PaneKey,
     /// The surface whose camera is shown in 3D.
     pub(crate) active_surface: Option<String>,
-    pub(crate) pictures: BTreeMap<PaneKey, Picture>,
-    sent: BTreeMap<PaneKey, Order>,
-    /// Panes whose last order has not been answered.
-    waiting: BTreeSet<PaneKey>,
-    /// Panes that were on the screen when the window last drew itself, each with the pixels it had room for.
-    seen: BTreeMap<PaneKey, [u32; 2]>,
-    /// For how long a frame waits for its pictures.
-    frame_wait_budget: Duration,
-    /// For how long this one has waited.
-    pub(crate) waited: Duration,
-    /// Until when a view counts as moving.
-    moving_until: f64,
-    /// Until when what hands do belongs to what they have done.
-    gesture_until: f64,
-    clicks: Clicks,
-    /// The pixels that the 3D pane had room for when the window last drew itself.
-    space_room: Option<[u32; 2]>,
+    /// The panes with pictures that have been on the screen.
+    pub(crate) views: BTreeMap<PaneKey, PaneView>,
+    pub(crate) clock: FrameClock,
+    pub(crate) display: Display,
     pub(crate) status_message: Option<StatusMessage>,
     pub(crate) painter: highlighting::Painter,
     pub(crate) dialogs: Dialogs,
-    pub(crate) backend: String,
-    pub(crate) screen: Option<GpuSurface>,
     view_store: Option<ViewStore>,
-    /// A surface whose view is to be opened when the text of this version has been read.
-    wanted: Option<(String, Option<i32>)>,
-    shown: Option<(i32, bool, Instant)>,
-    /// What the frame before this one took.
-    pub(crate) painting: Duration,
-    told_values: BTreeMap<String, Vec<f64>>,
+    reports: ServerReports,
     pub(crate) counters: Counters,
     report: Option<Report>,
-    style: Option<(Theme, f32)>,
-    /// How large it is on its screen, in the screen's points.
-    pub(crate) size: Option<egui::Vec2>,
-    /// A param that keys have changed, and whose value is to stand in the text when they are let go.
-    pub(crate) unwritten: Option<String>,
-    /// The keys were used last, not the pointer.
-    pub(crate) by_keys: bool,
+    pub(crate) input: InputState,
     /// The window is to come to the front.
     pub(crate) raise: bool,
     /// The window is to close.
@@ -203,32 +179,17 @@ impl Window {
             panes: Panes::new(edits),
             active: PaneKey::Space,
             active_surface: None,
-            pictures: BTreeMap::new(),
-            sent: BTreeMap::new(),
-            waiting: BTreeSet::new(),
-            seen: BTreeMap::new(),
-            frame_wait_budget: Duration::ZERO,
-            waited: Duration::ZERO,
-            moving_until: 0.0,
-            gesture_until: 0.0,
-            clicks: Clicks::default(),
-            space_room: None,
+            views: BTreeMap::new(),
+            clock: FrameClock::default(),
+            display: Display::default(),
             status_message: None,
             painter: highlighting::Painter::default(),
             dialogs: Dialogs::default(),
-            backend: "software".to_owned(),
-            screen: None,
             view_store: None,
-            wanted: None,
-            shown: None,
-            painting: Duration::ZERO,
-            told_values: BTreeMap::new(),
+            reports: ServerReports::default(),
             counters: Counters::default(),
             report: None,
-            style: None,
-            size: None,
-            unwritten: None,
-            by_keys: false,
+            input: InputState::default(),
             raise: false,
             closing: false,
             sender,
@@ -267,24 +228,22 @@ impl Window {
         context: &egui::Context,
     ) {
         self.sender.readdress(context.clone());
-        self.style = None;
-        // A new context counts its time from the beginning.
-        self.moving_until = 0.0;
-        self.gesture_until = 0.0;
+        self.clock.restart();
         self.forget_click();
-        self.pictures.clear();
-        self.sent.clear();
-        self.waiting.clear();
+        for view in self.views.values_mut() {
+            view.forget_request();
+            view.picture = None;
+        }
         let (stage, words) = screen.stage(backend);
-        self.backend = words;
         self.set_frame_wait_budget(screen.frame_wait_budget());
         self.render_thread.set_stage(stage);
-        self.screen = Some(screen);
+        self.display.replace(screen, words);
     }
 
     /// Whether the GPU that it is shown by is gone.
     pub(crate) fn has_lost_its_screen(&mut self) -> bool {
-        self.screen.as_ref().is_some_and(GpuSurface::is_lost)
+        let surface = self.display.surface.as_ref();
+        surface.is_some_and(GpuSurface::is_lost)
     }
 
     /// Takes over what was remembered of a program, and remembers on.
@@ -325,7 +284,7 @@ impl Window {
 
     /// Whether every view on the screen shows its newest picture, no text waits to be compiled, and no click for another.
     pub fn is_settled(&self) -> bool {
-        self.waiting.is_empty()
+        !self.is_waiting()
             && self.model.read
             && self.counters.compiled > 0
             && self.clicked_until().is_none()
@@ -342,7 +301,8 @@ impl Window {
     /// Draws the window.
     pub fn show(&mut self, ui: &mut Ui) {
         let context = ui.ctx().clone();
-        self.apply_style(&context);
+        let preferences = &self.model.view.preferences;
+        self.display.apply_style(&context, preferences);
         self.handle_events();
         // A frame that is laid out once more has been moved by hands already.
         if context.current_pass_index() == 0 {
@@ -358,76 +318,33 @@ impl Window {
         crate::ui::menu::bar(self, ui);
         crate::ui::status::banners(self, ui);
         crate::ui::status::line(self, ui);
-        self.seen.clear();
+        for view in self.views.values_mut() {
+            view.on_screen = false;
+        }
         crate::ui::panes::show(self, ui);
         crate::ui::dialogs::show(self, ui);
-        self.ask(ui);
+        self.request_pictures(ui);
         self.await_pictures(&context);
         if !context.will_discard() {
             self.after(ui);
         }
     }
 
-    /// The colour of the ground that words stand on. A screen is cleared with it: nothing need be painted there.
-    pub(crate) fn background(&self, ui: &Ui) -> egui::Color32 {
-        match self.screen {
-            Some(_) => egui::Color32::TRANSPARENT,
-            None => ui.visuals().panel_fill,
-        }
-    }
-
-    fn apply_style(&mut self, context: &egui::Context) {
-        let preferences = &self.model.view.preferences;
-        let style = (preferences.theme, preferences.scale);
-        if self.style == Some(style) {
-            return;
-        }
-        self.style = Some(style);
-        // Each context takes it once.
-        context.add_plugin(EventSplitter::default());
-        context.options_mut(|options| {
-            // Its keys change the setting.
-            options.zoom_with_keyboard = false;
-            let input = &mut options.input_options;
-            // A slow hand, or a slow machine, presses a button as well as a quick one.
-            input.max_click_duration = f64::INFINITY;
-            input.max_double_click_delay = DOUBLE_CLICK;
-        });
-        context.set_theme(match style.0 {
-            Theme::System => egui::ThemePreference::System,
-            Theme::Light => egui::ThemePreference::Light,
-            Theme::Dark => egui::ThemePreference::Dark,
-        });
-        context.set_zoom_factor(style.1);
-        context.all_styles_mut(|style| {
-            // A blinking cursor would draw the window again and again.
-            style.visuals.text_cursor.blink = false;
-            style.spacing.slider_width = 150.0;
-            style.spacing.interact_size.y = 22.0;
-        });
-    }
-
     /// What is done when everything has been drawn.
     fn after(&mut self, ui: &Ui) {
-        let unseen: Vec<PaneKey> = self
-            .sent
-            .keys()
-            .filter(|pane| !self.seen.contains_key(*pane))
-            .cloned()
-            .collect();
-        if !unseen.is_empty() {
-            // A finished picture may have waited for one of these, and nobody else would wake the window for it.
+        for (pane, view) in &mut self.views {
+            if view.on_screen || view.request.is_none() {
+                continue;
+            }
+            self.render_thread.forget(pane);
+            view.forget_request();
+            // A finished picture may have waited for this one, which now does not wake the window.
             ui.ctx().request_repaint();
-        }
-        for pane in unseen {
-            self.render_thread.forget(&pane);
-            self.sent.remove(&pane);
-            self.waiting.remove(&pane);
         }
         let arrows = self.has_arrows(ui);
         let rests = ui.input(|input| {
             let held = input.pointer.any_down() || camera_input::Held::new(input, arrows).any();
-            !held && input.time >= self.gesture_until
+            !held && input.time >= self.clock.gesture_until
         });
         if rests {
             self.model.history.settle();

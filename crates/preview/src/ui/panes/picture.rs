@@ -64,11 +64,12 @@ fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
     let lines = window.model.errors().count();
     let mut error = None;
     let mut covered = false;
-    if let Some(picture) = window.pictures.get_mut(pane) {
+    let view = window.views.get_mut(pane);
+    if let Some(picture) = view.and_then(|view| view.picture.as_mut()) {
         if let Some(painted) = picture.fresh.take() {
             let before = picture.binding.take();
             picture.binding =
-                TextureBinding::new(painted, before, window.screen.as_ref(), ui.ctx());
+                TextureBinding::new(painted, before, window.display.surface.as_ref(), ui.ctx());
         }
         if let Some(binding) = &picture.binding {
             binding.paint(&painter, rect);
@@ -188,7 +189,7 @@ fn words(window: &Window, pane: &PaneKey) -> String {
     if is_stale(window, pane) {
         words.push_str("; stale: the program has errors");
     }
-    if let Some(error) = window.pictures.get(pane).and_then(|it| it.error.as_ref()) {
+    if let Some(error) = window.shown_picture(pane).and_then(|it| it.error.as_ref()) {
         words.push_str("; ");
         words.push_str(error);
     }

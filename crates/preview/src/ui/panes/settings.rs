@@ -122,7 +122,7 @@ fn slider(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, values: &[f
     if window.model.view.preferences.write_on_release {
         // What keys change is let go of with the last key, and what is typed when the field is left.
         if response.changed() && !response.dragged() {
-            window.unwritten = Some(param.name.clone());
+            window.input.unwritten_param = Some(param.name.clone());
         }
         if response.drag_stopped() {
             window.write_param(&param.name);
@@ -147,7 +147,7 @@ fn write_released(window: &mut Window, ui: &Ui) {
     let held = ui.input(|input| !input.keys_down.is_empty());
     if !held
         && !ui.ctx().text_edit_focused()
-        && let Some(name) = window.unwritten.take()
+        && let Some(name) = window.input.unwritten_param.take()
     {
         window.write_param(&name);
     }

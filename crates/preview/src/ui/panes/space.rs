@@ -58,7 +58,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
             window.click(order, pixel, pointed.is_none(), ui);
         }
     }
-    if response.has_focus() && window.by_keys {
+    if response.has_focus() && window.input.by_keys {
         aim(ui, response.rect.center());
     }
 }

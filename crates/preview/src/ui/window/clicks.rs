@@ -43,20 +43,20 @@ impl Window {
     /// A click on a pixel of a 3D picture. One by a key is never the first half of two.
     pub(crate) fn click(&mut self, order: Order, at: [f64; 2], by_key: bool, ui: &Ui) {
         self.end_click();
-        self.clicks.count += 1;
-        self.clicks.open = (!by_key).then(|| Open {
+        self.input.clicks.count += 1;
+        self.input.clicks.open = (!by_key).then(|| Open {
             until: ui.input(|input| input.time) + DOUBLE_CLICK,
             surface: None,
             shown: self.active_surface.clone(),
         });
-        let purpose = Purpose::Place(self.clicks.count);
+        let purpose = Purpose::Place(self.input.clicks.count);
         self.render_thread.pick(order, at, purpose);
     }
 
     /// A double click there, whose first half has been taken for a click.
     pub(crate) fn double_click(&mut self, order: Order, at: [f64; 2]) {
-        if let Some(open) = self.clicks.open.take() {
-            self.clicks.withdrawn = Some(self.clicks.count);
+        if let Some(open) = self.input.clicks.open.take() {
+            self.input.clicks.withdrawn = Some(self.input.clicks.count);
             self.model.withdraw_placement();
             if open.surface.is_some() {
                 self.active_surface = open.shown;
@@ -68,18 +68,24 @@ impl Window {
     /// Nothing more comes of the last click than what it has done.
     pub(super) fn forget_click(&mut self) {
         self.model.keep_placement();
-        self.clicks.open = None;
+        self.input.clicks.open = None;
     }
 
     /// Until when another click may still follow the last one, if it may.
     pub(super) fn clicked_until(&self) -> Option<f64> {
-        self.clicks.open.as_ref().map(|it| it.until)
+        self.input.clicks.open.as_ref().map(|it| it.until)
     }
 
     /// Ends the last click when none can follow it any more.
     pub(super) fn end_old_click(&mut self, ui: &Ui) {
         let time = ui.input(|input| input.time);
-        if self.clicks.open.as_ref().is_some_and(|it| time >= it.until) {
+        if self
+            .input
+            .clicks
+            .open
+            .as_ref()
+            .is_some_and(|it| time >= it.until)
+        {
             self.end_click();
         }
     }
@@ -87,7 +93,7 @@ impl Window {
     /// A click was one, and nothing more.
     fn end_click(&mut self) {
         self.model.keep_placement();
-        if let Some(surface) = self.clicks.open.take().and_then(|it| it.surface) {
+        if let Some(surface) = self.input.clicks.open.take().and_then(|it| it.surface) {
             self.show_inside(&surface);
         }
     }
@@ -99,7 +105,7 @@ impl Window {
         };
         let name = object.name.clone();
         let number = match purpose {
-            Purpose::Place(number) if self.clicks.withdrawn == Some(number) => return,
+            Purpose::Place(number) if self.input.clicks.withdrawn == Some(number) => return,
             Purpose::Place(number) => number,
             Purpose::Open => return self.open_declaration(&name),
         };
@@ -126,8 +132,8 @@ impl Window {
         };
         self.model.place(&name, camera);
         self.active_surface = Some(name.clone());
-        match &mut self.clicks.open {
-            Some(open) if number == self.clicks.count => open.surface = Some(name),
+        match &mut self.input.clicks.open {
+            Some(open) if number == self.input.clicks.count => open.surface = Some(name),
             _ => {
                 self.model.keep_placement();
                 self.show_inside(&name);

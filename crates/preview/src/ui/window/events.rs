@@ -70,7 +70,7 @@ impl Window {
     fn take_compiled(&mut self, compiled: Compiled) {
         self.counters.compiled += 1;
         self.painter.mark(&compiled.findings);
-        self.shown = Some((compiled.version, compiled.ok, compiled.arrived));
+        self.reports.note_compiled(&compiled);
         let fresh = compiled.scene.is_some();
         let first = self.model.scene.is_none();
         self.model.take(compiled);
@@ -118,18 +118,7 @@ impl Window {
                 self.counters.pipelines = counters.pipelines;
                 self.counters.geodesic_kernels = counters.geodesic_kernels;
                 self.counters.looks = counters.looks;
-                let sent = self.sent.get(&pane);
-                if sent.is_some_and(|sent| sent.is_like(&order)) {
-                    self.waiting.remove(&pane);
-                }
-                match picture {
-                    Ok(drawing) => self.take_drawing(pane, *drawing, &order),
-                    Err(sentence) => {
-                        let picture = self.picture(pane, &order);
-                        picture.error = Some(sentence);
-                        picture.version = order.version;
-                    }
-                }
+                self.take_picture(&pane, picture, &order);
             }
             RenderEvent::Picked {
                 order,
@@ -196,7 +185,7 @@ impl Window {
         self.raise = true;
         match view {
             Some(View::Geodesic { surface }) => {
-                self.wanted = Some((surface, version));
+                self.reports.wanted_view = Some((surface, version));
                 self.open_wanted();
             }
             // A scene of metrics alone is shown without it.
@@ -211,7 +200,7 @@ impl Window {
         let is_read = |wanted: &mut (String, Option<i32>)| {
             read && wanted.1.is_none_or(|wanted| wanted <= version)
         };
-        let Some((surface, _)) = self.wanted.take_if(is_read) else {
+        let Some((surface, _)) = self.reports.wanted_view.take_if(is_read) else {
             return;
         };
         let surfaces = self.model.surfaces();

@@ -6,6 +6,7 @@ use std::time::Duration;
 use egui::{Event, Key, KeyboardShortcut, Modifiers, Ui};
 
 use super::Window;
+use super::clicks::Clicks;
 use crate::state::StatusMessage;
 use crate::state::motion::Motion;
 use crate::state::pane::{Pane, PaneKey};
@@ -13,8 +14,15 @@ use crate::state::{Choice, SpaceCamera, Step};
 use crate::ui::camera_input::{self, Held};
 use crate::ui::panes::picture;
 
-/// For how long after its last motion a view counts as moving: the pause between two turns of a wheel.
-const MOTION_PAUSE: f64 = 0.18;
+/// What is remembered of the user's input from one frame to the next.
+#[derive(Debug, Default)]
+pub(crate) struct InputState {
+    pub(super) clicks: Clicks,
+    /// A param that keys have changed: its value is written into the text when the keys are let go.
+    pub(crate) unwritten_param: Option<String>,
+    /// Whether the keys were used last, not the pointer.
+    pub(crate) by_keys: bool,
+}
 
 /// What a step is called that adds textures.
 const OPEN_TEXTURES: &str = "Open textures";
@@ -49,27 +57,20 @@ impl Window {
             .input(|input| f64::from(input.unstable_dt))
             .clamp(0.0, 0.1);
         self.model.animate(seconds);
-        self.is_moving(ui);
+        self.clock.note_motion(ui.input(|input| input.time));
         ui.ctx().request_repaint();
     }
 
-    /// A hand has moved a view or a param.
+    /// Notes that the user has moved a view or a param.
     pub(crate) fn has_moved(&mut self, ui: &Ui) {
-        self.is_moving(ui);
-        // A notch of a wheel is spread over frames, in which no button is held.
-        self.gesture_until = self.moving_until;
-    }
-
-    /// A view or a param is moving.
-    fn is_moving(&mut self, ui: &Ui) {
-        self.moving_until = ui.input(|input| input.time) + MOTION_PAUSE;
+        self.clock.note_gesture(ui.input(|input| input.time));
     }
 
     /// Has the window drawn again when a motion has come to rest and a click can be no double click any more. A frame
     /// that comes sooner takes what was asked for with it, so each of them asks anew.
     pub(super) fn wake_in_time(&self, ui: &Ui) {
         let now = ui.input(|input| input.time);
-        let times = [Some(self.moving_until), self.clicked_until()];
+        let times = [Some(self.clock.moving_until), self.clicked_until()];
         let next = times.into_iter().flatten().filter(|time| *time > now);
         if let Some(time) = next.min_by(f64::total_cmp) {
             let pause = Duration::from_secs_f64(time - now + 0.01);
@@ -156,8 +157,8 @@ impl Window {
 
     /// Puts the 3D camera where everything is seen, from where it looks now: the artist knows how far that is.
     pub(crate) fn frame_all(&mut self) {
-        if let Some(order) = self.sent.get(&PaneKey::Space) {
-            self.render_thread.frame(order.clone());
+        if let Some(order) = self.sent(&PaneKey::Space).cloned() {
+            self.render_thread.frame(order);
         }
     }
 
@@ -167,9 +168,9 @@ impl Window {
     }
 
     pub(super) fn shortcuts(&mut self, ui: &Ui) {
-        self.by_keys = ui.input(|input| {
+        self.input.by_keys = ui.input(|input| {
             let key = |event: &Event| matches!(event, Event::Key { pressed: true, .. });
-            !input.pointer.any_down() && (self.by_keys || input.events.iter().any(key))
+            !input.pointer.any_down() && (self.input.by_keys || input.events.iter().any(key))
         });
         let pressed = |modifiers: Modifiers, key: Key| {
             let shortcut = KeyboardShortcut::new(modifiers, key);

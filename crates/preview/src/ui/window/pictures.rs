@@ -1,104 +1,109 @@
-//! The panes' pictures: asked for where they differ from what is there, taken over when they come.
+//! The panes' pictures: requested where they differ from those that are there, taken over when they come.
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use egui::Ui;
-use geodesic::ends::{Estimate, Work};
-use scene::Scene;
 
 use super::Window;
-use crate::engine::render_thread::{Drawing, Painted};
+use super::pane_view::{PaneView, Picture, Waiting};
+use crate::engine::render_thread::Drawing;
 use crate::engine::request::{Look, Order};
 use crate::state::pane::PaneKey;
-use crate::ui::gpu_surface::TextureBinding;
 
-/// The time that a picture of a moving view should take.
+/// The time that a picture of a moving view should take, in seconds.
 const MOVING_PICTURE: f64 = 0.022;
 
-/// A picture that is on the screen.
-pub(crate) struct Picture {
-    /// Newly arrived, to be handed to the GPU.
-    pub(crate) fresh: Option<Painted>,
-    /// Where it is painted from.
-    pub(crate) binding: Option<TextureBinding>,
-    pub(crate) notes: Vec<String>,
-    pub(crate) overlays: Vec<&'static str>,
-    pub(crate) inside: Option<(Work, Option<Estimate>)>,
-    pub(crate) took: Duration,
-    /// Seconds a pixel took.
-    rate: f64,
-    /// Why there is no newer one.
-    pub(crate) error: Option<String>,
-    pub(crate) version: i32,
-    scene: Arc<Scene>,
-}
-
 impl Window {
-    /// For how long a frame may wait for the pictures that it asks for, where they are expected within that time. None at
-    /// first; a screen knows what is right for it.
-    pub fn set_frame_wait_budget(&mut self, frame_wait_budget: Duration) {
-        self.frame_wait_budget = frame_wait_budget;
+    /// Sets the longest time that a frame waits for the pictures that it requests, where they are expected within that
+    /// time. It is zero at first; a display knows the right one.
+    pub fn set_frame_wait_budget(&mut self, budget: Duration) {
+        self.clock.wait_budget = budget;
     }
 
-    /// A pane is on the screen and has room for so many pixels.
+    /// Notes that a pane is on the screen, and has room for so many pixels.
     pub(crate) fn make_room(&mut self, pane: &PaneKey, pixels: [u32; 2]) {
-        self.seen.insert(pane.clone(), pixels);
-        if *pane == PaneKey::Space && self.space_room.replace(pixels) != Some(pixels) {
+        let view = self.views.entry(pane.clone()).or_default();
+        view.on_screen = true;
+        if view.room.replace(pixels) != Some(pixels) && *pane == PaneKey::Space {
             // A camera that nobody has moved shows everything in a pane of another shape too.
             self.model.reframe();
         }
     }
 
-    /// Asks for the pictures that the panes on the screen have room for, as far as they are not on their way.
-    pub(super) fn ask(&mut self, ui: &Ui) {
-        let moving = ui.input(|input| input.time) < self.moving_until;
+    /// Requests the pictures that the panes on the screen have room for, as far as they are not on their way. Pictures
+    /// that follow the camera of another view come last.
+    pub(super) fn request_pictures(&mut self, ui: &Ui) {
+        let moving = ui.input(|input| input.time) < self.clock.moving_until;
         let again = ui.ctx().current_pass_index() > 0;
-        for (pane, pixels) in self.seen.clone() {
-            self.want(&pane, pixels, moving, again);
+        let seen = self.views.iter().filter(|(_, view)| view.on_screen);
+        let seen: Vec<PaneKey> = seen.map(|(pane, _)| pane.clone()).collect();
+        let mut following = Vec::new();
+        for pane in seen {
+            let Some(order) = self.wanted_picture(&pane, moving, again) else {
+                continue;
+            };
+            let view = self.views.entry(pane.clone()).or_default();
+            view.send(&order);
+            match view.waiting {
+                Waiting::Following => following.push((pane, order)),
+                _ => self.render_thread.draw(pane, order),
+            }
+        }
+        for (pane, order) in following {
+            self.render_thread.draw(pane, order);
         }
     }
 
-    fn want(&mut self, pane: &PaneKey, pixels: [u32; 2], moving: bool, again: bool) {
-        let size = match self.sent.get(pane) {
+    /// Returns the request for a pane's picture, where it is another one than that which was sent last.
+    fn wanted_picture(&mut self, pane: &PaneKey, moving: bool, again: bool) -> Option<Order> {
+        let view = self.views.get(pane)?;
+        let size = match &view.request {
             // A picture that has just come is not replaced by one of a size that would have been quicker.
             Some(sent) if moving && again => sent.size,
-            _ => self.picture_size(pane, pixels, moving),
+            _ => self.picture_size(pane, view.room?, moving),
         };
         let active = self.active_surface.clone();
-        let model = &mut self.model;
-        let library = &mut self.library;
+        let (model, library) = (&mut self.model, &mut self.library);
         let order =
-            crate::engine::request::order(model, library, pane, size, active.as_deref(), moving);
-        let Some(order) = order else {
-            return;
-        };
-        let sent = self.sent.get(pane);
-        if sent.is_some_and(|sent| sent.is_like(&order)) {
-            return;
-        }
-        self.sent.insert(pane.clone(), order.clone());
-        self.waiting.insert(pane.clone());
-        self.render_thread.draw(pane.clone(), order);
+            crate::engine::request::order(model, library, pane, size, active.as_deref(), moving)?;
+        let sent = self.sent(pane);
+        (!sent.is_some_and(|sent| sent.is_like(&order))).then_some(order)
+    }
+
+    /// Returns whether any picture is on its way.
+    pub(super) fn is_waiting(&self) -> bool {
+        let mut views = self.views.values();
+        views.any(|view| view.waiting != Waiting::No)
+    }
+
+    /// Returns the time in which the pictures are expected that a frame may wait for; nothing if it waits for none, or
+    /// one is the first of its pane.
+    fn expected(&self) -> Option<Duration> {
+        let views = self.views.values();
+        let mut waiting = views
+            .filter(|view| view.waiting == Waiting::ForFrame)
+            .peekable();
+        waiting.peek()?;
+        let took = waiting.map(|view| view.picture.as_ref().map(|it| it.took));
+        took.sum()
     }
 
     /// Waits for the pictures that are on their way, if they are expected soon: then they are part of this frame, and
     /// no frame is drawn without them.
     pub(super) fn await_pictures(&mut self, context: &egui::Context) {
-        self.waited = Duration::ZERO;
-        if self.waiting.is_empty() || context.current_pass_index() > 0 {
+        self.clock.waited = Duration::ZERO;
+        if context.current_pass_index() > 0 {
             return;
         }
-        let took = |pane| self.pictures.get(pane).map(|it| it.took);
-        let expected: Option<Duration> = self.waiting.iter().map(took).sum();
-        if expected.is_none_or(|expected| expected > self.frame_wait_budget) {
+        let expected = self.expected();
+        if expected.is_none_or(|expected| expected > self.clock.wait_budget) {
             return;
         }
         let start = Instant::now();
         self.sender.listen(true);
         let mut came = false;
-        while !self.waiting.is_empty() {
-            let left = self.frame_wait_budget.saturating_sub(start.elapsed());
+        while self.expected().is_some() {
+            let left = self.clock.wait_budget.saturating_sub(start.elapsed());
             let Ok(event) = self.events.recv_timeout(left) else {
                 break;
             };
@@ -106,9 +111,9 @@ impl Window {
             came = true;
         }
         self.sender.listen(false);
-        // What came between the last look and now has woken nobody.
+        // An event that came between the last look and now has not woken the window.
         came |= self.handle_events();
-        self.waited = start.elapsed();
+        self.clock.waited = start.elapsed();
         if came {
             context.request_discard("pictures have come");
         }
@@ -123,7 +128,7 @@ impl Window {
         };
         let shorter = f64::from(pixels[0].min(pixels[1]).max(1));
         let mut scale = wanted.map_or(1.0, |side| f64::from(side) / shorter);
-        if moving && let Some(picture) = self.pictures.get(pane) {
+        if moving && let Some(picture) = self.shown_picture(pane) {
             let all = f64::from(pixels[0]) * f64::from(pixels[1]) * scale * scale;
             let share = (MOVING_PICTURE / (picture.rate * all).max(1e-9)).sqrt();
             // In steps, so that the size does not change with every picture.
@@ -132,48 +137,47 @@ impl Window {
         pixels.map(|side| ((f64::from(side) * scale).round() as u32).clamp(16, 4096))
     }
 
-    /// The order that a pane's picture was asked for by.
+    /// Returns the request that was sent last for a pane's picture.
     pub(crate) fn sent(&self, pane: &PaneKey) -> Option<&Order> {
-        self.sent.get(pane)
+        self.views.get(pane)?.request.as_ref()
     }
 
-    /// The order of a picture that is kept: as its pane shows it at rest, though it may move.
+    /// Returns the picture that a pane shows.
+    pub(crate) fn shown_picture(&self, pane: &PaneKey) -> Option<&Picture> {
+        self.views.get(pane)?.picture.as_ref()
+    }
+
+    /// Returns the request for a picture that is kept: as its pane shows it at rest, though it may move.
     pub(crate) fn kept(&self, pane: &PaneKey) -> Option<Order> {
-        let order = self.sent.get(pane)?.clone();
-        let room = self.seen.get(pane).copied();
+        let view = self.views.get(pane)?;
+        let order = view.request.clone()?;
+        let room = view.room.filter(|_| view.on_screen);
         let size = room.map_or(order.size, |room| self.picture_size(pane, room, false));
         Some(order.kept(size))
     }
 
-    /// The picture of a pane; an empty one at first.
-    pub(super) fn picture(&mut self, pane: PaneKey, order: &Order) -> &mut Picture {
-        self.pictures.entry(pane).or_insert_with(|| Picture {
-            fresh: None,
-            binding: None,
-            notes: Vec::new(),
-            overlays: Vec::new(),
-            inside: None,
-            took: std::time::Duration::ZERO,
-            rate: 0.0,
-            error: None,
-            version: order.version,
-            scene: Arc::clone(&order.scene),
-        })
-    }
-
-    pub(super) fn take_drawing(&mut self, pane: PaneKey, drawing: Drawing, order: &Order) {
-        self.take_space_camera(&pane, &drawing, order);
-        let pixels = drawing.pixels.pixels();
-        let picture = self.picture(pane, order);
-        picture.fresh = Some(drawing.pixels);
-        picture.notes = drawing.notes;
-        picture.overlays = drawing.overlays;
-        picture.inside = drawing.inside.or(picture.inside);
-        picture.took = drawing.took;
-        picture.rate = drawing.took.as_secs_f64() / pixels.max(1) as f64;
-        picture.error = None;
-        picture.version = order.version;
-        picture.scene = Arc::clone(&order.scene);
+    /// Takes over a pane's picture, or the sentence that says why there is none.
+    pub(super) fn take_picture(
+        &mut self,
+        pane: &PaneKey,
+        picture: Result<Box<Drawing>, String>,
+        order: &Order,
+    ) {
+        if let Ok(drawing) = &picture {
+            self.take_space_camera(pane, drawing, order);
+        }
+        let view = self.views.entry(pane.clone()).or_default();
+        if view
+            .request
+            .as_ref()
+            .is_some_and(|sent| sent.is_like(order))
+        {
+            view.waiting = Waiting::No;
+        }
+        match picture {
+            Ok(drawing) => view.take(*drawing, order.version),
+            Err(reason) => view.fail(reason, order.version),
+        }
     }
 
     /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the params
@@ -185,10 +189,11 @@ impl Window {
         if self.model.view.space.is_some() {
             return;
         }
-        let Some(sent) = self.sent.get_mut(pane) else {
+        let view = self.views.get_mut(pane);
+        let Some(sent) = view.and_then(|view: &mut PaneView| view.request.as_mut()) else {
             return;
         };
-        if !Arc::ptr_eq(&sent.scene, &order.scene) || sent.size != order.size {
+        if !std::sync::Arc::ptr_eq(&sent.scene, &order.scene) || sent.size != order.size {
             return;
         }
         let same = sent.is_like(order);

@@ -1,35 +1,70 @@
 //! What the window tells the server, and what it asks of the text.
 
 use std::collections::BTreeMap;
+use std::time::Instant;
 
 use protocol::Event;
 use syntax::span::Span;
 
+use super::pane_view::{PaneView, Waiting};
 use super::{TextSource, Window};
 use crate::engine::editor::Jump;
-use crate::state::StatusMessage;
 use crate::state::pane::{Pane, PaneKey};
+use crate::state::{Compiled, StatusMessage};
+
+/// What the server has been told, and what it waits for.
+#[derive(Debug, Default)]
+pub(super) struct ServerReports {
+    /// A compiled text of which it has not been reported that it is on the screen.
+    unshown: Option<Shown>,
+    /// The params' values that were reported last.
+    values: BTreeMap<String, Vec<f64>>,
+    /// A surface whose view is opened when the text of this version has been read.
+    pub(super) wanted_view: Option<(String, Option<i32>)>,
+}
+
+/// A compiled text.
+#[derive(Clone, Copy, Debug)]
+struct Shown {
+    version: i32,
+    ok: bool,
+    arrived: Instant,
+}
+
+impl ServerReports {
+    /// Notes a compiled text, which is reported when its pictures are on the screen.
+    pub(super) fn note_compiled(&mut self, compiled: &Compiled) {
+        self.unshown = Some(Shown {
+            version: compiled.version,
+            ok: compiled.ok,
+            arrived: compiled.arrived,
+        });
+    }
+}
 
 impl Window {
     /// Tells the server what is on the screen now.
     pub(super) fn tell(&mut self) {
-        let on_screen = |pane: &PaneKey, version: i32| {
-            !self.waiting.contains(pane)
-                || self
-                    .pictures
-                    .get(pane)
-                    .is_some_and(|it| it.version >= version)
+        let shows = |view: &PaneView, version: i32| {
+            let picture = view.picture.as_ref();
+            !view.on_screen
+                || view.waiting == Waiting::No
+                || picture.is_some_and(|it| it.version >= version)
         };
-        if let Some((version, ok, arrived)) = self.shown
-            && (!ok || self.seen.keys().all(|pane| on_screen(pane, version)))
+        if let Some(Shown {
+            version,
+            ok,
+            arrived,
+        }) = self.reports.unshown
+            && (!ok || self.views.values().all(|view| shows(view, version)))
         {
-            self.shown = None;
+            self.reports.unshown = None;
             self.counters.version = version;
             self.say(Event::Shown {
                 version,
                 ok,
                 milliseconds: arrived.elapsed().as_secs_f64() * 1e3,
-                painting: self.painting.as_secs_f64() * 1e3,
+                painting: self.clock.painting.as_secs_f64() * 1e3,
             });
         }
         if matches!(self.source, TextSource::Attached { .. })
@@ -39,8 +74,8 @@ impl Window {
             let values: BTreeMap<String, Vec<f64>> = params
                 .map(|param| (param.name.clone(), settings.param(param).to_vec()))
                 .collect();
-            if values != self.told_values {
-                self.told_values.clone_from(&values);
+            if values != self.reports.values {
+                self.reports.values.clone_from(&values);
                 self.say(Event::Values {
                     version: self.model.version,
                     values,

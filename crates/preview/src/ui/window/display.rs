@@ -1,0 +1,79 @@
+//! The display that the window is shown by: its GPU, its size and its style.
+
+use egui::{Color32, Ui, Vec2};
+
+use super::clicks::DOUBLE_CLICK;
+use crate::state::{Preferences, Theme};
+use crate::ui::event_splitter::EventSplitter;
+use crate::ui::gpu_surface::GpuSurface;
+
+/// The display of a window.
+pub(crate) struct Display {
+    /// The GPU that shows the window; none in tests.
+    pub(crate) surface: Option<GpuSurface>,
+    /// The name of the backend that draws the pictures.
+    pub(crate) backend: String,
+    /// The size of the window in the display's points.
+    pub(crate) size: Option<Vec2>,
+    /// The theme and the scale that the context has.
+    style: Option<(Theme, f32)>,
+}
+
+impl Default for Display {
+    fn default() -> Self {
+        Self {
+            surface: None,
+            backend: "software".to_owned(),
+            size: None,
+            style: None,
+        }
+    }
+}
+
+impl Display {
+    /// Shows the window by another GPU, whose context has no style yet.
+    pub(super) fn replace(&mut self, surface: GpuSurface, backend: String) {
+        self.surface = Some(surface);
+        self.backend = backend;
+        self.style = None;
+    }
+
+    /// Returns the colour behind text. A display is cleared with it, so that nothing need be painted there.
+    pub(crate) fn background(&self, ui: &Ui) -> Color32 {
+        match self.surface {
+            Some(_) => Color32::TRANSPARENT,
+            None => ui.visuals().panel_fill,
+        }
+    }
+
+    /// Gives the context the theme and the scale of the preferences, if it does not have them.
+    pub(super) fn apply_style(&mut self, context: &egui::Context, preferences: &Preferences) {
+        let style = (preferences.theme, preferences.scale);
+        if self.style == Some(style) {
+            return;
+        }
+        self.style = Some(style);
+        // Each context takes it once.
+        context.add_plugin(EventSplitter::default());
+        context.options_mut(|options| {
+            // Its keys change the setting.
+            options.zoom_with_keyboard = false;
+            let input = &mut options.input_options;
+            // A slow hand, or a slow machine, presses a button as well as a quick one.
+            input.max_click_duration = f64::INFINITY;
+            input.max_double_click_delay = DOUBLE_CLICK;
+        });
+        context.set_theme(match style.0 {
+            Theme::System => egui::ThemePreference::System,
+            Theme::Light => egui::ThemePreference::Light,
+            Theme::Dark => egui::ThemePreference::Dark,
+        });
+        context.set_zoom_factor(style.1);
+        context.all_styles_mut(|style| {
+            // A blinking cursor would draw the window again and again.
+            style.visuals.text_cursor.blink = false;
+            style.spacing.slider_width = 150.0;
+            style.spacing.interact_size.y = 22.0;
+        });
+    }
+}
