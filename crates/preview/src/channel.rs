@@ -1,4 +1,5 @@
-//! How the threads reach the window: each part sends events of its own type, and the window receives them as one.
+//! The event channel between threads and window: each part sends events of its own type, and the window receives them
+//! as one.
 //!
 //! An [`EventSender`] is generic over its event type, so that a part knows nothing of the parts above it. The window
 //! makes one sender for its own type of event and derives from it a sender for each part ([`EventSender::for_part`]).

@@ -1,4 +1,5 @@
-//! What works for the window on threads of its own: the compiler, the renderer, recordings, textures; and the text of
+//! The workers of the window, on threads of their own: the compiler, the renderer, recordings, textures; and the text
+//! of
 //! the window's own editor.
 
 pub(crate) mod compiler;

@@ -14,7 +14,8 @@
 //! `channel`, `queue` and `platform`.
 //!
 //! Nothing is drawn unless something has changed: the threads wake the window when they have something to show, and
-//! only an animation or a held key lets it draw by itself. The window's own thread waits for others only where that costs
+//! only an animation or a held key lets it draw by itself. The window's own thread waits for others only where that
+//! costs
 //! nothing that is seen: for pictures that are expected within the frame, and for files when it closes.
 
 mod channel;
@@ -33,30 +34,30 @@ pub use render::Backend;
 pub use ui::app::{run, run_with_faults};
 pub use ui::window::Window;
 
-/// What a window is opened with.
+/// The options of a window.
 #[derive(Debug)]
 pub struct Options {
-    /// Where its text comes from.
+    /// The source of its text.
     pub source: Source,
-    /// What draws the pictures.
+    /// The backend that draws the pictures.
     pub backend: Backend,
-    /// Where counters go, one JSON object a line, each time the window has drawn itself: for tests of the real
+    /// A file for counters, one JSON object a line for each frame of the window: for tests of the real
     /// window. See [`Counters`].
     pub report: Option<PathBuf>,
 }
 
-/// What goes wrong with a window's GPU: for tests of the real window.
+/// Faults of a window's GPU, for tests of the real window.
 #[derive(Clone, Debug, Default)]
 pub struct Faults {
     /// It is given up, as though it were lost, when there is a file of this name.
     pub loses_gpu: Option<PathBuf>,
-    /// How often.
+    /// The number of times that it is given up.
     pub losses: u32,
     /// It refuses shaders of samples.
     pub refuses_samples: bool,
 }
 
-/// Where a window's text comes from.
+/// The source of a window's text.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum Source {
     /// A file, which is watched, and which the window's own pane edits.
@@ -65,7 +66,7 @@ pub enum Source {
     Attached,
 }
 
-/// Why there is no window.
+/// The reason why there is no window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Failure {
     /// There is no display, or it refuses a window.

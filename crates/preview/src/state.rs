@@ -1,4 +1,4 @@
-//! What the window shows, as plain data: no window, no thread, no picture.
+//! The state of the window as plain data: no window, no thread, no picture.
 //!
 //! ```text
 //! compiled program ──take()──▶ Model ◀──change()── what the user does, each step under its name

@@ -50,7 +50,7 @@ impl Compiler {
         }
     }
 
-    /// Has a text compiled, in the place of one that has not been begun.
+    /// Queues a text for compilation, in the place of one that has not been begun.
     pub(crate) fn compile(&self, version: i32, text: Arc<str>) {
         self.queue.0.update(0, (), |before| Waiting {
             version,

@@ -11,7 +11,7 @@ use crate::io::watch::Unreadable;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Jump {
     pub(crate) place: Span,
-    /// What is typed from now on is written there.
+    /// The place gets the keyboard focus.
     pub(crate) takes_keys: bool,
 }
 
@@ -22,7 +22,7 @@ pub(crate) struct Editor {
     pub(crate) text: String,
     /// Counts the texts that were compiled.
     pub(crate) version: i32,
-    /// What the file holds, as far as is known.
+    /// The file's content, as far as is known.
     saved: String,
     /// The file's new text, where it has changed while this one had too.
     pub(crate) conflict: Option<String>,
@@ -33,7 +33,7 @@ pub(crate) struct Editor {
     pub(crate) replaced: Vec<String>,
 }
 
-/// What saving has done.
+/// The effect of saving.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Saved {
     /// The file holds the text.
@@ -56,7 +56,7 @@ impl Editor {
         }
     }
 
-    /// Whether the text differs from the file's.
+    /// Returns whether the text differs from the file's.
     pub(crate) fn is_changed(&self) -> bool {
         self.text != self.saved
     }
@@ -91,7 +91,8 @@ impl Editor {
         take_file
     }
 
-    /// Writes the text to the file, unless that holds what nobody has seen here: it may not be watched, or the news of it
+    /// Writes the text to the file, unless that has content that was never shown here: it may not be watched, or the
+    /// news of it
     /// may be on its way.
     ///
     /// # Errors
@@ -123,7 +124,8 @@ impl Editor {
         Ok(Saved::Written)
     }
 
-    /// Writes a text that has not been saved beside its file, or where that cannot be, among the system's temporary files:
+    /// Writes a text that has not been saved beside its file, or where that cannot be, among the system's temporary
+    /// files:
     /// under a name that nothing has yet. A sentence that says where, or why not; none where all is saved.
     pub(crate) fn rescue(&self) -> Option<String> {
         if !self.is_changed() {

@@ -20,14 +20,14 @@ use worker::Worker;
 /// An event of the render thread.
 #[derive(Debug)]
 pub(crate) enum RenderEvent {
-    /// A picture, or the sentence that says why there is none.
+    /// A picture was drawn, or failed with a sentence.
     Drawn {
         pane: PaneKey,
         picture: Result<Box<Drawing>, String>,
         order: Box<Order>,
         counters: Counters,
     },
-    /// What is under a place of the 3D view.
+    /// An object was found under a place of the 3D view, or none.
     Picked {
         order: Box<Order>,
         hit: Option<Hit>,
@@ -45,12 +45,12 @@ pub(crate) struct Drawing {
     pub(crate) overlays: Vec<&'static str>,
     /// Of a geodesic view: its cost and how exact it is.
     pub(crate) inside: Option<(Work, Option<Estimate>)>,
-    /// Where the 3D view is seen from.
+    /// The camera of the 3D view.
     pub(crate) space_camera: Option<SpaceCamera>,
     pub(crate) took: Duration,
 }
 
-/// Where a finished picture is.
+/// The pixels of a finished picture.
 #[derive(Debug)]
 pub(crate) enum Painted {
     /// In memory.
@@ -60,7 +60,7 @@ pub(crate) enum Painted {
 }
 
 impl Painted {
-    /// How many pixels it has.
+    /// Returns the number of pixels.
     pub(crate) fn pixels(&self) -> usize {
         match self {
             Self::Image(image) => image.width() as usize * image.height() as usize,
@@ -69,7 +69,7 @@ impl Painted {
     }
 }
 
-/// Why someone asks what is under a place.
+/// The purpose of a pick.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Purpose {
     /// The geodesic camera is to go there; the number of the click that says so.

@@ -70,7 +70,8 @@ impl Order {
         self
     }
 
-    /// Returns whether another request differs from this one only by the geodesic camera that the 3D view shows, and its
+    /// Returns whether another request differs from this one only by the geodesic camera that the 3D view shows, and
+    /// its
     /// trail.
     pub(crate) fn differs_by_shown_camera(&self, other: &Self) -> bool {
         let mut like = self.clone();
@@ -91,7 +92,7 @@ impl Order {
         !self.is_like(other) && like.is_like(other)
     }
 
-    /// Whether the same picture is asked for.
+    /// Returns whether the same picture is asked for.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         let same_look = match (&self.look, &other.look) {
             (

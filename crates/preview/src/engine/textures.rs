@@ -62,7 +62,7 @@ impl Library {
         }
     }
 
-    /// Why an image is not shown.
+    /// Returns the sentence about an image that cannot be read.
     pub(crate) fn trouble(&self, path: &Path) -> Option<&str> {
         match self.images.get(path) {
             Some(State::Failed(sentence)) => Some(sentence),

@@ -9,7 +9,7 @@ use log::{Level, LevelFilter, Log, Metadata, Record};
 
 use crate::channel::EventSender;
 
-/// What the user has chosen in a dialog.
+/// The user's choice in a dialog.
 #[derive(Debug)]
 pub(crate) enum FileChoice {
     /// Image files.
@@ -23,10 +23,10 @@ pub(crate) enum FileChoice {
 /// The sentence for a desktop without dialogs.
 pub(crate) const NO_DIALOG: &str = "No dialog for files can be opened here: write the file's name.";
 
-/// Whether a dialog was asked for, and could not be opened.
+/// Set when a dialog was requested and could not be opened.
 static MISSING: AtomicBool = AtomicBool::new(false);
 
-/// Whether dialogs can be opened, as far as is known.
+/// Returns whether dialogs can be opened, as far as is known.
 pub(crate) fn has_dialogs() -> bool {
     !MISSING.load(Ordering::Relaxed)
 }
@@ -47,7 +47,7 @@ pub(crate) fn choose_images(events: EventSender<FileChoice>, folder: Option<Path
     });
 }
 
-/// Lets the user choose where a file is written; the open dialog of the window has its name then.
+/// Lets the user choose the place of a file that is written; the window's open dialog gets its name.
 pub(crate) fn choose_target(events: EventSender<FileChoice>, title: String, proposed: PathBuf) {
     std::thread::spawn(move || {
         let name = proposed.file_name().unwrap_or_default().to_string_lossy();
@@ -59,7 +59,7 @@ pub(crate) fn choose_target(events: EventSender<FileChoice>, title: String, prop
             Ok(Some(path)) => {
                 events.send(FileChoice::Target(path));
             }
-            // The window's dialog says that there is none.
+            // The window's dialog says that the desktop has none.
             Ok(None) | Err(NoDialog) => events.wake(),
         }
     });
@@ -69,11 +69,12 @@ pub(crate) fn choose_target(events: EventSender<FileChoice>, title: String, prop
 struct NoDialog;
 
 thread_local! {
-    /// Whether the dialog of this thread could not be opened.
+    /// Set if the dialog of this thread could not be opened.
     static FAILED: Cell<bool> = const { Cell::new(false) };
 }
 
-/// What a dialog gives. One that cannot be opened gives nothing, like one that is called off, and says which only in the
+/// Returns the result of a dialog. One that cannot be opened returns nothing, like one that is cancelled, and says
+/// which only in the
 /// log.
 fn opened<T>(dialog: impl FnOnce() -> Option<T>) -> Result<Option<T>, NoDialog> {
     static LISTENS: Once = Once::new();

@@ -28,7 +28,7 @@ pub(crate) enum LinkEvent {
     Disconnected(DisconnectReason),
 }
 
-/// How the conversation with a server has ended.
+/// The reason why the conversation with a server has ended.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(crate) enum DisconnectReason {
     /// It is gone; in the system's words, unless its commands just end.
@@ -58,7 +58,7 @@ enum Kind {
     Each(u64),
 }
 
-/// Says hello. A server that does not listen any more is noticed by who reads.
+/// Sends the greeting. A server that has ended is noticed by the thread that reads.
 pub(crate) fn greet(output: &mut impl Write) {
     let _ = line::write(output, &Event::Hello(Hello::own()));
 }

@@ -1,6 +1,7 @@
-//! What the window remembers between runs: a small JSON file beside the program's.
+//! The window's memory between runs: a small JSON file beside the program's.
 //!
-//! `dir/name.gtr` has `dir/.name.gtr.geotrace.json`. The file holds a [`View`], the places of the panes, and a format number. What it does not
+//! `dir/name.gtr` has `dir/.name.gtr.geotrace.json`. The file holds a [`View`], the places of the panes, and a format
+//! number. What it does not
 //! have is at its default, what is not known is passed by, and what makes no sense is left out; a file that cannot be
 //! read is kept under another name before it is written over.
 
@@ -28,23 +29,23 @@ struct Remembered {
     known: Known,
 }
 
-/// What is remembered of a program.
+/// The part of the window's state that is remembered for a program.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 pub(crate) struct Known {
-    /// What the user has chosen to see.
+    /// The user's choices of what is seen.
     pub(crate) view: View,
-    /// Where the panes are, for a window alone and for one beside an editor.
+    /// The layouts of the panes, for a window alone and for one beside an editor.
     #[serde(default)]
     pub(crate) layouts: BTreeMap<String, Value>,
 }
 
-/// Where a program's view is remembered.
+/// Returns the file that remembers a program's view.
 pub(crate) fn place(program: &Path) -> Option<PathBuf> {
     let name = program.file_name()?.to_str()?;
     Some(program.with_file_name(format!(".{name}.geotrace.json")))
 }
 
-/// What was remembered, or the default, with a sentence where that was not to be read.
+/// Reads what is remembered; returns the default, with a sentence, where the file cannot be read.
 pub(crate) fn load(program: &Path) -> (Known, Option<String>) {
     let Some(place) = place(program) else {
         return (Known::default(), None);
@@ -109,9 +110,9 @@ pub(crate) fn save(program: &Path, known: &Known) -> Result<(), String> {
     })
 }
 
-/// For how long a view must stay the same before it is written.
+/// The time for which a view must stay the same before it is written.
 const QUIET: Duration = Duration::from_millis(400);
-/// For how long an animation may keep it from being written.
+/// The longest time for which an animation delays writing.
 const LONGEST: Duration = Duration::from_secs(5);
 
 /// Writes the view when it has changed, on a thread of its own; and once more, if need be, when it is dropped.
@@ -196,7 +197,7 @@ impl Drop for ViewStore {
     }
 }
 
-/// What of a view the user has chosen: a camera that nobody has moved is found again.
+/// Returns the part of a view that the user has chosen, without cameras that the user has not moved.
 fn kept(view: &View) -> View {
     let mut view = view.clone();
     view.space = view.space.filter(|camera| camera.moved);

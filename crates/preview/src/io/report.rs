@@ -11,7 +11,7 @@ use egui::accesskit::Node;
 use egui::{Context, FullOutput, Plugin};
 use serde::Serialize;
 
-/// What has happened since the window was opened.
+/// Counts of the work since the window was opened, and its state.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Counters {
@@ -41,13 +41,13 @@ pub struct Counters {
     pub status: String,
     /// The params' values.
     pub params: BTreeMap<String, Vec<f64>>,
-    /// Where the 3D camera stands.
+    /// The place of the 3D camera.
     pub eye: Option<[f64; 3]>,
-    /// Where the geodesic cameras stand.
+    /// The places of the geodesic cameras.
     pub inside: BTreeMap<String, [f64; 2]>,
     /// The lengths of the trails that geodesic cameras have left.
     pub trails: BTreeMap<String, f64>,
-    /// Where the pictures of panes are in the window, in pixels: left, top, width, height.
+    /// The places of the panes' pictures in the window, in pixels: left, top, width, height.
     pub panes: BTreeMap<String, [f32; 4]>,
 }
 

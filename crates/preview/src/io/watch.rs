@@ -13,7 +13,7 @@ use notify::{RecommendedWatcher, RecursiveMode, Watcher};
 
 use crate::channel::EventSender;
 
-/// For how long nothing must happen before the file is read.
+/// The time for which nothing must happen before the file is read.
 const QUIET: Duration = Duration::from_millis(30);
 
 /// Watches a file for as long as it lives.
@@ -22,10 +22,10 @@ pub(crate) struct Watch {
     _watcher: RecommendedWatcher,
 }
 
-/// Why a file has no text.
+/// The reason why a file has no text.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(crate) enum Unreadable {
-    /// There is none; in the system's words.
+    /// The file does not exist; in the system's words.
     Missing(String),
     /// It cannot be read; in the system's words.
     Refused(String),

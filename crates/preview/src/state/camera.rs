@@ -9,9 +9,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SpaceCamera {
-    /// Where it stands.
+    /// Its place.
     pub eye: [f64; 3],
-    /// What it looks at, and turns around.
+    /// The place that it looks at, and turns around.
     pub target: [f64; 3],
     /// The scene's radius: one unit of the camera's speed.
     pub radius: f64,
@@ -20,11 +20,11 @@ pub struct SpaceCamera {
     pub moved: bool,
 }
 
-/// How far from straight up or down the camera stays, in radians.
+/// The angle by which the camera keeps from straight up and down, in radians.
 const POLE: f64 = 0.01;
 
 impl SpaceCamera {
-    /// Whether it can be drawn with.
+    /// Returns whether it can be drawn with.
     pub fn is_sane(&self) -> bool {
         let all = [self.eye, self.target].concat();
         all.iter().all(|x| x.is_finite() && x.abs() < 1e100)
@@ -95,7 +95,7 @@ impl SpaceCamera {
         )
     }
 
-    /// Turned where it stands, by radians to the right and up.
+    /// Returns it turned on its place, by radians to the right and up.
     #[must_use]
     pub fn turned(self, right: f64, up: f64) -> Self {
         let [azimuth, elevation] = self.angles();
@@ -123,7 +123,7 @@ impl SpaceCamera {
         )
     }
 
-    /// Where it sees everything as `home` does, from its own direction.
+    /// Returns it at the distance of `home`, from which everything is seen, in its own direction.
     #[must_use]
     pub fn framed(self, home: &Self) -> Self {
         let target = DVec3::from(home.target);
@@ -167,7 +167,7 @@ pub struct InsideCamera {
 }
 
 impl InsideCamera {
-    /// Of a frame.
+    /// Makes the camera of a frame.
     pub fn of(frame: &Frame, zoom: f64, moved: bool) -> Self {
         Self {
             at: frame.uv,
@@ -182,7 +182,7 @@ impl InsideCamera {
         }
     }
 
-    /// As a frame.
+    /// Returns it as a frame.
     pub fn frame(&self) -> Frame {
         Frame {
             uv: self.at,
@@ -197,7 +197,7 @@ impl InsideCamera {
         }
     }
 
-    /// Whether all its numbers are numbers.
+    /// Returns whether all its numbers are finite.
     pub fn is_sane(&self) -> bool {
         let all = [self.at, self.x, self.y].concat();
         let pole = self.pole.unwrap_or_default();

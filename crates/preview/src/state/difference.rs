@@ -1,6 +1,7 @@
-//! What differs between two views: the entries of the one, where they are not those of the other.
+//! The difference between two views: the entries of the one where the other has different ones.
 //!
-//! A step keeps what it has replaced and nothing else. Exchanged with the view as it is now, that takes the step back, and
+//! A step keeps what it has replaced and nothing else. Exchanged with the view as it is now, that takes the step
+//! back, and
 //! exchanged once more makes it again; what others have changed meanwhile stays as it is.
 
 use std::collections::BTreeMap;
@@ -50,7 +51,7 @@ impl Difference {
         }
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no entries.
     pub(super) fn is_empty(&self) -> bool {
         *self == Self::default()
     }
@@ -101,12 +102,12 @@ impl Difference {
         self.params.remove(&(param.to_owned(), component));
     }
 
-    /// Puts the 3D camera anew where nobody has moved it.
+    /// Drops the 3D camera where the user has not moved it.
     pub(super) fn reframe(&mut self) {
         self.space = self.space.map(|it| it.filter(|camera| camera.moved));
     }
 
-    /// Puts the geodesic cameras anew that nobody has moved.
+    /// Drops the geodesic cameras that the user has not moved.
     pub(super) fn settle_anew(&mut self) {
         for camera in self.inside.values_mut() {
             *camera = camera.filter(|camera| camera.moved);
@@ -114,7 +115,7 @@ impl Difference {
     }
 }
 
-/// What has become another by an exchange.
+/// The effect of an exchange.
 #[derive(Debug)]
 pub(super) struct Exchanged {
     /// Anything.
@@ -180,7 +181,7 @@ fn values(view: &View) -> BTreeMap<Component, f64> {
     all.collect()
 }
 
-/// What is animated, by component.
+/// Returns the animated components.
 fn animated(view: &View) -> BTreeMap<Component, bool> {
     let animations = view.animations.iter();
     let all = animations.flat_map(|(name, Animation { on, .. })| {

@@ -8,7 +8,7 @@ use super::view::View;
 /// The name of a change.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Step {
-    /// What the user reads behind "Undo".
+    /// The title behind "Undo".
     pub title: &'static str,
     /// Steps in a row with the same mark are one, until [`History::settle`].
     pub mark: String,
@@ -24,7 +24,7 @@ impl Step {
     }
 }
 
-/// What each step has replaced.
+/// The entries that each step has replaced.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     past: VecDeque<(Step, Difference)>,
@@ -32,7 +32,7 @@ pub struct History {
     settled: bool,
 }
 
-/// How many steps are remembered.
+/// The number of steps that are remembered.
 const MAX_STEPS: usize = 200;
 
 /// A step that was taken back, or made again.
@@ -64,12 +64,12 @@ impl History {
         self.settled = true;
     }
 
-    /// What would be undone.
+    /// Returns the title of the step that would be undone.
     pub fn last(&self) -> Option<&'static str> {
         self.past.back().map(|(step, _)| step.title)
     }
 
-    /// What would be done again.
+    /// Returns the title of the step that would be done again.
     pub fn next(&self) -> Option<&'static str> {
         self.future.last().map(|(step, _)| step.title)
     }
@@ -103,12 +103,12 @@ impl History {
         self.each(|it| it.drop_value(param, component));
     }
 
-    /// The 3D camera is put anew where nobody has moved it.
+    /// Drops the 3D camera where the user has not moved it: it is placed anew.
     pub(super) fn reframe(&mut self) {
         self.each(Difference::reframe);
     }
 
-    /// Geodesic cameras that nobody has moved are put anew.
+    /// Drops the geodesic cameras that the user has not moved: they are placed anew.
     pub(super) fn settle_anew(&mut self) {
         self.each(Difference::settle_anew);
     }

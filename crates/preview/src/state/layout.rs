@@ -37,7 +37,7 @@ pub(crate) enum Layout {
     Tabs {
         /// From left to right.
         children: Vec<Self>,
-        /// Which one is in front, counted from 0.
+        /// The index of the tab in front.
         active: usize,
     },
     /// Side by side.
@@ -50,13 +50,13 @@ pub(crate) enum Layout {
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(crate) struct Share {
-    /// How much room it has, compared with its neighbours.
+    /// Its share of the room, compared with its neighbours.
     pub(crate) share: f32,
     pub(crate) content: Layout,
 }
 
 impl Layout {
-    /// What is written, one above the other and `side` wide, and beside it the views, which have the room 1 together.
+    /// Lays out text and settings one above the other, `side` wide, and beside them the views, each as wide as 1.
     pub(crate) fn set_out(
         written: &[Pane],
         views: &[Pane],

@@ -21,31 +21,31 @@ use placement::Placement;
 /// The window's state.
 #[derive(Debug, Default)]
 pub struct Model {
-    /// What the user has chosen to see.
+    /// The user's choices of what is seen.
     pub view: View,
-    /// What can be undone.
+    /// The steps that can be undone.
     pub history: History,
-    /// What is shown.
+    /// The scene that is shown.
     pub scene: Option<Arc<Scene>>,
     /// The text that was compiled last.
     pub text: Arc<str>,
     /// Its version.
     pub version: i32,
-    /// Whether it compiled.
+    /// Set if it has no errors.
     pub ok: bool,
-    /// Whether any text has been compiled.
+    /// Set once a text has been compiled.
     pub read: bool,
-    /// What compiling it took.
+    /// The time that compiling it took.
     pub took: std::time::Duration,
-    /// What is wrong or surprising in it.
+    /// Its diagnostics.
     pub findings: Vec<Finding>,
     /// The objects that are shown as they last were, and those that read something that is.
     pub stale: BTreeSet<String>,
     /// Something of the text is not shown at all.
     pub lacks: bool,
-    /// What the text declares, in its order.
+    /// The declarations of the text, in its order.
     pub declared: Vec<Declared>,
-    /// The object whose declaration the cursor stands on.
+    /// The object whose declaration the cursor is in.
     pub highlighted: Option<String>,
     /// The paths of the geodesic cameras that leave trails, by their surfaces' names.
     pub paths: BTreeMap<String, Arc<CameraPath>>,
@@ -77,7 +77,7 @@ impl Model {
         self.lacks = compiled.lacks || compiled.scene.is_none();
         if let Some(scene) = compiled.scene {
             self.heed_openings(&scene);
-            // A camera that nobody has moved is one of its scene.
+            // A camera that the user has not moved belongs to its scene.
             self.history.settle_anew();
             self.scene = Some(scene);
             self.renumber_paths();
@@ -90,7 +90,7 @@ impl Model {
         }
     }
 
-    /// Where the text gives a param another value than before, that is the one it has now: what was said last holds.
+    /// Gives each param whose declared value has changed that value: the latest choice holds.
     fn heed_openings(&mut self, scene: &Scene) {
         for param in &scene.params {
             let now = Opening::all(param);
@@ -121,12 +121,12 @@ impl Model {
         }
     }
 
-    /// Whether the text has errors, so that not all is shown as it is there.
+    /// Returns whether the text has errors, so that not all of it is shown as it is there.
     pub fn is_stale(&self) -> bool {
         !self.ok && self.read
     }
 
-    /// Whether the 3D view shows something as it is no more in the text, or does not show something of it.
+    /// Returns whether the 3D view shows something that the text no longer has in this form, or lacks something of it.
     pub fn is_stale_in_space(&self) -> bool {
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);
         let mut stale = objects.filter(|it| self.stale.contains(&it.name));
@@ -134,7 +134,8 @@ impl Model {
         self.is_stale() && (self.lacks || stale.any(is_shown))
     }
 
-    /// Whether the geodesic view of a surface shows that, or a geodesic on it, as it is no more in the text.
+    /// Returns whether the geodesic view of a surface shows it, or a geodesic on it, in a form that the text no
+    /// longer has.
     pub fn is_stale_inside(&self, surface: &str) -> bool {
         if !self.is_stale() {
             return false;
@@ -150,7 +151,7 @@ impl Model {
             || on_it.any(|it| self.stale.contains(&it.name))
     }
 
-    /// Whether an object has a place in space: a metric has none, and what lies on it neither.
+    /// Returns whether an object has a place in space: a metric has none, nor have geodesics on it.
     fn has_place(&self, object: &Object) -> bool {
         let objects = self.scene.as_ref().map_or(&[][..], |scene| &scene.objects);
         match &object.shape {
@@ -249,7 +250,7 @@ impl Model {
         self.scene.as_ref()?.object(name)
     }
 
-    /// Whether there are metrics, geodesics on them, and nothing else: no object has a place in space.
+    /// Returns whether there are objects, and none of them has a place in space: metrics and geodesics on them.
     pub fn has_only_metrics(&self) -> bool {
         let objects = self.scene.as_ref().map_or(&[][..], |scene| &scene.objects);
         !objects.is_empty() && !objects.iter().any(|object| self.has_place(object))
@@ -274,7 +275,7 @@ impl Model {
         Some(&self.object(name)?.1.name)
     }
 
-    /// Where the text declares a name.
+    /// Returns the place at which the text declares a name.
     pub fn place_of(&self, name: &str) -> Option<Span> {
         let mut declared = self.declared.iter();
         let found = declared.find(|it| self.name(it) == Some(name))?;
@@ -286,7 +287,7 @@ impl Model {
         self.text.get(start as usize..end as usize)
     }
 
-    /// What the status line says of the text.
+    /// Returns the sentence of the status line about the text.
     pub fn status(&self) -> String {
         let errors = self.errors().count();
         match self.errors().next() {
@@ -338,7 +339,7 @@ impl Model {
         moved
     }
 
-    /// Whether anything is animated.
+    /// Returns whether anything is animated.
     pub fn is_animated(&self) -> bool {
         let params = self.scene.iter().flat_map(|scene| &scene.params);
         params

@@ -36,7 +36,7 @@ pub(crate) struct Compiled {
 /// A diagnostic with its line and column.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Finding {
-    /// How grave it is.
+    /// Its severity.
     pub severity: Severity,
     /// Its place in the text.
     pub span: Span,

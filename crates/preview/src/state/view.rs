@@ -1,5 +1,6 @@
-//! What the user has chosen to see. All of it is kept by name, so that it outlives compiles, and is written beside
-//! the file, so that it outlives the window.
+//! The user's choices of what is seen. All of them are kept by name, so that they outlive compiles, and are written
+//! beside
+//! the file, so that they outlive the window.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -13,15 +14,15 @@ use super::camera::{InsideCamera, SpaceCamera};
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct View {
-    /// How objects look, by their names.
+    /// The appearance of objects, by their names.
     pub looks: BTreeMap<String, Look>,
     /// The params' values, by component, where one was chosen.
     pub params: BTreeMap<String, Vec<Option<f64>>>,
-    /// What the text says of the params that have a value here, by component.
+    /// The declared values of the params that have a value here, by component.
     pub openings: BTreeMap<String, Vec<Opening>>,
-    /// What is animated.
+    /// The animated params.
     pub animations: BTreeMap<String, Animation>,
-    /// The camera of the 3D view; chosen from the scene where there is none.
+    /// The camera of the 3D view; if it is missing, everything is seen.
     pub space: Option<SpaceCamera>,
     /// The cameras of the geodesic views, by their surfaces' names.
     pub inside: BTreeMap<String, InsideCamera>,
@@ -29,19 +30,19 @@ pub struct View {
     pub closed: BTreeSet<String>,
     /// Image files that surfaces may show, in the order in which they were opened.
     pub textures: Vec<PathBuf>,
-    /// What surfaces show that have no choice of their own.
+    /// The texture of surfaces without a choice of their own.
     pub default_texture: Choice,
     /// All else.
     pub preferences: Preferences,
 }
 
-/// How an object looks.
+/// The appearance of an object.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Look {
     /// Its colour, sRGB; that of its kind where none is chosen.
     pub colour: Option<[u8; 3]>,
-    /// What a surface shows.
+    /// The texture of a surface.
     pub texture: Choice,
     /// It is not drawn.
     pub hidden: bool,
@@ -62,7 +63,7 @@ pub enum Choice {
     Image(PathBuf),
 }
 
-/// What the text says of a component of a param.
+/// The declared value and interval of a component of a param.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Opening {
@@ -86,14 +87,15 @@ impl Opening {
         values.map(opening).collect()
     }
 
-    /// Whether another value is said now. Where only the interval is another one, so is the least, which nobody has said.
+    /// Returns whether the declared initial value changed. A default that moved only because the interval changed
+    /// does not count.
     pub fn differs(&self, now: &Self) -> bool {
         let same_range = (self.min, self.max) == (now.min, now.max);
         self.value != now.value && (same_range || now.value != now.min)
     }
 }
 
-/// Which components of a param move by themselves.
+/// The animation of a param's components.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Animation {
@@ -125,7 +127,7 @@ pub enum Theme {
     Dark,
 }
 
-/// What is drawn over pictures.
+/// The overlays of pictures.
 #[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Marks {
@@ -172,7 +174,7 @@ pub const SCALES: [f32; 5] = [0.8, 1.0, 1.25, 1.5, 2.0];
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Preferences {
-    /// How fast cameras move, 1 by default.
+    /// The speed of cameras, 1 by default.
     pub camera_speed: f64,
     /// Behind everything in the 3D view, sRGB; that of the pictures where none is chosen.
     pub background: Option<[u8; 3]>,
@@ -182,11 +184,11 @@ pub struct Preferences {
     pub space_size: Option<u32>,
     /// The side of the geodesic views' pictures in pixels; that of their panes where none is chosen.
     pub inside_size: Option<u32>,
-    /// What is drawn over pictures.
+    /// The overlays of pictures.
     pub marks: Marks,
-    /// Whether a slider that is let go writes its value into the text.
+    /// Set if a slider that is let go writes its value into the text.
     pub write_on_release: bool,
-    /// How large text and controls are, 1 by default.
+    /// The scale of text and controls, 1 by default.
     pub scale: f32,
 }
 
@@ -218,7 +220,7 @@ impl View {
         }
     }
 
-    /// Lets a component, from 0, of a param move by itself, or rest.
+    /// Sets whether a component, from 0, of a param is animated.
     pub fn animate(&mut self, param: &str, component: usize, on: bool) {
         let all = &mut self.animations.entry(param.to_owned()).or_default().on;
         if all.len() <= component {
@@ -232,7 +234,7 @@ impl View {
         self.looks.get(name).cloned().unwrap_or_default()
     }
 
-    /// What a surface shows: never [`Choice::Default`] unless that is the built-in picture.
+    /// Returns the texture of a surface: never [`Choice::Default`] unless that is the built-in picture.
     pub fn texture(&self, name: &str) -> &Choice {
         match self.looks.get(name).map(|look| &look.texture) {
             None | Some(Choice::Default) => &self.default_texture,

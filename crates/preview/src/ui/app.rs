@@ -17,7 +17,7 @@ use crate::ui::gpu_surface::GpuSurface;
 use crate::ui::window::Window;
 use crate::{Failure, Faults, Options, Source};
 
-/// How often a lost GPU is replaced before the window gives up.
+/// The number of times that a lost GPU is replaced before the window gives up.
 const REVIVALS: u32 = 3;
 
 /// Opens the window and runs it until it is closed. Where its GPU is lost, it is opened again on a new one, as it was.
@@ -75,7 +75,7 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
     })
 }
 
-/// How a window's time on a screen has ended.
+/// The way in which a window's time on a screen has ended.
 enum Ended {
     /// By its user's hand, or its server's.
     Closed,
@@ -87,7 +87,7 @@ enum Ended {
     Broken(Box<dyn Any + Send>),
 }
 
-/// Shows the window, which outlives its screens, by `show` on one after the other until it is closed. Where it ends
+/// Runs the window until it is closed; when the GPU is lost, opens it again on a new one. Where it ends
 /// otherwise, a text that was not saved is not lost.
 fn on_screens(slot: &Slot, mut show: impl FnMut(u32, &Slot) -> Ended) -> Result<(), Failure> {
     let rescued = || {
@@ -113,10 +113,10 @@ fn on_screens(slot: &Slot, mut show: impl FnMut(u32, &Slot) -> Ended) -> Result<
     Err(lost.and(rescued()))
 }
 
-/// Where the window is.
+/// The place of the window, which outlives its screens.
 type Slot = Rc<RefCell<Option<Window>>>;
 
-/// What is asked of the desktop; a window that is opened again is as large as it was.
+/// Returns the options of the desktop's window; one that is opened again is as large as it was.
 fn native(size: Option<egui::Vec2>) -> NativeOptions {
     NativeOptions {
         viewport: egui::ViewportBuilder::default()
@@ -162,7 +162,7 @@ fn in_words(reason: &str) -> &str {
 struct Preview {
     slot: Slot,
     title: String,
-    /// Whether the GPU is to be given up now, for a test.
+    /// Set when the GPU is to be given up, for a test.
     loses: Arc<AtomicBool>,
 }
 

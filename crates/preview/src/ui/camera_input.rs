@@ -1,7 +1,7 @@
 //! Held keys and the pointer as motions of cameras.
 //!
-//! In: what egui knows of keys, pointer and time. Out: for the 3D camera its next place, for a geodesic camera
-//! [`Motion`]s, which its pilot carries out.
+//! In: egui's state of keys, pointer and time. Out: for the 3D camera its next place, for a geodesic camera
+//! [`Motion`]s, which its controller makes.
 
 use egui::{InputState, Key, Modifiers};
 use glam::DVec2;
@@ -39,7 +39,7 @@ const LETTERS: [Key; 8] = [
     Key::Z,
     Key::X,
 ];
-/// What else does, unless a control has the focus, whose keys they may be.
+/// The other keys that move cameras, unless a control has the focus, whose keys they may be.
 const ARROWS: [Key; 7] = [
     Key::ArrowLeft,
     Key::ArrowRight,
@@ -64,7 +64,7 @@ impl<'a> Held<'a> {
         Self { input, arrows }
     }
 
-    /// Whether any is held.
+    /// Returns whether any is held.
     pub(crate) fn any(self) -> bool {
         let Modifiers {
             alt, ctrl, command, ..
@@ -92,7 +92,7 @@ impl<'a> Held<'a> {
         f64::from(u8::from(held(plus))) - f64::from(u8::from(held(minus)))
     }
 
-    /// What two letters ask for; with Alt they are none of ours.
+    /// Returns the direction of two letters: 1, 0 or -1. With Alt they mean nothing here.
     fn letters(self, plus: Key, minus: Key) -> f64 {
         if self.input.modifiers.alt {
             return 0.0;
@@ -100,7 +100,7 @@ impl<'a> Held<'a> {
         self.axis(&[plus], &[minus])
     }
 
-    /// Where the arrows point to: right, up.
+    /// Returns the direction of the arrows: right, up.
     fn arrows(self) -> [f64; 2] {
         if !self.arrows {
             return [0.0; 2];
@@ -121,7 +121,7 @@ impl<'a> Held<'a> {
     }
 }
 
-/// Where held keys bring the 3D camera: letters and arrows alike, the camera goes, or looks, where they point.
+/// Moves the 3D camera by the held keys: it goes, or looks, in the direction of the letters and arrows.
 pub(crate) fn space_keys(held: Held<'_>, mut camera: SpaceCamera, speed: f64) -> SpaceCamera {
     if !held.any() {
         return camera;
@@ -153,7 +153,7 @@ pub(crate) fn space_keys(held: Held<'_>, mut camera: SpaceCamera, speed: f64) ->
     camera
 }
 
-/// What held keys ask of a geodesic camera.
+/// Returns the motions of a geodesic camera for the held keys.
 pub(crate) fn inside_keys(held: Held<'_>, speed: f64) -> Vec<Motion> {
     let mut motions = Vec::new();
     if !held.any() {
@@ -178,7 +178,7 @@ pub(crate) fn inside_keys(held: Held<'_>, speed: f64) -> Vec<Motion> {
     motions
 }
 
-/// How the pointer is used on the 3D view.
+/// A use of the pointer on the 3D view.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Grip {
     /// The camera turns where it stands.
@@ -189,7 +189,7 @@ pub(crate) enum Grip {
     Pan,
 }
 
-/// Where a drag by points brings the 3D camera; `side` is the picture's shorter side in points.
+/// Moves the 3D camera by a drag in points; `side` is the picture's shorter side in points.
 pub(crate) fn space_drag(
     camera: SpaceCamera,
     grip: Grip,
@@ -209,15 +209,16 @@ pub(crate) fn space_drag(
     }
 }
 
-/// The factor of the distance, or of the zoom, that the wheel or two fingers ask for: below 1 when the wheel is turned away
-/// from the user, or the fingers part. None where they rest.
+/// Returns the factor of the distance, or of the zoom, for the wheel or two fingers: below 1 when the wheel is turned
+/// away
+/// from the user, or the fingers part; nothing where they rest.
 pub(crate) fn nearing(input: &InputState) -> Option<f64> {
     let (turned, pinched) = (input.smooth_scroll_delta().y, input.zoom_delta());
     let factor = (-f64::from(turned) * WHEEL).exp() / f64::from(pinched.max(1e-3));
     (turned != 0.0 || pinched != 1.0).then_some(factor)
 }
 
-/// What a drag by points asks of a geodesic camera: what is under the pointer goes with it.
+/// Returns the motion of a geodesic camera for a drag in points: the surface under the pointer goes with it.
 pub(crate) fn inside_drag(by: egui::Vec2, side: f32) -> Motion {
     let half = f64::from(0.5 * side.max(1.0));
     Motion::Walk([-f64::from(by.x) / half, f64::from(by.y) / half])

@@ -27,7 +27,7 @@ pub(crate) struct Dialogs {
     pub(crate) recording: Option<Recording>,
     /// The window was asked to close with a text that is not saved.
     pub(crate) leaving: bool,
-    /// What stands in the field for a texture's file.
+    /// The text of the field for a texture's file.
     pub(crate) texture_path: String,
     /// That field is to have the keys.
     pub(crate) wants_image: bool,
@@ -46,7 +46,7 @@ impl Dialogs {
         }
     }
 
-    /// Whether keys belong to a dialog.
+    /// Returns whether keys belong to a dialog.
     pub(crate) fn is_open(&self) -> bool {
         self.picture.is_some() || self.mesh.is_some() || self.record.is_some() || self.leaving
     }

@@ -1,6 +1,6 @@
 //! The pointer's events, so that none of them is lost in a slow frame.
 //!
-//! What comes between two frames is handed over in one go, and egui then knows where the pointer is at the end, not where
+//! Events between two frames arrive at once, and egui then knows where the pointer is at the end, not where
 //! it was pressed, and takes what is pressed and released within a frame for no drag. So a press, the motion behind it,
 //! and the release behind that have a frame each, as though the frames had been quick; and what is typed behind a click
 //! has one, since what was clicked on has the keys only then.
@@ -15,7 +15,7 @@ pub(crate) struct EventSplitter {
 }
 
 impl EventSplitter {
-    /// Has the key Tab pressed once more in the next frame, with Shift where that is held.
+    /// Presses the key Tab once more in the next frame, with Shift where that is held.
     pub(crate) fn press_tab(context: &Context) {
         let modifiers = context.input(|input| input.modifiers);
         context.data_mut(|data| data.insert_temp(Self::again(), modifiers));
@@ -53,7 +53,7 @@ impl Plugin for EventSplitter {
     }
 }
 
-/// How many events one frame can take.
+/// Returns the number of events that one frame can take.
 fn first_part(events: &[Event]) -> usize {
     let (mut pressed, mut moved, mut clicked) = (false, false, false);
     for (at, event) in events.iter().enumerate() {

@@ -14,12 +14,12 @@ use render::live::Stage;
 use crate::Backend;
 use crate::engine::render_thread::Painted;
 
-/// What the window is drawn with.
+/// The GPU that draws the window.
 #[derive(Clone)]
 pub(crate) struct GpuSurface {
     state: RenderState,
     gpu: Arc<Gpu>,
-    /// What copies pictures; none where the GPU is lost already.
+    /// Copies pictures; none if the GPU is lost already.
     blitter: Option<Arc<Blitter>>,
 }
 
@@ -54,7 +54,8 @@ impl GpuSurface {
         (Stage::on(Arc::clone(&self.gpu)), self.gpu.name().to_owned())
     }
 
-    /// For how long a frame of the window may wait for its pictures: less than a frame of the screen, or where frames are
+    /// Returns the longest time that a frame of the window waits for its pictures: less than a frame of the screen,
+    /// or where frames are
     /// drawn by the processor, about as long as one takes.
     pub(crate) fn frame_wait_budget(&self) -> Duration {
         if self.state.adapter.get_info().device_type == DeviceType::Cpu {
@@ -64,14 +65,14 @@ impl GpuSurface {
         }
     }
 
-    /// Whether the device is gone.
+    /// Returns whether the device is gone.
     pub(crate) fn is_lost(&self) -> bool {
-        // The device tells of its loss when it is looked after.
+        // The device reports its loss when it is polled.
         let _ = self.state.device.poll(PollType::Poll);
         self.gpu.is_lost()
     }
 
-    /// Has its driver refuse shaders of samples.
+    /// Makes its driver refuse shaders of samples.
     pub(crate) fn refuse_samples(&self) {
         self.gpu.refuse_samples();
     }
@@ -160,7 +161,7 @@ impl TextureBinding {
     }
 }
 
-/// What is to be done while the window is painted.
+/// Copies a picture while the window is painted.
 struct Copy {
     blit: Arc<Blit>,
     blitter: Arc<Blitter>,

@@ -18,7 +18,7 @@ pub(crate) struct Painter {
     highlights: Vec<Highlight>,
     marks: Vec<(Span, Severity)>,
     job: Option<(bool, FontId, LayoutJob)>,
-    /// How often the text was read for its colours.
+    /// The number of times that the text was read for its colours.
     pub(crate) readings: u64,
 }
 

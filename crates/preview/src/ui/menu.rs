@@ -64,7 +64,7 @@ fn choose_textures(window: &Window) {
     crate::io::file_dialogs::choose_images(window.file_choices(), window.folder());
 }
 
-/// What the keys of the menu *File* ask for, where they are not another's.
+/// Handles the keys of the menu *File*, where they do not belong to a control.
 pub(crate) fn file_keys(window: &mut Window, ui: &Ui) {
     let pressed = |key| {
         let shortcut = egui::KeyboardShortcut::new(egui::Modifiers::COMMAND, key);

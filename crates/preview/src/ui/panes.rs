@@ -22,7 +22,7 @@ use crate::ui::window::Window;
 
 /// The width of what is written beside that of a picture.
 const SIDE: f32 = 0.8;
-/// How many geodesic views are opened without being asked for.
+/// The number of geodesic views that are opened without a request.
 const OPENED: usize = 8;
 
 /// The panes that are open, and where.
@@ -129,7 +129,7 @@ impl Panes {
         }
     }
 
-    /// Whether a pane is open.
+    /// Returns whether a pane is open.
     pub(crate) fn is_open(&self, pane: &Pane) -> bool {
         self.tree.tiles.find_pane(pane).is_some()
     }

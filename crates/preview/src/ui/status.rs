@@ -7,7 +7,7 @@ use crate::state::StatusMessage;
 use crate::state::pane::PaneKey;
 use crate::ui::window::{TextSource, Window};
 
-/// What the user must know before all else.
+/// Shows a banner above the panes when the server is gone.
 pub(crate) fn banners(window: &mut Window, ui: &mut Ui) {
     let TextSource::Attached {
         disconnected: Some(reason),
@@ -31,7 +31,8 @@ pub(crate) fn banners(window: &mut Window, ui: &mut Ui) {
     });
 }
 
-/// The status line: one row, so that no sentence moves the pictures; what has no room is told where the pointer rests.
+/// Shows the status line: one row, so that no sentence moves the pictures; the rest of a sentence is shown where the
+/// pointer rests.
 pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
     let height = ui.spacing().interact_size.y;
     let frame = egui::Frame::side_top_panel(ui.style()).fill(window.display.background(ui));
@@ -69,7 +70,7 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
     });
 }
 
-/// What the active pane's picture has cost, and the window's last frame apart from it.
+/// Shows the cost of the active pane's picture, and of the window's last frame without it.
 fn numbers(window: &Window, ui: &mut Ui) {
     let Some(picture) = window.shown_picture(&window.active) else {
         return;
@@ -100,7 +101,7 @@ fn numbers(window: &Window, ui: &mut Ui) {
     ui.separator();
 }
 
-/// What a reader of the pictures should know.
+/// Shows the notes of the pictures.
 fn notes(window: &Window, ui: &mut Ui) {
     let mut notes: Vec<&str> = Vec::new();
     for picture in window

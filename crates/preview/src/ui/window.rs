@@ -3,7 +3,8 @@
 //! ```text
 //! event.rs   the events of all parts          input.rs  shortcuts, keys, animation
 //! events.rs  takes them   └──────────▶ model ◀──────────────┘
-//! menu.rs, status.rs, panes.rs draw it; pictures.rs requests the pictures that have changed; server_events.rs reports to
+//! menu.rs, status.rs, panes.rs draw it; pictures.rs requests the pictures that have changed; server_events.rs
+//! reports to
 //! the server; text.rs has the text of the window's own pane compiled, saved, rescued
 //! ```
 
@@ -83,7 +84,7 @@ pub struct Window {
     pub(crate) closing: bool,
 }
 
-/// Where the text comes from.
+/// The source of the text.
 pub(crate) enum TextSource {
     /// A file with a pane to edit it.
     File {
@@ -240,7 +241,7 @@ impl Window {
         self.display.replace(screen, words);
     }
 
-    /// Whether the GPU that it is shown by is gone.
+    /// Returns whether the GPU that it is shown by is gone.
     pub(crate) fn has_lost_its_screen(&mut self) -> bool {
         let surface = self.display.surface.as_ref();
         surface.is_some_and(GpuSurface::is_lost)
@@ -277,12 +278,13 @@ impl Window {
         &self.model
     }
 
-    /// What has happened so far.
+    /// Returns the counters of this window.
     pub fn counters(&self) -> &Counters {
         &self.counters
     }
 
-    /// Whether every view on the screen shows its newest picture, no text waits to be compiled, and no click for another.
+    /// Returns whether every view on the screen shows its newest picture, no text waits to be compiled, and no click
+    /// for another.
     pub fn is_settled(&self) -> bool {
         !self.is_waiting()
             && self.model.read
@@ -304,7 +306,7 @@ impl Window {
         let preferences = &self.model.view.preferences;
         self.display.apply_style(&context, preferences);
         self.handle_events();
-        // A frame that is laid out once more has been moved by hands already.
+        // A frame that is laid out once more has taken the input already.
         if context.current_pass_index() == 0 {
             if ui.input(|input| input.pointer.any_pressed()) {
                 self.model.history.settle();
@@ -330,7 +332,7 @@ impl Window {
         }
     }
 
-    /// What is done when everything has been drawn.
+    /// Does the work behind a frame: drops requests of panes that are not on the screen, saves the view, reports.
     fn after(&mut self, ui: &Ui) {
         for (pane, view) in &mut self.views {
             if view.on_screen || view.request.is_none() {

@@ -26,7 +26,7 @@ use crate::state::camera_controller::{CameraController, Subject};
 use crate::state::motion::Motion;
 use crate::state::path::{CameraPath, between};
 
-/// What is recorded.
+/// The content of a recording.
 #[derive(Debug)]
 pub(crate) struct Film {
     /// The picture of the view as it is.
@@ -35,15 +35,15 @@ pub(crate) struct Film {
     pub(crate) camera: Option<(ObjectId, InsideCamera)>,
     /// A param that runs from one value to another.
     pub(crate) change: Option<ParamChange>,
-    /// What the geodesic camera does.
+    /// The motions of the geodesic camera.
     pub(crate) motions: Vec<Motion>,
-    /// Whether its path is drawn.
+    /// Set if its path is drawn.
     pub(crate) trail: bool,
     pub(crate) transparent: bool,
     pub(crate) clip: Clip,
 }
 
-/// How a recording ended without its file.
+/// The reason why a recording has no file.
 #[derive(Debug)]
 pub(crate) enum Ended {
     /// It was called off.
@@ -66,7 +66,7 @@ impl From<animation::RecordError> for Ended {
     }
 }
 
-/// What a file's name says of the format.
+/// The format of a recording, by the extension of its file.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Kind {
     /// One file with all pictures.

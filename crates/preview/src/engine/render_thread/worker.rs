@@ -18,15 +18,15 @@ use crate::engine::request::{Look, Order};
 use crate::state::SpaceCamera;
 use crate::state::pane::PaneKey;
 
-/// What is kept from one picture to the next.
+/// The state of the render thread between two pictures.
 pub(super) struct Worker {
     stage: Stage,
-    /// Whether the stage's GPU is the window's.
+    /// Set if the renderer draws on the window's own GPU.
     shares_gpu: bool,
     /// Where everything of a scene is seen from, at the settings and size where it was asked for.
     home: Option<Home>,
     curvatures: Option<Curvatures>,
-    /// How long the last picture of each pane took.
+    /// The time that the last picture of each pane took.
     took: BTreeMap<PaneKey, Duration>,
 }
 
@@ -60,12 +60,12 @@ impl Worker {
         self.stage = stage;
     }
 
-    /// How long the last picture of a pane took.
+    /// Returns the time that the last picture of a pane took.
     pub(super) fn took(&self, pane: &PaneKey) -> Option<Duration> {
         self.took.get(pane).copied()
     }
 
-    /// What the stage has done so far.
+    /// Returns the renderer's counters.
     pub(super) fn counters(&self) -> Counters {
         self.stage.counters()
     }

@@ -76,7 +76,7 @@ impl Model {
         })
     }
 
-    /// Has the camera controller of a surface do something. A panic costs the controller, but not the window: the
+    /// Runs `work` with the camera controller of a surface. A panic costs the controller, but not the window: the
     /// surface's picture says what is wrong.
     fn control<T>(
         &mut self,

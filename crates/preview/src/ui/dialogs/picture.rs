@@ -15,7 +15,7 @@ use crate::io::files;
 use crate::state::pane::PaneKey;
 use crate::ui::window::Window;
 
-/// What is asked about a picture.
+/// The fields of the dialog for a picture.
 #[derive(Clone, Debug)]
 pub(crate) struct PictureDialog {
     pane: PaneKey,
@@ -24,7 +24,7 @@ pub(crate) struct PictureDialog {
     pub(crate) path: String,
 }
 
-/// What a dialog was left with.
+/// The button by which a dialog was left.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Decision {
     Stay,

@@ -14,16 +14,16 @@ use crate::state::pane::PaneKey;
 use crate::state::{InsideCamera, StatusMessage};
 use crate::ui::window::Window;
 
-/// What is asked about a recording.
+/// The fields of the dialog for a recording.
 #[derive(Clone, Debug)]
 pub(crate) struct RecordDialog {
     pane: PaneKey,
-    /// What may move, and which of it does.
+    /// The choices of what moves, and the chosen one.
     moves: Vec<Moves>,
     chosen: usize,
     /// The geodesic camera that may walk, and its surface.
     camera: Option<(String, InsideCamera)>,
-    /// How far it walks, in the surface's units; backwards if negative.
+    /// The arc length of its walk, in the surface's units; backwards if negative.
     length: f64,
     trail: bool,
     transparent: bool,
@@ -31,7 +31,7 @@ pub(crate) struct RecordDialog {
     pub(crate) path: String,
 }
 
-/// What moves.
+/// A motion that can be recorded.
 #[derive(Clone, Debug, PartialEq)]
 enum Moves {
     /// A param, from values to values.
@@ -286,7 +286,7 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
     window.dialogs.recording = Some(Recording::start(window.status_sender(), film, path));
 }
 
-/// How far a recording has come, and the button that calls it off.
+/// Shows the progress of a recording, and the button that cancels it.
 fn progress(recording: &Recording, ui: &Ui) {
     egui::Window::new("Recording")
         .anchor(Align2::RIGHT_BOTTOM, [-12.0, -36.0])

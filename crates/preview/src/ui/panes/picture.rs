@@ -1,4 +1,4 @@
-//! What both views have in common: a picture that fills its pane, with focus, a name, and a mark when it is stale.
+//! The part that both views share: a picture that fills its pane, with focus, a name, and a mark when it is stale.
 
 use egui::{
     Align2, Color32, EventFilter, FontId, Id, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui,
@@ -103,7 +103,8 @@ fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
     }
 }
 
-/// Whether the view as a whole is that of what is declared at the cursor. In space, that is set off itself.
+/// Returns whether the view as a whole shows the object that is declared at the cursor. The 3D view highlights the
+/// object.
 fn is_set_off(window: &Window, pane: &PaneKey) -> bool {
     match (pane, &window.model.highlighted) {
         (PaneKey::Inside(name), Some(declared)) => name == declared,
@@ -111,7 +112,7 @@ fn is_set_off(window: &Window, pane: &PaneKey) -> bool {
     }
 }
 
-/// Whether a view shows something as it is no more in the text.
+/// Returns whether a view shows something as it is no more in the text.
 fn is_stale(window: &Window, pane: &PaneKey) -> bool {
     match pane {
         PaneKey::Space => window.model.is_stale_in_space(),
@@ -119,7 +120,7 @@ fn is_stale(window: &Window, pane: &PaneKey) -> bool {
     }
 }
 
-/// Why a view is empty, if it is.
+/// Returns the reason why a view is empty, if it is.
 fn nothing(window: &Window, pane: &PaneKey) -> Option<&'static str> {
     let model = &window.model;
     let scene = model.scene.as_ref();

@@ -153,7 +153,7 @@ fn write_released(window: &mut Window, ui: &Ui) {
     }
 }
 
-/// So many decimals that a slider's steps are fine.
+/// Returns the number of decimals with which a slider's steps are fine.
 fn decimals(width: f64) -> usize {
     let digits = 3.0 - width.log10().floor();
     if digits.is_finite() {

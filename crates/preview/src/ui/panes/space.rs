@@ -54,7 +54,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
         } else if ui.input(|input| input.modifiers.command) {
             window.render_thread.pick(order, pixel, Purpose::Open);
         } else if !response.triple_clicked() {
-            // The third of three clicks is none of its own.
+            // The third of three clicks means nothing by itself.
             window.click(order, pixel, pointed.is_none(), ui);
         }
     }

@@ -1,4 +1,5 @@
-//! Which view has the keys: the one that was clicked on, opened or brought forward last, as long as it can be seen.
+//! The active view, which has the keys: the one that was clicked on, opened or brought forward last, while it can be
+//! seen.
 
 use super::Window;
 use crate::state::pane::{Pane, PaneKey};
@@ -26,7 +27,7 @@ impl Window {
         self.activate(&PaneKey::Inside(surface.to_owned()));
     }
 
-    /// The same, and the keys stay where they are.
+    /// Opens the geodesic view of a surface, or brings it to the front; the keys stay where they are.
     pub(super) fn show_inside(&mut self, surface: &str) {
         self.active_surface = Some(surface.to_owned());
         self.model.adjust(|view| {
@@ -35,7 +36,8 @@ impl Window {
         self.panes.bring_forward(&Pane::Inside(surface.to_owned()));
     }
 
-    /// Gives the keys to a view that can be seen, where the one that has them was closed or covered; whether one has them.
+    /// Gives the keys to a view that can be seen, where the one that has them was closed or covered; whether one has
+    /// them.
     pub(super) fn has_keys(&mut self) -> bool {
         let seen = self.panes.in_front();
         if seen.contains(&self.active) {

@@ -1,8 +1,9 @@
-//! Clicks on the 3D view: one puts a geodesic camera somewhere, where there can be one; else it shows a declaration, and so
+//! Clicks on the 3D view: one puts a geodesic camera somewhere, where there can be one; else it shows a declaration,
+//! and so
 //! do two.
 //!
 //! The first click is heeded at once. Where a second one makes a double click of it, it is as though it had never been.
-//! What would move the panes under the pointer waits until there can be no second one.
+//! An effect that would move the panes under the pointer waits until there can be no second one.
 
 use std::sync::Arc;
 
@@ -19,10 +20,10 @@ use crate::state::camera_controller::Subject;
 /// The longest time between two clicks that are a double click, in seconds.
 pub(super) const DOUBLE_CLICK: f64 = 0.5;
 
-/// What is remembered of clicks.
+/// The clicks that may still become double clicks.
 #[derive(Debug, Default)]
 pub(super) struct Clicks {
-    /// How many there were.
+    /// The number of clicks so far.
     count: u64,
     /// The last one that was the first of two.
     withdrawn: Option<u64>,
@@ -65,13 +66,13 @@ impl Window {
         self.render_thread.pick(order, at, Purpose::Open);
     }
 
-    /// Nothing more comes of the last click than what it has done.
+    /// Ends the last click: it has no further effect.
     pub(super) fn forget_click(&mut self) {
         self.model.keep_placement();
         self.input.clicks.open = None;
     }
 
-    /// Until when another click may still follow the last one, if it may.
+    /// Returns the time until which another click may still follow the last one, if it may.
     pub(super) fn clicked_until(&self) -> Option<f64> {
         self.input.clicks.open.as_ref().map(|it| it.until)
     }
@@ -98,7 +99,7 @@ impl Window {
         }
     }
 
-    /// What is under the place of a click.
+    /// Takes over the object that was found under a click.
     pub(super) fn take_hit(&mut self, order: &Order, hit: &Hit, purpose: Purpose) {
         let Some(object) = order.scene.objects.get(hit.object.0 as usize) else {
             return;

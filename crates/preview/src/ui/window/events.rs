@@ -77,7 +77,7 @@ impl Window {
         if !fresh {
             return;
         }
-        // A camera that nobody has moved shows everything of a new scene too.
+        // A camera that the user has not moved shows everything of a new scene too.
         self.model.reframe();
         let surfaces = self.model.surfaces();
         let known = |name: &String| surfaces.contains(name);

@@ -1,4 +1,4 @@
-//! What hands do: keys, shortcuts, dropped files; and what moves by itself.
+//! The user's input: keys, shortcuts, dropped files; and the motion of animated params.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -14,20 +14,20 @@ use crate::state::{Choice, SpaceCamera, Step};
 use crate::ui::camera_input::{self, Held};
 use crate::ui::panes::picture;
 
-/// What is remembered of the user's input from one frame to the next.
+/// The state of the user's input between two frames.
 #[derive(Debug, Default)]
 pub(crate) struct InputState {
     pub(super) clicks: Clicks,
     /// A param that keys have changed: its value is written into the text when the keys are let go.
     pub(crate) unwritten_param: Option<String>,
-    /// Whether the keys were used last, not the pointer.
+    /// Set while the keys were used last, not the pointer.
     pub(crate) by_keys: bool,
 }
 
-/// What a step is called that adds textures.
+/// The title of the step that adds textures.
 const OPEN_TEXTURES: &str = "Open textures";
 
-/// What is asked of the size of the controls.
+/// A change of the size of the controls.
 #[derive(Clone, Copy)]
 enum Sizing {
     Larger,
@@ -66,8 +66,8 @@ impl Window {
         self.clock.note_gesture(ui.input(|input| input.time));
     }
 
-    /// Has the window drawn again when a motion has come to rest and a click can be no double click any more. A frame
-    /// that comes sooner takes what was asked for with it, so each of them asks anew.
+    /// Requests a repaint for when a motion has come to rest and a click can be no double click any more. A frame
+    /// that comes sooner cancels the request, so each frame requests it anew.
     pub(super) fn wake_in_time(&self, ui: &Ui) {
         let now = ui.input(|input| input.time);
         let times = [Some(self.clock.moving_until), self.clicked_until()];
@@ -119,7 +119,7 @@ impl Window {
         }
     }
 
-    /// Whether the arrows belong to the active view: no control has the focus.
+    /// Returns whether the arrows belong to the active view: no control has the focus.
     pub(super) fn has_arrows(&self, ui: &Ui) -> bool {
         let focused = ui.memory(egui::Memory::focused);
         focused.is_none_or(|id| id == picture::id(&self.active))
@@ -275,7 +275,7 @@ impl Window {
         }
     }
 
-    /// Has the active surface show an image that was dropped: a screen does not tell where.
+    /// Shows an image that was dropped on the active surface: the desktop does not report where it was dropped.
     fn lay_over(&mut self, image: PathBuf) {
         let Some(surface) = self.active_surface.clone() else {
             return;

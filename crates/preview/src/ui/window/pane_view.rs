@@ -13,7 +13,7 @@ use crate::ui::gpu_surface::TextureBinding;
 pub(crate) struct PaneView {
     /// The pixels that the pane had room for when it was last on the screen.
     pub(super) room: Option<[u32; 2]>,
-    /// Whether it was on the screen when the window last drew itself.
+    /// Set if it was on the screen when the window last drew itself.
     pub(super) on_screen: bool,
     /// The request that was sent last.
     pub(super) request: Option<Order>,
@@ -22,7 +22,7 @@ pub(crate) struct PaneView {
     pub(crate) picture: Option<Picture>,
 }
 
-/// Whether the last request of a pane has been answered.
+/// The state of a pane's last request.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub(super) enum Waiting {
     /// It has.
@@ -53,7 +53,8 @@ pub(crate) struct Picture {
 }
 
 impl PaneView {
-    /// Notes a request that is sent now. A picture that differs from the one before only by another view's camera is one
+    /// Notes a request that is sent now. A picture that differs from the one before only by another view's camera is
+    /// one
     /// that follows.
     pub(super) fn send(&mut self, order: &Order) {
         let before = self.request.as_ref();

@@ -25,7 +25,7 @@ impl Window {
         let view = self.views.entry(pane.clone()).or_default();
         view.on_screen = true;
         if view.room.replace(pixels) != Some(pixels) && *pane == PaneKey::Space {
-            // A camera that nobody has moved shows everything in a pane of another shape too.
+            // A camera that the user has not moved shows everything in a pane of another shape too.
             self.model.reframe();
         }
     }
@@ -180,7 +180,8 @@ impl Window {
         }
     }
 
-    /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the params
+    /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the
+    /// params
     /// do. It is ignored if the scene or the pane's size has changed since the request.
     fn take_space_camera(&mut self, pane: &PaneKey, drawing: &Drawing, order: &Order) {
         let Some(first) = drawing.space_camera else {

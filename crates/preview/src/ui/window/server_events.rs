@@ -1,4 +1,4 @@
-//! What the window tells the server, and what it asks of the text.
+//! The window's events for the server, and its changes of the text.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -12,7 +12,7 @@ use crate::engine::editor::Jump;
 use crate::state::pane::{Pane, PaneKey};
 use crate::state::{Compiled, StatusMessage};
 
-/// What the server has been told, and what it waits for.
+/// The state of the reports to the server.
 #[derive(Debug, Default)]
 pub(super) struct ServerReports {
     /// A compiled text of which it has not been reported that it is on the screen.
@@ -43,7 +43,7 @@ impl ServerReports {
 }
 
 impl Window {
-    /// Tells the server what is on the screen now.
+    /// Reports to the server what is on the screen now.
     pub(super) fn tell(&mut self) {
         let shows = |view: &PaneView, version: i32| {
             let picture = view.picture.as_ref();
@@ -84,7 +84,7 @@ impl Window {
         }
     }
 
-    /// Tells the server something, if there is one.
+    /// Sends an event to the server, if there is one.
     pub(crate) fn say(&self, event: Event) {
         if let TextSource::Attached {
             link,
@@ -96,7 +96,7 @@ impl Window {
         }
     }
 
-    /// A param's value is to stand in the text.
+    /// Writes a param's value into the text.
     pub(crate) fn write_param(&mut self, name: &str) {
         let (Some(scene), Some(settings)) = (self.model.scene.clone(), self.model.settings())
         else {
@@ -120,14 +120,14 @@ impl Window {
         }
     }
 
-    /// The declaration of a name is to be shown to the user, as it stands in the text now, and to have the keys.
+    /// Shows the declaration of a name to the user, as it is in the text now, and gives it the keys.
     pub(crate) fn open_declaration(&mut self, name: &str) {
         if let Some(place) = self.model.place_of(name) {
             self.open(place, true);
         }
     }
 
-    /// The same for one click, which may have been meant for the view: in this window the keys stay where they are, and
+    /// Shows a declaration after one click, which may have been meant for the view: the keys stay where they are, and
     /// so do the panes.
     pub(super) fn show_declaration(&mut self, name: &str) {
         let Some(place) = self.model.place_of(name) else {
@@ -140,7 +140,7 @@ impl Window {
         }
     }
 
-    /// A place of the text is to be shown to the user, and to have the keys.
+    /// Shows a place of the text to the user, and gives it the keys.
     pub(crate) fn open_place(&mut self, place: Span) {
         self.open(place, true);
     }

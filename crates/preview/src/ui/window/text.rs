@@ -54,8 +54,9 @@ impl Window {
         }
     }
 
-    /// Writes a text that has not been saved where it takes no other file's place; a sentence that says where, or why not.
-    /// None where nothing would be lost.
+    /// Writes a text that has not been saved where it takes no other file's place; a sentence that says where, or why
+    /// not.
+    /// Returns nothing if nothing would be lost.
     pub(crate) fn rescue(&self) -> Option<String> {
         match &self.source {
             TextSource::File { editor, .. } => editor.rescue(),
@@ -63,7 +64,7 @@ impl Window {
         }
     }
 
-    /// Whether closing the window would lose something that was written.
+    /// Returns whether closing the window would lose something that was written.
     pub(crate) fn has_unsaved(&self) -> bool {
         matches!(&self.source, TextSource::File { editor, .. } if editor.is_changed())
     }
@@ -78,7 +79,7 @@ impl Window {
         std::path::absolute(folder).ok()
     }
 
-    /// What the window is called.
+    /// Returns the window's title.
     pub fn title(&self) -> String {
         match &self.source {
             TextSource::File { editor, .. } => {
