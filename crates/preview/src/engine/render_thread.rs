@@ -42,7 +42,6 @@ pub(crate) enum RenderEvent {
 pub(crate) struct Drawing {
     pub(crate) pixels: Painted,
     pub(crate) notes: Vec<String>,
-    pub(crate) overlays: Vec<&'static str>,
     /// Of a geodesic view: its cost and how exact it is.
     pub(crate) inside: Option<(Work, Option<Estimate>)>,
     /// The camera of the 3D view.

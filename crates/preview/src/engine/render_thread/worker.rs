@@ -127,7 +127,6 @@ impl Worker {
         Ok(Drawing {
             pixels,
             notes: shot.notes,
-            overlays: shot.overlays,
             inside: shot.inside,
             space_camera,
             took: start.elapsed(),

@@ -9,7 +9,7 @@ use syntax::span::Span;
 use super::pane_view::{PaneView, Waiting};
 use super::{TextSource, Window};
 use crate::engine::editor::Jump;
-use crate::state::pane::{Pane, PaneKey};
+use crate::state::pane::Pane;
 use crate::state::{Compiled, StatusMessage};
 
 /// The state of the reports to the server.
