@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use geometry::{Manifold, ManifoldError};
-use ide::language::Program;
+use ide::language::{Compiled, Scope};
 use scene::{Evaluation, Object, ObjectId, Outcome, ParamValues, Scene, SetError, Value};
 use syntax::diagnostic::Diagnostic;
 
@@ -22,51 +22,51 @@ use crate::style::TextColours;
 pub(crate) struct LoadedProgram {
     /// The text.
     pub(crate) source: SourceText,
-    program: Box<dyn Program>,
     scene: Arc<Scene>,
+    scope: Box<dyn Scope>,
 }
 
-/// Reads a program that may have errors. There is no program, only a diagnostic, if the file is not UTF-8.
+/// Reads and compiles a program that may have errors. A file that is not UTF-8 compiles as an empty program with one
+/// error.
 ///
 /// # Errors
 /// [`Failure::Unreadable`], and those of [`Context::language`].
-pub(crate) fn read(
-    context: &Context,
-    path: &Path,
-) -> Result<(SourceText, Option<Box<dyn Program>>, Arc<[Diagnostic]>), Failure> {
+pub(crate) fn compile(context: &Context, path: &Path) -> Result<(SourceText, Compiled), Failure> {
     let language = context.language(path)?;
     let source = SourceText::read(path)?;
+    let text = match source.undecodable {
+        Some(_) => "",
+        None => &source.text,
+    };
+    let compiled = language.compile(text);
+    let mut compiled = compiled.map_err(|error| Failure::Unreadable {
+        file: source.name.clone(),
+        reason: error.to_string(),
+    })?;
     if let Some(diagnostic) = &source.undecodable {
-        let diagnostics = Arc::new([diagnostic.clone()]);
-        return Ok((source, None, diagnostics));
+        compiled.diagnostics = vec![diagnostic.clone()];
+        compiled.scene = None;
     }
-    let program = language
-        .open(&source.text)
-        .map_err(|error| Failure::Unreadable {
-            file: source.name.clone(),
-            reason: error.to_string(),
-        })?;
-    let diagnostics = program.diagnostics();
-    Ok((source, Some(program), diagnostics))
+    Ok((source, compiled))
 }
 
 impl LoadedProgram {
-    /// Reads a program. Its warnings go to standard error; its errors too, and in JSON to standard output.
+    /// Reads and compiles a program. Its warnings go to standard error; its errors too, and in JSON to standard output.
     ///
     /// # Errors
-    /// Those of [`read`], [`Failure::ProgramHasErrors`], and [`Failure::Input`] if the language makes no scene of the text.
+    /// Those of [`compile`], [`Failure::ProgramHasErrors`], and [`Failure::Input`] if the language makes no scene of the
+    /// text.
     pub(crate) fn load(context: &Context, path: &Path, format: Format) -> Result<Self, Failure> {
-        let (source, program, diagnostics) = read(context, path)?;
-        report_diagnostics(&source, &diagnostics, format)?;
-        let program = program.ok_or(Failure::ProgramHasErrors)?;
-        let scene = program.scene().scene.ok_or_else(|| Failure::Input {
+        let (source, compiled) = compile(context, path)?;
+        report_diagnostics(&source, &compiled.diagnostics, format)?;
+        let scene = compiled.scene.ok_or_else(|| Failure::Input {
             message: format!("`{}` has no scene", source.name),
             hint: None,
         })?;
         Ok(Self {
             source,
-            program,
             scene,
+            scope: compiled.scope,
         })
     }
 
@@ -84,7 +84,7 @@ impl LoadedProgram {
         expression: &str,
         settings: &ParamValues,
     ) -> Result<Evaluation, Vec<Diagnostic>> {
-        self.program.evaluate(expression, settings)
+        self.scope.evaluate(expression, settings)
     }
 
     /// The first instance of a surface or a metric, ready for geodesics.

@@ -32,7 +32,7 @@ pub mod signature;
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
-use scene::geotrace::Document;
+use scene::geotrace::{Compilation, Document};
 use scene::{Evaluation, ParamValues, ProgramScene};
 use syntax::diagnostic::Diagnostic;
 use syntax::geotrace::highlight::highlight;
@@ -47,7 +47,7 @@ use crate::edit::Edit;
 use crate::edit_param::EditParamError;
 use crate::highlight::{Highlight, HighlightKind};
 use crate::hint::Hint;
-use crate::language::{Analysis, EditError, Language, Program};
+use crate::language::{Analysis, Compiled, EditError, Language, Program, Scope};
 use crate::lens::Lens;
 use crate::occurrence::Occurrence;
 use crate::outline::{Fold, OutlineEntry};
@@ -71,6 +71,20 @@ pub struct GeotraceProgram {
     diagnostics: OnceLock<Arc<[Diagnostic]>>,
 }
 
+/// The scope of a program that was compiled once.
+#[derive(Debug)]
+struct CompilationScope(Compilation);
+
+impl Scope for CompilationScope {
+    fn evaluate(
+        &self,
+        expression: &str,
+        settings: &ParamValues,
+    ) -> Result<Evaluation, Vec<Diagnostic>> {
+        self.0.evaluate(expression, settings)
+    }
+}
+
 impl Language for Geotrace {
     fn name(&self) -> &'static str {
         NAME
@@ -85,6 +99,16 @@ impl Language for Geotrace {
             document: Document::new(text)?,
             diagnostics: OnceLock::new(),
         }))
+    }
+
+    // Keeps no structure for edits, which would take several times the memory.
+    fn compile(&self, text: &str) -> Result<Compiled, EditError> {
+        let mut compilation = scene::geotrace::compile(text);
+        Ok(Compiled {
+            diagnostics: std::mem::take(&mut compilation.diagnostics),
+            scene: compilation.scene.take().map(Arc::new),
+            scope: Box::new(CompilationScope(compilation)),
+        })
     }
 
     // Reads the tokens only: nothing is checked before a feature needs it.

@@ -13,8 +13,8 @@ use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use scene::{Evaluation, ParamValues, ProgramScene};
-use syntax::diagnostic::{Code, Diagnostic};
+use scene::{Evaluation, ParamValues, ProgramScene, Scene};
+use syntax::diagnostic::{Code, Diagnostic, Severity};
 pub use syntax::document::EditError;
 use syntax::span::Span;
 
@@ -47,6 +47,26 @@ pub trait Language: Debug + Send + Sync {
     /// [`EditError::TooLarge`] if the text has 4 GiB or more.
     fn open(&self, text: &str) -> Result<Box<dyn Program>, EditError>;
 
+    /// Compiles a text once, for a command that does not edit it. A language may do that with less memory than
+    /// [`Language::open`], which keeps what an edit needs.
+    ///
+    /// # Errors
+    /// Those of [`Language::open`].
+    fn compile(&self, text: &str) -> Result<Compiled, EditError> {
+        let program = self.open(text)?;
+        let diagnostics = program.diagnostics().to_vec();
+        let is_error = |found: &Diagnostic| found.severity == Severity::Error;
+        let scene = match diagnostics.iter().any(is_error) {
+            true => None,
+            false => program.scene().scene,
+        };
+        Ok(Compiled {
+            diagnostics,
+            scene,
+            scope: Box::new(ProgramScope(program)),
+        })
+    }
+
     /// Analyses a text that will not be edited. A text that is too large is analysed as an empty one.
     fn read(&self, text: &str) -> Arc<dyn Analysis> {
         match self.open(text).or_else(|_| self.open("")) {
@@ -61,6 +81,44 @@ pub trait Language: Debug + Send + Sync {
         let analysis = self.read(text);
         let tokens = analysis.semantic_tokens(Span::new(0, analysis.text().len()));
         highlight::from_tokens(&tokens)
+    }
+}
+
+/// A text that was compiled once.
+#[derive(Debug)]
+pub struct Compiled {
+    /// Everything that is wrong or surprising, sorted by place.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The scene; `None` if one of the diagnostics is an error.
+    pub scene: Option<Arc<Scene>>,
+    /// The scope at the end of the program.
+    pub scope: Box<dyn Scope>,
+}
+
+/// The names that an expression at the end of a program can use.
+pub trait Scope: Debug {
+    /// Returns the value of an expression.
+    ///
+    /// # Errors
+    /// The diagnostics of the expression, with spans in `expression`.
+    fn evaluate(
+        &self,
+        expression: &str,
+        settings: &ParamValues,
+    ) -> Result<Evaluation, Vec<Diagnostic>>;
+}
+
+/// The scope of a program that was opened.
+#[derive(Debug)]
+struct ProgramScope(Box<dyn Program>);
+
+impl Scope for ProgramScope {
+    fn evaluate(
+        &self,
+        expression: &str,
+        settings: &ParamValues,
+    ) -> Result<Evaluation, Vec<Diagnostic>> {
+        self.0.evaluate(expression, settings)
     }
 }
 

@@ -51,7 +51,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     // A reader that has closed the stream does not change the exit status.
     let mut printed = Ok(());
     for file in &arguments.files {
-        let (source, _, diagnostics) = match program::read(context, file) {
+        let (source, compiled) = match program::compile(context, file) {
             Ok(compiled) => compiled,
             Err(failure) => {
                 // The other files are checked nevertheless; the last such failure ends the run.
@@ -62,15 +62,15 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             }
         };
         checked += 1;
-        counts = counts.plus(SeverityCounts::count(&diagnostics));
+        counts = counts.plus(SeverityCounts::count(&compiled.diagnostics));
         match arguments.format {
             Format::Human => {
-                let text = report::text(&source, &diagnostics, colours);
+                let text = report::text(&source, &compiled.diagnostics, colours);
                 if !text.is_empty() && printed.is_ok() {
                     printed = output::print(&text);
                 }
             }
-            Format::Json => document.add(&source, &diagnostics),
+            Format::Json => document.add(&source, &compiled.diagnostics),
         }
     }
     match arguments.format {
