@@ -9,6 +9,8 @@ use tokio::net::tcp::{OwnedReadHalf, OwnedWriteHalf};
 use tokio::net::{TcpListener, TcpStream};
 use tokio::time::timeout;
 
+/// The version of the messages.
+pub const VERSION: u32 = 2;
 /// Nothing takes longer, whatever else the machine does.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -25,6 +27,8 @@ pub struct Window {
     pub pid: u32,
     lines: Lines<BufReader<OwnedReadHalf>>,
     writer: OwnedWriteHalf,
+    /// The last text, with the edits since then.
+    text: Value,
 }
 
 impl Windows {
@@ -64,6 +68,7 @@ impl Window {
             pid: 0,
             lines: BufReader::new(reader).lines(),
             writer,
+            text: Value::Null,
         };
         let line = window.line().await.expect("it says who it is");
         window.pid = line
@@ -82,19 +87,42 @@ impl Window {
     /// What the server tells it next; `None` when the server tells nothing more or the process has ended.
     pub async fn hear(&mut self) -> Option<Value> {
         let line = self.line().await?;
-        let told = line.strip_prefix("in ")?;
-        Some(serde_json::from_str(told).expect("JSON"))
+        let told: Value = serde_json::from_str(line.strip_prefix("in ")?).expect("JSON");
+        match told["type"].as_str() {
+            Some("text") => self.text = told.clone(),
+            Some("edit") => self.edit(&told),
+            _ => {}
+        }
+        Some(told)
     }
 
-    /// What the server tells it next of this type; others are passed by.
+    /// What the server tells it next of this type; others are passed by. A text may come as an edit of the one before: it
+    /// is returned whole.
     pub async fn hear_of(&mut self, kind: &str) -> Value {
         loop {
             let told = self.hear().await;
             let told = told.unwrap_or_else(|| panic!("the server ended before a {kind} came"));
+            if kind == "text" && told["type"] == "edit" {
+                return self.text.clone();
+            }
             if told["type"] == kind {
                 return told;
             }
         }
+    }
+
+    /// Applies an edit to the text.
+    fn edit(&mut self, told: &Value) {
+        assert_eq!(told["base"], self.text["version"], "it applies to the text");
+        let mut text = self.text["text"].as_str().expect("a text").to_owned();
+        let changes = told["changes"].as_array().expect("changes").iter();
+        for change in changes.rev() {
+            let [start, end] = [0, 1].map(|k| change["range"][k].as_u64().expect("an offset"));
+            let new = change["text"].as_str().expect("a text");
+            text.replace_range(start as usize..end as usize, new);
+        }
+        self.text["version"] = told["version"].clone();
+        self.text["text"] = json!(text);
     }
 
     /// Whether it is told nothing for a while.
@@ -151,11 +179,11 @@ impl Window {
 
     /// Shakes hands: each side says its version.
     pub async fn greet(&mut self) {
-        self.greet_as(1).await;
+        self.greet_as(VERSION).await;
         let told = self.hear().await.expect("a greeting");
         assert_eq!(
             (&told["type"], &told["protocol"]),
-            (&json!("hello"), &json!(1))
+            (&json!("hello"), &json!(VERSION))
         );
     }
 

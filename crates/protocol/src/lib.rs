@@ -7,12 +7,18 @@
 //!
 //! Each side says [`Hello`] first. A side that does not understand the other's version says so in a sentence for the
 //! user and ends the conversation ([`handshake`]). Places in a text are byte offsets into its UTF-8, of the version that
-//! is named. Lines are read and written by [`line`](mod@line); what waits to be said keeps in a [`mailbox`], where the
-//! latest text wins. A line that is no message is passed by: a driver may print what it likes.
+//! is named. Lines are read and written by [`line`](mod@line); commands wait in a [`mailbox`], where the latest text wins.
+//! A line that is no message is passed by: a driver may print what it likes.
+//!
+//! The text comes whole once; then come edits, each with the version that it applies to. Edits that wait are composed into
+//! one ([`changes`]), or the whole text is sent, where that is shorter. A window that does not have the version that an
+//! edit applies to asks for the text by [`Event::TextWanted`] ([`follower`]).
 //!
 //! The window closes by [`Command::Close`]: its document has been closed, or the editor has gone. If the commands just end,
 //! the server is gone, and the window keeps its picture and says so.
 
+pub mod changes;
+pub mod follower;
 pub mod handshake;
 pub mod line;
 pub mod mailbox;
@@ -22,8 +28,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::changes::Changes;
+
 /// The version of the messages. Raised whenever a message changes its meaning.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// What each side says first.
 #[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
@@ -50,8 +58,17 @@ pub enum Command {
         /// A number for this text, greater than those of all texts before: the editor's, unless that counts anew when it
         /// reads the document anew.
         version: i32,
-        /// All of it; shared, since the server keeps it until the window speaks of it no more.
+        /// All of it.
         text: Arc<str>,
+    },
+    /// An edit of the document's text. One that follows an edit which has not been read yet is composed with it.
+    Edit {
+        /// The version of the text after the edit; greater than those of all texts before.
+        version: i32,
+        /// The version of the text before the edit. A window that does not have it asks for the text.
+        base: i32,
+        /// The changes, in places of the text before the edit.
+        changes: Changes,
     },
     /// A view is to be seen: opened if it is not, and brought to the front.
     Show {
@@ -69,18 +86,37 @@ pub enum Command {
     Close,
 }
 
-/// A view of a scene.
+/// A view of a scene. Which views there are is the window's business.
 #[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
-#[serde(tag = "view", rename_all = "camelCase")]
-pub enum View {
-    /// All objects in space.
-    #[serde(rename = "3d")]
-    Space,
-    /// What a being inside a surface sees.
-    Geodesic {
-        /// The surface's name.
-        surface: String,
-    },
+pub struct View {
+    /// The name of the view: `3d`, `geodesic`.
+    pub view: String,
+    /// The name of the object that the view is of, where it is of one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surface: Option<String>,
+}
+
+impl View {
+    /// The name of the view of the whole scene in space, which every window has.
+    pub const SPACE: &'static str = "3d";
+
+    /// A view of the whole scene.
+    #[must_use]
+    pub fn of_scene(view: impl Into<String>) -> Self {
+        Self {
+            view: view.into(),
+            surface: None,
+        }
+    }
+
+    /// A view of one object.
+    #[must_use]
+    pub fn of_object(view: impl Into<String>, object: impl Into<String>) -> Self {
+        Self {
+            view: view.into(),
+            surface: Some(object.into()),
+        }
+    }
 }
 
 /// What a window tells the server.
@@ -132,6 +168,8 @@ pub enum Event {
         /// The sentence.
         text: String,
     },
+    /// The window lacks the text that an edit applies to: the server sends the whole text.
+    TextWanted,
     /// The window is closing, by the user's hand.
     Closed,
 }

@@ -193,6 +193,7 @@ mod tests {
     use std::io::{BufReader, Read};
 
     use super::{LONGEST, ReadError, Reader, WriteError, write};
+    use crate::changes::Changes;
     use crate::{Command, Event, Hello, View};
 
     fn read(bytes: &[u8]) -> Vec<Result<Option<Event>, ReadError>> {
@@ -220,14 +221,17 @@ mod tests {
                 version: -3,
                 text: "# é 𝛼\r\ndefine a = \"\\\";\n\u{2028}".into(),
             },
+            Command::Edit {
+                version: -2,
+                base: -3,
+                changes: Changes::one([2, 4], "\u{2028}"),
+            },
             Command::Show { view: None },
             Command::Show {
-                view: Some(View::Space),
+                view: Some(View::of_scene(View::SPACE)),
             },
             Command::Show {
-                view: Some(View::Geodesic {
-                    surface: "s".to_owned(),
-                }),
+                view: Some(View::of_object("geodesic", "s")),
             },
             Command::Cursor {
                 version: 1,
@@ -239,7 +243,7 @@ mod tests {
         for command in &commands {
             write(&mut bytes, command).expect("memory takes it");
         }
-        assert_eq!(bytes.iter().filter(|b| **b == b'\n').count(), 7);
+        assert_eq!(bytes.iter().filter(|b| **b == b'\n').count(), 8);
         let mut reader = Reader::new(BufReader::with_capacity(5, &bytes[..]));
         for command in commands {
             assert_eq!(reader.read().expect("a message"), Some(command));
@@ -270,6 +274,7 @@ mod tests {
                 error: true,
                 text: "no".to_owned(),
             },
+            Event::TextWanted,
             Event::Closed,
         ];
         let mut bytes = Vec::new();

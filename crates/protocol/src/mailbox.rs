@@ -10,8 +10,9 @@ const MOST_VIEWS: usize = 32;
 
 /// Commands between a thread that must not wait and one that writes (or reads) a pipe.
 ///
-/// A text takes the place of one that still waits, and the cursors in that are dropped with it; a cursor takes the place
-/// of a cursor, and a view is asked for once. Else the order stays.
+/// A text takes the place of one that still waits, and of the edits of it; an edit is composed with one that still waits.
+/// Cursors in texts that have been overtaken are dropped. A cursor takes the place of a cursor, and a view is asked for
+/// once. Else the order stays.
 #[derive(Debug, Default)]
 pub struct Mailbox {
     state: Mutex<State>,
@@ -31,18 +32,29 @@ impl Mailbox {
         Self::default()
     }
 
-    /// Puts a command in, without waiting; the text that it has taken the place of, if one still waited. In a mailbox
-    /// that is closed it is dropped. Behind [`Command::Close`] nothing is worth telling: it closes the mailbox, and of
-    /// what waits only the greeting is still told.
-    pub fn put(&self, command: Command) -> Option<Command> {
+    /// Puts a command in, without waiting; returns the versions of the texts that will not be read because it has taken
+    /// their place. In a mailbox that is closed it is dropped. Behind [`Command::Close`] nothing is worth telling: it
+    /// closes the mailbox, and of what waits only the greeting is still told.
+    pub fn put(&self, command: Command) -> Vec<i32> {
         let mut state = self.lock();
         if state.closed {
-            return None;
+            return Vec::new();
         }
         let superseded = state.put(command);
         drop(state);
         self.news.notify_one();
         superseded
+    }
+
+    /// The length in a message, about, of the edits that wait; 0 if none do.
+    #[must_use]
+    pub fn waiting_edits(&self) -> usize {
+        let state = self.lock();
+        let edits = state.waiting.iter().filter_map(|waiting| match waiting {
+            Command::Edit { changes, .. } => Some(changes.weight()),
+            _ => None,
+        });
+        edits.sum()
     }
 
     /// Waits for the next command; `None` when the mailbox is closed and empty.
@@ -99,23 +111,51 @@ impl Mailbox {
 }
 
 impl State {
-    fn put(&mut self, command: Command) -> Option<Command> {
+    fn put(&mut self, command: Command) -> Vec<i32> {
         match &command {
             Command::Text { .. } => {
-                self.waiting
-                    .retain(|waiting| !matches!(waiting, Command::Cursor { .. }));
-                let old = self
-                    .waiting
-                    .iter_mut()
-                    .find(|waiting| matches!(waiting, Command::Text { .. }));
-                if let Some(old) = old {
-                    // It stays before the views that may be those of its surfaces.
-                    return Some(std::mem::replace(old, command));
+                let overtaken = self.waiting.iter().filter_map(version).collect();
+                // It stays before the views that may be those of its surfaces.
+                let place = self.waiting.iter().position(|it| version(it).is_some());
+                let place = place.unwrap_or(self.waiting.len());
+                self.waiting.insert(place, command);
+                let mut index = 0;
+                self.waiting.retain(|waiting| {
+                    index += 1;
+                    let is_cursor = matches!(waiting, Command::Cursor { .. });
+                    index == place + 1 || version(waiting).is_none() && !is_cursor
+                });
+                return overtaken;
+            }
+            Command::Edit {
+                version: next,
+                base,
+                changes,
+            } => {
+                let (next, base) = (*next, *base);
+                for waiting in &mut self.waiting {
+                    if let Command::Edit {
+                        version,
+                        changes: first,
+                        ..
+                    } = waiting
+                        && *version == base
+                    {
+                        *first = first.then(changes);
+                        *version = next;
+                        self.drop_cursors();
+                        return vec![base];
+                    }
+                }
+                self.drop_cursors();
+                // Behind the text that it applies to, before the views that may be those of its surfaces.
+                let text = self.waiting.iter().position(|it| version(it) == Some(base));
+                if let Some(text) = text {
+                    self.waiting.insert(text + 1, command);
+                    return Vec::new();
                 }
             }
-            Command::Cursor { .. } => self
-                .waiting
-                .retain(|waiting| !matches!(waiting, Command::Cursor { .. })),
+            Command::Cursor { .. } => self.drop_cursors(),
             Command::Show { .. } => {
                 self.waiting.retain(|waiting| *waiting != command);
                 let is_view = |waiting: &Command| matches!(waiting, Command::Show { .. });
@@ -133,7 +173,20 @@ impl State {
             Command::Hello(_) => {}
         }
         self.waiting.push_back(command);
-        None
+        Vec::new()
+    }
+
+    fn drop_cursors(&mut self) {
+        self.waiting
+            .retain(|waiting| !matches!(waiting, Command::Cursor { .. }));
+    }
+}
+
+/// The version of the text that a command leads to.
+fn version(command: &Command) -> Option<i32> {
+    match command {
+        Command::Text { version, .. } | Command::Edit { version, .. } => Some(*version),
+        _ => None,
     }
 }
 
@@ -142,6 +195,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::{MOST_VIEWS, Mailbox};
+    use crate::changes::Changes;
     use crate::{Command, Hello, View};
 
     fn text(version: i32) -> Command {
@@ -153,14 +207,22 @@ mod tests {
         }
     }
 
+    /// An edit that writes its version before the text.
+    fn edit(base: i32, version: i32) -> Command {
+        Command::Edit {
+            version,
+            base,
+            changes: Changes::one([0, 0], version.to_string()),
+        }
+    }
+
     fn cursor(version: i32, offset: u32) -> Command {
         Command::Cursor { version, offset }
     }
 
     fn show(surface: &str) -> Command {
-        let surface = surface.to_owned();
         Command::Show {
-            view: Some(View::Geodesic { surface }),
+            view: Some(View::of_object("geodesic", surface)),
         }
     }
 
@@ -172,11 +234,11 @@ mod tests {
     fn the_latest_text_takes_the_place_of_those_that_wait_and_the_rest_keeps_its_order() {
         let mailbox = Mailbox::new();
         let hello = Command::Hello(Hello::own());
-        assert_eq!(mailbox.put(hello.clone()), None);
-        assert_eq!(mailbox.put(text(1)), None);
+        assert!(mailbox.put(hello.clone()).is_empty());
+        assert!(mailbox.put(text(1)).is_empty());
         mailbox.put(show("s"));
         mailbox.put(cursor(1, 3));
-        assert_eq!(mailbox.put(text(2)), Some(text(1)));
+        assert_eq!(mailbox.put(text(2)), [1]);
         mailbox.put(cursor(2, 4));
         mailbox.put(show("t"));
         mailbox.put(cursor(2, 5));
@@ -186,9 +248,40 @@ mod tests {
             [hello, text(2), show("t"), cursor(2, 5), show("s")]
         );
         // What has been taken is not superseded.
-        assert_eq!(mailbox.put(text(3)), None);
+        assert!(mailbox.put(text(3)).is_empty());
         assert_eq!(mailbox.take(), Some(text(3)));
-        assert_eq!(mailbox.put(text(4)), None);
+        assert!(mailbox.put(text(4)).is_empty());
+    }
+
+    #[test]
+    fn edits_that_wait_are_one_and_a_text_takes_the_place_of_all() {
+        let mailbox = Mailbox::new();
+        mailbox.put(text(1));
+        mailbox.put(show("s"));
+        mailbox.put(cursor(1, 3));
+        assert!(mailbox.put(edit(1, 2)).is_empty());
+        mailbox.put(cursor(2, 4));
+        assert_eq!(mailbox.put(edit(2, 3)), [2]);
+        assert_eq!(mailbox.put(edit(3, 7)), [3]);
+        mailbox.put(cursor(7, 5));
+        let composed = Command::Edit {
+            version: 7,
+            base: 1,
+            changes: Changes::one([0, 0], "732"),
+        };
+        assert_eq!(all(&mailbox), [text(1), composed, show("s"), cursor(7, 5)]);
+        assert!(mailbox.put(edit(7, 8)).is_empty());
+        assert_eq!(mailbox.waiting_edits(), 33);
+        mailbox.put(show("t"));
+        assert_eq!(mailbox.put(text(9)), [8]);
+        assert_eq!(mailbox.waiting_edits(), 0);
+        assert!(mailbox.put(edit(9, 10)).is_empty());
+        assert_eq!(mailbox.put(text(11)), [9, 10]);
+        assert_eq!(all(&mailbox), [text(11), show("t")]);
+        // An edit of a text that was never put is not composed with others.
+        mailbox.put(edit(20, 21));
+        mailbox.put(edit(30, 31));
+        assert_eq!(all(&mailbox), [edit(20, 21), edit(30, 31)]);
     }
 
     #[test]

@@ -11,6 +11,7 @@ use std::sync::{Arc, OnceLock};
 use ide::language::EditError;
 use ide::text::Text;
 use ide::{Analysis, Language, Languages, Program};
+use protocol::changes::Changes;
 use syntax::diagnostic::Diagnostic;
 use syntax::span::Span;
 
@@ -162,6 +163,8 @@ pub(crate) struct Open {
     program: Box<dyn Program>,
     lines: Option<Arc<Lines>>,
     snapshot: OnceLock<Arc<Snapshot>>,
+    /// The changes that led to this version, if they were asked for.
+    changes: Changes,
 }
 
 impl Documents {
@@ -205,11 +208,13 @@ impl Documents {
             program,
             lines: own_lines(text),
             snapshot: OnceLock::new(),
+            changes: Changes::default(),
         };
         Ok(self.open.entry(uri.to_owned()).or_insert(opened))
     }
 
-    /// Applies changes in their order; `None` for a document that is not open.
+    /// Applies changes in their order; `None` for a document that is not open. If they are `recorded`, the document
+    /// returns them as [`Open::changes`].
     ///
     /// # Errors
     /// Where a text would be too large; the changes before it have been made.
@@ -218,15 +223,17 @@ impl Documents {
         uri: &str,
         version: i32,
         changes: Vec<Change>,
+        recorded: bool,
     ) -> Option<Result<&Open, EditError>> {
         let open = self.open.get_mut(uri)?;
         self.revision += 1;
         open.version = version;
         open.revision = self.revision;
         open.snapshot = OnceLock::new();
+        open.changes = Changes::default();
         let made = changes
             .into_iter()
-            .try_for_each(|change| open.apply(&change));
+            .try_for_each(|change| open.apply(&change, recorded));
         Some(made.map(|()| &*open))
     }
 
@@ -275,7 +282,17 @@ impl Open {
         self.program.diagnostics()
     }
 
-    fn apply(&mut self, change: &Change) -> Result<(), EditError> {
+    /// The text as it is now.
+    pub(crate) fn text(&self) -> &dyn Text {
+        self.program.text()
+    }
+
+    /// The changes that led to this version, where they were recorded.
+    pub(crate) fn changes(&self) -> &Changes {
+        &self.changes
+    }
+
+    fn apply(&mut self, change: &Change, recorded: bool) -> Result<(), EditError> {
         let text = self.program.text();
         let span = match change.range {
             None => Span::new(0, text.len()),
@@ -284,7 +301,16 @@ impl Open {
                 Span::new(start.min(end), start.max(end))
             }
         };
+        let made = match (recorded, change.range) {
+            (false, _) => None,
+            (true, Some(_)) => Some(Changes::one([span.start, span.end], change.text.as_str())),
+            // Most of the text may be the same.
+            (true, None) => Some(Changes::between(&text.string(), &change.text)),
+        };
         self.program.edit(span, &change.text)?;
+        if let Some(made) = made {
+            self.changes = self.changes.then(&made);
+        }
         if self.lines.is_some() || change.text.contains('\r') {
             // Rare: a text with carriage returns. It is gone through once for each change.
             self.lines = Some(Arc::new(Lines::new(&self.program.text().string())));
@@ -356,10 +382,12 @@ mod tests {
                         range: Some(ends),
                         text: new.to_owned(),
                     };
-                    let open = documents.change("a", version, vec![change]);
+                    let open = documents.change("a", version, vec![change], true);
                     let open = open.expect("open").expect("small");
                     let snapshot = open.snapshot();
                     assert_eq!(snapshot.text().string(), text);
+                    let edited = open.changes().apply(&before.text().string());
+                    assert_eq!(edited.as_ref(), Some(&text));
                     let lines = Lines::new(&text);
                     for offset in (0..=text.len()).filter(|&k| text.is_char_boundary(k)) {
                         let span = Span::new(offset as u32, text.len() as u32);

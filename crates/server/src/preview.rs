@@ -18,12 +18,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
+use protocol::changes::Changes;
 use protocol::{Command, Hello, View};
 use tokio::sync::mpsc::Receiver;
 
-use crate::documents::Snapshot;
+use crate::documents::{Open, Snapshot};
 pub(crate) use process::{Gone, Heard, Process};
-pub(crate) use sent::{Sent, moved};
+pub(crate) use sent::SentVersions;
 
 /// The command that opens a preview: its arguments are a document's URI and, perhaps, `{"view": "3d"}` or
 /// `{"view": "geodesic", "surface": NAME}`.
@@ -78,8 +79,10 @@ pub(crate) struct Preview {
     id: u64,
     path: Option<String>,
     process: Arc<Process>,
-    /// The texts that the window may speak of.
-    pub(crate) sent: Sent,
+    /// The versions of the text that the window may speak of.
+    pub(crate) sent: SentVersions,
+    /// The text as it was when the document was closed, until it is opened again.
+    closed_text: Option<String>,
     /// The params' values in the window, by name.
     pub(crate) live: BTreeMap<String, Vec<f64>>,
     /// The number of a text, and the place in it.
@@ -140,14 +143,15 @@ impl Previews {
             id: self.counter,
             path,
             process: process.clone(),
-            sent: Sent::default(),
+            sent: SentVersions::default(),
+            closed_text: None,
             live: BTreeMap::new(),
             cursor: None,
             left: None,
         };
         process.tell(Command::Hello(Hello::own()));
         self.open.insert(snapshot.uri.clone(), preview);
-        self.text(snapshot);
+        self.text(&snapshot.uri, snapshot.version, snapshot.text().string());
         // Without a view that is named the window opens as it was left.
         if view.is_some() {
             process.tell(Command::Show { view });
@@ -162,22 +166,53 @@ impl Previews {
         })
     }
 
-    /// Tells a document's window, if it has one, the text.
-    pub(crate) fn text(&mut self, snapshot: &Snapshot) {
-        let Some(preview) = self.open.get_mut(&snapshot.uri) else {
+    /// Sends the whole text to a document's window, if it has one.
+    pub(crate) fn text(&mut self, uri: &str, version: i32, text: String) {
+        let Some(preview) = self.open.get_mut(uri) else {
             return;
         };
         preview.left = None;
-        let text: Arc<str> = snapshot.text().string().into();
-        let number = preview.sent.put(snapshot.version, text.clone());
-        let command = Command::Text {
-            uri: snapshot.uri.clone(),
-            path: preview.path.clone(),
-            version: number,
-            text,
+        let changes = preview.closed_text.take();
+        let changes = changes.map(|old| Changes::between(&old, &text));
+        let number = preview.sent.put(version, changes.as_ref());
+        preview.tell_text(uri, number, text);
+    }
+
+    /// Sends an edit to a document's window, if it has one; the whole text, where that is shorter than the edits that the
+    /// window has not read yet.
+    pub(crate) fn edit(&mut self, uri: &str, open: &Open, changes: &Changes) {
+        let Some(preview) = self.open.get_mut(uri) else {
+            return;
         };
-        if let Some(Command::Text { version, .. }) = preview.process.tell(command) {
-            preview.sent.never_read(version);
+        let base = preview.sent.last();
+        let number = preview.sent.put(open.version, Some(changes));
+        let length = changes.weight() + preview.process.waiting_edits();
+        match base {
+            Some(base) if length < open.text().len() as usize => {
+                let overtaken = preview.process.tell(Command::Edit {
+                    version: number,
+                    base,
+                    changes: changes.clone(),
+                });
+                preview.never_read(&overtaken);
+            }
+            _ => preview.tell_text(uri, number, open.text().string()),
+        }
+    }
+
+    /// Keeps the text of a document that is closed or read anew, to find the places in it again.
+    pub(crate) fn keep_text(&mut self, uri: &str, open: &Open) {
+        if let Some(preview) = self.open.get_mut(uri) {
+            preview.closed_text = Some(open.text().string());
+        }
+    }
+
+    /// Sends the whole text once more to a window that lacks it.
+    pub(crate) fn resend(&mut self, uri: &str, id: u64, open: &Open) {
+        if let Some(preview) = self.of(uri, id)
+            && let Some(number) = preview.sent.last()
+        {
+            preview.tell_text(uri, number, open.text().string());
         }
     }
 
@@ -254,5 +289,24 @@ impl Previews {
     pub(crate) fn live(&self, uri: &str) -> Option<&BTreeMap<String, Vec<f64>>> {
         let preview = self.open.get(uri)?;
         (!preview.live.is_empty()).then_some(&preview.live)
+    }
+}
+
+impl Preview {
+    fn tell_text(&mut self, uri: &str, number: i32, text: String) {
+        let overtaken = self.process.tell(Command::Text {
+            uri: uri.to_owned(),
+            path: self.path.clone(),
+            version: number,
+            text: text.into(),
+        });
+        self.never_read(&overtaken);
+    }
+
+    /// Versions will not be read because a later one has taken their place in the mailbox.
+    fn never_read(&mut self, numbers: &[i32]) {
+        for number in numbers {
+            self.sent.never_read(*number);
+        }
     }
 }

@@ -75,12 +75,26 @@ impl Session {
         }
     }
 
-    /// Tells a document's window, if it has one, the text as it is now.
-    pub(crate) fn preview(&mut self, uri: &str) {
+    /// Sends the text as it is now to a document's window, if it has one.
+    pub(crate) fn preview_text(&mut self, uri: &str) {
         if self.previews.has(uri)
             && let Some(open) = self.documents.get(uri)
         {
-            self.previews.text(&open.snapshot());
+            self.previews.text(uri, open.version, open.text().string());
+        }
+    }
+
+    /// Sends the last changes to a document's window, if it has one.
+    pub(crate) fn preview_edit(&mut self, uri: &str) {
+        if let Some(open) = self.documents.get(uri) {
+            self.previews.edit(uri, open, open.changes());
+        }
+    }
+
+    /// Keeps the text of a document that has a window, before it is closed or read anew.
+    pub(crate) fn keep_text(&mut self, uri: &str) {
+        if let Some(open) = self.documents.get(uri) {
+            self.previews.keep_text(uri, open);
         }
     }
 

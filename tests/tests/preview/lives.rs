@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use testing::editor::{Editor, PLACES, Place};
-use testing::window::{Windows, kill};
+use testing::window::{VERSION, Windows, kill};
 
 use super::{
     FAKE, OTHER, PROGRAM, URI, capabilities, command, insert, message, messages, previewed, started,
@@ -250,7 +250,7 @@ async fn a_window_that_does_not_listen_is_ended_with_its_editor() {
         editor.open(URI, &"# filling\n".repeat(20_000)).await;
         command(&mut editor, URI, Value::Null).await;
         let mut window = windows.next().await;
-        window.greet_as(1).await;
+        window.greet_as(VERSION).await;
         if says_goodbye {
             assert_eq!(editor.quit().await, 0);
         } else {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use testing::editor::{Editor, PLACES, Place};
-use testing::window::Windows;
+use testing::window::{VERSION, Windows};
 
 use super::{
     FAKE, OTHER, PROGRAM, URI, at, capabilities, close, command, insert, message, messages,
@@ -31,12 +31,13 @@ async fn a_window_is_told_the_text_and_every_edit() {
         assert_eq!(told, wanted);
 
         editor.change(URI, 2, insert(1, 15, ".5")).await;
-        let told = window.hear().await.expect("the text");
-        let wanted = PROGRAM.replacen("1]", "1.5]", 1);
-        assert_eq!(
-            (&told["version"], &told["text"]),
-            (&json!(2), &json!(wanted))
-        );
+        let told = window.hear().await.expect("the edit");
+        let offset = PROGRAM.find("]").expect("it is there") as u32;
+        let wanted = json!({
+            "type": "edit", "version": 2, "base": 1,
+            "changes": [{ "range": [offset, offset], "text": ".5" }],
+        });
+        assert_eq!(told, wanted);
         // The whole text at once, as simple editors send it.
         editor.change(URI, 3, json!([{ "text": "#" }])).await;
         assert_eq!(window.hear().await.expect("the text")["text"], "#");
@@ -65,6 +66,35 @@ async fn a_window_is_told_the_text_and_every_edit() {
         assert_eq!(messages(&editor), Vec::<&Value>::new());
         assert_eq!(editor.quit().await, 0, "{place:?}");
     }
+}
+
+#[tokio::test]
+async fn a_window_that_lacks_a_text_is_told_it_once_more() {
+    let windows = Windows::new(FAKE, false).await;
+    let mut editor = started(Place::Here, "preview-gap", &windows).await;
+    let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
+    // Several changes at once, each in places of the text after the one before.
+    let mut changes = insert(0, 0, "#\n");
+    let more = [insert(1, 2, "é"), insert(0, 1, "!")];
+    let all = changes.as_array_mut().expect("changes");
+    all.extend(more.iter().map(|change| change[0].clone()));
+    editor.change(URI, 2, changes).await;
+    let told = window.hear().await.expect("the edit");
+    let wanted = json!([
+        { "range": [0, 0], "text": "#!\n" },
+        { "range": [2, 2], "text": "é" },
+    ]);
+    assert_eq!(told["changes"], wanted);
+    window.say(json!({ "type": "textWanted" })).await;
+    let told = window.hear().await.expect("the text");
+    let text = format!("#!\n{}", PROGRAM.replacen("# ", "# é", 1));
+    let wanted = json!({
+        "type": "text", "uri": URI, "path": "/a folder/a.gtr", "version": 2, "text": text,
+    });
+    assert_eq!(told, wanted);
+    editor.change(URI, 3, insert(0, 0, "#")).await;
+    assert_eq!(window.hear().await.expect("the edit")["base"], 2);
+    assert_eq!(editor.quit().await, 0);
 }
 
 #[tokio::test]
@@ -211,7 +241,7 @@ async fn of_many_edits_a_window_that_does_not_read_is_told_the_last() {
         editor.open(URI, &text).await;
         command(&mut editor, URI, Value::Null).await;
         let mut window = windows.next().await;
-        window.greet_as(1).await;
+        window.greet_as(VERSION).await;
         for version in 2..=EDITS {
             editor.change(URI, version, insert(0, 2, "x")).await;
         }

@@ -6,6 +6,7 @@
 use std::io::{BufReader, Read, Write};
 use std::sync::Arc;
 
+use protocol::follower::{Follower, Gap};
 use protocol::line::{self, ReadError};
 use protocol::{Command, Event, Hello, handshake};
 
@@ -123,7 +124,9 @@ fn read(
     let mut reader = line::Reader::<_, Command>::new(BufReader::new(input));
     let mut greeted = false;
     let mut document = None;
-    let mut last = None;
+    let mut follower = Follower::default();
+    let mut last: Option<i32> = None;
+    let mut text_now: Arc<str> = Arc::default();
     loop {
         let command = match reader.read() {
             Ok(Some(command)) => command,
@@ -170,8 +173,34 @@ fn read(
                     return;
                 }
             }
+            follower.text(version);
+            text_now = Arc::clone(&text);
             compile(version, text);
             last = Some(version);
+            continue;
+        }
+        if let Command::Edit {
+            version,
+            base,
+            changes,
+        } = &command
+        {
+            let edited = match follower.edit(*version, *base) {
+                Ok(()) => changes.apply(&text_now),
+                Err(Gap { ask: false }) => continue,
+                Err(Gap { ask: true }) => None,
+            };
+            match edited {
+                Some(edited) => {
+                    text_now = edited.into();
+                    compile(*version, Arc::clone(&text_now));
+                    last = Some(*version);
+                }
+                None => {
+                    follower.wait();
+                    outbox.say(Event::TextWanted);
+                }
+            }
             continue;
         }
         let event = match command {

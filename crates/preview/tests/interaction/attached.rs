@@ -65,9 +65,7 @@ impl Desk {
 
     fn show_inside(&mut self, surface: &str) {
         self.tell(&Command::Show {
-            view: Some(View::Geodesic {
-                surface: surface.to_owned(),
-            }),
+            view: Some(View::of_object("geodesic", surface)),
         });
     }
 

@@ -16,6 +16,7 @@ pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentP
         let mut session = server.session();
         session.pulled.remove(uri.as_str());
         session.tokens.remove(uri.as_str());
+        session.keep_text(uri.as_str());
         let documents = &mut session.documents;
         let opened = documents
             .open(
@@ -25,7 +26,7 @@ pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentP
                 &document.text,
             )
             .map(|open| Findings::of(open, &uri));
-        session.preview(uri.as_str());
+        session.preview_text(uri.as_str());
         // What an editor reads anew has its window already, which stays where it is.
         let opens = session.settings.preview_on_open && !session.previews.has(uri.as_str());
         (opened, opens)
@@ -50,14 +51,15 @@ pub(super) async fn did_change(server: &Backend, params: lsp::DidChangeTextDocum
     let (changed, pulled) = {
         let mut session = server.session();
         let pulled = session.pulled.contains(uri.as_str());
+        let previewed = session.previews.has(uri.as_str());
         let changed = session
             .documents
-            .change(uri.as_str(), version, changes.collect());
+            .change(uri.as_str(), version, changes.collect(), previewed);
         let changed = changed.map(|open| {
             // Who asks for what is wrong is not told unasked.
             open.map(|open| (!pulled).then(|| Findings::of(open, &uri)))
         });
-        session.preview(uri.as_str());
+        session.preview_edit(uri.as_str());
         (changed, pulled)
     };
     match changed {
@@ -71,6 +73,7 @@ pub(super) async fn did_close(server: &Backend, params: lsp::DidCloseTextDocumen
     let uri = params.text_document.uri;
     let left = {
         let mut session = server.session();
+        session.keep_text(uri.as_str());
         session.documents.close(uri.as_str());
         session.cursors.remove(uri.as_str());
         session.tokens.remove(uri.as_str());

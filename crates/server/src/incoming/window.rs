@@ -137,7 +137,11 @@ fn start(
     }
     let Some(program) = session.window.clone() else {
         let inside = match &view {
-            Some(View::Geodesic { surface }) => format!(" --view geodesic:{surface}"),
+            Some(View {
+                view,
+                surface: Some(surface),
+            }) => format!(" --view {view}:{surface}"),
+            Some(View { view, .. }) if view != View::SPACE => format!(" --view {view}"),
             _ => String::new(),
         };
         let file = name(uri);
@@ -368,6 +372,17 @@ impl Window {
                     lsp::MessageType::INFO
                 };
                 self.client.show_message(kind, text).await;
+            }
+            Event::TextWanted => {
+                let mut session = lock(&self.session);
+                let Session {
+                    documents,
+                    previews,
+                    ..
+                } = &mut *session;
+                if let Some(open) = documents.get(self.uri.as_str()) {
+                    previews.resend(self.uri.as_str(), self.id, open);
+                }
             }
             Event::Closed => {
                 let known = lock(&self.session)

@@ -99,14 +99,8 @@ pub(super) async fn execute_command(
         return Err(failed(ErrorCode::InvalidParams, message));
     };
     let view = arguments.next().unwrap_or_default();
-    let text = |key: &str| view.get(key).and_then(serde_json::Value::as_str);
-    let view = match (text("view"), text("surface")) {
-        (Some("geodesic"), Some(surface)) => Some(View::Geodesic {
-            surface: surface.to_owned(),
-        }),
-        (Some("3d"), _) => Some(View::Space),
-        _ => None,
-    };
+    // Which views there are is the window's business.
+    let view = serde_json::from_value::<View>(view).ok();
     let Ok(uri) = uri.parse::<lsp::Uri>() else {
         let message = format!("{uri} is not the URI of a document");
         return Err(failed(ErrorCode::InvalidParams, message));

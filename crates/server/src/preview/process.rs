@@ -101,9 +101,14 @@ impl Process {
         Ok((process, receiver))
     }
 
-    /// Has something told to the window, without waiting; the text that it has taken the place of.
-    pub(crate) fn tell(&self, command: Command) -> Option<Command> {
+    /// Has something told to the window, without waiting; returns the versions of the text that it has overtaken.
+    pub(crate) fn tell(&self, command: Command) -> Vec<i32> {
         self.mailbox.put(command)
+    }
+
+    /// The length in a message, about, of the edits that the window has not read yet.
+    pub(crate) fn waiting_edits(&self) -> usize {
+        self.mailbox.waiting_edits()
     }
 
     /// Has the window close.

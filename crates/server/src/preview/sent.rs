@@ -1,26 +1,28 @@
-//! The texts that a window has been sent, for as long as it may speak of them, and where their places are now.
+//! The versions of the text that a window has been sent, for as long as it may speak of them, and where their places are
+//! now.
 //!
-//! A window is told a number with each text, which only grows. It is the editor's version, until the document is closed
+//! A window gets a number with each text, which only grows. It is the editor's version, until the document is closed
 //! and opened again: editors may count from the start then, or give a number twice.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 
-use syntax::span::Span;
+use protocol::changes::Changes;
 
-/// How many texts are kept. A window reads on while it compiles, but it speaks of what it shows.
+/// The number of versions that are kept. A window reads on while it compiles, but it speaks of what it shows.
 const MOST: usize = 16;
 
-/// The texts by number, oldest first.
+/// The versions by number, oldest first.
 #[derive(Debug, Default)]
-pub(crate) struct Sent {
-    texts: VecDeque<(i32, Arc<str>)>,
-    /// The last text that was shown without errors: its picture stays while later texts have errors.
-    good: Option<(i32, Arc<str>)>,
+pub(crate) struct SentVersions {
+    /// Each with the changes from its text to that of the next one.
+    versions: VecDeque<(i32, Changes)>,
+    /// The last version that was shown without errors, since its picture stays while later ones have errors; with the
+    /// changes to the first of `versions`.
+    good: Option<(i32, Changes)>,
     numbers: Numbers,
 }
 
-/// How texts are numbered.
+/// How versions are numbered.
 #[derive(Debug, Default)]
 struct Numbers {
     last: Option<i32>,
@@ -30,58 +32,99 @@ struct Numbers {
     since: i32,
 }
 
-impl Sent {
-    /// The text of a version is on its way; its number.
-    pub(crate) fn put(&mut self, version: i32, text: Arc<str>) -> i32 {
+impl SentVersions {
+    /// Adds a version of the editor, and returns its number. `changes` lead to it from the last one; without them places
+    /// in earlier versions are lost.
+    pub(crate) fn put(&mut self, version: i32, changes: Option<&Changes>) -> i32 {
+        match (self.versions.back_mut(), changes) {
+            (Some((_, last)), Some(changes)) => *last = last.then(changes),
+            _ => {
+                self.versions.clear();
+                self.good = None;
+            }
+        }
         let number = self.numbers.next(version);
-        self.texts.push_back((number, text));
-        if self.texts.len() > MOST {
-            self.texts.pop_front();
+        self.versions.push_back((number, Changes::default()));
+        if self.versions.len() > MOST {
+            self.drop_first();
         }
         number
     }
 
-    /// The number of the text of a version that the editor has now.
+    /// The number of the last version.
+    pub(crate) fn last(&self) -> Option<i32> {
+        self.numbers.last
+    }
+
+    /// The number of a version that the editor has now.
     pub(crate) fn number(&self, version: i32) -> i32 {
         self.numbers.of(version)
     }
 
-    /// The editor's version of a number; none where it was that of a document which was opened anew since.
+    /// The editor's version of a number; `None` for a document that has been opened anew since.
     pub(crate) fn version(&self, number: i32) -> Option<i32> {
         let version = i64::from(number) - self.numbers.above;
         let known = number >= self.numbers.since;
         known.then(|| i32::try_from(version).ok()).flatten()
     }
 
-    /// A later text has taken the place of this one before the window has read it.
+    /// Forgets a version that a later one has overtaken before the window has read it.
     pub(crate) fn never_read(&mut self, number: i32) {
-        self.texts.retain(|(known, _)| *known != number);
-    }
-
-    /// The window shows a text: of those before it, it speaks no more.
-    pub(crate) fn shown(&mut self, number: i32, ok: bool) {
-        let Some(at) = self.texts.iter().position(|(known, _)| *known == number) else {
-            return;
-        };
-        self.texts.drain(..at);
-        if ok {
-            self.good = self.texts.front().cloned();
+        let last = self.versions.len().saturating_sub(1);
+        let mut known = self.versions.iter();
+        match known.position(|(known, _)| *known == number) {
+            Some(0) if last > 0 => self.drop_first(),
+            Some(at) if at < last => {
+                if let Some((_, changes)) = self.versions.remove(at) {
+                    let (_, before) = &mut self.versions[at - 1];
+                    *before = before.then(&changes);
+                }
+            }
+            _ => {}
         }
     }
 
-    /// The text of a number.
-    pub(crate) fn text(&self, number: i32) -> Option<&Arc<str>> {
-        let known = self.texts.iter().chain(&self.good);
-        known
-            .filter(|(known, _)| *known == number)
-            .map(|(_, text)| text)
-            .next()
+    /// The window shows a version: it speaks no more of those before it.
+    pub(crate) fn shown(&mut self, number: i32, ok: bool) {
+        let mut known = self.versions.iter();
+        let Some(at) = known.position(|(known, _)| *known == number) else {
+            return;
+        };
+        for _ in 0..at {
+            self.drop_first();
+        }
+        if ok {
+            self.good = Some((number, Changes::default()));
+        }
     }
 
-    /// How many texts are kept.
+    /// Where a range of a version is now; `None` for a version that is not known.
+    pub(crate) fn moved(&self, number: i32, mut range: [u32; 2]) -> Option<[u32; 2]> {
+        let mut known = self.versions.iter();
+        let first = match known.position(|(known, _)| *known == number) {
+            Some(at) => at,
+            None => {
+                let (_, changes) = self.good.as_ref().filter(|(good, _)| *good == number)?;
+                range = changes.moved(range);
+                0
+            }
+        };
+        let steps = self.versions.iter().skip(first);
+        Some(steps.fold(range, |range, (_, changes)| changes.moved(range)))
+    }
+
+    fn drop_first(&mut self) {
+        if let Some((_, changes)) = self.versions.pop_front()
+            && let Some((_, good)) = &mut self.good
+        {
+            *good = good.then(&changes);
+        }
+    }
+
+    /// The number of versions that are kept.
     #[cfg(test)]
     fn len(&self) -> usize {
-        self.texts.len() + usize::from(self.good.is_some())
+        self.versions.len() + usize::from(self.good.is_some())
     }
 }
 
@@ -106,106 +149,68 @@ impl Numbers {
     }
 }
 
-/// Where a span of a text stands in a later one: behind what has been changed before it. A span that has itself been
-/// changed becomes what stands in its place.
-pub(crate) fn moved(old: &str, new: &str, span: Span) -> Span {
-    let (before, after) = (old.as_bytes(), new.as_bytes());
-    let prefix = before.iter().zip(after).take_while(|(a, b)| a == b).count();
-    let ends = before[prefix..]
-        .iter()
-        .rev()
-        .zip(after[prefix..].iter().rev());
-    let suffix = ends.take_while(|(a, b)| a == b).count();
-    let behind = old.len() - suffix;
-    let later = |offset: usize| new.len() - (old.len() - offset);
-    let [start, end] = [span.start, span.end].map(|offset| (offset as usize).min(old.len()));
-    // Something new directly before the span does not belong to it, nor does something directly behind.
-    let start = match start {
-        _ if start >= behind => later(start),
-        _ => start.min(prefix),
-    };
-    let end = match end {
-        _ if end <= prefix => end,
-        _ => later(end.max(behind)),
-    };
-    Span::new(start as u32, end.max(start) as u32)
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{MOST, Sent, moved};
-    use syntax::span::Span;
+    use protocol::changes::Changes;
 
-    #[test]
-    fn a_span_keeps_its_word_whatever_changes_around_it() {
-        let old = "define a = 1;\nsurface s(u,v) = (u,v,0);\n";
-        let at = old.find("s(u").expect("it is there") as u32;
-        let span = Span::new(at, at + 1);
-        for new in [
-            "# new\ndefine a = 1;\nsurface s(u,v) = (u,v,0);\n",
-            "surface s(u,v) = (u,v,0);\n",
-            "define a = 1;\nsurface s(u,v) = (u,v,uv sin u);\n# é",
-            "define a = 1;\n  surface s(u,v) = (u,v,0);\n",
-            old,
-        ] {
-            let now = moved(old, new, span);
-            assert_eq!(now.text(new), "s", "{new}");
-            assert_eq!(&new[now.end as usize..][..2], "(u", "{new}");
-        }
-        // Letters directly beside it are not its own.
-        let now = moved("a b c", "a xb c", Span::new(2, 3));
-        assert_eq!((now.start, now.end), (3, 4));
-        let now = moved("a b c", "a bx c", Span::new(2, 3));
-        assert_eq!((now.start, now.end), (2, 3));
-    }
+    use super::{MOST, SentVersions};
 
-    #[test]
-    fn a_span_that_was_itself_changed_becomes_what_stands_there() {
-        let old = "point p = 1;";
-        let now = moved(old, "point q = 1;", Span::new(6, 7));
-        assert_eq!(now.text("point q = 1;"), "q");
-        assert_eq!(moved(old, "", Span::new(6, 7)), Span::new(0, 0));
-        let beyond = moved("a", "b", Span::new(7, 9));
-        assert!(beyond.start <= beyond.end && beyond.end <= 1);
+    /// An edit that puts a byte before the text.
+    fn byte() -> Changes {
+        Changes::one([0, 0], "x")
     }
 
     #[test]
     fn numbers_only_grow_also_where_an_editor_counts_anew() {
-        let mut sent = Sent::default();
+        let mut sent = SentVersions::default();
         let mut put = |version| {
-            let number = sent.put(version, version.to_string().into());
+            let number = sent.put(version, Some(&byte()));
             assert_eq!(sent.number(version), number);
             assert_eq!(sent.version(number), Some(version));
+            assert_eq!(sent.last(), Some(number));
             number
         };
         assert_eq!([4, 5, 9].map(&mut put), [4, 5, 9], "the editor's own");
         assert_eq!([0, 1, 7].map(&mut put), [10, 11, 17], "from the start");
         assert_eq!([7, 8].map(&mut put), [18, 19], "a number twice");
         assert_eq!([i32::MAX, 3].map(&mut put), [i32::MAX; 2]);
-        let mut sent = Sent::default();
-        sent.put(5, "old".into());
-        sent.put(5, "new".into());
+        let mut sent = SentVersions::default();
+        sent.put(5, None);
+        sent.put(5, Some(&byte()));
         sent.shown(5, true);
-        assert_eq!(sent.text(5).map(|t| &**t), Some("old"), "its picture");
-        assert_eq!(sent.text(6).map(|t| &**t), Some("new"));
+        assert_eq!(sent.moved(5, [3, 4]), Some([4, 5]), "its picture");
+        assert_eq!(sent.moved(6, [3, 4]), Some([3, 4]));
         assert_eq!(sent.version(5), None, "of a document that was closed");
     }
 
     #[test]
-    fn only_texts_that_the_window_may_speak_of_are_kept() {
-        let mut sent = Sent::default();
+    fn only_versions_that_the_window_may_speak_of_are_kept() {
+        let mut sent = SentVersions::default();
         for version in 1..=10_000 {
-            sent.put(version, version.to_string().into());
+            sent.put(version, Some(&byte()));
             assert!(sent.len() <= MOST + 1);
         }
         sent.shown(9_998, true);
         sent.shown(10_000, false);
-        assert_eq!(sent.text(9_998).map(|t| &**t), Some("9998"), "its picture");
-        assert_eq!(sent.text(9_999), None);
-        assert_eq!(sent.text(10_000).map(|t| &**t), Some("10000"));
+        assert_eq!(sent.moved(9_998, [0, 1]), Some([2, 3]), "its picture");
+        assert_eq!(sent.moved(9_999, [0, 1]), None);
+        assert_eq!(sent.moved(10_000, [0, 1]), Some([0, 1]));
         assert_eq!(sent.len(), 2);
-        sent.put(10_001, "a".into());
+        sent.put(10_001, Some(&byte()));
+        sent.put(10_002, Some(&byte()));
         sent.never_read(10_001);
-        assert_eq!(sent.text(10_001), None);
+        assert_eq!(sent.moved(10_001, [0, 1]), None);
+        for (number, at) in [(9_998, 4), (10_000, 2), (10_002, 0)] {
+            assert_eq!(sent.moved(number, [0, 1]), Some([at, at + 1]));
+        }
+        // However long the picture stays.
+        for version in 10_003..=10_100 {
+            sent.put(version, Some(&byte()));
+        }
+        assert_eq!(sent.moved(9_998, [0, 1]), Some([102, 103]));
+        // A text that has nothing to do with the ones before.
+        sent.put(10_101, None);
+        assert_eq!(sent.moved(9_998, [0, 1]), None);
+        assert_eq!(sent.len(), 1);
     }
 }

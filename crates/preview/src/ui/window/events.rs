@@ -184,13 +184,16 @@ impl Window {
     fn show_view(&mut self, view: Option<View>, version: Option<i32>) {
         self.raise = true;
         match view {
-            Some(View::Geodesic { surface }) => {
+            Some(View {
+                view,
+                surface: Some(surface),
+            }) if view == "geodesic" => {
                 self.reports.wanted_view = Some((surface, version));
                 self.open_wanted();
             }
             // A scene of metrics alone is shown without it.
             None if !self.panes.is_open(&Pane::Space) => {}
-            Some(View::Space) | None => self.bring_forward(&Pane::Space),
+            _ => self.bring_forward(&Pane::Space),
         }
     }
 

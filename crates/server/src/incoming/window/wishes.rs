@@ -11,7 +11,6 @@ use tower_lsp::ls_types as lsp;
 use super::{Window, lock, name};
 use crate::documents::{Open, Snapshot};
 use crate::outgoing;
-use crate::preview::moved;
 
 /// How long the editor may take for one thing; the next is asked then.
 const PATIENCE_EDITOR: Duration = Duration::from_secs(30);
@@ -41,24 +40,24 @@ pub(super) async fn ask(window: Arc<Window>, mut wishes: Receiver<Wish>) {
 
 impl Window {
     async fn show_declaration(&self, version: i32, range: [u32; 2]) {
-        let Some(snapshot) = self.snapshot() else {
-            return;
-        };
-        let (text, can) = {
+        let (snapshot, span, can) = {
             let mut session = lock(&self.session);
             let can = session.editor.shows_documents;
-            let preview = session.previews.of(self.uri.as_str(), self.id);
-            (preview.and_then(|p| p.sent.text(version).cloned()), can)
-        };
-        // Of a text that nobody knows any more no place can be found; the document is shown all the same.
-        let span = text.map(|text| {
+            let uri = self.uri.as_str();
+            let Some(snapshot) = session.documents.get(uri).map(Open::snapshot) else {
+                return;
+            };
             let [start, end] = range;
-            moved(
-                &text,
-                &snapshot.text().string(),
-                Span::new(start.min(end), start.max(end)),
+            let range = [start.min(end), start.max(end)];
+            // No place can be found of a version that is not known; the document is shown all the same.
+            let preview = session.previews.of(uri, self.id);
+            let moved = preview.and_then(|preview| preview.sent.moved(version, range));
+            (
+                snapshot,
+                moved.map(|[start, end]| Span::new(start, end)),
+                can,
             )
-        });
+        };
         let selection = span.map(|span| outgoing::range(&*snapshot, span));
         if !can {
             let place = selection.map_or_else(String::new, |range| {
