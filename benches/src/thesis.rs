@@ -142,7 +142,7 @@ fn rows<T: Real, const N: usize>(
     let mut picture = Picture::default();
     let places = (0..size[1]).flat_map(|row| (0..size[0]).map(move |column| (column, row)));
     let starts: Vec<[[f64; 2]; 2]> = places
-        .map(|(column, row)| [frame.uv, frame.velocity(pixel_place(size, column, row))])
+        .map(|(column, row)| [frame.uv.0, frame.velocity(pixel_place(size, column, row)).0])
         .collect();
     for group in starts.chunks(N) {
         let starts = std::array::from_fn(|lane| group[lane.min(group.len() - 1)]);
@@ -186,7 +186,7 @@ mod tests {
             let back = |at: [f64; 2]| {
                 let mut at = at;
                 surface.sides().wrap(surface.domain(), &mut at);
-                surface.jet(at).position
+                surface.jet(at.into()).position
             };
             let gap = |a: [f64; 2], b: [f64; 2]| {
                 let (a, b) = (back(a), back(b));
@@ -197,7 +197,7 @@ mod tests {
                 if one.status[k] != Status::Complete {
                     continue;
                 }
-                let at = one.uv(k);
+                let at = one.uv(k).0;
                 assert!(gap(at, eight.ends[k]) < 1e-4, "{name}: {at:?}");
                 let single = sixteen.status[k] == Status::Complete;
                 off += usize::from(!single || gap(at, sixteen.ends[k]) > 1e-2);

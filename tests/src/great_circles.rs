@@ -87,7 +87,7 @@ pub fn wrong_pixels(sphere: &Sphere, frame: &Frame, map: &Map) -> Tally {
     for (index, status) in map.status.iter().enumerate() {
         let [width, _] = map.size;
         let (column, row) = (index as u32 % width, index as u32 / width);
-        let [x, y] = pixel_place(map.size, column, row);
+        let [x, y] = pixel_place(map.size, column, row).0;
         let share = x.hypot(y);
         let angle = zoom * share / RADIUS;
         let [position, right, up] = axes;
@@ -98,7 +98,7 @@ pub fn wrong_pixels(sphere: &Sphere, frame: &Frame, map: &Map) -> Tally {
                 0.0
             }
         });
-        let [u, v] = map.uv(index);
+        let [u, v] = map.uv(index).0;
         let end = point(u, v);
         let gap = (0..3)
             .map(|k| {
@@ -126,7 +126,7 @@ fn point(u: f64, v: f64) -> [f64; 3] {
 
 /// The camera's place and the unit vectors X, Y in space.
 fn axes(frame: &Frame) -> [[f64; 3]; 3] {
-    let [u, v] = frame.uv;
+    let [u, v] = frame.uv.0;
     let ((su, cu), (sv, cv)) = ((TAU * u).sin_cos(), (PI * v).sin_cos());
     let position = [sv * cu, sv * su, cv];
     let (east, south) = ([-su, cu, 0.0], [cv * cu, cv * su, -sv]);
@@ -141,5 +141,5 @@ fn axes(frame: &Frame) -> [[f64; 3]; 3] {
         let length = vector.iter().map(|a| a * a).sum::<f64>().sqrt();
         vector.map(|a| a / length)
     };
-    [position, unit(frame.x), unit(frame.y)]
+    [position, unit(frame.x.0), unit(frame.y.0)]
 }

@@ -79,7 +79,7 @@ fn a_catenoid_and_a_helicoid_show_the_same_picture() {
         let ends = [
             maps[0].uv(index),
             maps[1].uv(index),
-            [maps[2].uv(index)[0], maps[2].uv(index)[1].asinh()],
+            [maps[2].uv(index)[0], maps[2].uv(index)[1].asinh()].into(),
         ];
         let jet = catenoid.jet(ends[0]);
         for (end, map) in ends.iter().zip(&maps) {
@@ -269,7 +269,7 @@ fn a_reference_measures_what_a_map_is_off() {
     let mut reference = Reference::new(surface, &frame, size, 500);
     assert!((reference.pixel() - pixel).abs() < 1e-12);
     let true_end = |index: usize| {
-        let [x, y] = pixel_place(size, index as u32 % 100, index as u32 / 100);
+        let [x, y] = pixel_place(size, index as u32 % 100, index as u32 / 100).0;
         [2.0 * x, 2.0 * y / 3.0]
     };
     let exact = reference.errors(&|index| (true_end(index), Status::Complete));
@@ -317,7 +317,7 @@ fn a_reference_sees_through_seams_flips_and_poles() {
         let mut reference = Reference::new(surface, &frame, [1, 1], 1);
         let errors = reference.errors(&|_| (other, Status::Complete));
         assert!(errors.max < 1e-9, "{program}: {errors}");
-        let metric = Metric::of(&surface.jet(at));
+        let metric = Metric::of(&surface.jet(at.into()));
         let off = 1e-3 / metric.e.sqrt();
         let errors = reference.errors(&|_| ([at[0] + off, at[1]], Status::Complete));
         assert!((errors.max - 0.5).abs() < 1e-2, "{program}: {errors}");

@@ -132,7 +132,7 @@ fn one_by_one(surface: &dyn Surface, frame: &Frame, steps: u32) -> Picture {
     };
     let map = exponential_map(surface, frame, [THIN; 2], &options, &|_| {});
     Picture {
-        ends: (0..map.status.len()).map(|index| map.uv(index)).collect(),
+        ends: (0..map.status.len()).map(|index| map.uv(index).0).collect(),
         evaluations: map.work.evaluations,
         status: map.status,
     }

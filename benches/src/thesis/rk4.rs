@@ -63,7 +63,7 @@ impl<'a> Domain<'a> {
     /// good as parallel, the chart is degenerate.
     fn stuck_at(&self, at: [f64; 2]) -> Status {
         const THIN: f64 = 1e-3;
-        let Jet { du, dv, .. } = self.surface.jet(at);
+        let Jet { du, dv, .. } = self.surface.jet(at.into());
         let inner = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let (e, f, g) = (inner(du, du), inner(du, dv), inner(dv, dv));
         let [along_u, along_v] = self.surface.scale().stretch;

@@ -177,7 +177,7 @@ impl Script {
         seen.check(scene)?;
         let inside = Inside::new(scene, settings, &seen)?;
         let start = inside.frame;
-        let mut trail = Trail::new(surface, start.uv);
+        let mut trail = Trail::new(surface, start.uv.0);
         let (moved, _) = trail
             .walk(inside.ground(), &start, [length / inside.zoom, 0.0])
             .map_err(|error| {

@@ -232,7 +232,7 @@ fn a_walk_round_a_great_circle_comes_back_with_its_length() {
     }
     let trail = &whole.trails[0];
     assert!((trail.length - std::f64::consts::TAU).abs() < 1e-9);
-    assert_eq!(trail.points[0], start.uv);
+    assert_eq!(trail.points[0], start.uv.0);
     // The polyline's own length, by the metric in the middle of each piece.
     let mut length = 0.0;
     for pair in trail.points.windows(2) {

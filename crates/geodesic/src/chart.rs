@@ -10,6 +10,7 @@ pub(crate) use apex::ApexChart;
 use std::cell::Cell;
 
 use crate::metric::{combine, cross, dot, gaussian_curvature, minus_components, norm};
+use crate::point::Uv;
 use crate::status::Status;
 use crate::surface::{Crossing, Jet, Scale, Side, Sides, Surface};
 use crate::topology::Apex;
@@ -101,7 +102,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
     pub(crate) fn jet(&self, mut at: [f64; 2]) -> Jet {
         self.evaluations.set(self.evaluations.get() + 1);
         let [s, t] = self.bring_back(&mut at).signs;
-        let mut jet = self.surface.jet(at);
+        let mut jet = self.surface.jet(Uv(at));
         if s < 0.0 {
             jet.du = jet.du.map(|x| -x);
         }
@@ -154,7 +155,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         match chart {
             Chart::Plain => {
                 let jet = self.jet(motion.at);
-                let acceleration = crate::metric::acceleration(&jet, motion.velocity);
+                let acceleration = crate::metric::acceleration(&jet, motion.velocity).0;
                 checked(Local {
                     acceleration,
                     curvature: gaussian_curvature(&jet),

@@ -5,6 +5,7 @@
 
 use std::array::from_fn;
 
+use crate::point::PicturePoint;
 use crate::status::Status;
 
 /// The coordinates that an [`Ends`] speaks in.
@@ -48,7 +49,8 @@ pub struct End<const N: usize = 2> {
 
 impl<const N: usize> End<N> {
     /// ∂at/∂x and ∂at/∂y at a place of the picture, whose unit is `zoom` long on the surface.
-    pub fn by_place(&self, place: [f64; 2], zoom: f64) -> [[f64; N]; 2] {
+    pub fn by_place(&self, place: impl Into<PicturePoint>, zoom: f64) -> [[f64; N]; 2] {
+        let PicturePoint(place) = place.into();
         let radius = (place[0] * place[0] + place[1] * place[1]).sqrt();
         let [cos, sin] = if radius > 0.0 {
             place.map(|x| x / radius)
@@ -95,9 +97,9 @@ pub struct Polar {
 /// The exponential map of a camera, by any method.
 pub trait Ends<const N: usize = 2>: Sync {
     /// Where the geodesic of a place (x, y) of the picture ends; the coordinates are the method's choice.
-    fn end(&self, place: [f64; 2]) -> End<N>;
+    fn end(&self, place: PicturePoint) -> End<N>;
     /// Appends the ends of several places: the same as [`Ends::end`] of each, for less.
-    fn ends(&self, places: &[[f64; 2]], out: &mut Vec<End<N>>) {
+    fn ends(&self, places: &[PicturePoint], out: &mut Vec<End<N>>) {
         out.extend(places.iter().map(|place| self.end(*place)));
     }
     /// The camera's zoom: the length on the surface of the picture's unit.

@@ -36,6 +36,7 @@ use crate::follow;
 use crate::frame::Frame;
 use crate::integrate::{DOP853, DOPRI5};
 use crate::metric::Metric;
+use crate::point::PicturePoint;
 use crate::status::Status;
 use crate::surface::Surface;
 use crate::trace;
@@ -138,7 +139,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
 
     /// The end at a place, which lies at this angle and distance in the picture.
     #[inline(always)]
-    fn look(&self, start: &Start, place: [f64; 2], angle: f64, distance: f64) -> End {
+    fn look(&self, start: &Start, place: PicturePoint, angle: f64, distance: f64) -> End {
         let s = start.zoom * distance;
         if s == 0.0 {
             return start.centre(&self.space);
@@ -162,7 +163,14 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
 
     /// The end at a place between two rays, at the arc length `s`.
     #[inline(always)]
-    fn look_closer(&self, start: &Start, place: [f64; 2], s: f64, sector: &Sector, t: f64) -> End {
+    fn look_closer(
+        &self,
+        start: &Start,
+        place: PicturePoint,
+        s: f64,
+        sector: &Sector,
+        t: f64,
+    ) -> End {
         let rays = self.sectors.rays(sector);
         if s >= sector.unknown_from {
             // Where both end before, that much is known.
@@ -197,7 +205,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
     /// One geodesic by itself, where the rays do not say.
     #[cold]
     #[inline(never)]
-    fn follow(&self, start: &Start, place: [f64; 2], s: f64) -> End {
+    fn follow(&self, start: &Start, place: PicturePoint, s: f64) -> End {
         if s > self.sectors.follow_within {
             return self.ended(Status::WorkLimit);
         }
@@ -236,7 +244,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
             coordinates: Coordinates::Plain,
             at,
             along: velocity,
-            across: left.map(|x| x * side),
+            across: left.map(|x| x * side).0,
             stretch: end.field / s,
             status: Status::Complete,
             error: end.error / start.pixel,
@@ -248,7 +256,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
 struct Several<'a, 's, S: Surface + ?Sized> {
     fan: &'a Fan<'s, S>,
     start: &'a Start,
-    places: &'a [[f64; 2]],
+    places: &'a [PicturePoint],
     out: &'a mut Vec<End>,
 }
 
@@ -260,7 +268,7 @@ impl<S: Surface + ?Sized> processor::Work for Several<'_, '_, S> {
         for places in self.places.chunks(PLACES) {
             let (mut x, mut y) = ([0.0; PLACES], [0.0; PLACES]);
             for ((x, y), place) in x.iter_mut().zip(&mut y).zip(places) {
-                [*x, *y] = *place;
+                PicturePoint([*x, *y]) = *place;
             }
             let (angles, distances) = polar(&x, &y);
             for ((place, angle), distance) in places.iter().zip(angles).zip(distances) {
@@ -272,7 +280,7 @@ impl<S: Surface + ?Sized> processor::Work for Several<'_, '_, S> {
 }
 
 impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
-    fn end(&self, place: [f64; 2]) -> End {
+    fn end(&self, place: PicturePoint) -> End {
         let Some(start) = &self.start else {
             return self.ended(Status::Undefined);
         };
@@ -280,7 +288,7 @@ impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
         self.look(start, place, angle, distance)
     }
 
-    fn ends(&self, places: &[[f64; 2]], out: &mut Vec<End>) {
+    fn ends(&self, places: &[PicturePoint], out: &mut Vec<End>) {
         let Some(start) = &self.start else {
             out.resize(out.len() + places.len(), self.ended(Status::Undefined));
             return;
@@ -301,7 +309,7 @@ impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
     fn origin(&self) -> [f64; 2] {
         self.start
             .as_ref()
-            .map_or([f64::NAN; 2], |start| start.frame.uv)
+            .map_or([f64::NAN; 2], |start| start.frame.uv.0)
     }
 
     fn in_coordinates(&self, end: &End, coordinates: Coordinates) -> Option<End> {

@@ -8,6 +8,7 @@ use crate::chart::{ApexChart, Atlas, Chart, Motion};
 use crate::ends::Coordinates;
 use crate::follow::Start;
 use crate::metric::{Metric, combine, norm};
+use crate::point::{PicturePoint, TangentVector, Uv};
 use crate::surface::{Jet, Surface};
 use crate::trace::{self, Options, Trace, TraceError};
 
@@ -15,14 +16,14 @@ use crate::trace::{self, Options, Trace, TraceError};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frame {
     /// The place, in (u,v).
-    pub uv: [f64; 2],
+    pub uv: Uv,
     /// What the components of X and Y belong to: (u,v), or, at a smooth pole and so near by that (u,v) tells no
     /// directions apart, the coordinates (a,b) about it.
     pub coordinates: Coordinates,
     /// X in these coordinates.
-    pub x: [f64; 2],
+    pub x: TangentVector,
     /// Y in these coordinates.
-    pub y: [f64; 2],
+    pub y: TangentVector,
 }
 
 impl Frame {
@@ -36,39 +37,45 @@ impl Frame {
     /// [`TraceError`] where the surface has no tangent plane, or a number is not finite.
     pub fn new<S: Surface + ?Sized>(
         surface: &S,
-        uv: [f64; 2],
+        uv: impl Into<Uv>,
         angle: f64,
         zoom: f64,
     ) -> Result<Self, TraceError> {
         if !(angle.is_finite() && zoom.is_finite()) {
             return Err(TraceError::DirectionNotFinite);
         }
-        Self::at(&Atlas::new(surface), uv, angle, zoom, Meridian::First)
+        Self::at(
+            &Atlas::new(surface),
+            uv.into(),
+            angle,
+            zoom,
+            Meridian::First,
+        )
     }
 
     fn at<S: Surface + ?Sized>(
         atlas: &Atlas<'_, S>,
-        uv: [f64; 2],
+        Uv(uv): Uv,
         angle: f64,
         zoom: f64,
         meridian: Meridian,
     ) -> Result<Self, TraceError> {
         let (start, _) = trace::unit_start(atlas, uv, [1.0, 0.0])?;
         let mut frame = Self {
-            uv: start.at,
+            uv: Uv(start.at),
             coordinates: Coordinates::Plain,
-            x: [1.0, 0.0],
-            y: [0.0, 1.0],
+            x: TangentVector([1.0, 0.0]),
+            y: TangentVector([0.0, 1.0]),
         };
         if let Some((axis, end)) = atlas.pole_near(start.at)
             && let Some(chart) = atlas.pole_chart(axis, end)
         {
             frame.coordinates = apex_coordinates(axis, end);
-            frame.x = along_u(&chart, start.at);
+            frame.x = TangentVector(along_u(&chart, start.at));
             if chart.is_at(start.at) {
                 frame.uv[axis] = chart.base();
                 if meridian == Meridian::First {
-                    frame.x = [1.0, 0.0];
+                    frame.x = TangentVector([1.0, 0.0]);
                 }
             }
         }
@@ -85,8 +92,9 @@ impl Frame {
     }
 
     /// The velocity of the geodesic that a pixel shows: xX + yY, in the frame's coordinates.
-    pub fn velocity(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|k| x * self.x[k] + y * self.y[k])
+    pub fn velocity(&self, place: impl Into<PicturePoint>) -> TangentVector {
+        let PicturePoint([x, y]) = place.into();
+        x * self.x + y * self.y
     }
 
     /// The length of X: the distance on the surface from the picture's centre to its edge.
@@ -109,8 +117,8 @@ impl Frame {
     pub fn turned(&self, angle: f64) -> Self {
         let (sin, cos) = angle.sin_cos();
         Self {
-            x: [0, 1].map(|k| cos * self.x[k] + sin * self.y[k]),
-            y: [0, 1].map(|k| cos * self.y[k] - sin * self.x[k]),
+            x: cos * self.x + sin * self.y,
+            y: cos * self.y - sin * self.x,
             ..*self
         }
     }
@@ -131,14 +139,14 @@ impl Frame {
         let Some(chart) = self.chart(&atlas) else {
             return *self;
         };
-        let mut at = chart.point(self.uv);
+        let mut at = chart.point(self.uv.0);
         if at[0].hypot(at[1]) < chart.nearest() {
             let length = self.x[0].hypot(self.x[1]);
-            at = self.x.map(|x| x / length * chart.nearest());
+            at = self.x.0.map(|x| x / length * chart.nearest());
         }
         // As the directions in space are: the parameter's rounding at the pole stretches (u,v) there.
         let tangents = self.tangents(&atlas);
-        let [mut x, mut y] = [self.x, self.y].map(|velocity| {
+        let [mut x, mut y] = [self.x, self.y].map(|TangentVector(velocity)| {
             let motion = Motion { at, velocity };
             atlas.leave(&chart, motion, tangents).velocity
         });
@@ -149,10 +157,10 @@ impl Frame {
             y[k] *= signs[k];
         }
         Self {
-            uv,
+            uv: Uv(uv),
             coordinates: Coordinates::Plain,
-            x,
-            y,
+            x: TangentVector(x),
+            y: TangentVector(y),
         }
     }
 
@@ -163,13 +171,13 @@ impl Frame {
     pub fn trace<S: Surface + ?Sized>(
         &self,
         surface: &S,
-        direction: [f64; 2],
+        direction: impl Into<PicturePoint>,
         length: f64,
         options: &Options,
     ) -> Result<Trace, TraceError> {
         trace::check(length, options)?;
         let atlas = Atlas::new(surface);
-        let start = self.start(&atlas, direction)?;
+        let start = self.start(&atlas, direction.into())?;
         Ok(trace::trace_from(&atlas, start, length, options).0)
     }
 
@@ -182,16 +190,17 @@ impl Frame {
     pub fn advance<S: Surface + ?Sized>(
         &self,
         surface: &S,
-        step: [f64; 2],
+        step: impl Into<PicturePoint>,
         options: &Options,
     ) -> Result<(Self, Trace), TraceError> {
+        let step = step.into();
         let atlas = Atlas::new(surface);
         let zoom = self.zoom(surface);
         let share = step[0].hypot(step[1]);
         let length = share * zoom;
         trace::check(length, options)?;
         if share == 0.0 {
-            let start = self.start(&atlas, [1.0, 0.0])?;
+            let start = self.start(&atlas, PicturePoint([1.0, 0.0]))?;
             return Ok((*self, trace::trace_from(&atlas, start, 0.0, options).0));
         }
         let start = self.start(&atlas, step)?;
@@ -208,7 +217,7 @@ impl Frame {
             let (axis, end) = (chart.axis, chart.end());
             if let Some(pole) = atlas.pole_chart(axis, end) {
                 frame.coordinates = apex_coordinates(axis, end);
-                frame.x = pole.vector_of(&chart, velocity);
+                frame.x = TangentVector(pole.vector_of(&chart, velocity));
                 if at[0].hypot(at[1]) <= chart.nearest() {
                     frame.uv[axis] = chart.base();
                 }
@@ -220,13 +229,13 @@ impl Frame {
         let hand = frame.handedness(&atlas) * if trace.flipped != mirrored { -1.0 } else { 1.0 };
         let along = frame.x.map(|a| a * zoom);
         let left = metric.turn_left(along).map(|a| hand * a);
-        if !left.iter().all(|a| a.is_finite()) {
-            return Err(TraceError::DegenerateStart { at: trace.uv });
+        if !left.is_finite() {
+            return Err(TraceError::DegenerateStart { at: trace.uv.0 });
         }
         // In the plane of the frame, the geodesic's direction is (cos, sin).
-        let [cos, sin] = step.map(|a| a / share);
-        frame.x = [0, 1].map(|k| cos * along[k] - sin * left[k]);
-        frame.y = [0, 1].map(|k| sin * along[k] + cos * left[k]);
+        let PicturePoint([cos, sin]) = step.map(|a| a / share);
+        frame.x = cos * along - sin * left;
+        frame.y = sin * along + cos * left;
         Ok((frame, trace))
     }
 
@@ -234,11 +243,11 @@ impl Frame {
     pub(crate) fn start<S: Surface + ?Sized>(
         &self,
         atlas: &Atlas<'_, S>,
-        place: [f64; 2],
+        place: PicturePoint,
     ) -> Result<Start, TraceError> {
-        let velocity = self.velocity(place);
+        let TangentVector(velocity) = self.velocity(place);
         let Some(chart) = self.chart(atlas) else {
-            return Ok(trace::unit_start(atlas, self.uv, velocity)?.0.into());
+            return Ok(trace::unit_start(atlas, self.uv.0, velocity)?.0.into());
         };
         if !velocity.iter().all(|x| x.is_finite()) {
             return Err(TraceError::DirectionNotFinite);
@@ -251,10 +260,10 @@ impl Frame {
         let [t, w] = self.tangents(atlas);
         let speed = norm(combine(velocity[0], t, velocity[1], w));
         if !(speed > 0.0 && speed.is_finite()) {
-            return Err(TraceError::UndefinedStart { at: self.uv });
+            return Err(TraceError::UndefinedStart { at: self.uv.0 });
         }
         let motion = Motion {
-            at: chart.point(self.uv),
+            at: chart.point(self.uv.0),
             velocity: velocity.map(|x| x / speed),
         };
         Ok(Start::About(chart, motion))
@@ -273,11 +282,11 @@ impl Frame {
     /// The tangent vectors of the frame's coordinates at its place; NaN where the surface is undefined.
     fn tangents<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> [[f64; 3]; 2] {
         let Some(chart) = self.chart(atlas) else {
-            let jet = atlas.jet(self.uv);
+            let jet = atlas.jet(self.uv.0);
             return [jet.du, jet.dv];
         };
         let motion = Motion {
-            at: chart.point(self.uv),
+            at: chart.point(self.uv.0),
             velocity: [0.0; 2],
         };
         let local = atlas.local(&Chart::Apex(chart), motion);
@@ -312,7 +321,7 @@ impl Frame {
 /// As [`trace::trace`].
 pub fn trace_heading<S: Surface + ?Sized>(
     surface: &S,
-    uv: [f64; 2],
+    uv: impl Into<Uv>,
     angle: f64,
     length: f64,
     options: &Options,
@@ -320,7 +329,7 @@ pub fn trace_heading<S: Surface + ?Sized>(
     if !angle.is_finite() {
         return Err(TraceError::DirectionNotFinite);
     }
-    let frame = Frame::at(&Atlas::new(surface), uv, angle, 1.0, Meridian::Given)?;
+    let frame = Frame::at(&Atlas::new(surface), uv.into(), angle, 1.0, Meridian::Given)?;
     frame.trace(surface, [1.0, 0.0], length, options)
 }
 

@@ -15,6 +15,7 @@ use expr::{Graph, Input, NodeId};
 
 use crate::jet::{Jet, JetBlock, LANES, Lanes};
 use crate::metric::{Form, norm};
+use crate::point::Uv;
 use crate::scale::{Scale, at};
 use crate::surface::{Outline, Surface};
 use crate::topology::Topology;
@@ -110,7 +111,7 @@ impl MetricSurface {
         Ok(surface)
     }
 
-    fn form(&self, uv: [f64; 2]) -> Form {
+    fn form(&self, uv: Uv) -> Form {
         let mut out = [0.0; 12];
         SCRATCH.with_borrow_mut(|(registers, values)| {
             values.clear();
@@ -132,8 +133,8 @@ impl MetricSurface {
 }
 
 impl Surface for MetricSurface {
-    fn jet(&self, uv: [f64; 2]) -> Jet {
-        jet_of(&self.form(uv), uv)
+    fn jet(&self, uv: Uv) -> Jet {
+        jet_of(&self.form(uv), uv.0)
     }
 
     fn jets(&self, at: &[Lanes; 2], out: &mut JetBlock) {
@@ -289,7 +290,7 @@ impl Work for RegularJets<'_> {
 }
 
 /// Lengths typical of a metric, along the coordinate lines.
-fn measure(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2]) -> Scale {
+fn measure(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2]) -> Scale {
     const LINES: u32 = 5;
     const PIECES: u32 = 8;
     let mut scale = Scale {

@@ -15,6 +15,7 @@ use crate::fan::{Across, Fan, FanOptions};
 use crate::frame::Frame;
 use crate::moved::Moved;
 use crate::patchwork::Patchwork;
+use crate::point::Uv;
 use crate::surface::{Sides, Surface};
 
 pub use crate::pixels::{Map, pixel_place};
@@ -77,9 +78,10 @@ impl MapOptions {
 
 /// Brings a point back through the sides that wrap, and gives the signs by which the components of a vector change: a
 /// flip turns the other one over.
-pub fn bring_back(domain: [[f64; 2]; 2], sides: Sides, mut at: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+pub fn bring_back(domain: [[f64; 2]; 2], sides: Sides, uv: impl Into<Uv>) -> (Uv, [f64; 2]) {
+    let Uv(mut at) = uv.into();
     let crossing = sides.wrap(domain, &mut at);
-    (at, crossing.signs)
+    (Uv(at), crossing.signs)
 }
 
 /// The whole map, on all cores of the current rayon pool; it does not depend on how many they are. `progress` is told
@@ -95,7 +97,7 @@ pub fn exponential_map<S: Surface + ?Sized>(
         && let Some((moved, camera)) = Moved::for_camera(surface, frame, size)
     {
         let mut map = by_method(&moved, &camera, size, options, progress);
-        map.origin = frame.uv;
+        map.origin = frame.uv.0;
         return map;
     }
     by_method(surface, frame, size, options, progress)
@@ -157,7 +159,7 @@ fn pixel_by_pixel<S: Surface + ?Sized>(
         .collect();
     let mut map = Map {
         size,
-        origin: frame.uv,
+        origin: frame.uv.0,
         ..Map::default()
     };
     let mut errors = Vec::new();

@@ -1,6 +1,7 @@
 //! The first fundamental form at a point: jets in; lengths, angles, accelerations and curvature out.
 
 use crate::jet::{Jet, JetBlock, Lanes};
+use crate::point::TangentVector;
 
 /// The dot product.
 pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
@@ -61,26 +62,29 @@ impl Metric {
     }
 
     /// The inner product of two tangent vectors in (u,v) components.
-    pub fn inner(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+    pub fn inner(&self, a: impl Into<TangentVector>, b: impl Into<TangentVector>) -> f64 {
+        let (a, b) = (a.into(), b.into());
         self.e * a[0] * b[0] + self.f * (a[0] * b[1] + a[1] * b[0]) + self.g * a[1] * b[1]
     }
 
     /// A tangent vector turned by `angle` from σu towards σv (DESIGN: first fundamental form; thesis 2.2.2):
     /// (a cos θ − (aF+bG)/R sin θ, (aE+bF)/R sin θ + b cos θ).
-    pub fn turn(&self, [a, b]: [f64; 2], angle: f64) -> [f64; 2] {
+    pub fn turn(&self, vector: impl Into<TangentVector>, angle: f64) -> TangentVector {
+        let TangentVector([a, b]) = vector.into();
         let (sin, cos) = angle.sin_cos();
-        [
+        TangentVector([
             a * cos - (a * self.f + b * self.g) / self.r * sin,
             (a * self.e + b * self.f) / self.r * sin + b * cos,
-        ]
+        ])
     }
 
     /// A tangent vector turned by +90°.
-    pub fn turn_left(&self, [a, b]: [f64; 2]) -> [f64; 2] {
-        [
+    pub fn turn_left(&self, vector: impl Into<TangentVector>) -> TangentVector {
+        let TangentVector([a, b]) = vector.into();
+        TangentVector([
             -(a * self.f + b * self.g) / self.r,
             (a * self.e + b * self.f) / self.r,
-        ]
+        ])
     }
 }
 
@@ -111,17 +115,18 @@ impl Form {
 
 /// The length of a tangent vector in (u,v) components, from the vectors themselves: no cancellation in a
 /// sheared chart.
-pub fn speed(jet: &Jet, velocity: [f64; 2]) -> f64 {
+pub fn speed(jet: &Jet, velocity: impl Into<TangentVector>) -> f64 {
+    let velocity = velocity.into();
     norm(combine(velocity[0], jet.du, velocity[1], jet.dv))
 }
 
 /// The second derivative (u'', v'') of the geodesic with this velocity: the tangential part of
 /// A = σuu u'² + 2σuv u'v' + σvv v'² taken away, `[E F; F G](u'',v'') = −(σu·A, σv·A)` (thesis, system 2.2).
-pub fn acceleration(jet: &Jet, velocity: [f64; 2]) -> [f64; 2] {
-    let [a, b] = velocity;
+pub fn acceleration(jet: &Jet, velocity: impl Into<TangentVector>) -> TangentVector {
+    let TangentVector([a, b]) = velocity.into();
     let mut second = combine(a * a, jet.duu, 2.0 * a * b, jet.duv);
     second = combine(1.0, second, b * b, jet.dvv);
-    minus_components(jet.du, jet.dv, second)
+    TangentVector(minus_components(jet.du, jet.dv, second))
 }
 
 /// Minus the components of `w`'s tangential part along the two vectors, by orthogonalisation: the normal

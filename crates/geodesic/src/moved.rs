@@ -7,6 +7,7 @@
 use crate::ends::Coordinates;
 use crate::frame::Frame;
 use crate::metric::speed;
+use crate::point::Uv;
 use crate::surface::{Jet, JetBlock, Lanes, Outline, Surface};
 
 /// A surface σ(u₀ + u, v₀ + v), as a function of (u, v).
@@ -32,10 +33,10 @@ impl<'s, S: Surface + ?Sized> Moved<'s, S> {
         let zoom = frame.zoom(surface);
         let pixel = 2.0 * zoom / shorter;
         let jet = surface.jet(frame.uv);
-        let rounding = speed(&jet, frame.uv.map(|x| x.abs() * f64::EPSILON));
+        let rounding = speed(&jet, frame.uv.0.map(|x| x.abs() * f64::EPSILON));
         let deep = rounding > NOTICEABLE * pixel && frame.coordinates == Coordinates::Plain;
         deep.then(|| {
-            let by = frame.uv;
+            let by = frame.uv.0;
             let reach = zoom * f64::from(size[0]).hypot(f64::from(size[1])) / shorter;
             let mut outline = *surface.outline();
             for axis in 0..2 {
@@ -50,7 +51,7 @@ impl<'s, S: Surface + ?Sized> Moved<'s, S> {
                 }
             }
             let frame = Frame {
-                uv: [0.0; 2],
+                uv: Uv([0.0; 2]),
                 ..*frame
             };
             let moved = Self {
@@ -62,13 +63,13 @@ impl<'s, S: Surface + ?Sized> Moved<'s, S> {
         })
     }
 
-    fn there(&self, uv: [f64; 2]) -> [f64; 2] {
-        [0, 1].map(|k| self.by[k] + uv[k])
+    fn there(&self, uv: Uv) -> Uv {
+        Uv([0, 1].map(|k| self.by[k] + uv[k]))
     }
 }
 
 impl<S: Surface + ?Sized> Surface for Moved<'_, S> {
-    fn jet(&self, uv: [f64; 2]) -> Jet {
+    fn jet(&self, uv: Uv) -> Jet {
         self.surface.jet(self.there(uv))
     }
 

@@ -27,6 +27,7 @@ use rayon::prelude::*;
 
 use crate::ends::{Coordinates, Ends, Estimate, Polar};
 use crate::pixels::Map;
+use crate::point::PicturePoint;
 use crate::status::Status;
 use cut::{Piece, Pieces, Subdivider};
 use evaluate::Band;
@@ -178,10 +179,10 @@ impl<const N: usize> Patchwork<N> {
             ..Self::default()
         };
         if size[0] > 0 && size[1] > 0 {
-            let end = ends.end([0.0; 2]);
+            let end = ends.end(PicturePoint::default());
             patchwork.samples += 1;
             if end.status == Status::Complete {
-                patchwork.centre_by_pixel = subdivider.pixel(end, [0.0; 2]).1;
+                patchwork.centre_by_pixel = subdivider.pixel(end, PicturePoint::default()).1;
             }
         }
         for part in parts {

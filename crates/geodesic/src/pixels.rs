@@ -1,6 +1,7 @@
 //! A picture's pixels: their places, and where the geodesic of each ends.
 
 use crate::ends::{Estimate, Work};
+use crate::point::{PicturePoint, Uv};
 use crate::status::Status;
 
 /// For each pixel, row by row from the top, where its geodesic ends.
@@ -41,16 +42,16 @@ impl<const N: usize> Default for Map<N> {
 
 impl Map {
     /// A pixel's end in (u, v), perhaps beyond sides that wrap.
-    pub fn uv(&self, index: usize) -> [f64; 2] {
-        [0, 1].map(|k| self.origin[k] + f64::from(self.offset[index][k]))
+    pub fn uv(&self, index: usize) -> Uv {
+        Uv([0, 1].map(|k| self.origin[k] + f64::from(self.offset[index][k])))
     }
 }
 
 /// The place of a pixel's centre in the picture: [−1,1] spans the shorter side, x to the right, y up.
-pub fn pixel_place(size: [u32; 2], column: u32, row: u32) -> [f64; 2] {
+pub fn pixel_place(size: [u32; 2], column: u32, row: u32) -> PicturePoint {
     let half = 0.5 * f64::from(size[0].min(size[1]).max(1));
-    [
+    PicturePoint([
         (f64::from(column) + 0.5 - 0.5 * f64::from(size[0])) / half,
         (0.5 * f64::from(size[1]) - f64::from(row) - 0.5) / half,
-    ]
+    ])
 }

@@ -11,6 +11,7 @@ use crate::chart::Atlas;
 use crate::frame::Frame;
 use crate::metric::{combine, norm};
 use crate::pixels::pixel_place;
+use crate::point::{PicturePoint, Uv};
 use crate::status::Status;
 use crate::surface::{Jet, Side, Surface};
 use crate::topology::Apex;
@@ -34,7 +35,7 @@ const TORN: f64 = 8.0;
 /// The true end of a pixel's geodesic.
 #[derive(Clone, Copy, Debug)]
 struct Truth {
-    uv: [f64; 2],
+    uv: Uv,
     jet: Jet,
     status: Status,
     /// The estimated error of the truth itself, in pixels.
@@ -135,7 +136,11 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
 
     /// Compares what a method says of pixels, by their number row by row from the top: where each ends, anywhere
     /// beyond sides that wrap, and why.
-    pub fn errors(&mut self, end: &dyn Fn(usize) -> ([f64; 2], Status)) -> Errors {
+    pub fn errors<P: Into<Uv>>(&mut self, end: &dyn Fn(usize) -> (P, Status)) -> Errors {
+        let end = &|index: usize| {
+            let (at, status) = end(index);
+            (at.into(), status)
+        };
         let atlas = Atlas::new(self.surface);
         let mut errors = Errors {
             pixels: self.sample.len(),
@@ -177,7 +182,7 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
         &mut self,
         atlas: &Atlas<'_, S>,
         start: (f64, u32),
-        end: &dyn Fn(usize) -> ([f64; 2], Status),
+        end: &dyn Fn(usize) -> (Uv, Status),
         looks: &mut usize,
     ) -> (f64, u32) {
         let mut best = start;
@@ -202,7 +207,7 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
         &mut self,
         atlas: &Atlas<'_, S>,
         index: u32,
-        (uv, status): ([f64; 2], Status),
+        (uv, status): (Uv, Status),
         looks: &mut usize,
     ) -> Verdict {
         let truth = self.truth(index);
@@ -242,11 +247,11 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
     }
 
     /// The truth at eight places about one, so many pixels off.
-    fn around(&self, place: [f64; 2], pixels: f64) -> impl Iterator<Item = Truth> {
+    fn around(&self, place: PicturePoint, pixels: f64) -> impl Iterator<Item = Truth> {
         let off = pixels * 2.0 / f64::from(self.size[0].min(self.size[1]).max(1));
         (0..8).map(move |n| {
             let (sin, cos) = (f64::from(n) * std::f64::consts::FRAC_PI_4).sin_cos();
-            self.trace([place[0] + off * cos, place[1] + off * sin])
+            self.trace(PicturePoint([place[0] + off * cos, place[1] + off * sin]))
         })
     }
 
@@ -263,10 +268,10 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
         truth
     }
 
-    fn trace(&self, place: [f64; 2]) -> Truth {
+    fn trace(&self, place: PicturePoint) -> Truth {
         let length = self.zoom * place[0].hypot(place[1]);
         let pixel = self.pixel();
-        let still = |uv: [f64; 2], status| Truth {
+        let still = |uv: Uv, status| Truth {
             uv,
             jet: self.surface.jet(uv),
             status,
@@ -292,11 +297,11 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
     }
 
     /// The distance on the surface from a true end to another point, exact where they are near.
-    fn distance(&self, atlas: &Atlas<'_, S>, truth: &Truth, uv: [f64; 2]) -> f64 {
-        let mut other = uv;
+    fn distance(&self, atlas: &Atlas<'_, S>, truth: &Truth, uv: Uv) -> f64 {
+        let Uv(mut other) = uv;
         atlas.bring_back(&mut other);
         if self.embedded {
-            let position = self.surface.jet(other).position;
+            let position = self.surface.jet(Uv(other)).position;
             return norm(combine(1.0, truth.jet.position, -1.0, position));
         }
         let mut least = f64::INFINITY;
@@ -318,7 +323,7 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
                     let base = atlas.domain[axis][end];
                     let near =
                         |uv: [f64; 2]| (uv[axis] - base).abs() < NEAR_POLE * atlas.width(axis);
-                    if !near(other) || !near(truth.uv) {
+                    if !near(other) || !near(truth.uv.0) {
                         continue;
                     }
                     least = least.min(about_pole(&apex, axis, base, truth, other));
@@ -399,7 +404,7 @@ fn repetitions<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, uv: [f64; 2]) -> Vec<[
 
 /// The distance across a pole, by the law of cosines about it: exact near the pole.
 fn about_pole(apex: &Apex, axis: usize, base: f64, truth: &Truth, uv: [f64; 2]) -> f64 {
-    let [r, s] = [truth.uv, uv].map(|at| (at[axis] - base).abs().powf(1.0 / apex.power));
+    let [r, s] = [truth.uv.0, uv].map(|at| (at[axis] - base).abs().powf(1.0 / apex.power));
     let angle = apex.rate * (uv[1 - axis] - truth.uv[1 - axis]);
     let half = (0.5 * angle).sin();
     let chord = ((r - s) * (r - s) + 4.0 * r * s * half * half).sqrt();

@@ -2,6 +2,7 @@
 
 use crate::jet::Jet;
 use crate::metric::norm;
+use crate::point::Uv;
 
 /// Lengths typical of a surface: what "small" is compared with. All finite and positive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,7 +15,7 @@ pub struct Scale {
 
 impl Scale {
     /// Measures on a lattice of interior points; those that are undefined are passed over.
-    pub fn measure(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2]) -> Self {
+    pub fn measure(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2]) -> Self {
         const LATTICE: u32 = 5;
         let mut positions: Vec<[f64; 3]> = Vec::new();
         let mut stretches: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
@@ -63,8 +64,8 @@ impl Scale {
 }
 
 /// The point of the domain at these shares of its widths.
-pub(crate) fn at(domain: [[f64; 2]; 2], share: [f64; 2]) -> [f64; 2] {
-    [0, 1].map(|k| {
+pub(crate) fn at(domain: [[f64; 2]; 2], share: [f64; 2]) -> Uv {
+    Uv([0, 1].map(|k| {
         let [low, high] = domain[k];
         // The ends come out exactly.
         if share[k] == 1.0 {
@@ -72,5 +73,5 @@ pub(crate) fn at(domain: [[f64; 2]; 2], share: [f64; 2]) -> [f64; 2] {
         } else {
             low + share[k] * (high - low)
         }
-    })
+    }))
 }

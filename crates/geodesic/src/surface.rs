@@ -6,6 +6,7 @@ use expr::graph::TooLarge;
 use expr::jets::{Fixed, JetRegisters, JetTape, Order};
 use expr::{Graph, Input, NodeId};
 
+use crate::point::Uv;
 use crate::topology::{Apex, Topology};
 
 pub use crate::jet::{Jet, JetBlock, LANES, Lanes};
@@ -15,13 +16,13 @@ pub use crate::sides::{Crossing, Side, Sides};
 /// A parametrised surface σ: R² → R³. Undefined values are NaN. Cheap to call from many threads.
 pub trait Surface: Sync {
     /// The jet at (u, v).
-    fn jet(&self, uv: [f64; 2]) -> Jet;
+    fn jet(&self, uv: Uv) -> Jet;
     /// The jets at [`LANES`] points (`at[0]` their u, `at[1]` their v), each the same as [`Surface::jet`]'s but for
     /// rounding.
     fn jets(&self, at: &[Lanes; 2], out: &mut JetBlock) {
         let [us, vs] = at;
         for (lane, (&u, &v)) in us.iter().zip(vs).enumerate() {
-            out.set(lane, &self.jet([u, v]));
+            out.set(lane, &self.jet(Uv([u, v])));
         }
     }
     /// Whether positions are places in space. A metric without an embedding gives jets in a frame of its own at each
@@ -127,10 +128,10 @@ impl ParametricSurface {
 }
 
 impl Surface for ParametricSurface {
-    fn jet(&self, uv: [f64; 2]) -> Jet {
+    fn jet(&self, uv: Uv) -> Jet {
         let mut out = [[[f64::NAN]; 3]; 6];
         REGISTERS.with_borrow_mut(|[registers, _]| {
-            let at = uv.map(|x| [x]);
+            let at = uv.0.map(|x| [x]);
             let out = out.as_flattened_mut();
             self.tape.eval(registers, &self.fixed, &at, out);
         });

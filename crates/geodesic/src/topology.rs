@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 
 use crate::jet::Jet;
 use crate::metric::{Form, combine, cross, dot, gaussian_curvature, norm};
+use crate::point::Uv;
 use crate::scale::{Scale, at};
 use crate::sides::{Side, Sides};
 
@@ -52,7 +53,7 @@ const STRAIGHT: f64 = 0.5;
 
 impl Topology {
     /// Looks at the sides of a domain. Sides that are mostly undefined are edges.
-    pub fn find(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2]) -> Self {
+    pub fn find(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2]) -> Self {
         let size = Scale::measure(jet, domain).size;
         let collapsed = [0, 1].map(|axis| [0, 1].map(|end| is_point(jet, domain, axis, end, size)));
         let mut pairs = [Side::Edge; 2];
@@ -66,8 +67,8 @@ impl Topology {
 
     /// Looks at the sides of a metric's domain, whose coefficients and jets are given.
     pub(crate) fn of_metric(
-        form: &dyn Fn([f64; 2]) -> Form,
-        jet: &dyn Fn([f64; 2]) -> Jet,
+        form: &dyn Fn(Uv) -> Form,
+        jet: &dyn Fn(Uv) -> Jet,
         domain: [[f64; 2]; 2],
         scale: Scale,
     ) -> Self {
@@ -127,7 +128,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 /// Whether the side is one point.
 fn is_point(
-    jet: &dyn Fn([f64; 2]) -> Jet,
+    jet: &dyn Fn(Uv) -> Jet,
     domain: [[f64; 2]; 2],
     axis: usize,
     end: usize,
@@ -145,7 +146,7 @@ fn is_point(
 }
 
 /// How the two sides of an axis are joined.
-fn seam(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2], axis: usize, size: f64) -> Side {
+fn seam(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2], axis: usize, size: f64) -> Side {
     let point = |along: f64, across: f64| jet(at(domain, place(axis, along, across))).position;
     let joined = |other: &dyn Fn(f64) -> f64| {
         let mut compared = 0;
@@ -171,7 +172,7 @@ fn seam(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2], axis: usize, size:
 
 /// Whether a metric gives the side no length.
 fn has_no_length(
-    form: &dyn Fn([f64; 2]) -> Form,
+    form: &dyn Fn(Uv) -> Form,
     domain: [[f64; 2]; 2],
     axis: usize,
     end: usize,
@@ -194,7 +195,7 @@ fn has_no_length(
 }
 
 /// How the two sides of an axis are joined in a metric: where it is the same on both with its first derivatives.
-fn metric_seam(form: &dyn Fn([f64; 2]) -> Form, domain: [[f64; 2]; 2], axis: usize) -> Side {
+fn metric_seam(form: &dyn Fn(Uv) -> Form, domain: [[f64; 2]; 2], axis: usize) -> Side {
     let widths = domain.map(|[low, high]| high - low);
     let joined = |flip: bool| {
         let mut compared = 0;
@@ -244,7 +245,7 @@ fn metric_seam(form: &dyn Fn([f64; 2]) -> Form, domain: [[f64; 2]; 2], axis: usi
 
 /// The least 1/√|K| a little off an apex, in units of r.
 fn curvature_radius(
-    jet: &dyn Fn([f64; 2]) -> Jet,
+    jet: &dyn Fn(Uv) -> Jet,
     domain: [[f64; 2]; 2],
     axis: usize,
     end: usize,
@@ -260,7 +261,7 @@ fn curvature_radius(
 }
 
 /// The tip's shape, from the directions in which the surface leaves it.
-fn apex(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2], axis: usize, end: usize) -> Apex {
+fn apex(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2], axis: usize, end: usize) -> Apex {
     const SAMPLES: u32 = 64;
     const NEAR: f64 = 1e-6;
     const FARTHER: f64 = 1e-4;
@@ -310,7 +311,7 @@ fn apex(jet: &dyn Fn([f64; 2]) -> Jet, domain: [[f64; 2]; 2], axis: usize, end: 
 
 /// The least radius of curvature of the coordinate lines that leave the apex, a little off it, in units of r.
 fn bend(
-    jet: &dyn Fn([f64; 2]) -> Jet,
+    jet: &dyn Fn(Uv) -> Jet,
     domain: [[f64; 2]; 2],
     axis: usize,
     end: usize,

@@ -6,6 +6,7 @@ use crate::chart::{Atlas, Chart, Motion};
 use crate::follow::{self, End, Noting, Plan, Start};
 use crate::integrate::{DOP853, DOPRI5, RK4};
 use crate::metric::{norm, speed};
+use crate::point::{TangentVector, Uv};
 use crate::surface::{Side, Surface};
 
 pub use crate::status::Status;
@@ -62,9 +63,9 @@ impl Default for Options {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
     /// Where it ended, brought back into the domain where the surface wraps.
-    pub uv: [f64; 2],
+    pub uv: Uv,
     /// (u', v') there, at unit speed.
-    pub direction: [f64; 2],
+    pub direction: TangentVector,
     /// σ there; none on a metric without an embedding.
     pub position: Option<[f64; 3]>,
     /// The arc length that it reached.
@@ -95,7 +96,7 @@ pub struct Trace {
     /// The arc lengths of the conjugate points, where m = 0, in ascending order, if they were asked for; else empty.
     pub conjugates: Vec<f64>,
     /// (u, v) after each step, the start first, if it was asked for; else empty.
-    pub path: Vec<[f64; 2]>,
+    pub path: Vec<Uv>,
 }
 
 /// Why a geodesic cannot be begun.
@@ -186,11 +187,12 @@ const PARALLEL: f64 = 1e-12;
 /// [`TraceError`]: bad numbers, or no tangent plane at the start. All that happens later is a [`Status`].
 pub fn trace<S: Surface + ?Sized>(
     surface: &S,
-    start: [f64; 2],
-    velocity: [f64; 2],
+    start: impl Into<Uv>,
+    velocity: impl Into<TangentVector>,
     length: f64,
     options: &Options,
 ) -> Result<Trace, TraceError> {
+    let (Uv(start), TangentVector(velocity)) = (start.into(), velocity.into());
     let atlas = Atlas::new(surface);
     check(length, options)?;
     let (start, moved) = unit_start(&atlas, start, velocity)?;
@@ -408,8 +410,8 @@ fn finish<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, end: End) -> Trace {
     let Motion { at, velocity } = end.motion;
     let position = atlas.embedded.then(|| atlas.jet(at).position);
     Trace {
-        uv: at,
-        direction: velocity,
+        uv: Uv(at),
+        direction: TangentVector(velocity),
         position,
         length: end.length,
         speed_drift: end.speed_drift,
@@ -422,6 +424,6 @@ fn finish<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, end: End) -> Trace {
         creases: end.creases,
         jacobi: [end.field, end.field_rate],
         conjugates: end.conjugates,
-        path: end.path,
+        path: end.path.into_iter().map(Uv).collect(),
     }
 }

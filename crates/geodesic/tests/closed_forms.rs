@@ -168,7 +168,7 @@ fn clairauts_relation_holds_on_tori() {
         );
         let end = go(&s, from, direction, length);
         assert_eq!(end.status, Status::Complete, "{what}: {end:?}");
-        let drift = (clairaut(r, end.uv, end.direction) - clairaut(r, from, direction)).abs();
+        let drift = (clairaut(r, end.uv.0, end.direction.0) - clairaut(r, from, direction)).abs();
         report(what, drift, bound, &end);
     }
     // Exactly along the inner equator, where all errors grow like e^{2.04 L}.
@@ -185,7 +185,7 @@ fn a_line_up_the_pseudosphere_returns() {
     let end = go(&s, from, direction, 0.5);
     let speed = (1.0 / from[1].cosh()).hypot(0.3 * from[1].tanh());
     let before = constant(from, direction) / speed;
-    let drift = (constant(end.uv, end.direction) / before - 1.0).abs();
+    let drift = (constant(end.uv.0, end.direction.0) / before - 1.0).abs();
     report("H3", drift, 1e-10, &end);
 }
 
@@ -194,7 +194,7 @@ fn ellipsoids_keep_joachimsthals_constant() {
     let axes = [1.0, 2.0, 3.0];
     let s = triaxial(1.0, 2.0, 3.0);
     let constant = |uv: [f64; 2], d: [f64; 2]| {
-        let jet = s.jet(uv);
+        let jet = s.jet(uv.into());
         let velocity = [0, 1, 2].map(|k| jet.du[k] * d[0] + jet.dv[k] * d[1]);
         let sum = |x: [f64; 3], power: i32| -> f64 {
             (0..3)
@@ -211,7 +211,7 @@ fn ellipsoids_keep_joachimsthals_constant() {
     ] {
         let end = go(&s, from, direction, 100.0);
         assert_eq!(end.status, Status::Complete, "{end:?}");
-        let drift = (constant(end.uv, end.direction) / constant(from, direction) - 1.0).abs();
+        let drift = (constant(end.uv.0, end.direction.0) / constant(from, direction) - 1.0).abs();
         report("E2", drift, 1e-9, &end);
     }
     for (b, length, bound) in [(0.01, 6.0, 1e-10), (100.0, 300.0, 1e-11)] {
@@ -221,7 +221,7 @@ fn ellipsoids_keep_joachimsthals_constant() {
         let start = go(&s, from, [0.3, 1.0], 0.0);
         let end = go(&s, from, [0.3, 1.0], length);
         assert_eq!(end.status, Status::Complete, "{end:?}");
-        let drift = (clairaut(end.uv, end.direction) - clairaut(from, start.direction)).abs();
+        let drift = (clairaut(end.uv.0, end.direction.0) - clairaut(from, start.direction.0)).abs();
         report(&format!("E1 {b}"), drift, bound, &end);
     }
 }
@@ -234,7 +234,7 @@ fn tracing_back_returns() {
         assert_eq!(there.status, Status::Complete, "{what}");
         let turned = there.direction.map(|x| -x);
         let back = trace(s, there.uv, turned, length, &options).expect("a start");
-        let error = distance(place(&back), s.jet(from).position);
+        let error = distance(place(&back), s.jet(from.into()).position);
         report(what, error, 1e-9, &back);
         assert!(there.speed_drift.abs() < 1e-9, "{there:?}");
     };
@@ -345,7 +345,7 @@ fn a_bad_start_is_refused_and_says_why() {
     let end = attempt([1.0, 2.0], [0.0, -5.0], 0.0).expect("a start");
     assert_eq!(
         (end.uv, end.direction, end.status),
-        ([1.0, 2.0], [0.0, -1.0], Status::Complete)
+        ([1.0, 2.0].into(), [0.0, -1.0].into(), Status::Complete)
     );
 }
 
@@ -432,9 +432,9 @@ fn a_ray_that_ends_at_a_pole_can_be_traced_back() {
     let s = spheroid(1.0, 1.0);
     let there = go(&s, [1.0, 0.0], [0.0, 1.0], PI / 2.0);
     assert_eq!(there.status, Status::Complete);
-    let back = go(&s, there.uv, there.direction.map(|x| -x), PI / 2.0);
+    let back = go(&s, there.uv.0, (-there.direction).0, PI / 2.0);
     assert!(
-        distance(place(&back), s.jet([1.0, 0.0]).position) < 1e-12,
+        distance(place(&back), s.jet([1.0, 0.0].into()).position) < 1e-12,
         "{there:?} {back:?}"
     );
 }

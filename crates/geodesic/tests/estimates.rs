@@ -63,9 +63,9 @@ fn scene(random: &mut Random, n: usize) -> (Box<dyn Surface>, [f64; 2], f64) {
 }
 
 fn gap(s: &dyn Surface, a: [f64; 2], b: [f64; 2]) -> f64 {
-    let jet = s.jet(a);
+    let jet = s.jet(a.into());
     if s.is_embedded() {
-        let other = s.jet(b).position;
+        let other = s.jet(b.into()).position;
         return (0..3)
             .map(|k| (jet.position[k] - other[k]).powi(2))
             .sum::<f64>()
@@ -86,7 +86,7 @@ fn the_truth_is_within_twice_the_estimate_and_half_of_it() {
     for n in 0..320 {
         let (surface, from, length) = scene(&mut random, n);
         let angle = random.between(0.0, TAU);
-        let jet = surface.jet(from);
+        let jet = surface.jet(from.into());
         let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let direction = [angle.cos() / size(jet.du), angle.sin() / size(jet.dv)];
         let options = Options {
@@ -108,7 +108,7 @@ fn the_truth_is_within_twice_the_estimate_and_half_of_it() {
             continue;
         }
         assert!(end.evaluations <= options.max_evaluations);
-        let error = gap(surface.as_ref(), truth.uv, end.uv);
+        let error = gap(surface.as_ref(), truth.uv.0, end.uv.0);
         // Where the truth is not known better than the error, nothing can be said.
         if error < 1e-12 * length || truth.error_estimate > 0.3 * error {
             continue;
@@ -134,7 +134,7 @@ fn without_comparison_the_estimate_is_a_bound() {
     for n in 0..160 {
         let (surface, from, length) = scene(&mut random, n);
         let angle = random.between(0.0, TAU);
-        let jet = surface.jet(from);
+        let jet = surface.jet(from.into());
         let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
         let direction = [angle.cos() / size(jet.du), angle.sin() / size(jet.dv)];
         let run = |options: &Options| {
@@ -149,7 +149,7 @@ fn without_comparison_the_estimate_is_a_bound() {
         if end.status != Status::Complete || truth.status != Status::Complete {
             continue;
         }
-        let error = gap(surface.as_ref(), truth.uv, end.uv);
+        let error = gap(surface.as_ref(), truth.uv.0, end.uv.0);
         if truth.error_estimate > 0.3 * error {
             continue;
         }

@@ -9,6 +9,7 @@ use geodesic::ends::{Coordinates, End, Ends};
 use geodesic::fan::{Across, Fan, FanOptions};
 use geodesic::frame::Frame;
 use geodesic::map::pixel_place;
+use geodesic::point::PicturePoint;
 use geodesic::surface::{ParametricSurface, Side, Surface};
 use geodesic::trace::{Options, Status};
 use shapes::Maker;
@@ -28,7 +29,7 @@ impl Random {
         low + (high - low) * self.next()
     }
 
-    fn pixel(&mut self, size: [u32; 2]) -> [f64; 2] {
+    fn pixel(&mut self, size: [u32; 2]) -> PicturePoint {
         let column = (self.next() * f64::from(size[0])) as u32;
         let row = (self.next() * f64::from(size[1])) as u32;
         pixel_place(size, column, row)
@@ -69,7 +70,7 @@ fn compare(
     let mut seen = Seen::default();
     let zoom = frame.zoom(surface);
     let width = 2.0 / f64::from(size[0].min(size[1]));
-    let trace = |place: [f64; 2]| {
+    let trace = |PicturePoint(place): PicturePoint| {
         let length = zoom * place[0].hypot(place[1]);
         frame
             .trace(surface, place, length, &exact())
@@ -86,10 +87,12 @@ fn compare(
             // Right within a pixel of a boundary.
             let near = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]
                 .iter()
-                .any(|step| trace([0, 1].map(|k| place[k] + width * step[k])).status == end.status);
+                .any(|step| {
+                    trace([0, 1].map(|k| place[k] + width * step[k]).into()).status == end.status
+                });
             if !near {
                 seen.wrong_status += 1;
-                seen.at = place;
+                seen.at = place.0;
             }
             continue;
         }
@@ -98,7 +101,7 @@ fn compare(
             let error = distance(here, truth.position.expect("embedded")) / (zoom * width);
             if error.is_nan() || error > seen.max {
                 seen.max = if error.is_nan() { f64::INFINITY } else { error };
-                seen.at = place;
+                seen.at = place.0;
             }
         }
     }
@@ -130,7 +133,7 @@ fn position(surface: &ParametricSurface, fan: &dyn Ends, end: &End) -> [f64; 3] 
             }
         }
     }
-    surface.jet(at).position
+    surface.jet(at.into()).position
 }
 
 /// Builds a fan and holds it to a tenth of a pixel, and its estimate to the truth.
@@ -161,7 +164,7 @@ fn a_thin_torus_is_right_after_eleven_windings() {
     let fan = Fan::build(&surface, &frame, SIZE, &FanOptions::default());
     let most = (0..64).map(|n| {
         let (sin, cos) = (TAU * f64::from(n) / 64.0).sin_cos();
-        let end = fan.end([cos, sin]);
+        let end = fan.end(PicturePoint([cos, sin]));
         ((end.at[1] - 0.4) / TAU).abs()
     });
     // 1/(2π 0.02) times 1.4 in the corners; here up to the inscribed circle.
@@ -171,7 +174,7 @@ fn a_thin_torus_is_right_after_eleven_windings() {
 }
 
 /// The end of a geodesic of the unit sphere.
-fn great_circle(surface: &ParametricSurface, frame: &Frame, place: [f64; 2]) -> [f64; 3] {
+fn great_circle(surface: &ParametricSurface, frame: &Frame, place: PicturePoint) -> [f64; 3] {
     let start = surface.jet(frame.uv);
     let plain = frame.plain(surface);
     let jet = surface.jet(plain.uv);
@@ -238,9 +241,9 @@ fn a_cylinder_and_a_cone_unroll_to_the_plane() {
     // A ray that goes straight for the tip ends there.
     let frame = Frame::new(&surface, [0.3, 2.0], 0.0, 4.0).expect("a frame");
     let fan = Fan::build(&surface, &frame, SIZE, &FanOptions::default());
-    assert_eq!(fan.end([0.0, -0.9]).status, Status::ConePoint);
-    assert_eq!(fan.end([0.0, -0.6]).status, Status::Complete);
-    assert_eq!(fan.end([0.1, -0.9]).status, Status::Complete);
+    assert_eq!(fan.end(PicturePoint([0.0, -0.9])).status, Status::ConePoint);
+    assert_eq!(fan.end(PicturePoint([0.0, -0.6])).status, Status::Complete);
+    assert_eq!(fan.end(PicturePoint([0.1, -0.9])).status, Status::Complete);
 }
 
 #[test]
@@ -303,9 +306,12 @@ fn edges_are_where_they_are_to_a_fraction_of_a_pixel() {
     // Up lies v; the way to v = 10 is sinh 10 − sinh 9 long.
     let edge = (10f64.sinh() - 9f64.sinh()) / (2.0 * 9f64.cosh());
     let pixel = 2.0 / 512.0;
-    assert_eq!(fan.end([0.0, edge - 0.1 * pixel]).status, Status::Complete);
     assert_eq!(
-        fan.end([0.0, edge + 0.1 * pixel]).status,
+        fan.end(PicturePoint([0.0, edge - 0.1 * pixel])).status,
+        Status::Complete
+    );
+    assert_eq!(
+        fan.end(PicturePoint([0.0, edge + 0.1 * pixel])).status,
         Status::LeftDomain
     );
 }
@@ -392,14 +398,14 @@ fn the_centre_is_exact() {
     ] {
         let frame = Frame::new(&surface, uv, 0.3, 1e-3).expect("a frame");
         let fan = Fan::build(&surface, &frame, [1, 1], &FanOptions::default());
-        let end = fan.end([0.0; 2]);
+        let end = fan.end(PicturePoint::default());
         assert_eq!(
             (end.at, end.status, end.stretch),
             (uv, Status::Complete, 1.0)
         );
         let moved = end.by_place([0.0; 2], 1e-3);
         let off = |axis: [f64; 2], truth: [f64; 2]| (axis[0] - truth[0]).hypot(axis[1] - truth[1]);
-        assert!(off(moved[0], frame.x) <= 1e-15 && off(moved[1], frame.y) <= 1e-15);
+        assert!(off(moved[0], frame.x.0) <= 1e-15 && off(moved[1], frame.y.0) <= 1e-15);
     }
 }
 
@@ -469,7 +475,7 @@ fn evaluations_are_limited_and_what_is_unknown_says_so() {
             fan.work()
         );
         assert!(unknown > 200, "{unknown} of 2000 with {limit}");
-        assert_eq!(fan.end([0.0; 2]).status, Status::Complete);
+        assert_eq!(fan.end(PicturePoint::default()).status, Status::Complete);
     }
 }
 
@@ -604,7 +610,7 @@ fn several_places_at_once_end_as_each_by_itself() {
     for surface in [shapes::torus(0.4), shapes::moebius(0.0)] {
         let frame = Frame::new(&surface, [1.0, 0.2], 0.3, 2.0).expect("a frame");
         let fan = Fan::build(&surface, &frame, [128, 128], &FanOptions::default());
-        let places: Vec<[f64; 2]> = (0..128 * 128)
+        let places: Vec<PicturePoint> = (0..128 * 128)
             .step_by(37)
             .map(|n| pixel_place([128, 128], n % 128, n / 128))
             .collect();

@@ -44,7 +44,7 @@ fn a_flat_rim_is_not_taken_for_a_loss_of_rank() {
         assert_eq!(end.status, Status::Complete, "{b} {end:?}");
         let clairaut = |uv: [f64; 2], d: [f64; 2]| uv[1].cos().powi(2) * d[0];
         let start = go(&spheroid(1.0, b), [0.3, 0.2], [0.3, 1.0], 0.0);
-        let drift = clairaut(end.uv, end.direction) - clairaut(start.uv, start.direction);
+        let drift = clairaut(end.uv.0, end.direction.0) - clairaut(start.uv.0, start.direction.0);
         assert!(drift.abs() < 1e-10, "{b} {drift:e} {end:?}");
     }
 }

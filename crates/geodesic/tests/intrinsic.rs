@@ -27,7 +27,7 @@ fn jets_have_the_metric_the_christoffel_symbols_and_the_curvature_of_the_embedde
         let p = [m.scale(a, x), m.scale(a, y), m.scale(b, z)];
         let embedded = m.done(p, [[0.0, TAU], [-PI / 2.0, PI / 2.0]]);
         for at in [[0.3, 0.2], [2.0, -1.1], [5.0, 1.5]] {
-            let (i, e) = (intrinsic.jet(at), embedded.jet(at));
+            let (i, e) = (intrinsic.jet(at.into()), embedded.jet(at.into()));
             let (mi, me) = (Metric::of(&i), Metric::of(&e));
             for (x, y) in [(mi.e, me.e), (mi.f, me.f), (mi.g, me.g), (mi.r, me.r)] {
                 assert!(
@@ -176,7 +176,7 @@ fn flat_rectangles_are_glued_to_tori_and_klein_bottles() {
     assert_eq!(flipped.sides().v, [Side::Wrap; 2]);
     let there = go(&flipped, [0.5, 0.3], [1.0, 0.2], 3.2);
     assert!(there.flipped, "{there:?}");
-    let back = go(&flipped, there.uv, there.direction.map(|x| -x), 3.2);
+    let back = go(&flipped, there.uv.0, (-there.direction).0, 3.2);
     assert!(
         (back.uv[0] - 0.5).hypot(back.uv[1] - 0.3) < 1e-10,
         "{back:?}"
@@ -311,7 +311,7 @@ fn jets_at_several_points_are_those_at_each() {
     let mut block = JetBlock::default();
     surface.jets(&at, &mut block);
     for lane in 0..LANES {
-        let jet = surface.jet([at[0][lane], at[1][lane]]);
+        let jet = surface.jet([at[0][lane], at[1][lane]].into());
         let pairs = [
             (block.du, jet.du),
             (block.dv, jet.dv),

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 use geodesic::ends::{Coordinates, End, Ends, Polar};
 use geodesic::map::pixel_place;
 use geodesic::patchwork::{BLOCK, Cover, DEGREE, Patchwork, table};
+use geodesic::point::PicturePoint;
 use geodesic::trace::Status;
 
 /// The share of a pixel that polynomials may add.
@@ -60,7 +61,7 @@ impl Sphere {
 }
 
 impl Ends for Sphere {
-    fn end(&self, place: [f64; 2]) -> End {
+    fn end(&self, PicturePoint(place): PicturePoint) -> End {
         let [p, along, across] = self.moved(place);
         let s = self.zoom * place[0].hypot(place[1]);
         let ground = p[0].hypot(p[1]);
@@ -180,11 +181,11 @@ fn off_sphere(sphere: &Sphere, patchwork: &Patchwork) -> (f64, f64) {
     let mut worst = (0.0_f64, 0.0_f64);
     for index in 0..map.offset.len() {
         let (column, row) = (index as u32 % size[0], index as u32 / size[0]);
-        let place = pixel_place(size, column, row);
+        let PicturePoint(place) = pixel_place(size, column, row);
         assert_eq!(map.status[index], Status::Complete);
         let [p, along, across] = sphere.moved(place);
         let at = map.uv(index);
-        let [east, north, q] = Sphere::axes(at);
+        let [east, north, q] = Sphere::axes(at.0);
         let off = combine(1.0, p, -1.0, q);
         worst.0 = worst.0.max(dot(off, off).sqrt() / pixel);
         // To the right and down, on the surface.
@@ -262,7 +263,7 @@ fn deep_zooms_keep_their_digits() {
             let size = [64, 64];
             let map = Patchwork::cut(&sphere, size, TOLERANCE).map(true);
             for index in 0..map.offset.len() {
-                let place = pixel_place(size, index as u32 % 64, index as u32 / 64);
+                let PicturePoint(place) = pixel_place(size, index as u32 % 64, index as u32 / 64);
                 let [x, y] = place.map(|x| x * zoom);
                 // The exponential map to second order, enough for both zooms.
                 let (tan, cos) = (at[1].tan(), at[1].cos());
@@ -282,7 +283,7 @@ struct Flat<F: Fn([f64; 2]) -> ([f64; 2], Status) + Sync> {
 }
 
 impl<F: Fn([f64; 2]) -> ([f64; 2], Status) + Sync> Ends for Flat<F> {
-    fn end(&self, place: [f64; 2]) -> End {
+    fn end(&self, PicturePoint(place): PicturePoint) -> End {
         let (at, status) = (self.map)(place);
         if status != Status::Complete {
             return ended(status);
@@ -319,7 +320,7 @@ fn off_flat<F: Fn([f64; 2]) -> ([f64; 2], Status) + Sync>(
     let size = map.size;
     let mut worst = 0.0_f64;
     for index in 0..map.offset.len() {
-        let place = pixel_place(size, index as u32 % size[0], index as u32 / size[0]);
+        let PicturePoint(place) = pixel_place(size, index as u32 % size[0], index as u32 / size[0]);
         let (at, status) = (flat.map)(place);
         assert_eq!(map.status[index], status, "at {place:?}");
         if status == Status::Complete {
@@ -383,7 +384,7 @@ fn round_edges_and_holes_are_seen_where_they_bend_into_squares() {
         let map = Patchwork::cut(&flat, size, TOLERANCE).map(false);
         let wrong = (0..map.status.len())
             .filter(|&k| {
-                let place = pixel_place(size, k as u32 % 400, k as u32 / 400);
+                let PicturePoint(place) = pixel_place(size, k as u32 % 400, k as u32 / 400);
                 (flat.map)(place).1 != map.status[k]
             })
             .count();
@@ -409,7 +410,7 @@ fn what_lies_behind_a_cone_s_tip_is_torn_along_a_line_to_the_pixel() {
         let map = patchwork.map(false);
         let mut wrong = 0;
         for index in 0..map.offset.len() {
-            let (at, _) = (flat.map)(pixel_place(size, index as u32 % 300, index as u32 / 300));
+            let (at, _) = (flat.map)(pixel_place(size, index as u32 % 300, index as u32 / 300).0);
             let uv = map.uv(index);
             let off = (uv[0] - at[0]).hypot(uv[1] - at[1]) * 150.0;
             wrong += u32::from(off > TOLERANCE);

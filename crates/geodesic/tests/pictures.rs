@@ -80,7 +80,11 @@ fn a_frame_passes_a_moebius_strips_seam_mirrored_and_returns_as_it_was() {
         "{there:?} is not mirrored"
     );
     let (back, _) = there.advance(&s, [-0.9, -0.1], &options).expect("a way");
-    let miss = [(back.uv, start.uv), (back.x, start.x), (back.y, start.y)];
+    let miss = [
+        (back.uv.0, start.uv.0),
+        (back.x.0, start.x.0),
+        (back.y.0, start.y.0),
+    ];
     for (a, b) in miss {
         assert!(
             (0..2).all(|k| (a[k] - b[k]).abs() < 1e-9),

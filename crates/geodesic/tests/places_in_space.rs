@@ -4,6 +4,7 @@
 use geodesic::ends::{Coordinates, End, Ends};
 use geodesic::map::pixel_place;
 use geodesic::patchwork::Patchwork;
+use geodesic::point::PicturePoint;
 use geodesic::trace::Status;
 
 /// What the polynomials may add, in pixels.
@@ -43,7 +44,7 @@ impl Sphere {
 }
 
 impl Ends<3> for Sphere {
-    fn end(&self, [x, y]: [f64; 2]) -> End<3> {
+    fn end(&self, PicturePoint([x, y]): PicturePoint) -> End<3> {
         let radius = x.hypot(y);
         let s = self.zoom * radius;
         let (cos, sin) = if radius > 0.0 {

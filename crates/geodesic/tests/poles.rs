@@ -62,7 +62,7 @@ fn in_space(s: &dyn Surface, frame: &Frame) -> [[f64; 3]; 3] {
     let plain = frame.plain(s);
     let jet = s.jet(plain.uv);
     let vector = |a: [f64; 2]| [0, 1, 2].map(|k| a[0] * jet.du[k] + a[1] * jet.dv[k]);
-    [jet.position, vector(plain.x), vector(plain.y)]
+    [jet.position, vector(plain.x.0), vector(plain.y.0)]
 }
 
 #[test]
@@ -79,7 +79,12 @@ fn walks_onto_a_pole_and_on_carry_the_frame_as_parallel_transport_does() {
             let (at_pole, trace) = start.advance(&s, step, &options).expect("a way");
             assert_eq!(trace.status, Status::Complete);
             assert!(
-                at_pole.x.iter().chain(&at_pole.y).all(|x| x.abs() < 1.0),
+                at_pole
+                    .x
+                    .0
+                    .iter()
+                    .chain(&at_pole.y.0)
+                    .all(|x| x.abs() < 1.0),
                 "{at_pole:?}"
             );
             assert!((at_pole.zoom(&s) - 0.5).abs() < 1e-11, "{at_pole:?}");

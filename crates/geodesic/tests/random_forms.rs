@@ -318,7 +318,7 @@ fn lines_of_the_pseudosphere_go_up_its_cusp_and_back() {
         let v = f64::acosh(y * t.cosh() / t1.cosh());
         let exact = [u.cos() / v.cosh(), u.sin() / v.cosh(), v - v.tanh()];
         let clairaut = |uv: [f64; 2], d: [f64; 2]| d[0] / uv[1].cosh().powi(2);
-        let drift = clairaut(end.uv, end.direction) / (right / y) - 1.0;
+        let drift = clairaut(end.uv.0, end.direction.0) / (right / y) - 1.0;
         assert!(
             drift.abs() <= 1e-6 || end.error_estimate > 1e-6,
             "{drift:e} {end:?}"
@@ -364,10 +364,10 @@ fn bumps_are_crossed_and_crossed_back() {
         let angle = random.turn();
         let length = random.size(0.1, 3.0);
         let there = go(&s, from, [angle.cos(), angle.sin()], length);
-        let back = go(&s, there.uv, there.direction.map(|x| -x), length);
+        let back = go(&s, there.uv.0, (-there.direction).0, length);
         assert!(there.speed_drift.abs() < 1e-10, "{there:?}");
         // Chaos: an error out there grows on the way back as it did on the way there.
-        let error = distance(place(&back), s.jet(from).position);
+        let error = distance(place(&back), s.jet(from.into()).position);
         tally.add_both(
             &format!("{from:?} {angle} {length}"),
             error,

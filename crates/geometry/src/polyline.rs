@@ -78,7 +78,7 @@ fn one_way(surface: &dyn Surface, start: &GeodesicStart, lengths: &[f64]) -> Vec
         match reached {
             Ok(trace) => {
                 knots.push(Some(Knot {
-                    uv: trace.uv,
+                    uv: trace.uv.0,
                     position: trace.position,
                 }));
                 // A geodesic that ends early keeps the knot at its end.

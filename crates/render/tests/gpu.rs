@@ -359,7 +359,7 @@ fn geodesics_on_a_sphere_end_where_great_circles_do() {
                 east,
                 sin * r.cos() + cos * north,
             ];
-            let [u, v] = map.uv(index);
+            let [u, v] = map.uv(index).0;
             let found = [u.cos() * v.cos(), u.sin() * v.cos(), v.sin()];
             let off = found
                 .iter()

@@ -54,7 +54,7 @@ fn in_a_plane_x_runs_right_along_u_and_y_upwards_along_v() {
     for index in 0..map.offset.len() {
         let [x, y] = place(size, index);
         assert_eq!(map.status[index], Status::Complete);
-        let [u, v] = map.uv(index);
+        let [u, v] = map.uv(index).0;
         assert!(
             (u - 2.0 - 0.5 * x).abs() < 1e-4 && (v - 1.0 - 0.5 * y).abs() < 1e-4,
             "({u}, {v}) at {x}, {y}"
@@ -68,7 +68,7 @@ fn an_angle_turns_from_u_towards_v() {
     let map = map(PLANE, &request(size, Some([2.0, 1.0]), PI / 2.0, Some(0.5)));
     for index in 0..map.offset.len() {
         let [x, y] = place(size, index);
-        let [u, v] = map.uv(index);
+        let [u, v] = map.uv(index).0;
         assert!(
             (u - 2.0 + 0.5 * y).abs() < 1e-4 && (v - 1.0 - 0.5 * x).abs() < 1e-4,
             "({u}, {v}) at {x}, {y}"
@@ -111,7 +111,7 @@ fn on_a_sphere_every_pixel_ends_where_its_great_circle_does() {
             assert_eq!(map.status[index], Status::Complete, "at {x}, {y}");
             let w = (east * x + along_v * y) * zoom;
             let expected = point(at) * w.length().cos() + w.normalize() * w.length().sin();
-            let off = (point(map.uv(index)) - expected).length();
+            let off = (point(map.uv(index).0) - expected).length();
             assert!(
                 off < 0.25 * pixel,
                 "{} pixels off at {x}, {y} from {at:?}",
@@ -129,7 +129,7 @@ fn a_cylinder_is_a_plane_that_repeats() {
     let (sin, cos) = 0.3_f64.sin_cos();
     for index in 0..map.offset.len() {
         let [x, y] = place(size, index).map(|x| 12.0 * x);
-        let [u, v] = map.uv(index);
+        let [u, v] = map.uv(index).0;
         let turn = (u - 1.0 - (cos * x - sin * y)) / TAU;
         assert!((turn - turn.round()).abs() < 1e-3, "u = {u} at {x}, {y}");
         assert!(

@@ -206,11 +206,11 @@ fn invariance(unit: f64, size: f64, options: &Options) -> Measured {
         if a.status != Status::Complete {
             return complete(&a, |_| 0.0);
         }
-        let back = |uv: [f64; 2]| plain.jet(uv.map(|x| x / unit)).position;
+        let back = |uv: [f64; 2]| plain.jet(uv.map(|x| x / unit).into()).position;
         complete(&b, |b| {
             // Each step rounds.
             let rounding = f64::EPSILON * length * a.steps as f64;
-            distance(plain.jet(a.uv).position, back(b.uv)) / rounding
+            distance(plain.jet(a.uv).position, back(b.uv.0)) / rounding
         })
     }))
 }

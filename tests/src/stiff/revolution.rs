@@ -103,7 +103,7 @@ pub(super) fn cases() -> Vec<Case> {
             let end = go(&s, from, direction, 20.0, options);
             let constant = |uv: [f64; 2], d: [f64; 2]| d[0] / uv[1].cosh().powi(2);
             complete(&end, |end| {
-                (constant(end.uv, end.direction) / (right / start) - 1.0).abs()
+                (constant(end.uv.0, end.direction.0) / (right / start) - 1.0).abs()
             })
         },
     ));
@@ -128,7 +128,7 @@ pub(super) fn cases() -> Vec<Case> {
             let s = triaxial(1.0, 2.0, 3.0);
             let (from, direction) = ([0.4, 0.3], [1.0, 0.7]);
             let constant = |uv: [f64; 2], d: [f64; 2]| {
-                let jet = s.jet(uv);
+                let jet = s.jet(uv.into());
                 let squares = [1.0, 4.0, 9.0];
                 let v = [0, 1, 2].map(|k| jet.du[k] * d[0] + jet.dv[k] * d[1]);
                 let unit: f64 = v.iter().map(|x| x * x).sum();
@@ -141,7 +141,7 @@ pub(super) fn cases() -> Vec<Case> {
             let end = go(&s, from, direction, 100.0, options);
             let before = constant(from, direction);
             complete(&end, |end| {
-                (constant(end.uv, end.direction) / before - 1.0).abs()
+                (constant(end.uv.0, end.direction.0) / before - 1.0).abs()
             })
         },
     ));
@@ -208,12 +208,12 @@ pub(super) fn cases() -> Vec<Case> {
 /// The change of Clairaut's constant ⟨γ', σu⟩ at unit speed, on a surface of revolution about the third axis.
 fn clairaut_change(s: &dyn Surface, from: [f64; 2], direction: [f64; 2], end: &Trace) -> f64 {
     let constant = |uv: [f64; 2], d: [f64; 2]| {
-        let jet = s.jet(uv);
+        let jet = s.jet(uv.into());
         let v = [0, 1, 2].map(|k| jet.du[k] * d[0] + jet.dv[k] * d[1]);
         let speed = v.iter().map(|x| x * x).sum::<f64>().sqrt();
         (0..3).map(|k| v[k] * jet.du[k]).sum::<f64>() / speed
     };
-    (constant(end.uv, end.direction) - constant(from, direction)).abs()
+    (constant(end.uv.0, end.direction.0) - constant(from, direction)).abs()
 }
 
 /// All geodesics from an umbilic meet at the opposite one, after half the length of the ellipse through them.

@@ -73,7 +73,7 @@ fn return_home(options: &Options) -> Measured {
     worst(surfaces.iter().flat_map(|(surface, from, length)| {
         let surface = surface.as_ref();
         [0.3, 1.2, 2.4, 4.0].map(|angle: f64| {
-            let jet = surface.jet(*from);
+            let jet = surface.jet((*from).into());
             let size = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
             let direction = [angle.cos() / size(jet.du), angle.sin() / size(jet.dv)];
             let there = go(surface, *from, direction, *length, &options);
@@ -82,8 +82,8 @@ fn return_home(options: &Options) -> Measured {
             }
             let back = go(
                 surface,
-                there.uv,
-                there.direction.map(|x| -x),
+                there.uv.0,
+                there.direction.0.map(|x| -x),
                 *length,
                 &options,
             );
@@ -132,7 +132,7 @@ fn deep(zoom: f64, options: &Options) -> Measured {
         let surface = surface.as_ref();
         let frame = Frame::new(surface, *at, 0.3, unit).unwrap_or_else(|error| panic!("{error}"));
         let map = exponential_map(surface, &frame, size, &options, &|_| {});
-        let jet = surface.jet(*at);
+        let jet = surface.jet((*at).into());
         let evaluations = map.work.evaluations as usize;
         (0..map.offset.len()).map(move |index| {
             let place = pixel_place(size, index as u32 % size[0], index as u32 / size[0]);
@@ -165,7 +165,7 @@ fn centre(options: &Options) -> Measured {
         Measured {
             value: match ends {
                 Some((frame, end)) => {
-                    let finite = frame.x.iter().chain(&frame.y).all(|x| x.is_finite());
+                    let finite = frame.x.is_finite() && frame.y.is_finite();
                     let exact = frame.uv == place && end.map_or(true, |end| end.uv == place);
                     if finite && exact { 0.0 } else { 1.0 }
                 }
@@ -193,7 +193,7 @@ fn budget(options: &Options) -> Measured {
         let from = [random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
         let angle = random.between(0.0, TAU);
         let end = go(&s, from, [angle.cos(), angle.sin()], 1e4, options);
-        let finite = end.uv.iter().all(|x| x.is_finite()) && end.error_estimate.is_finite();
+        let finite = end.uv.is_finite() && end.error_estimate.is_finite();
         Measured {
             value: if finite && end.evaluations <= super::LIMIT {
                 0.0

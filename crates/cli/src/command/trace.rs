@@ -177,7 +177,7 @@ fn document(trace: &Trace) -> TraceJson {
         u: trace.uv[0],
         v: trace.uv[1],
         position: trace.position,
-        direction: trace.direction,
+        direction: trace.direction.0,
         length: trace.length,
         speed_drift: trace.speed_drift,
         error_estimate: trace.error_estimate,
@@ -188,7 +188,7 @@ fn document(trace: &Trace) -> TraceJson {
 }
 
 fn text(trace: &Trace, from: [f64; 2]) -> String {
-    let [u, v] = trace.uv;
+    let [u, v] = trace.uv.0;
     let length = show(trace.length);
     let end = match trace.status {
         Status::Complete => format!("it has its full length, {length}"),
@@ -223,7 +223,7 @@ fn text(trace: &Trace, from: [f64; 2]) -> String {
         } else {
             format!(
                 "{} in (u, v), at unit speed",
-                number::show_all(&trace.direction)
+                number::show_all(&trace.direction.0)
             )
         },
         rough(trace.error_estimate),
@@ -267,9 +267,11 @@ fn stopped_at_start(error: TraceError, surface: &dyn Surface) -> Result<Trace, F
         | TraceError::OutsideDomain { .. } => return Err(Failure::usage(error.to_string())),
     };
     Ok(Trace {
-        uv,
-        direction: [f64::NAN; 2],
-        position: surface.is_embedded().then(|| surface.jet(uv).position),
+        uv: uv.into(),
+        direction: [f64::NAN; 2].into(),
+        position: surface
+            .is_embedded()
+            .then(|| surface.jet(uv.into()).position),
         evaluations: 1,
         status,
         ..Trace::default()

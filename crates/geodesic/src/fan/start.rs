@@ -44,7 +44,7 @@ impl Start {
         if !(zoom.is_finite() && zoom > 0.0) {
             return None;
         }
-        let [x, y] = [[1.0, 0.0], [0.0, 1.0]].map(|place| frame.start(&atlas, place).ok());
+        let [x, y] = [[1.0, 0.0], [0.0, 1.0]].map(|place| frame.start(&atlas, place.into()).ok());
         let (x, y) = (x?, y?);
         let least = f64::from(size[0].min(size[1]).max(1));
         let half = size.map(|n| zoom * f64::from(n.max(1)) / least);
@@ -60,7 +60,7 @@ impl Start {
                 1.0
             },
             chart: Chart::PLAIN,
-            at: frame.uv,
+            at: frame.uv.0,
             axes: [[0.0; 2]; 2],
         };
         let motion = |start: &follow::Start| match start {
@@ -163,8 +163,8 @@ impl Start {
                 (Coordinates::Apex { axis, end }, self.at, self.axes)
             }
             _ => {
-                let unit = [self.frame.x, self.frame.y].map(|v| v.map(|x| x / self.zoom));
-                (Coordinates::Plain, self.frame.uv, unit)
+                let unit = [self.frame.x, self.frame.y].map(|v| v.map(|x| x / self.zoom).0);
+                (Coordinates::Plain, self.frame.uv.0, unit)
             }
         };
         End {

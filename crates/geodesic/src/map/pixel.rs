@@ -1,12 +1,13 @@
 //! The methods that follow a geodesic for each pixel: one row of a picture in, its ends out.
 
-use super::{MOST_FOR_PIXEL, MapOptions, Method, bring_back, pixel_place, rk4};
+use super::{MOST_FOR_PIXEL, MapOptions, Method, pixel_place, rk4};
 use crate::chart::{Atlas, Motion};
 use crate::ends::{Coordinates, End, Work};
 use crate::follow::{self, Noting, Plan, Start};
 use crate::frame::Frame;
 use crate::integrate::{DOP853, DOPRI5};
 use crate::metric::Metric;
+use crate::point::{PicturePoint, Uv};
 use crate::status::Status;
 use crate::surface::{Side, Surface};
 use crate::trace;
@@ -112,12 +113,12 @@ pub(super) fn row<S: Surface + ?Sized>(
 
 impl<S: Surface + ?Sized> Line<'_, '_, S> {
     /// The pixel at a place; what needs no geodesic is put down at once.
-    fn pixel(&self, place: [f64; 2], by_pixel: bool, out: &mut Row) -> Option<Pixel> {
+    fn pixel(&self, place: PicturePoint, by_pixel: bool, out: &mut Row) -> Option<Pixel> {
         let length = self.zoom * place[0].hypot(place[1]);
         if length == 0.0 || length.is_nan() {
             // At a pole (u,v) has no directions.
             let by_place = match self.frame.coordinates {
-                Coordinates::Plain => [self.frame.x, self.frame.y],
+                Coordinates::Plain => [self.frame.x.0, self.frame.y.0],
                 Coordinates::Apex { .. } => [[0.0; 2]; 2],
             };
             let by_place = by_pixel.then_some(by_place);
@@ -136,7 +137,7 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
 
     fn adaptive(
         &self,
-        places: impl Iterator<Item = [f64; 2]>,
+        places: impl Iterator<Item = PicturePoint>,
         share: usize,
         options: &MapOptions,
         out: &mut Row,
@@ -150,12 +151,12 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
             out.work.followed += 1;
             let length = pixel.length;
             let end = self.follow(pixel, options.tolerance * self.pixel, share, &mut pace, out);
-            let (offset, lifted) = nearest_repetition(self.atlas, self.frame.uv, end.motion.at);
+            let (offset, lifted) = nearest_repetition(self.atlas, self.frame.uv.0, end.motion.at);
             let mut by_place = [[0.0; 2]; 2];
             if end.status == Status::Complete {
                 out.errors.push((end.error / self.pixel) as f32);
                 if options.by_pixel {
-                    let metric = Metric::of(&self.surface.jet(end.motion.at));
+                    let metric = Metric::of(&self.surface.jet(Uv(end.motion.at)));
                     let side = if end.flipped != mirrored { -1.0 } else { 1.0 };
                     let left = metric.turn_left(end.motion.velocity);
                     let known = End {
@@ -245,7 +246,7 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
 
     fn rk4(
         &self,
-        places: impl Iterator<Item = [f64; 2]>,
+        places: impl Iterator<Item = PicturePoint>,
         steps: u32,
         limited: bool,
         out: &mut Row,
@@ -259,11 +260,11 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
     }
 
     /// A pixel's start in (u,v), with a velocity that takes it to its end in the time 1.
-    fn whole(&self, place: [f64; 2], out: &mut Row) -> Option<Motion> {
+    fn whole(&self, place: PicturePoint, out: &mut Row) -> Option<Motion> {
         if self.frame.coordinates == Coordinates::Plain && self.zoom > 0.0 && place != [0.0; 2] {
             return Some(Motion {
-                at: self.frame.uv,
-                velocity: self.frame.velocity(place),
+                at: self.frame.uv.0,
+                velocity: self.frame.velocity(place).0,
             });
         }
         let pixel = self.pixel(place, false, out)?;
@@ -279,7 +280,7 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
         out.work.followed += 1;
         out.work.steps += end.evaluations / 4;
         out.work.evaluations += end.evaluations;
-        let (offset, _) = nearest_repetition(self.atlas, self.frame.uv, end.at);
+        let (offset, _) = nearest_repetition(self.atlas, self.frame.uv.0, end.at);
         let status = match end.status {
             Status::Complete if limited => Status::WorkLimit,
             status => status,
@@ -340,6 +341,7 @@ fn nearest_repetition<S: Surface + ?Sized>(
             }
         }
     }
-    let (_, signs) = bring_back(domain, atlas.sides, lifted);
+    let mut back = lifted;
+    let signs = atlas.sides.wrap(domain, &mut back).signs;
     ([0, 1].map(|k| lifted[k] - origin[k]), signs)
 }

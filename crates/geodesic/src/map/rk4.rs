@@ -6,6 +6,7 @@
 
 use crate::chart::{Atlas, Motion};
 use crate::metric;
+use crate::point::Uv;
 use crate::status::Status;
 use crate::surface::{Side, Surface};
 
@@ -58,7 +59,7 @@ pub(super) fn follow<S: Surface + ?Sized>(
     let acceleration = |mut at: [f64; 2], velocity: [f64; 2]| {
         let signs = atlas.bring_back(&mut at).signs;
         let turned = [0, 1].map(|k| signs[k] * velocity[k]);
-        let acceleration = metric::acceleration(&surface.jet(at), turned);
+        let acceleration = metric::acceleration(&surface.jet(Uv(at)), turned);
         [0, 1].map(|k| signs[k] * acceleration[k])
     };
     let mut evaluations = 0;

@@ -5,6 +5,7 @@ use std::array::from_fn;
 use super::fit::{CHECKS, COUNT, Fit, Grid, highest, truncate, value};
 use super::{BLOCK, Patch, Single};
 use crate::ends::{Coordinates, End, Ends};
+use crate::point::PicturePoint;
 use crate::status::Status;
 
 /// The error at the places of the check is a sample: the largest one may be this much larger.
@@ -178,12 +179,12 @@ impl<const N: usize> Subdivider<'_, N> {
     }
 
     /// The place in the picture of (X, Y) in a square.
-    fn place(&self, square: &Square, at: [f64; 2]) -> [f64; 2] {
+    fn place(&self, square: &Square, at: [f64; 2]) -> Place {
         let pixel = |k: usize| {
             let half = 0.5 * f64::from(square.extent[k]);
             f64::from(square.corner[k]) + half + at[k] * half - 0.5 * f64::from(self.size[k])
         };
-        [pixel(0) * self.per_place, -pixel(1) * self.per_place]
+        PicturePoint([pixel(0) * self.per_place, -pixel(1) * self.per_place])
     }
 
     /// Looks at the ends of several places: `pieces.seen`.
@@ -268,7 +269,7 @@ impl<const N: usize> Subdivider<'_, N> {
         let node = |n: usize| self.place(square, [nodes[n % COUNT], nodes[n / COUNT]]);
         // Far from each other one after the other: a line between two statuses is soon met.
         let order = |n: usize| STRIDE * n % (COUNT * COUNT);
-        let mut samples = vec![([0.0; 2], first); COUNT * COUNT];
+        let mut samples = vec![(PicturePoint::default(), first); COUNT * COUNT];
         for group in 0..COUNT {
             let indices: [usize; COUNT] = from_fn(|n| order(COUNT * group + n));
             let places = indices.map(node);
@@ -514,7 +515,7 @@ impl<const N: usize> Subdivider<'_, N> {
     }
 
     /// A complete end as an offset, with its derivatives by pixel.
-    pub(super) fn pixel(&self, end: End<N>, place: [f64; 2]) -> ([f32; N], [[f32; N]; 2]) {
+    pub(super) fn pixel(&self, end: End<N>, place: Place) -> ([f32; N], [[f32; N]; 2]) {
         let plain = self.ends.in_coordinates(&end, Coordinates::Plain);
         let mut end = plain.unwrap_or(end);
         if end.stretch.is_nan() {
@@ -542,7 +543,7 @@ fn unit<const N: usize>(axis: usize) -> [f64; N] {
     from_fn(|k| if k == axis { 1.0 } else { 0.0 })
 }
 
-type Place = [f64; 2];
+type Place = PicturePoint;
 
 /// Whether an apex is so near to ends about it that their polar coordinates would bend.
 fn is_near<const N: usize>(ends: &[End<N>]) -> bool {

@@ -40,7 +40,7 @@ pub(crate) fn of(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Vec<String> {
 /// E, F, G and K in the middle of the domain.
 fn first_form(surface: &dyn Surface, [u, v]: [&str; 2]) -> Option<String> {
     let middle = surface.domain().map(|[low, high]| 0.5 * (low + high));
-    let jet = surface.jet(middle);
+    let jet = surface.jet(middle.into());
     let metric = Metric::of(&jet);
     let numbers = [metric.e, metric.f, metric.g, gaussian_curvature(&jet)];
     // What rounding left of a zero is shown as one.
@@ -77,7 +77,7 @@ fn regularity(surface: &dyn Surface, names: [&str; 2]) -> Option<String> {
     let mut areas = vec![f64::NAN; count * count];
     for i in 0..LATTICE {
         for j in 0..LATTICE {
-            let jet = surface.jet([at(0, i), at(1, j)]);
+            let jet = surface.jet([at(0, i), at(1, j)].into());
             let metric = Metric::of(&jet);
             let index = i as usize * count + j as usize;
             areas[index] = metric.r;

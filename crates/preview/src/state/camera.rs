@@ -170,9 +170,9 @@ impl InsideCamera {
     /// Makes the camera of a frame.
     pub fn of(frame: &Frame, zoom: f64, moved: bool) -> Self {
         Self {
-            at: frame.uv,
-            x: frame.x,
-            y: frame.y,
+            at: frame.uv.0,
+            x: frame.x.0,
+            y: frame.y.0,
             pole: match frame.coordinates {
                 Coordinates::Plain => None,
                 Coordinates::Apex { axis, end } => Some([axis, end]),
@@ -185,15 +185,15 @@ impl InsideCamera {
     /// Returns it as a frame.
     pub fn frame(&self) -> Frame {
         Frame {
-            uv: self.at,
+            uv: self.at.into(),
             coordinates: self
                 .pole
                 .map_or(Coordinates::Plain, |[axis, end]| Coordinates::Apex {
                     axis,
                     end,
                 }),
-            x: self.x,
-            y: self.y,
+            x: self.x.into(),
+            y: self.y.into(),
         }
     }
 

@@ -7,6 +7,7 @@
 use std::sync::Arc;
 
 use geodesic::frame::Frame;
+use geodesic::point::TangentVector;
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status, Trace, TraceError};
 use geometry::{Manifold, ManifoldError};
@@ -187,7 +188,7 @@ fn first_place(subject: &Subject) -> Result<InsideCamera, RenderError> {
 /// already is returned as it is; where the surface is degenerate, nothing is returned.
 fn settled(surface: &dyn Surface, camera: &InsideCamera) -> Option<InsideCamera> {
     let mut frame = camera.frame();
-    for (at, [low, high]) in frame.uv.iter_mut().zip(surface.domain()) {
+    for (at, [low, high]) in frame.uv.0.iter_mut().zip(surface.domain()) {
         *at = at.clamp(low, high);
     }
     let metric = frame.metric(surface);
@@ -200,8 +201,8 @@ fn settled(surface: &dyn Surface, camera: &InsideCamera) -> Option<InsideCamera>
     let hand = if mirrored { -1.0 } else { 1.0 };
     frame.x = frame.x.map(|a| a / length * camera.zoom);
     frame.y = metric.turn_left(frame.x).map(|a| hand * a);
-    let fits = |a: [f64; 2], b: [f64; 2]| {
-        let off = metric.inner([a[0] - b[0], a[1] - b[1]], [a[0] - b[0], a[1] - b[1]]);
+    let fits = |a: TangentVector, b: TangentVector| {
+        let off = metric.inner(a - b, a - b);
         off.sqrt() <= FITS * camera.zoom
     };
     if fits(x, frame.x) && fits(y, frame.y) {

@@ -74,7 +74,7 @@ impl CameraPath {
 
 /// Returns the first fundamental form: E, F, G.
 fn form(surface: &dyn Surface, uv: [f64; 2]) -> [f64; 3] {
-    let jet = surface.jet(uv);
+    let jet = surface.jet(uv.into());
     let inner = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     [
         inner(jet.du, jet.du),

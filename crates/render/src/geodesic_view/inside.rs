@@ -120,14 +120,14 @@ impl Inside {
             if !in_domain(0) || !in_domain(1) {
                 return Err(RenderError::CameraOutside {
                     name: name(),
-                    at: frame.uv,
+                    at: frame.uv.0,
                     domain: surface.domain(),
                 });
             }
             if !(zoom.is_finite() && zoom > 0.0) {
                 return Err(RenderError::UndefinedCamera {
                     name: name(),
-                    at: frame.uv,
+                    at: frame.uv.0,
                 });
             }
             return Ok(Self {
@@ -150,10 +150,10 @@ impl Inside {
             },
             _ => RenderError::UndefinedCamera { name: name(), at },
         })?;
-        if unit.coordinates == Coordinates::Plain && !has_tangent_plane(surface, unit.uv) {
+        if unit.coordinates == Coordinates::Plain && !has_tangent_plane(surface, unit.uv.0) {
             return Err(RenderError::UndefinedCamera { name: name(), at });
         }
-        let zoom = zoom.unwrap_or_else(|| first_zoom(surface, unit.uv));
+        let zoom = zoom.unwrap_or_else(|| first_zoom(surface, unit.uv.0));
         Ok(Self {
             frame: unit.zoomed(zoom),
             zoom,
@@ -195,7 +195,7 @@ impl Inside {
         };
         progress(0.5);
         let mut patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * self.tolerance);
-        patchwork.origin = self.frame.uv;
+        patchwork.origin = self.frame.uv.0;
         progress(1.0);
         Seen::Patchwork {
             work: fan.work(),
@@ -322,7 +322,7 @@ fn first_place(surface: &dyn Surface) -> [f64; 2] {
 
 /// Whether σ is defined and σu, σv span a plane, each taken times its domain's width.
 fn has_tangent_plane(surface: &dyn Surface, at: [f64; 2]) -> bool {
-    let jet = surface.jet(at);
+    let jet = surface.jet(at.into());
     let widths = surface.domain().map(|[low, high]| high - low);
     let (a, b) = (
         DVec3::from(jet.du) * widths[0],
@@ -345,7 +345,7 @@ fn first_zoom(surface: &dyn Surface, at: [f64; 2]) -> f64 {
         let pieces = (0..STEPS).map(|n| {
             let mut place = at;
             place[k] = low + (f64::from(n) + 0.5) * step;
-            let jet = surface.jet(place);
+            let jet = surface.jet(place.into());
             DVec3::from(if k == 0 { jet.du } else { jet.dv }).length() * step
         });
         pieces.filter(|piece| piece.is_finite()).sum()

@@ -65,7 +65,7 @@ pub(crate) fn render(
     let image = workshop.texture(&cover.texture);
     let (origin, unit) = match &source.ends {
         Ends::Map(map, chart) => (map.origin(chart), chart.scale),
-        Ends::Table(_) => (inside.frame.uv, [1.0; 2]),
+        Ends::Table(_) => (inside.frame.uv.0, [1.0; 2]),
     };
     let colour = request.colour(view.surface, &object.shape);
     let mut resolve = description(request, &cover, origin, unit, colour);

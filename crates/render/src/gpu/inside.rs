@@ -94,7 +94,7 @@ impl Insides {
         let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let shape = &scene.objects[surface.0 as usize].shape;
         let colour = request.colour(*surface, shape);
-        let mut resolve = description(request, &cover, inside.frame.uv, [1.0; 2], colour);
+        let mut resolve = description(request, &cover, inside.frame.uv.0, [1.0; 2], colour);
         resolve.stride[0] = row / 4;
         let uniform = gpu.uniform("resolve", &resolve);
         let size = u64::from(row) * u64::from(height);

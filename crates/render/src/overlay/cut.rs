@@ -5,6 +5,7 @@
 //! pixel that is farther away than its cell's or a neighbouring cell's entry tells lies beyond. The line is their border.
 
 use geodesic::map::{Map, bring_back};
+use geodesic::point::Uv;
 use geodesic::surface::Side;
 use geodesic::trace::Status;
 use image::RgbaImage;
@@ -107,7 +108,7 @@ fn beyond(map: &Map, inside: &Inside) -> Vec<bool> {
             return None;
         }
         let [column, row] = place_of(size, index);
-        let (uv, signs) = bring_back(domain, sides, map.uv(index));
+        let (Uv(uv), signs) = bring_back(domain, sides, map.uv(index));
         let [[a, b], [c, d]] = map.by_pixel[index].map(|d| d.map(f64::from));
         let determinant = a * d - b * c;
         let place = [

@@ -18,7 +18,7 @@ pub(super) fn place_of(size: [u32; 2], index: usize) -> [u32; 2] {
 /// How far a pixel is from the centre on the surface, as a multiple of the zoom.
 pub(super) fn reach(size: [u32; 2], index: usize) -> f64 {
     let [column, row] = place_of(size, index);
-    let [x, y] = pixel_place(size, column, row);
+    let [x, y] = pixel_place(size, column, row).0;
     x.hypot(y)
 }
 

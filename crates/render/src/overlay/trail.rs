@@ -59,7 +59,7 @@ impl Trail {
             let knots = knots_at(surface, &GeodesicStart::Frame(frame, step), &lengths);
             self.points
                 .extend(knots.into_iter().flatten().map(|k| k.uv));
-            self.points.push(trace.uv);
+            self.points.push(trace.uv.0);
             self.length += trace.length;
             if self.points.len() > MOST_POINTS {
                 self.thin_out();
@@ -91,7 +91,7 @@ pub(super) fn in_space(
     let surface: &dyn Surface = manifold.surface();
     surface.is_embedded().then(|| {
         let knot = |&uv: &[f64; 2]| {
-            let position = surface.jet(uv).position;
+            let position = surface.jet(uv.into()).position;
             let defined = position.iter().all(|x| x.is_finite());
             defined.then_some(Knot {
                 uv,

@@ -27,7 +27,7 @@ impl Chart {
         // Where a component is 0 for both vectors the chart would have no tangent plane; the frame excludes that.
         let scale = [0, 1].map(|k| frame.x[k].hypot(frame.y[k]));
         Self {
-            at: frame.uv,
+            at: frame.uv.0,
             scale,
             x: [0, 1].map(|k| frame.x[k] / scale[k]),
             y: [0, 1].map(|k| frame.y[k] / scale[k]),

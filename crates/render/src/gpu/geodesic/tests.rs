@@ -44,10 +44,10 @@ fn map(
             sides,
             ..Chart::new(
                 &Frame {
-                    uv: at,
+                    uv: at.into(),
                     coordinates: Coordinates::Plain,
-                    x,
-                    y,
+                    x: x.into(),
+                    y: y.into(),
                 },
                 domain,
                 Sides::default(),
@@ -64,7 +64,7 @@ fn pixels(map: &Map) -> impl Iterator<Item = (usize, [f64; 2], [f64; 2])> {
     let size = map.size[0] as usize;
     (0..map.offset.len()).map(move |index| {
         let [x, y] = [index % size, index / size].map(|k| (2 * k + 1) as f64 / size as f64 - 1.0);
-        (index, [x, -y], map.uv(index))
+        (index, [x, -y], map.uv(index).0)
     })
 }
 
@@ -143,7 +143,7 @@ fn a_camera_beside_a_pole_sees_the_same_by_the_kernel_as_by_the_fan() {
         let mut worst = 0.0_f64;
         for (index, _, uv) in pixels(&kernel) {
             assert_eq!(kernel.status[index], Status::Complete, "pixel {index}");
-            let pairs = place(uv).into_iter().zip(place(fan.uv(index)));
+            let pairs = place(uv).into_iter().zip(place(fan.uv(index).0));
             let square: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
             worst = worst.max(24.0 * square.sqrt());
         }
