@@ -1,13 +1,13 @@
-//! What is wrong with a program, where, and what to do about it.
+//! Diagnostics: what is wrong with a text, where, and how to correct it.
 
 use crate::span::Span;
 
-/// How grave a diagnostic is.
+/// The severity of a diagnostic.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub enum Severity {
-    /// The program has no meaning here.
+    /// The text has no meaning here.
     Error,
-    /// Legal, but it probably does not mean what was meant.
+    /// Legal, but probably not what the user means.
     Warning,
     /// Worth knowing.
     Hint,
@@ -20,46 +20,46 @@ pub struct Code(pub &'static str);
 /// Another place that explains a diagnostic, such as the body of a function.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Related {
-    /// Where.
+    /// The place.
     pub span: Span,
     /// One sentence, in the user's words.
     pub message: String,
 }
 
-/// A change of the text that mends what a diagnostic is about, if it is what was meant.
+/// A change of the text that corrects what a diagnostic reports, if it is what the user means.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Fix {
-    /// What it does, as an order: "Write `sin(2x)`".
+    /// The effect, as an imperative: "Write `sin(2x)`".
     pub title: String,
-    /// What is replaced; empty to insert.
+    /// The text that is replaced; empty to insert.
     pub span: Span,
-    /// What takes its place.
+    /// The new text.
     pub replacement: String,
-    /// Whether it is the one to take without a thought.
+    /// True if an editor may apply it without asking which one is meant.
     pub preferred: bool,
 }
 
-/// One finding in a program.
+/// One finding in a text.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Diagnostic {
-    /// How grave it is.
+    /// Its severity.
     pub severity: Severity,
-    /// What kind it is.
+    /// Its kind.
     pub code: Code,
-    /// Where it is.
+    /// Its place.
     pub span: Span,
-    /// One sentence that says what is wrong, in the user's words.
+    /// One sentence that says what is wrong, in the words of the language's users.
     pub message: String,
-    /// What to do about it, where that is known ("did you mean `cos`?").
+    /// How to correct it, if that is known ("did you mean `cos`?").
     pub hint: Option<String>,
     /// Other places that explain it.
     pub related: Vec<Related>,
-    /// Changes of the text that mend it.
+    /// Changes of the text that correct it.
     pub fixes: Vec<Fix>,
 }
 
 impl Fix {
-    /// The fix that puts a word in the place of another.
+    /// The fix that replaces a word by another.
     pub(crate) fn change(span: Span, word: &str, preferred: bool) -> Self {
         Self {
             title: format!("Change to `{word}`"),
@@ -69,7 +69,7 @@ impl Fix {
         }
     }
 
-    /// The fix that writes something in the place of what was read otherwise.
+    /// The fix that writes an expression so that it cannot be read in two ways.
     pub(crate) fn write(span: Span, text: &str) -> Self {
         Self {
             title: format!("Write `{text}`"),
@@ -79,7 +79,7 @@ impl Fix {
         }
     }
 
-    /// The fix that puts something at an offset.
+    /// The fix that inserts a text at an offset.
     pub(crate) fn insert(title: &str, offset: u32, text: &str) -> Self {
         Self {
             title: title.to_owned(),
@@ -112,7 +112,7 @@ impl Diagnostic {
         }
     }
 
-    /// Sorts by place; what starts at one place, the widest first.
+    /// Sorts diagnostics by their start; of those with one start, the widest comes first.
     pub fn sort(diagnostics: &mut [Self]) {
         diagnostics.sort_by_key(|diagnostic| {
             let Span { start, end } = diagnostic.span;
@@ -120,21 +120,21 @@ impl Diagnostic {
         });
     }
 
-    /// The same, with a hint.
+    /// Returns the diagnostic with a hint.
     #[must_use]
     pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
     }
 
-    /// The same, with one more change that mends it.
+    /// Returns the diagnostic with one more change that corrects it.
     #[must_use]
     pub fn with_fix(mut self, fix: Fix) -> Self {
         self.fixes.push(fix);
         self
     }
 
-    /// The same, with all its places put elsewhere.
+    /// Returns the diagnostic with all its places mapped.
     #[must_use]
     pub fn mapped(mut self, place: impl Fn(Span) -> Span) -> Self {
         self.span = place(self.span);
@@ -153,7 +153,7 @@ impl Diagnostic {
         self.mapped(|span| span.moved(bytes))
     }
 
-    /// The same, with one more related place.
+    /// Returns the diagnostic with one more related place.
     #[must_use]
     pub fn with_related(mut self, span: Span, message: impl Into<String>) -> Self {
         self.related.push(Related {

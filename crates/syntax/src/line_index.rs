@@ -3,7 +3,7 @@
 //! Built once for a text in linear time. A query costs a binary search over the lines and the count of at
 //! most one block of the text, wherever in a long line it lies.
 
-/// A place as people count: the first character of a text stands at line 1, column 1.
+/// A place as people count: the first character of a text is at line 1, column 1.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct Position {
     /// From 1.

@@ -3,9 +3,9 @@
 /// A half-open range of bytes, `start..end`, of a UTF-8 text; both ends lie on character boundaries.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct Span {
-    /// First byte.
+    /// The offset of the first byte.
     pub start: u32,
-    /// One past the last byte.
+    /// The offset behind the last byte.
     pub end: u32,
 }
 
@@ -16,7 +16,7 @@ impl Span {
         Self { start, end }
     }
 
-    /// The smallest range that holds both.
+    /// Returns the smallest range that contains both.
     pub fn to(self, other: Self) -> Self {
         Self {
             start: self.start.min(other.start),
@@ -24,7 +24,7 @@ impl Span {
         }
     }
 
-    /// The same range of a text that starts so many bytes earlier.
+    /// Returns the range moved to the right by `bytes`.
     #[must_use]
     pub fn moved(self, bytes: u32) -> Self {
         Self {
@@ -33,7 +33,7 @@ impl Span {
         }
     }
 
-    /// The text that lies in the range.
+    /// The text in the range.
     pub fn text(self, source: &str) -> &str {
         &source[self.start as usize..self.end as usize]
     }

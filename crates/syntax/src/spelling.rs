@@ -6,24 +6,24 @@
 
 use crate::trie::Trie;
 
-/// The name that is spelt most like a word, among those that have been considered.
+/// A search for the name that is spelt most like a word, among the names that it is offered.
 pub(crate) struct Search<'w> {
     word: &'w str,
-    /// The word in small letters: case is no difference.
+    /// The word in small letters: case does not count as a difference.
     folded: Vec<u8>,
     limit: u8,
     best: Option<((u8, bool), String)>,
 }
 
-/// The longest word that names are compared with.
+/// The length of the longest word that is compared with names.
 const MAX_WORD: usize = 32;
 
-/// Distances between one front of a name and every front of a word.
+/// The distances between one prefix of a name and every prefix of a word.
 type Row = [u8; MAX_WORD + 1];
 
 impl<'w> Search<'w> {
-    /// Lets `consider` look for names that are spelt like a word, first nearly like it, then less so, until
-    /// one is found. None for a word that is too short or too long to be told from others.
+    /// Calls `consider` with a search for names at distance 1, and if it finds none, at distance 2. Returns the nearest name.
+    /// A word of one letter is near to names that differ in case only; a word of more than 32 letters is near to none.
     pub(crate) fn nearest(word: &'w str, mut consider: impl FnMut(&mut Self)) -> Option<String> {
         let furthest = match word.len() {
             1 => 0,
@@ -31,7 +31,7 @@ impl<'w> Search<'w> {
             6..=MAX_WORD => 2,
             _ => return None,
         };
-        // What is near is found in a small part of the names.
+        // At distance 1 the walk leaves out most names, and most misspelt words are found there.
         (furthest.min(1)..=furthest).find_map(|limit| {
             let mut search = Self {
                 word,
@@ -49,10 +49,10 @@ impl<'w> Search<'w> {
         self.word.to_ascii_lowercase()
     }
 
-    /// Considers every name of a trie that is `visible`, in the order of the alphabet.
+    /// Considers every name of a trie that is `visible`, in alphabetical order.
     pub(crate) fn among<V: Copy>(&mut self, names: &Trie<V>, visible: impl Fn(V) -> bool) {
-        // Row k belongs to the first k letters of a name: names with a common front share rows, and where a
-        // front is too far off, no name that begins so is near.
+        // Row k belongs to the first k letters of a name. Names with a common prefix share its rows, and if the prefix is
+        // too far from every prefix of the word, so is every name that begins with it.
         let mut rows = vec![first_row()];
         let mut front = Vec::new();
         names.each_below(|name, above, value| {
@@ -91,7 +91,7 @@ impl<'w> Search<'w> {
     }
 }
 
-/// The name that is spelt most like a word, among those given in their order, if it is near enough to be what was
+/// The name that is spelt most like a word, of equally near ones the first. Returns `None` if no name is near enough to be
 /// meant.
 pub fn nearest<'n>(word: &str, names: impl Iterator<Item = &'n str> + Clone) -> Option<String> {
     if !word.is_ascii() || word.is_empty() {
@@ -106,14 +106,16 @@ pub fn nearest<'n>(word: &str, names: impl Iterator<Item = &'n str> + Clone) -> 
     })
 }
 
-/// The distances between nothing and the fronts of a word.
+/// The distances between the empty text and the prefixes of a word.
 fn first_row() -> Row {
     std::array::from_fn(|length| length as u8)
 }
 
-/// The distances between `front` and the fronts of `word`, where `rows` holds those of each shorter front:
-/// the least number of insertions, deletions, substitutions and swaps of neighbours that turn one into the
-/// other (optimal string alignment).
+/// The distances between `front` and the prefixes of `word`, where `rows` holds those of each shorter prefix of `front`.
+///
+/// The distance is the least number of insertions, deletions, substitutions and swaps of neighbours that turn one into the
+/// other, with no letter edited twice (optimal string alignment; L. Boytsov, Indexing methods for approximate dictionary
+/// searching, ACM J. Exp. Algorithmics 16, 2011, section 2.2.1).
 fn next_row(rows: &[Row], front: &[u8], word: &[u8]) -> Row {
     let i = front.len();
     let above = &rows[i - 1];

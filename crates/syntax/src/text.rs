@@ -41,7 +41,7 @@ pub fn decode(bytes: &[u8]) -> Result<&str, Box<Diagnostic>> {
     })
 }
 
-/// Bytes of U+FFFD, which stands for the bad bytes in the lossy text.
+/// The number of bytes of U+FFFD, which replaces the bad bytes in the lossy text.
 const REPLACEMENT_LENGTH: u32 = char::REPLACEMENT_CHARACTER.len_utf8() as u32;
 
 #[cfg(test)]

@@ -1,9 +1,13 @@
-//! The symbol trie: from names over `a-z A-Z 0-9` to what they mean.
+//! A persistent trie: a map from names over `a-z A-Z 0-9` to values.
 //!
 //! It is *persistent*: a clone costs one reference count, and inserting into one clone copies only the path
 //! to the new name (nothing at all where no other clone holds it), so a snapshot can be kept at the boundary
 //! of every declaration. Chains of single children are folded into one labelled node, which keeps it small; a
 //! label lies in its node, so that a name costs one allocation or two. An empty trie costs none.
+//!
+//! It answers which name is the longest prefix of a word, which splits words into tokens. Crates with tries that find
+//! prefixes (`radix_trie`, `qp-trie`) do not share nodes between clones, and persistent maps (`imbl`, `rpds`) do not find
+//! prefixes.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -11,7 +15,7 @@ use std::sync::Arc;
 /// A map from names to values that answers which defined name is the longest prefix of a word.
 #[derive(Clone, Debug)]
 pub struct Trie<V> {
-    /// None where no name is defined.
+    /// `None` if no name is defined.
     root: Option<Arc<Node<V>>>,
 }
 
@@ -91,7 +95,7 @@ impl<V: Copy> Trie<V> {
         }
     }
 
-    /// Visits every name with its value, in the order of the alphabet `a-z A-Z 0-9`, until told to break.
+    /// Visits every name with its value, in the order of the alphabet `a-z A-Z 0-9`, until `visit` breaks.
     pub fn each(&self, visit: impl FnMut(&str, V) -> ControlFlow<()>) {
         self.each_from("", visit);
     }
@@ -115,7 +119,7 @@ impl<V: Copy> Trie<V> {
             above = name.len();
             name.extend(label.iter().map(|byte| char::from(*byte)));
         }
-        // What is still to be visited, with the length of the name above it. Labels are ASCII.
+        // The nodes still to be visited, each with the length of the name above it. Labels are ASCII.
         let mut stack = vec![(node, above)];
         while let Some((node, above)) = stack.pop() {
             name.truncate(above);
@@ -132,9 +136,9 @@ impl<V: Copy> Trie<V> {
 }
 
 impl<V: Copy> Trie<V> {
-    /// Visits what names begin with, in the order of the alphabet: what has been read so far, how much of
-    /// that had been seen before, and the value where it is a name. Where `enter` says no, nothing that
-    /// begins so is visited.
+    /// Visits the prefixes of names at which nodes stand, in alphabetical order. `enter` gets the prefix, the length of the
+    /// part that an earlier call has seen, and the value if the prefix is a name; if it returns false, the walk leaves out
+    /// everything that begins with the prefix.
     pub(crate) fn each_below(&self, mut enter: impl FnMut(&str, usize, Option<V>) -> bool) {
         let mut name = String::new();
         let Some(root) = &self.root else { return };
@@ -152,7 +156,7 @@ impl<V: Copy> Trie<V> {
 
 #[derive(Clone, Debug)]
 struct Node<V> {
-    /// What leads here from the parent; empty at the root alone.
+    /// The letters that lead here from the parent; empty at the root only.
     label: Label,
     value: Option<V>,
     /// Bit `k` is set where a child's label begins with the k-th letter of the alphabet.
@@ -230,7 +234,7 @@ impl<V> Node<V> {
         self.present >> slot & 1 == 1
     }
 
-    /// Where the child of this slot stands, or would stand.
+    /// The position of the child of this slot, or the position at which to insert it.
     fn index(&self, slot: u32) -> usize {
         (self.present & ((1 << slot) - 1)).count_ones() as usize
     }
@@ -293,7 +297,7 @@ const SLOTS: [u8; 256] = {
     slots
 };
 
-/// How many letters two runs have in common at their start: a few, which are compared one by one.
+/// The number of letters that two runs have in common at their start. It is small, so they are compared one by one.
 #[inline]
 fn shared_length(a: &[u8], b: &[u8]) -> usize {
     a.iter().zip(b).take_while(|(a, b)| a == b).count()

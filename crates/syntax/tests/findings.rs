@@ -3,6 +3,7 @@
 //!
 //! After a change of wording: `UPDATE=1 cargo test -p geotrace-syntax --test findings`, and read the diff.
 
+#[path = "support/recorder.rs"]
 mod support;
 
 use std::fmt::Write as _;

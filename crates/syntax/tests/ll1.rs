@@ -1,5 +1,6 @@
 //! The grammar is LL(1), the parser follows it, and it is the language's own grammar.
 
+#[path = "support/recorder.rs"]
 mod support;
 
 use std::collections::{BTreeMap, BTreeSet, HashSet};

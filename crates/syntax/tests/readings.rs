@@ -1,5 +1,6 @@
 //! How expressions are read, as golden strings of their steps in postfix order.
 
+#[path = "support/recorder.rs"]
 mod support;
 
 use support::{parse, postfix, program_findings, read};

@@ -1,5 +1,6 @@
 //! Whatever is typed, the front-end ends, in bounded time and space, and says what is wrong.
 
+#[path = "support/recorder.rs"]
 mod support;
 
 use proptest::prelude::*;

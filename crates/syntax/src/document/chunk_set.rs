@@ -1,13 +1,17 @@
 //! Sets of chunks: most often one or two, sometimes nearly all.
+//!
+//! There are two for each name of a text, so a set of up to five chunks is stored in place, without an allocation; no
+//! persistent set of a library (`imbl::OrdSet`) does that, and one allocation for each of 200,000 sets would cost more than all
+//! that they hold.
 
 use std::sync::Arc;
 
 use super::sequence::ChunkId;
 
-/// Chunks without an order. A clone costs next to nothing, and so does the first change after it.
+/// A set of chunks. A clone shares its blocks, and the first change after it copies one block.
 #[derive(Clone, Debug)]
 pub(super) enum ChunkSet {
-    /// As many as `count`, held where the set is.
+    /// The first `count` of these, in no particular order.
     Few {
         count: u8,
         chunks: [ChunkId; MAX_FEW],
@@ -19,9 +23,9 @@ pub(super) enum ChunkSet {
 /// Stretches of a sorted list.
 type Blocks = Vec<Arc<Vec<ChunkId>>>;
 
-/// So many take no more room than the handle of a list.
+/// The greatest number of chunks that take no more room than the pointer to a list and its tag.
 const MAX_FEW: usize = 5;
-/// The most chunks in a block.
+/// The greatest number of chunks in a block.
 const MAX_BLOCK: usize = 128;
 
 impl Default for ChunkSet {
@@ -70,7 +74,7 @@ impl ChunkSet {
                 let block = Arc::make_mut(block);
                 block.insert(place, chunk);
                 if block.len() > MAX_BLOCK {
-                    // What comes in order fills its blocks.
+                    // Chunks that are inserted in order fill their blocks.
                     let middle = match place == MAX_BLOCK {
                         true => MAX_BLOCK,
                         false => MAX_BLOCK / 2,

@@ -112,12 +112,12 @@ impl<G: Grammar> Snapshot<G> {
         })
     }
 
-    /// How many tokens end at an offset or before it.
+    /// The number of tokens that end at an offset or before it.
     pub fn tokens_ended(&self, offset: u32) -> u32 {
         self.tokens_that(offset, |token, offset| token.end <= offset)
     }
 
-    /// How many tokens start before an offset.
+    /// The number of tokens that start before an offset.
     pub fn tokens_begun(&self, offset: u32) -> u32 {
         self.tokens_that(offset, |token, offset| token.start < offset)
     }
@@ -130,12 +130,12 @@ impl<G: Grammar> Snapshot<G> {
         })
     }
 
-    /// How many declarations start at an offset or before it.
+    /// The number of declarations that start at an offset or before it.
     pub fn declarations_begun(&self, offset: u32) -> u32 {
         self.declarations_that(offset, |span, offset| span.start <= offset)
     }
 
-    /// How many declarations end at an offset or before it.
+    /// The number of declarations that end at an offset or before it.
     pub fn declarations_ended(&self, offset: u32) -> u32 {
         self.declarations_that(offset, |span, offset| span.end <= offset)
     }

@@ -123,7 +123,7 @@ impl<G: Grammar> Names<G> {
             uses: ChunkSet::default(),
             declared: ChunkSet::default(),
         }));
-        // What is no name is never found by the lexer either.
+        // A name outside the trie's alphabet is never found.
         let _ = self.trie.insert(name, id);
         id
     }

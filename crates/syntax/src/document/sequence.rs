@@ -1,41 +1,44 @@
 //! The chunks of a document in their order: a balanced tree that keeps sums.
 //!
-//! What flows in: a chunk's handle with its measure (bytes, lines, …), put behind another. What flows out:
+//! What flows in: a chunk's handle with its measure (bytes, lines, …), inserted behind another. What flows out:
 //! the chunk at an offset, the offset of a chunk, and which of two chunks comes first, each in logarithmic
-//! time. A B⁺-tree whose inner nodes hold the sums of their children; each chunk knows its leaf and each node
+//! time. It is a B⁺-tree whose inner nodes hold the sums of their children; each chunk knows its leaf and each node
 //! its parent, so that a chunk's place is found from below.
+//!
+//! The trees of `crop` and `ropey` hold sums too, but keep the tree private and hold text: they do not find the place of an
+//! element from its handle, which every question about a chunk needs.
 
 use std::ops::{Add, AddAssign};
 use std::sync::Arc;
 
 use crate::persistent_vector::PersistentVector;
 
-/// Names a chunk of a document for as long as it is there.
+/// Identifies a chunk of a document. Once the chunk is removed, a new one may take the handle.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct ChunkId(pub(super) u32);
 
-/// What is summed over chunks.
+/// The measure of a chunk, or its sum over chunks.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub(super) struct Measure {
-    /// How many chunks.
+    /// The number of chunks.
     pub(super) chunks: u32,
-    /// Bytes of their texts.
+    /// The number of bytes of their texts.
     pub(super) bytes: u32,
-    /// Line ends in their texts.
+    /// The number of line ends in their texts.
     pub(super) lines: u32,
-    /// Unicode scalar values in their texts.
+    /// The number of Unicode scalar values in their texts.
     pub(super) characters: u32,
-    /// Diagnostics of the parser.
+    /// The number of diagnostics that reading them has given.
     pub(super) findings: u32,
-    /// Words that mean nothing, among them.
+    /// The number of diagnostics among them that search all names.
     pub(super) searches: u32,
-    /// Tokens, comments too.
+    /// The number of tokens.
     pub(super) tokens: u32,
-    /// Declarations.
+    /// The number of declarations.
     pub(super) declarations: u32,
 }
 
-/// Chunks in order.
+/// The chunks in order.
 #[derive(Clone, Debug)]
 pub(super) struct Sequence {
     nodes: PersistentVector<Arc<Node>>,
@@ -49,7 +52,7 @@ pub(super) struct Sequence {
 struct Node {
     parent: u32,
     is_leaf: bool,
-    /// Chunks in a leaf, nodes elsewhere, each with its sum.
+    /// Chunks in a leaf, nodes in other nodes, each with its sum.
     items: Vec<(u32, Measure)>,
 }
 
@@ -121,8 +124,8 @@ impl Sequence {
         self.find(|before| before.declarations <= declaration)
     }
 
-    /// The last chunk before which the sum satisfies what holds of the empty sum and, once it fails, fails for
-    /// all larger ones.
+    /// Finds the last chunk whose preceding sum still satisfies `holds`, a monotone predicate that holds for the empty sum.
+    /// Returns it with that sum.
     fn find(&self, holds: impl Fn(&Measure) -> bool) -> Option<(ChunkId, Measure)> {
         let mut before = Measure::default();
         let mut node = &self.nodes[self.root as usize];
@@ -163,7 +166,7 @@ impl Sequence {
         before
     }
 
-    /// How many chunks stand before this one.
+    /// The number of chunks before this one.
     pub(super) fn rank(&self, chunk: ChunkId) -> u32 {
         self.before(chunk).chunks
     }
@@ -192,7 +195,7 @@ impl Sequence {
         std::iter::successors(first, |chunk| self.next(*chunk))
     }
 
-    /// Puts a new chunk behind another, or at the front.
+    /// Inserts a new chunk behind another, or at the front.
     pub(super) fn insert(&mut self, after: Option<ChunkId>, chunk: ChunkId, measure: Measure) {
         let (leaf, index) = match after {
             Some(after) => {
@@ -226,7 +229,7 @@ impl Sequence {
         self.remove_item(leaf, chunk.0);
     }
 
-    /// Gives a chunk another measure.
+    /// Sets the measure of a chunk.
     pub(super) fn measure(&mut self, chunk: ChunkId, measure: Measure) {
         let leaf = self.leaves[chunk.0 as usize];
         let node = self.node_mut(leaf);
@@ -254,8 +257,11 @@ impl Sequence {
         }
     }
 
-    /// Splits a node that is too large, and those above it. The sums above the last one split are left as they
-    /// are. `is_last`: the node's last item is the new one; what is put in from front to end fills its nodes.
+    /// Splits a node that is too large, and then its ancestors as far as they become too large. The caller brings the sums
+    /// above the last one up to date.
+    ///
+    /// `is_last` says that the new item is the node's last: then the node keeps all its other items, so that a text that is
+    /// read from top to bottom fills its nodes instead of leaving them half empty.
     fn split(&mut self, mut at: u32, mut is_last: bool) {
         while self.nodes[at as usize].items.len() > MAX_ITEMS {
             let node = self.node_mut(at);
@@ -291,7 +297,7 @@ impl Sequence {
         }
     }
 
-    /// Tells a node's items where they are.
+    /// Makes a node the leaf or parent of its items.
     fn adopt(&mut self, at: u32) {
         let node = self.nodes[at as usize].clone();
         for (item, _) in &node.items {
@@ -308,7 +314,7 @@ impl Sequence {
         node.items.remove(index);
         let (count, parent) = (node.items.len(), node.parent);
         if parent == NONE {
-            // A root with one child hands its place to it.
+            // A root with a single child is replaced by it.
             while let node = &self.nodes[self.root as usize]
                 && !node.is_leaf
                 && let [(only, _)] = node.items[..]
@@ -330,7 +336,7 @@ impl Sequence {
         }
     }
 
-    /// Joins a small node with a neighbour, where one holds both.
+    /// Joins a small node with a neighbour if one node can hold the items of both.
     fn join(&mut self, at: u32, parent: u32) {
         let above = &self.nodes[parent as usize];
         let index = above.index(at);
@@ -378,7 +384,7 @@ impl Sequence {
 }
 
 impl Node {
-    /// Where an item stands.
+    /// The position of an item, which the node holds.
     fn index(&self, item: u32) -> usize {
         let index = self.items.iter().position(|(other, _)| *other == item);
         debug_assert!(index.is_some(), "a node holds what names it as its parent");

@@ -1,4 +1,4 @@
-//! The text around a chunk, for diagnostics that tell of other places.
+//! The text around a chunk, for diagnostics that name other places.
 
 use crate::span::Span;
 use crate::spelling::Search;

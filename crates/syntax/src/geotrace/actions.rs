@@ -78,7 +78,7 @@ pub struct Interval {
 pub struct Parameter {
     /// Its name.
     pub name: String,
-    /// Where it stands in the list.
+    /// Its place in the list.
     pub span: Span,
 }
 
@@ -86,15 +86,15 @@ pub struct Parameter {
 /// the value that it opens with, if one is written, and its intervals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Declaration<'a> {
-    /// The word that opens it.
+    /// Its keyword.
     pub word: DeclarationKeyword,
     /// From the word to the `;`.
     pub span: Span,
-    /// What it declares, unless its name was not read or not free.
+    /// The symbol that it declares. `None` if its name was not read or not free.
     pub symbol: Option<SymbolId>,
-    /// The name as it is written; empty where it was not read.
+    /// The name as it is written; empty if it was not read.
     pub name: &'a str,
-    /// Where the name stands; empty where it was not read.
+    /// The place of the name; empty if it was not read.
     pub name_span: Span,
     /// The parameters, for what is applied.
     pub parameters: &'a [Parameter],
@@ -111,7 +111,7 @@ pub trait Actions {
         let _ = token;
     }
 
-    /// A declaration opens; its word has just been read.
+    /// A declaration starts: its keyword has just been read.
     fn act_declaration_start(&mut self, word: DeclarationKeyword, span: Span) {
         let _ = (word, span);
     }
@@ -132,7 +132,7 @@ pub trait Actions {
         let _ = declaration;
     }
 
-    /// Something is wrong, or surprising.
+    /// An error, a warning or a hint.
     fn act_error(&mut self, diagnostic: Diagnostic) {
         let _ = diagnostic;
     }

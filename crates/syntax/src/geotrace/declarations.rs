@@ -5,7 +5,7 @@
 //! completion, hover, the outline and the documentation read this table. To add a declaration, add a row, productions to
 //! [`grammar`](super::grammar) if its [`Syntax`] is new, and its meaning to the compiler.
 
-/// How the rest of a declaration is written, from its name to its `;`.
+/// The syntax of a declaration from its name to its `;`.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum Syntax {
     /// `id : INTS` or `id = EXPR : INTS`.
@@ -24,7 +24,7 @@ pub enum Syntax {
     InSurface,
 }
 
-/// How many parameters a declaration takes.
+/// The number of parameters of a declaration.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum ParameterCount {
     /// It declares a value.
@@ -35,7 +35,7 @@ pub enum ParameterCount {
     Exactly(usize),
 }
 
-/// What a declaration introduces, as far as tools tell declarations apart: in colours, icons, lists and views.
+/// The category of a declared name, as far as tools distinguish declarations: in colours, icons, lists and views.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum Category {
     /// A number or vector that a user sets.
@@ -61,15 +61,15 @@ pub struct Row {
     pub keyword: DeclarationKeyword,
     /// The keyword as it is written.
     pub text: &'static str,
-    /// How the declaration goes on.
+    /// The syntax behind the keyword.
     pub syntax: Syntax,
-    /// How many parameters it takes.
+    /// The number of its parameters.
     pub parameters: ParameterCount,
-    /// What it introduces.
+    /// The category of the declared name.
     pub category: Category,
     /// A complete declaration.
     pub example: &'static str,
-    /// What the declaration is for: the end of a sentence, without a full stop.
+    /// The purpose: the end of a sentence, without a full stop.
     pub purpose: &'static str,
     /// The declaration with numbered places to fill in, in the syntax of the language server protocol's snippets.
     pub snippet: &'static str,
@@ -202,7 +202,7 @@ impl DeclarationKeyword {
         self.row().text
     }
 
-    /// What the declaration introduces.
+    /// The category of the declared name.
     pub fn category(self) -> Category {
         self.row().category
     }

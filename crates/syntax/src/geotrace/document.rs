@@ -75,11 +75,11 @@ pub struct ReadDeclaration<'d> {
     pub word: DeclarationKeyword,
     /// From the word to the `;`.
     pub span: Span,
-    /// What it declares, unless its name was not read or not free.
+    /// The symbol that it declares. `None` if its name was not read or not free.
     pub symbol: Option<SymbolId>,
-    /// The name as it is written; empty where it was not read.
+    /// The name as it is written; empty if it was not read.
     pub name: &'d str,
-    /// Where the name stands; empty where it was not read.
+    /// The place of the name; empty if it was not read.
     pub name_span: Span,
     /// The parameters, for what is applied.
     pub parameters: Parameters<'d>,
@@ -106,7 +106,7 @@ impl<'d> ReadDeclaration<'d> {
 }
 
 impl Grammar for Geotrace {
-    /// Whether a comment has not ended.
+    /// True inside a comment.
     type CutState = bool;
     type Builtins = Vocabulary;
     type Symbol = Symbol;

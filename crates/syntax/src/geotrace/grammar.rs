@@ -5,7 +5,7 @@
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::token::TokenKind;
 
-/// What the productions see of a token.
+/// A token as the productions see it.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 #[allow(missing_docs)]
 pub enum Terminal {
@@ -38,7 +38,7 @@ pub enum Terminal {
     At,
 }
 
-/// What derives sentences. A `…Tail` is what follows the first operand of a list or an operator.
+/// A nonterminal. A `…Tail` is the rest of a list or a chain of operators behind the first operand.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 #[allow(missing_docs)]
 pub enum Nonterminal {
@@ -88,7 +88,7 @@ pub enum Nonterminal {
 pub enum Item {
     /// A token.
     T(Terminal),
-    /// What a nonterminal derives.
+    /// A text that a nonterminal derives.
     N(Nonterminal),
 }
 
@@ -97,13 +97,13 @@ pub enum Item {
 pub struct Production {
     /// The nonterminal.
     pub left: Nonterminal,
-    /// What it derives.
+    /// The steps that it derives.
     pub right: &'static [Item],
 }
 
 impl Terminal {
-    /// What the productions see of a token; `None` for comments, errors and the end of input. A word that
-    /// means nothing is a name: an expression has no place for it.
+    /// The terminal of a token; `None` for comments, errors and the end of input. An undefined word is a name, which
+    /// expressions do not contain.
     pub fn from_token(kind: TokenKind) -> Option<Self> {
         Some(match kind {
             TokenKind::Declare(keyword) => Self::Keyword(keyword),

@@ -7,16 +7,16 @@ use crate::geotrace::symbols::{SymbolKind, Vocabulary};
 use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
 
-/// What a piece of the text is, to the eye.
+/// The class of a coloured piece of the text.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum HighlightKind {
     /// `#` to the end of the line.
     Comment,
     /// A number.
     Number,
-    /// A declaring word.
+    /// A declaration keyword.
     Keyword,
-    /// A name that stands for a value.
+    /// The name of a value.
     Constant,
     /// A name that is applied.
     Function,
@@ -26,20 +26,20 @@ pub enum HighlightKind {
     Operator,
     /// Brackets, `, ; : = @`
     Punctuation,
-    /// A word that means nothing here.
+    /// An undefined word.
     Undefined,
-    /// What is no token.
+    /// Characters that begin no token.
     Error,
 }
 
 /// A coloured piece of the text.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Highlight {
-    /// Where it is.
+    /// Its place.
     pub span: Span,
-    /// What it is.
+    /// Its class.
     pub kind: HighlightKind,
-    /// It is a name at the place that introduces it.
+    /// True for a name at the place that introduces it.
     pub declares: bool,
 }
 
@@ -53,7 +53,7 @@ pub fn highlight(source: &str, vocabulary: &Vocabulary) -> Vec<Highlight> {
 /// Collects the colours as the parser goes.
 #[derive(Clone, Debug, Default)]
 pub struct Highlighter {
-    /// What has been coloured so far. A name that is being introduced gets its colour at the end of its
+    /// The coloured pieces so far. A name that is being introduced gets its colour at the end of its
     /// declaration.
     pub highlights: Vec<Highlight>,
 }

@@ -1,4 +1,4 @@
-//! From text to lexemes. What a word means is asked of whoever drives the lexer: it knows no names.
+//! From text to lexemes. The lexer knows no names: its caller says how a word is split into tokens.
 
 use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
@@ -8,11 +8,11 @@ use crate::span::Span;
 pub struct Lexeme {
     /// The token; of kind [`TokenKind::Error`] where there is a fault other than [`Fault::Underflow`].
     pub token: Token,
-    /// What is wrong with it, if anything.
+    /// The fault of the token, if it has one.
     pub fault: Option<Fault>,
 }
 
-/// What can be wrong with a token.
+/// The fault of a token.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum Fault {
     /// A character that begins no token.
@@ -25,19 +25,19 @@ pub enum Fault {
     Underflow,
 }
 
-/// What is left of a word (a run of `a-z A-Z 0-9` that starts with a letter) when a token is wanted.
+/// The rest of a word (a run of `a-z A-Z 0-9` that starts with a letter) from which the next token is taken.
 #[derive(Clone, Copy, Debug)]
 pub struct Word<'s> {
-    /// What is left, at least one letter.
+    /// The rest, at least one letter.
     pub rest: &'s str,
-    /// Where the rest starts.
+    /// The offset of the rest.
     pub start: u32,
-    /// Where the word itself starts: further left if tokens have been split off.
+    /// The offset of the word: further left if tokens have been split off.
     pub word_start: u32,
 }
 
 impl Word<'_> {
-    /// True unless tokens have been split off.
+    /// Returns true if no tokens have been split off.
     pub fn is_whole(&self) -> bool {
         self.start == self.word_start
     }
@@ -68,7 +68,7 @@ impl<'s> Lexer<'s> {
         }
     }
 
-    /// A lexer at the start of a piece of a text: a byte order mark there is none.
+    /// A lexer at the start of a chunk inside a text, where a byte order mark is not white space.
     pub(crate) fn inside(source: &'s str) -> Self {
         Self {
             position: 0,

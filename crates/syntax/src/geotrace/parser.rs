@@ -3,14 +3,14 @@
 //!
 //! A text and a vocabulary flow in; calls of hooks flow out, and at the end the names that the text defines.
 //! Parsing never fails: what is wrong becomes a diagnostic, and the parser goes on at the next `;` or
-//! declaring word.
+//! declaration keyword.
 //!
 //! - `declaration`: `DECL` and all that is not an expression.
 //! - `expression`: `EXPR` and all below it.
-//! - `names`: which token a word is, new names, words that mean nothing.
+//! - `names`: the token that a word is, new names, undefined words.
 //! - `lints`: warnings about legal text that is not read as it looks.
 //! - `deferred`: the parts of diagnostics that depend on other places of the text.
-//! - `suggestions`: what such a word may have been meant to be.
+//! - `suggestions`: what an undefined word may be meant to be.
 //! - `messages`: the sentences of lexical and syntax errors.
 
 mod declaration;
@@ -39,7 +39,7 @@ use deferred::{Deferred, References};
 use names::Mode;
 use suggestions::DeclaredNames;
 
-/// How deep an expression may be nested: brackets, prefix operators, exponents and functions of functions
+/// The greatest nesting depth of an expression: brackets, prefix operators, exponents and functions of functions
 /// all count. A thread with 2 MiB of stack holds this many levels in a debug build.
 pub const MAX_DEPTH: u32 = 256;
 
@@ -99,7 +99,7 @@ fn accept_length<'s>(source: &'s str, actions: &mut impl Actions) -> Option<&'s 
 /// The parser gave up on the declaration; the reason has been reported.
 struct Stop;
 
-/// Where a nonterminal was read, from its first token to its last.
+/// The place of a nonterminal, from its first token to its last.
 type Parse = Result<Span, Stop>;
 
 struct Parser<'s, 'a, A, S> {
@@ -120,15 +120,15 @@ struct Parser<'s, 'a, A, S> {
     diagnostics: usize,
     state: State<'s>,
     lints: lints::LintState,
-    /// The words that mean nothing reported so far.
+    /// The number of undefined words reported so far.
     searches: usize,
-    /// What the diagnostics, by their number, have yet to tell of the text around a piece.
+    /// By the index of its diagnostic, each deferred cross-reference of a chunk.
     deferred: Vec<(usize, Deferred)>,
     lines: OnceCell<LineIndex<'s>>,
     declared_below: OnceCell<suggestions::DeclaredNames<'s>>,
 }
 
-/// What is known of the declaration that is being read.
+/// The state of the declaration that is being read.
 #[derive(Default)]
 struct State<'s> {
     /// It holds an error.
@@ -262,7 +262,7 @@ impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
         self.current = lexeme.token;
     }
 
-    /// Skips to the end of the declaration: a `;`, a declaring word, or the end of the text.
+    /// Skips to the end of the declaration: a `;`, a keyword, or the end of the text.
     fn recover(&mut self) {
         loop {
             match self.current.kind {
@@ -284,7 +284,7 @@ impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
         }
     }
 
-    /// The same for one that tells of other places of the text.
+    /// Reports a diagnostic with a part that depends on other places: in a whole text it is completed now.
     #[cold]
     fn report_deferred(&mut self, mut diagnostic: Diagnostic, deferred: Deferred) {
         let searches = self.searches;

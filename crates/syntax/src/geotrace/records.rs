@@ -1,9 +1,11 @@
-//! What was read of a chunk, packed: eight bytes for a token, and for a step of an expression.
+//! The tokens and hook calls of a chunk, packed: eight bytes for a token, and for a step of an expression.
 //!
-//! What flows in: tokens and events as the hooks are told them, places counted from the chunk's start. What flows
-//! out: the same again, by their number or in their order. What the text itself says (the value of a number, a name)
-//! is read from it again and not kept. A chunk of 64 KiB or more, or with a number that has no room, has sixteen bytes for
-//! each.
+//! What flows in: tokens and events as the hooks get them, with places that count from the chunk's start. What flows out: the
+//! same tokens and events, by their number or in their order. The values of numbers and the names are not kept, but read from
+//! the text again. A chunk of 64 KiB or more, or with a number that does not fit, takes sixteen bytes for each.
+//!
+//! They are packed by hand because a program of 10,000 declarations has 230,000 tokens and 170,000 events. As enums with their
+//! spans they take 24 bytes each, 6.4 MB more in all: a fifth more than the whole server needs for that program.
 
 use crate::geotrace::actions::{Interval, IntervalKind, Operator, Parameter};
 use crate::geotrace::declarations::DeclarationKeyword;
@@ -16,7 +18,7 @@ use tags::{STEPS_END, of_operator, of_token, operator, token_kind, word, word_in
 
 mod tags;
 
-/// A list of entries.
+/// A list of packed entries.
 #[derive(Clone, Debug)]
 pub(crate) enum Records {
     /// Start, end, tag with the upper bits of the number, and its lower bits.
@@ -24,7 +26,7 @@ pub(crate) enum Records {
     Wide(Box<[Entry]>),
 }
 
-/// A place, what stands there, and a number whose meaning that tells.
+/// A place, a tag for what is there, and a number whose meaning depends on the tag.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Entry {
     span: Span,
@@ -39,7 +41,7 @@ pub struct Tokens<'d> {
     text: &'d str,
 }
 
-/// What was read of a chunk, or a stretch of it.
+/// The hook calls of a chunk, or a part of them, in order.
 #[derive(Clone, Copy, Debug)]
 pub struct Events<'d> {
     records: &'d Records,
@@ -125,12 +127,12 @@ impl<'d> Tokens<'d> {
         Self { records, text }
     }
 
-    /// How many there are.
+    /// The number of tokens.
     pub fn len(&self) -> usize {
         self.records.len()
     }
 
-    /// Whether there is none.
+    /// Returns true if there are no tokens.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -144,7 +146,7 @@ impl<'d> Tokens<'d> {
         })
     }
 
-    /// Where a token stands: cheaper than the whole token.
+    /// The place of a token: cheaper than the whole token.
     pub fn span(&self, index: usize) -> Option<Span> {
         self.records.span(index)
     }
@@ -229,7 +231,7 @@ impl<'d> Events<'d> {
         std::iter::from_fn(move || {
             loop {
                 let at = rest.next;
-                // What lies behind the first entry of an event begins no declaration.
+                // The tags of further entries of an event are below those of declarations.
                 let tag = rest.records.get(at).filter(|_| at < rest.end)?.tag;
                 if tag < DECLARATION {
                     rest.next += 1;

@@ -1,4 +1,4 @@
-//! What names mean: the builtins that are handed in, and what the declarations of a text add to them.
+//! The meaning of names: the builtins that are handed in, and the symbols that the declarations of a text define.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ pub struct Vocabulary {
     builtins: Vec<Symbol>,
 }
 
-/// How a name is used.
+/// The way in which a name is used.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum SymbolKind {
     /// A value: `pi`, and declared params, grids, defines, points, vectors.
@@ -28,24 +28,24 @@ pub enum SymbolKind {
     Function,
 }
 
-/// One name and what it means.
+/// A name and its meaning.
 #[derive(Clone, Debug)]
 pub struct Symbol {
     /// The name.
     pub name: Arc<str>,
-    /// How it is used.
+    /// The way in which it is used.
     pub kind: SymbolKind,
-    /// The word that declares it; `None` for a builtin.
+    /// The keyword that declares it; `None` for a builtin.
     pub word: Option<DeclarationKeyword>,
-    /// Where its declaration names it; `None` for a builtin.
+    /// The place of the name in its declaration; `None` for a builtin.
     pub name_span: Option<Span>,
     /// The parameters of what is declared with parameters; empty for everything else.
     pub parameters: Vec<Parameter>,
     /// Its declaration holds an error, which has been reported: uses of it are to be silent.
     pub faulty: bool,
-    /// The parameters again, by name, where they are too many to go through.
+    /// The parameters by name, if there are more than [`FEW_PARAMETERS`].
     parameter_trie: Trie<u32>,
-    /// The builtin that undoes this builtin, where there is one.
+    /// The inverse of this builtin, if it is a builtin too.
     pub(crate) inverse: Option<Box<str>>,
 }
 
@@ -53,7 +53,7 @@ pub struct Symbol {
 #[derive(Clone, Debug, Default)]
 pub struct Symbols(Vec<Symbol>);
 
-/// The names that the parser sees at a place of a text, and what it adds to them.
+/// The names that the parser sees at a place of a text, and those that it defines.
 pub(crate) trait Scope {
     /// The parser reads a chunk and does not know the rest of the text: the parts of diagnostics that depend on it are
     /// deferred.
@@ -62,7 +62,7 @@ pub(crate) trait Scope {
     /// The longest name that `word` begins with: its length in bytes, and what it names.
     fn longest_prefix(&self, word: &str) -> Option<(usize, SymbolId)>;
 
-    /// What exactly this name names.
+    /// The symbol of exactly this name.
     fn get(&self, name: &str) -> Option<SymbolId>;
 
     /// A symbol that one of the other functions has returned.
@@ -82,12 +82,12 @@ pub(crate) trait Scope {
     fn record_name_lookup(&mut self, name: &str, start: u32, kind: TokenKind);
 }
 
-/// What a whole text defines.
+/// The names and symbols of a whole text.
 #[derive(Clone, Debug, Default)]
 pub struct Parsed {
-    /// The names as they stand at the end of the text.
+    /// The names at the end of the text.
     pub trie: SymbolTrie,
-    /// What they mean.
+    /// Their symbols.
     pub symbols: Symbols,
 }
 
@@ -112,7 +112,7 @@ impl Vocabulary {
         Self { builtins }
     }
 
-    /// The same, where `inverse` undoes `function`: the warning at `sin^-1 x` then names `asin`.
+    /// Returns the vocabulary with `inverse` as the inverse of `function`: the warning at `sin^-1 x` then names `asin`.
     #[must_use]
     pub fn with_inverse(mut self, function: &str, inverse: &str) -> Self {
         for builtin in &mut self.builtins {
@@ -138,7 +138,7 @@ impl Vocabulary {
     }
 }
 
-/// So many parameters are gone through: a trie takes more room, and is no faster.
+/// The greatest number of parameters that are searched one by one: a trie takes more room and is not faster.
 const FEW_PARAMETERS: usize = 8;
 
 impl Symbol {
@@ -223,7 +223,7 @@ impl Parsed {
     pub(crate) fn define(&mut self, symbol: Symbol) -> SymbolId {
         let id = SymbolId(self.symbols.0.len() as u32);
         if self.trie.get(&symbol.name).is_none() {
-            // What is no name is never found by the lexer either.
+            // A name outside the trie's alphabet is never found.
             let _ = self.trie.insert(&symbol.name, id);
         }
         self.symbols.0.push(symbol);
@@ -243,12 +243,12 @@ impl Symbols {
         ids.map(SymbolId).zip(&self.0)
     }
 
-    /// How many there are.
+    /// The number of symbols.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// True where not even a builtin is known.
+    /// Returns true if there are no symbols, not even builtins.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -258,7 +258,7 @@ impl std::ops::Index<SymbolId> for Symbols {
     type Output = Symbol;
 
     /// # Panics
-    /// Where the identifier belongs to another text.
+    /// If the handle belongs to another text.
     fn index(&self, id: SymbolId) -> &Symbol {
         &self.0[id.0 as usize]
     }

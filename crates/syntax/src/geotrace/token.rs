@@ -4,7 +4,7 @@ use super::declarations::DeclarationKeyword;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-/// What a token is, to the parser.
+/// The kind of a token, for the parser.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub enum TokenKind {
@@ -16,7 +16,7 @@ pub enum TokenKind {
     Function(SymbolId),
     /// A parameter of the body that is being read, by its position.
     Variable(u32),
-    /// A word with no meaning yet.
+    /// A word that is not defined.
     Undefined,
     Plus,
     Minus,
@@ -45,8 +45,8 @@ pub enum TokenKind {
 /// One token and its place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Token {
-    /// What it is.
+    /// Its kind.
     pub kind: TokenKind,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
 }

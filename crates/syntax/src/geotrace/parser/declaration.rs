@@ -4,7 +4,6 @@ use super::messages::quote;
 use super::names::{self, Mode, list};
 use super::suggestions::nearest_keyword;
 use super::{Parser, State, Stop};
-use crate::diagnostic::Fix;
 use crate::geotrace::actions::{Actions, Declaration, Interval, IntervalKind, Operator};
 use crate::geotrace::codes;
 use crate::geotrace::declarations::{DeclarationKeyword, Syntax};
@@ -27,7 +26,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         self.declaration_with_word(word);
     }
 
-    /// The current token is the declaring word, or what was taken for it.
+    /// The current token is the keyword, or a misspelt word that is taken for it.
     fn declaration_with_word(&mut self, word: DeclarationKeyword) {
         let start = self.current.span;
         self.accept();
@@ -36,8 +35,8 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         self.declaration_from_name(word, start);
     }
 
-    /// A declaration ought to begin with the current token, which is no declaring word. What is meant is
-    /// guessed where it can be, so that the name is defined and uses of it are not reported.
+    /// Reads a declaration whose first token is not a keyword. Guesses the keyword from a misspelt word, or from the token
+    /// behind the name, so that the name is defined and its uses are not reported as well.
     #[cold]
     pub(super) fn declaration_without_word(&mut self) {
         self.state = State::default();
@@ -85,43 +84,6 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
                 }
             }
         }
-    }
-
-    /// Reports that no declaration begins with the current token, and what may have been meant: a misspelt
-    /// word, or a word left out before the name.
-    fn reject_opening(
-        &mut self,
-        name: &str,
-        guess: Option<DeclarationKeyword>,
-        unworded: Option<DeclarationKeyword>,
-    ) {
-        if self.is_muted() {
-            self.state.faulty = true;
-            return;
-        }
-        let hint = match (guess, unworded) {
-            (Some(guess), _) => format!("did you mean `{}`?", guess.text()),
-            (None, Some(word)) => {
-                let written = quote(&format!("{} {name}", word.text()));
-                format!("write {written}")
-            }
-            _ if self.current.kind == TokenKind::Semicolon => "remove it".to_owned(),
-            _ => {
-                let words = DeclarationKeyword::ALL
-                    .map(DeclarationKeyword::text)
-                    .join("`, `");
-                format!("a declaration opens with one of `{words}`")
-            }
-        };
-        let message = format!("expected a declaration, found {}", self.found());
-        let mut diagnostic = self
-            .here(codes::EXPECTED_DECLARATION, message)
-            .with_hint(hint);
-        if let Some(guess) = guess {
-            let fix = Fix::change(self.current.span, guess.text(), true);
-            diagnostic = diagnostic.with_fix(fix);
-        }
-        self.reject(diagnostic);
     }
 
     /// The rest of a declaration, from its name (the current token) to behind its `;`.

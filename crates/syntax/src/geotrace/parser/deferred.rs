@@ -124,7 +124,7 @@ impl Undefined {
         }
         diagnostic.hint = self.hint.clone();
         if self.hint.is_none() && searches < MAX_SEARCHES {
-            // The rest of a word ends where the whole does, and the diagnostic stands at it.
+            // The rest of a word ends where the whole word does, and the diagnostic's place is that of the rest.
             let end = diagnostic.span.end;
             let split = self.word.len() < self.whole.len();
             let words = [Some(&self.whole), split.then_some(&self.word)];

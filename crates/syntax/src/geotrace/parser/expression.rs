@@ -55,7 +55,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         self.mult_tail(first)
     }
 
-    /// What `MULT` and `MULT2` have in common after their first operand.
+    /// The rest of `MULT` and of `MULT2` behind the first operand.
     fn mult_tail(&mut self, mut span: Span) -> Parse {
         loop {
             let operator = match self.current.kind {
@@ -251,7 +251,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         Ok(count)
     }
 
-    /// Whether the current token begins an `APP`.
+    /// Returns true if the current token begins an `APP`.
     fn starts_app(&self) -> bool {
         matches!(
             self.current.kind,

@@ -11,7 +11,7 @@ use crate::geotrace::symbols::Scope;
 use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
 
-/// How many characters of the text a sentence quotes.
+/// The number of characters of the text that a sentence quotes at most.
 const QUOTE_LENGTH: usize = 40;
 
 /// A piece of the text between backquotes, cut where it is long.
@@ -96,7 +96,7 @@ fn visible(text: &str) -> String {
     text.map(show).collect()
 }
 
-/// What to write instead of a character that is often pasted.
+/// The hint for a character that is often pasted by mistake.
 fn substitute(character: char) -> Option<&'static str> {
     Some(match character {
         '\u{2212}' | '\u{2010}'..='\u{2015}' => "write `-`",
@@ -123,7 +123,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         self.reject_deferred(diagnostic, None)
     }
 
-    /// The same, where something has to be told of another place.
+    /// As [`reject`](Self::reject), for a diagnostic that may have a deferred part.
     pub(super) fn reject_deferred(
         &mut self,
         diagnostic: Diagnostic,
@@ -131,7 +131,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     ) -> Stop {
         self.state.faulty = true;
         self.state.silent = true;
-        // A missing `;` is an error of its own, whatever stands before it.
+        // A missing `;` is reported even if what precedes it has been.
         let is_own = diagnostic.code == codes::MISSING_SEMICOLON;
         if !self.state.rejected && (is_own || !self.flagged) {
             match deferred {
@@ -199,7 +199,44 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
         self.reject(diagnostic)
     }
 
-    /// A declaration ought to end at the current token, which is no `;`.
+    /// Reports that no declaration begins with the current token, and what may have been meant: a misspelt
+    /// word, or a word left out before the name.
+    pub(super) fn reject_opening(
+        &mut self,
+        name: &str,
+        guess: Option<DeclarationKeyword>,
+        unworded: Option<DeclarationKeyword>,
+    ) {
+        if self.is_muted() {
+            self.state.faulty = true;
+            return;
+        }
+        let hint = match (guess, unworded) {
+            (Some(guess), _) => format!("did you mean `{}`?", guess.text()),
+            (None, Some(word)) => {
+                let written = quote(&format!("{} {name}", word.text()));
+                format!("write {written}")
+            }
+            _ if self.current.kind == TokenKind::Semicolon => "remove it".to_owned(),
+            _ => {
+                let words = DeclarationKeyword::ALL
+                    .map(DeclarationKeyword::text)
+                    .join("`, `");
+                format!("a declaration opens with one of `{words}`")
+            }
+        };
+        let message = format!("expected a declaration, found {}", self.found());
+        let mut diagnostic = self
+            .here(codes::EXPECTED_DECLARATION, message)
+            .with_hint(hint);
+        if let Some(guess) = guess {
+            let fix = Fix::change(self.current.span, guess.text(), true);
+            diagnostic = diagnostic.with_fix(fix);
+        }
+        self.reject(diagnostic);
+    }
+
+    /// Rejects the current token in the place of the `;` that ends a declaration.
     pub(super) fn expected_end(&mut self, word: DeclarationKeyword) -> Stop {
         let end = self.previous.span.end;
         let found = self.found();

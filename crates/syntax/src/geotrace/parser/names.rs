@@ -1,5 +1,4 @@
-//! Words: which token a word is at this place, whether a new name is free, and what to say about a word that
-//! means nothing.
+//! Words: the token that a word is at this place, new names, and the reports of undefined words.
 
 use super::deferred::{Deferred, Undefined};
 use super::messages::quote;
@@ -15,7 +14,7 @@ use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-/// How the parser wants the next word read.
+/// The way in which the next word becomes a token.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Mode {
     /// The longest defined prefix is one token.
@@ -28,10 +27,10 @@ pub(super) enum Mode {
     ParameterOf(SymbolId),
 }
 
-/// The longest name.
+/// The length of the longest name.
 const MAX_NAME_LENGTH: usize = 255;
 
-/// The most undefined words that are reported in one declaration.
+/// The greatest number of undefined words that are reported in one declaration.
 const MAX_UNDEFINED: usize = 32;
 
 impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
@@ -120,7 +119,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
         Ok(())
     }
 
-    /// Whether the current token, read by [`Mode::Name`], is a free name; one that is taken is reported.
+    /// Returns true if the current token, read by [`Mode::Name`], is a free name. Reports one that is taken.
     fn free_name(&mut self, what: &str) -> Result<bool, Stop> {
         let name = self.current.span.text(self.source);
         let diagnostic = match self.current.kind {
@@ -152,7 +151,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
         Ok(false)
     }
 
-    /// Of a name that is declared in the text, [`Deferred::Taken`] tells where.
+    /// The error of a name that is taken. For a name that the text declares, [`Deferred::Taken`] adds its place.
     fn name_taken(&self, id: SymbolId) -> Diagnostic {
         let symbol = self.parsed.symbol(id);
         let kind = match symbol.kind {
@@ -164,7 +163,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
             .with_hint("choose another name: the earlier meaning stays")
     }
 
-    /// Whether another word comes next after the current token.
+    /// Returns true if a word follows the current token.
     pub(super) fn is_followed_by_word(&self) -> bool {
         self.following(self.current.span.end)
             .is_some_and(|byte| byte.is_ascii_alphabetic())
@@ -176,8 +175,8 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
         rest.find(|byte| !matches!(byte, b' ' | b'\t' | b'\r' | b'\n'))
     }
 
-    /// A word that means nothing stands where an operand may stand: it is reported and taken for one, so that
-    /// what follows is still read. Returns where it stands.
+    /// Reports an undefined word in the place of an operand and takes it for one, so that the text behind it is still read.
+    /// Returns its place.
     #[cold]
     pub(super) fn undefined_operand(&mut self) -> Span {
         let span = self.current.span;
@@ -208,7 +207,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
         span.to(self.previous.span)
     }
 
-    /// A word that means nothing stands where a surface is named: it is reported and passed.
+    /// Reports an undefined word in the place of a surface's name, and passes it.
     #[cold]
     pub(super) fn undefined_surface(&mut self) {
         self.report_undefined();
@@ -245,8 +244,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
         self.report_deferred(diagnostic, Deferred::Undefined(undefined));
     }
 
-    /// What to do about a word that means nothing and is not declared below, as far as that follows from the
-    /// declaration alone.
+    /// The hint for an undefined word that is not declared below, as far as it follows from the declaration alone.
     fn undefined_hint(&self, whole: &str, word: &str) -> Option<String> {
         let name = self.state.name;
         if !name.is_empty() && (word == name || whole == name) {
@@ -287,7 +285,7 @@ impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
         None
     }
 
-    /// The current token follows `f_` and is no parameter of `f`. A word is reported and passed.
+    /// Reports the current token, which follows `f_` and is not a parameter of `f`. Passes it if it is a word.
     #[cold]
     pub(super) fn no_such_parameter(&mut self, function: SymbolId) -> Result<(), Stop> {
         let symbol = self.parsed.symbol(function);

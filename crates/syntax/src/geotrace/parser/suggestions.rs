@@ -6,11 +6,11 @@ use std::collections::HashMap;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::spelling::nearest;
 
-/// Every name that stands after a declaring word somewhere in a text, and where it does last.
+/// Every name that follows a declaration keyword somewhere in a text, with its last place.
 pub(super) struct DeclaredNames<'s>(HashMap<&'s str, u32>);
 
 impl<'s> DeclaredNames<'s> {
-    /// The last place of a name behind a declaring word.
+    /// The last place of a name behind a declaration keyword.
     pub(super) fn place(&self, name: &str) -> Option<u32> {
         self.0.get(name).copied()
     }
@@ -24,7 +24,7 @@ impl<'s> DeclaredNames<'s> {
     }
 }
 
-/// Calls `found` with every name that stands after a declaring word, and its place.
+/// Calls `found` with every name that follows a declaration keyword, and its place.
 pub(crate) fn each_declared<'s>(source: &'s str, mut found: impl FnMut(&'s str, u32)) {
     let mut after_declaring = false;
     let bytes = source.as_bytes();

@@ -1,6 +1,6 @@
-//! Tokens, steps and declaring words as a tag and a number, and back.
+//! Tokens, operators and keywords as a tag and a number, and back.
 //!
-//! What the text itself says is not in them: the value of a number is read from it again.
+//! The value of a number is not part of them: it is read from the text again.
 
 use crate::geotrace::actions::Operator;
 use crate::geotrace::declarations::DeclarationKeyword;
