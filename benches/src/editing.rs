@@ -119,13 +119,13 @@ pub(crate) fn run() {
         }
         for (place, k) in places(declarations) {
             let at = behind(&text, &format!("function f{k}(x, y) = "));
-            let before = document.work();
+            let before = document.counters();
             let mut count = 0;
             let times = Percentiles::of(|k| {
                 count += 1;
                 toggle(&mut document, at, "1", k)
             });
-            let after = document.work();
+            let after = document.counters();
             let per_edit = |after: u64, before: u64| (after - before) as f64 / f64::from(count);
             let note = format!(
                 "{:.1} read, {:.1} checked",
@@ -141,13 +141,13 @@ pub(crate) fn run() {
         Percentiles::of(|k| toggle(&mut document, comment, "x", k)).print("a comment, top", "");
         for (place, k) in places(declarations) {
             let name = behind(&text, &format!("function f{k}"));
-            let before = document.work();
+            let before = document.counters();
             let mut count = 0;
             let times = Percentiles::of(|k| {
                 count += 1;
                 toggle(&mut document, name, "q", k)
             });
-            let after = document.work();
+            let after = document.counters();
             let read = after.reading.edited + after.reading.reread
                 - before.reading.edited
                 - before.reading.reread;

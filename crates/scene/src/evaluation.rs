@@ -1,7 +1,7 @@
 //! The values of expressions over a scene's params and grids.
 //!
-//! What flows in: nodes of a graph and the values of the params. What flows out: a value, or one for each combination
-//! of the values of the grids that the expression depends on.
+//! In: nodes of a graph and the values of the params. Out: a value, or one for each combination of the values of the grids
+//! that the expression depends on.
 
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, value};
@@ -29,7 +29,7 @@ pub struct Instance {
     pub value: Value,
 }
 
-/// What an expression evaluates to.
+/// The value of an expression, or its values over grids.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// One value: it depends on no grid that is not fixed.
@@ -38,10 +38,10 @@ pub enum Outcome {
     Instances(Vec<Instance>),
 }
 
-/// An outcome, and what was surprising about the expression.
+/// An outcome, with the warnings about the expression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
-    /// What the expression evaluates to.
+    /// The value, or the values.
     pub outcome: Outcome,
     /// Warnings and hints; spans are those of the expression's text.
     pub warnings: Vec<Diagnostic>,

@@ -36,6 +36,6 @@ mod symbol;
 
 pub use builtin::{count as builtin_count, vocabulary};
 pub use compile::{Compilation, compile};
-pub use document::{Document, Work};
+pub use document::{Counters, Document};
 pub use error::CODES;
 pub use excerpt::Excerpt;

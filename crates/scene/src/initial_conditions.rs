@@ -1,7 +1,7 @@
-//! Where a declared geodesic starts.
+//! The initial conditions of declared geodesics.
 //!
-//! What flows in: an object whose shape is [`Shape::Geodesic`] and the uniforms of one of its instances. What
-//! flows out: the place and the direction it starts with, or why it cannot start and is not drawn.
+//! In: an object whose shape is [`Shape::Geodesic`] and the uniforms of one of its instances. Out: the place and the
+//! direction it starts with, or the reason for which it cannot start and is not drawn.
 
 use std::fmt;
 
@@ -10,7 +10,7 @@ use expr::{Graph, Input, NodeId};
 
 use crate::scene::{ObjectId, Range, Scene, Shape};
 
-/// How one instance of a geodesic starts.
+/// The place and the direction with which one instance of a geodesic starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialConditions {
     /// The parameters (u, v) where it starts, inside the domain of its surface or, but for rounding, on the
@@ -20,7 +20,7 @@ pub struct InitialConditions {
     pub direction: [f64; 2],
 }
 
-/// Why an instance of a geodesic cannot start. Each is told as the end of a sentence: "its direction is zero".
+/// The reason for which an instance of a geodesic cannot start. Its text is the end of a sentence: "its direction is zero".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum InitialConditionsError {
     /// A component of the direction is no finite number.
@@ -38,7 +38,7 @@ pub enum InitialConditionsError {
     },
 }
 
-/// How far beyond a side a start may lie, as a share of the domain's width.
+/// The distance beyond a side at which a start may lie, as a share of the domain's width.
 const SLACK: f64 = 1e-12;
 
 impl fmt::Display for InitialConditionsError {
@@ -68,7 +68,7 @@ pub struct InitialConditionsEvaluator {
 }
 
 impl InitialConditionsEvaluator {
-    /// For an object of the scene; none where that is no geodesic.
+    /// Prepares the evaluation for an object of the scene; `None` if it is not a geodesic.
     pub fn new(scene: &Scene, object: ObjectId) -> Option<Self> {
         let shape = &scene.objects.get(object.0 as usize)?.shape;
         let Shape::Geodesic {
@@ -82,11 +82,11 @@ impl InitialConditionsEvaluator {
         };
         let domain = scene.objects.get(surface.0 as usize)?.shape.manifold()?;
         let domain = domain.map(|axis| axis.range);
-        Some(Self::of(&scene.graph, direction, start, domain))
+        Some(Self::from_nodes(&scene.graph, direction, start, domain))
     }
 
-    /// For expressions of a graph.
-    pub(crate) fn of(
+    /// Prepares the evaluation of expressions of a graph.
+    pub(crate) fn from_nodes(
         graph: &Graph,
         direction: &[NodeId; 2],
         start: &[NodeId; 2],
@@ -104,7 +104,7 @@ impl InitialConditionsEvaluator {
     /// The start of the instance with these uniforms, one number each.
     ///
     /// # Errors
-    /// Where it cannot start.
+    /// It cannot start.
     pub fn evaluate(
         &mut self,
         uniforms: &[f64],
@@ -132,7 +132,7 @@ impl InitialConditionsEvaluator {
         }
         let domain = self.domain;
         let inside = |(range, x): (&Range, &f64)| {
-            // What lies on a side may have been rounded beyond it.
+            // A point on a side may have been rounded beyond it.
             let slack = SLACK * (range.max - range.min);
             (range.min - slack..=range.max + slack).contains(x)
         };

@@ -1,7 +1,8 @@
-//! Whether a declared metric is one: E > 0 and E G − F² > 0 inside its domain.
+//! Searches a declared metric for a point where it is not positive definite: E > 0 and E G − F² > 0 hold inside the
+//! domain of a metric.
 //!
-//! What flows in: E, F and G as expressions, the domain, and the uniforms of one instance. What flows out: a
-//! point inside the domain where they are no metric, if the search finds one.
+//! In: E, F and G as expressions, the domain, and the uniforms of one instance. Out: a point inside the domain where one
+//! of them fails, if the search finds one.
 //!
 //! The search looks at a lattice, and from its least values walks downhill, so that a line where the metric
 //! only just vanishes is found as well. The domain's sides are left out: a metric may collapse there, as
@@ -12,7 +13,7 @@ use expr::{Graph, Input, NodeId};
 
 use crate::scene::Sampling;
 
-/// A point where E, F and G are no metric.
+/// A point where E, F and G are not a metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Witness {
     /// Its parameters.
@@ -20,7 +21,7 @@ pub(crate) struct Witness {
     pub(crate) defect: Defect,
 }
 
-/// What is wrong with E, F and G at a point.
+/// The condition that E, F and G violate at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Defect {
     /// One of them is no finite number.
@@ -31,10 +32,10 @@ pub(crate) enum Defect {
     Determinant(f64),
 }
 
-/// The most operations that are spent on the lattice of one metric.
+/// The largest number of operations that are spent on the lattice of one metric.
 const LATTICE_OPERATIONS: usize = 2_000_000;
 
-/// The most lattice lines along one parameter. Even, so that the middle of the domain is on one.
+/// The largest number of lattice lines along one parameter. Even, so that the middle of the domain is on one.
 const LINES: usize = 32;
 
 /// The walks keep this share of the domain's width away from its sides.
@@ -44,7 +45,7 @@ const MARGIN: f64 = 1e-3;
 /// about 1e-8 from it, and the value is quadratic there.
 const ZERO: f64 = 1e-13;
 
-/// From how many of the lattice's least values a walk starts.
+/// The number of the lattice's least values from which a walk starts.
 const WALKS: usize = 3;
 
 /// Searches one instance of a metric. `instances` says how many will be searched in all, for the work is
@@ -93,14 +94,14 @@ pub(crate) fn witness(
         .find_map(|&merit| search.descend(&points, merit, 1.0 / lines as f64))
 }
 
-/// What has to stay above zero: E, G, and E G − F² beside E G.
+/// The quantities that have to stay above zero: E, G, and E G − F² relative to E G.
 const MERITS: [fn(&Point) -> f64; 3] = [
     |point| point.form[0],
     |point| point.form[2],
     |point| 1.0 - point.form[1] / point.form[0] * (point.form[1] / point.form[2]),
 ];
 
-/// E, F and G at a point of the domain, which is told as shares of its width.
+/// E, F and G at a point of the domain, whose coordinates are shares of the domain's width.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     share: [f64; 2],

@@ -1,7 +1,7 @@
 //! Values for a scene's params and grids, and the instances they give.
 //!
-//! What flows in: names and numbers from a command line, a slider or an animation. What flows out: one number
-//! per uniform, in the order that `expr::Input::Uniform` counts them, for each instance of what is drawn.
+//! In: names and numbers from a command line, a slider or an animation. Out: one number per uniform, in the order of
+//! `expr::Input::Uniform`, for each instance of an object.
 
 use std::fmt;
 
@@ -18,7 +18,7 @@ pub struct ParamValues {
     fixed: Vec<GridId>,
 }
 
-/// Why a value was refused.
+/// The reason for which a value was refused.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SetError {
     /// No param or grid has this name.
@@ -32,9 +32,9 @@ pub enum SetError {
     Components {
         /// The param or grid.
         name: String,
-        /// How many components it has.
+        /// The number of its components.
         expected: usize,
-        /// How many values were given.
+        /// The number of values that were given.
         given: usize,
     },
     /// A value lies outside its interval (or is not a number).
@@ -43,7 +43,7 @@ pub enum SetError {
         name: String,
         /// Which of its components, from 0.
         component: usize,
-        /// How many components it has.
+        /// The number of its components.
         components: usize,
         /// The value as given.
         value: f64,
@@ -104,7 +104,7 @@ impl fmt::Display for SetError {
 impl std::error::Error for SetError {}
 
 impl ParamValues {
-    /// Each param at the value that it opens with, no grid fixed.
+    /// Each param at its initial value, no grid fixed.
     pub fn initial(scene: &Scene) -> Self {
         let mut uniforms = vec![0.0; scene.uniform_count as usize];
         for param in &scene.params {
@@ -128,8 +128,8 @@ impl ParamValues {
     /// Gives a param a value, or fixes a grid to one: any values within their intervals, both ends included.
     ///
     /// # Errors
-    /// Where the name is unknown, the number of values is not the number of components, or a value lies
-    /// outside its interval; the settings are then as they were.
+    /// The name is unknown, the number of values is not the number of components, or a value lies outside its interval;
+    /// the values are then unchanged.
     pub fn set(&mut self, scene: &Scene, name: &str, values: &[f64]) -> Result<(), SetError> {
         if let Some(param) = scene.params.iter().find(|param| param.name == name) {
             check(name, &param.ranges, values)?;
@@ -174,7 +174,7 @@ impl ParamValues {
             .then(|| &self.uniforms[first..first + grid.axes.len()])
     }
 
-    /// How many instances of the object are drawn: the product of the numbers of values of its grids that are
+    /// The number of instances of the object that are drawn: the product of the numbers of values of its grids that are
     /// not fixed. At most [`crate::limits::MAX_INSTANCES`] in a compiled scene.
     pub fn instance_count(&self, scene: &Scene, object: &Object) -> u64 {
         self.combinations(scene, &object.grids)
@@ -203,7 +203,7 @@ impl ParamValues {
         uniforms
     }
 
-    /// How many combinations of values the grids have that are not fixed; saturates.
+    /// The number of combinations of values of the grids that are not fixed; saturates.
     pub(crate) fn combinations(&self, scene: &Scene, grids: &[GridId]) -> u64 {
         self.open_axes(scene, grids)
             .fold(1, |product: u64, (_, axis)| {

@@ -3,7 +3,7 @@
 use expr::{Graph, NodeId};
 use syntax::span::Span;
 
-/// What a program declares, compiled.
+/// A compiled program.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Every expression of the scene.
@@ -12,14 +12,14 @@ pub struct Scene {
     pub params: Vec<Param>,
     /// The grids, in the order of the text.
     pub grids: Vec<Grid>,
-    /// What is drawn, in the order of the text.
+    /// The objects that are drawn, in the order of the text.
     pub objects: Vec<Object>,
-    /// How many uniforms (components of params and grids) there are: `expr::Input::Uniform(0..n)`.
+    /// The number of uniforms (components of params and grids): `expr::Input::Uniform(0..n)`.
     pub uniform_count: u32,
 }
 
 impl Scene {
-    /// What is drawn, each with its number.
+    /// The objects, each with its number.
     pub fn numbered(&self) -> impl Iterator<Item = (ObjectId, &Object)> {
         (0..).map(ObjectId).zip(&self.objects)
     }
@@ -75,7 +75,7 @@ pub struct Range {
 pub struct Sampling {
     /// The interval.
     pub range: Range,
-    /// How many values, at least 2.
+    /// The number of values, at least 2.
     pub count: u32,
 }
 
@@ -117,7 +117,7 @@ impl Sampling {
 pub struct Param {
     /// Its name.
     pub name: String,
-    /// Where the name stands.
+    /// The place of the name in the text.
     pub name_span: Span,
     /// One interval per component.
     pub ranges: Vec<Range>,
@@ -128,12 +128,12 @@ pub struct Param {
     pub first_uniform: u32,
 }
 
-/// Equally spaced values that instance what depends on them.
+/// Equally spaced values; an object that depends on them has an instance for each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     /// Its name.
     pub name: String,
-    /// Where the name stands.
+    /// The place of the name in the text.
     pub name_span: Span,
     /// One axis per component; the grid's values are the product of its axes.
     pub axes: Vec<Sampling>,
@@ -141,14 +141,14 @@ pub struct Grid {
     pub first_uniform: u32,
 }
 
-/// Something drawn.
+/// An object that is drawn.
 #[derive(Clone, Debug)]
 pub struct Object {
     /// Its name.
     pub name: String,
-    /// Where the name stands.
+    /// The place of the name in the text.
     pub name_span: Span,
-    /// What it is.
+    /// Its kind, with its expressions.
     pub shape: Shape,
     /// The params it reads, directly or not, in order; its value need not change with each.
     pub params: Vec<ParamId>,
@@ -258,7 +258,7 @@ impl Shape {
         }
     }
 
-    /// The domain of a manifold, which has a geodesic view: a surface or a metric.
+    /// The domain of a manifold (a surface or a metric), which has a geodesic view.
     pub fn manifold(&self) -> Option<&[Sampling; 2]> {
         match self {
             Self::Surface { domain, .. } | Self::Metric { domain, .. } => Some(domain),
@@ -317,8 +317,8 @@ impl Shape {
         }
     }
 
-    /// How many samples one instance has along its parameters, 1 for those that it does not have. A metric is not
-    /// sampled in space, so its counts mean nothing and it counts as one sample.
+    /// The number of samples of one instance along each parameter, 1 for a parameter that it does not have. A metric is not
+    /// sampled in space and counts as one sample.
     pub fn sample_counts(&self) -> [u32; 2] {
         match self {
             Self::Metric { .. } => [1; 2],
@@ -330,7 +330,7 @@ impl Shape {
         }
     }
 
-    /// How many samples one instance has: the product of [`Shape::sample_counts`].
+    /// The number of samples of one instance: the product of [`Shape::sample_counts`].
     pub fn sample_count(&self) -> u64 {
         self.sample_counts().into_iter().map(u64::from).product()
     }
@@ -350,7 +350,7 @@ impl Shape {
         }
     }
 
-    /// The same nodes, to be replaced.
+    /// The nodes of [`Shape::roots`], to be replaced.
     pub(crate) fn roots_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
         let (first, second): (&mut [NodeId], &mut [NodeId]) = match self {
             Self::Point { position }

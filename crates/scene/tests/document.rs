@@ -55,11 +55,11 @@ fn random_edits_give_what_compiling_the_whole_text_gives() {
 fn redone(text: &str, old: &str, new: &str) -> (usize, u64) {
     let mut document = Document::new(text).expect("a small text");
     let start = text.find(old).expect("the place of the edit") as u32;
-    let before = document.work().checked;
+    let before = document.counters().checked;
     let range = Span::new(start, start + old.len() as u32);
     let change = document.edit(range, new).expect("an edit");
     check(&document, &text.replacen(old, new, 1));
-    (change.read.len(), document.work().checked - before)
+    (change.read.len(), document.counters().checked - before)
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn what_is_not_in_use_any_more_does_not_pile_up() {
         let range = Span::new(at, end);
         document.edit(range, inserted).expect("an edit");
     }
-    let renewed = document.work().renewed;
+    let renewed = document.counters().renewed;
     assert!(
         (5..100).contains(&renewed),
         "everything was checked anew {renewed} times"

@@ -1,7 +1,7 @@
 //! Functions where they are applied: arguments, derivatives, and bodies that are lowered once.
 //!
-//! What flows in: a function (with the `'`, `_u` and `^n` that follow its name) and its operand. What flows
-//! out: the value, or the demand to lower the function's body first.
+//! In: a function (with the `'`, `_u` and `^n` that follow its name) and its operand. Out: the value, or a request to
+//! lower the function's body first.
 //!
 //! A function has no type of its own. Its body is lowered for the dimensions of the arguments at hand, over
 //! formal inputs `Variable(0..)` that count the components of all its parameters; it is kept, derivatives are
@@ -168,7 +168,7 @@ impl Lowerer {
         ))
     }
 
-    /// The values that stand for parameters of these dimensions while a body is lowered.
+    /// The formal parameters of these dimensions, over which a body is lowered.
     fn formal_parameters(&mut self, dimensions: &[usize]) -> Vec<Value> {
         let mut next = 0;
         let mut input = |graph: &mut Graph| {
@@ -237,7 +237,9 @@ impl Lowerer {
             .derivatives(value.components(), Input::Variable(offset as u32))
             .map_err(|_| too_large())?;
         Ok(BodyOutcome::Ready {
-            dependencies: self.dependencies.of(&self.graph.inputs(&derivatives)),
+            dependencies: self
+                .dependencies
+                .of_inputs(&self.graph.inputs(&derivatives)),
             value: like(&value, derivatives),
         })
     }

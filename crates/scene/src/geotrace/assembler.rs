@@ -1,8 +1,8 @@
-//! Puts declarations together that have been read already: without lexing or parsing, in time proportional to them.
+//! Assembles declarations that have been read already, without lexing or parsing, in time proportional to them.
 //!
-//! What flows in: declarations as the incremental document has read them, from top to bottom; they may be of different
-//! versions of a text. What flows out: the state of the compiler as the parser would have left it, and whether each of
-//! them has a meaning there. Symbols are found by name, since each version of a text counts them for itself.
+//! In: declarations as the incremental document has read them, from top to bottom; they may be of different versions of a
+//! text. Out: the state of the compiler as the parser would have left it, and whether each of them has a meaning there.
+//! Symbols are found by name, since each version of a text numbers them anew.
 
 use rustc_hash::FxHashMap;
 use syntax::diagnostic::Severity;
@@ -24,7 +24,7 @@ pub(crate) const MEANINGLESS: SymbolId = SymbolId(u32::MAX);
 pub(crate) struct Assembler<'s> {
     pub(crate) declarations: Declarations,
     names: FxHashMap<&'s str, Named>,
-    /// How many builtin names there are; theirs are the first symbols, in every version of a text.
+    /// The number of builtin names; their symbols come first in every version of a text.
     builtins: u32,
     next: u32,
 }
@@ -45,21 +45,21 @@ pub(crate) struct Reading<'s> {
     pub(crate) events: Events<'s>,
 }
 
-/// Where the name of an assembled declaration is said to stand.
+/// The place that an assembled declaration's name gets.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Place {
-    /// Where it stands in its chunk, which starts here.
+    /// Its place in its chunk, which starts here.
     Chunk(u32),
-    /// Here, for it stands in for what is written here.
+    /// This place, whose text it replaces.
     Instead(Span),
 }
 
-/// How a declaration that has been assembled stands.
+/// A declaration that has been assembled.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Assembled {
-    /// It is drawn.
+    /// Whether it is drawn.
     pub(crate) is_drawn: bool,
-    /// It stands in for another, or depends on one that does.
+    /// Whether it replaces another, or depends on one that does.
     pub(crate) is_stale: bool,
 }
 
@@ -91,8 +91,8 @@ impl<'s> Assembler<'s> {
         Some(self.names.get(name)?.symbol)
     }
 
-    /// Adds a declaration below those that have been added. Where it has no meaning there, nothing is added: it has an
-    /// error, its name is taken, or it uses a name that has no meaning.
+    /// Adds a declaration below those that have been added. Returns `None` and adds nothing if it has no meaning there: it
+    /// has an error, its name is taken, or it uses a name that has no meaning.
     pub(crate) fn add(&mut self, reading: Reading<'s>, place: Place) -> Option<Assembled> {
         let read = reading.declaration;
         let (base, mut is_stale) = match place {
@@ -144,7 +144,7 @@ impl<'s> Assembler<'s> {
         Some(Assembled { is_drawn, is_stale })
     }
 
-    /// What a declared symbol stands for here: a constant where it was read as one, else what is applied.
+    /// The present meaning of a declared symbol, if it is of the kind it was read as: a constant, or applied.
     fn resolve(&self, snapshot: &Snapshot, operator: Operator, symbol: SymbolId) -> Option<Named> {
         let named = *self.names.get(&*snapshot.symbol(symbol)?.name)?;
         let meaning = self.declarations.lowerer.symbols.meaning(named.symbol);
@@ -152,7 +152,7 @@ impl<'s> Assembler<'s> {
         (is_constant == matches!(operator, Operator::Constant(_))).then_some(named)
     }
 
-    /// There is no room for more expressions, and what has been found since is not to be trusted.
+    /// Whether the graph has no room for more expressions; what has been found since is not reliable.
     pub(crate) fn is_full(&self) -> bool {
         self.declarations.lowerer.graph.overflowed()
     }

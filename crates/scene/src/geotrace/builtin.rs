@@ -52,7 +52,7 @@ pub fn vocabulary() -> Vocabulary {
         })
 }
 
-/// How many builtin names there are; their symbols come first.
+/// The number of builtin names; their symbols come first.
 pub fn count() -> u32 {
     (CONSTANTS.len() + Builtin::all().count()) as u32
 }

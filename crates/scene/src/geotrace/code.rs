@@ -1,7 +1,6 @@
 //! Expressions as they were read: steps in postfix order.
 //!
-//! What flows in: the parser's operators, one after the other. What flows out: the stretches of steps that
-//! give a declaration's last values. Postfix order is kept as it comes, since it can be run on a stack and
+//! In: the parser's operators, one after the other. Out: the stretches of steps that give a declaration's last values. Postfix order is kept as it comes, since it can be run on a stack and
 //! needs no recursion, however deep an expression is.
 
 use std::ops::Range;
@@ -37,7 +36,7 @@ impl Expression {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Code {
     steps: Vec<Step>,
-    /// Where the steps of the declaration that is being read start.
+    /// The start of the steps of the declaration that is being read.
     open: usize,
 }
 
@@ -51,7 +50,7 @@ impl Code {
         self.steps[index]
     }
 
-    /// Where an expression stands in the text.
+    /// The place of an expression in the text.
     pub(crate) fn span(&self, expression: Expression) -> Span {
         // The last operator's place covers all its operands.
         self.steps[expression.steps()]
@@ -60,13 +59,13 @@ impl Code {
             .unwrap_or_default()
     }
 
-    /// How many steps there are: the end of the last expression read.
+    /// The number of steps: the end of the last expression read.
     pub(crate) fn end(&self) -> usize {
         self.steps.len()
     }
 
-    /// The last `N` expressions read before the step `end`, in the order of the text; none where fewer have
-    /// been read in this declaration.
+    /// The last `N` expressions read before the step `end`, in the order of the text; `None` if this declaration has
+    /// fewer.
     pub(crate) fn last_before<const N: usize>(&self, mut end: usize) -> Option<[Expression; N]> {
         let mut found = [Expression { start: 0, end: 0 }; N];
         for place in found.iter_mut().rev() {
@@ -92,19 +91,19 @@ impl Code {
         })
     }
 
-    /// The declaration has been read, and the steps before `end` are kept.
+    /// Ends the declaration and keeps its steps before `end`.
     pub(crate) fn keep(&mut self, end: usize) {
         self.steps.truncate(end);
         self.open = self.steps.len();
     }
 
-    /// The declaration has been read: its steps are dropped.
+    /// Ends the declaration and drops its steps.
     pub(crate) fn forget(&mut self) {
         self.steps.truncate(self.open);
     }
 
-    /// Whether two expressions are the same steps, and the second, as a whole, stands so many bytes further
-    /// down.
+    /// Returns the distance in bytes between two expressions of the same steps, the second as a whole further down;
+    /// `None` if they differ.
     pub(crate) fn shift(&self, a: Expression, b: Expression) -> Option<i64> {
         let (a, b) = (&self.steps[a.steps()], &self.steps[b.steps()]);
         let apart = |a: Span, b: Span| i64::from(b.start) - i64::from(a.start);
@@ -148,7 +147,7 @@ impl Code {
     }
 }
 
-/// The same operator, with another symbol where it has one.
+/// Replaces the symbol of an operator, if it has one.
 pub(crate) fn with_symbol(
     operator: Operator,
     replace: impl FnOnce(SymbolId) -> SymbolId,

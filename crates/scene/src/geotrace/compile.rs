@@ -12,14 +12,14 @@ use crate::geotrace::evaluate::Scope;
 use crate::param_values::ParamValues;
 use crate::scene::Scene;
 
-/// What a text compiles to.
+/// The result of compiling a text.
 #[derive(Clone, Debug, Default)]
 pub struct Compilation {
-    /// What was found, sorted by place. Spans are those of the text.
+    /// The diagnostics, sorted by place. Spans are those of the text.
     pub diagnostics: Vec<Diagnostic>,
-    /// The scene; none where any diagnostic is an error.
+    /// The scene, if no diagnostic is an error.
     pub scene: Option<Scene>,
-    /// What the names mean at the end of the text; none where any diagnostic is an error.
+    /// The meanings of the names at the end of the text, if no diagnostic is an error.
     scope: Option<Scope>,
 }
 
@@ -55,7 +55,7 @@ impl Compilation {
         }
     }
 
-    /// Whether the program has an error; it then has no scene. Warnings are no errors.
+    /// Whether a diagnostic is an error; there is no scene then.
     pub fn has_errors(&self) -> bool {
         has_errors(&self.diagnostics)
     }
@@ -75,8 +75,8 @@ impl Compilation {
     /// ```
     ///
     /// # Errors
-    /// What is wrong with the expression, sorted by place; all spans are those of `text`. An expression has
-    /// no value in a program with errors.
+    /// The diagnostics of the expression, sorted by place; all spans are those of `text`. An expression has no
+    /// value in a program with errors.
     pub fn evaluate(
         &self,
         text: &str,

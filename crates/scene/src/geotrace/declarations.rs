@@ -1,7 +1,7 @@
 //! The compiler between two declarations: what has been declared, and what has been read of the next.
 //!
-//! What flows in: the parser's hooks. What flows out: a symbol's meaning and, for what is drawn, an object of the scene.
-//! What each kind of declaration means stands in `declare.rs`, `params.rs` and `intrinsic.rs`.
+//! In: the parser's hooks. Out: the meaning of each symbol, and the objects of the scene. The kinds of declaration are in
+//! `declare.rs`, `params.rs` and `intrinsic.rs`.
 
 use expr::value::Value;
 use expr::{Input, NodeId};
@@ -26,34 +26,34 @@ pub(crate) struct Declarations {
     pub(crate) lowerer: Lowerer,
     /// Params, grids and objects; the objects' nodes are those of the lowerer's graph.
     pub(crate) scene: Scene,
-    /// What is wrong or surprising, in no order.
+    /// All diagnostics, in no order.
     pub(crate) diagnostics: Vec<Diagnostic>,
     /// The diagnostics of the declaration that is being read.
     pub(crate) found: Vec<Diagnostic>,
     /// The intervals of the declaration that is being read.
     intervals: Vec<Interval>,
-    /// What each source of the lowerer's dependencies is.
+    /// The param or grid of each source of the lowerer's dependencies.
     pub(crate) sources: Vec<Owner>,
-    /// How many samples the objects have together.
+    /// The number of samples of all objects together.
     pub(crate) samples: u64,
     /// The surfaces and metrics, for the geodesics that lie on them.
     manifolds: FxHashMap<SymbolId, Manifold>,
     /// The uniforms that the next param or grid takes if it has as many components, instead of fresh ones.
     pub(crate) kept: Option<Uniforms>,
-    /// The limits that hold for all declarations together are someone else's business.
+    /// Whether the limits on all declarations together are left to the caller.
     pub(crate) is_checker: bool,
 }
 
-/// What a declaration comes to. Nothing of it is in the scene or has a name before it is added.
+/// The outcome of a declaration. It is not part of the scene, nor known by name, until [`Declarations::add`].
 #[derive(Debug, Default)]
 pub(crate) struct Understood {
-    /// What its name stands for; none where an error, or a name that failed before, leaves it without a meaning.
+    /// The meaning of its name; `None` after an error, or if it uses a name whose declaration failed.
     pub(crate) meaning: Option<Meaning>,
-    /// What is drawn of it.
+    /// Its object, if it is drawn.
     pub(crate) drawn: Option<Drawn>,
     /// The param or grid that it is.
     pub(crate) source: Option<DeclaredSource>,
-    /// What is wrong or surprising about it.
+    /// Its diagnostics.
     pub(crate) diagnostics: Vec<Diagnostic>,
 }
 
@@ -61,7 +61,7 @@ pub(crate) struct Understood {
 #[derive(Debug)]
 pub(crate) struct Drawn {
     pub(crate) object: Object,
-    /// How many samples its instances have together.
+    /// The number of samples of all its instances together.
     pub(crate) samples: u64,
     pub(crate) dependencies: Dependencies,
 }
@@ -71,7 +71,7 @@ pub(crate) struct Drawn {
 pub(crate) struct DeclaredSource {
     pub(crate) data: SourceData,
     pub(crate) uniforms: Uniforms,
-    /// The uniforms are new ones.
+    /// Whether the uniforms are new.
     pub(crate) is_fresh: bool,
 }
 
@@ -91,20 +91,20 @@ impl From<Meaning> for Understood {
 }
 
 impl Understood {
-    /// The same meaning, with what is drawn.
+    /// Adds the object that is drawn.
     pub(crate) fn drawn(mut self, drawn: Option<Drawn>) -> Self {
         self.drawn = drawn;
         self
     }
 
-    /// The same meaning, with the param or grid.
+    /// Adds the param or grid.
     pub(crate) fn source(mut self, source: DeclaredSource) -> Self {
         self.source = Some(source);
         self
     }
 }
 
-/// What a geodesic has to know of the surface or metric that it lies on.
+/// The part of a surface or a metric that geodesics on it need.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Manifold {
     pub(crate) object: ObjectId,
@@ -122,7 +122,7 @@ pub(crate) struct Uniforms {
     pub(crate) source: Source,
 }
 
-/// What a source of dependencies is.
+/// The param or grid that is a source of dependencies.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Owner {
     Param(ParamId),
@@ -171,13 +171,13 @@ impl Declarations {
         scene
     }
 
-    /// An interval has been read.
+    /// Notes an interval that has been read.
     pub(crate) fn interval(&mut self, read: actions::Interval) {
         // Where the expressions are incomplete the declaration is faulty and is dropped as a whole.
         self.intervals.extend(Interval::last(&self.lowerer, read));
     }
 
-    /// What a declaration means that has been read to its end.
+    /// Computes the outcome of a declaration that has been read to its end.
     pub(crate) fn understand(&mut self, declaration: &Declaration<'_>) -> Understood {
         let intervals = std::mem::take(&mut self.intervals);
         let understood = match declaration.faulty {
@@ -191,7 +191,7 @@ impl Declarations {
         }
     }
 
-    /// Adds what a declaration has come to: its name, and its place in the scene.
+    /// Adds the outcome of a declaration: defines its name, and puts it into the scene.
     pub(crate) fn add(&mut self, declaration: &Declaration<'_>, understood: Understood) {
         match understood.source.map(|source| source.data) {
             Some(SourceData::Param(param)) => self.scene.params.push(param),
@@ -221,7 +221,7 @@ impl Declarations {
         self.diagnostics.extend(understood.diagnostics);
     }
 
-    /// The surface or metric of this name; none where it could not be added.
+    /// The surface or metric of this symbol; `None` if it could not be added.
     pub(crate) fn manifold_of(&self, symbol: SymbolId) -> Option<Manifold> {
         self.manifolds.get(&symbol).copied()
     }
@@ -261,7 +261,7 @@ impl Declarations {
         })
     }
 
-    /// The components of what is drawn; none where it does not lie in space or has failed before.
+    /// The components of a drawn value; `None` if it does not lie in space or its declaration failed.
     pub(crate) fn in_space(
         &mut self,
         expression: Expression,
@@ -287,7 +287,7 @@ impl Declarations {
         None
     }
 
-    /// An object within the limits of what can be drawn; none where it lies beyond them.
+    /// An object within the limits of what can be drawn; `None` if it exceeds one, which is reported.
     pub(crate) fn object(
         &mut self,
         declaration: &Declaration<'_>,
@@ -388,7 +388,7 @@ pub(crate) fn constant(value: Value, dependencies: Dependencies) -> Meaning {
     })
 }
 
-/// A count in words: a product that was too large to hold is no number to be told.
+/// A count in words; a product that was too large to compute has no digits.
 fn tally(count: u64) -> String {
     match count {
         u64::MAX => "too many".to_owned(),

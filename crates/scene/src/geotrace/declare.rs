@@ -14,7 +14,7 @@ use crate::limits::DEFAULT_SAMPLES;
 use crate::scene::{Sampling, Shape};
 
 impl Declarations {
-    /// What a declaration means; none where something is wrong with it.
+    /// Computes the meaning of a declaration; `None` after an error.
     pub(super) fn meaning(
         &mut self,
         declaration: &Declaration<'_>,
@@ -41,7 +41,7 @@ impl Declarations {
     /// A function's body is kept as it was read, for its type is that of its applications.
     fn function(&mut self, declaration: &Declaration<'_>) -> Option<Understood> {
         let [body] = self.expressions(&[])?;
-        // What is wrong whatever the function is applied to is reported where it stands.
+        // An error that does not depend on the arguments is reported at its place in the body.
         let symbols = &self.lowerer.symbols;
         let totals = self.lowerer.code.totals(body);
         let totals =
@@ -76,7 +76,7 @@ impl Declarations {
             let shape = Shape::Vector { direction, origin };
             self.object(declaration, shape, dependencies)
         });
-        // The name stands for the direction, which has its meaning whatever the origin is.
+        // The name means the direction, which is valid even if the origin is not.
         towards?;
         let meaning = constant(lowered.value?, lowered.dependencies);
         Some(Understood::from(meaning).drawn(drawn))
@@ -123,8 +123,8 @@ impl Declarations {
         Some(Understood::from(self.keep(declaration, body)).drawn(drawn))
     }
 
-    /// The sampled intervals of a curve or a surface in the order of its parameters, each none where something
-    /// is wrong with it; none at all where the number of parameters is wrong or a tag is.
+    /// The sampled intervals of a curve or a surface in the order of its parameters, `None` for one with an error; `None`
+    /// for all if the number of parameters or a tag is wrong.
     pub(crate) fn domain<const N: usize>(
         &mut self,
         declaration: &Declaration<'_>,
@@ -150,7 +150,7 @@ impl Declarations {
             let Some((position, tag)) = interval.read.tag else {
                 continue;
             };
-            // An unknown tag has been reported; which parameter was meant is anyone's guess.
+            // An unknown tag has been reported; it is not known which parameter was meant.
             let place = position.and_then(|position| by_parameter.get_mut(position as usize));
             let Some(place) = place else {
                 sound = false;
@@ -187,7 +187,7 @@ impl Declarations {
                 sound = false;
             }
         }
-        // The intervals have their own mistakes, whatever is wrong with their tags.
+        // Errors in the intervals are reported even if their tags are wrong.
         let samplings: Vec<Option<Sampling>> = intervals
             .iter()
             .map(|interval| {

@@ -1,9 +1,9 @@
-//! What an expression depends on: the params and grids that it reads, directly or through a name or a function.
+//! Dependency sets: the params and grids that an expression reads, directly or through a name or a function.
 //!
-//! What flows in: a param or grid where it is declared, and the reads of an expression's parts. What flows out:
-//! the reads of the whole. They are those of the text: `0k` reads `k`, though its value is the same for every
-//! `k`, so what is drawn how often never hangs on how well an expression is simplified. Only a derivative reads
-//! what is left once it has been taken: that of `x + k` is 1 and reads nothing.
+//! In: a param or grid at its declaration, and the dependencies of an expression's parts. Out: the dependencies of the
+//! whole. They are those of the text: `0k` depends on `k`, though its value is the same for every `k`, so that the number
+//! of instances does not depend on how well an expression is simplified. Only a derivative depends on what is left once
+//! it has been taken: that of `x + k` is 1 and depends on nothing.
 //!
 //! Equal sets are one, so ten thousand declarations that read the same few params cost a few sets.
 
@@ -13,7 +13,7 @@ use expr::Input;
 use rustc_hash::FxHashMap;
 use syntax::symbol::SymbolId;
 
-/// Names a set of params and grids; the default is the empty one.
+/// A handle of a set of params and grids; the default is the empty set.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub(crate) struct Dependencies(u32);
 
@@ -63,8 +63,8 @@ impl DependencySets {
         dependencies
     }
 
-    /// What an expression reads whose inputs are these.
-    pub(crate) fn of(&mut self, inputs: &[Input]) -> Dependencies {
+    /// The dependencies of an expression with these inputs.
+    pub(crate) fn of_inputs(&mut self, inputs: &[Input]) -> Dependencies {
         inputs
             .iter()
             .fold(Dependencies::default(), |dependencies, input| {
@@ -76,7 +76,7 @@ impl DependencySets {
             })
     }
 
-    /// What is read by an expression with two parts.
+    /// The dependencies of an expression with two parts.
     pub(crate) fn union(&mut self, a: Dependencies, b: Dependencies) -> Dependencies {
         if a == b || b == Dependencies::default() {
             return a;
@@ -114,12 +114,12 @@ impl DependencySets {
         in_order.into_iter().flatten().chain(moved)
     }
 
-    /// Says where the source that came last stands in the text.
+    /// Sets the place in the text of the source that was declared last.
     pub(crate) fn place_next(&mut self, place: u32) {
         self.places.get_or_insert_default().push(place);
     }
 
-    /// Says where each source stands in the text.
+    /// Sets the place in the text of each source.
     pub(crate) fn place(&mut self, places: Vec<u32>) {
         self.places = Some(places);
     }
@@ -181,7 +181,10 @@ mod tests {
         assert_eq!(members(&sets, Dependencies::default()), [0; 0]);
         // Two uniforms each.
         let inputs = [128, 261, 260, 5].map(Input::Uniform);
-        assert_eq!(sets.of(&inputs), b);
-        assert_eq!(sets.of(&[Input::Variable(3)]), Dependencies::default());
+        assert_eq!(sets.of_inputs(&inputs), b);
+        assert_eq!(
+            sets.of_inputs(&[Input::Variable(3)]),
+            Dependencies::default()
+        );
     }
 }

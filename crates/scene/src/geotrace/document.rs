@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! edit ──▶ syntax::document   what was read again
-//!          checker.rs         diagnostics of each declaration; which symbols mean something else now
-//!          this file          who reads those is checked in turn, going down the text
+//!          checker.rs         diagnostics of each declaration, and the symbols whose meaning has changed
+//!          this file          the readers of those are checked in turn, down the text
 //!          compilation()      the scene, put together when it is asked for
 //!          last_good.rs       the scene of a text with errors
 //! ```
@@ -39,37 +39,37 @@ use crate::scene::Scene;
 use checker::{Checked, Checker};
 use last_good::{LastGood, Shown};
 
-/// A program's text, what it was read as, and what is wrong with it.
+/// A program's text, its declarations, and their diagnostics.
 #[derive(Clone, Debug)]
 pub struct Document {
     text: syntax::geotrace::document::Document,
     checker: Checker,
-    checked: HashMap<ChunkId, Kept>,
+    checked: HashMap<ChunkId, CheckedChunk>,
     /// The chunks with diagnostics beyond those of the parser.
     found: HashSet<ChunkId>,
     /// The chunks to be checked again where the intervals of a param or a grid change.
     watchers: HashMap<SymbolId, BTreeSet<ChunkId>>,
     watchers_of_all: BTreeSet<ChunkId>,
     totals: Totals,
-    work: Work,
+    counters: Counters,
     compilation: OnceLock<Compilation>,
     last_good: LastGood,
     shown: OnceLock<Shown>,
 }
 
-/// What is kept of a check.
+/// The part of a chunk's check that is kept.
 #[derive(Clone, Debug)]
-struct Kept {
+struct CheckedChunk {
     samples: u64,
     components: u32,
-    /// Where the chunk's places lie; others of them are among the rest.
+    /// The start of the chunk's places; further ones are in `rest`.
     base: u32,
-    /// What most chunks have none of.
-    rest: Option<Box<Rest>>,
+    /// The parts that most chunks do not have.
+    rest: Option<Box<Details>>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Rest {
+struct Details {
     /// The diagnostics of each declaration; empty where none has any.
     diagnostics: Vec<Vec<Diagnostic>>,
     watches: Vec<SymbolId>,
@@ -78,7 +78,7 @@ struct Rest {
     bases: Vec<u32>,
 }
 
-impl Kept {
+impl CheckedChunk {
     fn new(checked: Checked) -> Self {
         let mut bases = checked.bases;
         let base = bases.pop().unwrap_or_default();
@@ -86,7 +86,7 @@ impl Kept {
         if diagnostics.iter().all(Vec::is_empty) {
             diagnostics = Vec::new();
         }
-        let rest = Rest {
+        let rest = Details {
             diagnostics,
             watches: checked.watches,
             watches_all: checked.watches_all,
@@ -97,35 +97,35 @@ impl Kept {
             samples: checked.samples,
             components: checked.components,
             base,
-            rest: (rest != Rest::default()).then(|| Box::new(rest)),
+            rest: (rest != Details::default()).then(|| Box::new(rest)),
         }
     }
 
-    /// The diagnostics of each declaration; none where none has any.
+    /// The diagnostics of each declaration; empty if there are none.
     fn diagnostics(&self) -> &[Vec<Diagnostic>] {
         self.rest.as_ref().map_or(&[], |rest| &rest.diagnostics)
     }
 }
 
-/// What is limited for a program as a whole.
+/// Sums that are limited for a program as a whole.
 #[derive(Clone, Copy, Debug, Default)]
 struct Totals {
     samples: u64,
     components: u64,
-    /// Chunks that have met a limit.
+    /// The number of chunks that have met a limit.
     limited: usize,
 }
 
-/// How much has been done since the document was made.
+/// The work done since the document was made.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
-pub struct Work {
-    /// What the parser has done.
+pub struct Counters {
+    /// The parser's part of it.
     pub reading: syntax::document::Counters,
-    /// Chunks that were checked.
+    /// The number of chunks that were checked.
     pub checked: u64,
-    /// Declarations that were lowered.
+    /// The number of declarations that were lowered.
     pub lowered: u64,
-    /// How often everything was checked, to be rid of what is not in use.
+    /// The number of times that everything was checked by a new checker.
     pub renewed: u64,
 }
 
@@ -133,7 +133,7 @@ impl Document {
     /// Reads and checks a text.
     ///
     /// # Errors
-    /// Where the text is too large.
+    /// The text is too large.
     pub fn new(text: &str) -> Result<Self, EditError> {
         let mut document = Self {
             text: syntax::geotrace::document::Document::new(text, &builtin::vocabulary())?,
@@ -143,7 +143,7 @@ impl Document {
             watchers: HashMap::new(),
             watchers_of_all: BTreeSet::new(),
             totals: Totals::default(),
-            work: Work::default(),
+            counters: Counters::default(),
             compilation: OnceLock::new(),
             last_good: LastGood::default(),
             shown: OnceLock::new(),
@@ -155,7 +155,7 @@ impl Document {
     /// Replaces the bytes of a range.
     ///
     /// # Errors
-    /// Where there is no such range, or the text would be too large; then nothing is done.
+    /// There is no such range, or the text would be too large; the document is unchanged.
     pub fn edit(&mut self, range: Span, text: &str) -> Result<Change, EditError> {
         if let Some(shown) = self.shown.take() {
             self.last_good.note(&self.text, shown);
@@ -185,16 +185,16 @@ impl Document {
         Ok(change)
     }
 
-    /// The text and what it was read as.
+    /// The text and its declarations as they were read.
     pub fn text(&self) -> &syntax::geotrace::document::Document {
         &self.text
     }
 
-    /// How much has been done so far.
-    pub fn work(&self) -> Work {
-        Work {
+    /// The work done so far.
+    pub fn counters(&self) -> Counters {
+        Counters {
             reading: self.text.counters(),
-            ..self.work
+            ..self.counters
         }
     }
 
@@ -206,7 +206,7 @@ impl Document {
         self.own_diagnostics()
     }
 
-    /// What compiling the text gives. It is put together at the first call after an edit.
+    /// The compilation of the text, put together at the first call after an edit.
     pub fn compilation(&self) -> &Compilation {
         self.compilation.get_or_init(|| {
             if self.is_beyond_limits() {
@@ -246,7 +246,7 @@ impl Document {
     pub fn diagnostics_of(&self, chunk: ChunkId) -> Vec<Diagnostic> {
         let mut findings = self.text.findings_of(chunk).into_iter();
         let checked = self.checked.get(&chunk);
-        let mut of_declarations = checked.into_iter().flat_map(Kept::diagnostics);
+        let mut of_declarations = checked.into_iter().flat_map(CheckedChunk::diagnostics);
         let mut all = Vec::new();
         for event in self.text.events(chunk) {
             match event {
@@ -264,7 +264,7 @@ impl Document {
         all
     }
 
-    /// Checks everything in a checker that holds nothing else.
+    /// Checks everything with a new checker.
     fn renew(&mut self) {
         self.checker = Checker::new();
         self.checked.clear();
@@ -272,7 +272,7 @@ impl Document {
         self.watchers.clear();
         self.watchers_of_all.clear();
         self.totals = Totals::default();
-        self.work.renewed += 1;
+        self.counters.renewed += 1;
         let chunks: Vec<ChunkId> = self.text.chunks().collect();
         for chunk in chunks {
             let checked = self.checker.check(&self.text, chunk);
@@ -281,7 +281,7 @@ impl Document {
         self.checker.settle();
     }
 
-    /// Checks chunks, and those below that notice, from top to bottom.
+    /// Checks chunks, and those below that depend on a changed meaning, from top to bottom.
     fn check(&mut self, mut queue: BTreeMap<u32, ChunkId>) {
         while let Some((rank, chunk)) = queue.pop_first() {
             let checked = self.checker.check(&self.text, chunk);
@@ -307,9 +307,9 @@ impl Document {
     }
 
     fn keep(&mut self, chunk: ChunkId, checked: Checked) {
-        self.work.checked += 1;
-        self.work.lowered += u64::from(checked.lowered);
-        let kept = Kept::new(checked);
+        self.counters.checked += 1;
+        self.counters.lowered += u64::from(checked.lowered);
+        let kept = CheckedChunk::new(checked);
         self.totals.samples += kept.samples;
         self.totals.components += u64::from(kept.components);
         if let Some(rest) = &kept.rest {
@@ -331,7 +331,7 @@ impl Document {
         self.drop_checked_but(chunk, &[]);
     }
 
-    /// Drops what checking a chunk has given; the places in `kept` are still told.
+    /// Drops the results of checking a chunk; the places in `kept` stay valid.
     fn drop_checked_but(&mut self, chunk: ChunkId, kept: &[u32]) {
         let Some(checked) = self.checked.remove(&chunk) else {
             return;
@@ -413,7 +413,10 @@ impl Document {
         } else {
             let has_error = |chunk: &ChunkId| {
                 let checked = self.checked.get(chunk).into_iter();
-                checked.flat_map(Kept::diagnostics).flatten().any(is_error)
+                checked
+                    .flat_map(CheckedChunk::diagnostics)
+                    .flatten()
+                    .any(is_error)
             };
             faulty.extend(self.found.iter().copied().filter(has_error));
         }

@@ -1,4 +1,4 @@
-//! What can be wrong with what a program means, and how it is said.
+//! Semantic errors: their codes, and how they are reported.
 
 use syntax::diagnostic::{Code, Diagnostic, Related, Severity};
 use syntax::span::Span;
@@ -25,19 +25,19 @@ pub(crate) const INTERVAL_UNDEFINED: Code = Code("interval-undefined");
 pub(crate) const INTERVAL_EMPTY: Code = Code("interval-empty");
 /// A sampling count below 2 or too large.
 pub(crate) const INTERVAL_COUNT: Code = Code("interval-count");
-/// The value that a param opens with depends on a param or a grid.
+/// The initial value of a param depends on a param or a grid.
 pub(crate) const INITIAL_NOT_CONSTANT: Code = Code("initial-not-constant");
-/// It has not one component for each interval.
+/// The initial value of a param does not have one component for each interval.
 pub(crate) const INITIAL_DIMENSION: Code = Code("initial-dimension");
-/// It is undefined or infinite.
+/// The initial value of a param is undefined or infinite.
 pub(crate) const INITIAL_UNDEFINED: Code = Code("initial-undefined");
-/// It lies outside its interval.
+/// The initial value of a param lies outside its interval.
 pub(crate) const INITIAL_OUTSIDE: Code = Code("initial-outside");
 /// Two intervals for one parameter.
 pub(crate) const DUPLICATE_TAG: Code = Code("duplicate-tag");
 /// A curve or a geodesic whose parameters are not one, a surface or a metric whose parameters are not two.
 pub(crate) const PARAMETER_COUNT: Code = Code("parameter-count");
-/// What is drawn does not lie in space.
+/// A drawn value does not lie in space.
 pub(crate) const NOT_IN_SPACE: Code = Code("not-in-space");
 /// An object depends on grids with too many values.
 pub(crate) const TOO_MANY_INSTANCES: Code = Code("too-many-instances");
@@ -49,7 +49,7 @@ pub(crate) const TOO_MANY_UNIFORMS: Code = Code("too-many-params");
 pub(crate) const NOT_A_METRIC: Code = Code("not-a-metric");
 /// A metric is not positive definite everywhere inside its domain.
 pub(crate) const DEGENERATE_METRIC: Code = Code("degenerate-metric");
-/// A geodesic is declared on what is no surface and no metric.
+/// A geodesic is declared on something that is neither a surface nor a metric.
 pub(crate) const NOT_A_SURFACE: Code = Code("not-a-surface");
 /// A geodesic's direction or start has not two components.
 pub(crate) const NOT_IN_CHART: Code = Code("not-in-chart");
@@ -174,7 +174,7 @@ pub const CODES: &[(Code, &str)] = &[
     ),
 ];
 
-/// Whether any diagnostic is an error; warnings are none.
+/// Whether any diagnostic is an error rather than a warning.
 pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics
         .iter()
@@ -184,13 +184,13 @@ pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
 /// The longest list of places that explain a fault inside functions that are applied inside functions.
 const MAX_TRAIL: usize = 8;
 
-/// What is wrong with an operation, before it is known where it will be reported.
+/// An error in the meaning of an operation, before the place of its report is known.
 #[derive(Clone, Debug)]
 pub(crate) struct SemanticError {
     pub(crate) code: Code,
     pub(crate) message: String,
     pub(crate) hint: Option<String>,
-    /// Where it happens inside functions' bodies, innermost first. Empty outside of any body.
+    /// The places inside functions' bodies that lead to it, innermost first. Empty outside of any body.
     pub(crate) trail: Vec<Related>,
     /// The function in whose body it happens, as seen from outside.
     function: Option<String>,
@@ -212,7 +212,7 @@ impl SemanticError {
         self
     }
 
-    /// The same, at its place in the body of a function.
+    /// Returns the error with its place in the body of a function added.
     pub(crate) fn in_body(mut self, function: &str, place: Span) -> Self {
         if self.trail.len() < MAX_TRAIL {
             let message = if self.trail.is_empty() {

@@ -1,7 +1,7 @@
 //! The value of a lone expression in a program's scope.
 //!
-//! What flows in: an expression's text, and the values of the params. What flows out: its value, or one for
-//! each combination of the values of the grids that it depends on.
+//! In: an expression's text, and the values of the params. Out: its value, or one for each combination of the values of
+//! the grids that it depends on.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use crate::geotrace::error::{self, SemanticError, has_errors};
 use crate::limits::MAX_INSTANCES;
 use crate::param_values::ParamValues;
 
-/// What an expression may use: everything that a program without errors has declared.
+/// The names that an expression may use: all that a program without errors declares.
 #[derive(Clone, Debug)]
 pub(crate) struct Scope(Arc<Program>);
 
@@ -85,8 +85,8 @@ impl Scope {
 }
 
 impl Program {
-    /// The related places of a fault in a function's body lie in the program, not in the expression's text:
-    /// they are told in the hint.
+    /// Moves the related places of an error in a function's body into the hint: they lie in the program, not in the
+    /// expression's text.
     fn place_in_hint(&self, mut diagnostic: Diagnostic) -> Diagnostic {
         let places = std::mem::take(&mut diagnostic.related);
         if let Some(place) = places.first() {

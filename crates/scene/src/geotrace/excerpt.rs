@@ -1,5 +1,5 @@
-//! Some declarations of a text and what they use, compiled alone: what a reader is told of them costs what they cost, and
-//! does not hang on what else is being written.
+//! Some declarations of a text and all that they use, compiled alone: in time proportional to them, and whatever errors the
+//! rest of the text has.
 
 use std::collections::BTreeSet;
 
@@ -58,8 +58,8 @@ impl Excerpt {
         &self.scene
     }
 
-    /// The value of one of the declarations that were asked for; none where it has errors, is applied to something, or
-    /// has too many values. `values` are those of [`Excerpt::scene`].
+    /// The value of one of the declarations that were asked for; `None` if it has errors, is a function, or has too many
+    /// values. `values` are those of [`Excerpt::scene`].
     pub fn value(&self, name: &str, values: &ParamValues) -> Option<Outcome> {
         let (_, meaning) = self.names.iter().find(|(named, _)| named == name)?;
         match meaning {

@@ -27,16 +27,16 @@ pub(crate) enum Purpose {
     Domain,
 }
 
-/// What an interval comes to.
+/// The numbers of an interval.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds {
     pub(crate) range: Range,
-    /// Where the interval has one.
+    /// The number of values, if the interval has one.
     pub(crate) count: Option<u32>,
 }
 
 impl Interval {
-    /// The interval whose expressions are the last ones read; none where they are incomplete.
+    /// The interval whose expressions are the last ones read; `None` if they are incomplete.
     pub(crate) fn last(lowerer: &Lowerer, read: actions::Interval) -> Option<Self> {
         let code = &lowerer.code;
         let (ends, count) = match read.kind {
@@ -54,7 +54,7 @@ impl Interval {
         self.ends[0].steps().start
     }
 
-    /// The interval's numbers; none where something is wrong with them, which goes to `diagnostics`.
+    /// The interval's numbers; `None` after an error, which goes to `diagnostics`.
     pub(crate) fn bounds(
         &self,
         lowerer: &mut Lowerer,
@@ -71,7 +71,7 @@ impl Interval {
             let Some(expression) = expression else {
                 continue;
             };
-            // A fault inside an expression has its own place and has been reported there.
+            // An error inside an expression has its own place and has been reported there.
             let before = diagnostics.len();
             let lowered = lowerer.lower(expression, Vec::new(), diagnostics);
             if diagnostics.len() > before {
@@ -130,8 +130,8 @@ impl Role {
     }
 }
 
-/// The finite number that an expression of an interval stands for; none where the expression uses a name that
-/// failed before.
+/// The finite number that an expression of an interval has as its value; `None` if it uses a name whose declaration
+/// failed.
 fn constant(
     lowerer: &Lowerer,
     lowered: &Lowered,

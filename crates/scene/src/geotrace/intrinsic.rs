@@ -1,7 +1,6 @@
 //! Declarations that live inside a surface: metrics, and geodesics on surfaces and metrics.
 //!
-//! What flows in: a declaration that has been read. What flows out: its meaning and its object, or what is
-//! wrong with it.
+//! In: a declaration that has been read. Out: its meaning and its object, or its errors.
 
 use expr::NodeId;
 use expr::value::Value;
@@ -23,7 +22,7 @@ use crate::metric::{Defect, Witness, witness};
 use crate::param_values::ParamValues;
 use crate::scene::Shape;
 
-/// The most instances of a metric that are searched for a point where it is none.
+/// The largest number of instances of a metric that are searched for a point where it is not positive definite.
 const SEARCHED_INSTANCES: u64 = 16;
 
 impl Declarations {
@@ -99,7 +98,7 @@ impl Declarations {
         Some(Understood::from(Meaning::Geodesic).drawn(drawn))
     }
 
-    /// E, F and G; none where the value is something else or has failed before.
+    /// E, F and G; `None` if the value is something else or its declaration failed.
     fn coefficients(&mut self, body: Expression, lowered: &Lowered) -> Option<[NodeId; 3]> {
         let value = lowered.value.as_ref()?;
         if let Ok(components) = <[NodeId; 3]>::try_from(value.components()) {
@@ -140,7 +139,7 @@ impl Declarations {
         None
     }
 
-    /// The surface or metric that a geodesic names; none where it names something else, or what has failed.
+    /// The surface or metric that a geodesic names; `None` if the name means something else or its declaration failed.
     fn surface_of(&mut self, named: Expression) -> Option<Manifold> {
         let (symbol, span) = self.lowerer.code.functions(named).next()?;
         if let Some(manifold) = self.manifold_of(symbol) {
@@ -154,7 +153,7 @@ impl Declarations {
         None
     }
 
-    /// What a name stands for that is no surface; none where its declaration failed.
+    /// Describes a name that is not a surface or a metric; `None` if its declaration failed.
     fn what_else(&self, symbol: SymbolId) -> Option<&'static str> {
         let symbols = &self.lowerer.symbols;
         match (symbols.meaning(symbol), symbols.word(symbol)) {
@@ -167,7 +166,7 @@ impl Declarations {
         }
     }
 
-    /// A warning of a geodesic that does not start, whatever the params are.
+    /// A warning about a geodesic that cannot start for any values of the params.
     fn not_drawn(
         &self,
         declaration: &Declaration<'_>,
@@ -176,8 +175,12 @@ impl Declarations {
         manifold: &Manifold,
         place: Span,
     ) -> Option<Diagnostic> {
-        let mut evaluator =
-            InitialConditionsEvaluator::of(&self.lowerer.graph, direction, start, manifold.domain);
+        let mut evaluator = InitialConditionsEvaluator::from_nodes(
+            &self.lowerer.graph,
+            direction,
+            start,
+            manifold.domain,
+        );
         let error = evaluator.evaluate(&[]).err()?;
         let message = format!("`{}` is not drawn: {error}", declaration.name);
         Some(Diagnostic::warning(
@@ -187,7 +190,8 @@ impl Declarations {
         ))
     }
 
-    /// A warning of a metric that is none somewhere inside its domain, with the params as they start.
+    /// A warning about a metric that is not positive definite somewhere inside its domain, at the initial values of the
+    /// params.
     fn degenerate(&self, metric: &Drawn, place: Span) -> Option<Diagnostic> {
         let object = &metric.object;
         let (components, domain) = object.shape.metric()?;

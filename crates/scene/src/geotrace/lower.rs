@@ -1,8 +1,8 @@
 //! From steps to values: runs an expression's steps over a stack of items, and functions' bodies where they
 //! are applied.
 //!
-//! What flows in: expressions as steps ([`crate::geotrace::code`]) and what each symbol means. What flows out: language
-//! values over the nodes of one graph, or faults.
+//! In: expressions as steps ([`crate::geotrace::code`]) and the meanings of symbols. Out: values over the nodes of one
+//! graph, or errors.
 //!
 //! A body whose value is needed is run as a further [`Frame`], not by recursion: ten thousand functions, each
 //! applying the one above, are no deeper than one.
@@ -29,18 +29,18 @@ struct Frame {
     /// The next step.
     next: usize,
     end: usize,
-    /// What `Operator::Variable` stands for.
+    /// The values of `Operator::Variable`.
     parameters: Vec<Value>,
     /// The function whose body it is; none for the outermost expression.
     body: Option<BodyKey>,
-    /// The first fault in a body.
+    /// The first error in a body.
     error: Option<SemanticError>,
     dependencies: Dependencies,
 }
 
 impl Lowerer {
-    /// Runs an expression whose variables stand for `parameters`. What is wrong goes to `diagnostics`, each
-    /// at the place of its whole operation.
+    /// Runs an expression whose variables have the values `parameters`. Errors go to `diagnostics`, each at the place of its
+    /// whole operation.
     pub(crate) fn lower(
         &mut self,
         expression: Expression,
@@ -125,7 +125,7 @@ impl Lowerer {
         }
     }
 
-    /// What an operator does to the items it takes from the stack; a fault comes with its place.
+    /// Applies an operator to the items it takes from the stack; an error comes with its place.
     fn perform(
         &mut self,
         frame: &mut Frame,
@@ -261,7 +261,7 @@ impl Frame {
         }
     }
 
-    /// Reports a fault of the outermost expression; keeps the first one of a body for those who apply it.
+    /// Reports an error of the outermost expression; keeps the first one of a body for its applications.
     fn report(
         &mut self,
         error: SemanticError,

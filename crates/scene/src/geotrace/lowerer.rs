@@ -31,25 +31,25 @@ pub(crate) struct Lowerer {
     pub(crate) full: bool,
 }
 
-/// What running an expression gives.
+/// The result of running an expression.
 #[derive(Clone, Debug)]
 pub(crate) struct Lowered {
-    /// Its value; none where a fault or a name that failed before leaves it without one.
+    /// Its value; `None` after an error, or where it uses a name whose declaration failed.
     pub(crate) value: Option<Value>,
     /// The params and grids that it reads, whether or not its value depends on them.
     pub(crate) dependencies: Dependencies,
 }
 
-/// What lies on the stack.
+/// An item of the stack.
 #[derive(Clone, Debug)]
 pub(crate) enum Item {
     /// A number known while compiling, which no node of the graph stands for yet.
     Number(f64),
     Value(Value),
-    /// A bracketed list with a vector in it: arguments, or a fault where a value is needed. With its place.
+    /// A bracketed list with a vector in it: arguments, or an error where a value is needed. With its place.
     List(Vec<Value>, Span),
     Function(Box<Function>),
-    /// Left behind by a fault that has been reported.
+    /// Left behind by an error that has been reported.
     Poison,
 }
 
@@ -62,7 +62,7 @@ pub(crate) struct Function {
     pub(crate) powers: Vec<Option<Value>>,
 }
 
-/// What a step leaves.
+/// The effect of a step.
 pub(crate) enum Effect {
     /// An item for the stack.
     Push(Item),
@@ -81,7 +81,7 @@ pub(crate) struct BodyKey {
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(crate) struct BodyId(u32);
 
-/// What lowering a body has given.
+/// The result of lowering a body.
 #[derive(Clone, Debug)]
 pub(crate) enum BodyOutcome {
     /// Its value over the formal inputs, and the params and grids that it reads.
@@ -155,7 +155,7 @@ impl Lowerer {
     }
 }
 
-/// What is wrong with the dimensions of an operation's operands.
+/// Reports the dimensions of an operation's operands.
 pub(crate) fn dimension_error(error: &DimensionError) -> SemanticError {
     let code = match error {
         DimensionError::Component { .. } => error::NO_SUCH_COMPONENT,
@@ -168,7 +168,7 @@ pub(crate) fn dimension_error(error: &DimensionError) -> SemanticError {
     }
 }
 
-/// The graph has no room for an expression.
+/// Reports that the graph has no room for an expression.
 pub(crate) fn too_large() -> SemanticError {
     SemanticError::new(
         error::EXPRESSION_TOO_LARGE,

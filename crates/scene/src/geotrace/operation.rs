@@ -1,7 +1,7 @@
-//! The table of operators: what each does to the items on the stack.
+//! The table of operators.
 //!
-//! An operator on values has one row, with what it does to two numbers that are known while compiling (no node of the
-//! graph stands for each step of a long sum) and to values over the graph.
+//! An operator on values has one row: its effect on numbers that are known while compiling (so that a long sum does not
+//! take a node of the graph for each step), and on values over the graph.
 
 use expr::Graph;
 use expr::ops::power;
@@ -18,7 +18,7 @@ pub(crate) enum Derivation {
     Total,
 }
 
-/// What an operator does: it pops its operands and pushes one item.
+/// The effect of an operator on the stack: it pops its operands and pushes one item.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Operation {
     Number(f64),
@@ -78,7 +78,7 @@ pub(crate) fn operation(operator: Operator) -> Operation {
 }
 
 impl Operation {
-    /// How many items it takes from the stack; each operation puts one back.
+    /// The number of items it takes from the stack; each operation puts one back.
     pub(crate) fn operand_count(self) -> usize {
         match self {
             Self::Number(_) | Self::Constant(_) | Self::Variable(_) | Self::Function(_) => 0,

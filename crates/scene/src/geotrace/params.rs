@@ -26,7 +26,7 @@ impl Declarations {
         let bounds = self.bounds(intervals, Purpose::Axis);
         let ranges: Option<Vec<_>> =
             bounds.map(|bounds| bounds.iter().map(|bounds| bounds.range).collect());
-        // The value has its own mistakes, whatever is wrong with the intervals.
+        // Errors in the value are reported even if the intervals are wrong.
         let initial = match self.expressions(intervals) {
             Some([value]) => self.initial(declaration.name, value, ranges.as_deref()),
             None => (ranges.as_ref()).map(|ranges| ranges.iter().map(|range| range.min).collect()),
@@ -75,8 +75,8 @@ impl Declarations {
         }))
     }
 
-    /// The value that a param opens with, one number per interval; none where something is wrong with it. It is
-    /// held to the intervals where they are known.
+    /// The initial value of a param, one number per interval; `None` after an error. It is checked against the intervals
+    /// if they are known.
     fn initial(
         &mut self,
         name: &str,
@@ -110,7 +110,7 @@ impl Declarations {
                 ),
             ));
         }
-        // What uses a name that failed before is not reported.
+        // Uses of a name whose declaration failed are not reported.
         let (Some(value), Some(ranges)) = (&lowered.value, ranges) else {
             return Ok(None);
         };
@@ -162,7 +162,7 @@ impl Declarations {
         Ok(Some(numbers))
     }
 
-    /// A number, or a vector of numbers, over uniforms, and whether those are fresh ones; none where there are too many.
+    /// A number or a vector over uniforms, the uniforms, and whether they are new; `None` if there are too many.
     fn uniforms(
         &mut self,
         declaration: &Declaration<'_>,
@@ -214,7 +214,7 @@ impl Declarations {
         Some((meaning, uniforms, kept.is_none()))
     }
 
-    /// All intervals; none where something is wrong with any.
+    /// All intervals; `None` if any has an error.
     fn bounds(&mut self, intervals: &[Interval], purpose: Purpose) -> Option<Vec<Bounds>> {
         let bounds: Vec<_> = intervals
             .iter()

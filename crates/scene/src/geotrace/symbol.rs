@@ -1,4 +1,4 @@
-//! What each symbol means.
+//! The meanings of symbols.
 //!
 //! What flows in: declarations, as they have been understood. What flows out: the meaning of a name in the
 //! expressions below. A symbol that is never given a meaning is one whose declaration failed: its uses are
@@ -28,7 +28,7 @@ struct Symbol {
     meaning: Meaning,
 }
 
-/// What a name stands for.
+/// The meaning of a name.
 #[derive(Clone, Debug)]
 pub(crate) enum Meaning {
     /// Its declaration failed.
@@ -134,7 +134,7 @@ impl Symbols {
         }
     }
 
-    /// What is wrong with a use of a function as a value, if anything: a geodesic has none.
+    /// The error of using a function as a value: a geodesic has no formula.
     pub(crate) fn value_error(&self, symbol: SymbolId) -> Option<SemanticError> {
         let Meaning::Geodesic = self.meaning(symbol) else {
             return None;
@@ -149,7 +149,7 @@ impl Symbols {
         )
     }
 
-    /// What is wrong with `f'`, if anything: a function of several parameters has a derivative by each.
+    /// The error of writing `f'` for a function of several parameters, which has a derivative by each.
     pub(crate) fn total_error(&self, symbol: SymbolId) -> Option<SemanticError> {
         let Meaning::Declared(declared) = self.meaning(symbol) else {
             return None;

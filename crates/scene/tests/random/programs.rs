@@ -344,7 +344,7 @@ fn storm<C: Check>(seed: u64, edits: usize) -> usize {
             sound += usize::from(document.compilation().scene.is_some());
             done += 1;
         }
-        assert_eq!(document.work().renewed, 1);
+        assert_eq!(document.counters().renewed, 1);
     }
     sound
 }

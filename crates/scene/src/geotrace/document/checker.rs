@@ -1,16 +1,15 @@
-//! Where declarations are checked one at a time, in whatever order they are edited.
+//! Checks declarations one at a time, in the order in which they are edited.
 //!
-//! What flows in: what a chunk was read as. What flows out: its diagnostics, and which of its symbols mean
-//! something else than before.
+//! In: the events of a chunk. Out: its diagnostics, and the symbols whose meaning has changed.
 //!
-//! A meaning never changes here: a declaration that is checked again gets a new symbol, so that bodies that
-//! have been lowered stay true, and whoever reads the old symbol is checked again in turn. Where the new
-//! meaning is the old one (the same nodes, for equal expressions are one node; or the same steps) the old
-//! symbol stays, and nobody notices. What nobody reads any more stays too, until it is more than what is in
-//! use: then everything is checked anew.
+//! A meaning is never replaced: a declaration that is checked again gets a new symbol, so that bodies that have been
+//! lowered stay valid, and the declarations that read the old symbol are checked again in turn. If the new meaning equals
+//! the old one (the same nodes, since equal expressions share a node; or the same steps), the old symbol stays and no
+//! other declaration is checked. Meanings that are no longer in use are kept until they outnumber those in use; then the
+//! document starts again with an empty checker.
 //!
-//! Places count from where a chunk's text was put in a space that is never used twice. They are translated
-//! when a diagnostic is told.
+//! Places are offsets into a space in which each checked chunk gets a stretch of its own that is never used again.
+//! [`Checker::translate`] turns them into offsets of the text.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -33,21 +32,21 @@ use crate::scene::{Object, Range, Sampling};
 #[derive(Clone, Debug)]
 pub(super) struct Checker {
     declarations: Declarations,
-    /// How many builtin names there are; theirs are the first symbols, here and there.
+    /// The number of builtin names; their symbols come first, in the document and here.
     builtins: u32,
     /// The next symbol of the checker's own.
     next_symbol: u32,
-    /// By the document's symbols.
+    /// The symbols of the document.
     known: HashMap<SymbolId, Known>,
-    /// The params and the grids of the checker's scene, as the document names them.
+    /// The document's symbols of the params and the grids of the checker's scene.
     params: Vec<SymbolId>,
     grids: Vec<SymbolId>,
-    /// The same for the sources of what is read.
+    /// The document's symbols of the sources of dependencies.
     sources: Vec<SymbolId>,
-    /// Where the next chunk is put.
+    /// The start of the next chunk's stretch in the space of places.
     next_base: u32,
     bases: BTreeMap<u32, Home>,
-    /// How large it was when it held nothing but what is in use.
+    /// The size when everything was in use.
     fresh: Size,
 }
 
@@ -55,12 +54,12 @@ pub(super) struct Checker {
 #[derive(Clone, Debug)]
 struct Known {
     word: DeclarationKeyword,
-    /// The symbol that it is in the checker.
+    /// The checker's symbol.
     own: SymbolId,
     chunk: ChunkId,
-    /// Where the chunk was put when its body was kept.
+    /// The start of the chunk's stretch when its body was kept.
     base: u32,
-    /// For a param or a grid; few symbols are.
+    /// Its uniforms and intervals, of a param or a grid; few symbols are one.
     source: Option<Box<KnownSource>>,
 }
 
@@ -71,7 +70,7 @@ struct KnownSource {
     data: Data,
 }
 
-/// The intervals of a param or a grid, and the value that a param opens with.
+/// The intervals of a param or a grid, and the initial value of a param.
 #[derive(Clone, Debug, PartialEq)]
 enum Data {
     Param(Vec<Range>, Vec<f64>),
@@ -88,11 +87,11 @@ impl Known {
     }
 }
 
-/// What lies in a stretch of the space of places.
+/// The chunk to which a stretch of the space of places belongs.
 #[derive(Clone, Copy, Debug)]
 struct Home {
     chunk: ChunkId,
-    /// From a place there to one in the chunk.
+    /// Added to a place, gives an offset in the chunk.
     shift: i64,
 }
 
@@ -103,34 +102,34 @@ struct Size {
     places: usize,
 }
 
-/// What checking a chunk has given.
+/// The result of checking a chunk.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Checked {
     /// The diagnostics of each declaration.
     pub(super) diagnostics: Vec<Vec<Diagnostic>>,
-    /// The document's symbols that mean something else now.
+    /// The document's symbols whose meaning has changed.
     pub(super) changed: Vec<SymbolId>,
-    /// Params and grids that are what they were, but for their intervals or the value that they open with.
+    /// Params and grids of which only the intervals or the initial value have changed.
     pub(super) moved: Vec<SymbolId>,
-    /// The params and grids whose intervals, or whose initial values, the diagnostics hang on.
+    /// The params and grids on whose intervals or initial values the diagnostics depend.
     pub(super) watches: Vec<SymbolId>,
-    /// They may hang on all grids.
+    /// Whether the diagnostics may depend on every grid.
     pub(super) watches_all: bool,
-    /// Where the chunk's places lie.
+    /// The starts of the stretches in which the chunk's places lie.
     pub(super) bases: Vec<u32>,
-    /// How many samples are drawn.
+    /// The number of samples that are drawn.
     pub(super) samples: u64,
-    /// How many components its params and grids have.
+    /// The number of components of its params and grids.
     pub(super) components: u32,
-    /// How many declarations were lowered.
+    /// The number of declarations that were lowered.
     pub(super) lowered: u32,
-    /// A limit has been reached that hangs on all declarations above.
+    /// Whether a limit has been reached that depends on all declarations above.
     pub(super) is_limited: bool,
 }
 
-/// How many more expressions than are in use may be kept, and bytes of text that no place is in any more, …
+/// The number of expressions that may be kept beyond those in use, and of bytes of text without a place, …
 const SLACK: usize = 50_000;
-/// … and how many more symbols: each has steps, places and a meaning, half a kilobyte as a rule.
+/// … and the number of symbols: each has steps, places and a meaning, half a kilobyte as a rule.
 const SLACK_SYMBOLS: usize = 4_000;
 
 impl Checker {
@@ -153,22 +152,22 @@ impl Checker {
         }
     }
 
-    /// What it holds now is all in use.
+    /// Notes that everything it holds is in use.
     pub(super) fn settle(&mut self) {
         self.fresh = self.size();
     }
 
-    /// Most of what it holds is not in use.
+    /// Whether it holds so much that is not in use that a new checker is worth its cost.
     pub(super) fn needs_compaction(&self) -> bool {
         let (now, fresh) = (self.size(), self.fresh);
-        // A quarter as much again, so that being rid of it costs an edit no more in a long program than in a short one.
+        // The slack grows with the program, so that the cost of starting again, spread over the edits between, does not.
         let exceeds = |now: usize, fresh: usize, slack: usize| now > fresh + fresh / 4 + slack;
         exceeds(now.nodes, fresh.nodes, SLACK)
             || exceeds(now.symbols, fresh.symbols, SLACK_SYMBOLS)
             || exceeds(now.places / 64, fresh.places / 64, SLACK)
     }
 
-    /// There is no room for more expressions, and what has been found since is not to be trusted.
+    /// Whether the graph has no room for more expressions; what has been found since is not reliable.
     pub(super) fn is_full(&self) -> bool {
         self.declarations.lowerer.graph.overflowed() || self.next_base > u32::MAX / 2
     }
@@ -181,19 +180,19 @@ impl Checker {
         }
     }
 
-    /// A symbol is declared no longer.
+    /// Forgets a symbol that is no longer declared.
     pub(super) fn forget(&mut self, symbol: SymbolId) {
         self.known.remove(&symbol);
     }
 
-    /// A chunk's places are not told any more.
+    /// Frees the stretches of places that start here.
     pub(super) fn release(&mut self, bases: &[u32]) {
         for base in bases {
             self.bases.remove(base);
         }
     }
 
-    /// Params and grids may have come in another order.
+    /// Reads the order of the params and grids anew from the document.
     pub(super) fn reorder(&mut self, document: &syntax::geotrace::document::Document) {
         let place = |symbol: &SymbolId| {
             let home = document.home(*symbol);
@@ -203,7 +202,7 @@ impl Checker {
         self.declarations.lowerer.dependencies.place(places);
     }
 
-    /// The same diagnostic, with the places of the text.
+    /// Returns a diagnostic with its places as offsets of the text.
     pub(super) fn translate(
         &self,
         diagnostic: &Diagnostic,
@@ -361,8 +360,8 @@ impl Checker {
         self.known.insert(symbol, known);
     }
 
-    /// Whether a symbol means what it meant. For one with a body that has been kept, also the way from the
-    /// places of that body to the chunk's.
+    /// Returns `Some` if a symbol means what it meant before; for one with a body that has been kept, with the shift from the
+    /// places of that body to offsets in the chunk.
     fn same(&self, before: &Known, now: &Known, checked: &Checked) -> Option<Option<i64>> {
         if before.word != now.word {
             return None;
@@ -398,7 +397,7 @@ impl Checker {
     }
 }
 
-/// Notes the params and grids whose intervals decide what is said of an object.
+/// Notes the params and grids on whose intervals the diagnostics of an object depend.
 fn watch(object: &Object, params: &[SymbolId], grids: &[SymbolId], checked: &mut Checked) {
     let read = object.grids.iter().map(|id| grids[id.0 as usize]);
     checked.watches.extend(read);

@@ -39,7 +39,7 @@ use crate::geotrace::assembler::{Assembled, Assembler, Place, Reading};
 use crate::program_scene::ProgramScene;
 use crate::scene::Scene;
 
-/// How often a scene is begun again without something that cannot be in it.
+/// The number of attempts, each without one more declaration that cannot be in the scene.
 const ROUNDS: usize = 12;
 
 /// The last good reading of each declaration.
@@ -47,7 +47,7 @@ const ROUNDS: usize = 12;
 pub(super) struct LastGood {
     /// The last text without errors.
     whole: Option<(Snapshot, u64)>,
-    /// What was good since then, by name.
+    /// The declarations that became good since then, by name.
     since: HashMap<Box<str>, Good>,
 }
 
@@ -58,18 +58,18 @@ struct Good {
     chunk: ChunkId,
 }
 
-/// What is shown of a text.
+/// The scene that is shown of a text.
 #[derive(Clone, Debug)]
 pub(super) struct Shown {
     pub(super) program: ProgramScene,
-    /// The text has no errors.
+    /// Whether the text has no errors.
     is_whole: bool,
     /// The declarations that are shown as they stand, of a text with errors.
     own: Vec<(Box<str>, ChunkId)>,
 }
 
 impl Shown {
-    /// All of a text without errors.
+    /// The scene of a text without errors.
     pub(super) fn whole(scene: Scene) -> Self {
         Self {
             program: ProgramScene {
@@ -91,7 +91,7 @@ impl Shown {
 }
 
 impl LastGood {
-    /// Remembers what was shown of a text, which is about to change.
+    /// Remembers the declarations that were shown of a text, which is about to change.
     pub(super) fn note(&mut self, text: &syntax::geotrace::document::Document, shown: Shown) {
         if shown.is_whole {
             self.whole = Some((text.snapshot(), text.version()));
@@ -113,7 +113,7 @@ impl LastGood {
         }
     }
 
-    /// What can be shown of a text with errors in these chunks.
+    /// Assembles the scene of a text with errors in these chunks.
     pub(super) fn show(&self, text: &Snapshot, faulty: &HashSet<ChunkId>) -> Shown {
         let chunks = text.chunks();
         let declared: HashSet<&str> = chunks.flat_map(|chunk| names(text, chunk)).collect();
@@ -161,7 +161,7 @@ impl LastGood {
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 struct Candidate<'s> {
     name: &'s str,
-    /// Where it is to be shown.
+    /// The chunk in whose place it is shown.
     home: ChunkId,
     is_own: bool,
 }
@@ -174,12 +174,12 @@ struct Attempt<'a, 's> {
     faulty: &'s HashSet<ChunkId>,
     /// The names that are declared somewhere in the text, with errors or without.
     declared: &'s HashSet<&'s str>,
-    /// For these the graph has no room, or they do not work with all that is put back for them.
+    /// Candidates for which the graph has no room, or that have no meaning with all that is put back for them.
     rejected: &'a HashSet<Candidate<'s>>,
-    /// It is not begun again.
+    /// Whether no further attempt follows.
     is_last: bool,
     assembler: Assembler<'s>,
-    /// What has a meaning.
+    /// The readings that have a meaning, in order.
     parts: Vec<(Reading<'s>, Place)>,
     /// The declarations that have been put back, or would have been.
     put_back: HashSet<&'s str>,
@@ -188,7 +188,7 @@ struct Attempt<'a, 's> {
 }
 
 impl<'s> Attempt<'_, 's> {
-    /// What is shown; else what is to be left out because the scene would be too large with it.
+    /// Returns the scene, or the candidate that the next attempt is to leave out.
     fn run(mut self) -> Result<Shown, Candidate<'s>> {
         let text = self.text;
         let mut start = 0;
@@ -282,7 +282,7 @@ impl<'s> Attempt<'_, 's> {
         Ok(())
     }
 
-    /// Adds a declaration, and says whether it has a meaning here.
+    /// Adds a declaration, and returns whether it has a meaning here.
     fn add(
         &mut self,
         reading: Reading<'s>,
