@@ -52,3 +52,30 @@ impl Context {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::{Context, Registry};
+    use crate::failure::Failure;
+
+    #[test]
+    fn a_language_is_chosen_by_extension_or_by_name() {
+        let context = |language: Option<&str>| Context {
+            registry: Registry::standard(),
+            language: language.map(str::to_owned),
+        };
+        let chosen = |language, path| {
+            let context = context(language);
+            context.language(Path::new(path)).map(|found| found.name())
+        };
+        assert!(chosen(None, "a.gtr").is_ok_and(|name| name == "geotrace"));
+        assert!(chosen(None, "-").is_ok_and(|name| name == "geotrace"));
+        assert!(chosen(Some("geotrace"), "a.txt").is_ok());
+        assert!(matches!(
+            chosen(Some("latin"), "a.gtr"),
+            Err(Failure::Usage { .. })
+        ));
+    }
+}
