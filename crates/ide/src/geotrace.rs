@@ -50,7 +50,7 @@ use crate::hint::Hint;
 use crate::language::{Analysis, Compiled, EditError, Language, Program, Scope};
 use crate::lens::Lens;
 use crate::occurrence::Occurrence;
-use crate::outline::{Fold, OutlineEntry};
+use crate::outline::{DeclarationRange, Fold, OutlineEntry};
 use crate::rename::RenameError;
 use crate::semantic::SemanticToken;
 use crate::signature::Signature;
@@ -160,6 +160,23 @@ impl Program for GeotraceProgram {
 
     fn scene(&self) -> ProgramScene {
         self.document.scene_with_last_good().clone()
+    }
+
+    // The window asks for them after each edit: nothing but the places is computed.
+    fn declarations(&self) -> Vec<DeclarationRange> {
+        let text = self.document.text();
+        let mut all = Vec::new();
+        let mut start = 0;
+        for chunk in text.chunks() {
+            let read = text.events(chunk).declarations();
+            let named = read.filter(|(read, _)| !read.name.is_empty());
+            all.extend(named.map(|(read, _)| DeclarationRange {
+                span: read.span.moved(start),
+                name_span: read.name_span.moved(start),
+            }));
+            start += text.chunk_text(chunk).len() as u32;
+        }
+        all
     }
 
     fn snapshot(&self) -> Arc<dyn Analysis> {

@@ -27,7 +27,7 @@ use crate::highlight::{self, Highlight};
 use crate::hint::Hint;
 use crate::lens::Lens;
 use crate::occurrence::Occurrence;
-use crate::outline::{Fold, OutlineEntry};
+use crate::outline::{DeclarationRange, Fold, OutlineEntry};
 use crate::rename::RenameError;
 use crate::semantic::SemanticToken;
 use crate::signature::Signature;
@@ -139,6 +139,16 @@ pub trait Program: Debug + Send {
 
     /// Returns the scene; of a program with errors, as much of it as can be shown.
     fn scene(&self) -> ProgramScene;
+
+    /// Returns the places of the named declarations, in the order of the text.
+    fn declarations(&self) -> Vec<DeclarationRange> {
+        let outline = self.snapshot().outline().into_iter();
+        let ranges = outline.map(|entry| DeclarationRange {
+            span: entry.span,
+            name_span: entry.name_span,
+        });
+        ranges.collect()
+    }
 
     /// Returns the state of the program for features, which may run on other threads while the program is edited. It
     /// is cheap: it shares what the program has computed.

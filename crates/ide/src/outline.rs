@@ -19,6 +19,15 @@ pub struct OutlineEntry {
     pub name_span: Span,
 }
 
+/// The places of a named declaration.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct DeclarationRange {
+    /// The range of the whole declaration.
+    pub span: Span,
+    /// The range of the name.
+    pub name_span: Span,
+}
+
 /// The kind of a declaration in an outline.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum OutlineKind {

@@ -19,6 +19,7 @@ fn main() -> ExitCode {
             "-" => Source::Attached,
             file => Source::File(file.into()),
         },
+        languages: ide::Languages::standard(),
         backend: match given(2) {
             Some("gpu") => Backend::Gpu,
             Some("software") => Backend::Software,

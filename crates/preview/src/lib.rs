@@ -29,6 +29,8 @@ mod ui;
 use std::fmt;
 use std::path::PathBuf;
 
+use ide::Languages;
+
 pub use io::report::Counters;
 pub use render::Backend;
 pub use ui::app::{run, run_with_faults};
@@ -39,6 +41,8 @@ pub use ui::window::Window;
 pub struct Options {
     /// The source of its text.
     pub source: Source,
+    /// The languages of programs; the extension of a file chooses one of them.
+    pub languages: Languages,
     /// The backend that draws the pictures.
     pub backend: Backend,
     /// A file for counters, one JSON object a line for each frame of the window: for tests of the real

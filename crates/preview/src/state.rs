@@ -25,7 +25,7 @@ pub use history::{History, Step};
 pub use model::Model;
 pub use path::CameraPath;
 pub(crate) use program::Compiled;
-pub use program::{Declared, Finding};
+pub use program::Finding;
 pub use view::{
     Animation, Choice, Look, Marks, Opening, Preferences, SCALES, Theme, View, WAVEFRONTS,
 };

@@ -87,7 +87,7 @@ pub(super) fn open_file(file: PathBuf, context: &Context) -> Result<(), NoWindow
 }
 
 #[cfg(feature = "window")]
-fn open(arguments: &Arguments, _context: &Context) -> Result<(), NoWindow> {
+fn open(arguments: &Arguments, context: &Context) -> Result<(), NoWindow> {
     use preview::{Options, Source};
 
     let source = match &arguments.file {
@@ -100,6 +100,7 @@ fn open(arguments: &Arguments, _context: &Context) -> Result<(), NoWindow> {
     };
     let options = Options {
         source,
+        languages: context.registry.languages.clone(),
         backend: arguments.backend,
         report: arguments.report.clone(),
     };

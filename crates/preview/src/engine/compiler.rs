@@ -4,12 +4,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::time::Instant;
 
+use ide::Language;
+use protocol::changes::Changes;
 use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::line_index::LineIndex;
 use syntax::span::Span;
 
 use crate::channel::EventSender;
-use crate::engine::reader::{Read, Reader};
+use crate::engine::reader::{Read, Reader, Source};
 use crate::queue::LatestQueue;
 use crate::state::{Compiled, Finding};
 
@@ -26,8 +28,11 @@ struct Texts(LatestQueue<(), Waiting>);
 /// A text that waits to be compiled.
 #[derive(Debug)]
 struct Waiting {
+    language: Arc<dyn Language>,
     version: i32,
     text: Arc<str>,
+    /// The changes that make the text of the one that was compiled last; none where they are not known.
+    changes: Option<Changes>,
     arrived: Instant,
 }
 
@@ -40,7 +45,7 @@ impl Compiler {
     /// Starts the thread with another function that reads texts.
     fn reading_by(
         events: EventSender<Compiled>,
-        read: impl Fn(&mut Reader, &str) -> Read + Send + 'static,
+        read: impl Fn(&mut Reader, &Source<'_>) -> Read + Send + 'static,
     ) -> Self {
         let queue = LatestQueue::default();
         let own = queue.clone();
@@ -50,13 +55,35 @@ impl Compiler {
         }
     }
 
-    /// Queues a text for compilation, in the place of one that has not been begun.
-    pub(crate) fn compile(&self, version: i32, text: Arc<str>) {
-        self.queue.0.update(0, (), |before| Waiting {
-            version,
-            text,
-            // The text that is overtaken has waited since it arrived, and so has the one that takes its place.
-            arrived: before.map_or_else(Instant::now, |it| it.arrived),
+    /// Queues a text for compilation, in the place of one that has not been begun. `changes` make it of the text that was
+    /// queued before it.
+    pub(crate) fn compile(
+        &self,
+        language: Arc<dyn Language>,
+        version: i32,
+        text: Arc<str>,
+        changes: Option<Changes>,
+    ) {
+        self.queue.0.update(0, (), |before| {
+            let (arrived, changes) = match before {
+                // The text that is overtaken has waited since it arrived, and so has the one that takes its place.
+                Some(before) => {
+                    let composed = before.changes.zip(changes);
+                    (
+                        before.arrived,
+                        composed.map(|(first, then)| first.then(&then)),
+                    )
+                }
+                None => (Instant::now(), changes),
+            };
+            Waiting {
+                language,
+                version,
+                // Many small edits are no cheaper than the difference of two texts.
+                changes: changes.filter(|changes| changes.weight() <= text.len()),
+                text,
+                arrived,
+            }
         });
     }
 }
@@ -77,7 +104,7 @@ pub(crate) fn compiled(version: i32, text: Arc<str>, read: Read) -> Compiled {
         scene: read.program.scene,
         stale: read.program.stale,
         lacks: read.program.incomplete,
-        declared: read.declared,
+        declared: read.declarations,
         text,
         arrived: Instant::now(),
         took: std::time::Duration::ZERO,
@@ -87,13 +114,18 @@ pub(crate) fn compiled(version: i32, text: Arc<str>, read: Read) -> Compiled {
 fn work(
     queue: &LatestQueue<(), Waiting>,
     events: &EventSender<Compiled>,
-    read: impl Fn(&mut Reader, &str) -> Read,
+    read: impl Fn(&mut Reader, &Source<'_>) -> Read,
 ) {
     let mut reader = Reader::default();
     while let Some(((), order)) = queue.take() {
         let start = Instant::now();
         // A panic must not end the thread: it becomes a sentence, and what it has touched is dropped.
-        let read = catch_unwind(AssertUnwindSafe(|| read(&mut reader, &order.text)));
+        let source = Source {
+            language: &*order.language,
+            text: &order.text,
+            changes: order.changes.as_ref(),
+        };
+        let read = catch_unwind(AssertUnwindSafe(|| read(&mut reader, &source)));
         let (read, fault) = match read {
             Ok(read) => (read, None),
             Err(_) => {
@@ -150,6 +182,11 @@ fn findings(text: &str, diagnostics: &[Diagnostic]) -> Vec<Finding> {
 mod tests {
     use std::sync::mpsc::{Receiver, channel};
 
+    use std::sync::Arc;
+
+    use ide::Languages;
+    use protocol::changes::Changes;
+
     use super::Compiler;
     use crate::channel::EventSender;
     use crate::engine::reader::Reader;
@@ -159,16 +196,22 @@ mod tests {
         events.recv().expect("the thread lives")
     }
 
+    fn compile(compiler: &Compiler, version: i32, text: &str) {
+        let languages = Languages::standard();
+        let language = Arc::clone(languages.default_language());
+        compiler.compile(language, version, text.into(), None);
+    }
+
     #[test]
     fn a_fault_of_the_compiler_is_a_finding_and_the_next_text_is_read() {
         let (sender, events) = EventSender::new(egui::Context::default());
-        let compiler = Compiler::reading_by(sender, |reader, text| {
-            assert!(!text.contains("fault"), "a fault");
-            reader.read(text)
+        let compiler = Compiler::reading_by(sender, |reader, source| {
+            assert!(!source.text.contains("fault"), "a fault");
+            reader.read(source)
         });
-        compiler.compile(1, "point p = (1, 2, 3);".into());
+        compile(&compiler, 1, "point p = (1, 2, 3);");
         assert!(next(&events).ok);
-        compiler.compile(2, "point fault = (1, 2, 3);".into());
+        compile(&compiler, 2, "point fault = (1, 2, 3);");
         let fault = next(&events);
         assert_eq!((fault.version, fault.ok), (2, false));
         assert!(fault.scene.is_none() && fault.stale.is_empty());
@@ -177,7 +220,7 @@ mod tests {
         };
         let wanted = "internal error: the program could not be read";
         assert_eq!((finding.line, finding.message.as_str()), (1, wanted));
-        compiler.compile(3, "point q = (1, 2, 3);".into());
+        compile(&compiler, 3, "point q = (1, 2, 3);");
         let good = next(&events);
         assert!(good.ok && good.findings.is_empty());
         assert_eq!(good.scene.expect("a scene").objects[0].name, "q");
@@ -188,15 +231,15 @@ mod tests {
         let (sender, events) = EventSender::new(egui::Context::default());
         let (begun, begins) = channel();
         let (go_on, may_go_on) = channel();
-        let compiler = Compiler::reading_by(sender, move |reader: &mut Reader, text| {
+        let compiler = Compiler::reading_by(sender, move |reader: &mut Reader, source| {
             begun.send(()).expect("the test listens");
             may_go_on.recv().expect("the test lives");
-            reader.read(text)
+            reader.read(source)
         });
-        compiler.compile(1, "".into());
+        compile(&compiler, 1, "");
         begins.recv().expect("it begins");
         for version in 2..=200 {
-            compiler.compile(version, "".into());
+            compile(&compiler, version, "");
         }
         for version in [1, 200] {
             go_on.send(()).expect("it waits");
@@ -204,5 +247,44 @@ mod tests {
         }
         drop(compiler);
         assert!(events.recv().is_err(), "no other is read");
+    }
+
+    #[test]
+    fn edits_that_come_while_a_text_is_read_are_composed() {
+        let (sender, events) = EventSender::new(egui::Context::default());
+        let (begun, begins) = channel();
+        let (go_on, may_go_on) = channel();
+        let compiler = Compiler::reading_by(sender, move |reader: &mut Reader, source| {
+            begun
+                .send(source.changes.cloned())
+                .expect("the test listens");
+            may_go_on.recv().expect("the test lives");
+            reader.read(source)
+        });
+        let languages = Languages::standard();
+        let edit = |version, text: &str, changes| {
+            let language = Arc::clone(languages.default_language());
+            compiler.compile(language, version, text.into(), changes);
+        };
+        let texts = [
+            "point first = (1, 2, 3);",
+            "point first = (1, 2, 3); point q = (0, 0, 0);",
+            "point p = (1, 2, 3); point q = (0, 0, 0);",
+        ];
+        edit(1, texts[0], None);
+        assert_eq!(begins.recv().expect("it begins"), None);
+        for version in [1, 2] {
+            let changes = Changes::between(texts[version - 1], texts[version]);
+            edit(version as i32 + 1, texts[version], Some(changes));
+        }
+        go_on.send(()).expect("it waits");
+        assert_eq!(next(&events).version, 1);
+        let changes = begins.recv().expect("it begins").expect("changes");
+        assert_eq!(changes.apply(texts[0]).as_deref(), Some(texts[2]));
+        go_on.send(()).expect("it waits");
+        let last = next(&events);
+        let scene = last.scene.expect("a scene");
+        let names: Vec<&str> = scene.objects.iter().map(|it| it.name.as_str()).collect();
+        assert_eq!((last.version, names), (3, vec!["p", "q"]));
     }
 }

@@ -1,8 +1,10 @@
 //! The text of the window's own pane, and its file.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use export::whole_file::{write_new, write_whole};
+use ide::Language;
 use syntax::span::Span;
 
 use crate::io::watch::Unreadable;
@@ -18,6 +20,7 @@ pub(crate) struct Jump {
 /// A text that is edited here.
 #[derive(Debug)]
 pub(crate) struct Editor {
+    pub(crate) language: Arc<dyn Language>,
     pub(crate) path: PathBuf,
     pub(crate) text: String,
     /// Counts the texts that were compiled.
@@ -44,8 +47,9 @@ pub(crate) enum Saved {
 
 impl Editor {
     /// A file's text.
-    pub(crate) fn new(path: PathBuf, text: String) -> Self {
+    pub(crate) fn new(language: Arc<dyn Language>, path: PathBuf, text: String) -> Self {
         Self {
+            language,
             path,
             saved: text.clone(),
             text,
@@ -153,8 +157,9 @@ impl Editor {
     /// # Errors
     /// A sentence; the text is as it was.
     pub(crate) fn write_param(&mut self, name: &str, value: &[f64]) -> Result<bool, String> {
-        let analysis = ide::geotrace::GeotraceAnalysis::new(self.text.as_str());
-        let edit = ide::Analysis::edit_param(&analysis, name, value)
+        let analysis = self.language.read(&self.text);
+        let edit = analysis
+            .edit_param(name, value)
             .map_err(|refusal| refusal.to_string())?;
         let text = ide::edit::apply(&self.text, &[edit]);
         let changed = text != self.text;
@@ -177,7 +182,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.gtr");
         std::fs::write(&path, "one").expect("written");
-        (folder, Editor::new(path, "one".into()))
+        let languages = ide::Languages::standard();
+        let language = languages.for_path(&path).clone();
+        (folder, Editor::new(language, path, "one".into()))
     }
 
     #[test]

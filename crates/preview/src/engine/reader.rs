@@ -1,136 +1,116 @@
 //! Reads the texts of a window, one after the other.
 //!
-//! In: a text. Out: its diagnostics, what it declares, and its scene. Only what differs from the text before is read anew.
+//! In: a text and its language. Out: its diagnostics, its declarations, and its scene. Only the difference from the text
+//! before is read anew.
 
+use std::sync::Arc;
+
+use ide::language::EditError;
+use ide::outline::DeclarationRange;
+use ide::{Language, Program};
+use protocol::changes::Changes;
 use scene::ProgramScene;
-use scene::geotrace::Document;
 use syntax::diagnostic::{Code, Diagnostic};
-use syntax::document::EditError;
 use syntax::span::Span;
 
-use crate::state::Declared;
-
-/// Keeps the document of the text that was read last.
+/// Keeps the program of the text that was read last.
 #[derive(Debug, Default)]
 pub(crate) struct Reader {
-    document: Option<Document>,
+    /// The name of the language, and the program.
+    program: Option<(&'static str, Box<dyn Program>)>,
 }
 
-/// What was read.
+/// The result of reading a text.
 #[derive(Debug, Default)]
 pub(crate) struct Read {
-    pub(crate) diagnostics: Vec<Diagnostic>,
-    /// What the text declares, in its order.
-    pub(crate) declared: Vec<Declared>,
+    pub(crate) diagnostics: Arc<[Diagnostic]>,
+    /// The declarations of the text, in its order.
+    pub(crate) declarations: Vec<DeclarationRange>,
     pub(crate) program: ProgramScene,
+}
+
+/// A text that is to be read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source<'a> {
+    pub(crate) language: &'a dyn Language,
+    pub(crate) text: &'a str,
+    /// The changes that make the text of the one that was read before; their places are those of that text.
+    pub(crate) changes: Option<&'a Changes>,
 }
 
 impl Reader {
     /// Reads a text.
-    pub(crate) fn read(&mut self, text: &str) -> Read {
-        if let Err(error) = self.bring(text) {
-            let code = Code("too-large");
-            let sentence = error.to_string();
-            return Read {
-                diagnostics: vec![Diagnostic::error(code, Span::default(), sentence)],
-                ..Read::default()
-            };
+    pub(crate) fn read(&mut self, source: &Source<'_>) -> Read {
+        match self.bring(source) {
+            Ok(program) => Read {
+                diagnostics: program.diagnostics(),
+                declarations: program.declarations(),
+                program: program.scene(),
+            },
+            Err(error) => {
+                let code = Code("too-large");
+                let diagnostic = Diagnostic::error(code, Span::default(), error.to_string());
+                Read {
+                    diagnostics: [diagnostic].into(),
+                    ..Read::default()
+                }
+            }
         }
-        let Some(document) = &self.document else {
-            return Read::default();
+    }
+
+    /// Brings the program to a text by its changes, or by the difference where they are not known, or opens the text
+    /// where there is no program of this language.
+    fn bring(&mut self, source: &Source<'_>) -> Result<&dyn Program, EditError> {
+        let name = source.language.name();
+        let program = match self.program.take() {
+            Some((known, mut program)) if known == name => {
+                let changes = match source.changes {
+                    Some(changes) => changes.clone(),
+                    None => Changes::between(&program.text().string(), source.text),
+                };
+                // From the last to the first: the places of the others stay those of the text before.
+                for change in changes.iter().rev() {
+                    let [start, end] = change.range;
+                    program.edit(Span::new(start, end), &change.text)?;
+                }
+                program
+            }
+            _ => source.language.open(source.text)?,
         };
-        Read {
-            diagnostics: document.compilation().diagnostics.clone(),
-            declared: declared(document),
-            program: document.scene_with_last_good().clone(),
-        }
+        debug_assert_eq!(
+            program.text().string(),
+            source.text,
+            "the changes are not those of the text"
+        );
+        let (_, program) = self.program.insert((name, program));
+        Ok(&**program)
     }
-
-    /// Brings the document to a text by one edit of what differs.
-    fn bring(&mut self, text: &str) -> Result<(), EditError> {
-        let Some(document) = &mut self.document else {
-            self.document = Some(Document::new(text)?);
-            return Ok(());
-        };
-        let old = document.text().text();
-        let (range, new) = difference(&old, text);
-        if range.start < range.end || !new.is_empty() {
-            document.edit(range, new)?;
-        }
-        Ok(())
-    }
-}
-
-/// What a text declares.
-fn declared(document: &Document) -> Vec<Declared> {
-    let text = document.text();
-    let mut all = Vec::new();
-    let mut start = 0;
-    for chunk in text.chunks() {
-        let read = text.events(chunk).declarations();
-        let named = read.filter(|(read, _)| !read.name.is_empty());
-        all.extend(named.map(|(read, _)| Declared {
-            span: read.span.moved(start),
-            name_span: read.name_span.moved(start),
-        }));
-        start += text.chunk_text(chunk).len() as u32;
-    }
-    all
-}
-
-/// What of `old` is to be replaced by what, so that it becomes `new`: all but the longest common start and end.
-fn difference<'n>(old: &str, new: &'n str) -> (Span, &'n str) {
-    let mut start = old
-        .bytes()
-        .zip(new.bytes())
-        .take_while(|(a, b)| a == b)
-        .count();
-    while !(old.is_char_boundary(start) && new.is_char_boundary(start)) {
-        start -= 1;
-    }
-    let (a, b) = (&old.as_bytes()[start..], &new.as_bytes()[start..]);
-    let mut end = a
-        .iter()
-        .rev()
-        .zip(b.iter().rev())
-        .take_while(|(a, b)| a == b)
-        .count();
-    while !(old.is_char_boundary(old.len() - end) && new.is_char_boundary(new.len() - end)) {
-        end -= 1;
-    }
-    let range = Span::new(start as u32, (old.len() - end) as u32);
-    (range, &new[start..new.len() - end])
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Reader, difference};
-    use syntax::span::Span;
-
-    #[test]
-    fn the_difference_of_two_texts_is_what_lies_between_their_common_ends() {
-        for (old, new, range, text) in [
-            ("abc", "abxc", (2, 2), "x"),
-            ("aaa", "aa", (2, 3), ""),
-            ("é", "è", (0, 2), "è"),
-            ("", "x", (0, 0), "x"),
-            ("same", "same", (4, 4), ""),
-        ] {
-            assert_eq!(difference(old, new), (Span::new(range.0, range.1), text));
-        }
-    }
+    use super::{Reader, Source};
+    use ide::Languages;
 
     #[test]
     fn a_declaration_with_an_error_is_shown_as_it_last_was_and_the_places_are_those_of_the_text() {
         let good = "point p = (1,2,3);\npoint q = (0,0,0);\nvector v = (1,0,0) @ q;\n";
+        let languages = Languages::standard();
         let mut reader = Reader::default();
-        assert!(reader.read(good).program.stale.is_empty());
+        let mut read = |text| {
+            reader.read(&Source {
+                language: languages.default_language().as_ref(),
+                text,
+                changes: None,
+            })
+        };
+        assert!(read(good).program.stale.is_empty());
         let broken = "point p = (1,2,;\npoint qq = (0,0,0);\nvector v = (1,0,0) @ qq;\n";
-        let read = reader.read(broken);
-        assert!(!read.diagnostics.is_empty());
-        assert_eq!(read.program.stale, ["p"]);
-        assert_eq!(read.declared[1].name_span.text(broken), "qq");
-        let read = reader.read(good);
-        assert!(read.diagnostics.is_empty() && read.program.stale.is_empty());
+        let faulty = read(broken);
+        assert!(!faulty.diagnostics.is_empty());
+        assert_eq!(faulty.program.stale, ["p"]);
+        assert_eq!(faulty.declarations[1].name_span.text(broken), "qq");
+        let again = read(good);
+        assert!(again.diagnostics.is_empty() && again.program.stale.is_empty());
     }
 }

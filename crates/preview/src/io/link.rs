@@ -4,8 +4,10 @@
 //! does not read is bounded: of values and of texts that were shown only the latest is kept.
 
 use std::io::{BufReader, Read, Write};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use protocol::changes::Changes;
 use protocol::follower::{Follower, Gap};
 use protocol::line::{self, ReadError};
 use protocol::{Command, Event, Hello, handshake};
@@ -65,11 +67,11 @@ pub(crate) fn greet(output: &mut impl Write) {
 }
 
 impl Link {
-    /// Starts the conversation, behind [`greet`]: listens, and says what it is given. Texts go to `compile` without
-    /// waiting for the window.
+    /// Starts the conversation, behind [`greet`]: listens, and says what it is given. Texts go to `compile`, with
+    /// the path or the URI of their document and the changes of the text before it, without waiting for the window.
     pub(crate) fn start(
         events: EventSender<LinkEvent>,
-        compile: impl Fn(i32, Arc<str>) + Send + 'static,
+        compile: impl Fn(&Path, i32, Arc<str>, Option<Changes>) + Send + 'static,
         input: impl Read + Send + 'static,
         output: impl Write + Send + 'static,
     ) -> Self {
@@ -117,13 +119,14 @@ fn write(queue: &LatestQueue<Kind, Event>, mut output: impl Write) {
 
 fn read(
     events: &EventSender<LinkEvent>,
-    compile: impl Fn(i32, Arc<str>),
+    compile: impl Fn(&Path, i32, Arc<str>, Option<Changes>),
     input: impl Read,
     outbox: &Outbox,
 ) {
     let mut reader = line::Reader::<_, Command>::new(BufReader::new(input));
     let mut greeted = false;
     let mut document = None;
+    let mut place = PathBuf::new();
     let mut follower = Follower::default();
     let mut last: Option<i32> = None;
     let mut text_now: Arc<str> = Arc::default();
@@ -166,6 +169,8 @@ fn read(
         {
             // Compiled without waiting for the window, which is told only of a document that is another one.
             let (version, text) = (*version, text.clone());
+            // A text that is in no file has its kind at the end of its name.
+            place = PathBuf::from(path.as_ref().unwrap_or(uri));
             let same = document.as_ref() == Some(&(uri.clone(), path.clone()));
             if !same {
                 document = Some((uri.clone(), path.clone()));
@@ -175,7 +180,7 @@ fn read(
             }
             follower.text(version);
             text_now = Arc::clone(&text);
-            compile(version, text);
+            compile(&place, version, text, None);
             last = Some(version);
             continue;
         }
@@ -193,7 +198,8 @@ fn read(
             match edited {
                 Some(edited) => {
                     text_now = edited.into();
-                    compile(*version, Arc::clone(&text_now));
+                    let text = Arc::clone(&text_now);
+                    compile(&place, *version, text, Some(changes.clone()));
                     last = Some(*version);
                 }
                 None => {

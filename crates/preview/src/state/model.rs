@@ -6,6 +6,7 @@ mod placement;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use ide::outline::DeclarationRange;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene, Shape};
 use syntax::span::Span;
@@ -14,7 +15,7 @@ use super::camera_controller::CameraController;
 use super::difference::Difference;
 use super::history::{History, Step, Travelled};
 use super::path::CameraPath;
-use super::program::{Compiled, Declared, Finding};
+use super::program::{Compiled, Finding};
 use super::view::{Animation, Opening, View};
 use placement::Placement;
 
@@ -44,7 +45,7 @@ pub struct Model {
     /// Something of the text is not shown at all.
     pub lacks: bool,
     /// The declarations of the text, in its order.
-    pub declared: Vec<Declared>,
+    pub declared: Vec<DeclarationRange>,
     /// The object whose declaration the cursor is in.
     pub highlighted: Option<String>,
     /// The paths of the geodesic cameras that leave trails, by their surfaces' names.
@@ -282,7 +283,7 @@ impl Model {
         Some(found.name_span)
     }
 
-    fn name(&self, declared: &Declared) -> Option<&str> {
+    fn name(&self, declared: &DeclarationRange) -> Option<&str> {
         let Span { start, end } = declared.name_span;
         self.text.get(start as usize..end as usize)
     }

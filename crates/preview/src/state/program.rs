@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use ide::outline::DeclarationRange;
 use scene::Scene;
 use syntax::diagnostic::Severity;
 use syntax::span::Span;
@@ -26,7 +27,7 @@ pub(crate) struct Compiled {
     /// Whether a part of the text is not shown at all.
     pub(crate) lacks: bool,
     /// The declarations of the text, in its order.
-    pub(crate) declared: Vec<Declared>,
+    pub(crate) declared: Vec<DeclarationRange>,
     /// The time at which the text arrived.
     pub(crate) arrived: Instant,
     /// The time that compiling took.
@@ -48,13 +49,4 @@ pub struct Finding {
     pub message: String,
     /// Advice for the user.
     pub hint: Option<String>,
-}
-
-/// A declaration of a text.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub struct Declared {
-    /// From its keyword to its `;`.
-    pub span: Span,
-    /// The place of its name.
-    pub name_span: Span,
 }

@@ -214,8 +214,13 @@ impl Preview {
 /// The window as it is opened.
 fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> {
     let mut window = match &options.source {
-        Source::File(path) => Window::of_file(context, path.clone(), true)?,
-        Source::Attached => Window::attached(context, std::io::stdin(), std::io::stdout()),
+        Source::File(path) => Window::of_file(context, &options.languages, path.clone(), true)?,
+        Source::Attached => Window::attached(
+            context,
+            options.languages.clone(),
+            std::io::stdin(),
+            std::io::stdout(),
+        ),
     };
     if let Some(path) = &options.report {
         let report = Report::create(path).map_err(|error| Failure::Unreadable {
@@ -300,7 +305,12 @@ mod tests {
     fn written(folder: &Path) -> Slot {
         let path = folder.join("a.gtr");
         std::fs::write(&path, "point p = (0, 0, 0);\n").expect("written");
-        let window = Window::of_file(&egui::Context::default(), path, false);
+        let window = Window::of_file(
+            &egui::Context::default(),
+            &ide::Languages::standard(),
+            path,
+            false,
+        );
         let mut window = window.expect("the file is there");
         window.set_text(MINE.to_owned());
         let slot = Slot::default();

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use egui::text::{ByteIndex, LayoutJob, LayoutSection, TextFormat};
 use egui::{Color32, FontId, Galley, Stroke, Ui};
+use ide::Language;
+use ide::highlight::{Highlight, HighlightKind};
 use syntax::diagnostic::Severity;
-use syntax::geotrace::highlight::{Highlight, HighlightKind, highlight};
 use syntax::span::Span;
 
 use crate::state::Finding;
@@ -33,10 +34,16 @@ impl Painter {
     }
 
     /// The text, laid out.
-    pub(crate) fn layout(&mut self, ui: &Ui, text: &str, width: f32) -> Arc<Galley> {
+    pub(crate) fn layout(
+        &mut self,
+        ui: &Ui,
+        language: &dyn Language,
+        text: &str,
+        width: f32,
+    ) -> Arc<Galley> {
         if self.text != text || self.readings == 0 {
             text.clone_into(&mut self.text);
-            self.highlights = highlight(text, &scene::geotrace::vocabulary());
+            self.highlights = language.highlight(text);
             self.readings += 1;
             self.job = None;
         }
@@ -149,13 +156,13 @@ mod tests {
     use super::lay_out;
     use egui::{Color32, FontId};
     use syntax::diagnostic::Severity;
-    use syntax::geotrace::highlight::highlight;
     use syntax::span::Span;
 
     #[test]
     fn the_sections_cover_the_text_without_gap_or_overlap() {
         let text = "# π\nparam a : [0, 1];\npoint p = (a, €, 1);\n";
-        let highlights = highlight(text, &scene::geotrace::vocabulary());
+        let languages = ide::Languages::standard();
+        let highlights = languages.default_language().highlight(text);
         let marks = [
             (Span::new(10, 30), Severity::Error),
             (Span::new(40, 400), Severity::Hint),

@@ -21,10 +21,12 @@ mod server_events;
 mod text;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 
 use egui::Ui;
+use ide::Languages;
 use render::live::Stage;
 
 use crate::channel::EventSender;
@@ -108,6 +110,7 @@ impl Window {
     /// [`crate::Failure::Unreadable`].
     pub fn of_file(
         context: &egui::Context,
+        languages: &Languages,
         path: PathBuf,
         watched: bool,
     ) -> Result<Self, crate::Failure> {
@@ -130,7 +133,11 @@ impl Window {
             None
         };
         let source = TextSource::File {
-            editor: Box::new(Editor::new(path.clone(), text.clone())),
+            editor: Box::new(Editor::new(
+                Arc::clone(languages.for_path(&path)),
+                path.clone(),
+                text.clone(),
+            )),
             _watch: watch,
         };
         let compiler = Compiler::start(sender.for_part(WindowEvent::Compiled));
@@ -144,13 +151,17 @@ impl Window {
     /// A window for an editor's text, which comes from `input`; events go to `output`.
     pub fn attached(
         context: &egui::Context,
+        languages: Languages,
         input: impl std::io::Read + Send + 'static,
         output: impl std::io::Write + Send + 'static,
     ) -> Self {
         let (sender, events) = EventSender::new(context.clone());
         let compiler = Compiler::start(sender.for_part(WindowEvent::Compiled));
         let own = compiler.clone();
-        let compile = move |version, text| own.compile(version, text);
+        let compile = move |place: &Path, version, text, changes| {
+            let language = Arc::clone(languages.for_path(place));
+            own.compile(language, version, text, changes);
+        };
         let commands = sender.for_part(WindowEvent::Link);
         let link = Link::start(commands, compile, input, output);
         let source = TextSource::Attached {

@@ -30,7 +30,12 @@ impl Desk {
         let mut window: Option<Window> = None;
         let context = egui::Context::default();
         let (input, output) = ends.take().expect("both");
-        window.replace(Window::attached(&context, input, output));
+        window.replace(Window::attached(
+            &context,
+            ide::Languages::standard(),
+            input,
+            output,
+        ));
         let harness = Harness::builder()
             .with_size([1100.0, 700.0])
             .with_step_dt(FRAME)
@@ -349,7 +354,8 @@ fn another_version_of_the_messages_is_told_in_a_sentence() {
         }),
     );
     let context = egui::Context::default();
-    *desk.harness.state_mut() = Window::attached(&context, input, output);
+    *desk.harness.state_mut() =
+        Window::attached(&context, ide::Languages::standard(), input, output);
     desk.until("it is told", |desk| {
         desk.shows(
             "The language server (geotrace 9.9) speaks version 9999 of the preview's messages",

@@ -66,7 +66,9 @@ impl Hand {
         let harness = dress(Harness::builder().with_step_dt(FRAME)).build_ui_state(
             move |ui, window: &mut Option<Window>| {
                 let window = window.get_or_insert_with(|| {
-                    Window::of_file(ui.ctx(), file.clone(), watched).expect("the file is there")
+                    let languages = ide::Languages::standard();
+                    Window::of_file(ui.ctx(), &languages, file.clone(), watched)
+                        .expect("the file is there")
                 });
                 window.show(ui);
             },

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use scene::ObjectId;
 
 use super::{Animation, Model, Step, View, advanced};
-use crate::engine::reader::Reader;
+use crate::engine::reader::{Reader, Source};
 use crate::state::Compiled;
 use crate::state::motion::Motion;
 use crate::state::{InsideCamera, SpaceCamera};
@@ -13,7 +13,15 @@ fn compiled(text: &str) -> Compiled {
 }
 
 fn read(reader: &mut Reader, text: &str) -> Compiled {
-    crate::engine::compiler::compiled(1, text.into(), reader.read(text))
+    crate::engine::compiler::compiled(
+        1,
+        text.into(),
+        reader.read(&Source {
+            language: &**ide::Languages::standard().default_language(),
+            text,
+            changes: None,
+        }),
+    )
 }
 
 fn model(text: &str) -> Model {

@@ -1,5 +1,7 @@
 //! The program: in a window of its own the text, to be edited; its status in any.
 
+use std::sync::Arc;
+
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
 use egui::{Align, FontId, Rect, ScrollArea, TextEdit, Ui};
@@ -84,11 +86,12 @@ fn text(window: &mut Window, ui: &mut Ui) -> bool {
     let digits = lines.to_string().len().max(2);
     let width = font.size * 0.65 * digits as f32 + 8.0;
     let painter = &mut window.painter;
+    let language = Arc::clone(&editor.language);
     let edited = ui
         .horizontal_top(|ui| {
             let gutter = ui.allocate_space(egui::vec2(width, 1.0)).1;
             let mut layouter = |ui: &Ui, buffer: &dyn egui::TextBuffer, width: f32| {
-                painter.layout(ui, buffer.as_str(), width)
+                painter.layout(ui, &*language, buffer.as_str(), width)
             };
             let id = egui::Id::unique("program text");
             remember(ui, id, &mut editor.replaced);

@@ -34,7 +34,8 @@ impl Window {
     pub(super) fn compile(&mut self, text: Arc<str>) {
         if let TextSource::File { editor, .. } = &mut self.source {
             editor.version += 1;
-            self.compiler.compile(editor.version, text);
+            let language = Arc::clone(&editor.language);
+            self.compiler.compile(language, editor.version, text, None);
         }
     }
 
