@@ -1,6 +1,6 @@
 //! The initial conditions of declared geodesics.
 //!
-//! In: an object whose shape is [`Shape::Geodesic`] and the uniforms of one of its instances. Out: the place and the
+//! In: an object that is a geodesic and the uniforms of one of its instances. Out: the place and the
 //! direction it starts with, or the reason for which it cannot start and is not drawn.
 
 use std::fmt;
@@ -8,7 +8,7 @@ use std::fmt;
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
 
-use crate::scene::{ObjectId, Range, Scene, Shape};
+use crate::scene::{ObjectId, Range, Scene};
 
 /// The place and the direction with which one instance of a geodesic starts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,17 +70,10 @@ pub struct InitialConditionsEvaluator {
 impl InitialConditionsEvaluator {
     /// Prepares the evaluation for an object of the scene; `None` if it is not a geodesic.
     pub fn new(scene: &Scene, object: ObjectId) -> Option<Self> {
-        let shape = &scene.objects.get(object.0 as usize)?.shape;
-        let Shape::Geodesic {
-            surface,
-            direction,
-            start,
-            ..
-        } = shape
-        else {
-            return None;
-        };
-        let domain = scene.objects.get(surface.0 as usize)?.shape.manifold()?;
+        let shape = &scene.get(object)?.shape;
+        let (surface, _) = shape.geodesic()?;
+        let (direction, start) = shape.initial_conditions()?;
+        let domain = scene.get(surface)?.shape.manifold()?;
         let domain = domain.map(|axis| axis.range);
         Some(Self::from_nodes(&scene.graph, direction, start, domain))
     }

@@ -232,18 +232,13 @@ impl Search<'_> {
 mod tests {
     use super::{Defect, Witness, witness};
     use crate::param_values::ParamValues;
-    use crate::scene::{Scene, Shape};
+    use crate::scene::Scene;
 
     fn found(metric: &str) -> Option<Witness> {
         let source = format!("metric h(u,v) = {metric};");
         let scene: Scene = crate::geotrace::compile(&source).scene.expect("no errors");
         let object = &scene.objects[0];
-        let Shape::Metric {
-            components, domain, ..
-        } = &object.shape
-        else {
-            panic!("not a metric");
-        };
+        let (components, domain) = object.shape.metric().expect("a metric");
         let uniforms = ParamValues::initial(&scene).first_instance(&scene, object);
         witness(&scene.graph, components, domain, &uniforms, 1)
     }

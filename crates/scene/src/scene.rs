@@ -299,6 +299,16 @@ impl Shape {
         }
     }
 
+    /// The direction and the start of a geodesic.
+    pub fn initial_conditions(&self) -> Option<(&[NodeId; 2], &[NodeId; 2])> {
+        match self {
+            Self::Geodesic {
+                direction, start, ..
+            } => Some((direction, start)),
+            _ => None,
+        }
+    }
+
     /// The position of a point, or of a curve or surface over its parameters.
     pub fn position(&self) -> Option<&[NodeId; 3]> {
         match self {

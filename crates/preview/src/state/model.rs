@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use ide::outline::DeclarationRange;
 use scene::ParamValues;
-use scene::{Object, ObjectId, Scene, Shape};
+use scene::{Object, ObjectId, Scene};
 use syntax::span::Span;
 
 use super::camera_controller::CameraController;
@@ -143,9 +143,9 @@ impl Model {
         }
         let id = self.object(surface).map(|(id, _)| id);
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);
-        let mut on_it = objects.filter(|object| match &object.shape {
-            Shape::Geodesic { surface, .. } => Some(*surface) == id,
-            _ => false,
+        let mut on_it = objects.filter(|object| {
+            let geodesic = object.shape.geodesic();
+            geodesic.is_some_and(|(surface, _)| Some(surface) == id)
         });
         id.is_none()
             || self.stale.contains(surface)
@@ -154,14 +154,8 @@ impl Model {
 
     /// Returns whether an object has a place in space: a metric has none, nor have geodesics on it.
     fn has_place(&self, object: &Object) -> bool {
-        let objects = self.scene.as_ref().map_or(&[][..], |scene| &scene.objects);
-        match &object.shape {
-            Shape::Metric { .. } => false,
-            Shape::Geodesic { surface, .. } => objects
-                .get(surface.0 as usize)
-                .is_none_or(|it| !matches!(it.shape, Shape::Metric { .. })),
-            _ => true,
-        }
+        let scene = self.scene.as_ref();
+        scene.is_none_or(|scene| scene.is_in_space(object))
     }
 
     /// Does a step that can be undone.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use egui::{ComboBox, DragValue, Grid, ScrollArea, Slider, Ui};
-use scene::{Object, Param, Shape};
+use scene::{Object, Param};
 
 use crate::state::{Choice, SCALES, Step, Theme};
 use crate::ui::window::Window;
@@ -187,7 +187,7 @@ fn objects(window: &mut Window, ui: &mut Ui) {
 fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
     let name = &object.name;
     let look = window.model.view.look(name);
-    let drawn = !matches!(object.shape, Shape::Metric { .. });
+    let drawn = !object.shape.is_metric();
     let mut shown = !look.hidden;
     let show = ui.add_enabled(drawn, egui::Checkbox::without_text(&mut shown));
     let show = show.on_disabled_hover_text("A metric has no place in space");

@@ -9,7 +9,6 @@ use std::sync::Arc;
 
 use egui::Ui;
 use render::live::Hit;
-use scene::Shape;
 
 use super::Window;
 use crate::engine::render_thread::Purpose;
@@ -111,9 +110,9 @@ impl Window {
             Purpose::Open => return self.open_declaration(&name),
         };
         let [u, v] = hit.parameters;
-        let sentence = match &object.shape {
-            shape if shape.manifold().is_some() => format!("{name} at (u, v) = ({u:.4}, {v:.4})"),
-            Shape::Curve { .. } | Shape::Geodesic { .. } => format!("{name} at t = {u:.4}"),
+        let sentence = match object.shape.domain() {
+            [_, _] => format!("{name} at (u, v) = ({u:.4}, {v:.4})"),
+            [_] => format!("{name} at t = {u:.4}"),
             _ => name.clone(),
         };
         self.status_message = Some(StatusMessage::info(sentence));
