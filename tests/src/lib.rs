@@ -19,6 +19,7 @@ pub mod pictures;
 pub mod stiff;
 pub mod structure;
 pub mod talk;
+pub mod toy_language;
 
 use syntax::diagnostic::Code;
 
