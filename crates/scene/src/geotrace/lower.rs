@@ -176,7 +176,8 @@ impl Lowerer {
             Operation::Binary(row) => match (pop(stack), pop(stack)) {
                 (Item::Number(b), Item::Number(a)) => Item::Number((row.numbers)(a, b)),
                 (b, a) => {
-                    // Nodes are made in the order of the stack; of two errors the left one is reported.
+                    // The right operand's node comes first, as it is popped first: the order of nodes is part of the scene.
+                    // Of two errors the left one is reported.
                     let b = self.value(b);
                     let a = self.value(a)?;
                     match (a, b?) {

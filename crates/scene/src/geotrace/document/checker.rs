@@ -274,6 +274,7 @@ impl Checker {
         let declarations = &mut self.declarations;
         // A declaration is checked as though no other drew anything.
         declarations.samples = 0;
+        // A param that keeps its uniforms keeps its nodes: its readers' expressions stay what they are.
         declarations.kept = before
             .as_ref()
             .filter(|before| before.word == read.word && before.chunk == chunk)
@@ -302,7 +303,7 @@ impl Checker {
                 watch(&drawn.object, &self.params, &self.grids, checked);
             }
         }
-        // Only what geodesics may lie on is asked for again.
+        // Later declarations ask only for what geodesics may lie on; other objects would pile up edit by edit.
         let is_manifold = |drawn: &Drawn| drawn.object.shape.manifold().is_some();
         understood.drawn = understood.drawn.filter(is_manifold);
         let source = understood
@@ -317,20 +318,12 @@ impl Checker {
                 self.sources.push(symbol);
                 self.declarations.lowerer.dependencies.place_next(rank);
             }
-            let data = match data {
-                SourceData::Param(param) => {
-                    self.params.push(symbol);
-                    Data::Param(param.ranges, param.initial)
-                }
-                SourceData::Grid(grid) => {
-                    self.grids.push(symbol);
-                    Data::Grid(grid.axes)
-                }
-            };
-            Box::new(KnownSource { uniforms, data })
+            Box::new(KnownSource {
+                uniforms,
+                data: self.data(symbol, data),
+            })
         });
-
-        let mut known = Known {
+        let known = Known {
             word: read.word,
             own,
             chunk,
@@ -338,15 +331,46 @@ impl Checker {
             source,
         };
         checked.components += known.uniforms().map_or(0, |uniforms| uniforms.count);
+        self.remember(symbol, before, known, checked);
+    }
+
+    /// Notes that a param or grid of the checker's scene is this symbol's, and returns the part that readers may depend on.
+    fn data(&mut self, symbol: SymbolId, data: SourceData) -> Data {
+        match data {
+            SourceData::Param(param) => {
+                self.params.push(symbol);
+                Data::Param(param.ranges, param.initial)
+            }
+            SourceData::Grid(grid) => {
+                self.grids.push(symbol);
+                Data::Grid(grid.axes)
+            }
+        }
+    }
+
+    /// Remembers a symbol, and notes whether its readers have to be checked again.
+    fn remember(
+        &mut self,
+        symbol: SymbolId,
+        before: Option<Known>,
+        mut known: Known,
+        checked: &mut Checked,
+    ) {
         let same = before
             .as_ref()
             .and_then(|before| self.same(before, &known, checked));
         match (before, same) {
             (Some(before), Some(shift)) => {
+                // The readers' nodes and steps name the old symbol, so it stays; a body that has only moved keeps its old
+                // places, which lead to the chunk by another shift from now on.
                 known.own = before.own;
                 known.base = before.base;
                 if let Some(shift) = shift {
-                    self.bases.insert(before.base, Home { chunk, shift });
+                    let home = Home {
+                        chunk: known.chunk,
+                        shift,
+                    };
+                    self.bases.insert(before.base, home);
                     if !checked.bases.contains(&before.base) {
                         checked.bases.push(before.base);
                     }
