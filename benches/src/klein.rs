@@ -25,11 +25,7 @@ pub(crate) fn run() {
         println!("  has no surface");
         return;
     };
-    println!(
-        "  derivatives and WGSL of its geodesics: {}",
-        Times::of(51, || wgsl::kernel::geodesic(&scene.graph, position))
-    );
-    match wgsl::kernel::geodesic(&scene.graph, position) {
+    match wgsl::kernel::sample_surface(&scene.graph, position) {
         Ok(kernel) => println!(
             "  operations in the kernel: {}; generated text: {} bytes",
             kernel.operations(),

@@ -6,12 +6,3 @@ struct Tangents {
     du: vec3f,
     dv: vec3f,
 }
-
-// First and second order: what the geodesic equation needs.
-struct Jet {
-    du: vec3f,
-    dv: vec3f,
-    duu: vec3f,
-    duv: vec3f,
-    dvv: vec3f,
-}

@@ -1,19 +1,18 @@
-// From what a pixel sees to its bytes: what all passes that colour geodesic pictures have in common.
+// From what a pixel sees to its bytes.
 
 struct Resolve {
     // The surface's colour in linear light; multiplies the image.
     colour: vec4f,
-    // The map's offsets to widths of the image: uv = place + offset * per_width.
+    // The ends' offsets to widths of the image: uv = place + offset * per_width.
     place: vec2f,
     per_width: vec2f,
     // 1 along an axis in which the image repeats, else 0.
     repeats: vec2f,
     // The whole picture in pixels.
     size: vec2u,
-    // The first row that the map holds, and how many it holds.
-    map_rows: vec2u,
     // The first row to colour, and how many.
     rows: vec2u,
+    padding: vec2u,
     // Half the hatching's period in pixels; pixels of the dark border.
     hatch: f32,
     reach: i32,

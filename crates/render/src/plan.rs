@@ -13,7 +13,7 @@ use scene::ParamValues;
 use scene::{Object, ObjectId, Scene, Shape};
 
 use crate::overlay;
-use crate::request::{Backend, Method, Request, View};
+use crate::request::{Backend, Request, View};
 use crate::sample::surface_roots;
 
 /// From this many operations (samples × operations per sample) on, a generated kernel fills an object's samples on
@@ -64,8 +64,9 @@ pub struct ObjectPlan {
 pub struct GeodesicPlan {
     /// The surface.
     pub surface: ObjectId,
-    /// Where the map of geodesics' ends comes from.
-    pub source: Source,
+    /// Whether its ends are a table of polynomials, which a fixed pass on the GPU colours; a map pixel by pixel is
+    /// coloured on the CPU.
+    pub is_table: bool,
     /// Operations of the surface's derivatives up to order two, shared ones once: what one evaluation of the
     /// geodesic equation computes of the surface. `None` if they explode.
     pub derivative_operations: Option<u64>,
@@ -100,9 +101,7 @@ pub struct Built {
     pub draw_pipelines: u32,
     /// Generated compute kernels that fill samples: one per object whose source is a kernel.
     pub sample_kernels: u32,
-    /// Generated compute kernels of geodesic views.
-    pub geodesic_kernels: u32,
-    /// Fixed passes that turn a map of geodesics' ends into colours.
+    /// Fixed passes that turn a table of geodesics' ends into colours.
     pub resolve_pipelines: u32,
     /// Images.
     pub textures: u32,
@@ -146,12 +145,7 @@ pub fn plan(scene: &Scene, settings: &ParamValues, request: &Request) -> Plan {
             textured.push(*surface);
             plan.geodesic = Some(GeodesicPlan {
                 surface: *surface,
-                // All but the thesis' method are f64, whatever colours their ends.
-                source: if gpu && *method == Method::Rk4Pixel && is_embedded(scene, *surface) {
-                    Source::Kernel
-                } else {
-                    Source::Blocks
-                },
+                is_table: method.is_fan(),
                 derivative_operations: derivative_operations(scene, *surface),
             });
         }
@@ -194,9 +188,7 @@ pub fn plan(scene: &Scene, settings: &ParamValues, request: &Request) -> Plan {
         };
         plan.left_out.push(format!("no sampling kernel: {reason}"));
     }
-    if let Some(view) = &plan.geodesic
-        && view.source == Source::Blocks
-    {
+    if inside {
         plan.left_out
             .push("no geodesic kernel: the geodesics are followed in f64".to_owned());
     }
@@ -221,13 +213,18 @@ impl Plan {
             .filter(|object| object.source == Source::Kernel)
             .count();
         let geodesic = self.geodesic.as_ref();
+        // A map pixel by pixel is coloured on the CPU, with its image.
+        let textures = if geodesic.is_some_and(|view| !view.is_table) {
+            0
+        } else {
+            self.textures
+        };
         Built {
             draw_pipelines: self.painters().len() as u32,
             sample_kernels: kernels as u32,
-            geodesic_kernels: geodesic.map_or(0, |view| u32::from(view.source == Source::Kernel)),
-            resolve_pipelines: u32::from(geodesic.is_some()),
-            textures: self.textures,
-            samplers: u32::from(self.textures > 0),
+            resolve_pipelines: u32::from(geodesic.is_some_and(|view| view.is_table)),
+            textures,
+            samplers: u32::from(textures > 0),
         }
     }
 }
@@ -331,13 +328,6 @@ pub(crate) fn operations(scene: &Scene, id: ObjectId) -> u64 {
     with_normal
         .unwrap_or_else(|| count(&scene.graph, &object.shape.roots()))
         .max(1)
-}
-
-fn is_embedded(scene: &Scene, object: ObjectId) -> bool {
-    matches!(
-        scene.objects.get(object.0 as usize).map(|o| &o.shape),
-        Some(Shape::Surface { .. })
-    )
 }
 
 fn derivative_operations(scene: &Scene, surface: ObjectId) -> Option<u64> {

@@ -93,6 +93,16 @@ pub enum Method {
     Adaptive,
 }
 
+impl Method {
+    /// Whether rays are shared by all pixels, so that the ends are a table of polynomials.
+    pub(crate) fn is_fan(self) -> bool {
+        match self {
+            Self::Auto | Self::Fan | Self::FanLinear => true,
+            Self::Rk4Pixel | Self::Adaptive => false,
+        }
+    }
+}
+
 /// What draws a picture.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Backend {

@@ -241,3 +241,48 @@ fn a_view_of_a_million_turns_ends_and_says_so() {
         .count();
     assert!(limited > 40, "{limited} of 48");
 }
+
+#[test]
+fn beside_a_pole_geodesics_end_where_great_circles_do() {
+    const WHOLE: &str =
+        "surface s(u, v) = (cos u cos v, sin u cos v, sin v), u : [-pi, pi], v : [-pi/2, pi/2];";
+    let (size, zoom) = ([64, 64], 1.2f64);
+    // From the equator to a hundredth of the radius beside a pole, where the chart is nearly polar.
+    for latitude in [0.0, 0.9, 1.4, 1.51, 1.56] {
+        let map = map(
+            WHOLE,
+            &request(size, Some([0.0, latitude]), 0.0, Some(zoom)),
+        );
+        let (sin, cos) = latitude.sin_cos();
+        let mut worst = 0.0f64;
+        for index in 0..map.offset.len() {
+            let [x, y] = [index % 64, index / 64].map(|k| (k as f64 + 0.5) / 32.0 - 1.0);
+            let (x, y) = (zoom * x, -zoom * y);
+            // From (cos, 0, sin) by the arc r in the direction x east + y north.
+            let r = x.hypot(y);
+            let (east, north) = (x / r * r.sin(), y / r * r.sin());
+            let expected = [
+                cos * r.cos() - sin * north,
+                east,
+                sin * r.cos() + cos * north,
+            ];
+            let [u, v] = map.uv(index);
+            let found = [u.cos() * v.cos(), u.sin() * v.cos(), v.sin()];
+            let off = found
+                .iter()
+                .zip(expected)
+                .map(|(a, b)| (a - b).powi(2))
+                .sum::<f64>()
+                .sqrt();
+            worst = worst.max(off);
+        }
+        // A tenth of a pixel.
+        let pixel = zoom / 32.0;
+        println!("latitude {latitude}: worst {:.4} pixels", worst / pixel);
+        assert!(
+            worst < 0.1 * pixel,
+            "latitude {latitude}: {} pixels",
+            worst / pixel
+        );
+    }
+}

@@ -97,7 +97,6 @@ fn made(before: Counters, after: Counters) -> Counters {
     Counters {
         pictures: after.pictures - before.pictures,
         pipelines: after.pipelines - before.pipelines,
-        geodesic_kernels: after.geodesic_kernels - before.geodesic_kernels,
         sampled: after.sampled - before.sampled,
         looks: after.looks - before.looks,
         ends: after.ends - before.ends,
@@ -159,10 +158,7 @@ fn a_camera_move_and_the_same_request_again_sample_nothing() {
             .draw(&scene, &settings, &Request::space(SIZE))
             .expect("a picture");
         let before = stage.counters();
-        assert_eq!(
-            (before.sampled, before.looks, before.geodesic_kernels),
-            (20, 0, 0)
-        );
+        assert_eq!((before.sampled, before.looks), (20, 0));
         for request in [
             seen_from([30.0, 20.0, 10.0]),
             seen_from([-30.0, 20.0, 10.0]),
@@ -506,7 +502,7 @@ fn pipelines_are_built_for_kinds_of_objects_and_never_again() {
         .draw(&scene, &settings, &Request::space([50, 50]))
         .expect("a picture");
     let now = stage.counters();
-    assert_eq!((now.pipelines, now.geodesic_kernels, now.looks), (1, 0, 0));
+    assert_eq!((now.pipelines, now.looks), (1, 0));
     assert_eq!(now.sampled, 20 + 4 + 1);
     // A geodesic view takes one fixed pass, and no kernel of its own.
     for surface in [0, 1, 0] {
@@ -514,7 +510,7 @@ fn pipelines_are_built_for_kinds_of_objects_and_never_again() {
         stage.draw(&scene, &settings, &inside).expect("a picture");
     }
     let now = stage.counters();
-    assert_eq!((now.pipelines, now.geodesic_kernels, now.looks), (2, 0, 2));
+    assert_eq!((now.pipelines, now.looks), (2, 2));
     let (curves, settings) =
         compiled("curve c(t) = (t, t^2, 0), t : [0, 1, 20]; point p = (1, 0, 0);");
     stage.draw(&curves, &settings, &request).expect("a picture");

@@ -168,34 +168,6 @@ pub fn sample_surface(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, Ge
     )
 }
 
-/// The exponential map of a surface, pixel by pixel.
-pub fn geodesic(graph: &Graph, position: [NodeId; 3]) -> Result<Kernel, GenerateError> {
-    let (mut graph, roots) = graph.extract(&position);
-    let du = graph.derivatives(&roots, Input::Variable(0))?;
-    let dv = graph.derivatives(&roots, Input::Variable(1))?;
-    let duu = graph.derivatives(&du, Input::Variable(0))?;
-    let duv = graph.derivatives(&du, Input::Variable(1))?;
-    let dvv = graph.derivatives(&dv, Input::Variable(1))?;
-    let functions = [Function {
-        header: "surface_jet(u: f32, v: f32, instance: u32) -> Jet",
-        roots: [du, dv, duu, duv, dvv].concat(),
-        result: ResultForm::Vectors("Jet"),
-    }];
-    generate(
-        &graph,
-        &functions,
-        &library::CONTRACT_GEODESIC,
-        &[
-            library::NUMBER,
-            library::POWER,
-            library::JET,
-            library::FIRST_FORM,
-            library::CHART,
-        ],
-        &library::PASS_GEODESIC,
-    )
-}
-
 /// Expressions over rows of inputs: for comparing what a GPU computes with f64.
 pub fn evaluate(graph: &Graph, roots: &[NodeId]) -> Result<Kernel, GenerateError> {
     let functions = [Function {

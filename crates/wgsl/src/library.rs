@@ -29,10 +29,6 @@ pub const POWER: Piece<'static> = piece!("lib/power.wgsl");
 pub const JET: Piece<'static> = piece!("lib/jet.wgsl");
 /// Equally spaced values and the numbering of samples.
 pub const SAMPLING: Piece<'static> = piece!("lib/sampling.wgsl");
-/// First fundamental form and geodesic equation.
-pub const FIRST_FORM: Piece<'static> = piece!("lib/first_form.wgsl");
-/// The chart's domain and its sides.
-pub const CHART: Piece<'static> = piece!("lib/chart.wgsl");
 /// The camera of the 3D view.
 pub const VIEW: Piece<'static> = piece!("lib/view.wgsl");
 /// Strips and discs that face the eye.
@@ -59,8 +55,6 @@ pub const CONTRACT_VECTOR: Piece<'static> = piece!("contract/vector.wgsl");
 pub const CONTRACT_CURVE: Piece<'static> = piece!("contract/curve.wgsl");
 /// A generated surface with its first derivatives.
 pub const CONTRACT_SURFACE: Piece<'static> = piece!("contract/surface.wgsl");
-/// A generated surface's derivatives for the geodesic equation.
-pub const CONTRACT_GEODESIC: Piece<'static> = piece!("contract/geodesic.wgsl");
 /// Generated expressions over a table of inputs.
 pub const CONTRACT_EVALUATE: Piece<'static> = piece!("contract/evaluate.wgsl");
 
@@ -72,8 +66,6 @@ pub const PASS_SAMPLE_VECTOR: Piece<'static> = piece!("pass/sample_vector.wgsl")
 pub const PASS_SAMPLE_CURVE: Piece<'static> = piece!("pass/sample_curve.wgsl");
 /// Samples of a surface.
 pub const PASS_SAMPLE_SURFACE: Piece<'static> = piece!("pass/sample_surface.wgsl");
-/// The exponential map of a picture.
-pub const PASS_GEODESIC: Piece<'static> = piece!("pass/geodesic.wgsl");
 /// Expressions over rows of inputs.
 pub const PASS_EVALUATE: Piece<'static> = piece!("pass/evaluate.wgsl");
 /// A picture onto the target of somebody else.
@@ -86,7 +78,5 @@ pub const PASS_DRAW_VECTORS: Piece<'static> = piece!("pass/draw_vectors.wgsl");
 pub const PASS_DRAW_CURVES: Piece<'static> = piece!("pass/draw_curves.wgsl");
 /// Painter of surfaces.
 pub const PASS_DRAW_SURFACES: Piece<'static> = piece!("pass/draw_surfaces.wgsl");
-/// From a map of geodesics' ends to colours.
-pub const PASS_RESOLVE_GEODESIC: Piece<'static> = piece!("pass/resolve_geodesic.wgsl");
 /// From a table of polynomials to colours.
 pub const PASS_RESOLVE_PATCHWORK: Piece<'static> = piece!("pass/resolve_patchwork.wgsl");

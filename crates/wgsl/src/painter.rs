@@ -29,17 +29,9 @@ pub fn surfaces() -> Result<Joined, InternalError> {
     ])
 }
 
-/// From a map of geodesics' ends to colours.
-pub fn resolve_geodesic() -> Result<Joined, InternalError> {
-    resolve(library::PASS_RESOLVE_GEODESIC)
-}
-
 /// From a table of polynomials to colours.
 pub fn resolve_patchwork() -> Result<Joined, InternalError> {
-    resolve(library::PASS_RESOLVE_PATCHWORK)
-}
-
-fn resolve(pass: Piece<'_>) -> Result<Joined, InternalError> {
+    let pass = library::PASS_RESOLVE_PATCHWORK;
     fulfils(&pass, &library::CONTRACT_SEEN)?;
     join(&[
         library::NUMBER,

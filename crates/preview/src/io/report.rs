@@ -25,8 +25,6 @@ pub struct Counters {
     pub sampled: u64,
     /// Pipelines that were built.
     pub pipelines: u64,
-    /// Of these, kernels that follow geodesics.
-    pub geodesic_kernels: u64,
     /// Geodesic views whose geodesics were followed.
     pub looks: u64,
     /// Texts that were compiled.

@@ -292,11 +292,6 @@ impl Inside {
         }
     }
 
-    /// The same camera, by another method.
-    pub(crate) fn by(self, method: Method) -> Self {
-        Self { method, ..self }
-    }
-
     /// What it stands on.
     pub fn ground(&self) -> &Manifold {
         &self.ground

@@ -1,15 +1,8 @@
-//! The geodesic view: the ends of all pixels' geodesics, coloured by a fixed pass. The ends are a table of polynomials
-//! that the fan's rays gave in f64, or, for comparison, a map pixel by pixel from f64 or from a generated kernel.
+//! The geodesic view: the ends of all pixels' geodesics, a table of polynomials that the fan's rays gave in f64, coloured
+//! by a fixed pass. Maps pixel by pixel, which are there for comparison, are coloured on the CPU.
 //!
-//! Pictures are made in slabs of rows, so that memory is bounded, and each slab in bands, so that no dispatch runs
-//! long. The resolve pass looks at neighbouring pixels: a slab's map has some rows more than are coloured.
+//! Pictures are made in slabs of rows, so that memory is bounded.
 
-mod chart;
-mod map;
-
-use std::borrow::Cow;
-
-use geodesic::ends::{Estimate, Work};
 use geodesic::patchwork::table::code_of;
 use geodesic::trace::Status;
 use geometry::ManifoldError;
@@ -22,14 +15,12 @@ use crate::gpu::Drawn;
 use crate::gpu::layout::Resolve;
 use crate::gpu::workshop::{Workshop, dispatch};
 use crate::overlay::OverInside;
-use crate::plan::{GeodesicPlan, Plan, Source};
-use crate::request::{Method, RenderError, Request};
+use crate::plan::Plan;
+use crate::request::{RenderError, Request};
+use crate::software;
 use crate::style;
-use chart::Chart;
-pub(crate) use map::map;
-use map::{MapSource, kernel_source};
 
-/// Pixels of one slab: 64 MB of map.
+/// Pixels of one slab: 16 MB of colours.
 const SLAB_PIXELS: u32 = 1 << 22;
 /// How many statuses there are.
 pub(crate) const STATUSES: usize = 6;
@@ -48,14 +39,21 @@ pub(crate) fn render(
     };
     let inside = geodesic_view::Inside::new(scene, settings, request)?;
     let object = &scene.objects[view.surface.0 as usize];
-    let source = source(workshop, scene, view, &inside, progress)?;
+    let seen = inside.look(&|share| progress(0.9 * share));
+    let tally = Tally::default();
+    let Seen::Patchwork { patchwork, .. } = &seen else {
+        let picture = software::paint(scene, settings, request, &inside, &seen, &tally)?;
+        progress(1.0);
+        return Ok(Drawn {
+            image: picture.image,
+            notes: picture.notes,
+            overlays: picture.overlays,
+        });
+    };
     let [width, height] = request.size;
     let mut picture = RgbaImage::new(width, height);
 
-    let pipeline = match &source.ends {
-        Ends::Map(..) => workshop.resolve_pipeline(&wgsl::painter::resolve_geodesic()?),
-        Ends::Table(_) => workshop.resolve_pipeline(&wgsl::painter::resolve_patchwork()?),
-    };
+    let pipeline = workshop.resolve_pipeline(&wgsl::painter::resolve_patchwork()?);
     let cover = Cover::new(
         &request.texture(view.surface),
         inside.domain(),
@@ -63,37 +61,14 @@ pub(crate) fn render(
     );
     let sampler = workshop.sampler(cover.repeats);
     let image = workshop.texture(&cover.texture);
-    let (origin, unit) = match &source.ends {
-        Ends::Map(map, chart) => (map.origin(chart), chart.scale),
-        Ends::Table(_) => (inside.frame.uv.0, [1.0; 2]),
-    };
     let colour = request.colour(view.surface, &object.shape);
-    let mut resolve = description(request, &cover, origin, unit, colour);
-    let halo = resolve.reach as u32 + 1;
-    let slab = (SLAB_PIXELS / width)
-        .saturating_sub(2 * halo)
-        .clamp(1, height);
+    let mut resolve = description(request, &cover, inside.frame.uv.0, colour);
+    let slab = (SLAB_PIXELS / width).clamp(1, height);
     let gpu = workshop.gpu;
+    let table = gpu.storage("table", bytemuck::cast_slice(&patchwork.table()));
     let counts = gpu.output("counts", 4 * STATUSES as u64)?;
     for first in (0..height).step_by(slab as usize) {
         let rows = slab.min(height - first);
-        let made;
-        let ends = match &source.ends {
-            Ends::Map(map, chart) => {
-                let map_first = first.saturating_sub(halo);
-                let map_rows = (first + rows + halo).min(height) - map_first;
-                resolve.map_rows = [map_first, map_rows];
-                made = map.rows(
-                    workshop,
-                    chart,
-                    request.size,
-                    [map_first, map_rows],
-                    progress,
-                )?;
-                &made
-            }
-            Ends::Table(table) => table,
-        };
         resolve.rows = [first, rows];
         let uniform = gpu.uniform("resolve", &resolve);
         let size = 4 * u64::from(width) * u64::from(rows);
@@ -102,7 +77,7 @@ pub(crate) fn render(
             &pipeline.get_bind_group_layout(0),
             &[
                 uniform.as_entire_binding(),
-                ends.as_entire_binding(),
+                table.as_entire_binding(),
                 colours.as_entire_binding(),
                 counts.as_entire_binding(),
                 wgpu::BindingResource::TextureView(&image),
@@ -131,14 +106,9 @@ pub(crate) fn render(
             .map_or(0, |&count| count as usize)
     };
     let pixels = width as usize * height as usize;
-    let mut notes = geodesic_view::notes(pixels, count, &source.work, source.estimate);
-    let tally = Tally::default();
+    let mut notes = geodesic_view::notes(pixels, count, &seen.work(), seen.estimate());
     let over = OverInside::new(scene, settings, request, &inside, view.surface, &tally);
-    let (over, overlays) = over.draw(&mut picture, || match &source.seen {
-        Some(seen) => Cow::Borrowed(seen),
-        // The kernel keeps no derivatives: what lies over its picture comes from the fan.
-        None => Cow::Owned(inside.clone().by(Method::Fan).look(&|_| {})),
-    });
+    let (over, overlays) = over.draw(&mut picture, &seen);
     notes.extend(over);
     Ok(Drawn {
         image: picture,
@@ -147,66 +117,11 @@ pub(crate) fn render(
     })
 }
 
-/// Where the pixels' ends come from.
-struct Found {
-    ends: Ends,
-    /// What they cost on the CPU.
-    work: Work,
-    estimate: Option<Estimate>,
-    /// The ends on the CPU, unless they were computed on the GPU.
-    seen: Option<Seen>,
-}
-
-enum Ends {
-    /// Pixel by pixel.
-    Map(MapSource, Box<Chart>),
-    /// The table of a patchwork, as words.
-    Table(wgpu::Buffer),
-}
-
-fn source(
-    workshop: &mut Workshop<'_>,
-    scene: &Scene,
-    view: &GeodesicPlan,
-    inside: &geodesic_view::Inside,
-    progress: &(dyn Fn(f32) + Sync),
-) -> Result<Found, RenderError> {
-    if view.source == Source::Kernel
-        && let Some(kernel) = kernel_source(workshop, scene, view.surface, inside)?
-    {
-        return Ok(Found {
-            ends: Ends::Map(kernel, Box::new(Chart::of(inside))),
-            work: Work::default(),
-            estimate: None,
-            seen: None,
-        });
-    }
-    let seen = inside.look(&|share| progress(0.9 * share));
-    let (work, estimate) = (seen.work(), seen.estimate());
-    let ends = match &seen {
-        Seen::Patchwork { patchwork, .. } => {
-            let words = patchwork.table();
-            Ends::Table(workshop.gpu.storage("table", bytemuck::cast_slice(&words)))
-        }
-        Seen::Map(map) => Ends::Map(
-            MapSource::Blocks(Box::new(map.clone())),
-            Box::new(Chart::of(inside)),
-        ),
-    };
-    Ok(Found {
-        ends,
-        work,
-        estimate,
-        seen: Some(seen),
-    })
-}
-
-/// What a fixed pass needs, but for the rows. The ends' offsets count `unit`s of (u,v) from `origin`.
+/// What the fixed pass needs, but for the rows. The ends' offsets count from `origin`.
 pub(crate) fn description(
     request: &Request,
     cover: &Cover,
     origin: [f64; 2],
-    unit: [f64; 2],
     [r, g, b]: [f32; 3],
 ) -> Resolve {
     let size = request.size;
@@ -229,11 +144,11 @@ pub(crate) fn description(
             true => (place[k] - place[k].floor()) as f32,
             false => place[k] as f32,
         }),
-        per_width: [0, 1].map(|k| (unit[k] / cover.period[k]) as f32),
+        per_width: [0, 1].map(|k| (1.0 / cover.period[k]) as f32),
         repeats: cover.repeats.map(|repeats| f32::from(u8::from(repeats))),
         size,
-        map_rows: [0, size[1]],
         rows: [0, size[1]],
+        padding: [0; 2],
         hatch: HATCH * hatch_unit,
         reach: (hatch_unit.round() as i32).max(1),
         ring: if mark {
@@ -259,4 +174,26 @@ fn status_of(code: u32) -> Status {
 }
 
 #[cfg(test)]
-mod tests;
+mod tests {
+    #[test]
+    fn the_pass_reads_a_table_of_the_layout_that_is_written() {
+        use geodesic::patchwork::table::{APEX_WORDS, PATCH_WORDS, SINGLE_WORDS};
+        use geodesic::patchwork::{ARC_TANGENT, BLOCK, DEGREE};
+        let joined = wgsl::painter::resolve_patchwork().expect("valid");
+        let text = joined.source();
+        for (name, value) in [
+            ("APEX_WORDS", APEX_WORDS),
+            ("PATCH_WORDS", PATCH_WORDS),
+            ("SINGLE_WORDS", SINGLE_WORDS),
+            ("DEGREE", DEGREE),
+        ] {
+            let line = format!("const {name}: u32 = {value}u;");
+            assert!(text.contains(&line), "{line}");
+        }
+        assert_eq!(BLOCK, 8, "a workgroup is a block");
+        for coefficient in ARC_TANGENT {
+            let number = coefficient.abs().to_string();
+            assert!(text.contains(&number), "{number}");
+        }
+    }
+}

@@ -1,7 +1,6 @@
 //! Geodesic pictures again and again: the table of a look is uploaded once, the fixed pass is built once, and what has
 //! been coloured stays on the device unless something is drawn over it in memory.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use ::geodesic::patchwork::table::code_of;
@@ -94,7 +93,7 @@ impl Insides {
         let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let shape = &scene.objects[surface.0 as usize].shape;
         let colour = request.colour(*surface, shape);
-        let mut resolve = description(request, &cover, inside.frame.uv.0, [1.0; 2], colour);
+        let mut resolve = description(request, &cover, inside.frame.uv.0, colour);
         resolve.stride[0] = row / 4;
         let uniform = gpu.uniform("resolve", &resolve);
         let size = u64::from(row) * u64::from(height);
@@ -142,7 +141,7 @@ impl Insides {
                 }
             })?;
             let over = OverInside::new(scene, settings, request, inside, *surface, &look.tally);
-            let (over, overlays) = over.draw(&mut picture, || Cow::Borrowed(seen));
+            let (over, overlays) = over.draw(&mut picture, seen);
             notes.extend(over);
             return Ok(Some(Coloured {
                 pixels: Pixels::Image(picture),

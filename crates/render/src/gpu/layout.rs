@@ -136,26 +136,6 @@ pub(crate) struct Sampling {
     pub(crate) padding: [f32; 2],
 }
 
-/// `Camera` of lib/chart.wgsl.
-#[derive(Clone, Copy, Debug, Pod, Zeroable)]
-#[repr(C)]
-pub(crate) struct ChartCamera {
-    pub(crate) origin: [f32; 2],
-    pub(crate) scale: [f32; 2],
-    pub(crate) x: [f32; 2],
-    pub(crate) y: [f32; 2],
-    pub(crate) minimum: [f32; 2],
-    pub(crate) maximum: [f32; 2],
-    pub(crate) sides: [u32; 4],
-    pub(crate) tip_powers: [f32; 4],
-    pub(crate) size: [u32; 2],
-    pub(crate) rows: [u32; 2],
-    pub(crate) per_length: f32,
-    pub(crate) step_limit: u32,
-    pub(crate) instance: u32,
-    pub(crate) map_row: u32,
-}
-
 /// `Resolve` of lib/picture.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
@@ -165,8 +145,8 @@ pub(crate) struct Resolve {
     pub(crate) per_width: [f32; 2],
     pub(crate) repeats: [f32; 2],
     pub(crate) size: [u32; 2],
-    pub(crate) map_rows: [u32; 2],
     pub(crate) rows: [u32; 2],
+    pub(crate) padding: [u32; 2],
     pub(crate) hatch: f32,
     pub(crate) reach: i32,
     pub(crate) ring: f32,
@@ -263,13 +243,13 @@ mod tests {
                 emphasis,
             ]
         );
-        let resolve = painter::resolve_geodesic().expect("valid");
+        let resolve = painter::resolve_patchwork().expect("valid");
         assert_same_layout!(
             resolve,
             "Resolve",
             super::Resolve,
             [
-                colour, place, per_width, repeats, size, map_rows, rows, hatch, reach, ring,
+                colour, place, per_width, repeats, size, rows, padding, hatch, reach, ring,
                 ring_half, stride, hatching,
             ]
         );
@@ -285,23 +265,6 @@ mod tests {
             super::Sampling,
             [
                 minimum, maximum, count, total, slots, centre, per_length, horizon, nudge, padding,
-            ]
-        );
-        let geodesic = stubbed(&[
-            library::NUMBER,
-            library::JET,
-            library::FIRST_FORM,
-            library::CHART,
-            library::CONTRACT_GEODESIC,
-            library::PASS_GEODESIC,
-        ]);
-        assert_same_layout!(
-            geodesic,
-            "Camera",
-            super::ChartCamera,
-            [
-                origin, scale, x, y, minimum, maximum, sides, tip_powers, size, rows, per_length,
-                step_limit, instance, map_row,
             ]
         );
         let evaluate = stubbed(&[

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! plan ──samples.rs──▶ sample buffers (f64 blocks or a kernel) ──one painter a file──▶ space.rs: tiles ──▶ picture
-//!      └─geodesic.rs─▶ map (kernel or f64) ──resolve pass──▶ picture
+//! ends of geodesics (f64) ──geodesic.rs: table of polynomials, resolve pass──▶ picture
 //! ```
 //!
 //! What is built is counted ([`Built`]) and equals [`crate::plan::Plan::built`]. wgpu is used nowhere else.
@@ -25,7 +25,6 @@ mod surfaces;
 mod vectors;
 mod workshop;
 
-use ::geodesic::map::Map;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 use wgsl::GenerateError;
@@ -102,21 +101,6 @@ struct Drawn {
     image: image::RgbaImage,
     notes: Vec<String>,
     overlays: Vec<&'static str>,
-}
-
-/// The map of a geodesic view as the generated kernel computes it: for comparing it with f64. `None` if the surface's
-/// derivatives are too large for a shader.
-///
-/// # Errors
-/// As [`render`].
-pub fn geodesic_map(
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-) -> Result<Option<Map>, RenderError> {
-    request.check(scene)?;
-    let gpu = device::open()?;
-    gpu.guarded(|| geodesic::map(&mut Workshop::new(gpu), scene, settings, request))
 }
 
 /// The samples of an object as its generated kernel computes them: for comparing them with [`crate::sample::sample`].

@@ -118,15 +118,11 @@ impl Studio {
         self.kernels.is_making()
     }
 
-    /// Pipelines and kernels that have been built so far, and those of them that follow geodesics.
-    pub(crate) fn pipelines(&self) -> [u64; 2] {
+    /// The number of pipelines and kernels that have been built so far.
+    pub(crate) fn pipelines(&self) -> u64 {
         let built = &self.built;
-        let fixed = built.draw_pipelines + built.resolve_pipelines + built.geodesic_kernels;
-        let kernels = self.kernels.built();
-        [
-            u64::from(fixed) + kernels,
-            u64::from(built.geodesic_kernels),
-        ]
+        let fixed = built.draw_pipelines + built.resolve_pipelines;
+        u64::from(fixed) + self.kernels.built()
     }
 
     /// Objects whose samples kernels have computed so far.

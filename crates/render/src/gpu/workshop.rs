@@ -47,13 +47,7 @@ impl<'a> Workshop<'a> {
         self.compute_from(kernel.entry_point(), kernel.joined(), refused)
     }
 
-    /// A generated kernel of a geodesic view.
-    pub(crate) fn geodesic_kernel(&mut self, kernel: &Kernel) -> wgpu::ComputePipeline {
-        self.built.geodesic_kernels += 1;
-        self.compute(kernel.entry_point(), kernel.joined())
-    }
-
-    /// The fixed pass that colours a map or a table of polynomials.
+    /// The fixed pass that colours a table of polynomials.
     pub(crate) fn resolve_pipeline(&mut self, joined: &Joined) -> wgpu::ComputePipeline {
         self.built.resolve_pipelines += 1;
         self.compute("resolve", joined)

@@ -61,21 +61,19 @@ impl<'a> OverInside<'a> {
         self.lines.as_ref().map(|lines| lines as &dyn Layer)
     }
 
-    /// Draws all of it over a picture that was coloured elsewhere. `seen` gives the pixels' ends and is called only if
-    /// something needs them. Gives what a reader should know, and the names of what was drawn.
-    pub(crate) fn draw<'m>(
+    /// Draws all of it over a picture that was coloured elsewhere. Gives what a reader should know, and the names of what was drawn.
+    pub(crate) fn draw(
         self,
         image: &mut RgbaImage,
-        seen: impl FnOnce() -> Cow<'m, Seen>,
+        seen: &Seen,
     ) -> (Vec<String>, Vec<&'static str>) {
         if !self.request.overlays.any() && self.geodesics.is_empty() && self.trails.is_empty() {
             return (Vec::new(), Vec::new());
         }
-        let seen = seen();
         if let Some(layer) = self.layer() {
             seen.lay(image, layer, self.tally);
         }
-        self.finish(image, &seen, None)
+        self.finish(image, seen, None)
     }
 
     /// Draws the rest over a picture with its lines; `status` tells why the pixels' geodesics end, where that is known.

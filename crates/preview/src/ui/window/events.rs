@@ -116,7 +116,6 @@ impl Window {
                 self.counters.drawn = counters.pictures;
                 self.counters.sampled = counters.sampled;
                 self.counters.pipelines = counters.pipelines;
-                self.counters.geodesic_kernels = counters.geodesic_kernels;
                 self.counters.looks = counters.looks;
                 self.take_picture(&pane, picture, &order);
             }
