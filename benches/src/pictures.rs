@@ -1,14 +1,16 @@
 //! Pictures, each drawn in a process of its own.
 
 use std::process::{Command, ExitCode};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use render::{Backend, Request};
+use render::Backend;
 use scene::ParamValues;
 use testing::draw::surfaces;
 use testing::examples;
 
 use crate::measure::{Times, megabytes, peak_memory};
+use testing::wanted::Wanted;
 
 /// Programs that are no examples.
 const LARGE: &[(&str, &str)] = &[
@@ -36,21 +38,21 @@ pub(crate) fn child(arguments: &[String]) -> ExitCode {
         |(_, source)| (*source).to_owned(),
     );
     let start = Instant::now();
-    let Some(scene) = scene::geotrace::compile(&source).scene else {
+    let Some(scene) = scene::geotrace::compile(&source).scene.map(Arc::new) else {
         eprintln!("{name} has errors");
         return ExitCode::from(1);
     };
     let request = match surfaces(&scene).first() {
-        Some(surface) if view == "geodesic" => Request::geodesic(*surface, [512, 512]),
-        _ => Request::space([512, 512]),
+        Some(surface) if view == "geodesic" => Wanted::geodesic(*surface, [512, 512]),
+        _ => Wanted::space([512, 512]),
     };
     let backend = if backend == "gpu" {
         Backend::Gpu
     } else {
         Backend::Software
     };
-    let request = Request { backend, ..request };
-    match render::render(&scene, &ParamValues::initial(&scene), &request, &|_| {}) {
+    let request = Wanted { backend, ..request };
+    match request.draw(&scene, &ParamValues::initial(&scene)) {
         Ok(picture) => {
             println!(
                 "{} {} {}",

@@ -6,13 +6,15 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use geodesic::trace::Options;
+use render::Renderer;
 use render::gpu::Gpu;
-use render::live::{Pixels, Stage};
-use render::{Request, View};
+use render::gpu::Pixels;
+use render::viewpoint::PerspectiveCamera;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 use testing::draw::middle;
 use testing::examples;
+use testing::wanted::Wanted;
 
 use crate::measure::{Times, process_clock};
 
@@ -32,11 +34,11 @@ pub(crate) fn run() {
         "Frames of {} × {} pixels by a stage: camera turns, first param is dragged, being inside walks",
         SIZE[0], SIZE[1]
     );
-    stage("software", Stage::software);
+    stage("software", Renderer::software);
     match Gpu::shared() {
         Ok(gpu) => {
             let name = gpu.name().to_owned();
-            stage(&name, || Stage::on(gpu.clone()));
+            stage(&name, || Renderer::on_gpu(gpu.clone()));
         }
         Err(error) => println!("  {error}"),
     }
@@ -59,7 +61,7 @@ pub(crate) fn walk() {
             println!("    {} has errors", example.name);
             continue;
         };
-        let mut stage = Stage::software();
+        let mut stage = Renderer::software();
         let busy = process_clock();
         let Some(times) = walking(&mut stage, &scene, STEPS) else {
             continue;
@@ -80,7 +82,7 @@ pub(crate) fn walk() {
     }
 }
 
-fn stage(name: &str, make: impl Fn() -> Stage) {
+fn stage(name: &str, make: impl Fn() -> Renderer) {
     println!("  {name}");
     let (mut within, mut all) = (0, 0);
     for example in examples::all() {
@@ -116,16 +118,16 @@ fn stage(name: &str, make: impl Fn() -> Stage) {
 /// Draws frames, the first of which is not counted. A picture on a GPU counts when it has been drawn.
 fn frames(
     count: u32,
-    stage: &mut Stage,
+    stage: &mut Renderer,
     scene: &Arc<Scene>,
-    mut next: impl FnMut(f64) -> Option<(ParamValues, Request)>,
+    mut next: impl FnMut(f64) -> Option<(ParamValues, Wanted)>,
 ) -> Option<Times> {
     let mut times = Vec::new();
     for frame in 0..=count {
         let (settings, request) = next(f64::from(frame) / f64::from(count))?;
         let start = Instant::now();
-        let shot = stage.draw(scene, &settings, &request).ok()?;
-        if let (Pixels::Texture(_), Some(gpu)) = (&shot.pixels, stage.gpu()) {
+        let shot = stage.draw(&request.of(scene, &settings)).ok()?;
+        if let (Pixels::Texture(_), Some(gpu)) = (&shot.image, stage.gpu()) {
             gpu.finish().ok()?;
         }
         if frame > 0 {
@@ -135,24 +137,26 @@ fn frames(
     Some(Times::new(times))
 }
 
-fn turning(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
+fn turning(stage: &mut Renderer, scene: &Arc<Scene>) -> Option<Times> {
     let settings = middle(scene);
-    let camera = stage.camera(scene, &settings, &Request::space(SIZE)).ok()?;
+    let camera = stage
+        .camera(&Wanted::space(SIZE).of(scene, &settings))
+        .ok()?;
     let [x, y, z] = camera.eye.to_array();
     let (away, first) = (x.hypot(y), y.atan2(x));
     frames(FRAMES, stage, scene, |share| {
         let angle = first + 0.3 * TAU * share;
         let eye = [away * angle.cos(), away * angle.sin(), z];
-        let mut request = Request::space(SIZE);
-        request.view = View::Space {
-            eye: Some(camera.placement.world(eye)),
-            target: Some(camera.placement.world([0.0; 3])),
-        };
+        let mut request = Wanted::space(SIZE);
+        request.in_space().camera = PerspectiveCamera::new(
+            camera.placement.world(eye),
+            camera.placement.world([0.0; 3]),
+        );
         Some((settings.clone(), request))
     })
 }
 
-fn dragging(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
+fn dragging(stage: &mut Renderer, scene: &Arc<Scene>) -> Option<Times> {
     let param = scene.params.first()?;
     frames(FRAMES, stage, scene, |share| {
         let mut settings = middle(scene);
@@ -160,32 +164,31 @@ fn dragging(stage: &mut Stage, scene: &Arc<Scene>) -> Option<Times> {
         let range = param.ranges.first()?;
         values[0] = range.min + (0.3 + 0.4 * share) * (range.max - range.min);
         settings.set(scene, &param.name, &values).ok()?;
-        Some((settings, Request::space(SIZE)))
+        Some((settings, Wanted::space(SIZE)))
     })
 }
 
-fn walking(stage: &mut Stage, scene: &Arc<Scene>, steps: u32) -> Option<Times> {
+fn walking(stage: &mut Renderer, scene: &Arc<Scene>, steps: u32) -> Option<Times> {
     let settings = middle(scene);
     let surface = (0..)
         .zip(&scene.objects)
         .find(|(_, object)| object.shape.manifold().is_some())
         .map(|(index, _)| ObjectId(index))?;
-    let mut request = Request::geodesic(surface, SIZE);
+    let mut request = Wanted::geodesic(surface, SIZE);
     request.moving = true;
-    let inside = render::geodesic_view::Inside::new(scene, &settings, &request).ok()?;
+    let inside = request.placed(scene, &settings).ok()?;
     frames(steps, stage, scene, |share| {
         let (ahead, _) = inside
             .frame
             .advance(
-                inside.ground().surface(),
+                inside.manifold().surface(),
                 [0.2 * share, 0.1 * share],
                 &Options::default(),
             )
             .ok()?;
         let mut request = request.clone();
-        if let View::Geodesic { frame, .. } = &mut request.view {
-            *frame = Some(ahead);
-        }
+        let camera = &mut request.inside().camera;
+        *camera = camera.with_frame(ahead);
         Some((settings.clone(), request))
     })
 }

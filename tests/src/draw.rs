@@ -1,21 +1,24 @@
 //! Scenes and pictures of examples, drawn in this process.
 
+use std::sync::Arc;
+
 use image::RgbaImage;
-use render::{Backend, Picture, Request};
+use render::{Backend, RenderedImage};
 use scene::geotrace::compile;
 use scene::{ObjectId, Shape};
 use scene::{ParamValues, Scene};
+
+use crate::wanted::Wanted;
 
 /// Compiles a program.
 ///
 /// # Panics
 /// When it has errors.
 #[track_caller]
-pub fn scene(source: &str) -> Scene {
+pub fn scene(source: &str) -> Arc<Scene> {
     let compilation = compile(source);
-    compilation
-        .scene
-        .unwrap_or_else(|| panic!("{:#?}", compilation.diagnostics))
+    let scene = compilation.scene;
+    Arc::new(scene.unwrap_or_else(|| panic!("{:#?}", compilation.diagnostics)))
 }
 
 /// The surfaces of a scene.
@@ -51,8 +54,12 @@ pub fn middle(scene: &Scene) -> ParamValues {
 /// # Panics
 /// When there is no picture.
 #[track_caller]
-pub fn draw(scene: &Scene, settings: &ParamValues, request: &Request) -> Picture {
-    match render::render(scene, settings, request, &|_| {}) {
+pub fn draw(
+    scene: &Arc<Scene>,
+    settings: &ParamValues,
+    request: &Wanted,
+) -> RenderedImage<RgbaImage> {
+    match request.draw(scene, settings) {
         Ok(picture) => picture,
         Err(error) if request.backend == Backend::Gpu => panic!(
             "no picture from the GPU: {error}. The tests need a Vulkan driver; without a GPU: \

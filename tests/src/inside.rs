@@ -7,22 +7,23 @@ use geodesic::map::{Map, MapOptions, Method, bring_back, exponential_map};
 use geodesic::reference::Reference;
 use geodesic::surface::Surface;
 use geodesic::trace::Status;
-use render::Request;
-use render::geodesic_view::Inside;
+use render::geodesic_view::PlacedCamera;
 use scene::{ObjectId, Shape};
 use scene::{ParamValues, Scene};
+
+use crate::wanted::Wanted;
 
 /// A surface or a metric with the camera that its geodesic view opens with.
 #[derive(Clone, Debug)]
 pub struct Opening {
     /// The view.
-    pub inside: Inside,
+    pub inside: PlacedCamera,
 }
 
 impl Opening {
     /// What the camera stands on, its params at their opening values.
     pub fn surface(&self) -> &dyn Surface {
-        self.inside.ground().surface()
+        self.inside.manifold().surface()
     }
 
     /// The camera.
@@ -41,8 +42,9 @@ pub fn opening(scene: &Scene) -> Option<Opening> {
         .objects
         .iter()
         .position(|object| is_ground(&object.shape))?;
-    let request = Request::geodesic(ObjectId(index as u32), [512, 512]);
-    let inside = Inside::new(scene, &ParamValues::initial(scene), &request)
+    let request = Wanted::geodesic(ObjectId(index as u32), [512, 512]);
+    let inside = request
+        .placed(scene, &ParamValues::initial(scene))
         .unwrap_or_else(|error| panic!("the view does not open: {error}"));
     Some(Opening { inside })
 }

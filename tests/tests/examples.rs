@@ -1,11 +1,12 @@
 //! Every example says what to look for, compiles without a word, and can be seen in both views.
 
-use render::{Backend, Request};
+use render::Backend;
 use scene::ParamValues;
 use scene::Shape;
 use scene::geotrace::compile;
 use testing::draw::{draw, drawn_share, middle, scene, surfaces};
 use testing::examples;
+use testing::wanted::Wanted;
 
 #[test]
 fn every_example_opens_with_what_to_look_for() {
@@ -75,9 +76,9 @@ fn see_all(backend: Backend) {
             if !in_space {
                 break;
             }
-            let request = Request {
+            let request = Wanted {
                 backend,
-                ..Request::space([96, 72])
+                ..Wanted::space([96, 72])
             };
             let picture = draw(&scene, &settings, &request);
             let share = drawn_share(&picture.image);
@@ -89,9 +90,9 @@ fn see_all(backend: Backend) {
             );
         }
         for surface in surfaces(&scene) {
-            let request = Request {
+            let request = Wanted {
                 backend,
-                ..Request::geodesic(surface, [48, 48])
+                ..Wanted::geodesic(surface, [48, 48])
             };
             let picture = draw(&scene, &ParamValues::initial(&scene), &request);
             let colours: std::collections::BTreeSet<_> =
@@ -120,9 +121,9 @@ fn every_example_is_seen_on_the_gpu() {
 #[test]
 fn what_is_undefined_at_the_opening_is_reported_and_not_drawn() {
     let scene = scene(&examples::one("sphere").source);
-    let request = Request {
+    let request = Wanted {
         backend: Backend::Software,
-        ..Request::space([32, 32])
+        ..Wanted::space([32, 32])
     };
     let opening = draw(&scene, &ParamValues::initial(&scene), &request);
     assert!(

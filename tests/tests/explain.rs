@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use render::plan::{Built, Painter, Source, plan};
-use render::{Backend, Request};
+use render::Backend;
+use render::plan::{Built, Painter, Source};
 use scene::ParamValues;
 use testing::binary::geotrace;
 use testing::draw::{scene, surfaces};
 use testing::examples;
+use testing::wanted::Wanted;
 
 const POINTS: &str = "grid k : [0, 1, 5];\npoint p = (k, k^2, 0);\n";
 
@@ -17,15 +18,15 @@ fn built(source: &str, inside: bool) -> Built {
     let scene = scene(source);
     let settings = ParamValues::initial(&scene);
     let request = match surfaces(&scene).first() {
-        Some(surface) if inside => Request::geodesic(*surface, [16, 16]),
-        _ => Request::space([16, 16]),
+        Some(surface) if inside => Wanted::geodesic(*surface, [16, 16]),
+        _ => Wanted::space([16, 16]),
     };
-    let request = Request {
+    let request = Wanted {
         backend: Backend::Gpu,
         ..request
     };
-    let planned = plan(&scene, &settings, &request).built();
-    let (_, built) = render::gpu::render_counted(&scene, &settings, &request, &|_| {})
+    let planned = request.plan(&scene, &settings).built();
+    let (_, built) = request.draw_counted(&scene, &settings)
         .unwrap_or_else(|error| {
             panic!("{error}. The tests need a Vulkan driver: apt-get install mesa-vulkan-drivers libvulkan1")
         });
@@ -83,11 +84,11 @@ fn many_samples_come_from_a_kernel_and_few_from_blocks() {
     };
     for (count, expected) in [("20", Source::Blocks), ("4000", Source::Kernel)] {
         let scene = scene(&source(count));
-        let request = Request {
+        let request = Wanted {
             backend: Backend::Gpu,
-            ..Request::space([16, 16])
+            ..Wanted::space([16, 16])
         };
-        let plan = plan(&scene, &ParamValues::initial(&scene), &request);
+        let plan = request.plan(&scene, &ParamValues::initial(&scene));
         assert_eq!(plan.objects[0].source, expected, "{count}²");
     }
 }
@@ -95,11 +96,7 @@ fn many_samples_come_from_a_kernel_and_few_from_blocks() {
 #[test]
 fn the_plan_of_points_names_what_is_left_out() {
     let scene = scene(POINTS);
-    let plan = plan(
-        &scene,
-        &ParamValues::initial(&scene),
-        &Request::space([16, 16]),
-    );
+    let plan = Wanted::space([16, 16]).plan(&scene, &ParamValues::initial(&scene));
     assert_eq!(plan.painters(), [Painter::Points].into());
     assert_eq!(plan.objects[0].instances, 5);
     assert_eq!(plan.objects[0].samples, 5);

@@ -2,11 +2,12 @@
 
 use std::fmt::Write as _;
 
-use render::{Backend, Request};
+use render::Backend;
 use scene::{ParamValues, Scene};
 use testing::draw::{draw, middle, scene, surfaces};
 use testing::examples;
 use testing::pictures::{assert_golden, difference};
+use testing::wanted::Wanted;
 
 /// Of a golden picture this share may differ: rounding may move the edge of a line.
 const GOLDEN_SHARE: f64 = 0.005;
@@ -16,10 +17,10 @@ fn golden(example: &str, inside: bool) {
     let scene = scene(&examples::one(example).source);
     let settings = middle(&scene);
     let request = match surfaces(&scene).first() {
-        Some(surface) if inside => Request::geodesic(*surface, [96, 96]),
-        _ => Request::space([96, 96]),
+        Some(surface) if inside => Wanted::geodesic(*surface, [96, 96]),
+        _ => Wanted::space([96, 96]),
     };
-    let request = Request {
+    let request = Wanted {
         backend: Backend::Software,
         ..request
     };
@@ -61,10 +62,10 @@ fn software_pictures_are_the_same_to_the_last_bit_every_time() {
     for (example, inside) in [("sphere", true), ("field", false)] {
         let scene = scene(&examples::one(example).source);
         let request = match surfaces(&scene).first() {
-            Some(surface) if inside => Request::geodesic(*surface, [40, 30]),
-            _ => Request::space([40, 30]),
+            Some(surface) if inside => Wanted::geodesic(*surface, [40, 30]),
+            _ => Wanted::space([40, 30]),
         };
-        let request = Request {
+        let request = Wanted {
             backend: Backend::Software,
             ..request
         };
@@ -81,7 +82,7 @@ fn software_pictures_are_the_same_to_the_last_bit_every_time() {
 /// Draws every example on both backends, in each of the views that `requests` gives for its scene, and holds the
 /// share of pixels in which a channel differs by more than 32 of 255 to `most`, printed for each.
 #[track_caller]
-fn both_backends_agree(most: f64, requests: impl Fn(&Scene) -> Vec<Request>) {
+fn both_backends_agree(most: f64, requests: impl Fn(&Scene) -> Vec<Wanted>) {
     let mut table = String::new();
     let mut worst: f64 = 0.0;
     for example in examples::all() {
@@ -89,7 +90,7 @@ fn both_backends_agree(most: f64, requests: impl Fn(&Scene) -> Vec<Request>) {
         let settings = middle(&scene);
         for request in requests(&scene) {
             let picture = |backend| {
-                let request = Request {
+                let request = Wanted {
                     backend,
                     ..request.clone()
                 };
@@ -117,16 +118,15 @@ fn both_backends_agree(most: f64, requests: impl Fn(&Scene) -> Vec<Request>) {
 /// The 3D pictures: edges of lines and triangles are sampled at other places within a pixel.
 #[test]
 fn both_backends_draw_the_same_in_space() {
-    both_backends_agree(0.04, |_| vec![Request::space([160, 160])]);
+    both_backends_agree(0.04, |_| vec![Wanted::space([160, 160])]);
 }
 
 /// The geodesic pictures: the kernel of the GPU in f32 against adaptive f64.
 #[test]
 fn both_backends_see_the_same_from_inside() {
     both_backends_agree(0.01, |scene| {
-        let unmarked = |surface| Request {
-            mark_centre: false,
-            ..Request::geodesic(surface, [128, 128])
+        let unmarked = |surface| {
+            Wanted::geodesic(surface, [128, 128]).with_inside(|options| options.mark_centre = false)
         };
         surfaces(scene).into_iter().map(unmarked).collect()
     });

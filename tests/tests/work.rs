@@ -6,13 +6,13 @@ use std::sync::Arc;
 use geodesic::fan::{Fan, FanOptions};
 use geodesic::patchwork::{Cover, Patchwork};
 use rayon::ThreadPoolBuilder;
-use render::Request;
-use render::live::Stage;
+use render::Renderer;
 use scene::ObjectId;
 use scene::ParamValues;
 use testing::draw::scene;
 use testing::examples;
 use testing::inside::opening;
+use testing::wanted::Wanted;
 
 const SIZE: [u32; 2] = [512, 512];
 /// Of pictures with lines.
@@ -69,10 +69,10 @@ fn lines() -> String {
         else {
             continue;
         };
-        let mut stage = Stage::software();
-        let request = Request::geodesic(ObjectId(on as u32), PICTURE);
+        let mut stage = Renderer::software();
+        let request = Wanted::geodesic(ObjectId(on as u32), PICTURE);
         stage
-            .draw(&scene, &ParamValues::initial(&scene), &request)
+            .draw(&request.of(&scene, &ParamValues::initial(&scene)))
             .expect("a picture");
         let made = stage.counters();
         let pixels = u64::from(PICTURE[0] * PICTURE[1]);

@@ -36,7 +36,7 @@ pub(super) fn run() {
             continue;
         };
         let mut inside = opening.inside.moving();
-        let ground = inside.ground().clone();
+        let ground = inside.manifold().clone();
         let surface = ground.surface();
         let paint = Paint {
             texture: &texture,
@@ -55,7 +55,7 @@ pub(super) fn run() {
             if let Ok((next, _)) = moved {
                 inside.frame = next;
             }
-            let seen = pool.install(|| inside.look(&|_| {}));
+            let seen = pool.install(|| inside.ends(&|_| {}));
             let at_ends = start.elapsed();
             std::hint::black_box(pool.install(|| seen.resolve(&paint)));
             let whole = start.elapsed();

@@ -5,9 +5,10 @@ use std::path::PathBuf;
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use render::request::MAX_SIDE;
+use render::MAX_SIDE;
 
 use crate::number;
+use render::view::{View, Views};
 
 /// The format of a result: for people or for programs.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
@@ -69,13 +70,13 @@ pub(crate) struct Animated {
     pub(crate) to: Vec<Quantity>,
 }
 
-/// `3d`, `geodesic` or `geodesic:SURFACE`.
+/// `3d`, `geodesic` or `geodesic:SURFACE`: the name of a view, and of the object that it is of.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum ViewName {
-    /// The 3D view.
-    Space,
-    /// The geodesic view of a surface; without a name, of the program's first surface.
-    Geodesic(Option<String>),
+pub(crate) struct ViewName {
+    /// The view's name.
+    pub(crate) kind: &'static str,
+    /// The object; the program's only or first one unless named.
+    pub(crate) object: Option<String>,
 }
 
 /// A word of the command line that names a value of another crate.
@@ -246,15 +247,38 @@ pub(crate) fn texture(text: &str) -> Result<TextureFile, String> {
     }
 }
 
-/// Parses `3d`, `geodesic` or `geodesic:SURFACE`.
+/// Parses the name of a view, and that of its object if it is of one: `3d`, `geodesic` or `geodesic:SURFACE`.
 pub(crate) fn view(text: &str) -> Result<ViewName, String> {
-    match text.split_once(':') {
-        None if text.eq_ignore_ascii_case("3d") => Ok(ViewName::Space),
-        None if text == "geodesic" => Ok(ViewName::Geodesic(None)),
-        Some(("geodesic", surface)) if !surface.trim().is_empty() => {
-            Ok(ViewName::Geodesic(Some(surface.trim().into())))
-        }
-        _ => Err("expected 3d, geodesic, or geodesic:SURFACE".into()),
+    let views = Views::standard();
+    let (kind, object) = match text.split_once(':') {
+        Some((kind, object)) => (kind, Some(object.trim().to_owned())),
+        None => (text, None),
+    };
+    let named = |view: &&dyn View| {
+        let named = view.name().eq_ignore_ascii_case(kind);
+        named && object.is_none() | view.is_of_object()
+    };
+    match views.iter().find(named) {
+        Some(view) if object.as_deref() != Some("") => Ok(ViewName {
+            kind: view.name(),
+            object,
+        }),
+        _ => Err(format!("expected {}", forms(&views))),
+    }
+}
+
+/// The forms in which views are named: "3d, geodesic, or geodesic:SURFACE".
+fn forms(views: &Views) -> String {
+    let names = views.iter().flat_map(|view| {
+        let name = view.name();
+        let of_object = view.is_of_object().then(|| format!("{name}:SURFACE"));
+        [Some(name.to_owned()), of_object].into_iter().flatten()
+    });
+    let names: Vec<String> = names.collect();
+    match names.split_last() {
+        Some((last, [])) => last.clone(),
+        Some((last, others)) => format!("{}, or {last}", others.join(", ")),
+        None => String::new(),
     }
 }
 
@@ -412,9 +436,15 @@ mod tests {
 
     #[test]
     fn views_are_named() {
-        assert_eq!(view("3d"), Ok(ViewName::Space));
-        assert_eq!(view("geodesic"), Ok(ViewName::Geodesic(None)));
-        assert_eq!(view("geodesic:s"), Ok(ViewName::Geodesic(Some("s".into()))));
+        let named = |kind, object: Option<&str>| {
+            Ok(ViewName {
+                kind,
+                object: object.map(str::to_owned),
+            })
+        };
+        assert_eq!(view("3d"), named("3d", None));
+        assert_eq!(view("geodesic"), named("geodesic", None));
+        assert_eq!(view("geodesic:s"), named("geodesic", Some("s")));
         for text in ["", "2d", "geodesic:", "3d:s"] {
             assert!(view(text).is_err(), "{text}");
         }

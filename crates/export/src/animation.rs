@@ -1,7 +1,7 @@
 //! Animations: scripts of what changes from frame to frame, and files that hold many pictures.
 //!
 //! ```text
-//! Script + frame number ──▶ ParamValues, Request ──(drawn by the caller)──▶ picture ──Recorder──▶ GIF, APNG
+//! Script + PictureRequest + share ──▶ PictureRequest ──(drawn by the caller)──▶ picture ──Recorder──▶ GIF, APNG
 //! ```
 //!
 //! A recorder keeps one picture at a time, however many there are.
@@ -11,16 +11,18 @@ mod palette;
 use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use gif::Repeat;
 use image::RgbaImage;
 use render::bounds::Bounds;
 use render::camera::Camera;
-use render::geodesic_view::Inside;
-use render::overlay::Trail;
-use render::{Method, RenderError, Request, View};
-use scene::Scene;
-use scene::{ParamValues, SetError};
+use render::geodesic_view::PlacedCamera;
+use render::trail::Trail;
+use render::view::space::{self, SpaceOptions};
+use render::viewpoint::{PerspectiveCamera, ViewCamera};
+use render::{PictureRequest, RenderError};
+use scene::SetError;
 
 /// The changes of an animation.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -63,19 +65,17 @@ pub enum ScriptError {
 }
 
 impl Script {
-    /// Returns the settings and the request of a frame. `share` is the part of the animation that has passed: 0 at its
-    /// start, 1 at its end. The script leaves the rest of `settings` and `request` as it is.
+    /// Returns the request of a frame. `share` is the part of the animation that has passed: 0 at its start, 1 at its
+    /// end. The script leaves the rest of `request` as it is.
     ///
     /// # Errors
     /// See [`ScriptError`].
     pub fn frame_at(
         &self,
-        scene: &Scene,
-        settings: &ParamValues,
-        request: &Request,
+        request: &PictureRequest,
         share: f64,
-    ) -> Result<(ParamValues, Request), ScriptError> {
-        let (mut settings, mut request) = (settings.clone(), request.clone());
+    ) -> Result<PictureRequest, ScriptError> {
+        let mut request = request.clone();
         for ParamChange { name, from, to } in &self.changes {
             let between = |(from, to): (&f64, &f64)| {
                 // Rounding must not change the values at both ends.
@@ -88,58 +88,52 @@ impl Script {
                 }
             };
             let values: Vec<f64> = from.iter().zip(to).map(between).collect();
-            settings
-                .set(scene, name, &values)
+            Arc::make_mut(&mut request.settings)
+                .set(&request.scene, name, &values)
                 .map_err(ScriptError::Set)?;
         }
         if let Some(length) = self.walk {
-            self.move_camera(scene, &settings, &mut request, share * length)
+            self.move_camera(&mut request, share * length)
                 .map_err(ScriptError::Camera)?;
         }
-        Ok((settings, request))
+        Ok(request)
     }
 
-    /// Fixes the camera of a 3D view: where the request does not place it, it is placed so that it sees every frame of the
+    /// Fixes a camera in space: where the request does not place it, it is placed so that it sees every frame of the
     /// animation. Other requests stay as they are.
     ///
     /// # Errors
     /// See [`ScriptError`].
-    pub fn steady(
-        &self,
-        scene: &Scene,
-        settings: &ParamValues,
-        request: &Request,
-    ) -> Result<Request, ScriptError> {
+    pub fn steady(&self, request: &PictureRequest) -> Result<PictureRequest, ScriptError> {
         let mut request = request.clone();
-        let View::Space { eye, target } = &mut request.view else {
+        let ViewCamera::Perspective(camera) = request.view.camera() else {
             return Ok(request);
         };
-        if eye.is_some() && target.is_some() || self.changes.is_empty() {
+        if camera.eye.is_some() && camera.target.is_some() || self.changes.is_empty() {
             return Ok(request);
         }
         let params = Self {
             walk: None,
             ..self.clone()
         };
-        let plain = Request {
-            hidden: request.hidden.clone(),
-            show_camera: request.show_camera,
-            ..Request::space(request.size)
+        let plain = PictureRequest {
+            trails: Vec::new(),
+            ..request.clone()
         };
         let mut cloud = Vec::new();
         for step in 0..LOOKS {
-            let (settings, _) =
-                params.frame_at(scene, settings, &plain, Self::share(step, LOOKS))?;
-            let bounds = Bounds::shown(scene, &settings, &plain);
+            let bounds = space::bounds(&params.frame_at(&plain, Self::share(step, LOOKS))?);
             let places = bounds.cloud.iter();
             cloud.extend(places.map(|&place| bounds.placement.world(place)));
         }
         let bounds = Bounds::around(cloud);
-        let camera =
-            Camera::new(&bounds, *eye, *target, request.size).map_err(ScriptError::Camera)?;
+        let camera = Camera::new(&bounds, camera.eye, camera.target, request.size)
+            .map_err(ScriptError::Camera)?;
         let ahead = camera.eye - camera.axes[2];
-        *eye = Some(bounds.placement.world(camera.eye.to_array()));
-        *target = Some(bounds.placement.world(ahead.to_array()));
+        let [eye, target] =
+            [camera.eye, ahead].map(|place| bounds.placement.world(place.to_array()));
+        let camera = PerspectiveCamera::new(eye, target);
+        request.view.set_camera(ViewCamera::Perspective(camera));
         Ok(request)
     }
 
@@ -148,45 +142,26 @@ impl Script {
         f64::from(frame) / f64::from(frames.saturating_sub(1).max(1))
     }
 
-    fn move_camera(
-        &self,
-        scene: &Scene,
-        settings: &ParamValues,
-        request: &mut Request,
-        length: f64,
-    ) -> Result<(), RenderError> {
-        let (surface, seen) = match (&request.view, &request.show_camera) {
-            (View::Geodesic { surface, .. }, _) => (*surface, request.clone()),
-            (View::Space { .. }, Some(shown)) => {
-                let view = View::Geodesic {
-                    surface: shown.surface,
-                    at: shown.at,
-                    angle: shown.angle,
-                    zoom: shown.zoom,
-                    frame: shown.frame,
-                    method: Method::Auto,
-                };
-                let seen = Request {
-                    view,
-                    ..request.clone()
-                };
-                (shown.surface, seen)
-            }
-            (View::Space { .. }, None) => return Ok(()),
+    fn move_camera(&self, request: &mut PictureRequest, length: f64) -> Result<(), RenderError> {
+        let shown = request.view.get::<SpaceOptions>();
+        let shown = shown.and_then(|options| options.show_camera);
+        let camera = match (request.view.camera(), shown) {
+            (ViewCamera::Geodesic(camera), _) | (_, Some(camera)) => camera,
+            _ => return Ok(()),
         };
-        seen.check(scene)?;
-        let inside = Inside::new(scene, settings, &seen)?;
-        let start = inside.frame;
-        let mut trail = Trail::new(surface, start.uv.0);
+        camera.check(&request.scene)?;
+        let placed = PlacedCamera::new(&request.scene, &request.settings, &camera, request.size)?;
+        let start = placed.frame;
+        let mut trail = Trail::new(camera.surface, start.uv.0);
         let (moved, _) = trail
-            .walk(inside.ground(), &start, [length / inside.zoom, 0.0])
+            .walk(placed.manifold(), &start, [length / placed.zoom, 0.0])
             .map_err(|error| {
                 RenderError::Camera(format!("the camera cannot walk there: {error}"))
             })?;
-        match (&mut request.view, &mut request.show_camera) {
-            (View::Geodesic { frame, .. }, _) => *frame = Some(moved),
-            (View::Space { .. }, Some(shown)) => shown.frame = Some(moved),
-            (View::Space { .. }, None) => {}
+        let camera = camera.with_frame(moved);
+        request.view.set_camera(ViewCamera::Geodesic(camera));
+        if let Some(options) = request.view.get_mut::<SpaceOptions>() {
+            options.show_camera = Some(camera);
         }
         if self.trail {
             request.trails.push(trail.into());

@@ -1,7 +1,7 @@
 //! A scene's objects as files for other programs: meshes, lines and points, in the scene's own units.
 //!
 //! ```text
-//! Scene + ParamValues + Request ──weld.rs: surfaces as welded triangles ─┬─▶ Model ──obj.rs, ply.rs, stl.rs, gltf.rs──▶ bytes
+//! PictureRequest ──weld.rs: surfaces as welded triangles ─┬─▶ Model ──obj.rs, ply.rs, stl.rs, gltf.rs──▶ bytes
 //!                              curves, geodesics, vectors, points ────┘
 //! ```
 //!
@@ -23,11 +23,12 @@ use std::io::{self, Write};
 use std::sync::Arc;
 
 use geometry::follow_declared;
-use render::Request;
-use render::bounds::{Bounds, Placement};
+use render::PictureRequest;
+use render::bounds::Bounds;
+use render::placement::Placement;
 use render::sample::{Samples, positions, sample_with_notes};
-use render::style;
 use render::texture::Texture;
+use render::view::space::SpaceOptions;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
 
@@ -144,29 +145,24 @@ impl MeshFormat {
 
 /// Builds the content of a file from the objects that the request does not hide, or from those that are listed. The
 /// request also gives their colours and textures.
-pub fn model(
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-    objects: Option<&[ObjectId]>,
-) -> Model {
+pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
+    let (scene, settings) = (&*request.scene, &*request.settings);
+    let options = request.view.get::<SpaceOptions>();
+    let is_shown = |id| options.is_none_or(|options| options.shows(id));
     let placement = Bounds::of(scene, settings).placement;
     let mut model = Model::default();
     for (index, object) in scene.objects.iter().enumerate() {
         let id = ObjectId(index as u32);
-        if !objects.map_or(request.shows(id), |objects| objects.contains(&id)) {
+        if !objects.map_or(is_shown(id), |objects| objects.contains(&id)) {
             continue;
         }
         let (geometry, notes) = geometry(scene, settings, request, id, object, &placement);
         model.notes.extend(notes);
-        model.parts.extend(geometry.map(|geometry| {
-            let own = request.colours.iter().rev().find(|(of, _)| *of == id);
-            Part {
-                object: id,
-                name: object.name.clone(),
-                colour: own.map_or_else(|| style::colour(&object.shape), |(_, c)| *c),
-                geometry,
-            }
+        model.parts.extend(geometry.map(|geometry| Part {
+            object: id,
+            name: object.name.clone(),
+            colour: request.srgb(id, &object.shape),
+            geometry,
         }));
     }
     model
@@ -279,7 +275,7 @@ impl Polylines {
 fn geometry(
     scene: &Scene,
     settings: &ParamValues,
-    request: &Request,
+    request: &PictureRequest,
     id: ObjectId,
     object: &Object,
     placement: &Placement,

@@ -8,13 +8,14 @@ use export::animation::{AnimationFormat, Clip, ParamChange, Recorder, Script, Sc
 use gif::ColorOutput;
 use glam::DVec3;
 use image::{AnimationDecoder, Rgba, RgbaImage};
+use render::PictureRequest;
 use render::bounds::Bounds;
 use render::camera::Camera;
-use render::geodesic_view::Inside;
-use render::{Request, View};
+use render::geodesic_view::PlacedCamera;
+use render::viewpoint::{Pose, ViewCamera};
 use scene::ObjectId;
 use scene::ParamValues;
-use scenes::scene;
+use scenes::{Wanted, scene};
 
 const SPHERE: &str =
     "param r : [1, 3]; surface s(u,v) = r(cosu sinv, sinu sinv, cosv), u : [0,2pi], v : [0,pi];";
@@ -133,7 +134,7 @@ fn too_few_or_other_pictures_are_no_animation() {
 fn params_run_from_one_end_to_the_other() {
     let scene = scene(SPHERE);
     let settings = ParamValues::initial(&scene);
-    let request = Request::space([8, 8]);
+    let request = Wanted::space([8, 8]).of(&scene, &settings);
     let script = Script {
         changes: vec![ParamChange {
             name: "r".into(),
@@ -144,15 +145,13 @@ fn params_run_from_one_end_to_the_other() {
     };
     let values = (0..5).map(|frame| {
         let share = Script::share(frame, 5);
-        let (settings, _) = script
-            .frame_at(&scene, &settings, &request, share)
-            .expect("settings");
-        settings.param(&scene.params[0])[0]
+        let frame = script.frame_at(&request, share).expect("settings");
+        frame.settings.param(&scene.params[0])[0]
     });
     assert_eq!(values.collect::<Vec<_>>(), [3.0, 2.5, 2.0, 1.5, 1.0]);
     let mut wrong = script.clone();
     wrong.changes[0].to = vec![9.0];
-    let refused = wrong.frame_at(&scene, &settings, &request, 1.0);
+    let refused = wrong.frame_at(&request, 1.0);
     assert!(matches!(refused, Err(ScriptError::Set(_))), "{refused:?}");
 }
 
@@ -160,7 +159,7 @@ fn params_run_from_one_end_to_the_other() {
 fn the_camera_in_space_stands_still_and_sees_everything() {
     let scene = scene(SPHERE);
     let mut settings = ParamValues::initial(&scene);
-    let request = Request::space([64, 64]);
+    let request = Wanted::space([64, 64]).of(&scene, &settings);
     let script = Script {
         changes: vec![ParamChange {
             name: "r".into(),
@@ -169,15 +168,12 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
         }],
         ..Script::default()
     };
-    let steady = script
-        .steady(&scene, &settings, &request)
-        .expect("a camera");
-    let View::Space {
-        eye: Some(eye),
-        target: Some(target),
-    } = steady.view
-    else {
+    let steady = script.steady(&request).expect("a camera");
+    let ViewCamera::Perspective(camera) = steady.view.camera() else {
         panic!("{:?}", steady.view)
+    };
+    let (Some(eye), Some(target)) = (camera.eye, camera.target) else {
+        panic!("{camera:?}")
     };
     // It stands where the largest sphere wants it, and looks at its centre.
     settings.set(&scene, "r", &[3.0]).expect("in range");
@@ -188,9 +184,7 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
     assert!((eye - wanted).length() < 0.01 * wanted.length(), "{eye}");
     let ahead = (DVec3::from(target) - eye).normalize();
     assert!(ahead.dot(-eye.normalize()) > 0.9999, "{ahead}");
-    let told = Script::default()
-        .steady(&scene, &settings, &request)
-        .expect("a camera");
+    let told = Script::default().steady(&request).expect("a camera");
     assert_eq!(told.view, request.view);
 }
 
@@ -198,27 +192,27 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
 fn a_walk_round_a_great_circle_comes_back_with_its_length() {
     let scene = scene(SPHERE);
     let settings = ParamValues::initial(&scene);
-    let mut request = Request::geodesic(ObjectId(0), [64, 64]);
-    if let View::Geodesic { at, angle, .. } = &mut request.view {
-        (*at, *angle) = (Some([1.0, 1.2]), 0.7);
-    }
+    let mut request = Wanted::geodesic(ObjectId(0), [64, 64]);
+    request.inside().camera.pose = Pose::At {
+        at: Some([1.0, 1.2]),
+        angle: 0.7,
+    };
+    let request = request.of(&scene, &settings);
     let script = Script {
         walk: Some(std::f64::consts::TAU),
         trail: true,
         ..Script::default()
     };
-    let frame = |request: &Request| {
-        Inside::new(&scene, &settings, request)
-            .expect("a camera")
-            .frame
+    let frame = |request: &PictureRequest| {
+        let ViewCamera::Geodesic(camera) = request.view.camera() else {
+            panic!("{:?}", request.view)
+        };
+        let placed = PlacedCamera::new(&scene, &settings, &camera, request.size);
+        placed.expect("a camera").frame
     };
     let start = frame(&request);
-    let (_, half) = script
-        .frame_at(&scene, &settings, &request, 0.5)
-        .expect("a walk");
-    let (_, whole) = script
-        .frame_at(&scene, &settings, &request, 1.0)
-        .expect("a walk");
+    let half = script.frame_at(&request, 0.5).expect("a walk");
+    let whole = script.frame_at(&request, 1.0).expect("a walk");
     let middle = frame(&half).uv;
     assert!(
         (middle[1] - (std::f64::consts::PI - 1.2)).abs() < 1e-7,

@@ -9,10 +9,9 @@ use export::mesh::{ExportError, Geometry, MeshFormat, Model, model};
 use glam::DVec3;
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{DefaultElement, Ply, Property};
-use render::Request;
 use render::texture::Texture;
 use scene::ParamValues;
-use scenes::scene;
+use scenes::{Wanted, scene};
 
 const SPHERE: &str = "surface s(u,v) = 2(cosu sinv, sinu sinv, cosv), u : [0,2pi,N], v : [0,pi,N];";
 const TORUS: &str =
@@ -24,7 +23,7 @@ const KLEIN: &str = "function w(u,v) = 3+cos(u/2)sinv-sin(u/2)sin(2v); \
 fn exported(source: &str) -> Model {
     let scene = scene(source);
     let settings = ParamValues::initial(&scene);
-    model(&scene, &settings, &Request::space([1, 1]), None)
+    model(&Wanted::space([1, 1]).of(&scene, &settings), None)
 }
 
 fn file(model: &Model, format: MeshFormat) -> Vec<u8> {

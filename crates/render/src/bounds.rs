@@ -6,9 +6,9 @@
 use expr::NodeId;
 use expr::tape::Tape;
 use scene::ParamValues;
-use scene::{Object, ObjectId, Scene, Shape};
+use scene::{Object, ObjectId, Scene};
 
-use crate::request::Request;
+use crate::placement::Placement;
 use crate::sample::{Resolution, Sampler};
 
 /// Coarse samples of one object.
@@ -16,28 +16,6 @@ const SAMPLES: usize = 40_000;
 /// An object's box may reach this many times its inner box (2 % to 98 % of its samples) beyond that on each side;
 /// what lies further is an outlier and does not shrink the rest of the picture.
 const REACH: f64 = 2.0;
-
-/// From the scene's units to drawing units, in which the scene's centre is 0 and its radius 1. The difference is
-/// taken in f64: f32 samples keep their precision however far from 0 the scene lies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placement {
-    /// The middle of the scene's box, in the scene's units.
-    pub centre: [f64; 3],
-    /// Half the diagonal of the scene's box, in the scene's units; positive.
-    pub radius: f64,
-}
-
-impl Placement {
-    /// A place in drawing units.
-    pub fn local(&self, world: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| (world[k] - self.centre[k]) / self.radius)
-    }
-
-    /// A place in the scene's units.
-    pub fn world(&self, local: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| self.centre[k] + local[k] * self.radius)
-    }
-}
 
 /// Where the scene is.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,12 +34,12 @@ impl Bounds {
         Self::of_some(scene, settings, |_| true)
     }
 
-    /// The same, of those objects that the 3D view of a request leaves room for.
-    pub fn shown(scene: &Scene, settings: &ParamValues, request: &Request) -> Self {
-        Self::of_some(scene, settings, |id| request.leaves_room(scene, id))
-    }
-
-    fn of_some(scene: &Scene, settings: &ParamValues, counts: impl Fn(ObjectId) -> bool) -> Self {
+    /// The bounds of some of the objects.
+    pub fn of_some(
+        scene: &Scene,
+        settings: &ParamValues,
+        counts: impl Fn(ObjectId) -> bool,
+    ) -> Self {
         let objects = (0..).map(ObjectId).zip(&scene.objects);
         let cloud = objects
             .filter(|(id, _)| counts(*id))
@@ -124,13 +102,11 @@ pub(crate) fn object_cloud(
     settings: &ParamValues,
     object: &Object,
 ) -> Vec<[f64; 3]> {
-    let roots: Vec<NodeId> = match &object.shape {
-        Shape::Point { position }
-        | Shape::Curve { position, .. }
-        | Shape::Surface { position, .. } => position.to_vec(),
-        Shape::Vector { direction, origin } => origin.iter().chain(direction).copied().collect(),
-        // Neither has samples in space.
-        Shape::Metric { .. } | Shape::Geodesic { .. } => return Vec::new(),
+    let roots: Vec<NodeId> = match (object.shape.position(), object.shape.vector()) {
+        (Some(position), _) => position.to_vec(),
+        (None, Some((direction, origin))) => origin.iter().chain(direction).copied().collect(),
+        // Metrics and geodesics have no expression for a place in space.
+        (None, None) => return Vec::new(),
     };
     let tape = Tape::new(&scene.graph, &roots);
     let sampler = Sampler::new(scene, settings, object, tape, Resolution::Coarse(SAMPLES));

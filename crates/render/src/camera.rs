@@ -5,8 +5,9 @@
 
 use glam::{DMat4, DVec3, Mat4, Vec3};
 
-use crate::bounds::{Bounds, Placement};
-use crate::request::RenderError;
+use crate::bounds::Bounds;
+use crate::error::RenderError;
+use crate::placement::Placement;
 use crate::style;
 
 /// A perspective camera without a far plane. Places are in drawing units.

@@ -1,20 +1,45 @@
-//! The geodesic view: its camera ([`Inside`]), and how a map of geodesics' ends becomes colours ([`resolve`]).
-//!
-//! Maps come from `geodesic::map` (f64) or from a generated kernel; nothing here knows which.
+//! The geodesic view: its camera ([`PlacedCamera`]), the ends of its geodesics ([`RayEnds`]), and how they become colours
+//! ([`resolve`]).
 
-mod inside;
+mod camera;
+mod ends;
 mod resolve;
-mod seen;
 
-pub use inside::{Inside, MOVING_TOLERANCE, TOLERANCE};
+pub use camera::{MOVING_TOLERANCE, PlacedCamera, TOLERANCE};
+pub use ends::RayEnds;
+pub(crate) use ends::{EndsOfRows, Layer};
 pub(crate) use resolve::{Cover, stripes};
 pub use resolve::{Paint, resolve};
-pub use seen::Seen;
-pub(crate) use seen::{EndsOfRows, Layer, Tally};
 
 use geodesic::ends::{Estimate, Work};
 use geodesic::trace::Status;
 use rayon::prelude::*;
+
+/// How the geodesics of a geodesic view are followed.
+#[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
+pub enum Method {
+    /// The best: the fan, on both backends.
+    #[default]
+    Auto,
+    /// Rays in f64 that all pixels share, interpolated by their Jacobi fields.
+    Fan,
+    /// The same, interpolated linearly between rays, for comparison.
+    FanLinear,
+    /// Fixed steps of the classical Runge–Kutta method for each pixel, as in the thesis (equations 4.2).
+    Rk4Pixel,
+    /// Adaptive steps in f64 for each pixel.
+    Adaptive,
+}
+
+impl Method {
+    /// Whether rays are shared by all pixels, so that the ends are a table of polynomials.
+    pub(crate) fn is_fan(self) -> bool {
+        match self {
+            Self::Auto | Self::Fan | Self::FanLinear => true,
+            Self::Rk4Pixel | Self::Adaptive => false,
+        }
+    }
+}
 
 /// Half the period of the hatching of what is not seen, in [`crate::style::pixel_unit`]s.
 pub const HATCH: f32 = 5.0;

@@ -1,8 +1,8 @@
 //! What a picture needs, decided before anything is built.
 //!
-//! A scene, its settings and a request flow in; a [`Plan`] flows out, as data for `explain`. The GPU path builds
-//! exactly what the plan says ([`Plan::built`]), and tests compare its counters with it: no surface, no surface
-//! pipeline; no open geodesic view, no geodesic kernel; no texture, no sampler.
+//! A view adds to the [`Plan`] of a request what it needs ([`View::plan`](crate::view::View::plan)); it is data for
+//! `explain`. The GPU path builds exactly what the plan says ([`Plan::built`]), and tests compare its counters with it: no
+//! surface, no surface pipeline; no geodesic view, no resolve pass; no texture, no sampler.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -10,10 +10,10 @@ use std::sync::Arc;
 use expr::tape::Tape;
 use expr::{Input, NodeId};
 use scene::ParamValues;
-use scene::{Object, ObjectId, Scene, Shape};
+use scene::{Object, ObjectId, Scene};
 
-use crate::overlay;
-use crate::request::{Backend, Request, View};
+use crate::request::PictureRequest;
+pub use crate::sample::Painter;
 use crate::sample::surface_roots;
 
 /// From this many operations (samples × operations per sample) on, a generated kernel fills an object's samples on
@@ -72,19 +72,6 @@ pub struct GeodesicPlan {
     pub derivative_operations: Option<u64>,
 }
 
-/// The painters: one per kind of object.
-#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
-pub enum Painter {
-    /// Discs.
-    Points,
-    /// Arrows.
-    Vectors,
-    /// Strips with round joins.
-    Curves,
-    /// Lit, textured triangles.
-    Surfaces,
-}
-
 /// Where numbers come from.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum Source {
@@ -109,52 +96,8 @@ pub struct Built {
     pub samplers: u32,
 }
 
-/// Plans a picture; the request has been checked.
-pub fn plan(scene: &Scene, settings: &ParamValues, request: &Request) -> Plan {
-    let gpu = request.backend != Backend::Software;
-    let mut plan = Plan {
-        gpu,
-        objects: Vec::new(),
-        geodesic: None,
-        overlays: &[],
-        textures: 0,
-        left_out: Vec::new(),
-    };
-    let mut textured = Vec::new();
-    match &request.view {
-        View::Space { .. } => {
-            plan.overlays = overlay::painters(scene, request);
-            for (index, object) in scene.objects.iter().enumerate() {
-                let id = ObjectId(index as u32);
-                if !request.shows(id) {
-                    continue;
-                }
-                if matches!(object.shape, Shape::Surface { .. }) {
-                    textured.push(id);
-                }
-                plan.objects
-                    .extend(object_plan(scene, settings, id, object, gpu));
-            }
-            plan.left_out.push(
-                "no geodesic kernel and no resolve pass: the picture is the 3D view".to_owned(),
-            );
-        }
-        View::Geodesic {
-            surface, method, ..
-        } => {
-            textured.push(*surface);
-            plan.geodesic = Some(GeodesicPlan {
-                surface: *surface,
-                is_table: method.is_fan(),
-                derivative_operations: derivative_operations(scene, *surface),
-            });
-        }
-    }
-    let images: BTreeSet<_> = textured
-        .iter()
-        .map(|&id| Arc::as_ptr(&request.texture(id)))
-        .collect();
-    plan.textures = images.len() as u32;
+/// Completes a plan to which its view has added what it needs: says what is left out, and why.
+pub(crate) fn complete(plan: &mut Plan) {
     if plan.textures == 0 {
         plan.left_out
             .push("no texture and no sampler: nothing in the picture has one".to_owned());
@@ -192,10 +135,30 @@ pub fn plan(scene: &Scene, settings: &ParamValues, request: &Request) -> Plan {
         plan.left_out
             .push("no geodesic kernel: the geodesics are followed in f64".to_owned());
     }
-    plan
 }
 
 impl Plan {
+    /// A plan of nothing.
+    pub(crate) fn new(gpu: bool) -> Self {
+        Self {
+            gpu,
+            objects: Vec::new(),
+            geodesic: None,
+            overlays: &[],
+            textures: 0,
+            left_out: Vec::new(),
+        }
+    }
+
+    /// Counts the distinct images of these objects.
+    pub(crate) fn count_textures(&mut self, request: &PictureRequest, objects: &[ObjectId]) {
+        let images: BTreeSet<_> = objects
+            .iter()
+            .map(|&id| Arc::as_ptr(&request.texture(id)))
+            .collect();
+        self.textures = images.len() as u32;
+    }
+
     /// The painters in use.
     pub fn painters(&self) -> BTreeSet<Painter> {
         let objects = self.objects.iter().map(|object| object.painter);
@@ -229,7 +192,8 @@ impl Plan {
     }
 }
 
-fn object_plan(
+/// Plans an object in space; `None` for one that has no place there.
+pub(crate) fn object_plan(
     scene: &Scene,
     settings: &ParamValues,
     id: ObjectId,
@@ -237,44 +201,13 @@ fn object_plan(
     gpu: bool,
 ) -> Option<ObjectPlan> {
     let instances = settings.instance_count(scene, object);
-    let (painter, roots, per_instance) = match &object.shape {
-        Shape::Point { position } => (Painter::Points, position.to_vec(), 1),
-        Shape::Vector { direction, origin } => {
-            (Painter::Vectors, [*origin, *direction].concat(), 1)
-        }
-        Shape::Curve {
-            position, domain, ..
-        } => (Painter::Curves, position.to_vec(), u64::from(domain.count)),
-        Shape::Surface {
-            position, domain, ..
-        } => (
-            Painter::Surfaces,
-            position.to_vec(),
-            u64::from(domain[0].count) * u64::from(domain[1].count),
-        ),
-        Shape::Geodesic {
-            direction,
-            start,
-            domain,
-            ..
-        } if geometry::lies_in_space(scene, id) => (
-            Painter::Curves,
-            [*direction, *start].concat(),
-            u64::from(domain.count),
-        ),
-        // Neither has samples in space.
-        Shape::Metric { .. } | Shape::Geodesic { .. } => return None,
-    };
+    let painter = Painter::for_object(scene, object)?;
+    let roots = object.shape.roots();
     let operations = count(&scene.graph, &roots);
-    let with_normals = match &object.shape {
-        Shape::Surface { position, .. } => {
-            surface_roots(scene, position).map(|(graph, roots)| count(&graph, &roots))
-        }
-        _ => None,
-    };
+    let with_normals = operations_with_normals(scene, object);
     // A geodesic has no expression: it is followed in f64.
-    let followed = matches!(object.shape, Shape::Geodesic { .. });
-    let samples = instances.saturating_mul(per_instance);
+    let followed = object.shape.is_geodesic();
+    let samples = instances.saturating_mul(object.shape.sample_count());
     let work = samples.saturating_mul(with_normals.unwrap_or(operations).max(1));
     let inputs = scene.graph.inputs(&roots);
     let uniforms = inputs.into_iter().filter_map(|input| match input {
@@ -302,16 +235,13 @@ pub(crate) fn samples(scene: &Scene, settings: &ParamValues, id: ObjectId) -> u6
     let Some(object) = scene.objects.get(id.0 as usize) else {
         return 0;
     };
-    let per_instance = match &object.shape {
-        Shape::Point { .. } | Shape::Vector { .. } => 1,
-        Shape::Curve { domain, .. } => u64::from(domain.count),
-        Shape::Surface { domain, .. } => u64::from(domain[0].count) * u64::from(domain[1].count),
-        // A geodesic has no expression: it is followed in f64.
-        Shape::Metric { .. } | Shape::Geodesic { .. } => 0,
-    };
+    if object.shape.is_metric() || object.shape.is_geodesic() {
+        // A metric has no place in space, and a geodesic no expression: it is followed in f64.
+        return 0;
+    }
     settings
         .instance_count(scene, object)
-        .saturating_mul(per_instance)
+        .saturating_mul(object.shape.sample_count())
 }
 
 /// Operations of one sample of an object, of a surface with its normal.
@@ -319,23 +249,26 @@ pub(crate) fn operations(scene: &Scene, id: ObjectId) -> u64 {
     let Some(object) = scene.objects.get(id.0 as usize) else {
         return 0;
     };
-    let with_normal = match &object.shape {
-        Shape::Surface { position, .. } => {
-            surface_roots(scene, position).map(|(graph, roots)| count(&graph, &roots))
-        }
-        _ => None,
-    };
-    with_normal
+    operations_with_normals(scene, object)
         .unwrap_or_else(|| count(&scene.graph, &object.shape.roots()))
         .max(1)
 }
 
-fn derivative_operations(scene: &Scene, surface: ObjectId) -> Option<u64> {
-    let position = match &scene.objects.get(surface.0 as usize)?.shape {
-        Shape::Surface { position, .. } => position,
-        Shape::Metric { components, .. } => return form_operations(scene, components),
-        _ => return None,
-    };
+/// Operations of one sample of a surface with its normal; `None` for other objects, and if the derivatives explode.
+fn operations_with_normals(scene: &Scene, object: &Object) -> Option<u64> {
+    let (position, _) = object.shape.surface()?;
+    let (graph, roots) = surface_roots(scene, position)?;
+    Some(count(&graph, &roots))
+}
+
+/// Operations of a surface's derivatives up to order two, or of a metric's that its geodesics need; `None` if they
+/// explode.
+pub(crate) fn derivative_operations(scene: &Scene, surface: ObjectId) -> Option<u64> {
+    let shape = &scene.get(surface)?.shape;
+    if let Some((components, _)) = shape.metric() {
+        return form_operations(scene, components);
+    }
+    let (position, _) = shape.surface()?;
     let (mut graph, roots) = surface_roots(scene, position)?;
     let (du, dv) = (&roots[3..6], &roots[6..9]);
     let mut all = roots[3..9].to_vec();

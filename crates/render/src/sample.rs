@@ -9,12 +9,12 @@
 use bytemuck::{Pod, Zeroable};
 use expr::tape::{Block, LANES, Registers, Tape};
 use expr::{Graph, Input, NodeId};
-use geometry::{FollowedGeodesic, Knot, follow_declared, lies_in_space};
 use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Sampling, Scene, Shape};
 
-use crate::bounds::Placement;
+use crate::placement::Placement;
+use geometry::{FollowedGeodesic, Knot, follow_declared, lies_in_space};
 
 mod surface;
 
@@ -63,6 +63,33 @@ pub struct SurfaceSample {
     pub normal: [f32; 3],
     /// Makes the size a multiple of 16 bytes.
     pub padding: f32,
+}
+
+/// The painters: one for each kind of sample.
+#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub enum Painter {
+    /// Discs.
+    Points,
+    /// Arrows.
+    Vectors,
+    /// Strips with round joins.
+    Curves,
+    /// Lit, textured triangles.
+    Surfaces,
+}
+
+impl Painter {
+    /// The painter of an object in space; `None` for one that has no place there.
+    pub fn for_object(scene: &Scene, object: &Object) -> Option<Self> {
+        match &object.shape {
+            Shape::Point { .. } => Some(Self::Points),
+            Shape::Vector { .. } => Some(Self::Vectors),
+            Shape::Curve { .. } => Some(Self::Curves),
+            Shape::Surface { .. } => Some(Self::Surfaces),
+            Shape::Geodesic { .. } => scene.is_in_space(object).then_some(Self::Curves),
+            Shape::Metric { .. } => None,
+        }
+    }
 }
 
 /// The samples of one object.
@@ -123,6 +150,18 @@ pub(crate) fn note(name: &str, all: usize, undefined: usize) -> Option<String> {
             "`{name}` is undefined at {undefined} of its {all} samples and is left open there"
         )),
     }
+}
+
+/// Evaluates three expressions of an object at all its samples, in f64 and in the scene's units.
+pub fn positions(
+    scene: &Scene,
+    settings: &ParamValues,
+    object: &Object,
+    position: &[NodeId; 3],
+) -> Vec<[f64; 3]> {
+    let tape = Tape::new(&scene.graph, position);
+    let sampler = Sampler::new(scene, settings, object, tape, Resolution::Full);
+    sampler.map(|_, out: &[f64; 3]| *out)
 }
 
 /// As [`sample`], with what a reader of the picture should be told.
@@ -221,18 +260,6 @@ pub(crate) fn line_samples(
         count,
         samples: knots.map(sample).collect(),
     }
-}
-
-/// Evaluates three expressions of an object at all its samples, in f64 and in the scene's units.
-pub fn positions(
-    scene: &Scene,
-    settings: &ParamValues,
-    object: &Object,
-    position: &[NodeId; 3],
-) -> Vec<[f64; 3]> {
-    let tape = Tape::new(&scene.graph, position);
-    let sampler = Sampler::new(scene, settings, object, tape, Resolution::Full);
-    sampler.map(|_, out: &[f64; 3]| *out)
 }
 
 /// The roots of a surface's samples: σ, σu, σv, in a graph of their own. `None` if the derivatives explode.

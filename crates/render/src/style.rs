@@ -1,6 +1,6 @@
 //! How things look: colours, light, widths. One set of constants for both backends.
 //!
-//! Lengths are in *drawing units* (see [`crate::bounds::Placement`]: the scene has radius 1 in them), pixel
+//! Lengths are in *drawing units* (see [`crate::placement::Placement`]: the scene has radius 1 in them), pixel
 //! lengths in units of [`pixel_unit`], colours in linear light unless said otherwise.
 //!
 //! **Glyphs** (curves, arrow shafts, points) are camera-facing strips and discs that are shaded like tubes and

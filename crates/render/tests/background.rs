@@ -2,10 +2,13 @@
 
 mod scenes;
 
+use std::sync::Arc;
+
 use image::RgbaImage;
-use render::{Backend, Request, style};
+use render::{Backend, style};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
+use scenes::Wanted;
 
 const SCENE: &str = "
     curve c(t) = (cos t, sin t, 0.3 t), t : [0, 2pi, 80];
@@ -15,18 +18,19 @@ const SCENE: &str = "
 ";
 const BACKENDS: [Backend; 2] = [Backend::Software, Backend::Gpu];
 
-fn compiled(text: &str) -> (Scene, ParamValues) {
+fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
     let settings = ParamValues::initial(&scene);
     (scene, settings)
 }
 
-fn drawn(backend: Backend, change: impl FnOnce(&mut Request)) -> RgbaImage {
+fn drawn(backend: Backend, change: impl FnOnce(&mut Wanted)) -> RgbaImage {
     let (scene, settings) = compiled(SCENE);
-    let mut request = Request::space([320, 240]);
+    let mut request = Wanted::space([320, 240]);
     request.backend = backend;
     change(&mut request);
-    render::render(&scene, &settings, &request, &|_| {})
+    request
+        .draw(&scene, &settings)
         .expect("a picture; the GPU or software Vulkan")
         .image
 }
@@ -57,9 +61,12 @@ fn a_background_takes_the_place_of_the_usual_one() {
         let [r, g, b] = style::BACKGROUND;
         assert_eq!(
             usual,
-            drawn(backend, |request| request.background = Some([r, g, b, 255]))
+            drawn(backend, |request| request.in_space().background =
+                Some([r, g, b, 255]))
         );
-        let white = drawn(backend, |request| request.background = Some([255; 4]));
+        let white = drawn(backend, |request| {
+            request.in_space().background = Some([255; 4])
+        });
         assert_eq!(white.get_pixel(0, 0).0, [255; 4]);
         assert!(white.pixels().all(|pixel| pixel.0[3] == 255));
         assert_ne!(usual, white);
@@ -70,7 +77,9 @@ fn a_background_takes_the_place_of_the_usual_one() {
 fn a_transparent_picture_over_the_usual_background_is_the_usual_picture() {
     for (backend, bound) in [(Backend::Software, 2), (Backend::Gpu, 5)] {
         let usual = drawn(backend, |_| {});
-        let clear = drawn(backend, |request| request.background = Some([0; 4]));
+        let clear = drawn(backend, |request| {
+            request.in_space().background = Some([0; 4])
+        });
         assert_eq!(clear.get_pixel(0, 0).0, [0; 4]);
         let partly = clear
             .pixels()
@@ -86,7 +95,7 @@ fn a_transparent_picture_over_the_usual_background_is_the_usual_picture() {
 fn a_half_transparent_background_keeps_its_colour() {
     for backend in BACKENDS {
         let picture = drawn(backend, |request| {
-            request.background = Some([200, 100, 50, 128])
+            request.in_space().background = Some([200, 100, 50, 128])
         });
         let [r, g, b, a] = picture.get_pixel(0, 0).0;
         let off = [r.abs_diff(200), g.abs_diff(100), b.abs_diff(50)];
@@ -107,7 +116,9 @@ fn a_highlight_changes_its_object_and_nothing_else() {
             let [black, white] = [[0; 3], [255; 3]]
                 .map(|colour| drawn(backend, |request| request.colours = vec![(object, colour)]));
             let seen = apart(&black, &white);
-            let highlit = drawn(backend, |request| request.highlight = Some(object));
+            let highlit = drawn(backend, |request| {
+                request.in_space().highlight = Some(object)
+            });
             let changed = apart(&usual, &highlit);
             let count = changed.iter().filter(|&&changed| changed).count();
             let elsewhere = changed.iter().zip(&seen).filter(|(c, s)| **c && !**s);
@@ -118,7 +129,9 @@ fn a_highlight_changes_its_object_and_nothing_else() {
                 "{backend:?}: {object:?}: {count} of {all}"
             );
         }
-        let nobody = drawn(backend, |request| request.highlight = Some(ObjectId(77)));
+        let nobody = drawn(backend, |request| {
+            request.in_space().highlight = Some(ObjectId(77))
+        });
         assert_eq!(usual, nobody);
     }
 }

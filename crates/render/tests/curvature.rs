@@ -4,11 +4,11 @@ mod scenes;
 
 use std::sync::Arc;
 
+use render::Backend;
 use render::texture::Texture;
-use render::{Backend, Request, View, render};
 use scene::ObjectId;
 use scene::ParamValues;
-use scenes::scene;
+use scenes::{Wanted, scene};
 
 fn curvature(source: &str) -> Arc<Texture> {
     let scene = scene(source);
@@ -81,19 +81,19 @@ fn the_legend_has_the_scale_only_where_colours_show_curvature() {
     for view in ["inside", "space"] {
         let draw = |textures, legend| {
             let base = match view {
-                "inside" => Request::geodesic(ObjectId(0), [300, 200]),
-                _ => Request::space([300, 200]),
+                "inside" => Wanted::geodesic(ObjectId(0), [300, 200]),
+                _ => Wanted::space([300, 200]),
             };
-            let mut request = Request {
+            let mut request = Wanted {
                 backend: Backend::Software,
                 textures,
                 ..base
             };
             request.overlays.legend = legend;
-            if let View::Geodesic { zoom, .. } = &mut request.view {
-                *zoom = Some(0.5);
+            if view == "inside" {
+                request.inside().camera.zoom = Some(0.5);
             }
-            render(&scene, &settings, &request, &|_| {}).expect("a picture")
+            request.draw(&scene, &settings).expect("a picture")
         };
         let shown = vec![(ObjectId(0), texture.clone())];
         let (plain, with) = (draw(shown.clone(), false), draw(shown, true));

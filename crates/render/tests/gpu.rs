@@ -3,14 +3,18 @@
 
 mod scenes;
 
+use std::sync::Arc;
+
 use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId};
-use render::bounds::{Bounds, Placement};
-use render::plan::{Built, plan};
+use render::bounds::Bounds;
+use render::placement::Placement;
+use render::plan::Built;
 use render::sample::{Samples, sample};
-use render::{Backend, Method, RenderError, Request, View, gpu};
+use render::{Backend, Method, RenderError, gpu};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
+use scenes::Wanted;
 
 const SCENE: &str = "
     function f(u, v) = (sin(pi v) cos(2 pi u), sin(pi v) sin(2 pi u), cos(pi v));
@@ -22,18 +26,16 @@ const SCENE: &str = "
     surface s(u, v) = 0.9 f(u, v), u : [0, 1, 40], v : [0, 1, 30];
 ";
 
-fn compiled(text: &str) -> (Scene, ParamValues) {
+fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
     let settings = ParamValues::initial(&scene);
     (scene, settings)
 }
 
-fn with(mut request: Request, backend: Backend) -> Request {
+fn with(mut request: Wanted, backend: Backend) -> Wanted {
     request.backend = backend;
     request
 }
-
-fn quiet(_: f32) {}
 
 /// The mean difference of two pictures' bytes, and the share of pixels that differ by more than 24 in a channel.
 fn difference(a: &image::RgbaImage, b: &image::RgbaImage) -> (f64, f64) {
@@ -140,14 +142,12 @@ fn a_picture_builds_what_its_plan_says_and_nothing_else() {
         ..Built::default()
     };
     let seen = |chosen: Method| {
-        let mut request = Request::geodesic(ObjectId(3), [48, 48]);
-        if let View::Geodesic { method, .. } = &mut request.view {
-            *method = chosen;
-        }
+        let mut request = Wanted::geodesic(ObjectId(3), [48, 48]);
+        request.inside().method = chosen;
         request
     };
     for (request, expected) in [
-        (Request::space([48, 48]), all),
+        (Wanted::space([48, 48]), all),
         (seen(Method::Auto), inside),
         (seen(Method::Fan), inside),
         (seen(Method::FanLinear), inside),
@@ -155,9 +155,8 @@ fn a_picture_builds_what_its_plan_says_and_nothing_else() {
         (seen(Method::Rk4Pixel), Built::default()),
     ] {
         let request = with(request, Backend::Gpu);
-        let (_, built) =
-            gpu::render_counted(&scene, &settings, &request, &quiet).expect("a picture");
-        assert_eq!(built, plan(&scene, &settings, &request).built());
+        let (_, built) = request.draw_counted(&scene, &settings).expect("a picture");
+        assert_eq!(built, request.plan(&scene, &settings).built());
         assert_eq!(built, expected);
     }
 }
@@ -166,15 +165,12 @@ fn a_picture_builds_what_its_plan_says_and_nothing_else() {
 fn ends_pixel_by_pixel_are_computed_and_coloured_as_by_the_software_path() {
     let (scene, settings) = compiled(SCENE);
     for chosen in [Method::Adaptive, Method::Rk4Pixel] {
-        let mut request = with(Request::geodesic(ObjectId(3), [48, 48]), Backend::Gpu);
-        if let View::Geodesic { method, .. } = &mut request.view {
-            *method = chosen;
-        }
-        let (picture, built) =
-            gpu::render_counted(&scene, &settings, &request, &quiet).expect("a picture");
-        assert_eq!(built, plan(&scene, &settings, &request).built());
+        let mut request = with(Wanted::geodesic(ObjectId(3), [48, 48]), Backend::Gpu);
+        request.inside().method = chosen;
+        let (picture, built) = request.draw_counted(&scene, &settings).expect("a picture");
+        assert_eq!(built, request.plan(&scene, &settings).built());
         let request = with(request, Backend::Software);
-        let software = render::render(&scene, &settings, &request, &quiet).expect("a picture");
+        let software = request.draw(&scene, &settings).expect("a picture");
         assert!(picture.image == software.image, "{chosen:?}");
         assert_eq!(picture.notes, software.notes);
     }
@@ -183,8 +179,8 @@ fn ends_pixel_by_pixel_are_computed_and_coloured_as_by_the_software_path() {
 #[test]
 fn points_alone_build_no_surface_pipeline_no_resolve_pass_and_no_sampler() {
     let (scene, settings) = compiled("point p = (1, 2, 3);");
-    let request = with(Request::space([32, 32]), Backend::Gpu);
-    let (_, built) = gpu::render_counted(&scene, &settings, &request, &quiet).expect("a picture");
+    let request = with(Wanted::space([32, 32]), Backend::Gpu);
+    let (_, built) = request.draw_counted(&scene, &settings).expect("a picture");
     assert_eq!(
         built,
         Built {
@@ -199,13 +195,9 @@ fn both_backends_draw_the_same_picture_in_space() {
     let (scene, settings) = compiled(SCENE);
     for (size, mean_bound) in [([256, 256], 0.6), ([150, 90], 1.2), ([1, 1], 8.0)] {
         let draw = |backend| {
-            render::render(
-                &scene,
-                &settings,
-                &with(Request::space(size), backend),
-                &quiet,
-            )
-            .expect("a picture")
+            with(Wanted::space(size), backend)
+                .draw(&scene, &settings)
+                .expect("a picture")
         };
         let (gpu, software) = (draw(Backend::Gpu), draw(Backend::Software));
         assert!(gpu.backend.starts_with("GPU"), "{}", gpu.backend);
@@ -227,13 +219,9 @@ fn a_picture_of_several_tiles_has_no_seams() {
     let (scene, settings) = compiled(SCENE);
     let size = [2200, 40];
     let draw = |backend| {
-        render::render(
-            &scene,
-            &settings,
-            &with(Request::space(size), backend),
-            &quiet,
-        )
-        .expect("a picture")
+        with(Wanted::space(size), backend)
+            .draw(&scene, &settings)
+            .expect("a picture")
     };
     let (mean, far) = difference(&draw(Backend::Gpu).image, &draw(Backend::Software).image);
     assert!(mean < 0.5 && far < 0.01, "mean {mean}, far {far}");
@@ -356,12 +344,11 @@ fn both_backends_see_the_same_from_inside() {
     ];
     for (name, text, distance) in surfaces {
         let (scene, settings) = compiled(text);
-        let mut request = Request::geodesic(ObjectId(0), [128, 128]);
-        if let View::Geodesic { zoom, .. } = &mut request.view {
-            *zoom = Some(distance);
-        }
+        let mut request = Wanted::geodesic(ObjectId(0), [128, 128]);
+        request.inside().camera.zoom = Some(distance);
         let draw = |backend| {
-            render::render(&scene, &settings, &with(request.clone(), backend), &quiet)
+            with(request.clone(), backend)
+                .draw(&scene, &settings)
                 .expect("a picture")
         };
         let (gpu, software) = (draw(Backend::Gpu), draw(Backend::Software));
@@ -397,10 +384,11 @@ fn a_machine_without_a_driver_says_so_and_takes_the_software_path() {
         return;
     }
     let (scene, settings) = compiled("point p = (1, 2, 3);");
-    let request = with(Request::space([16, 16]), Backend::Gpu);
-    let error = render::render(&scene, &settings, &request, &quiet).unwrap_err();
+    let request = with(Wanted::space([16, 16]), Backend::Gpu);
+    let error = request.draw(&scene, &settings).unwrap_err();
     assert!(matches!(error, RenderError::NoGpu { .. }), "{error}");
-    let picture = render::render(&scene, &settings, &with(request, Backend::Auto), &quiet)
+    let picture = with(request, Backend::Auto)
+        .draw(&scene, &settings)
         .expect("a picture");
     assert!(
         picture.backend.starts_with("software, because "),

@@ -5,12 +5,12 @@ mod scenes;
 use geodesic::map::Map;
 use geodesic::trace::Status;
 use glam::DVec3;
-use render::geodesic_view::Inside;
-use render::{Backend, RenderError, Request, View, render};
+use render::viewpoint::Pose;
+use render::{Backend, RenderError};
 use scene::ObjectId;
 use scene::ParamValues;
 
-use scenes::scene;
+use scenes::{Wanted, scene};
 use std::f64::consts::{PI, TAU};
 
 const SPHERE: &str =
@@ -18,21 +18,23 @@ const SPHERE: &str =
 const PLANE: &str = "surface s(u,v) = (u, v, 0), u : [0,4], v : [0,2];";
 
 /// A software request for the first object, from `at`, turned by `angle`, with the zoom `zoom`.
-fn request(size: [u32; 2], place: Option<[f64; 2]>, turned: f64, distance: Option<f64>) -> Request {
-    let mut request = Request::geodesic(ObjectId(0), size);
+fn request(size: [u32; 2], place: Option<[f64; 2]>, turned: f64, distance: Option<f64>) -> Wanted {
+    let mut request = Wanted::geodesic(ObjectId(0), size);
     request.backend = Backend::Software;
-    if let View::Geodesic {
-        at, angle, zoom, ..
-    } = &mut request.view
-    {
-        (*at, *angle, *zoom) = (place, turned, distance);
-    }
+    let camera = &mut request.inside().camera;
+    camera.pose = Pose::At {
+        at: place,
+        angle: turned,
+    };
+    camera.zoom = distance;
     request
 }
 
-fn map(source: &str, request: &Request) -> Map {
+fn map(source: &str, request: &Wanted) -> Map {
     let scene = scene(source);
-    let inside = Inside::new(&scene, &ParamValues::initial(&scene), request).expect("a camera");
+    let inside = request
+        .placed(&scene, &ParamValues::initial(&scene))
+        .expect("a camera");
     inside.map(&|_| {})
 }
 
@@ -142,12 +144,9 @@ fn a_cylinder_is_a_plane_that_repeats() {
 #[test]
 fn the_first_camera_stands_in_the_middle_and_sees_a_good_part() {
     let scene = scene(SPHERE);
-    let inside = Inside::new(
-        &scene,
-        &ParamValues::initial(&scene),
-        &request([9, 9], None, 0.0, None),
-    )
-    .expect("a camera");
+    let inside = request([9, 9], None, 0.0, None)
+        .placed(&scene, &ParamValues::initial(&scene))
+        .expect("a camera");
     assert_eq!(inside.frame.uv, [0.5, 0.5]);
     assert!(inside.zoom > 1.0 && inside.zoom < PI, "{}", inside.zoom);
     // |σu| = 2π at the equator, |σv| = π.
@@ -158,12 +157,9 @@ fn the_first_camera_stands_in_the_middle_and_sees_a_good_part() {
 #[test]
 fn where_the_middle_has_no_tangent_plane_the_first_camera_stands_beside_it() {
     let scene = scene("surface s(u,v) = (v cosu, v sinu, v), u : [0,2pi], v : [-1,1];");
-    let inside = Inside::new(
-        &scene,
-        &ParamValues::initial(&scene),
-        &request([9, 9], None, 0.0, None),
-    )
-    .expect("a camera");
+    let inside = request([9, 9], None, 0.0, None)
+        .placed(&scene, &ParamValues::initial(&scene))
+        .expect("a camera");
     assert!(inside.frame.uv[1] != 0.0);
 }
 
@@ -172,7 +168,9 @@ fn a_camera_that_cannot_stand_there_is_refused_with_the_reason() {
     let scene = scene(SPHERE);
     let attempt = |at: [f64; 2]| {
         let request = request([8, 8], Some(at), 0.0, None);
-        render(&scene, &ParamValues::initial(&scene), &request, &|_| {}).map(|_| ())
+        request
+            .draw(&scene, &ParamValues::initial(&scene))
+            .map(|_| ())
     };
     let name = || "s".to_owned();
     // A pole is a place like any other.
@@ -182,7 +180,9 @@ fn a_camera_that_cannot_stand_there_is_refused_with_the_reason() {
     assert_eq!(attempt([0.25, 0.5]), Ok(()));
     let scene = self::scene(PLANE);
     let request = request([8, 8], Some([5.0, 1.0]), 0.0, None);
-    let outside = render(&scene, &ParamValues::initial(&scene), &request, &|_| {}).map(|_| ());
+    let outside = request
+        .draw(&scene, &ParamValues::initial(&scene))
+        .map(|_| ());
     assert_eq!(
         outside,
         Err(RenderError::CameraOutside {
@@ -193,7 +193,7 @@ fn a_camera_that_cannot_stand_there_is_refused_with_the_reason() {
     );
     let tip = self::scene("surface s(u,v) = (v cosu, v sinu, v), u : [0,2pi], v : [0,1];");
     let request = self::request([8, 8], Some([0.5, 0.0]), 0.0, None);
-    let undefined = render(&tip, &ParamValues::initial(&tip), &request, &|_| {}).map(|_| ());
+    let undefined = request.draw(&tip, &ParamValues::initial(&tip)).map(|_| ());
     assert_eq!(
         undefined,
         Err(RenderError::UndefinedCamera {
@@ -219,7 +219,8 @@ fn the_first_instance_of_a_surface_with_grids_is_seen() {
         scene("grid r : [1, 3, 3]; surface s(u,v) = r(cosu, sinu, v), u : [0,2pi], v : [-1,1];");
     let mut settings = ParamValues::initial(&scene);
     let zoom = |settings: &ParamValues| {
-        Inside::new(&scene, settings, &request([8, 8], None, 0.0, None))
+        request([8, 8], None, 0.0, None)
+            .placed(&scene, settings)
             .expect("a camera")
             .zoom
     };
@@ -266,7 +267,7 @@ fn beside_a_pole_geodesics_end_where_great_circles_do() {
                 east,
                 sin * r.cos() + cos * north,
             ];
-            let [u, v] = map.uv(index);
+            let [u, v] = map.uv(index).0;
             let found = [u.cos() * v.cos(), u.sin() * v.cos(), v.sin()];
             let off = found
                 .iter()

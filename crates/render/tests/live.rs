@@ -8,19 +8,22 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use image::RgbaImage;
+use render::counters::Counters;
 use render::gpu::Gpu;
-use render::live::{Counters, Pixels, Shot, Stage};
-use render::overlay::{Overlays, Spacing};
-use render::{Backend, RenderError, Request, View};
+use render::gpu::Pixels;
+use render::request::{Overlays, Spacing};
+use render::viewpoint::{PerspectiveCamera, Pose};
+use render::{Backend, RenderError, RenderedImage, Renderer};
 use scene::ParamValues;
 use scene::{ObjectId, Scene, Shape};
+use scenes::{Drawn, Wanted};
 
 const SIZE: [u32; 2] = [120, 90];
 
 fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
     let settings = ParamValues::initial(&scene);
-    (Arc::new(scene), settings)
+    (scene, settings)
 }
 
 fn examples() -> Vec<(String, String)> {
@@ -54,15 +57,15 @@ fn twenty(edited: Option<usize>) -> String {
 
 const BACKENDS: [Backend; 2] = [Backend::Software, Backend::Gpu];
 
-fn stage(backend: Backend) -> Stage {
+fn stage(backend: Backend) -> Renderer {
     match backend {
-        Backend::Gpu => Stage::on(Gpu::shared().expect("a GPU or software Vulkan")),
-        _ => Stage::software(),
+        Backend::Gpu => Renderer::on_gpu(Gpu::shared().expect("a GPU or software Vulkan")),
+        _ => Renderer::software(),
     }
 }
 
-fn image(stage: &Stage, shot: &Shot) -> RgbaImage {
-    match (&shot.pixels, stage.gpu()) {
+fn image(stage: &Renderer, shot: &RenderedImage) -> RgbaImage {
+    match (&shot.image, stage.gpu()) {
         (Pixels::Image(image), _) => image.clone(),
         (Pixels::Texture(canvas), Some(gpu)) => canvas.read(gpu).expect("the device is there"),
         (Pixels::Texture(_), None) => panic!("a canvas without a device"),
@@ -70,25 +73,17 @@ fn image(stage: &Stage, shot: &Shot) -> RgbaImage {
 }
 
 /// The picture that is made by itself.
-fn alone(
-    backend: Backend,
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-) -> Result<render::Picture, RenderError> {
-    let request = Request {
+fn alone(backend: Backend, scene: &Arc<Scene>, settings: &ParamValues, request: &Wanted) -> Drawn {
+    let request = Wanted {
         backend,
         ..request.clone()
     };
-    render::render(scene, settings, &request, &|_| {})
+    request.draw(scene, settings)
 }
 
-fn seen_from(eye: [f64; 3]) -> Request {
-    let mut request = Request::space(SIZE);
-    request.view = View::Space {
-        eye: Some(eye),
-        target: Some([0.0; 3]),
-    };
+fn seen_from(eye: [f64; 3]) -> Wanted {
+    let mut request = Wanted::space(SIZE);
+    request.in_space().camera = PerspectiveCamera::new(eye, [0.0; 3]);
     request
 }
 
@@ -126,14 +121,14 @@ impl Random {
 fn a_stage_draws_what_a_single_picture_shows() {
     for (name, text) in examples() {
         let (scene, settings) = compiled(&text);
-        let mut requests = vec![Request::space(SIZE)];
+        let mut requests = vec![Wanted::space(SIZE)];
         let inside = (0..).zip(&scene.objects);
         let inside = inside.filter(|(_, object)| object.shape.manifold().is_some());
-        requests.extend(inside.map(|(k, _)| Request::geodesic(ObjectId(k), [49, 40])));
+        requests.extend(inside.map(|(k, _)| Wanted::geodesic(ObjectId(k), [49, 40])));
         for backend in BACKENDS {
             let mut stage = stage(backend);
             for request in &requests {
-                let shot = stage.draw(&scene, &settings, request);
+                let shot = stage.draw(&request.of(&scene, &settings));
                 match alone(backend, &scene, &settings, request) {
                     Ok(picture) => {
                         let shot = shot.unwrap_or_else(|error| panic!("{name}: {error}"));
@@ -155,17 +150,19 @@ fn a_camera_move_and_the_same_request_again_sample_nothing() {
         let (scene, settings) = compiled(&twenty(None));
         let mut stage = stage(backend);
         stage
-            .draw(&scene, &settings, &Request::space(SIZE))
+            .draw(&Wanted::space(SIZE).of(&scene, &settings))
             .expect("a picture");
         let before = stage.counters();
         assert_eq!((before.sampled, before.looks), (20, 0));
         for request in [
             seen_from([30.0, 20.0, 10.0]),
             seen_from([-30.0, 20.0, 10.0]),
-            Request::space([60, 60]),
-            Request::space(SIZE),
+            Wanted::space([60, 60]),
+            Wanted::space(SIZE),
         ] {
-            stage.draw(&scene, &settings, &request).expect("a picture");
+            stage
+                .draw(&request.of(&scene, &settings))
+                .expect("a picture");
         }
         let expected = Counters {
             pictures: 4,
@@ -180,14 +177,18 @@ fn a_param_samples_only_what_reads_it() {
     for backend in BACKENDS {
         let (scene, mut settings) = compiled(&twenty(None));
         let mut stage = stage(backend);
-        let request = Request::space(SIZE);
-        stage.draw(&scene, &settings, &request).expect("a picture");
+        let request = Wanted::space(SIZE);
+        stage
+            .draw(&request.of(&scene, &settings))
+            .expect("a picture");
         for step in 1..=10 {
             let before = stage.counters();
             settings
                 .set(&scene, "a7", &[0.1 * f64::from(step)])
                 .expect("inside the interval");
-            stage.draw(&scene, &settings, &request).expect("a picture");
+            stage
+                .draw(&request.of(&scene, &settings))
+                .expect("a picture");
             let expected = Counters {
                 pictures: 1,
                 sampled: 1,
@@ -210,8 +211,10 @@ fn an_edit_of_one_of_twenty_surfaces_samples_one() {
         );
         let (moved, other) = compiled(&moved);
         let mut stage = stage(backend);
-        let request = Request::space(SIZE);
-        stage.draw(&scene, &settings, &request).expect("a picture");
+        let request = Wanted::space(SIZE);
+        stage
+            .draw(&request.of(&scene, &settings))
+            .expect("a picture");
         for (scene, settings, sampled) in [
             (&edited, &settings, 1),
             // The old one is still kept.
@@ -219,7 +222,7 @@ fn an_edit_of_one_of_twenty_surfaces_samples_one() {
             (&moved, &other, 0),
         ] {
             let before = stage.counters();
-            stage.draw(scene, settings, &request).expect("a picture");
+            stage.draw(&request.of(scene, settings)).expect("a picture");
             assert_eq!(made(before, stage.counters()).sampled, sampled);
         }
     }
@@ -236,11 +239,11 @@ fn equal_objects_are_sampled_once_and_different_ones_apart() {
         let (scene, settings) = compiled(text);
         let mut stage = stage(backend);
         let shot = stage
-            .draw(&scene, &settings, &Request::space(SIZE))
+            .draw(&Wanted::space(SIZE).of(&scene, &settings))
             .expect("a picture");
         // p, q and r have one value; all others are different.
         assert_eq!(stage.counters().sampled, 9);
-        let picture = alone(backend, &scene, &settings, &Request::space(SIZE));
+        let picture = alone(backend, &scene, &settings, &Wanted::space(SIZE));
         assert!(image(&stage, &shot) == picture.expect("a picture").image);
     }
 }
@@ -253,10 +256,12 @@ fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
         point p = (b, 0, 0);";
         let (scene, mut settings) = compiled(text);
         let mut stage = stage(backend);
-        let request = Request::geodesic(ObjectId(0), [40, 40]);
-        let walk = |stage: &mut Stage, settings: &ParamValues, request: &Request, looks| {
+        let request = Wanted::geodesic(ObjectId(0), [40, 40]);
+        let walk = |stage: &mut Renderer, settings: &ParamValues, request: &Wanted, looks| {
             let before = stage.counters();
-            let shot = stage.draw(&scene, settings, request).expect("a picture");
+            let shot = stage
+                .draw(&request.of(&scene, settings))
+                .expect("a picture");
             let now = made(before, stage.counters());
             assert_eq!((now.looks, now.sampled), (looks, 0));
             let picture = alone(backend, &scene, settings, request).expect("a picture");
@@ -273,9 +278,10 @@ fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
         settings.set(&scene, "a", &[1.5]).expect("inside");
         walk(&mut stage, &settings, &request, 1);
         let mut turned = request.clone();
-        if let View::Geodesic { angle, .. } = &mut turned.view {
-            *angle = 0.5;
-        }
+        turned.inside().camera.pose = Pose::At {
+            at: None,
+            angle: 0.5,
+        };
         walk(&mut stage, &settings, &turned, 1);
         walk(&mut stage, &settings, &request, 0);
     }
@@ -287,15 +293,15 @@ fn the_ends_of_a_picture_from_inside_are_computed_once_whatever_lies_over_it() {
                 u : [0, 2pi], v : [0, 2pi];\n\
                 geodesic g(t) : s = (1, 0.3) @ (1, 1), t : [0, 9];\n";
     let (scene, settings) = compiled(text);
-    let mut stage = Stage::software();
+    let mut stage = Renderer::software();
     let mut made = |overlays: Overlays| {
-        let request = Request {
+        let request = Wanted {
             overlays,
-            ..Request::geodesic(ObjectId(0), SIZE)
+            ..Wanted::geodesic(ObjectId(0), SIZE)
         };
         let before = stage.counters();
         stage
-            .draw(&scene, &settings, &request)
+            .draw(&request.of(&scene, &settings))
             .expect("it can be drawn");
         made(before, stage.counters())
     };
@@ -325,18 +331,18 @@ fn a_view_that_moves_is_coarse_and_at_rest_as_fine_as_if_it_never_had() {
                 u : [0, 2pi], v : [0, 2pi];\n\
                 geodesic g(t) : s = (1, 0.3) @ (1, 1), t : [0, 9];\n";
     let (scene, settings) = compiled(text);
-    let fine = Request::geodesic(ObjectId(0), SIZE);
-    let coarse = Request {
+    let fine = Wanted::geodesic(ObjectId(0), SIZE);
+    let coarse = Wanted {
         moving: true,
         ..fine.clone()
     };
-    let mut stage = Stage::software();
-    let mut draw = |request: &Request| {
+    let mut stage = Renderer::software();
+    let mut draw = |request: &Wanted| {
         let shot = stage
-            .draw(&scene, &settings, request)
+            .draw(&request.of(&scene, &settings))
             .expect("it can be drawn");
-        let (work, estimate) = shot.inside.expect("it is a geodesic view");
-        let Pixels::Image(image) = shot.pixels else {
+        let (work, estimate) = shot.geodesics.expect("it is a geodesic view");
+        let Pixels::Image(image) = shot.image else {
             panic!("the software path draws in memory");
         };
         (
@@ -353,11 +359,11 @@ fn a_view_that_moves_is_coarse_and_at_rest_as_fine_as_if_it_never_had() {
     // Neither takes the other's place among what is kept.
     assert_eq!(draw(&coarse).0, moving);
     assert_eq!(draw(&fine).0, resting);
-    let mut other = Stage::software();
+    let mut other = Renderer::software();
     let alone = other
-        .draw(&scene, &settings, &fine)
+        .draw(&fine.of(&scene, &settings))
         .expect("it can be drawn");
-    let Pixels::Image(alone) = alone.pixels else {
+    let Pixels::Image(alone) = alone.image else {
         panic!("the software path draws in memory");
     };
     assert_eq!(alone, resting);
@@ -369,29 +375,41 @@ fn the_first_camera_stays_while_the_scene_moves_a_little_and_follows_when_it_lea
         surface s(u, v) = (u + 0.01 a, v, 0.1 u v), u : [0, 1, 12], v : [0, 1, 12];
         point p = (0.5, 0.5, 0);";
     let (scene, mut settings) = compiled(text);
-    let mut stage = Stage::software();
-    let request = Request::space(SIZE);
-    let first = stage.camera(&scene, &settings, &request).expect("a camera");
+    let mut stage = Renderer::software();
+    let request = Wanted::space(SIZE);
+    let first = stage
+        .camera(&request.of(&scene, &settings))
+        .expect("a camera");
     settings.set(&scene, "a", &[10.0]).expect("inside");
-    let near = stage.camera(&scene, &settings, &request).expect("a camera");
+    let near = stage
+        .camera(&request.of(&scene, &settings))
+        .expect("a camera");
     assert_eq!(
         (first.placement, first.eye, first.axes),
         (near.placement, near.eye, near.axes)
     );
     let before = stage.counters();
-    stage.draw(&scene, &settings, &request).expect("a picture");
+    stage
+        .draw(&request.of(&scene, &settings))
+        .expect("a picture");
     assert_eq!(made(before, stage.counters()).sampled, 2);
     settings.set(&scene, "a", &[20.0]).expect("inside");
-    stage.draw(&scene, &settings, &request).expect("a picture");
+    stage
+        .draw(&request.of(&scene, &settings))
+        .expect("a picture");
     assert_eq!(made(before, stage.counters()).sampled, 3, "the point stays");
     let mut far = String::from(text);
     far.push_str("point q = (50, 0, 0);");
     let (scene, settings) = compiled(&far);
-    let away = stage.camera(&scene, &settings, &request).expect("a camera");
+    let away = stage
+        .camera(&request.of(&scene, &settings))
+        .expect("a camera");
     assert!(away.placement.radius > 10.0 * near.placement.radius);
     stage.set_bounds(None);
     let bounds = render::bounds::Bounds::of(&scene, &settings);
-    stage.camera(&scene, &settings, &request).expect("a camera");
+    stage
+        .camera(&request.of(&scene, &settings))
+        .expect("a camera");
     assert_eq!(stage.bounds().as_deref(), Some(&bounds));
 }
 
@@ -413,7 +431,7 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
             let mut stage = self::stage(backend);
             let mut kept = [true; 8];
             let (mut scene, mut settings) = (None::<Arc<Scene>>, None::<ParamValues>);
-            let mut request = Request::space(SIZE);
+            let mut request = Wanted::space(SIZE);
             for step in 0..25 {
                 match (&scene, random.below(4)) {
                     (Some(scene), 0) => {
@@ -433,7 +451,7 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
                             .collect();
                         if !surfaces.is_empty() {
                             let surface = surfaces[random.below(surfaces.len())];
-                            request = Request::geodesic(ObjectId(surface), [40, 30]);
+                            request = Wanted::geodesic(ObjectId(surface), [40, 30]);
                         }
                     }
                     _ => {
@@ -452,18 +470,18 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
                         );
                         let (new, opening) = compiled(&text);
                         (scene, settings) = (Some(new), Some(opening));
-                        if matches!(request.view, View::Geodesic { .. }) {
-                            request = Request::space(SIZE);
+                        if request.view.object().is_some() {
+                            request = Wanted::space(SIZE);
                         }
                     }
                 }
                 let (Some(scene), Some(settings)) = (&scene, &settings) else {
                     continue;
                 };
-                let shot = stage.draw(scene, settings, &request);
+                let shot = stage.draw(&request.of(scene, settings));
                 let mut fresh = self::stage(backend);
                 fresh.set_bounds(stage.bounds());
-                let expected = fresh.draw(scene, settings, &request);
+                let expected = fresh.draw(&request.of(scene, settings));
                 match (shot, expected) {
                     (Ok(shot), Ok(expected)) => {
                         assert_eq!(shot.notes, expected.notes, "seed {seed}, step {step}");
@@ -485,35 +503,45 @@ fn pipelines_are_built_for_kinds_of_objects_and_never_again() {
     let (scene, mut settings) = compiled(&twenty(None));
     let (edited, _) = compiled(&twenty(Some(3)));
     let mut stage = stage(Backend::Gpu);
-    let request = Request::space(SIZE);
-    stage.draw(&scene, &settings, &request).expect("a picture");
+    let request = Wanted::space(SIZE);
+    stage
+        .draw(&request.of(&scene, &settings))
+        .expect("a picture");
     assert_eq!(stage.counters().pipelines, 1, "surfaces alone");
     for step in 0..5 {
         settings
             .set(&scene, "a1", &[0.1 * f64::from(step)])
             .expect("inside");
-        stage.draw(&scene, &settings, &request).expect("a picture");
+        stage
+            .draw(&request.of(&scene, &settings))
+            .expect("a picture");
     }
     stage
-        .draw(&scene, &settings, &seen_from([30.0, 20.0, 10.0]))
+        .draw(&seen_from([30.0, 20.0, 10.0]).of(&scene, &settings))
         .expect("a picture");
-    stage.draw(&edited, &settings, &request).expect("a picture");
     stage
-        .draw(&scene, &settings, &Request::space([50, 50]))
+        .draw(&request.of(&edited, &settings))
+        .expect("a picture");
+    stage
+        .draw(&Wanted::space([50, 50]).of(&scene, &settings))
         .expect("a picture");
     let now = stage.counters();
     assert_eq!((now.pipelines, now.looks), (1, 0));
     assert_eq!(now.sampled, 20 + 4 + 1);
     // A geodesic view takes one fixed pass, and no kernel of its own.
     for surface in [0, 1, 0] {
-        let inside = Request::geodesic(ObjectId(surface), [40, 40]);
-        stage.draw(&scene, &settings, &inside).expect("a picture");
+        let inside = Wanted::geodesic(ObjectId(surface), [40, 40]);
+        stage
+            .draw(&inside.of(&scene, &settings))
+            .expect("a picture");
     }
     let now = stage.counters();
     assert_eq!((now.pipelines, now.looks), (2, 2));
     let (curves, settings) =
         compiled("curve c(t) = (t, t^2, 0), t : [0, 1, 20]; point p = (1, 0, 0);");
-    stage.draw(&curves, &settings, &request).expect("a picture");
+    stage
+        .draw(&request.of(&curves, &settings))
+        .expect("a picture");
     assert_eq!(stage.counters().pipelines, 4);
 }
 
@@ -528,11 +556,13 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
             u : [0, 2pi, 1000], v : [0, 2pi, 700];"
     );
     let (scene, mut settings) = compiled(&text);
-    let request = Request::space(SIZE);
-    let plan = render::plan::plan(&scene, &settings, &request);
+    let request = Wanted::space(SIZE);
+    let plan = request.plan(&scene, &settings);
     assert_eq!(plan.objects[0].source, render::plan::Source::Kernel);
     let mut stage = stage(Backend::Gpu);
-    let first = stage.draw(&scene, &settings, &request).expect("a picture");
+    let first = stage
+        .draw(&request.of(&scene, &settings))
+        .expect("a picture");
     let first = image(&stage, &first);
     let start = std::time::Instant::now();
     while stage.counters().pipelines < 2 {
@@ -545,14 +575,20 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
     }
     // What is there stays; other values come from the kernel, which is not built again.
     let before = stage.counters();
-    stage.draw(&scene, &settings, &request).expect("a picture");
+    stage
+        .draw(&request.of(&scene, &settings))
+        .expect("a picture");
     assert_eq!(made(before, stage.counters()).sampled, 0);
     settings.set(&scene, "a", &[0.5]).expect("inside");
-    let bumpy = stage.draw(&scene, &settings, &request).expect("a picture");
+    let bumpy = stage
+        .draw(&request.of(&scene, &settings))
+        .expect("a picture");
     let bumpy = image(&stage, &bumpy);
     assert_ne!(first, bumpy);
     settings.set(&scene, "a", &[1.0]).expect("inside");
-    stage.draw(&scene, &settings, &request).expect("a picture");
+    stage
+        .draw(&request.of(&scene, &settings))
+        .expect("a picture");
     settings.set(&scene, "a", &[0.5]).expect("inside");
     let now = made(before, stage.counters());
     assert_eq!((now.sampled, now.pipelines), (2, 0));
@@ -567,14 +603,14 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
     let (renamed, mut settings) = compiled(&format!("param b : [0, 3], [1, 2]; {text}"));
     settings.set(&renamed, "a", &[0.25]).expect("inside");
     stage
-        .draw(&renamed, &settings, &request)
+        .draw(&request.of(&renamed, &settings))
         .expect("a picture");
     let now = made(before, stage.counters());
     assert_eq!((now.sampled, now.pipelines), (3, 0));
 }
 
 /// Waits until no kernel is being built; what has been made then.
-fn built(stage: &Stage) -> Counters {
+fn built(stage: &Renderer) -> Counters {
     let start = std::time::Instant::now();
     while stage.is_building() {
         assert!(start.elapsed().as_secs() < 120, "{:?}", stage.counters());
@@ -588,26 +624,32 @@ fn of_twenty_surfaces_with_kernels_a_param_builds_none_and_an_edit_the_one_that_
     // As though each were large: small ones share the painters' pipelines, and have no other.
     let mut stage = stage(Backend::Gpu).with_kernels_from(1);
     let (scene, mut settings) = compiled(&twenty(None));
-    let request = Request::space(SIZE);
-    stage.draw(&scene, &settings, &request).expect("a picture");
+    let request = Wanted::space(SIZE);
+    stage
+        .draw(&request.of(&scene, &settings))
+        .expect("a picture");
     let first = built(&stage);
     // A kernel for each surface, and what draws them all.
     assert_eq!((first.pipelines, first.sampled), (20 + 1, 20));
     for step in 1..=10 {
         let value = [0.1 * f64::from(step)];
         settings.set(&scene, "a7", &value).expect("inside");
-        stage.draw(&scene, &settings, &request).expect("a picture");
+        stage
+            .draw(&request.of(&scene, &settings))
+            .expect("a picture");
     }
     let dragged = made(first, built(&stage));
     assert_eq!((dragged.pipelines, dragged.sampled), (0, 10));
     let (edited, opening) = compiled(&twenty(Some(3)));
     // Drawn from blocks until its kernel is there, and by that as soon as a param moves.
-    stage.draw(&edited, &opening, &request).expect("a picture");
+    stage
+        .draw(&request.of(&edited, &opening))
+        .expect("a picture");
     let after = built(&stage);
     assert_eq!(made(first, after).pipelines, 1);
     let mut settings = opening;
     settings.set(&edited, "a3", &[0.5]).expect("inside");
-    let shot = stage.draw(&edited, &settings, &request);
+    let shot = stage.draw(&request.of(&edited, &settings));
     let shot = image(&stage, &shot.expect("a picture"));
     let now = made(after, built(&stage));
     assert_eq!((now.pipelines, now.sampled), (0, 1));
@@ -618,7 +660,7 @@ fn of_twenty_surfaces_with_kernels_a_param_builds_none_and_an_edit_the_one_that_
     // Back, and elsewhere in another text: every kernel is known.
     let (moved, other) = compiled(&format!("param b : [0, 1]; {}", twenty(None)));
     for (scene, settings) in [(&scene, &ParamValues::initial(&scene)), (&moved, &other)] {
-        stage.draw(scene, settings, &request).expect("a picture");
+        stage.draw(&request.of(scene, settings)).expect("a picture");
     }
     assert_eq!(made(after, built(&stage)).pipelines, 0);
 }
@@ -628,10 +670,12 @@ fn a_canvas_is_drawn_on_again_once_nobody_looks_at_it() {
     let (scene, settings) = compiled("point p = (0, 0, 0);");
     let mut stage = stage(Backend::Gpu);
     let mut draw = |colour: [u8; 4]| {
-        let mut request = Request::space([20, 10]);
-        request.background = Some(colour);
-        let shot = stage.draw(&scene, &settings, &request).expect("a picture");
-        match shot.pixels {
+        let mut request = Wanted::space([20, 10]);
+        request.in_space().background = Some(colour);
+        let shot = stage
+            .draw(&request.of(&scene, &settings))
+            .expect("a picture");
+        match shot.image {
             Pixels::Texture(canvas) => canvas,
             Pixels::Image(_) => panic!("a picture in memory"),
         }
@@ -659,21 +703,25 @@ fn a_canvas_is_drawn_on_again_once_nobody_looks_at_it() {
 fn a_lost_device_is_an_error_and_a_new_stage_goes_on() {
     let (scene, settings) = compiled("surface s(u, v) = (u, v, u v), u : [0, 1], v : [0, 1];");
     let gpu = Arc::new(own_gpu());
-    let mut stage = Stage::on(gpu.clone());
-    let request = Request::space(SIZE);
-    stage.draw(&scene, &settings, &request).expect("a picture");
+    let mut stage = Renderer::on_gpu(gpu.clone());
+    let request = Wanted::space(SIZE);
+    stage
+        .draw(&request.of(&scene, &settings))
+        .expect("a picture");
     assert!(!stage.is_lost());
     gpu.destroy();
-    for request in [request.clone(), Request::geodesic(ObjectId(0), SIZE)] {
+    for request in [request.clone(), Wanted::geodesic(ObjectId(0), SIZE)] {
         let error = stage
-            .draw(&scene, &settings, &request)
+            .draw(&request.of(&scene, &settings))
             .expect_err("the device has gone");
         assert!(matches!(error, RenderError::Gpu(_)), "{error}");
     }
     assert!(stage.is_lost());
-    let mut other = Stage::software();
+    let mut other = Renderer::software();
     other.set_bounds(stage.bounds());
-    other.draw(&scene, &settings, &request).expect("a picture");
+    other
+        .draw(&request.of(&scene, &settings))
+        .expect("a picture");
 }
 
 /// A device that no other test uses.

@@ -3,15 +3,16 @@
 mod scenes;
 
 use image::{Rgba, RgbaImage};
-use render::overlay::{Overlays, Spacing, Standpoint, Trail};
-use render::plan::plan;
+use render::request::{Overlays, Spacing};
 use render::sample::{Samples, sample};
 use render::texture::Texture;
-use render::{Backend, Picture, Request, View, render};
+use render::trail::Trail;
+use render::viewpoint::GeodesicCamera;
+use render::{Backend, RenderedImage};
 use scene::ObjectId;
 use scene::ParamValues;
 
-use scenes::scene;
+use scenes::{Wanted, scene};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -21,27 +22,25 @@ const SPHERE: &str =
 const CYLINDER: &str = "surface s(u,v) = (cosu, sinu, v), u : [-pi,pi], v : [-20,20];";
 
 /// A grey picture of the first object from inside, on the software path.
-fn draw(source: &str, at: [f64; 2], distance: f64, overlays: Overlays) -> Picture {
+fn draw(source: &str, at: [f64; 2], distance: f64, overlays: Overlays) -> RenderedImage<RgbaImage> {
     let scene = scene(source);
     let grey = Texture::from_image(RgbaImage::from_pixel(1, 1, Rgba([128, 128, 128, 255])));
-    let mut request = Request {
+    let mut request = Wanted {
         backend: Backend::Software,
-        mark_centre: false,
         textures: vec![(ObjectId(0), Arc::new(grey))],
         overlays,
-        ..Request::geodesic(ObjectId(0), [128, 128])
+        ..Wanted::geodesic(ObjectId(0), [128, 128])
     };
-    if let View::Geodesic {
-        at: place, zoom, ..
-    } = &mut request.view
-    {
-        (*place, *zoom) = (Some(at), Some(distance));
-    }
-    render(&scene, &ParamValues::initial(&scene), &request, &|_| {}).expect("a picture")
+    let options = request.inside();
+    options.mark_centre = false;
+    options.camera = options.camera.at(at).zoomed(distance);
+    request
+        .draw(&scene, &ParamValues::initial(&scene))
+        .expect("a picture")
 }
 
 /// The distances from the centre, in units of half the picture, of pixels that are not grey.
-fn marked(picture: &Picture) -> Vec<f64> {
+fn marked(picture: &RenderedImage<RgbaImage>) -> Vec<f64> {
     let pixels = picture.image.enumerate_pixels();
     pixels
         .filter(|(.., pixel)| (0..3).any(|k| pixel.0[k].abs_diff(128) > 60))
@@ -160,7 +159,7 @@ fn declared_geodesics_are_curves_in_space_at_equal_arc_lengths() {
             assert!((chord - expected).abs() < 1e-5, "{chord}, not {expected}");
         }
     }
-    let planned = plan(&scene, &settings, &Request::space([8, 8]));
+    let planned = Wanted::space([8, 8]).plan(&scene, &settings);
     assert_eq!(planned.objects.len(), 2);
 }
 
@@ -169,12 +168,13 @@ fn a_metric_has_a_note_in_space_and_its_geodesics_no_place() {
     let source = "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-2,2], v : [0.1,4];
         geodesic g(t) : h = (1, 0) @ (0, 1), t : [0, 1];";
     let scene = scene(source);
-    let request = Request {
+    let request = Wanted {
         backend: Backend::Software,
-        ..Request::space([32, 32])
+        ..Wanted::space([32, 32])
     };
-    let picture =
-        render(&scene, &ParamValues::initial(&scene), &request, &|_| {}).expect("a picture");
+    let picture = request
+        .draw(&scene, &ParamValues::initial(&scene))
+        .expect("a picture");
     assert_eq!(picture.notes.len(), 1, "{:?}", picture.notes);
     assert!(picture.notes[0].starts_with("`h` is a metric"));
     let seen = draw(source, [0.0, 1.0], 1.0, Overlays::default());
@@ -186,22 +186,17 @@ fn a_geodesic_camera_is_shown_in_space_when_asked_for() {
     let scene = scene(SPHERE);
     let settings = ParamValues::initial(&scene);
     let picture = |show_camera| {
-        let request = Request {
+        let request = Wanted {
             backend: Backend::Software,
-            show_camera,
-            ..Request::space([64, 64])
+            ..Wanted::space([64, 64]).with_space(|options| options.show_camera = show_camera)
         };
-        let drawn = render(&scene, &settings, &request, &|_| {}).expect("a picture");
-        (plan(&scene, &settings, &request).painters().len(), drawn)
+        let drawn = request.draw(&scene, &settings).expect("a picture");
+        (request.plan(&scene, &settings).painters().len(), drawn)
     };
     let (plain_painters, plain) = picture(None);
-    let (painters, shown) = picture(Some(Standpoint {
-        surface: ObjectId(0),
-        at: Some([-1.0, 0.3]),
-        angle: 0.0,
-        zoom: Some(0.5),
-        frame: None,
-    }));
+    let (painters, shown) = picture(Some(
+        GeodesicCamera::new(ObjectId(0)).at([-1.0, 0.3]).zoomed(0.5),
+    ));
     assert_eq!((plain_painters, painters), (1, 3));
     assert_eq!(plain.overlays, Vec::<&str>::new());
     assert_eq!(shown.overlays, ["camera"]);
@@ -224,23 +219,22 @@ fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent(
     let grey = Arc::new(grey);
     let draw = |space: bool, trails: Vec<Arc<Trail>>| {
         let base = if space {
-            Request::space([128, 128])
+            Wanted::space([128, 128])
+                .with_space(|options| options.camera.eye = Some([4.0, 0.5, 0.0]))
         } else {
-            Request::geodesic(ObjectId(0), [128, 128])
+            Wanted::geodesic(ObjectId(0), [128, 128]).with_inside(|options| {
+                options.mark_centre = false;
+                options.camera = options.camera.at([0.0; 2]).zoomed(1.0);
+            })
         };
-        let mut request = Request {
+        let request = Wanted {
             backend: Backend::Software,
-            mark_centre: false,
             textures: vec![(ObjectId(0), grey.clone())],
             trails,
             ..base
         };
-        match &mut request.view {
-            View::Geodesic { at, zoom, .. } => (*at, *zoom) = (Some([0.0; 2]), Some(1.0)),
-            View::Space { eye, .. } => *eye = Some([4.0, 0.5, 0.0]),
-        }
-        let painters = plan(&scene, &settings, &request).painters().len();
-        let picture = render(&scene, &settings, &request, &|_| {}).expect("a picture");
+        let painters = request.plan(&scene, &settings).painters().len();
+        let picture = request.draw(&scene, &settings).expect("a picture");
         (picture, painters)
     };
     for space in [false, true] {

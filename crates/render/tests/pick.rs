@@ -4,36 +4,31 @@ mod scenes;
 
 use std::sync::Arc;
 
-use render::live::{Hit, Pixels, Stage};
-use render::{Request, View};
+use render::Renderer;
+use render::gpu::Pixels;
+use render::view::Hit;
+use render::viewpoint::PerspectiveCamera;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
+use scenes::Wanted;
 
 const SIZE: [u32; 2] = [160, 120];
 
 fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
     let settings = ParamValues::initial(&scene);
-    (Arc::new(scene), settings)
+    (scene, settings)
 }
 
-fn from(eye: [f64; 3], target: [f64; 3]) -> Request {
-    let mut request = Request::space(SIZE);
-    request.view = View::Space {
-        eye: Some(eye),
-        target: Some(target),
-    };
+fn from(eye: [f64; 3], target: [f64; 3]) -> Wanted {
+    let mut request = Wanted::space(SIZE);
+    request.in_space().camera = PerspectiveCamera::new(eye, target);
     request
 }
 
-fn pick(
-    scene: &Arc<Scene>,
-    settings: &ParamValues,
-    request: &Request,
-    at: [f64; 2],
-) -> Option<Hit> {
-    Stage::software()
-        .pick(scene, settings, request, at)
+fn pick(scene: &Arc<Scene>, settings: &ParamValues, request: &Wanted, at: [f64; 2]) -> Option<Hit> {
+    Renderer::software()
+        .pick(&request.of(scene, settings), at)
         .expect("a picture")
 }
 
@@ -41,11 +36,11 @@ fn pick(
 fn ray(
     scene: &Arc<Scene>,
     settings: &ParamValues,
-    request: &Request,
+    request: &Wanted,
     at: [f64; 2],
 ) -> [[f64; 3]; 2] {
-    let camera = Stage::software()
-        .camera(scene, settings, request)
+    let camera = Renderer::software()
+        .camera(&request.of(scene, settings))
         .expect("a camera");
     let [tx, ty] = camera.half_tangents();
     let x = (2.0 * at[0] / f64::from(SIZE[0]) - 1.0) * tx;
@@ -138,13 +133,15 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
     let (scene, settings) = compiled(text);
     // From straight above: x to the right, y up.
     let request = from([0.0, 0.0, 6.0], [0.0; 3]);
-    let mut stage = Stage::software();
-    let camera = stage.camera(&scene, &settings, &request).expect("a camera");
+    let mut stage = Renderer::software();
+    let camera = stage
+        .camera(&request.of(&scene, &settings))
+        .expect("a camera");
     let pixel = f64::from(camera.pixels_per_unit()) / (6.0);
     let at = |x: f64, y: f64| [80.0 + x * pixel, 60.0 - y * pixel];
     let mut pick = |[x, y]: [f64; 2]| {
         stage
-            .pick(&scene, &settings, &request, [x, y])
+            .pick(&request.of(&scene, &settings), [x, y])
             .expect("a picture")
     };
     let [x, y] = at(0.5, 0.0);
@@ -177,12 +174,12 @@ fn perspective_does_not_bend_a_curves_parameter() {
     let text = "curve c(t) = (0, t, 0), t : [0, 10, 2]; point p = (0, 5, 0);";
     let (scene, settings) = compiled(text);
     let request = from([1.0, -3.0, 2.0], [0.0, 4.0, 0.0]);
-    let mut stage = Stage::software();
+    let mut stage = Renderer::software();
     for k in 0..160 {
         for j in (0..120).step_by(7) {
             let at = [f64::from(k) + 0.5, f64::from(j) + 0.5];
             let hit = stage
-                .pick(&scene, &settings, &request, at)
+                .pick(&request.of(&scene, &settings), at)
                 .expect("a picture");
             if let Some(hit) = hit.filter(|hit| hit.object == ObjectId(0)) {
                 assert!(
@@ -202,8 +199,10 @@ fn each_instance_is_told_apart() {
         curve c(t) = (2 k_1 + t, 2 k_2 + 1.5, 0), t : [0, 1, 9];";
     let (scene, settings) = compiled(text);
     let request = from([3.5, 1.5, 20.0], [3.5, 1.5, 0.0]);
-    let mut stage = Stage::software();
-    let camera = stage.camera(&scene, &settings, &request).expect("a camera");
+    let mut stage = Renderer::software();
+    let camera = stage
+        .camera(&request.of(&scene, &settings))
+        .expect("a camera");
     let pixel = f64::from(camera.pixels_per_unit()) / 20.0;
     for i in 0..4 {
         for j in 0..2 {
@@ -214,7 +213,7 @@ fn each_instance_is_told_apart() {
                     60.0 - (y + place[1] - 1.5) * pixel,
                 ];
                 let hit = stage
-                    .pick(&scene, &settings, &request, at)
+                    .pick(&request.of(&scene, &settings), at)
                     .expect("a picture");
                 let hit = hit.unwrap_or_else(|| panic!("{object} at {at:?}"));
                 assert_eq!(
@@ -236,14 +235,14 @@ fn what_is_picked_is_what_the_picture_shows() {
         metric h(x, y) = (1, 0, 1) / y^2, x : [-1, 1], y : [0.5, 1];";
     let (scene, settings) = compiled(text);
     let request = from([4.0, -5.0, 3.0], [0.0; 3]);
-    let mut stage = Stage::software();
+    let mut stage = Renderer::software();
     let mut drawn = |object: u32, colour: [u8; 3]| {
         let mut request = request.clone();
         request.colours = vec![(ObjectId(object), colour)];
         match stage
-            .draw(&scene, &settings, &request)
+            .draw(&request.of(&scene, &settings))
             .expect("a picture")
-            .pixels
+            .image
         {
             Pixels::Image(image) => image,
             Pixels::Texture(_) => panic!("a software stage draws images"),
@@ -275,7 +274,7 @@ fn what_is_picked_is_what_the_picture_shows() {
         for x in 0..width {
             let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
             let hit = stage
-                .pick(&scene, &settings, &request, at)
+                .pick(&request.of(&scene, &settings), at)
                 .expect("a picture");
             let glyphs: Vec<usize> = (2..5).filter(|&object| near(object, x, y)).collect();
             let here: Vec<usize> = (0..2).filter(|&object| visible(object, x, y)).collect();
@@ -302,12 +301,12 @@ fn what_is_picked_is_what_the_picture_shows() {
 fn a_place_outside_the_picture_and_a_geodesic_view_are_no_place_to_pick() {
     let (scene, settings) = compiled("surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1];");
     for at in [[-1.0, 5.0], [5.0, 120.0], [f64::NAN, 1.0]] {
-        assert_eq!(pick(&scene, &settings, &Request::space(SIZE), at), None);
+        assert_eq!(pick(&scene, &settings, &Wanted::space(SIZE), at), None);
     }
-    let inside = Request::geodesic(ObjectId(0), SIZE);
+    let inside = Wanted::geodesic(ObjectId(0), SIZE);
     assert!(
-        Stage::software()
-            .pick(&scene, &settings, &inside, [1.0, 1.0])
+        Renderer::software()
+            .pick(&inside.of(&scene, &settings), [1.0, 1.0])
             .is_err()
     );
 }

@@ -2,15 +2,15 @@
 
 mod scenes;
 
-use render::plan::{Built, Painter, Source, plan};
-use render::{Backend, Method, Request, View};
+use render::plan::{Built, Painter, Source};
+use render::{Backend, Method};
 use scene::ObjectId;
 use scene::ParamValues;
-use scenes::scene;
+use scenes::{Wanted, scene};
 
-fn built(source: &str, request: &Request) -> Built {
+fn built(source: &str, request: &Wanted) -> Built {
     let scene = scene(source);
-    plan(&scene, &ParamValues::initial(&scene), request).built()
+    request.plan(&scene, &ParamValues::initial(&scene)).built()
 }
 
 const SURFACE: &str = "surface s(u,v) = (u, v, u v), u : [0,1], v : [0,1];";
@@ -24,7 +24,7 @@ fn points_alone_build_one_pipeline_and_nothing_else() {
     assert_eq!(
         built(
             "point p = (1,2,3); point q = (0,0,0);",
-            &Request::space([64, 64])
+            &Wanted::space([64, 64])
         ),
         expected
     );
@@ -41,12 +41,12 @@ fn surfaces_bring_a_sampler_and_their_distinct_images() {
         samplers: 1,
         ..Built::default()
     };
-    assert_eq!(built(&source, &Request::space([64, 64])), expected);
+    assert_eq!(built(&source, &Wanted::space([64, 64])), expected);
 }
 
 #[test]
 fn a_geodesic_view_builds_no_painter() {
-    let request = Request::geodesic(ObjectId(0), [64, 64]);
+    let request = Wanted::geodesic(ObjectId(0), [64, 64]);
     let expected = Built {
         resolve_pipelines: 1,
         textures: 1,
@@ -63,11 +63,9 @@ fn a_geodesic_view_builds_no_painter() {
 fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
     let scene = scene(&format!("{SURFACE} point p = (0,0,0);"));
     let settings = ParamValues::initial(&scene);
-    let mut request = Request::geodesic(ObjectId(0), [64, 64]);
-    let choose = |request: &mut Request, chosen| {
-        if let View::Geodesic { method, .. } = &mut request.view {
-            *method = chosen;
-        }
+    let mut request = Wanted::geodesic(ObjectId(0), [64, 64]);
+    let choose = |request: &mut Wanted, chosen| {
+        request.inside().method = chosen;
     };
     let parts = [
         "no point pipeline",
@@ -79,7 +77,7 @@ fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
     ];
     for method in [Method::Auto, Method::Rk4Pixel] {
         choose(&mut request, method);
-        let left_out = plan(&scene, &settings, &request).left_out;
+        let left_out = request.plan(&scene, &settings).left_out;
         assert_eq!(left_out.len(), parts.len(), "{left_out:?}");
         for (sentence, part) in left_out.iter().zip(parts) {
             assert!(sentence.starts_with(part), "{sentence}");
@@ -93,16 +91,16 @@ fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
 
 #[test]
 fn the_software_path_builds_nothing_on_a_gpu() {
-    let request = Request {
+    let request = Wanted {
         backend: Backend::Software,
-        ..Request::space([64, 64])
+        ..Wanted::space([64, 64])
     };
     assert_eq!(built(SURFACE, &request), Built::default());
 }
 
 #[test]
 fn an_empty_scene_builds_nothing() {
-    assert_eq!(built("", &Request::space([64, 64])), Built::default());
+    assert_eq!(built("", &Wanted::space([64, 64])), Built::default());
 }
 
 #[test]
@@ -110,11 +108,7 @@ fn an_object_is_planned_with_its_uniforms_samples_and_operations() {
     let scene = scene(
         "param a : [1,2]; param b : [1,2]; grid k : [0,1,5]; curve c(t) = b(t, k, 0), t : [0,1,20];",
     );
-    let plan = plan(
-        &scene,
-        &ParamValues::initial(&scene),
-        &Request::space([64, 64]),
-    );
+    let plan = Wanted::space([64, 64]).plan(&scene, &ParamValues::initial(&scene));
     let [object] = &plan.objects[..] else {
         panic!("one object")
     };

@@ -7,15 +7,16 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 use render::gpu::Gpu;
-use render::live::{Pixels, Stage};
-use render::overlay::Standpoint;
-use render::{Backend, Request, View, style};
+use render::gpu::Pixels;
+use render::viewpoint::{GeodesicCamera, PerspectiveCamera};
+use render::{Backend, Renderer, style};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
+use scenes::Wanted;
 
 const SIZE: [u32; 2] = [120, 90];
 /// From above, x to the right and y up.
-const ABOVE: View = View::Space {
+const ABOVE: PerspectiveCamera = PerspectiveCamera {
     eye: Some([0.0, -0.01, 8.0]),
     target: Some([0.0; 3]),
 };
@@ -25,14 +26,19 @@ const FLOOR: &str = "surface s(u, v) = (u, v, 0), u : [-1, 1, 9], v : [-1, 1, 9]
     point p = (1.5, 0, 0);";
 const FLOOR_ID: ObjectId = ObjectId(0);
 
-fn stages() -> [Stage; 2] {
+fn stages() -> [Renderer; 2] {
     let gpu = Gpu::shared().expect("a GPU or software Vulkan");
-    [Stage::software(), Stage::on(gpu)]
+    [Renderer::software(), Renderer::on_gpu(gpu)]
 }
 
-fn drawn(stage: &mut Stage, scene: &Arc<Scene>, settings: &ParamValues, of: &Request) -> RgbaImage {
-    let shot = stage.draw(scene, settings, of).expect("a picture");
-    stage.read(shot.pixels).expect("the device is there")
+fn drawn(
+    stage: &mut Renderer,
+    scene: &Arc<Scene>,
+    settings: &ParamValues,
+    of: &Wanted,
+) -> RgbaImage {
+    let shot = stage.draw(&of.of(scene, settings)).expect("a picture");
+    stage.read(shot.image).expect("the device is there")
 }
 
 fn is_background(image: &RgbaImage, x: u32, y: u32) -> bool {
@@ -43,30 +49,20 @@ fn is_background(image: &RgbaImage, x: u32, y: u32) -> bool {
 fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
     let settings = ParamValues::initial(&scene);
-    (Arc::new(scene), settings)
+    (scene, settings)
 }
 
 #[test]
 fn a_surface_is_hidden_while_its_geodesics_and_cameras_are_seen() {
     let (scene, settings) = compiled(FLOOR);
-    let whole = Request {
-        view: ABOVE,
-        ..Request::space(SIZE)
-    };
-    let bare = Request {
-        hidden: vec![FLOOR_ID],
-        ..whole.clone()
-    };
-    let with_camera = Request {
-        show_camera: Some(Standpoint {
-            surface: FLOOR_ID,
-            at: Some([0.5, 0.5]),
-            angle: 0.0,
-            zoom: Some(0.3),
-            frame: None,
-        }),
-        ..bare.clone()
-    };
+    let whole = Wanted::space(SIZE).with_space(|options| options.camera = ABOVE);
+    let bare = whole
+        .clone()
+        .with_space(|options| options.hidden = vec![FLOOR_ID]);
+    let with_camera = bare.clone().with_space(|options| {
+        let camera = GeodesicCamera::new(FLOOR_ID);
+        options.show_camera = Some(camera.at([0.5, 0.5]).zoomed(0.3));
+    });
     for mut stage in stages() {
         let full = drawn(&mut stage, &scene, &settings, &whole);
         let empty = drawn(&mut stage, &scene, &settings, &bare);
@@ -87,8 +83,8 @@ fn a_surface_is_hidden_while_its_geodesics_and_cameras_are_seen() {
         );
         // Objects keep their numbers, and what is not seen is not found.
         let at = |y: u32| [60.5, f64::from(y) + 0.5];
-        let mut found = |request, y| {
-            let hit = stage.pick(&scene, &settings, request, at(y));
+        let mut found = |request: &Wanted, y| {
+            let hit = stage.pick(&request.of(&scene, &settings), at(y));
             hit.expect("a view of space").map(|hit| hit.object)
         };
         assert_eq!(found(&bare, middle), Some(ObjectId(1)));
@@ -101,16 +97,15 @@ fn a_surface_is_hidden_while_its_geodesics_and_cameras_are_seen() {
 fn what_is_hidden_is_neither_sampled_nor_planned_and_both_ways_of_drawing_agree() {
     let (scene, settings) = compiled(FLOOR);
     for (mut stage, backend) in stages().into_iter().zip([Backend::Software, Backend::Gpu]) {
-        let request = Request {
-            hidden: vec![FLOOR_ID],
+        let request = Wanted {
             backend,
-            ..Request::space(SIZE)
+            ..Wanted::space(SIZE).with_space(|options| options.hidden = vec![FLOOR_ID])
         };
         let live = drawn(&mut stage, &scene, &settings, &request);
         assert_eq!(stage.counters().sampled, 2, "the geodesic and the point");
-        let alone = render::render(&scene, &settings, &request, &|_| {}).expect("a picture");
+        let alone = request.draw(&scene, &settings).expect("a picture");
         assert!(live == alone.image, "{backend:?}");
-        let plan = render::plan::plan(&scene, &settings, &request);
+        let plan = request.plan(&scene, &settings);
         let planned: Vec<u32> = plan.objects.iter().map(|object| object.object.0).collect();
         assert_eq!((planned, plan.textures), (vec![1, 2], 0));
     }
@@ -120,12 +115,11 @@ fn what_is_hidden_is_neither_sampled_nor_planned_and_both_ways_of_drawing_agree(
 fn a_hidden_object_takes_room_only_where_something_lies_on_it() {
     let (scene, settings) = compiled(FLOOR);
     let centre = |hidden: &[u32]| {
-        let request = Request {
-            hidden: hidden.iter().map(|&id| ObjectId(id)).collect(),
-            ..Request::space(SIZE)
-        };
-        let mut stage = Stage::software();
-        let camera = stage.camera(&scene, &settings, &request);
+        let request = Wanted::space(SIZE).with_space(|options| {
+            options.hidden = hidden.iter().map(|&id| ObjectId(id)).collect();
+        });
+        let mut stage = Renderer::software();
+        let camera = stage.camera(&request.of(&scene, &settings));
         camera.expect("a view of space").placement.centre[0]
     };
     assert_eq!(centre(&[]), 0.25, "from the floor's left to the point");
@@ -138,8 +132,8 @@ fn a_hidden_object_takes_room_only_where_something_lies_on_it() {
 fn the_same_request_again_draws_nothing_and_gives_the_same_pixels() {
     let (scene, settings) = compiled(FLOOR);
     for mut stage in stages() {
-        let space = Request::space(SIZE);
-        let inside = Request::geodesic(FLOOR_ID, [40, 30]);
+        let space = Wanted::space(SIZE);
+        let inside = Wanted::geodesic(FLOOR_ID, [40, 30]);
         let first = [&space, &inside].map(|it| drawn(&mut stage, &scene, &settings, it));
         let before = stage.counters();
         assert_eq!(before.pictures, 2);
@@ -149,10 +143,9 @@ fn the_same_request_again_draws_nothing_and_gives_the_same_pixels() {
         }
         assert_eq!(stage.counters(), before);
         // Whatever a picture depends on has it drawn again.
-        let highlighted = Request {
-            highlight: Some(FLOOR_ID),
-            ..space.clone()
-        };
+        let highlighted = space
+            .clone()
+            .with_space(|options| options.highlight = Some(FLOOR_ID));
         let picture = drawn(&mut stage, &scene, &settings, &highlighted);
         assert!(picture != first[0]);
         assert_eq!(stage.counters().pictures, 3);
@@ -170,11 +163,13 @@ fn the_same_request_again_draws_nothing_and_gives_the_same_pixels() {
 #[test]
 fn a_picture_that_is_given_again_is_its_own() {
     let (scene, settings) = compiled(FLOOR);
-    let mut stage = Stage::software();
-    let request = Request::space(SIZE);
+    let mut stage = Renderer::software();
+    let request = Wanted::space(SIZE);
     let first = drawn(&mut stage, &scene, &settings, &request);
-    let shot = stage.draw(&scene, &settings, &request).expect("a picture");
-    let Pixels::Image(mut image) = shot.pixels else {
+    let shot = stage
+        .draw(&request.of(&scene, &settings))
+        .expect("a picture");
+    let Pixels::Image(mut image) = shot.image else {
         panic!("the software path draws into memory");
     };
     image.fill(7);

@@ -7,22 +7,25 @@ use std::sync::Arc;
 use geometry::ManifoldError;
 use image::{Rgba, RgbaImage};
 use render::texture::Texture;
-use render::{Backend, Picture, RenderError, Request, View, render, style};
+use render::viewpoint::PerspectiveCamera;
+use render::{Backend, RenderError, RenderedImage, style};
 use scene::ObjectId;
 use scene::ParamValues;
-use scenes::scene;
+use scenes::{Wanted, scene};
 
-fn picture(source: &str, request: Request) -> Picture {
+fn picture(source: &str, request: Wanted) -> RenderedImage<RgbaImage> {
     let scene = scene(source);
-    let request = Request {
+    let request = Wanted {
         backend: Backend::Software,
         ..request
     };
-    render(&scene, &ParamValues::initial(&scene), &request, &|_| {}).expect("a picture")
+    request
+        .draw(&scene, &ParamValues::initial(&scene))
+        .expect("a picture")
 }
 
 /// As [`picture`], all surfaces plain white.
-fn plain(source: &str, mut request: Request) -> RgbaImage {
+fn plain(source: &str, mut request: Wanted) -> RgbaImage {
     let white = Arc::new(Texture::from_image(RgbaImage::from_pixel(
         1,
         1,
@@ -43,7 +46,7 @@ const SPHERE: &str =
 
 #[test]
 fn a_sphere_is_seen_without_holes_and_fills_the_picture() {
-    let image = plain(SPHERE, Request::space([200, 200]));
+    let image = plain(SPHERE, Wanted::space([200, 200]));
     let mut rows = 0;
     for y in 0..200 {
         let seen: Vec<u32> = (0..200)
@@ -63,11 +66,8 @@ fn a_sphere_is_seen_without_holes_and_fills_the_picture() {
 
 #[test]
 fn from_inside_a_closed_surface_no_background_is_seen() {
-    let mut request = Request::space([96, 64]);
-    request.view = View::Space {
-        eye: Some([0.3, 0.2, 0.1]),
-        target: Some([0.35, -0.4, 0.9]),
-    };
+    let mut request = Wanted::space([96, 64]);
+    request.in_space().camera = PerspectiveCamera::new([0.3, 0.2, 0.1], [0.35, -0.4, 0.9]);
     let image = plain(SPHERE, request);
     assert_eq!(
         image.pixels().filter(|pixel| is_background(pixel)).count(),
@@ -83,7 +83,7 @@ fn the_picture_does_not_depend_on_the_number_of_threads() {
             .num_threads(threads)
             .build()
             .expect("threads");
-        pool.install(|| picture(&source, Request::space([150, 100])).image)
+        pool.install(|| picture(&source, Wanted::space([150, 100])).image)
     };
     let one = on(1);
     assert!(one == on(2) && one == on(5), "the pictures differ");
@@ -91,7 +91,7 @@ fn the_picture_does_not_depend_on_the_number_of_threads() {
 
 #[test]
 fn size_and_place_in_space_do_not_change_the_picture() {
-    let reference = picture(SPHERE, Request::space([120, 120])).image;
+    let reference = picture(SPHERE, Wanted::space([120, 120])).image;
     for (factor, offset) in [
         (1e6, 0.0),
         (1e-6, 0.0),
@@ -103,7 +103,7 @@ fn size_and_place_in_space_do_not_change_the_picture() {
             "function f(u,v) = {factor:e}(sin(piv)cos(2piu), sin(piv)sin(2piu), cos(piv)) + {offset:e}(1,1,1);
              surface s(u,v) = f(u,v), u : [0,1], v : [0,1];"
         );
-        let image = picture(&source, Request::space([120, 120])).image;
+        let image = picture(&source, Wanted::space([120, 120])).image;
         let differ = |(a, b): &(&Rgba<u8>, &Rgba<u8>)| (0..3).any(|k| a.0[k].abs_diff(b.0[k]) > 12);
         let count = reference
             .pixels()
@@ -125,7 +125,7 @@ fn an_image_lies_upright_with_its_left_at_u_min_and_its_top_at_v_min() {
         let [r, g, b] = quarters[(x / 32 + 2 * (y / 32)) as usize];
         Rgba([r, g, b, 255])
     });
-    let mut request = Request::space([100, 100]);
+    let mut request = Wanted::space([100, 100]);
     request
         .textures
         .push((ObjectId(0), Arc::new(Texture::from_image(image))));
@@ -148,13 +148,10 @@ fn an_image_lies_upright_with_its_left_at_u_min_and_its_top_at_v_min() {
 #[test]
 fn a_surface_hides_what_lies_behind_it_and_lets_a_curve_on_it_be_seen() {
     let plane = "surface s(u,v) = (u, v, 0), u : [-1,1], v : [-1,1];";
-    let view = View::Space {
-        eye: Some([0.0, 0.0, 4.0]),
-        target: Some([0.0, 0.0, 0.0]),
-    };
-    let request = || Request {
-        view: view.clone(),
-        ..Request::space([101, 101])
+    let request = || {
+        Wanted::space([101, 101]).with_space(|options| {
+            options.camera = PerspectiveCamera::new([0.0, 0.0, 4.0], [0.0; 3]);
+        })
     };
     let behind = plain(&format!("{plane} point p = (0, 0, -1/5);"), request());
     let [r, _, b, _] = behind.get_pixel(50, 50).0;
@@ -179,7 +176,7 @@ fn a_surface_hides_what_lies_behind_it_and_lets_a_curve_on_it_be_seen() {
 #[test]
 fn kinds_have_the_colours_of_the_style() {
     let source = "point p = (0,0,0); vector v = (1,0,0) @ (0,0,0); curve c(t) = (cost, sint, 0), t : [0,2pi];";
-    let image = picture(source, Request::space([256, 256])).image;
+    let image = picture(source, Wanted::space([256, 256])).image;
     let near = |colour: [u8; 3]| {
         image
             .pixels()
@@ -198,7 +195,7 @@ fn kinds_have_the_colours_of_the_style() {
 fn a_thin_curve_has_no_gaps_even_in_a_small_picture() {
     let image = picture(
         "curve c(t) = (cost, sint, 0), t : [0,2pi];",
-        Request::space([48, 48]),
+        Wanted::space([48, 48]),
     )
     .image;
     // The first camera is centred and face on.
@@ -227,7 +224,7 @@ fn a_thin_curve_has_no_gaps_even_in_a_small_picture() {
 #[test]
 fn what_is_undefined_is_not_drawn_and_is_reported() {
     let source = "param U : [0,1]; point p = (1,1,1)/U; curve c(t) = (t, sqrtt, 0), t : [-1,1];";
-    let picture = picture(source, Request::space([64, 64]));
+    let picture = picture(source, Wanted::space([64, 64]));
     assert_eq!(picture.notes.len(), 2);
     assert_eq!(
         picture.notes[0],
@@ -242,7 +239,7 @@ fn what_is_undefined_is_not_drawn_and_is_reported() {
 
 #[test]
 fn a_scene_with_nothing_in_it_is_background() {
-    let picture = picture("", Request::space([7, 5]));
+    let picture = picture("", Wanted::space([7, 5]));
     assert!(picture.image.pixels().all(is_background));
     assert!(picture.notes.is_empty());
 }
@@ -252,7 +249,7 @@ fn outliers_do_not_shrink_the_rest() {
     // 1/t reaches 10⁹; what matters is the part around the origin.
     let image = picture(
         "curve c(t) = (t, 1/t^3, 0), t : [1/1000, 2, 400];",
-        Request::space([128, 128]),
+        Wanted::space([128, 128]),
     )
     .image;
     let red = image.pixels().filter(|pixel| pixel.0[0] > 120).count();
@@ -271,11 +268,8 @@ fn things_beside_and_behind_the_camera_are_cut_off_cleanly() {
         [1.0, 0.0, 0.0],
         [0.9999, 0.0, 0.0],
     ] {
-        let mut request = Request::space([80, 60]);
-        request.view = View::Space {
-            eye: Some(eye),
-            target: Some([0.2, 0.9, 0.1]),
-        };
+        let mut request = Wanted::space([80, 60]);
+        request.in_space().camera = PerspectiveCamera::new(eye, [0.2, 0.9, 0.1]);
         picture(&source, request);
     }
 }
@@ -284,33 +278,31 @@ fn things_beside_and_behind_the_camera_are_cut_off_cleanly() {
 fn wrong_requests_are_refused_with_a_sentence() {
     let scene = scene("point p = (0,0,0);");
     let settings = ParamValues::initial(&scene);
-    let attempt = |request: Request| {
-        let request = Request {
+    let attempt = |request: Wanted| {
+        let request = Wanted {
             backend: Backend::Software,
             ..request
         };
-        render(&scene, &settings, &request, &|_| {})
+        request
+            .draw(&scene, &settings)
             .map(|_| ())
             .map_err(|error| error.to_string())
     };
-    assert!(attempt(Request::space([1, 1])).is_ok());
-    assert!(attempt(Request::space([0, 8])).is_err_and(|e| e.contains("0x8")));
-    assert!(attempt(Request::space([8, 16_385])).is_err_and(|e| e.contains("16384")));
+    assert!(attempt(Wanted::space([1, 1])).is_ok());
+    assert!(attempt(Wanted::space([0, 8])).is_err_and(|e| e.contains("0x8")));
+    assert!(attempt(Wanted::space([8, 16_385])).is_err_and(|e| e.contains("16384")));
     assert!(
-        attempt(Request::geodesic(ObjectId(0), [8, 8]))
+        attempt(Wanted::geodesic(ObjectId(0), [8, 8]))
             .is_err_and(|e| e.contains("`p` is not a surface"))
     );
-    let missing = Request::geodesic(ObjectId(9), [8, 8]);
+    let missing = Wanted::geodesic(ObjectId(9), [8, 8]);
     assert_eq!(
-        render(&scene, &settings, &missing, &|_| {}).err(),
+        missing.draw(&scene, &settings).err(),
         Some(RenderError::Manifold(ManifoldError::NoSurface {
             name: None
         }))
     );
-    let mut stuck = Request::space([8, 8]);
-    stuck.view = View::Space {
-        eye: Some([1.0; 3]),
-        target: Some([1.0; 3]),
-    };
+    let mut stuck = Wanted::space([8, 8]);
+    stuck.in_space().camera = PerspectiveCamera::new([1.0; 3], [1.0; 3]);
     assert!(attempt(stuck).is_err_and(|e| e.contains("direction")));
 }

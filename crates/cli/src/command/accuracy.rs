@@ -16,8 +16,8 @@ use clap::Args;
 use geodesic::frame::Frame;
 use geodesic::map::Method;
 use geodesic::surface::Surface;
-use render::Request;
-use render::geodesic_view::Inside;
+use render::geodesic_view::PlacedCamera;
+use render::viewpoint::GeodesicCamera;
 use serde::Serialize;
 
 use self::measure::{Measured, MeasuredView, STATUSES, Threads};
@@ -129,10 +129,10 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             "--size: methods are measured on pictures of up to {LONGEST} × {LONGEST} pixels"
         )));
     }
-    let request = Request::geodesic(id, arguments.size.0);
-    let inside =
-        Inside::new(program.scene(), &settings, &request).map_err(super::render::failure)?;
-    let surface = inside.ground().surface();
+    let camera = GeodesicCamera::new(id);
+    let camera = PlacedCamera::new(program.scene(), &settings, &camera, arguments.size.0)
+        .map_err(super::render::failure)?;
+    let surface = camera.manifold().surface();
 
     let threads = Threads::new()?;
     let progress = Progress::start("measuring");
@@ -141,7 +141,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             file: program.source.name.clone(),
             name: object.name.clone(),
             surface,
-            frame: inside.frame,
+            frame: camera.frame,
             size: arguments.size.0,
         },
         &threads,

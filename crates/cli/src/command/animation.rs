@@ -7,10 +7,9 @@ use export::animation::{
     self, AnimationFormat, Clip, ParamChange, RecordError, Recorder, Script, ScriptError,
 };
 use export::whole_file::FileSeries;
-use render::Picture;
 use scene::ParamValues;
 
-use super::render::{failure as render_failure, png};
+use super::render::{Picture, failure as render_failure, png};
 use crate::argument::{self, Animated, Quantity};
 use crate::failure::Failure;
 use crate::output::{self, OutputTarget, WriteError};

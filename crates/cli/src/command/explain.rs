@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::Args;
-use render::plan::{self, ObjectPlan, Painter, Plan, Source};
-use render::{Request, View};
+use render::plan::{ObjectPlan, Painter, Plan, Source};
+use render::{Backend, PictureRequest, ViewId, Views};
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
 use serde::Serialize;
@@ -117,22 +118,33 @@ struct IntrinsicEntry {
 /// Plans every view of the program and prints the plans.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
-    let scene = program.scene();
-    let document = document(scene);
+    let document = document(program.scene());
     match arguments.format {
         Format::Json => output::print_json(&document),
         Format::Human => output::print(&text(&document, &program.source.name)),
     }
 }
 
-fn document(scene: &Scene) -> Explanation {
+fn document(scene: &Arc<Scene>) -> Explanation {
     let settings = ParamValues::initial(scene);
     // The size of a picture changes nothing of what is built for it.
     let size = [512, 512];
-    let mut views = vec![view(scene, &settings, &Request::space(size))];
-    for (id, object) in scene.numbered() {
-        if object.shape.manifold().is_some() {
-            views.push(view(scene, &settings, &Request::geodesic(id, size)));
+    let settings = Arc::new(settings);
+    let all = Views::standard();
+    let mut views = Vec::new();
+    for kind in all.iter() {
+        let objects: Vec<Option<ObjectId>> = match kind.is_of_object() {
+            true => scene
+                .numbered()
+                .filter(|(_, object)| kind.shows(object))
+                .map(|(id, _)| Some(id))
+                .collect(),
+            false => vec![None],
+        };
+        for object in objects {
+            let options = kind.options(object);
+            let request = PictureRequest::new(scene, settings.clone(), options, size);
+            views.push(view(&all, &request));
         }
     }
     let dial = |(name, uniforms): (&String, usize)| Dial {
@@ -194,9 +206,10 @@ fn inputs(scene: &Scene, object: &Object) -> (Vec<String>, Vec<String>) {
     )
 }
 
-fn view(scene: &Scene, settings: &ParamValues, request: &Request) -> ViewEntry {
-    let plan = plan::plan(scene, settings, request);
-    let name = |id: ObjectId| match scene.get(id) {
+fn view(views: &Views, request: &PictureRequest) -> ViewEntry {
+    let scene = &request.scene;
+    let plan = views.plan(request, Backend::Auto);
+    let name = |id: ObjectId| match scene.objects.get(id.0 as usize) {
         Some(object) => object.name.clone(),
         None => String::new(),
     };
@@ -205,10 +218,7 @@ fn view(scene: &Scene, settings: &ParamValues, request: &Request) -> ViewEntry {
         Some(object_entry(scene, object, planned))
     });
     ViewEntry {
-        view: match &request.view {
-            View::Space { .. } => "3d".into(),
-            View::Geodesic { surface, .. } => format!("geodesic:{}", name(*surface)),
-        },
+        view: ViewId::from_request(request).to_string(),
         objects: objects.collect(),
         built: built(&plan),
         painters: plan.painters().into_iter().map(painter).collect(),

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use export::mesh::{self, ExportError, MeshFormat};
-use render::Request;
+use render::PictureRequest;
+use render::view::space::SpaceOptions;
 use scene::{ObjectId, Scene};
 
 use super::render::textures;
@@ -69,12 +70,12 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let scene = program.scene();
     let settings = program.settings(&arguments.set)?;
     let objects = objects(scene, &arguments.object, &program.source.name)?;
-    let request = Request {
+    let request = PictureRequest {
         textures: textures(&arguments.texture, &program)?.at(scene, &settings)?,
-        ..Request::space([1, 1])
+        ..PictureRequest::new(scene, settings, SpaceOptions::default(), [1, 1])
     };
     let target = OutputTarget::new(&arguments.output)?;
-    let model = mesh::model(scene, &settings, &request, objects.as_deref());
+    let model = mesh::model(&request, objects.as_deref());
     let mut notes = model.notes.clone();
     target.write_with(|out| {
         model

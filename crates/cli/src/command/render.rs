@@ -2,15 +2,18 @@
 
 use std::io::Cursor;
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use clap::Args;
 use export::whole_file::phrase;
 use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
-use render::overlay::{Overlays, Spacing, Standpoint};
+use render::request::{Overlays, Spacing, ViewPart};
+use render::shared::Shared;
 use render::texture::{Texture, TextureError};
-use render::{Backend, Method, Picture, RenderError, Request, View};
+use render::view::geodesic::GeodesicOptions;
+use render::view::space::SpaceOptions;
+use render::viewpoint::{GeodesicCamera, PerspectiveCamera, Pose, ViewCamera};
+use render::{Backend, Method, PictureRequest, RenderError, RenderedImage, ViewId, Views};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
@@ -151,15 +154,17 @@ const METHODS: [Choice<Method>; 5] = [
     ),
 ];
 
+/// A picture in memory.
+pub(super) type Picture = RenderedImage<RgbaImage>;
+
 /// Draws one picture and writes it.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
-    let scene = program.scene();
     let settings = program.settings(&arguments.set)?;
     let images = textures(&arguments.texture, &program)?;
-    let request = Request {
-        backend: arguments.backend,
-        view: view(arguments, &program, &settings)?,
+    let views = Views::standard();
+    let view = view(arguments, &views, &program, &settings)?;
+    let request = PictureRequest {
         overlays: Overlays {
             legend: arguments.legend,
             wavefronts: arguments
@@ -169,36 +174,29 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             cut_locus: arguments.cut_locus,
             error: arguments.error,
         },
-        show_camera: match (&arguments.view, &arguments.show_camera) {
-            (ViewName::Space, Some(name)) => {
-                Some(standpoint(name, arguments, &program, &settings)?)
-            }
-            _ => None,
-        },
-        background: arguments.background,
-        ..Request::space(arguments.size.0)
+        ..PictureRequest::new(program.scene(), settings.clone(), view, arguments.size.0)
     };
-    let moves = arguments.view != ViewName::Space || request.show_camera.is_some();
+    let camera = request.view.camera();
+    let moves = matches!(camera, ViewCamera::Geodesic(_)) || shows_camera(&request);
     let script = arguments.motion.script(&program, &settings, moves)?;
     let animation = arguments.motion.animation(&arguments.output)?;
-    let request = script
-        .steady(scene, &settings, &request)
-        .map_err(animation::failure)?;
-    for note in idle_options(arguments) {
+    let request = script.steady(&request).map_err(animation::failure)?;
+    for note in idle_options(arguments, camera) {
         output::print_error(&format!("note: {note}\n"));
     }
     let draw = |share: f64, progress: &(dyn Fn(f32) + Sync)| -> Result<Picture, Failure> {
-        let (settings, mut request) = script
-            .frame_at(scene, &settings, &request, share)
+        let mut request = script
+            .frame_at(&request, share)
             .map_err(animation::failure)?;
-        request.textures = images.at(scene, &settings)?;
-        let mut picture = render::render(scene, &settings, &request, progress).map_err(failure)?;
+        request.textures = images.at(&request.scene, &request.settings)?;
+        let mut picture =
+            render::render(&views, &request, arguments.backend, progress).map_err(failure)?;
         picture.notes.extend(images.notes(&program, &request));
         Ok(picture)
     };
     if let Some(animation) = animation {
         return animation.write(arguments.size.0, &draw, |picture, what| {
-            summary(picture, what, &request, &program)
+            summary(picture, what, &request, &views)
         });
     }
     let target = OutputTarget::new(&arguments.output)?;
@@ -208,66 +206,88 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     drop(progress);
     let picture = drawn?;
     target.write(&png(&picture.image)?)?;
-    output::print_error(&summary(&picture, &target.name(), &request, &program));
+    output::print_error(&summary(&picture, &target.name(), &request, &views));
     Ok(())
 }
 
+/// The view that is asked for, with its camera and its options.
 fn view(
     arguments: &Arguments,
+    views: &Views,
     program: &LoadedProgram,
     settings: &ParamValues,
-) -> Result<View, Failure> {
+) -> Result<ViewPart, Failure> {
+    let ViewName { kind, object } = &arguments.view;
+    let view = views.get(kind);
+    let view = view.ok_or_else(|| Failure::usage(format!("there is no view `{kind}`")))?;
+    let object = match view.is_of_object() {
+        true => Some(program.surface(object.as_deref())?.0),
+        false => None,
+    };
+    let mut view = view.options(object);
     let place = |option: &str, triple: &Option<Triple>| match triple {
         Some(triple) => program.numbers(option, &triple.0, settings).map(Some),
         None => Ok(None),
     };
-    Ok(match &arguments.view {
-        ViewName::Space => View::Space {
-            eye: place("--eye", &arguments.eye)?,
-            target: place("--target", &arguments.target)?,
-        },
-        ViewName::Geodesic(name) => View::Geodesic {
-            surface: program.surface(name.as_deref())?.0,
+    match view.camera() {
+        ViewCamera::Perspective(_) => {
+            view.set_camera(ViewCamera::Perspective(PerspectiveCamera {
+                eye: place("--eye", &arguments.eye)?,
+                target: place("--target", &arguments.target)?,
+            }));
+        }
+        ViewCamera::Geodesic(camera) => {
+            let camera = geodesic_camera(camera.surface, arguments, program, settings)?;
+            view.set_camera(ViewCamera::Geodesic(camera));
+        }
+        ViewCamera::Fixed => {}
+    }
+    if let Some(options) = view.get_mut::<GeodesicOptions>() {
+        options.method = arguments.method.unwrap_or_default();
+    }
+    if let Some(options) = view.get_mut::<SpaceOptions>() {
+        options.background = arguments.background;
+        if let Some(name) = &arguments.show_camera {
+            let surface = program.surface(Some(name))?.0;
+            let camera = geodesic_camera(surface, arguments, program, settings)?;
+            options.show_camera = Some(camera);
+        }
+    }
+    Ok(view)
+}
+
+/// The geodesic camera that `--at`, `--angle` and `--zoom` place on a surface.
+fn geodesic_camera(
+    surface: ObjectId,
+    arguments: &Arguments,
+    program: &LoadedProgram,
+    settings: &ParamValues,
+) -> Result<GeodesicCamera, Failure> {
+    Ok(GeodesicCamera {
+        surface,
+        pose: Pose::At {
             at: match &arguments.at {
                 Some(at) => Some(program.numbers("--at", &at.0, settings)?),
                 None => None,
             },
             angle: arguments.angle.unwrap_or(0.0).to_radians(),
-            zoom: match &arguments.zoom {
-                Some(zoom) => Some(program.number("--zoom", zoom, settings)?),
-                None => None,
-            },
-            method: arguments.method.unwrap_or_default(),
-            frame: None,
         },
-    })
-}
-
-/// The geodesic camera that the 3D view shows.
-fn standpoint(
-    name: &str,
-    arguments: &Arguments,
-    program: &LoadedProgram,
-    settings: &ParamValues,
-) -> Result<Standpoint, Failure> {
-    Ok(Standpoint {
-        surface: program.surface(Some(name))?.0,
-        at: match &arguments.at {
-            Some(at) => Some(program.numbers("--at", &at.0, settings)?),
-            None => None,
-        },
-        angle: arguments.angle.unwrap_or(0.0).to_radians(),
         zoom: match &arguments.zoom {
             Some(zoom) => Some(program.number("--zoom", zoom, settings)?),
             None => None,
         },
-        frame: None,
     })
+}
+
+/// Whether a geodesic camera is shown in space.
+fn shows_camera(request: &PictureRequest) -> bool {
+    let options = request.view.get::<SpaceOptions>();
+    options.is_some_and(|options| options.show_camera.is_some())
 }
 
 /// The images of the surfaces.
 pub(super) struct Images {
-    loaded: Vec<(ObjectId, Arc<Texture>)>,
+    loaded: Vec<(ObjectId, Shared<Texture>)>,
     /// Surfaces that are coloured by curvature, which may change with the params.
     curved: Vec<ObjectId>,
 }
@@ -278,17 +298,17 @@ impl Images {
         &self,
         scene: &Scene,
         settings: &ParamValues,
-    ) -> Result<Vec<(ObjectId, Arc<Texture>)>, Failure> {
+    ) -> Result<Vec<(ObjectId, Shared<Texture>)>, Failure> {
         let curvature = |&surface: &ObjectId| {
             let texture = Texture::curvature(scene, settings, surface).map_err(failure)?;
-            Ok((surface, texture))
+            Ok((surface, texture.into()))
         };
         let curved: Result<Vec<_>, Failure> = self.curved.iter().map(curvature).collect();
         Ok([self.loaded.clone(), curved?].concat())
     }
 
     /// Notes on the colours of curvature.
-    fn notes(&self, program: &LoadedProgram, request: &Request) -> Vec<String> {
+    fn notes(&self, program: &LoadedProgram, request: &PictureRequest) -> Vec<String> {
         let note = |&surface: &ObjectId| {
             let most = request.texture(surface).curvature_scale()?.most;
             // Rounded to four digits.
@@ -321,14 +341,14 @@ pub(super) fn textures(files: &[TextureFile], program: &LoadedProgram) -> Result
         } else {
             let texture =
                 Texture::load(&file.path).map_err(|error| texture_failure(file, error))?;
-            images.loaded.push((surface, Arc::new(texture)));
+            images.loaded.push((surface, texture.into()));
         }
     }
     Ok(images)
 }
 
 /// Notes on options that the chosen view does not use.
-fn idle_options(arguments: &Arguments) -> Vec<String> {
+fn idle_options(arguments: &Arguments, camera: ViewCamera) -> Vec<String> {
     let placed = [
         ("--at", arguments.at.is_some()),
         ("--angle", arguments.angle.is_some()),
@@ -350,10 +370,10 @@ fn idle_options(arguments: &Arguments) -> Vec<String> {
         ("--show-camera", arguments.show_camera.is_some()),
     ];
     let geodesic = "the geodesic view: add `--view geodesic`";
-    let (idle, other) = match (&arguments.view, &arguments.show_camera) {
-        (ViewName::Space, None) => ([&placed[..], &around, &inside].concat(), geodesic),
-        (ViewName::Space, Some(_)) => (inside.to_vec(), geodesic),
-        (ViewName::Geodesic(_), _) => (space.to_vec(), "the 3D view"),
+    let (idle, other) = match (camera, &arguments.show_camera) {
+        (ViewCamera::Geodesic(_), _) => (space.to_vec(), "the 3D view"),
+        (_, None) => ([&placed[..], &around, &inside].concat(), geodesic),
+        (_, Some(_)) => (inside.to_vec(), geodesic),
     };
     let given = idle.iter().filter(|(_, given)| *given);
     given
@@ -372,18 +392,21 @@ pub(super) fn png(image: &RgbaImage) -> Result<Vec<u8>, Failure> {
 }
 
 /// The lines for standard error: the notes of the picture, its view and its backend.
-fn summary(picture: &Picture, name: &str, request: &Request, program: &LoadedProgram) -> String {
+fn summary(picture: &Picture, name: &str, request: &PictureRequest, views: &Views) -> String {
     let mut text = String::new();
     for note in &picture.notes {
         text.push_str(&format!("note: {note}\n"));
     }
-    let view = match &request.view {
-        View::Space { .. } => "3D view".to_owned(),
-        View::Geodesic { surface, .. } => match program.object_name(*surface) {
-            Some(name) => format!("geodesic view of `{name}`"),
-            None => "geodesic view".to_owned(),
-        },
-    };
+    let id = ViewId::from_request(request);
+    let title = views.get(&id.kind).map_or(&*id.kind, |view| view.title());
+    let mut view = title.to_owned();
+    // Inside a sentence: only "3D" stays as it is.
+    if let Some(first) = view.get_mut(..1) {
+        first.make_ascii_lowercase();
+    }
+    if let Some(object) = &id.object {
+        view.push_str(&format!(" of `{object}`"));
+    }
     let (width, height) = picture.image.dimensions();
     text.push_str(&format!(
         "{}: {view}, {width}×{height} pixels, drawn by {}\n",
@@ -408,6 +431,7 @@ fn texture_failure(file: &TextureFile, error: TextureError) -> Failure {
 pub(super) fn failure(error: RenderError) -> Failure {
     let message = error.to_string();
     match error {
+        RenderError::NoView { .. } => Failure::usage(message),
         RenderError::NoGpu { .. } => Failure::Usage {
             message,
             hint: Some("`--backend auto` takes the software path where there is no GPU".into()),

@@ -7,8 +7,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
 use geodesic::ends::{Estimate, Work};
+use render::Renderer;
+use render::counters::Counters;
 use render::gpu::Canvas;
-use render::live::{Counters, Hit, Stage};
+use render::view::Hit;
 
 use crate::channel::EventSender;
 use crate::engine::request::Order;
@@ -108,7 +110,7 @@ enum Rank {
 /// A job for the thread.
 #[derive(Debug)]
 enum Job {
-    Move(Box<Stage>),
+    Move(Box<Renderer>),
     Draw(Box<Order>),
     Pick(Box<Order>, [f64; 2], Purpose),
     Frame(Box<Order>),
@@ -116,7 +118,7 @@ enum Job {
 
 impl RenderThread {
     /// Starts the thread, which draws on a stage. The pictures of a stage on the window's own GPU stay there.
-    pub(crate) fn start(events: EventSender<RenderEvent>, stage: Stage) -> Self {
+    pub(crate) fn start(events: EventSender<RenderEvent>, stage: Renderer) -> Self {
         let queue = LatestQueue::default();
         let own = queue.clone();
         std::thread::spawn(move || work(&own, &events, stage));
@@ -124,7 +126,7 @@ impl RenderThread {
     }
 
     /// Draws on another stage from now on.
-    pub(crate) fn set_stage(&self, stage: Stage) {
+    pub(crate) fn set_stage(&self, stage: Renderer) {
         let job = Job::Move(Box::new(stage));
         self.queue.push(Rank::Stage as u8, Key::Stage, job);
     }
@@ -162,7 +164,7 @@ impl Drop for RenderThread {
     }
 }
 
-fn work(queue: &LatestQueue<Key, Job>, events: &EventSender<RenderEvent>, stage: Stage) {
+fn work(queue: &LatestQueue<Key, Job>, events: &EventSender<RenderEvent>, stage: Renderer) {
     let mut worker = Worker::new(stage);
     while let Some((key, job)) = queue.take() {
         // A panic must not take the window with it: it becomes a sentence.
@@ -180,7 +182,7 @@ fn work(queue: &LatestQueue<Key, Job>, events: &EventSender<RenderEvent>, stage:
             (Ok(Some(event)), ..) => event,
             (Ok(None), ..) => continue,
             (Err(_), Key::Pane(pane), Job::Draw(order)) => {
-                worker.move_to(Stage::software());
+                worker.move_to(Renderer::software());
                 RenderEvent::Drawn {
                     pane,
                     picture: Err("internal error: the picture could not be drawn".to_owned()),
@@ -189,7 +191,7 @@ fn work(queue: &LatestQueue<Key, Job>, events: &EventSender<RenderEvent>, stage:
                 }
             }
             (Err(_), ..) => {
-                worker.move_to(Stage::software());
+                worker.move_to(Renderer::software());
                 continue;
             }
         };

@@ -2,9 +2,14 @@
 
 use std::sync::Arc;
 
-use render::overlay::{Overlays, Spacing, Standpoint, Trail};
-use render::request::{Request, View};
+use render::PictureRequest;
+use render::request::{Overlays, Spacing, ViewPart};
+use render::shared::Shared;
 use render::texture::Texture;
+use render::trail::Trail;
+use render::view::geodesic::GeodesicOptions;
+use render::view::space::SpaceOptions;
+use render::viewpoint::{GeodesicCamera, PerspectiveCamera};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
@@ -160,26 +165,22 @@ impl Order {
             && self.moving == other.moving
     }
 
-    /// The textures of the surfaces that show their curvature, with the params as they are.
-    pub(crate) fn curvatures(&self) -> Vec<(ObjectId, Arc<Texture>)> {
-        let texture = |id: &ObjectId| {
-            // A surface whose derivatives are too large shows what it would show otherwise.
-            let texture = Texture::curvature(&self.scene, &self.settings, *id).ok()?;
-            Some((*id, texture))
-        };
-        self.curved.iter().filter_map(texture).collect()
-    }
-
-    /// As [`Order::request`], with all that takes time to make: for a thread that has it.
-    pub(crate) fn whole_request(&self) -> Request {
+    /// As [`Order::request`], with the textures of curvature: for a mesh.
+    pub(crate) fn whole_request(&self) -> PictureRequest {
         let mut request = self.request();
-        request.textures.extend(self.curvatures());
+        let texture = |id: ObjectId| {
+            // A surface whose derivatives are too large shows what it would show otherwise.
+            let texture = Texture::curvature(&self.scene, &self.settings, id).ok()?;
+            Some((id, texture.into()))
+        };
+        let curved = std::mem::take(&mut request.curved).into_iter();
+        request.textures.extend(curved.filter_map(texture));
         request
     }
 
-    /// As the renderer takes it, but for curvatures.
-    pub(crate) fn request(&self) -> Request {
-        let mut request = match &self.look {
+    /// The request for the picture.
+    pub(crate) fn request(&self) -> PictureRequest {
+        let (view, trails): (ViewPart, Vec<Shared<Trail>>) = match &self.look {
             Look::Space {
                 camera,
                 standpoint,
@@ -188,49 +189,51 @@ impl Order {
                 trails,
                 hidden,
             } => {
-                let mut request = Request::space(self.size);
-                request.hidden = hidden.clone();
-                request.highlight = *highlight;
-                request.background = Some([*r, *g, *b, 255]);
-                request.view = View::Space {
-                    eye: camera.map(|it| it.eye),
-                    target: camera.map(|it| it.target),
+                let options = SpaceOptions {
+                    camera: PerspectiveCamera {
+                        eye: camera.map(|it| it.eye),
+                        target: camera.map(|it| it.target),
+                    },
+                    show_camera: standpoint.map(|(surface, camera)| {
+                        GeodesicCamera::new(surface).with_frame(camera.frame())
+                    }),
+                    background: Some([*r, *g, *b, 255]),
+                    highlight: *highlight,
+                    hidden: hidden.clone(),
                 };
-                request.show_camera = standpoint.map(|(surface, camera)| Standpoint {
-                    surface,
-                    at: None,
-                    angle: 0.0,
-                    zoom: Some(camera.zoom),
-                    frame: Some(camera.frame()),
-                });
-                request.trails.clone_from(trails);
-                request
+                (options.into(), trails.iter().map(Shared::from).collect())
             }
             Look::Inside {
                 surface,
                 camera,
                 trail,
             } => {
-                let mut request = Request::geodesic(*surface, self.size);
-                if let View::Geodesic { frame, .. } = &mut request.view {
-                    *frame = camera.map(|camera| camera.frame());
-                }
-                request.trails.extend(trail.clone());
-                request.mark_centre = self.marks.centre;
-                request
+                let first = GeodesicCamera::new(*surface);
+                let options = GeodesicOptions {
+                    mark_centre: self.marks.centre,
+                    ..GeodesicOptions::from(
+                        camera.map_or(first, |camera| first.with_frame(camera.frame())),
+                    )
+                };
+                (options.into(), trail.iter().map(Shared::from).collect())
             }
         };
-        request.moving = self.moving;
-        request.textures = self.textures.clone();
-        request.colours = self.colours.clone();
-        request.overlays = Overlays {
-            legend: self.marks.legend,
-            wavefronts: self.marks.wavefronts.then_some(Spacing::Auto),
-            conjugate_points: self.marks.conjugate,
-            cut_locus: self.marks.cut_locus,
-            error: self.marks.error,
-        };
-        request
+        let shared = |(id, texture): &(ObjectId, Arc<Texture>)| (*id, texture.into());
+        PictureRequest {
+            textures: self.textures.iter().map(shared).collect(),
+            curved: self.curved.clone(),
+            colours: self.colours.clone(),
+            overlays: Overlays {
+                legend: self.marks.legend,
+                wavefronts: self.marks.wavefronts.then_some(Spacing::Auto),
+                conjugate_points: self.marks.conjugate,
+                cut_locus: self.marks.cut_locus,
+                error: self.marks.error,
+            },
+            trails,
+            moving: self.moving,
+            ..PictureRequest::new(&self.scene, Arc::clone(&self.settings), view, self.size)
+        }
     }
 }
 

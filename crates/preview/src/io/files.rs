@@ -1,25 +1,17 @@
 //! Pictures that are written.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use export::whole_file::write_whole;
 use image::RgbaImage;
-use render::Request;
-use scene::ParamValues;
-use scene::Scene;
+use render::{Backend, PictureRequest, Views};
 
 /// Draws a picture and writes it as PNG.
 ///
 /// # Errors
 /// A sentence; nothing is written.
-pub(crate) fn save_picture(
-    path: &Path,
-    scene: &Arc<Scene>,
-    settings: &Arc<ParamValues>,
-    request: &Request,
-) -> Result<String, String> {
-    let picture = render::render(scene, settings, request, &|_| {});
+pub(crate) fn save_picture(path: &Path, request: &PictureRequest) -> Result<String, String> {
+    let picture = render::render(&Views::standard(), request, Backend::Auto, &|_| {});
     let image = picture.map_err(|error| error.to_string())?.image;
     let bytes = png(&image)?;
     write_whole(path, &bytes)

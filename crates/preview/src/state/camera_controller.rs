@@ -11,9 +11,9 @@ use geodesic::point::TangentVector;
 use geodesic::surface::Surface;
 use geodesic::trace::{Options, Status, Trace, TraceError};
 use geometry::{Manifold, ManifoldError};
-use render::geodesic_view::Inside;
-use render::request::View;
-use render::{RenderError, Request};
+use render::RenderError;
+use render::geodesic_view::PlacedCamera;
+use render::viewpoint::GeodesicCamera;
 use scene::{ObjectId, ParamValues, Scene};
 
 use super::camera::InsideCamera;
@@ -167,11 +167,12 @@ impl Subject {
         moved: bool,
     ) -> Result<InsideCamera, RenderError> {
         // The picture's size does not matter to the camera.
-        let mut request = Request::geodesic(self.surface, [256, 256]);
-        if let View::Geodesic { at, zoom, .. } = &mut request.view {
-            (*at, *zoom) = (place, length);
-        }
-        let inside = Inside::new(&self.scene, &self.settings, &request)?;
+        let first = GeodesicCamera::new(self.surface);
+        let wanted = GeodesicCamera {
+            zoom: length,
+            ..place.map_or(first, |at| first.at(at))
+        };
+        let inside = PlacedCamera::new(&self.scene, &self.settings, &wanted, [256, 256])?;
         Ok(InsideCamera::of(&inside.frame, inside.zoom, moved))
     }
 }

@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use geodesic::surface::Surface;
-use render::overlay::Trail;
+use render::trail::Trail;
 use scene::ObjectId;
 
 use crate::state::InsideCamera;

@@ -7,9 +7,9 @@ use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState}
 use egui::{
     Color32, ColorImage, Context, PaintCallbackInfo, Painter, Rect, TextureHandle, TextureOptions,
 };
-use render::gpu::wgpu::{Backend as Backends, DeviceType, PollType, RenderPass};
+use render::Renderer;
 use render::gpu::{Blit, Blitter, Canvas, Gpu};
-use render::live::Stage;
+use render::gpu::{DeviceType, GraphicsApi, PollType, RenderPass};
 
 use crate::Backend;
 use crate::engine::render_thread::Painted;
@@ -41,17 +41,22 @@ impl GpuSurface {
 
     /// The stage that a backend means here, and its name in words. A GPU that is a program on the processor is slower
     /// than the processor's own way, so it is taken only where it is asked for.
-    pub(crate) fn stage(&self, backend: Backend) -> (Stage, String) {
+    pub(crate) fn stage(&self, backend: Backend) -> (Renderer, String) {
         let adapter = self.state.adapter.get_info();
         // OpenGL can draw the controls, but lacks what the passes need.
-        let is_real = adapter.device_type != DeviceType::Cpu && adapter.backend != Backends::Gl;
+        let is_real = adapter.device_type != DeviceType::Cpu && adapter.backend != GraphicsApi::Gl;
         match backend {
             Backend::Gpu => {}
             Backend::Auto if is_real => {}
-            Backend::Auto => return (Stage::software(), "software".to_owned()),
-            Backend::Software => return (Stage::software(), "software, as asked for".to_owned()),
+            Backend::Auto => return (Renderer::software(), "software".to_owned()),
+            Backend::Software => {
+                return (Renderer::software(), "software, as asked for".to_owned());
+            }
         }
-        (Stage::on(Arc::clone(&self.gpu)), self.gpu.name().to_owned())
+        (
+            Renderer::on_gpu(Arc::clone(&self.gpu)),
+            self.gpu.name().to_owned(),
+        )
     }
 
     /// Returns the longest time that a frame of the window waits for its pictures: less than a frame of the screen,

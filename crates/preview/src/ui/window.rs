@@ -27,7 +27,7 @@ use std::sync::mpsc::Receiver;
 
 use egui::Ui;
 use ide::Languages;
-use render::live::Stage;
+use render::Renderer;
 
 use crate::channel::EventSender;
 use crate::engine::compiler::Compiler;
@@ -185,7 +185,7 @@ impl Window {
             compiler,
             render_thread: RenderThread::start(
                 sender.for_part(|event| WindowEvent::Render(Box::new(event))),
-                Stage::software(),
+                Renderer::software(),
             ),
             library: Library::new(sender.for_part(WindowEvent::Texture)),
             panes: Panes::new(edits),

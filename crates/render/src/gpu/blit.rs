@@ -5,9 +5,9 @@
 
 use wgsl::library;
 
+use crate::error::RenderError;
 use crate::gpu::canvas::Canvas;
 use crate::gpu::device::Gpu;
-use crate::request::RenderError;
 
 /// Copies canvases onto targets of one format.
 #[derive(Debug)]

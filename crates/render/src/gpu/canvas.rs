@@ -4,13 +4,22 @@ use std::sync::Arc;
 
 use image::RgbaImage;
 
+use crate::error::RenderError;
 use crate::gpu::device::Gpu;
+use crate::gpu::pipelines::COLOUR_FORMAT;
 use crate::gpu::space::straighten;
-use crate::gpu::workshop::COLOUR_FORMAT;
-use crate::request::RenderError;
 
 /// Canvases that nobody looks at are kept up to this number: panes are drawn again at the size that they had.
 const IDLE: usize = 4;
+
+/// The pixels of a picture, wherever they are.
+#[derive(Clone, Debug)]
+pub enum Pixels {
+    /// sRGB, top row first, in memory: drawn by the software path, or for a file.
+    Image(RgbaImage),
+    /// On the renderer's device.
+    Texture(Canvas),
+}
 
 /// A picture on a GPU. Clones are the same canvas; it may be drawn on again once all of them are gone.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
 
-use crate::request::RenderError;
+use crate::error::RenderError;
 
 /// An open device. wgpu's own handler of errors panics; here they are caught by scopes, or kept to be reported.
 pub struct Gpu {

@@ -5,10 +5,10 @@ use std::fmt;
 use expr::{Graph, Input, NodeId};
 use wgsl::GenerateError;
 
+use crate::error::RenderError;
 use crate::gpu::device;
 use crate::gpu::layout::Table;
-use crate::gpu::workshop::{Workshop, dispatch_flat};
-use crate::request::RenderError;
+use crate::gpu::pipelines::{PipelineFactory, dispatch_flat};
 
 /// Why expressions could not be evaluated.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,8 +98,8 @@ pub fn evaluate(
     }
     let size = 4 * rows.len() as u64 * roots.len() as u64;
     let numbers: Result<Vec<f32>, RenderError> = gpu.guarded(|| {
-        let workshop = Workshop::new(gpu);
-        let pipeline = workshop.compute("evaluate", kernel.joined());
+        let factory = PipelineFactory::new(gpu);
+        let pipeline = factory.compute("evaluate", kernel.joined());
         let description = gpu.uniform(
             "table",
             &Table {
@@ -119,7 +119,7 @@ pub fn evaluate(
         if width > 0 {
             bindings.push((1, inputs.as_entire_binding()));
         }
-        let group = workshop.bind_numbered(&pipeline.get_bind_group_layout(0), &bindings);
+        let group = factory.bind_numbered(&pipeline.get_bind_group_layout(0), &bindings);
         gpu.submit(|encoder| dispatch_flat(encoder, &pipeline, &group, rows.len() as u64));
         gpu.read(&outputs, size, bytemuck::pod_collect_to_vec)
     });

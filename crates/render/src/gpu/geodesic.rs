@@ -1,97 +1,189 @@
-//! The geodesic view: the ends of all pixels' geodesics, a table of polynomials that the fan's rays gave in f64, coloured
-//! by a fixed pass. Maps pixel by pixel, which are there for comparison, are coloured on the CPU.
+//! The colours of the geodesic view: the ends of all pixels' geodesics are a table of polynomials that the fan's rays gave
+//! in f64, and a fixed pass evaluates and colours them. Maps pixel by pixel, which are there for comparison, are coloured
+//! on the CPU.
 //!
-//! Pictures are made in slabs of rows, so that memory is bounded.
+//! The table of a map is uploaded once, the pass is built once. A picture stays on the device, or is read back in slabs of
+//! rows, so that a large one needs no buffer of its own size.
 
-use geodesic::patchwork::table::code_of;
+use std::sync::Arc;
+
+use geodesic::patchwork::Patchwork;
 use geodesic::trace::Status;
-use geometry::ManifoldError;
 use image::RgbaImage;
-use scene::ParamValues;
-use scene::Scene;
 
-use crate::geodesic_view::{self, Cover, HATCH, LEAST_RING, RING, Seen, Tally};
-use crate::gpu::Drawn;
+use crate::error::RenderError;
+use crate::geodesic_view::{self, Cover, HATCH, LEAST_RING, RING, RayEnds};
+use crate::gpu::canvas::{Canvases, Pixels};
+use crate::gpu::device::Gpu;
 use crate::gpu::layout::Resolve;
-use crate::gpu::workshop::{Workshop, dispatch};
-use crate::overlay::OverInside;
-use crate::plan::Plan;
-use crate::request::{RenderError, Request};
-use crate::software;
+use crate::gpu::pipelines::{PipelineFactory, dispatch};
+use crate::gpu::renderer::check_side;
 use crate::style;
+use crate::texture::Texture;
 
+/// Tables and images that are kept: those of this number of panes.
+const KEPT: usize = 6;
 /// Pixels of one slab: 16 MB of colours.
 const SLAB_PIXELS: u32 = 1 << 22;
 /// How many statuses there are.
-pub(crate) const STATUSES: usize = 6;
+const STATUSES: usize = 6;
 
-/// Draws the plan's geodesic view; gives the picture and its notes.
-pub(crate) fn render(
-    workshop: &mut Workshop<'_>,
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-    plan: &Plan,
-    progress: &(dyn Fn(f32) + Sync),
-) -> Result<Drawn, RenderError> {
-    let Some(view) = &plan.geodesic else {
-        return Err(ManifoldError::NoSurface { name: None }.into());
-    };
-    let inside = geodesic_view::Inside::new(scene, settings, request)?;
-    let object = &scene.objects[view.surface.0 as usize];
-    let seen = inside.look(&|share| progress(0.9 * share));
-    let tally = Tally::default();
-    let Seen::Patchwork { patchwork, .. } = &seen else {
-        let picture = software::paint(scene, settings, request, &inside, &seen, &tally)?;
-        progress(1.0);
-        return Ok(Drawn {
-            image: picture.image,
-            notes: picture.notes,
-            overlays: picture.overlays,
-        });
-    };
-    let [width, height] = request.size;
+/// What the pass keeps from one picture to the next.
+#[derive(Debug, Default)]
+pub(crate) struct ResolvePass {
+    pipeline: Option<wgpu::ComputePipeline>,
+    samplers: Vec<([bool; 2], wgpu::Sampler)>,
+    images: Vec<(Arc<Texture>, wgpu::TextureView)>,
+    tables: Vec<Table>,
+}
+
+/// The ends of a map on the device.
+#[derive(Debug)]
+struct Table {
+    ends: Arc<RayEnds>,
+    words: wgpu::Buffer,
+    /// How many pixels have each status, once they have been counted.
+    counts: Option<Vec<u32>>,
+}
+
+/// A picture to be coloured.
+pub(crate) struct ResolveTask<'a> {
+    /// The ends, which are a table of polynomials.
+    pub(crate) ends: &'a Arc<RayEnds>,
+    /// The surface's image.
+    pub(crate) cover: &'a Cover,
+    /// The (u, v) from which the ends' offsets count.
+    pub(crate) origin: [f64; 2],
+    /// The surface's colour in linear light.
+    pub(crate) colour: [f32; 3],
+    pub(crate) mark_centre: bool,
+    pub(crate) size: [u32; 2],
+    /// Whether the picture is needed in memory.
+    pub(crate) in_memory: bool,
+}
+
+/// A picture that has been coloured.
+pub(crate) struct Resolved {
+    pub(crate) pixels: Pixels,
+    /// How many pixels have each status, by its code.
+    pub(crate) counts: Vec<u32>,
+}
+
+/// The resources of a picture's dispatches; only the rows and their colours differ.
+struct Bound<'a> {
+    pipeline: &'a wgpu::ComputePipeline,
+    table: &'a wgpu::Buffer,
+    counts: &'a wgpu::Buffer,
+    image: &'a wgpu::TextureView,
+    sampler: &'a wgpu::Sampler,
+}
+
+impl ResolvePass {
+    /// Colours a picture. `progress` receives the share that is done.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`], also if the ends are no table of polynomials; [`RenderError::Internal`].
+    pub(crate) fn resolve(
+        &mut self,
+        factory: &mut PipelineFactory<'_>,
+        canvases: &mut Canvases,
+        task: &ResolveTask,
+        progress: &dyn Fn(f32),
+    ) -> Result<Resolved, RenderError> {
+        let RayEnds::Patchwork { patchwork, .. } = &**task.ends else {
+            return Err(RenderError::Gpu("a map has no table".to_owned()));
+        };
+        let gpu = factory.gpu;
+        if !task.in_memory {
+            check_side(gpu, task.size)?;
+        }
+        let pipeline = match &self.pipeline {
+            Some(pipeline) => pipeline.clone(),
+            None => {
+                let built = factory.resolve_pipeline(&wgsl::painter::resolve_patchwork()?);
+                self.pipeline.insert(built).clone()
+            }
+        };
+        let sampler = self.sampler(factory, task.cover.repeats);
+        let image = self.image(factory, &task.cover.texture);
+        let table = self.table(gpu, task.ends, patchwork);
+        let counts = gpu.output("counts", 4 * STATUSES as u64)?;
+        let bound = Bound {
+            pipeline: &pipeline,
+            table: &table.words,
+            counts: &counts,
+            image: &image,
+            sampler: &sampler,
+        };
+        let pixels = if task.in_memory {
+            Pixels::Image(slabs(factory, &bound, task, progress)?)
+        } else {
+            let row = row_bytes(task.size[0]);
+            let colours = gpu.output("colours", u64::from(row) * u64::from(task.size[1]))?;
+            let canvas = canvases.take(gpu, task.size);
+            let whole = [0, task.size[1]];
+            submit(factory, &bound, task, whole, row / 4, &colours, |encoder| {
+                canvas.fill(encoder, &colours, row);
+            });
+            Pixels::Texture(canvas)
+        };
+        // Reading them waits for the device, so it is done once for each map.
+        let counts = match &table.counts {
+            Some(counts) => counts.clone(),
+            None => {
+                let read = bytemuck::pod_collect_to_vec;
+                let counted = gpu.read(&counts, 4 * STATUSES as u64, read)?;
+                table.counts.insert(counted).clone()
+            }
+        };
+        Ok(Resolved { pixels, counts })
+    }
+
+    fn table(&mut self, gpu: &Gpu, ends: &Arc<RayEnds>, patchwork: &Patchwork) -> &mut Table {
+        recent(
+            &mut self.tables,
+            |table| Arc::ptr_eq(&table.ends, ends),
+            || Table {
+                ends: ends.clone(),
+                words: gpu.storage("table", bytemuck::cast_slice(&patchwork.table())),
+                counts: None,
+            },
+        )
+    }
+
+    fn sampler(&mut self, factory: &mut PipelineFactory<'_>, repeats: [bool; 2]) -> wgpu::Sampler {
+        let known = |(key, _): &([bool; 2], wgpu::Sampler)| *key == repeats;
+        let make = || (repeats, factory.sampler(repeats));
+        recent(&mut self.samplers, known, make).1.clone()
+    }
+
+    fn image(
+        &mut self,
+        factory: &mut PipelineFactory<'_>,
+        texture: &Arc<Texture>,
+    ) -> wgpu::TextureView {
+        let known = |(key, _): &(Arc<Texture>, wgpu::TextureView)| Arc::ptr_eq(key, texture);
+        let make = || (texture.clone(), factory.texture(texture));
+        recent(&mut self.images, known, make).1.clone()
+    }
+}
+
+/// Colours slab by slab into memory.
+fn slabs(
+    factory: &PipelineFactory<'_>,
+    bound: &Bound,
+    task: &ResolveTask,
+    progress: &dyn Fn(f32),
+) -> Result<RgbaImage, RenderError> {
+    let gpu = factory.gpu;
+    let [width, height] = task.size;
     let mut picture = RgbaImage::new(width, height);
-
-    let pipeline = workshop.resolve_pipeline(&wgsl::painter::resolve_patchwork()?);
-    let cover = Cover::new(
-        &request.texture(view.surface),
-        inside.domain(),
-        inside.sides(),
-    );
-    let sampler = workshop.sampler(cover.repeats);
-    let image = workshop.texture(&cover.texture);
-    let colour = request.colour(view.surface, &object.shape);
-    let mut resolve = description(request, &cover, inside.frame.uv.0, colour);
     let slab = (SLAB_PIXELS / width).clamp(1, height);
-    let gpu = workshop.gpu;
-    let table = gpu.storage("table", bytemuck::cast_slice(&patchwork.table()));
-    let counts = gpu.output("counts", 4 * STATUSES as u64)?;
     for first in (0..height).step_by(slab as usize) {
         let rows = slab.min(height - first);
-        resolve.rows = [first, rows];
-        let uniform = gpu.uniform("resolve", &resolve);
         let size = 4 * u64::from(width) * u64::from(rows);
         let colours = gpu.output("colours", size)?;
-        let group = workshop.bind(
-            &pipeline.get_bind_group_layout(0),
-            &[
-                uniform.as_entire_binding(),
-                table.as_entire_binding(),
-                colours.as_entire_binding(),
-                counts.as_entire_binding(),
-                wgpu::BindingResource::TextureView(&image),
-                wgpu::BindingResource::Sampler(&sampler),
-            ],
-        );
-        gpu.submit(|encoder| {
-            dispatch(
-                encoder,
-                &pipeline,
-                &group,
-                [width.div_ceil(8), rows.div_ceil(8)],
-            )
-        });
+        submit(factory, bound, task, [first, rows], width, &colours, |_| {});
         let start = 4 * first as usize * width as usize;
         gpu.read(&colours, size, |bytes| {
             picture.as_flat_samples_mut().samples[start..start + bytes.len()]
@@ -99,35 +191,53 @@ pub(crate) fn render(
         })?;
         progress((first + rows) as f32 / height as f32);
     }
-    let counts: Vec<u32> = gpu.read(&counts, 4 * STATUSES as u64, bytemuck::pod_collect_to_vec)?;
-    let count = |status| {
-        counts
-            .get(code_of(status) as usize)
-            .map_or(0, |&count| count as usize)
-    };
-    let pixels = width as usize * height as usize;
-    let mut notes = geodesic_view::notes(pixels, count, &seen.work(), seen.estimate());
-    let over = OverInside::new(scene, settings, request, &inside, view.surface, &tally);
-    let (over, overlays) = over.draw(&mut picture, &seen);
-    notes.extend(over);
-    Ok(Drawn {
-        image: picture,
-        notes,
-        overlays,
-    })
+    Ok(picture)
 }
 
-/// What the fixed pass needs, but for the rows. The ends' offsets count from `origin`.
-pub(crate) fn description(
-    request: &Request,
-    cover: &Cover,
-    origin: [f64; 2],
-    [r, g, b]: [f32; 3],
-) -> Resolve {
-    let size = request.size;
+/// Submits the dispatch of some rows (the first one and their number), `stride` pixels apart, and what is to be done
+/// with their colours.
+fn submit(
+    factory: &PipelineFactory<'_>,
+    bound: &Bound,
+    task: &ResolveTask,
+    rows: [u32; 2],
+    stride: u32,
+    colours: &wgpu::Buffer,
+    then: impl FnOnce(&mut wgpu::CommandEncoder),
+) {
+    let gpu = factory.gpu;
+    let uniform = gpu.uniform("resolve", &description(task, rows, stride));
+    let group = factory.bind(
+        &bound.pipeline.get_bind_group_layout(0),
+        &[
+            uniform.as_entire_binding(),
+            bound.table.as_entire_binding(),
+            colours.as_entire_binding(),
+            bound.counts.as_entire_binding(),
+            wgpu::BindingResource::TextureView(bound.image),
+            wgpu::BindingResource::Sampler(bound.sampler),
+        ],
+    );
+    // A workgroup colours a block of the table.
+    let groups = [task.size[0].div_ceil(8), rows[1].div_ceil(8)];
+    gpu.submit(|encoder| {
+        dispatch(encoder, bound.pipeline, &group, groups);
+        then(encoder);
+    });
+}
+
+/// The bytes of a row that a texture can be filled from.
+fn row_bytes(width: u32) -> u32 {
+    (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
+}
+
+/// What the pass reads of a picture.
+fn description(task: &ResolveTask, rows: [u32; 2], stride: u32) -> Resolve {
+    let size = task.size;
+    let cover = task.cover;
     let pixel_unit = style::pixel_unit(size);
     let hatch_unit = pixel_unit.max(0.4);
-    let mark = request.mark_centre && size[0].min(size[1]) >= 32;
+    let mark = task.mark_centre && size[0].min(size[1]) >= 32;
     let mut hatching = [[1.0; 4]; 12];
     for (code, pair) in hatching.chunks_exact_mut(2).enumerate() {
         let colours = geodesic_view::hatching(status_of(code as u32));
@@ -136,7 +246,8 @@ pub(crate) fn description(
             *to = [r, g, b, 1.0];
         }
     }
-    let place = cover.share(origin);
+    let [r, g, b] = task.colour;
+    let place = cover.share(task.origin);
     Resolve {
         colour: [r, g, b, 1.0],
         // Where the image repeats, whole turns would only cost digits.
@@ -144,10 +255,10 @@ pub(crate) fn description(
             true => (place[k] - place[k].floor()) as f32,
             false => place[k] as f32,
         }),
-        per_width: [0, 1].map(|k| (1.0 / cover.period[k]) as f32),
+        per_width: cover.period.map(|period| (1.0 / period) as f32),
         repeats: cover.repeats.map(|repeats| f32::from(u8::from(repeats))),
         size,
-        rows: [0, size[1]],
+        rows,
         padding: [0; 2],
         hatch: HATCH * hatch_unit,
         reach: (hatch_unit.round() as i32).max(1),
@@ -157,7 +268,7 @@ pub(crate) fn description(
             0.0
         },
         ring_half: (0.75 * pixel_unit).max(0.6),
-        stride: [size[0], 0, 0, 0],
+        stride: [stride, 0, 0, 0],
         hatching,
     }
 }
@@ -173,27 +284,16 @@ fn status_of(code: u32) -> Status {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn the_pass_reads_a_table_of_the_layout_that_is_written() {
-        use geodesic::patchwork::table::{APEX_WORDS, PATCH_WORDS, SINGLE_WORDS};
-        use geodesic::patchwork::{ARC_TANGENT, BLOCK, DEGREE};
-        let joined = wgsl::painter::resolve_patchwork().expect("valid");
-        let text = joined.source();
-        for (name, value) in [
-            ("APEX_WORDS", APEX_WORDS),
-            ("PATCH_WORDS", PATCH_WORDS),
-            ("SINGLE_WORDS", SINGLE_WORDS),
-            ("DEGREE", DEGREE),
-        ] {
-            let line = format!("const {name}: u32 = {value}u;");
-            assert!(text.contains(&line), "{line}");
-        }
-        assert_eq!(BLOCK, 8, "a workgroup is a block");
-        for coefficient in ARC_TANGENT {
-            let number = coefficient.abs().to_string();
-            assert!(text.contains(&number), "{number}");
-        }
+/// The entry that is looked for, made if there is none; it becomes the last one, and the first gives way.
+fn recent<T>(all: &mut Vec<T>, is: impl Fn(&T) -> bool, make: impl FnOnce() -> T) -> &mut T {
+    let entry = match all.iter().position(is) {
+        Some(at) => all.remove(at),
+        None => make(),
+    };
+    if all.len() >= KEPT {
+        all.remove(0);
     }
+    all.push(entry);
+    let last = all.len() - 1;
+    &mut all[last]
 }

@@ -1,11 +1,11 @@
 //! Painter of glyphs: what points, vectors and curves have in common. Each sample becomes a few triangles whose
 //! size follows the distance; the shader alone knows their form.
 
+use crate::error::RenderError;
 use crate::gpu::layout::Glyph;
+use crate::gpu::pipelines::PipelineFactory;
 use crate::gpu::samples::SampleBuffer;
 use crate::gpu::space::{Draw, Vertices};
-use crate::gpu::workshop::Workshop;
-use crate::request::RenderError;
 use crate::style;
 
 /// A kind of glyph.
@@ -32,18 +32,18 @@ pub(crate) struct Glyphs {
 
 impl Glyphs {
     pub(crate) fn new(
-        workshop: &mut Workshop<'_>,
+        factory: &mut PipelineFactory<'_>,
         kind: &'static Kind,
     ) -> Result<Self, RenderError> {
         let joined = (kind.shader)()?;
-        let pipeline = workshop.draw_pipeline(kind.label, &joined);
+        let pipeline = factory.draw_pipeline(kind.label, &joined);
         Ok(Self { kind, pipeline })
     }
 
     /// The draw of all instances of one object; its colour is linear light, with the share that it is emphasised by.
     pub(crate) fn draw(
         &self,
-        workshop: &Workshop<'_>,
+        factory: &PipelineFactory<'_>,
         view: &wgpu::Buffer,
         samples: &SampleBuffer,
         colour: ([f32; 3], f32),
@@ -57,8 +57,8 @@ impl Glyphs {
             samples.total,
             0,
         );
-        let glyph = workshop.gpu.uniform("glyph", &glyph);
-        let group = workshop.bind(
+        let glyph = factory.gpu.uniform("glyph", &glyph);
+        let group = factory.bind(
             &self.pipeline.get_bind_group_layout(0),
             &[
                 view.as_entire_binding(),

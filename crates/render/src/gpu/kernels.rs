@@ -11,13 +11,13 @@ use scene::ParamValues;
 use scene::{ObjectId, Scene};
 use wgsl::GenerateError;
 
-use crate::bounds::Placement;
+use crate::content::Structure;
+use crate::error::RenderError;
 use crate::gpu::device::Gpu;
+use crate::gpu::pipelines::PipelineFactory;
 use crate::gpu::samples::{self, SampleBuffer};
-use crate::gpu::workshop::Workshop;
-use crate::live::content::Structure;
+use crate::placement::Placement;
 use crate::plan::{self, KERNEL_PAYS};
-use crate::request::RenderError;
 
 /// Samples that a kernel fills before it is said to be ready.
 const FIRST: u64 = 64;
@@ -72,6 +72,8 @@ pub(crate) struct Wanted<'a> {
     pub(crate) object: ObjectId,
     pub(crate) structure: &'a Structure,
     pub(crate) placement: &'a Placement,
+    /// Whether the picture waits for its kernel.
+    pub(crate) waits: bool,
 }
 
 impl Default for Kernels {
@@ -131,6 +133,9 @@ impl Kernels {
         let kernel = state
             .kernel
             .get_or_insert_with(|| begin(gpu, wanted, &self.built));
+        if wanted.waits {
+            kernel.wait();
+        }
         let object = &scene.objects[wanted.object.0 as usize];
         match kernel.get() {
             None | Some(Made::TooLarge) => Ok(Found::Blocks(None)),
@@ -211,7 +216,7 @@ fn make(
         Err(GenerateError::Internal(error)) => return Made::Refused(error.message),
     };
     let made = gpu.guarded(|| {
-        let pipeline = Workshop::new(gpu).sample_kernel(&kernel);
+        let pipeline = PipelineFactory::new(gpu).sample_kernel(&kernel);
         let by = (&pipeline, kernel.uniforms());
         samples::by_kernel(gpu, scene, settings, object, by, placement, Some(FIRST))?;
         Ok(pipeline)

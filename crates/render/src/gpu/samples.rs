@@ -4,13 +4,12 @@ use scene::ParamValues;
 use scene::{Object, ObjectId, Sampling, Scene, Shape};
 use wgsl::{GenerateError, Kernel};
 
-use crate::bounds::Placement;
+use crate::error::RenderError;
 use crate::gpu::device::Gpu;
 use crate::gpu::internal;
 use crate::gpu::layout;
-use crate::gpu::workshop::{Workshop, bind_numbered, dispatch_flat};
-use crate::plan::{ObjectPlan, Source};
-use crate::request::RenderError;
+use crate::gpu::pipelines::{PipelineFactory, bind_numbered, dispatch_flat};
+use crate::placement::Placement;
 use crate::sample::{
     self, HORIZON, NORMAL_NUDGE, PositionSample, Samples, SurfaceSample, VectorSample,
 };
@@ -23,42 +22,21 @@ pub(crate) struct SampleBuffer {
     pub(crate) count: [u32; 2],
     /// Samples of all instances.
     pub(crate) total: u32,
-    /// What a reader of the picture should be told.
-    pub(crate) notes: Vec<String>,
     /// How many of them are undefined, if a kernel has computed them.
     pub(crate) undefined: usize,
 }
 
-/// Fills a buffer with an object's samples, from the source that the plan names.
-///
-/// # Errors
-/// [`RenderError::Gpu`] if they do not fit the device; [`RenderError::Internal`].
-pub(crate) fn fill(
-    workshop: &mut Workshop<'_>,
-    scene: &Scene,
-    settings: &ParamValues,
-    plan: &ObjectPlan,
-    placement: &Placement,
-) -> Result<SampleBuffer, RenderError> {
-    let object = &scene.objects[plan.object.0 as usize];
-    if plan.source == Source::Kernel {
-        match kernel(scene, &object.shape) {
-            Ok(kernel) => return run(workshop, scene, settings, object, &kernel, placement),
-            Err(error) => {
-                if let Some(fault) = internal(error) {
-                    return Err(fault);
-                }
-                // Too large for a shader: f64 blocks take any expression.
-            }
-        }
+impl SampleBuffer {
+    /// What a reader of the picture should know of the samples of this object, which a kernel has computed.
+    pub(crate) fn note(&self, name: &str) -> Option<String> {
+        sample::note(name, self.total as usize, self.undefined)
     }
-    upload(workshop, scene, settings, plan.object, placement)
 }
 
 /// The samples of an object as its generated kernel computes them, read back. `None` if its expressions are too
 /// large for a shader.
 pub(crate) fn computed(
-    workshop: &mut Workshop<'_>,
+    factory: &mut PipelineFactory<'_>,
     scene: &Scene,
     settings: &ParamValues,
     id: ObjectId,
@@ -69,10 +47,10 @@ pub(crate) fn computed(
         Ok(kernel) => kernel,
         Err(error) => return internal(error).map_or(Ok(None), Err),
     };
-    let filled = run(workshop, scene, settings, object, &kernel, placement)?;
+    let filled = run(factory, scene, settings, object, &kernel, placement)?;
     let total = u64::from(filled.total);
     let read = |size: usize| (&filled.buffer, total * size as u64);
-    let gpu = workshop.gpu;
+    let gpu = factory.gpu;
     let positions = || {
         let (buffer, size) = read(size_of::<PositionSample>());
         gpu.read(
@@ -81,48 +59,31 @@ pub(crate) fn computed(
             bytemuck::pod_collect_to_vec::<u8, PositionSample>,
         )
     };
-    Ok(Some(match &object.shape {
-        Shape::Point { .. } => Samples::Points(positions()?),
-        Shape::Metric { .. } | Shape::Geodesic { .. } => return Ok(None),
-        Shape::Curve { .. } => Samples::Curves {
-            count: filled.count[0],
-            samples: positions()?,
-        },
-        Shape::Vector { .. } => {
+    let count = filled.count;
+    let is_vector = object.shape.vector().is_some();
+    Ok(Some(match object.shape.domain() {
+        _ if is_vector => {
             let (buffer, size) = read(size_of::<VectorSample>());
             Samples::Vectors(gpu.read(buffer, size, bytemuck::pod_collect_to_vec)?)
         }
-        Shape::Surface { .. } => {
+        [] => Samples::Points(positions()?),
+        [_] => Samples::Curves {
+            count: count[0],
+            samples: positions()?,
+        },
+        _ => {
             let (buffer, size) = read(size_of::<SurfaceSample>());
             let samples = gpu.read(buffer, size, bytemuck::pod_collect_to_vec)?;
-            Samples::Surfaces {
-                count: filled.count,
-                samples,
-            }
+            Samples::Surfaces { count, samples }
         }
     }))
-}
-
-fn upload(
-    workshop: &Workshop<'_>,
-    scene: &Scene,
-    settings: &ParamValues,
-    id: ObjectId,
-    placement: &Placement,
-) -> Result<SampleBuffer, RenderError> {
-    let (samples, notes) = sample::sample_with_notes(scene, settings, id, placement);
-    upload_samples(workshop.gpu, &samples, notes)
 }
 
 /// A buffer with samples that are there already.
 ///
 /// # Errors
 /// [`RenderError::Gpu`] if they do not fit the device.
-pub(crate) fn upload_samples(
-    gpu: &Gpu,
-    samples: &Samples,
-    notes: Vec<String>,
-) -> Result<SampleBuffer, RenderError> {
+pub(crate) fn upload_samples(gpu: &Gpu, samples: &Samples) -> Result<SampleBuffer, RenderError> {
     let (bytes, count, total): (&[u8], _, _) = match samples {
         Samples::Points(samples) => (bytemuck::cast_slice(samples), [1, 1], samples.len()),
         Samples::Vectors(samples) => (bytemuck::cast_slice(samples), [1, 1], samples.len()),
@@ -139,38 +100,36 @@ pub(crate) fn upload_samples(
         buffer,
         count,
         total: total as u32,
-        notes,
         undefined: 0,
     })
 }
 
 /// The generated kernel of an object's samples.
 pub(crate) fn kernel(scene: &Scene, shape: &Shape) -> Result<Kernel, GenerateError> {
-    match shape {
-        // Neither is planned with a kernel: f64 blocks hold no samples of them.
-        Shape::Metric { .. } | Shape::Geodesic { .. } => {
-            Err(GenerateError::TooLarge { operations: None })
-        }
-        Shape::Point { position } => wgsl::kernel::sample_point(&scene.graph, *position),
-        Shape::Vector { direction, origin } => {
-            wgsl::kernel::sample_vector(&scene.graph, *direction, *origin)
-        }
-        Shape::Curve { position, .. } => wgsl::kernel::sample_curve(&scene.graph, *position),
-        Shape::Surface { position, .. } => wgsl::kernel::sample_surface(&scene.graph, *position),
+    let graph = &scene.graph;
+    if let Some((direction, origin)) = shape.vector() {
+        return wgsl::kernel::sample_vector(graph, *direction, *origin);
+    }
+    match (shape.position(), shape.domain()) {
+        (Some(position), []) => wgsl::kernel::sample_point(graph, *position),
+        (Some(position), [_]) => wgsl::kernel::sample_curve(graph, *position),
+        (Some(position), _) => wgsl::kernel::sample_surface(graph, *position),
+        // Metrics and geodesics are not planned with a kernel: no expression is their place in space.
+        (None, _) => Err(GenerateError::TooLarge { operations: None }),
     }
 }
 
 fn run(
-    workshop: &mut Workshop<'_>,
+    factory: &mut PipelineFactory<'_>,
     scene: &Scene,
     settings: &ParamValues,
     object: &Object,
     kernel: &Kernel,
     placement: &Placement,
 ) -> Result<SampleBuffer, RenderError> {
-    let pipeline = workshop.sample_kernel(kernel);
+    let pipeline = factory.sample_kernel(kernel);
     let slots = kernel.uniforms();
-    let gpu = workshop.gpu;
+    let gpu = factory.gpu;
     by_kernel(
         gpu,
         scene,
@@ -197,21 +156,15 @@ pub(crate) fn by_kernel(
     first: Option<u64>,
 ) -> Result<SampleBuffer, RenderError> {
     let ends = |sampling: &Sampling| [sampling.range.min as f32, sampling.range.max as f32];
-    let (domains, count, bytes_per_sample) = match &object.shape {
-        Shape::Point { .. } | Shape::Metric { .. } | Shape::Geodesic { .. } => {
-            ([[0.0; 2]; 2], [1, 1], size_of::<PositionSample>())
-        }
-        Shape::Vector { .. } => ([[0.0; 2]; 2], [1, 1], size_of::<VectorSample>()),
-        Shape::Curve { domain, .. } => (
-            [ends(domain), [0.0; 2]],
-            [domain.count, 1],
-            size_of::<PositionSample>(),
-        ),
-        Shape::Surface { domain, .. } => (
-            domain.each_ref().map(ends),
-            domain.each_ref().map(|d| d.count),
-            size_of::<SurfaceSample>(),
-        ),
+    let mut domains = [[0.0; 2]; 2];
+    for (interval, sampling) in domains.iter_mut().zip(object.shape.domain()) {
+        *interval = ends(sampling);
+    }
+    let count = object.shape.sample_counts();
+    let bytes_per_sample = match object.shape.domain() {
+        _ if object.shape.vector().is_some() => size_of::<VectorSample>(),
+        [] | [_] => size_of::<PositionSample>(),
+        _ => size_of::<SurfaceSample>(),
     };
     let per_instance = u64::from(count[0]) * u64::from(count[1]);
     let total = settings
@@ -257,12 +210,10 @@ pub(crate) fn by_kernel(
             .filter(|sample| sample[12..16] == [0; 4])
             .count()
     })?;
-    let note = sample::note(&object.name, total as usize, undefined);
     Ok(SampleBuffer {
         buffer,
         count,
         total: total as u32,
-        notes: note.into_iter().collect(),
         undefined,
     })
 }

@@ -1,28 +1,23 @@
-//! The 3D view: painters into a multisampled target, tile by tile, read back into the picture.
+//! The 3D view: painters into a multisampled target, the size of the picture or of a tile of it.
 
 use std::sync::Arc;
 
 use image::RgbaImage;
 use rayon::prelude::*;
-use scene::ParamValues;
-use scene::{ObjectId, Scene};
 
-use crate::bounds::Bounds;
 use crate::camera::Camera;
+use crate::error::RenderError;
 use crate::gpu::canvas::Canvas;
 use crate::gpu::device::Gpu;
 use crate::gpu::glyphs::Glyphs;
 use crate::gpu::layout::View;
+use crate::gpu::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, PipelineFactory, SAMPLES};
 use crate::gpu::samples::SampleBuffer;
 use crate::gpu::surfaces::Surfaces;
-use crate::gpu::workshop::{COLOUR_FORMAT, DEPTH_FORMAT, SAMPLES, Workshop};
-use crate::gpu::{Drawn, samples};
 use crate::gpu::{curves, points, vectors};
-use crate::plan::{Painter, Plan};
-use crate::request::{RenderError, Request};
+use crate::sample::Painter;
 use crate::style;
 use crate::texture::Texture;
-use crate::{overlay, sample};
 
 /// The longest side of a tile. A tile takes 36 bytes a pixel on the device, 150 MB at this side.
 const TILE: u32 = 2048;
@@ -49,53 +44,20 @@ pub(crate) enum Vertices {
     },
 }
 
-/// Draws the plan's objects; gives the picture and its notes.
-pub(crate) fn render(
-    workshop: &mut Workshop<'_>,
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-    plan: &Plan,
-    [eye, target]: [Option<[f64; 3]>; 2],
-    progress: &(dyn Fn(f32) + Sync),
-) -> Result<Drawn, RenderError> {
-    let gpu = workshop.gpu;
-    let bounds = Bounds::shown(scene, settings, request);
-    let camera = Camera::new(&bounds, eye, target, request.size)?;
-    let view = gpu.uniform("view", &View::new(&camera, [0, 0], request.size));
-
-    let extras = overlay::extras(scene, settings, request, &camera.placement)?;
-    let mut notes = Vec::new();
-    let mut draws: Vec<Draw> = Vec::new();
-    let mut painters = Painters::default();
-    let steps = plan.objects.len().max(1) as f32;
-    for (index, object) in plan.objects.iter().enumerate() {
-        let samples = samples::fill(workshop, scene, settings, object, &camera.placement)?;
-        notes.extend(samples.notes.clone());
-        let shape = &scene.objects[object.object.0 as usize].shape;
-        let colour = (
-            request.colour(object.object, shape),
-            request.emphasis(object.object),
-        );
-        let texture = |()| request.texture(object.object);
-        let draw = painters.draw(workshop, object.painter, &view, &samples, colour, texture)?;
-        draws.push(draw);
-        progress(0.5 * (index + 1) as f32 / steps);
-    }
-
-    let shown = (0..).map(ObjectId).zip(&scene.objects);
-    let shown = shown.filter(|(id, _)| request.shows(*id));
-    notes.extend(shown.filter_map(|(_, object)| sample::left_out(object)));
-    for extra in &extras {
-        let samples = samples::upload_samples(workshop.gpu, &extra.samples, Vec::new())?;
-        let colour = (extra.colour, 0.0);
-        let texture = |()| Texture::orientation();
-        let draw = painters.draw(workshop, extra.painter, &view, &samples, colour, texture)?;
-        draws.push(draw);
-    }
-
-    let behind = request.background_light();
-    let [width, height] = request.size;
+/// Draws into memory, tile by tile, so that a large picture needs no target of its own size. `view` is the uniform that
+/// the draws read. `progress` receives the share that is done.
+///
+/// # Errors
+/// Those of the device.
+pub(crate) fn draw_tiles(
+    gpu: &Gpu,
+    camera: &Camera,
+    view: &wgpu::Buffer,
+    draws: &[Draw],
+    background: [f32; 4],
+    progress: &dyn Fn(f32),
+) -> Result<RgbaImage, RenderError> {
+    let [width, height] = camera.size;
     let mut picture = RgbaImage::new(width, height);
     let target = Target::new(gpu, [width.min(TILE), height.min(TILE)]);
     let resolved = Canvas::new(gpu, target.size);
@@ -104,10 +66,10 @@ pub(crate) fn render(
         .collect();
     for (number, first) in tiles.iter().enumerate() {
         // Every tile has the target's size; what lies beyond the picture is not copied.
-        let uniform = View::new(&camera, *first, target.size);
+        let uniform = View::new(camera, *first, target.size);
         gpu.queue
-            .write_buffer(&view, 0, bytemuck::bytes_of(&uniform));
-        gpu.submit(|encoder| target.draw(encoder, &resolved, &draws, behind));
+            .write_buffer(view, 0, bytemuck::bytes_of(&uniform));
+        gpu.submit(|encoder| target.draw(encoder, &resolved, draws, background));
         let size = [
             target.size[0].min(width - first[0]),
             target.size[1].min(height - first[1]),
@@ -116,16 +78,12 @@ pub(crate) fn render(
             let start = 4 * ((first[1] as usize + y) * width as usize + first[0] as usize);
             picture.as_flat_samples_mut().samples[start..start + row.len()].copy_from_slice(row);
         })?;
-        progress(0.5 + 0.5 * (number + 1) as f32 / tiles.len() as f32);
+        progress((number + 1) as f32 / tiles.len() as f32);
     }
-    if behind[3] < 1.0 {
+    if background[3] < 1.0 {
         straighten(&mut picture);
     }
-    Ok(Drawn {
-        image: picture,
-        notes,
-        overlays: overlay::names(&extras),
-    })
+    Ok(picture)
 }
 
 /// From colours that their alpha is multiplied into, as targets hold them, to colours beside their alpha.
@@ -158,7 +116,7 @@ impl Painters {
     /// surface also its texture.
     pub(crate) fn draw(
         &mut self,
-        workshop: &mut Workshop<'_>,
+        factory: &mut PipelineFactory<'_>,
         painter: Painter,
         view: &wgpu::Buffer,
         samples: &SampleBuffer,
@@ -170,8 +128,8 @@ impl Painters {
             Painter::Vectors => (&mut self.vectors, &vectors::KIND),
             Painter::Curves => (&mut self.curves, &curves::KIND),
             Painter::Surfaces => {
-                return built(&mut self.surfaces, || Surfaces::new(workshop))?.draw(
-                    workshop,
+                return built(&mut self.surfaces, || Surfaces::new(factory))?.draw(
+                    factory,
                     view,
                     samples,
                     colour,
@@ -179,8 +137,8 @@ impl Painters {
                 );
             }
         };
-        let glyphs = built(place, || Glyphs::new(workshop, kind))?;
-        Ok(glyphs.draw(workshop, view, samples, colour))
+        let glyphs = built(place, || Glyphs::new(factory, kind))?;
+        Ok(glyphs.draw(factory, view, samples, colour))
     }
 
     /// Ends a picture: what it has not used is given up.

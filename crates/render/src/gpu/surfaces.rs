@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use crate::error::RenderError;
 use crate::gpu::layout::Patch;
+use crate::gpu::pipelines::PipelineFactory;
 use crate::gpu::samples::SampleBuffer;
 use crate::gpu::space::{Draw, Vertices};
-use crate::gpu::workshop::Workshop;
-use crate::request::RenderError;
 use crate::texture::Texture;
 
 /// The painter, with the images that are in use.
@@ -21,12 +21,12 @@ pub(crate) struct Surfaces {
 }
 
 impl Surfaces {
-    pub(crate) fn new(workshop: &mut Workshop<'_>) -> Result<Self, RenderError> {
+    pub(crate) fn new(factory: &mut PipelineFactory<'_>) -> Result<Self, RenderError> {
         let joined = wgsl::painter::surfaces()?;
-        let pipeline = workshop.draw_pipeline("surfaces", &joined);
+        let pipeline = factory.draw_pipeline("surfaces", &joined);
         Ok(Self {
             pipeline,
-            sampler: workshop.sampler([true; 2]),
+            sampler: factory.sampler([true; 2]),
             images: Vec::new(),
             indices: Vec::new(),
         })
@@ -35,7 +35,7 @@ impl Surfaces {
     /// The draw of all instances of one object; its colour is linear light, with the share that it is emphasised by.
     pub(crate) fn draw(
         &mut self,
-        workshop: &mut Workshop<'_>,
+        factory: &mut PipelineFactory<'_>,
         view: &wgpu::Buffer,
         samples: &SampleBuffer,
         (colour, emphasis): ([f32; 3], f32),
@@ -48,9 +48,9 @@ impl Surfaces {
             first: 0,
             padding: 0,
         };
-        let patch = workshop.gpu.uniform("patch", &patch);
-        let image = self.image(workshop, texture);
-        let group = workshop.bind(
+        let patch = factory.gpu.uniform("patch", &patch);
+        let image = self.image(factory, texture);
+        let group = factory.bind(
             &self.pipeline.get_bind_group_layout(0),
             &[
                 view.as_entire_binding(),
@@ -62,13 +62,13 @@ impl Surfaces {
         );
         let [u, v] = samples.count;
         let count = 6 * u64::from(u - 1) * u64::from(v - 1);
-        let limit = workshop.gpu.device.limits().max_buffer_size;
+        let limit = factory.gpu.device.limits().max_buffer_size;
         if 4 * count > limit || count > u64::from(u32::MAX) {
             return Err(RenderError::Gpu(format!(
                 "a surface of {u} by {v} samples has too many triangles for it"
             )));
         }
-        let buffer = self.grid(workshop, samples.count);
+        let buffer = self.grid(factory, samples.count);
         let instances = samples.total / (u * v);
         let vertices = Vertices::Indexed {
             buffer,
@@ -89,7 +89,11 @@ impl Surfaces {
     }
 
     /// The image's view; each image is uploaded once.
-    fn image(&mut self, workshop: &mut Workshop<'_>, texture: &Arc<Texture>) -> wgpu::TextureView {
+    fn image(
+        &mut self,
+        factory: &mut PipelineFactory<'_>,
+        texture: &Arc<Texture>,
+    ) -> wgpu::TextureView {
         if let Some((_, view, used)) = self
             .images
             .iter_mut()
@@ -98,13 +102,13 @@ impl Surfaces {
             *used = true;
             return view.clone();
         }
-        let view = workshop.texture(texture);
+        let view = factory.texture(texture);
         self.images.push((texture.clone(), view.clone(), true));
         view
     }
 
     /// The indices of a grid's triangles.
-    fn grid(&mut self, workshop: &Workshop<'_>, size: [u32; 2]) -> wgpu::Buffer {
+    fn grid(&mut self, factory: &PipelineFactory<'_>, size: [u32; 2]) -> wgpu::Buffer {
         if let Some((_, buffer, used)) = self.indices.iter_mut().find(|(known, ..)| *known == size)
         {
             *used = true;
@@ -115,7 +119,7 @@ impl Surfaces {
         let indices: Vec<u32> = cells
             .flat_map(|at| [at, at + 1, at + u + 1, at, at + u + 1, at + u])
             .collect();
-        let buffer = workshop.gpu.buffer(
+        let buffer = factory.gpu.buffer(
             "grid",
             wgpu::BufferUsages::INDEX,
             bytemuck::cast_slice(&indices),

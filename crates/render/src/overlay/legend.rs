@@ -4,7 +4,7 @@ use geodesic::trace::Status;
 use image::RgbaImage;
 
 use super::lines::SCALE;
-use super::{Pen, cover, lettering};
+use super::{StrokeStyle, cover, text};
 use crate::geodesic_view::stripes;
 use crate::style;
 use crate::texture::CurvatureScale;
@@ -70,7 +70,7 @@ impl Key {
         let (text, line, pad, swatch) = (13.0 * unit, 19.0 * unit, 7.0 * unit, 26.0 * unit);
         let words = self.entries.iter().map(|(_, words)| words);
         let widest = words
-            .map(|words| lettering::width(words, text))
+            .map(|words| text::width(words, text))
             .fold(0.0, f32::max);
         let width = (3.0 * pad + swatch + widest).ceil() as u32;
         let height = (2.0 * pad + line * self.entries.len() as f32).ceil() as u32;
@@ -87,12 +87,12 @@ impl Key {
             let y = top as f32 + pad + line * number as f32;
             self.swatch(image, *mark, [pad, y], [swatch, 0.75 * line], unit);
             let at = [2.0 * pad + swatch, y + 0.5 * (0.75 * line - text)];
-            lettering::write(image, words, at, text, [0.01; 3]);
+            text::write(image, words, at, text, [0.01; 3]);
         }
     }
 
     fn swatch(&self, image: &mut RgbaImage, mark: Mark, at: [f32; 2], size: [f32; 2], unit: f32) {
-        let half = Pen::of([image.width(), image.height()]).half;
+        let half = StrokeStyle::for_size([image.width(), image.height()]).half;
         let middle = at[1] + 0.5 * size[1];
         for y in at[1] as u32..(at[1] + size[1]) as u32 {
             for x in at[0] as u32..(at[0] + size[0]) as u32 {

@@ -6,7 +6,7 @@ use image::RgbaImage;
 use rayon::prelude::*;
 
 use super::{blend, ink, stroke};
-use crate::geodesic_view::Inside;
+use crate::geodesic_view::PlacedCamera;
 use crate::style;
 
 /// The column and the row of a pixel.
@@ -41,7 +41,7 @@ pub(super) fn wavefronts(image: &mut RgbaImage, status: &[Status], zoom: f64, sp
 }
 
 /// Where the derivative of the exponential map loses its rank.
-pub(super) fn conjugate_points(image: &mut RgbaImage, map: &Map, inside: &Inside) {
+pub(super) fn conjugate_points(image: &mut RgbaImage, map: &Map, inside: &PlacedCamera) {
     let [width, height] = map.size.map(|side| side as usize);
     let widths = inside.domain().map(|[low, high]| (high - low) as f32);
     // The determinant over the sum of squares: between −½ and ½, smooth, with the sign of the Jacobi field.
@@ -91,7 +91,7 @@ pub(super) fn conjugate_points(image: &mut RgbaImage, map: &Map, inside: &Inside
 }
 
 /// Tints the picture by its estimated error. Gives false where the method has none for a pixel.
-pub(super) fn error(image: &mut RgbaImage, inside: &Inside) -> bool {
+pub(super) fn error(image: &mut RgbaImage, inside: &PlacedCamera) -> bool {
     let size = [image.width(), image.height()];
     let Some(errors) = inside.errors(STEP) else {
         return false;

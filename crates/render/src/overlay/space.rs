@@ -6,21 +6,21 @@ use std::sync::Arc;
 use geodesic::trace::{Options, Status};
 use geometry::{GeodesicStart, Knot, knots_at};
 use rayon::prelude::*;
-use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
+use super::ink;
 use super::legend::Key;
-use super::{Standpoint, ink};
-use crate::bounds::Placement;
-use crate::geodesic_view::Inside;
-use crate::plan::Painter;
-use crate::request::{RenderError, Request, View};
-use crate::sample::{Samples, line_samples, vector};
+use crate::error::RenderError;
+use crate::geodesic_view::PlacedCamera;
+use crate::placement::Placement;
+use crate::request::PictureRequest;
+use crate::sample::{Painter, Samples, line_samples, vector};
 use crate::style;
+use crate::viewpoint::GeodesicCamera;
 
 /// Something to be drawn in space that is no object of the scene.
 #[derive(Clone, Debug)]
-pub(crate) struct Extra {
+pub(crate) struct OverlayObject {
     /// What it belongs to: the camera, a trail.
     pub(crate) name: &'static str,
     /// What draws it.
@@ -47,51 +47,15 @@ const Y: [u8; 3] = [70, 220, 90];
 const AXES: [u8; 3] = [235, 235, 240];
 const BORDER: [u8; 3] = [255, 210, 60];
 
-/// What shows the camera and the trails that the request asks for; nothing if it asks for none.
-///
-/// # Errors
-/// Those of the camera.
-pub(crate) fn extras(
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-    placement: &Placement,
-) -> Result<Vec<Extra>, RenderError> {
-    let mut all = camera_extras(scene, settings, request, placement)?;
-    all.extend(trail_extras(scene, settings, request, placement));
-    Ok(all)
-}
-
-/// What shows the camera that the request asks for.
-///
-/// # Errors
-/// Those of the camera.
-pub(crate) fn camera_extras(
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-    placement: &Placement,
-) -> Result<Vec<Extra>, RenderError> {
-    match request.show_camera {
-        Some(shown) => camera(scene, settings, request, shown, placement),
-        None => Ok(Vec::new()),
-    }
-}
-
-/// What shows the request's trails.
-pub(crate) fn trail_extras(
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-    placement: &Placement,
-) -> Vec<Extra> {
+/// What shows a request's trails.
+pub(crate) fn trail_objects(request: &PictureRequest, placement: &Placement) -> Vec<OverlayObject> {
     let lines = request
         .trails
         .iter()
-        .filter_map(|trail| super::trail::in_space(scene, settings, trail));
+        .filter_map(|trail| crate::trail::in_space(&request.scene, &request.settings, trail));
     lines
         .filter(|line| line.len() > 1)
-        .map(|line| Extra {
+        .map(|line| OverlayObject {
             name: "trail",
             painter: Painter::Curves,
             samples: line_samples(placement, line.len() as u32, &[line]).into(),
@@ -100,27 +64,23 @@ pub(crate) fn trail_extras(
         .collect()
 }
 
-/// The lines of the key for the camera that is shown.
+/// Adds the lines of the key for a camera that is shown.
 ///
 /// # Errors
 /// Those of the camera.
 pub(super) fn key(
     key: &mut Key,
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
+    request: &PictureRequest,
+    camera: &GeodesicCamera,
 ) -> Result<(), RenderError> {
-    let Some(shown) = request.show_camera else {
-        return Ok(());
-    };
-    if !is_shown(scene, shown.surface) {
+    if !is_shown(&request.scene, camera.surface) {
         return Ok(());
     }
     key.line(X, "camera: right (X)");
     key.line(Y, "camera: up (Y)");
     key.line(BORDER, "border of its picture");
     if let Some(spacing) = request.overlays.wavefronts {
-        let zoom = stand(scene, settings, request, shown)?.zoom;
+        let zoom = place(request, camera)?.zoom;
         key.line(ink::WAVE, &super::wave_words(spacing.distance(zoom)));
     }
     if request.overlays.conjugate_points {
@@ -129,15 +89,17 @@ pub(super) fn key(
     Ok(())
 }
 
-fn camera(
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-    camera: Standpoint,
+/// What shows a geodesic camera: its frame as arrows, geodesics of its picture as curves.
+///
+/// # Errors
+/// Those of the camera.
+pub(crate) fn camera_objects(
+    request: &PictureRequest,
+    camera: &GeodesicCamera,
     placement: &Placement,
-) -> Result<Vec<Extra>, RenderError> {
-    let inside = stand(scene, settings, request, camera)?;
-    let (surface, frame) = (inside.ground().surface(), &inside.frame);
+) -> Result<Vec<OverlayObject>, RenderError> {
+    let inside = place(request, camera)?;
+    let (surface, frame) = (inside.manifold().surface(), &inside.frame);
     if !surface.is_embedded() {
         return Ok(Vec::new());
     }
@@ -154,14 +116,14 @@ fn camera(
     for (place, colour) in [([NUDGE, 0.0], X), ([0.0, NUDGE], Y)] {
         let Some(end) = at(place) else { continue };
         let direction = [0, 1, 2].map(|k| (end[k] - origin[k]) / (NUDGE * zoom) * length);
-        all.push(Extra {
+        all.push(OverlayObject {
             name: "camera",
             painter: Painter::Vectors,
             samples: Arc::new(Samples::Vectors(vec![vector(placement, origin, direction)])),
             colour: style::linear(colour),
         });
     }
-    let curve = |lines: &[Vec<Option<Knot>>], colour: [u8; 3]| Extra {
+    let curve = |lines: &[Vec<Option<Knot>>], colour: [u8; 3]| OverlayObject {
         name: "camera",
         painter: Painter::Curves,
         samples: Arc::new(line_samples(placement, lines[0].len() as u32, lines)),
@@ -235,33 +197,10 @@ fn camera(
     Ok(all)
 }
 
-/// Stands the camera on its surface, as the geodesic view would.
-fn stand(
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-    camera: Standpoint,
-) -> Result<Inside, RenderError> {
-    let Standpoint {
-        surface,
-        at,
-        angle,
-        zoom,
-        frame,
-    } = camera;
-    let seen = Request {
-        view: View::Geodesic {
-            surface,
-            at,
-            angle,
-            zoom,
-            frame,
-            method: crate::request::Method::Auto,
-        },
-        ..request.clone()
-    };
-    seen.check(scene)?;
-    Inside::new(scene, settings, &seen)
+/// Puts the camera on its surface, as the geodesic view would.
+fn place(request: &PictureRequest, camera: &GeodesicCamera) -> Result<PlacedCamera, RenderError> {
+    camera.check(&request.scene)?;
+    PlacedCamera::new(&request.scene, &request.settings, camera, request.size)
 }
 
 /// The painters that the camera needs beside the scene's.
@@ -269,8 +208,7 @@ pub(super) const PAINTERS: [Painter; 2] = [Painter::Vectors, Painter::Curves];
 
 /// Whether an object is a surface in space, whose camera can be shown there.
 pub(super) fn is_shown(scene: &Scene, object: ObjectId) -> bool {
-    let object = scene.objects.get(object.0 as usize);
-    object.is_some_and(|o| matches!(o.shape, scene::Shape::Surface { .. }))
+    scene.get(object).is_some_and(|it| it.shape.is_surface())
 }
 
 fn knot(position: [f64; 3]) -> Knot {

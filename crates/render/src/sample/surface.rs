@@ -18,7 +18,7 @@ use super::{
     CHUNK, DEGENERATE, NORMAL_NUDGE, PositionSample, Resolution, Sampler, Samples, SurfaceSample,
     placed, surface_roots,
 };
-use crate::bounds::Placement;
+use crate::placement::Placement;
 
 /// From so many samples on, an instance is worth blocks of its own.
 const WORTHWHILE: usize = 4 * LANES;
@@ -90,7 +90,7 @@ fn by_jets(
     let jets = Jets {
         tape: &tape,
         axes: &axes,
-        inside: Inside::of(domain),
+        inside: PlacedCamera::of(domain),
         placement,
     };
     let per_instance = axes[0].len() * axes[1].len();
@@ -113,7 +113,7 @@ fn by_jets(
 struct Jets<'a> {
     tape: &'a JetTape,
     axes: &'a [Vec<f64>; 2],
-    inside: Inside,
+    inside: PlacedCamera,
     placement: &'a Placement,
 }
 
@@ -190,7 +190,7 @@ fn symbolically(
     let (graph, roots) = surface_roots(scene, position)?;
     let tape = Tape::new(&graph, &roots);
     let sampler = Sampler::new(scene, settings, object, tape, Resolution::Full);
-    let inside = Inside::of(domain);
+    let inside = PlacedCamera::of(domain);
     let normal = |out: &[f64; 9]| {
         let [_, _, _, ux, uy, uz, vx, vy, vz] = *out;
         inside
@@ -222,12 +222,12 @@ fn symbolically(
 }
 
 /// The domain, as far as normals need it.
-struct Inside {
+struct PlacedCamera {
     middles: [f64; 2],
     widths: [f64; 2],
 }
 
-impl Inside {
+impl PlacedCamera {
     fn of(domain: &[Sampling; 2]) -> Self {
         let ranges = domain.each_ref().map(|axis| axis.range);
         Self {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::mesh::{Corner, Eye, Mesh, SUBPIXEL};
 use super::raster::{self, Edges, Layer, SAMPLES, TILE, Tile};
-use super::space::{Job, Painted, batches, jobs, meshes};
+use super::space::{Drawable, Job, batches, jobs, meshes};
 use crate::camera::Camera;
 use crate::sample::{PositionSample, Samples};
 
@@ -39,7 +39,7 @@ struct Seen {
 
 /// What is seen at a place of the picture, in pixels from its top left corner: a point, vector or curve if one is seen
 /// within [`NEAR`], else the surface there.
-pub fn pick(camera: &Camera, objects: &[Painted], at: [f64; 2]) -> Option<Picked> {
+pub fn pick(camera: &Camera, objects: &[Drawable], at: [f64; 2]) -> Option<Picked> {
     let inside = |k: usize| at[k] >= 0.0 && at[k] < f64::from(camera.size[k]);
     if !inside(0) || !inside(1) {
         return None;
@@ -111,7 +111,7 @@ impl Window {
     }
 
     /// What the samples of the pixels see. The tiles are those of the picture, so that depths are the same numbers.
-    fn look(&self, eye: &Eye, objects: &[Painted], jobs: &[Job]) -> Vec<[Option<Seen>; 4]> {
+    fn look(&self, eye: &Eye, objects: &[Drawable], jobs: &[Job]) -> Vec<[Option<Seen>; 4]> {
         let mut all = vec![[None; 4]; self.pixels().count()];
         let tiles = |k: usize| self.first[k] / TILE..=(self.end[k] - 1) / TILE;
         let mut tiles: Vec<Tile> = tiles(1)
@@ -192,7 +192,7 @@ fn corners<'m>(mesh: &'m Mesh, triangle: &[u32; 3]) -> [&'m Corner; 3] {
 fn found(
     camera: &Camera,
     eye: &Eye,
-    objects: &[Painted],
+    objects: &[Drawable],
     job: &Job,
     seen: &Seen,
     place: [f64; 2],
@@ -258,7 +258,7 @@ fn from_view(camera: &Camera, at: Vec3) -> [f64; 3] {
 }
 
 /// Which instance a triangle belongs to: a job's triangles are those of its instances, one after the other.
-fn instance(eye: &Eye, objects: &[Painted], job: &Job, seen: &Seen) -> usize {
+fn instance(eye: &Eye, objects: &[Drawable], job: &Job, seen: &Seen) -> usize {
     let per_instance = match objects[job.object].samples.as_ref() {
         Samples::Surfaces { count, .. } => (count[1] - 1) as usize,
         _ => 1,

@@ -3,22 +3,16 @@
 
 use std::sync::Arc;
 
-use image::RgbaImage;
-use rayon::prelude::*;
-use scene::ParamValues;
-use scene::{ObjectId, Scene, Shape};
-
 use super::mesh::{Eye, Mesh};
 use super::raster::{Batch, TILE, Tile, Workspace};
 use super::shade::{Kind, Material};
 use super::{curves, points, surfaces, vectors};
-use crate::bounds::Bounds;
 use crate::camera::Camera;
-use crate::overlay;
-use crate::request::{Picture, RenderError, Request};
-use crate::sample::{Samples, sample_with_notes};
+use crate::sample::Samples;
 use crate::style;
 use crate::texture::Texture;
+use image::RgbaImage;
+use rayon::prelude::*;
 
 /// Pixels of a band.
 const BAND: usize = 1 << 21;
@@ -34,9 +28,9 @@ pub(super) struct Job {
     pub(super) triangles: usize,
 }
 
-/// An object with all that is drawn of it.
+/// An object with its samples and its look.
 #[derive(Clone, Debug)]
-pub struct Painted {
+pub struct Drawable {
     /// Its samples, in the drawing units of the camera.
     pub samples: Arc<Samples>,
     /// Its colour in linear light.
@@ -47,7 +41,7 @@ pub struct Painted {
     pub texture: Option<Arc<Texture>>,
 }
 
-impl Painted {
+impl Drawable {
     /// Nothing is drawn.
     pub(crate) fn nothing() -> Self {
         Self {
@@ -59,60 +53,11 @@ impl Painted {
     }
 }
 
-pub(super) fn render(
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-    eye: Option<[f64; 3]>,
-    target: Option<[f64; 3]>,
-    progress: &(dyn Fn(f32) + Sync),
-) -> Result<Picture, RenderError> {
-    let bounds = Bounds::shown(scene, settings, request);
-    let camera = Camera::new(&bounds, eye, target, request.size)?;
-    let mut painted = Vec::new();
-    let mut notes = Vec::new();
-    for (index, object) in scene.objects.iter().enumerate() {
-        let id = ObjectId(index as u32);
-        if !request.shows(id) {
-            continue;
-        }
-        let (samples, told) = sample_with_notes(scene, settings, id, &camera.placement);
-        notes.extend(told);
-        let colour = request.colour(id, &object.shape);
-        let is_surface = matches!(object.shape, Shape::Surface { .. });
-        painted.push(Painted {
-            samples: Arc::new(samples),
-            colour,
-            emphasis: request.emphasis(id),
-            texture: is_surface.then(|| request.texture(id)),
-        });
-        progress(0.4 * (index + 1) as f32 / scene.objects.len() as f32);
-    }
-    let extras = overlay::extras(scene, settings, request, &camera.placement)?;
-    let overlays = overlay::names(&extras);
-    painted.extend(extras.into_iter().map(|extra| Painted {
-        samples: extra.samples,
-        colour: extra.colour,
-        emphasis: 0.0,
-        texture: None,
-    }));
-    let behind = request.background_light();
-    let image = draw(&camera, &painted, behind, &|share| {
-        progress(0.4 + 0.6 * share)
-    });
-    Ok(Picture {
-        image,
-        backend: "software".to_owned(),
-        notes,
-        overlays,
-    })
-}
-
 /// Draws objects as a camera sees them, in front of a background (linear light and alpha). `progress` is told the share
 /// that is done.
 pub fn draw(
     camera: &Camera,
-    objects: &[Painted],
+    objects: &[Drawable],
     background: [f32; 4],
     progress: &(dyn Fn(f32) + Sync),
 ) -> RgbaImage {
@@ -210,9 +155,9 @@ fn fill<'t>(
 }
 
 /// Cuts the objects into jobs.
-pub(super) fn jobs(objects: &[Painted]) -> Vec<Job> {
+pub(super) fn jobs(objects: &[Drawable]) -> Vec<Job> {
     let mut jobs = Vec::new();
-    for (index, Painted { samples, .. }) in objects.iter().enumerate() {
+    for (index, Drawable { samples, .. }) in objects.iter().enumerate() {
         // Units of work and the triangles of each.
         let (units, triangles) = match samples.as_ref() {
             Samples::Points(samples) => (samples.len(), style::POINT_SEGMENTS),
@@ -255,7 +200,7 @@ pub(super) fn batches(jobs: &[Job]) -> Vec<std::ops::Range<usize>> {
 }
 
 /// The triangles of a job.
-pub(super) fn meshes(eye: &Eye, objects: &[Painted], job: &Job) -> Vec<Mesh> {
+pub(super) fn meshes(eye: &Eye, objects: &[Drawable], job: &Job) -> Vec<Mesh> {
     let material = 2 * job.object as u32;
     let range = job.range.clone();
     match objects[job.object].samples.as_ref() {

@@ -7,7 +7,7 @@ use crate::sample::SurfaceSample;
 
 /// The triangles of the quad rows `rows` (numbered over all instances, `count[1] − 1` to each).
 ///
-/// A triangle with an undefined corner is left out. Seen from the side that σu×σv points to, triangles run
+/// A triangle with an undefined corner is left out. RayEnds from the side that σu×σv points to, triangles run
 /// counterclockwise.
 pub(super) fn mesh(
     eye: &Eye,

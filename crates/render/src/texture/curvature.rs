@@ -8,14 +8,14 @@ use std::sync::Arc;
 
 use geodesic::metric::{Metric, gaussian_curvature};
 use geodesic::surface::{Jet, JetBlock, LANES, Lanes, Surface};
-use geometry::{Manifold, ManifoldError};
 use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
 use super::{Level, Texture};
-use crate::request::RenderError;
+use crate::error::RenderError;
 use crate::style::encode;
+use geometry::{Manifold, ManifoldError};
 
 /// Texels along u and along v; a multiple of [`LANES`].
 const SIDE: u32 = 512;

@@ -13,11 +13,11 @@ use std::sync::Arc;
 use export::animation::{self, Clip, ParamChange, Recorder, Script};
 use export::whole_file::{FileSeries, write_whole_with};
 use image::RgbaImage;
-use render::Request;
-use render::live::Stage;
-use render::request::View;
+use render::shared::Shared;
+use render::view::space::SpaceOptions;
+use render::viewpoint::ViewCamera;
+use render::{PictureRequest, Renderer};
 use scene::ObjectId;
-use scene::ParamValues;
 
 use crate::engine::request::{Look, Order};
 use crate::io::files;
@@ -160,21 +160,14 @@ struct Pictures {
     film: Film,
     script: Script,
     /// The request of the first picture: its view is that of the whole animation.
-    base: Request,
+    base: PictureRequest,
     controller: CameraController,
     /// The geodesic camera as it is in the picture that was drawn last, and its path where that is drawn.
     camera: Option<InsideCamera>,
     path: Option<Arc<CameraPath>>,
-    stage: Stage,
-    textures: Option<Textures>,
+    renderer: Renderer,
     done: f64,
 }
-
-/// The settings and the textures of curvature that belong to them.
-type Textures = (
-    Arc<ParamValues>,
-    Vec<(ObjectId, Arc<render::texture::Texture>)>,
-);
 
 impl Pictures {
     fn new(film: Film) -> Result<Self, Ended> {
@@ -185,7 +178,7 @@ impl Pictures {
         let mut request = film.order.request();
         request.size = film.clip.size;
         let base = script
-            .steady(&film.order.scene, &film.order.settings, &request)
+            .steady(&request)
             .map_err(|error| Ended::Failed(error.to_string()))?;
         Ok(Self {
             film,
@@ -194,8 +187,7 @@ impl Pictures {
             controller: CameraController::default(),
             camera: None,
             path: None,
-            stage: Stage::software(),
-            textures: None,
+            renderer: Renderer::software(),
             done: 0.0,
         })
     }
@@ -205,12 +197,10 @@ impl Pictures {
         let film = &self.film;
         let scene = &film.order.scene;
         let share = Script::share(number, film.clip.frames);
-        let at = self
-            .script
-            .frame_at(scene, &film.order.settings, &self.base, share);
-        let (settings, _) = at.map_err(|error| failed(error.to_string()))?;
+        let at = self.script.frame_at(&self.base, share);
+        let at = at.map_err(|error| failed(error.to_string()))?;
         let mut order = film.order.clone();
-        order.settings = Arc::new(settings);
+        order.settings = at.settings;
         if let Some((surface, start)) = film.camera {
             let subject = Subject {
                 scene: Arc::clone(scene),
@@ -241,22 +231,19 @@ impl Pictures {
             }
         }
         let mut request = order.request();
-        if let View::Space { .. } = request.view {
-            request.view = self.base.view.clone();
+        if let ViewCamera::Perspective(_) = request.view.camera() {
+            request.view.set_camera(self.base.view.camera());
         }
         request.size = film.clip.size;
-        let trail = self.path.iter().map(|path| Arc::clone(&path.trail));
+        let trail = self.path.iter().map(|path| Shared::from(&path.trail));
         request.trails = trail.collect();
-        if film.transparent {
-            request.background = Some([0; 4]);
+        if let Some(options) = request.view.get_mut::<SpaceOptions>()
+            && film.transparent
+        {
+            options.background = Some([0; 4]);
         }
-        if !matches!(&self.textures, Some((known, _)) if *known == order.settings) {
-            self.textures = Some((Arc::clone(&order.settings), order.curvatures()));
-        }
-        let curved = self.textures.iter().flat_map(|(_, textures)| textures);
-        request.textures.extend(curved.cloned());
-        let shot = self.stage.draw(scene, &order.settings, &request);
-        let image = shot.and_then(|shot| self.stage.read(shot.pixels));
+        let drawn = self.renderer.draw(&request);
+        let image = drawn.and_then(|drawn| self.renderer.read(drawn.image));
         image.map_err(|error| failed(error.to_string()))
     }
 }

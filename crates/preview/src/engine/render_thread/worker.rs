@@ -5,11 +5,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
-use render::bounds::Bounds;
 use render::camera::Camera;
-use render::live::{Counters, Pixels, Shot, Stage};
-use render::texture::Texture;
-use render::{RenderError, View};
+use render::counters::Counters;
+use render::gpu::Pixels;
+use render::view::space;
+use render::viewpoint::{PerspectiveCamera, ViewCamera};
+use render::{RenderError, Renderer};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
@@ -20,12 +21,11 @@ use crate::state::pane::PaneKey;
 
 /// The state of the render thread between two pictures.
 pub(super) struct Worker {
-    stage: Stage,
+    stage: Renderer,
     /// Set if the renderer draws on the window's own GPU.
     shares_gpu: bool,
     /// Where everything of a scene is seen from, at the settings and size where it was asked for.
     home: Option<Home>,
-    curvatures: Option<Curvatures>,
     /// The time that the last picture of each pane took.
     took: BTreeMap<PaneKey, Duration>,
 }
@@ -39,23 +39,19 @@ type Home = (
     SpaceCamera,
 );
 
-/// Textures of curvature, of a scene with its params.
-type Curvatures = (Arc<Scene>, Arc<ParamValues>, Vec<(ObjectId, Arc<Texture>)>);
-
 impl Worker {
     /// Draws on a stage. If that is on the window's own GPU, pictures stay there.
-    pub(super) fn new(stage: Stage) -> Self {
+    pub(super) fn new(stage: Renderer) -> Self {
         Self {
             shares_gpu: stage.gpu().is_some(),
             stage,
             home: None,
-            curvatures: None,
             took: BTreeMap::new(),
         }
     }
 
     /// Draws on another stage from now on.
-    pub(super) fn move_to(&mut self, stage: Stage) {
+    pub(super) fn move_to(&mut self, stage: Renderer) {
         self.shares_gpu = stage.gpu().is_some();
         self.stage = stage;
     }
@@ -76,7 +72,7 @@ impl Worker {
         let mut picture = self.picture(order, start);
         if picture.is_err() && self.stage.is_lost() {
             // The processor is never lost.
-            self.move_to(Stage::software());
+            self.move_to(Renderer::software());
             picture = self.picture(order, start);
         }
         self.took.insert(pane.clone(), start.elapsed());
@@ -91,7 +87,7 @@ impl Worker {
     /// Finds what is under a pixel.
     pub(super) fn pick(&mut self, order: &Order, at: [f64; 2], purpose: Purpose) -> RenderEvent {
         let request = order.request();
-        let hit = self.stage.pick(&order.scene, &order.settings, &request, at);
+        let hit = self.stage.pick(&request, at);
         let hit = hit.ok().flatten();
         RenderEvent::Picked {
             order: Box::new(order.clone()),
@@ -108,26 +104,24 @@ impl Worker {
     fn picture(&mut self, order: &Order, start: Instant) -> Result<Drawing, RenderError> {
         let mut space_camera = None;
         let mut request = order.request();
-        if let (Look::Space { camera, .. }, View::Space { eye, target }) =
-            (&order.look, &mut request.view)
-        {
+        if let Look::Space { camera, .. } = &order.look {
             let seen_from = match camera {
                 Some(camera) => *camera,
                 None => self.home(order)?,
             };
-            (*eye, *target) = (Some(seen_from.eye), Some(seen_from.target));
+            let camera = PerspectiveCamera::new(seen_from.eye, seen_from.target);
+            request.view.set_camera(ViewCamera::Perspective(camera));
             space_camera = Some(seen_from);
         }
-        request.textures.extend(self.curvatures(order));
-        let shot: Shot = self.stage.draw(&order.scene, &order.settings, &request)?;
-        let pixels = match shot.pixels {
+        let shot = self.stage.draw(&request)?;
+        let pixels = match shot.image {
             Pixels::Texture(canvas) if self.shares_gpu => Painted::Canvas(canvas),
             pixels => Painted::Image(self.stage.read(pixels)?),
         };
         Ok(Drawing {
             pixels,
             notes: shot.notes,
-            inside: shot.inside,
+            inside: shot.geodesics,
             space_camera,
             took: start.elapsed(),
         })
@@ -135,16 +129,19 @@ impl Worker {
 
     /// Where everything is seen from.
     fn home(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
-        let request = order.request();
+        let hidden_now = match &order.look {
+            Look::Space { hidden, .. } => hidden.as_slice(),
+            Look::Inside { .. } => &[],
+        };
         if let Some((scene, settings, size, hidden, camera)) = &self.home
             && Arc::ptr_eq(scene, &order.scene)
             && *settings == order.settings
             && *size == order.size
-            && *hidden == request.hidden
+            && *hidden == hidden_now
         {
             return Ok(*camera);
         }
-        let bounds = Bounds::shown(&order.scene, &order.settings, &request);
+        let bounds = space::bounds(&order.request());
         let camera = Camera::new(&bounds, None, None, order.size)?;
         let (centre, radius) = (
             DVec3::from(bounds.placement.centre),
@@ -162,31 +159,9 @@ impl Worker {
             Arc::clone(&order.scene),
             Arc::clone(&order.settings),
             order.size,
-            request.hidden,
+            hidden_now.to_vec(),
             camera,
         ));
         Ok(camera)
-    }
-
-    /// The textures of curvature, made anew only where the scene or its params are others.
-    fn curvatures(&mut self, order: &Order) -> Vec<(ObjectId, Arc<Texture>)> {
-        if order.curved.is_empty() {
-            return Vec::new();
-        }
-        if let Some((scene, settings, textures)) = &self.curvatures
-            && Arc::ptr_eq(scene, &order.scene)
-            && *settings == order.settings
-            && order
-                .curved
-                .iter()
-                .all(|id| textures.iter().any(|(it, _)| it == id))
-        {
-            let wanted = textures.iter().filter(|(id, _)| order.curved.contains(id));
-            return wanted.cloned().collect();
-        }
-        let textures = order.curvatures();
-        let (scene, settings) = (Arc::clone(&order.scene), Arc::clone(&order.settings));
-        self.curvatures = Some((scene, settings, textures.clone()));
-        textures
     }
 }

@@ -1,14 +1,12 @@
 //! Pictures and meshes for other programs: what is asked before they are written.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use egui::{DragValue, Grid, Ui};
 use export::mesh::{self, MeshFormat};
 use export::whole_file::write_whole;
-use render::Request;
-use scene::ParamValues;
-use scene::Scene;
+use render::view::space::SpaceOptions;
+use render::{Backend, PictureRequest, Views};
 
 use crate::channel::report_when_done;
 use crate::io::files;
@@ -68,8 +66,8 @@ pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
     };
     let context = ui.ctx().clone();
     report_when_done(window.status_sender(), move || {
-        let request = order.whole_request();
-        let picture = render::render(&order.scene, &order.settings, &request, &|_| {});
+        let request = order.request();
+        let picture = render::render(&Views::standard(), &request, Backend::Auto, &|_| {});
         let image = picture.map_err(|error| error.to_string())?.image;
         let size = [image.width() as usize, image.height() as usize];
         let image = egui::ColorImage::from_rgba_unmultiplied(size, image.as_raw());
@@ -111,7 +109,7 @@ fn picture(dialog: &mut PictureDialog, ui: &Ui) -> Decision {
     modal(ui, "Save picture", "Save", |ui| {
         let mut choose = false;
         Grid::new("picture").num_columns(2).show(ui, |ui| {
-            let sides = 1..=render::request::MAX_SIDE;
+            let sides = 1..=render::MAX_SIDE;
             for (side, name) in dialog.size.iter_mut().zip(["Width", "Height"]) {
                 let label = ui.label(name);
                 ui.add(DragValue::new(side).range(sides.clone()).suffix(" px"))
@@ -214,14 +212,14 @@ fn write_picture(window: &Window, dialog: &PictureDialog) {
     };
     let mut request = order.request();
     request.size = dialog.size;
-    if dialog.transparent {
-        request.background = Some([0; 4]);
+    if let Some(options) = request.view.get_mut::<SpaceOptions>()
+        && dialog.transparent
+    {
+        options.background = Some([0; 4]);
     }
     let path = PathBuf::from(&dialog.path);
     report_when_done(window.status_sender(), move || {
-        // They take their time to make, and this thread has it.
-        request.textures.extend(order.curvatures());
-        files::save_picture(&path, &order.scene, &order.settings, &request)
+        files::save_picture(&path, &request)
     });
 }
 
@@ -236,22 +234,17 @@ fn write_mesh(window: &Window, path: &str) {
     let path = PathBuf::from(path);
     report_when_done(window.status_sender(), move || {
         let request = order.whole_request();
-        save_mesh(&path, &order.scene, &order.settings, &request)
+        save_mesh(&path, &request)
     });
 }
 
-fn save_mesh(
-    path: &Path,
-    scene: &Arc<Scene>,
-    settings: &Arc<ParamValues>,
-    request: &Request,
-) -> Result<String, String> {
+fn save_mesh(path: &Path, request: &PictureRequest) -> Result<String, String> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     let format = MeshFormat::of_extension(&extension).ok_or_else(|| {
         let known = MeshFormat::ALL.map(MeshFormat::extension).join(", ");
         format!("`{}` does not end in one of {known}", path.display())
     })?;
-    let model = mesh::model(scene, settings, request, None);
+    let model = mesh::model(request, None);
     let mut bytes = Vec::new();
     let told = model.write(format, &mut bytes);
     let told = told.map_err(|error| error.to_string())?;

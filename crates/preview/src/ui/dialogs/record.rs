@@ -194,7 +194,7 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
         ui.add(DragValue::new(&mut dialog.clip.rate).range(0.1..=1000.0))
             .labelled_by(label.id);
         ui.end_row();
-        let sides = 1..=render::request::MAX_SIDE;
+        let sides = 1..=render::MAX_SIDE;
         for (side, name) in dialog.clip.size.iter_mut().zip(["Width", "Height"]) {
             let label = ui.label(name);
             ui.add(DragValue::new(side).range(sides.clone()).suffix(" px"))

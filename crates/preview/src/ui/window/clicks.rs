@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use egui::Ui;
-use render::live::Hit;
+use render::view::Hit;
 
 use super::Window;
 use crate::engine::render_thread::Purpose;

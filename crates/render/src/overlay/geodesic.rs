@@ -7,49 +7,42 @@ use std::borrow::Cow;
 
 use geodesic::trace::Status;
 use image::RgbaImage;
-use scene::ParamValues;
-use scene::{ObjectId, Scene};
 
-use super::{Trail, cut, ink, legend, lines, trail_words, trails_on, wave_words, worn};
-use crate::geodesic_view::{Inside, Layer, Seen, Tally, UNSEEN};
-use crate::request::Request;
+use super::{curves, cut_locus, ink, legend, lines, trail_words, wave_words};
+use crate::counters::PixelCounters;
+use crate::geodesic_view::{Layer, PlacedCamera, RayEnds, UNSEEN};
+use crate::request::PictureRequest;
+use crate::trail::Trail;
 
 /// What lies over a geodesic picture.
-pub(crate) struct OverInside<'a> {
-    scene: &'a Scene,
-    request: &'a Request,
-    inside: &'a Inside,
-    surface: ObjectId,
-    tally: &'a Tally,
-    lines: Option<worn::Lines<'a>>,
+pub(crate) struct GeodesicOverlay<'a> {
+    request: &'a PictureRequest,
+    inside: &'a PlacedCamera,
+    counters: &'a PixelCounters,
+    lines: Option<curves::Lines<'a>>,
     /// The colours and names of the geodesics.
     geodesics: Vec<([u8; 3], String)>,
     trails: Vec<&'a Trail>,
     notes: Vec<String>,
 }
 
-impl<'a> OverInside<'a> {
+impl<'a> GeodesicOverlay<'a> {
     pub(crate) fn new(
-        scene: &'a Scene,
-        settings: &ParamValues,
-        request: &'a Request,
-        inside: &'a Inside,
-        surface: ObjectId,
-        tally: &'a Tally,
+        request: &'a PictureRequest,
+        inside: &'a PlacedCamera,
+        counters: &'a PixelCounters,
     ) -> Self {
-        let mut worn = worn::lines(scene, settings, request, inside, surface);
-        let geodesics = worn.iter().map(|line| (line.colour, line.name.clone()));
+        let mut curve = curves::lines(request, inside);
+        let geodesics = curve.iter().map(|line| (line.colour, line.name.clone()));
         let geodesics = geodesics.collect();
-        let notes = worn.iter().flat_map(|line| line.notes.clone()).collect();
-        let trails: Vec<&Trail> = trails_on(request, surface).collect();
-        worn.extend(trails.iter().map(|trail| worn::trail(trail, inside)));
+        let notes = curve.iter().flat_map(|line| line.notes.clone()).collect();
+        let trails: Vec<&Trail> = request.trails_on(inside.surface).collect();
+        curve.extend(trails.iter().map(|trail| curves::trail(trail, inside)));
         Self {
-            scene,
             request,
             inside,
-            surface,
-            tally,
-            lines: worn::Lines::new(&worn, inside, tally),
+            counters,
+            lines: curves::Lines::new(&curve, inside, counters),
             geodesics,
             trails,
             notes,
@@ -65,13 +58,13 @@ impl<'a> OverInside<'a> {
     pub(crate) fn draw(
         self,
         image: &mut RgbaImage,
-        seen: &Seen,
+        seen: &RayEnds,
     ) -> (Vec<String>, Vec<&'static str>) {
         if !self.request.overlays.any() && self.geodesics.is_empty() && self.trails.is_empty() {
             return (Vec::new(), Vec::new());
         }
         if let Some(layer) = self.layer() {
-            seen.lay(image, layer, self.tally);
+            seen.lay(image, layer, self.counters);
         }
         self.finish(image, seen, None)
     }
@@ -81,7 +74,7 @@ impl<'a> OverInside<'a> {
     pub(crate) fn finish(
         self,
         image: &mut RgbaImage,
-        seen: &Seen,
+        seen: &RayEnds,
         status: Option<&[Status]>,
     ) -> (Vec<String>, Vec<&'static str>) {
         let mut drawn = Vec::new();
@@ -115,7 +108,7 @@ impl<'a> OverInside<'a> {
     fn measured(
         &self,
         image: &mut RgbaImage,
-        seen: &Seen,
+        seen: &RayEnds,
         status: Option<&[Status]>,
         key: &mut legend::Key,
     ) -> (Vec<String>, Vec<&'static str>) {
@@ -124,12 +117,13 @@ impl<'a> OverInside<'a> {
         } = self;
         let overlays = &request.overlays;
         let (mut notes, mut drawn) = (Vec::new(), Vec::new());
-        let map = (overlays.cut_locus || overlays.conjugate_points).then(|| seen.map(self.tally));
+        let map =
+            (overlays.cut_locus || overlays.conjugate_points).then(|| seen.map(self.counters));
         let status: Cow<[Status]> = match (status, &map) {
             (Some(status), _) => Cow::Borrowed(status),
             (None, Some(map)) => Cow::Borrowed(&map.status),
             (None, None) if overlays.wavefronts.is_some() || overlays.legend => {
-                seen.statuses(self.tally)
+                seen.statuses(self.counters)
             }
             (None, None) => Cow::Borrowed(&[]),
         };
@@ -152,7 +146,7 @@ impl<'a> OverInside<'a> {
             && overlays.cut_locus
         {
             drawn.push("cut locus");
-            let share = cut::draw(image, map, inside);
+            let share = cut_locus::draw(image, map, inside);
             notes.push(format!(
                 "{:.2} % of the pixels lie beyond the cut locus",
                 100.0 * share
@@ -168,8 +162,8 @@ impl<'a> OverInside<'a> {
         }
         if overlays.legend {
             drawn.push("legend");
-            if let Some(scale) = request.texture(self.surface).curvature_scale() {
-                let surface = self.scene.objects.get(self.surface.0 as usize);
+            if let Some(scale) = request.texture(inside.surface).curvature_scale() {
+                let surface = request.scene.objects.get(inside.surface.0 as usize);
                 let name = surface.map_or("", |object| object.name.as_str());
                 key.curvature(name, scale);
             }
@@ -187,16 +181,31 @@ impl<'a> OverInside<'a> {
 mod tests {
     use std::sync::Arc;
 
+    use scene::{ObjectId, ParamValues};
+
     use super::*;
     use crate::geodesic_view::Paint;
+    use crate::request::ViewOptions;
     use crate::texture::Texture;
+    use crate::viewpoint::GeodesicCamera;
+
+    /// Overlays do not depend on the options of a view.
+    #[derive(Clone, Debug, PartialEq)]
+    struct AnyView;
+
+    impl ViewOptions for AnyView {
+        fn view(&self) -> &'static str {
+            "any"
+        }
+    }
 
     /// The picture, its lines laid over each band of rows while it was coloured, or over the whole.
     fn drawn(source: &str, size: [u32; 2], banded: bool) -> RgbaImage {
         let scene = scene::geotrace::compile(source).scene.expect("no errors");
         let settings = ParamValues::initial(&scene);
-        let request = Request::geodesic(ObjectId(0), size);
-        let inside = Inside::new(&scene, &settings, &request).expect("a camera");
+        let camera = GeodesicCamera::new(ObjectId(0));
+        let inside = PlacedCamera::new(&scene, &settings, &camera, size).expect("a camera");
+        let request = PictureRequest::new(scene, settings, AnyView, size);
         let texture: Arc<Texture> = Texture::orientation();
         let paint = Paint {
             texture: &texture,
@@ -206,16 +215,16 @@ mod tests {
             mark_centre: true,
             coarse: false,
         };
-        let seen = inside.look(&|_| {});
-        assert!(matches!(seen, Seen::Patchwork { .. }));
-        let tally = Tally::default();
-        let over = OverInside::new(&scene, &settings, &request, &inside, ObjectId(0), &tally);
+        let seen = inside.ends(&|_| {});
+        assert!(matches!(seen, RayEnds::Patchwork { .. }));
+        let counters = PixelCounters::default();
+        let over = GeodesicOverlay::new(&request, &inside, &counters);
         let layer = over.layer().expect("lines");
         if banded {
-            return seen.resolve_under(&paint, Some(layer), &tally).0;
+            return seen.resolve_under(&paint, Some(layer), &counters).0;
         }
         let (mut image, _) = seen.resolve(&paint);
-        seen.lay(&mut image, layer, &tally);
+        seen.lay(&mut image, layer, &counters);
         image
     }
 

@@ -13,7 +13,7 @@ use expr::{Graph, Input, NodeId};
 use scene::ParamValues;
 use scene::{Object, ObjectId, Sampling, Scene, Shape};
 
-use crate::bounds::Placement;
+use crate::placement::Placement;
 
 /// An object without the values of what it reads.
 #[derive(Clone, Debug)]
@@ -45,16 +45,15 @@ enum Mark {
 
 impl Structure {
     /// The structure of an object; of a geodesic, with the surface that it lies on.
-    pub(crate) fn of(scene: &Scene, object: &Object) -> Self {
+    pub(crate) fn new(scene: &Scene, object: &Object) -> Self {
         let mut writer = Writer::new(&scene.graph);
         writer.shape(&object.shape);
-        if let Shape::Geodesic { surface, .. } = &object.shape {
-            if let Some(on) = scene.objects.get(surface.0 as usize) {
+        if let Some((surface, _)) = object.shape.geodesic() {
+            if let Some(on) = scene.get(surface) {
                 writer.shape(&on.shape);
             }
-            // What is told of a geodesic names it.
-            writer.words.push(object.name.len() as u64);
-            writer.words.extend(object.name.bytes().map(u64::from));
+            // The notes on a geodesic name it.
+            writer.text(&object.name);
         }
         Self {
             words: writer.words.into(),
@@ -146,23 +145,31 @@ pub(crate) struct Structures {
 }
 
 impl Structures {
-    pub(crate) fn of(&mut self, scene: &Arc<Scene>) -> Arc<[Structure]> {
+    pub(crate) fn get(&mut self, scene: &Arc<Scene>) -> Arc<[Structure]> {
         if let Some((known, structures)) = &self.of
             && Arc::ptr_eq(known, scene)
         {
             return structures.clone();
         }
         let objects = scene.objects.iter();
-        let structures: Arc<[Structure]> =
-            objects.map(|object| Structure::of(scene, object)).collect();
+        let structures: Arc<[Structure]> = objects
+            .map(|object| Structure::new(scene, object))
+            .collect();
         self.of = Some((scene.clone(), structures.clone()));
         structures
     }
 }
 
-/// An object of a scene, by its number.
-pub(crate) fn object(scene: &Scene, id: ObjectId) -> Option<&Object> {
-    scene.objects.get(id.0 as usize)
+/// The content of the first instance of an object; `None` if the scene has no such object.
+pub(crate) fn first_instance(
+    scene: &Scene,
+    settings: &ParamValues,
+    structures: &[Structure],
+    id: ObjectId,
+) -> Option<Content> {
+    let object = scene.objects.get(id.0 as usize)?;
+    let structure = structures.get(id.0 as usize)?;
+    Some(structure.instance(&settings.first_instance(scene, object)))
 }
 
 struct Writer<'a> {
@@ -184,17 +191,15 @@ impl<'a> Writer<'a> {
         }
     }
 
+    fn text(&mut self, text: &str) {
+        self.words.push(text.len() as u64);
+        self.words.extend(text.bytes().map(u64::from));
+    }
+
     fn shape(&mut self, shape: &Shape) {
-        let (kind, domain): (u64, &[Sampling]) = match shape {
-            Shape::Point { .. } => (0, &[]),
-            Shape::Vector { .. } => (1, &[]),
-            Shape::Curve { domain, .. } => (2, std::slice::from_ref(domain)),
-            Shape::Surface { domain, .. } => (3, domain),
-            Shape::Metric { domain, .. } => (4, domain),
-            Shape::Geodesic { domain, .. } => (5, std::slice::from_ref(domain)),
-        };
-        self.words.push(kind);
-        self.words.extend(domain.iter().flat_map(sampling_words));
+        self.text(shape.kind());
+        self.words
+            .extend(shape.domain().iter().flat_map(sampling_words));
         for root in shape.roots() {
             let number = self.node(root);
             self.words.extend([Mark::Root as u64, number]);

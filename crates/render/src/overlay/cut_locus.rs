@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::lines::{place_of, reach};
 use super::{ink, stroke};
-use crate::geodesic_view::Inside;
+use crate::geodesic_view::PlacedCamera;
 
 /// The most cells along an axis.
 const MOST_CELLS: usize = 1024;
@@ -37,7 +37,7 @@ struct Entry {
 }
 
 /// Draws the line; gives the share of the pixels that lie beyond.
-pub(super) fn draw(image: &mut RgbaImage, map: &Map, inside: &Inside) -> f64 {
+pub(super) fn draw(image: &mut RgbaImage, map: &Map, inside: &PlacedCamera) -> f64 {
     let size = map.size;
     // A lone pixel is a doubt, not a border: the majority of its neighbourhood counts. What lies behind a pixel that
     // lies beyond does so too.
@@ -99,8 +99,14 @@ fn mean_around(size: [u32; 2], values: &[f32]) -> Vec<f32> {
         .collect()
 }
 
-/// Whether each pixel lies beyond the cut locus.
-fn beyond(map: &Map, inside: &Inside) -> Vec<bool> {
+/// Tells of each pixel whether it lies beyond the cut locus: whether a shorter geodesic from the camera leads to its
+/// point of the surface.
+///
+/// Two pixels that end at one point are two ways to it, and their distances from the picture's centre are the lengths of
+/// these ways. Comparing all pairs would take the square of the number of pixels. Instead each cell of a grid over the
+/// chart keeps the nearest pixel that ends in it, and a pixel is compared with those of its own and the eight cells
+/// around: no other can be nearer by as much as a picture shows.
+fn beyond(map: &Map, inside: &PlacedCamera) -> Vec<bool> {
     let (domain, sides) = (inside.domain(), inside.sides());
     let size = map.size;
     let entry = |index: usize| -> Option<Entry> {
@@ -115,7 +121,8 @@ fn beyond(map: &Map, inside: &Inside) -> Vec<bool> {
             f64::from(column) + 0.5 - 0.5 * f64::from(size[0]),
             f64::from(row) + 0.5 - 0.5 * f64::from(size[1]),
         ];
-        // (u,v) = x (a,b) + y (c,d), turned round.
+        // (u,v) = x (a,b) + y (c,d), solved for x and y. At conjugate points the determinant is 0: neighbouring
+        // geodesics meet there, and nothing can be told of places from (u,v).
         let by_uv = [
             [d, -b].map(|x| signs[0] * x / determinant),
             [-c, a].map(|x| signs[1] * x / determinant),
@@ -141,6 +148,7 @@ fn beyond(map: &Map, inside: &Inside) -> Vec<bool> {
             ((share * cells as f64) as usize).min(cells - 1)
         })
     };
+    // Of a cell's pixels only the nearest can be the shorter way for another one.
     let mut table: Vec<Option<u32>> = vec![None; cells * cells];
     let at = |index: u32| entries[index as usize].as_ref();
     for (index, entry) in entries.iter().enumerate() {
@@ -168,6 +176,7 @@ fn beyond(map: &Map, inside: &Inside) -> Vec<bool> {
         .par_iter()
         .map(|entry| {
             let Some(entry) = entry else { return false };
+            // Close to the camera there is one way to each point.
             if entry.distance < NEAR {
                 return false;
             }
@@ -180,6 +189,7 @@ fn beyond(map: &Map, inside: &Inside) -> Vec<bool> {
                 let Some(kept) = table[j * cells + i].and_then(at) else {
                     return false;
                 };
+                // The two ends share a cell, not a point: the step between them is taken the short way round.
                 let step: [f64; 2] = std::array::from_fn(|k| {
                     let d = entry.uv[k] - kept.uv[k];
                     if wraps[k] {
@@ -188,10 +198,10 @@ fn beyond(map: &Map, inside: &Inside) -> Vec<bool> {
                         d
                     }
                 });
-                // Where the other way's picture of this place would be.
+                // The kept pixel, moved by this step to first order, is where the other way shows this point.
                 let off = [0, 1].map(|k| step[0] * kept.by_uv[0][k] + step[1] * kept.by_uv[1][k]);
                 let predicted = (kept.place[0] + off[0]).hypot(kept.place[1] + off[1]);
-                // Predictions over many pixels say nothing.
+                // To first order only a short step can be trusted.
                 off[0].hypot(off[1]) < FARTHEST && entry.distance > predicted + THRESHOLD
             })
         })

@@ -1,4 +1,4 @@
-//! Where the being inside the surface stands, and what it sees in f64: the geodesic view's camera and map.
+//! The camera of the geodesic view, put on its surface, and the geodesics that it sends out, in f64.
 
 use std::sync::Arc;
 
@@ -12,15 +12,16 @@ use geodesic::patchwork::Patchwork;
 use geodesic::surface::{Sides, Surface};
 use geodesic::topology::Apex;
 use geodesic::trace::{Status, TraceError};
-use geometry::{Manifold, ManifoldError};
 use glam::DVec3;
 use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
-use super::Seen;
-use crate::request::{Method, RenderError, Request, View};
+use super::{Method, RayEnds};
+use crate::error::RenderError;
 use crate::sample::DEGENERATE;
+use crate::viewpoint::{GeodesicCamera, Pose};
+use geometry::{Manifold, ManifoldError};
 
 /// Where the camera first looks for a place, as shares of the domain: its middle, then others off every symmetry.
 const PLACES: [[f64; 2]; 7] = [
@@ -44,11 +45,13 @@ pub const MOVING_TOLERANCE: f64 = 0.5;
 /// The share of it that polynomials between the rays may add.
 const PATCHWORK_SHARE: f64 = 0.25;
 
-/// A surface with a camera on it.
+/// A geodesic camera on its surface or metric, with the size of its picture.
 #[derive(Clone, Debug)]
-pub struct Inside {
-    ground: Arc<Manifold>,
-    /// The camera: a place and two tangent vectors X ⟂ Y of the length [`Inside::zoom`].
+pub struct PlacedCamera {
+    manifold: Arc<Manifold>,
+    /// The surface or metric, as an object of the scene.
+    pub surface: ObjectId,
+    /// A place and two tangent vectors X ⟂ Y of the length [`PlacedCamera::zoom`].
     pub frame: Frame,
     /// The distance on the surface from the picture's centre to the middle of its shorter side's edge.
     pub zoom: f64,
@@ -61,133 +64,77 @@ pub struct Inside {
     size: [u32; 2],
 }
 
-impl Inside {
-    /// The camera of a geodesic view; of a surface that depends on grids, the first instance is taken. A place
-    /// beyond a side that wraps is brought back into the domain.
+impl PlacedCamera {
+    /// Puts a camera on its surface; of a surface that depends on grids, the first instance is taken. A place beyond a
+    /// side that wraps is brought back into the domain.
     ///
     /// # Errors
-    /// [`RenderError::Manifold`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`].
+    /// [`RenderError::Manifold`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`],
+    /// [`RenderError::TooLarge`].
     pub fn new(
         scene: &Scene,
         settings: &ParamValues,
-        request: &Request,
+        camera: &GeodesicCamera,
+        size: [u32; 2],
     ) -> Result<Self, RenderError> {
-        Self::on(scene, settings, request, |surface, uniforms| {
+        Self::on(scene, settings, camera, size, |surface, uniforms| {
             Ok(Arc::new(Manifold::new(scene, surface, uniforms)?))
         })
     }
 
-    /// As [`Inside::new`], on a ground that may have been made before: the surface's, with the given uniforms.
+    /// As [`PlacedCamera::new`], on a manifold that may have been made before: the surface's, with the given uniforms.
     ///
     /// # Errors
-    /// As [`Inside::new`].
+    /// As [`PlacedCamera::new`].
     pub(crate) fn on(
         scene: &Scene,
         settings: &ParamValues,
-        request: &Request,
-        ground: impl FnOnce(ObjectId, &[f64]) -> Result<Arc<Manifold>, RenderError>,
+        camera: &GeodesicCamera,
+        size: [u32; 2],
+        manifold: impl FnOnce(ObjectId, &[f64]) -> Result<Arc<Manifold>, RenderError>,
     ) -> Result<Self, RenderError> {
-        let View::Geodesic {
-            surface,
-            at,
-            angle,
-            zoom,
-            frame,
-            method,
-        } = request.view
-        else {
-            return Err(ManifoldError::NoSurface { name: None }.into());
-        };
         let object = scene
             .objects
-            .get(surface.0 as usize)
+            .get(camera.surface.0 as usize)
             .ok_or(ManifoldError::NoSurface { name: None })?;
-        let name = || object.name.clone();
-        let tolerance = if request.moving {
-            MOVING_TOLERANCE
-        } else {
-            TOLERANCE
-        };
         let uniforms = settings.first_instance(scene, object);
-        let ground = ground(surface, &uniforms)?;
-        let surface = ground.surface();
-        if let Some(frame) = frame {
-            let zoom = frame.zoom(surface);
-            let in_domain = |k: usize| {
-                let [low, high] = surface.domain()[k];
-                (low..=high).contains(&frame.uv[k])
-            };
-            if !in_domain(0) || !in_domain(1) {
-                return Err(RenderError::CameraOutside {
-                    name: name(),
-                    at: frame.uv.0,
-                    domain: surface.domain(),
-                });
-            }
-            if !(zoom.is_finite() && zoom > 0.0) {
-                return Err(RenderError::UndefinedCamera {
-                    name: name(),
-                    at: frame.uv.0,
-                });
-            }
-            return Ok(Self {
-                frame,
-                zoom,
-                uniforms,
-                method,
-                tolerance,
-                size: request.size,
-                ground,
-            });
-        }
-        let at = at.unwrap_or_else(|| first_place(surface));
-        // The length does not matter yet: the first zoom is measured from where the frame turns out to stand.
-        let unit = Frame::new(surface, at, angle, 1.0).map_err(|error| match error {
-            TraceError::OutsideDomain { at, domain } => RenderError::CameraOutside {
-                name: name(),
-                at,
-                domain,
-            },
-            _ => RenderError::UndefinedCamera { name: name(), at },
-        })?;
-        if unit.coordinates == Coordinates::Plain && !has_tangent_plane(surface, unit.uv.0) {
-            return Err(RenderError::UndefinedCamera { name: name(), at });
-        }
-        let zoom = zoom.unwrap_or_else(|| first_zoom(surface, unit.uv.0));
+        let manifold = manifold(camera.surface, &uniforms)?;
+        let (frame, zoom) = place(manifold.surface(), &object.name, camera)?;
         Ok(Self {
-            frame: unit.zoomed(zoom),
+            manifold,
+            surface: camera.surface,
+            frame,
             zoom,
             uniforms,
-            method,
-            tolerance,
-            size: request.size,
-            ground,
+            method: Method::Auto,
+            tolerance: TOLERANCE,
+            size,
         })
     }
 
     /// `[[u min, u max], [v min, v max]]`.
     pub fn domain(&self) -> [[f64; 2]; 2] {
-        self.ground.surface().domain()
+        self.manifold.surface().domain()
     }
 
     /// What lies beyond each side of the domain.
     pub fn sides(&self) -> Sides {
-        self.ground.surface().sides()
+        self.manifold.surface().sides()
     }
 
     /// The sides that are one point: `[axis][end]`.
     pub fn apexes(&self) -> [[Option<Apex>; 2]; 2] {
-        self.ground.apexes()
+        self.manifold.apexes()
     }
 
-    /// What the camera sees, in f64 on all cores. `progress` is told the share that is done.
-    pub fn look(&self, progress: &(dyn Fn(f32) + Sync)) -> Seen {
+    /// Follows the geodesics of all pixels, in f64 on all cores. `progress` receives the share that is done.
+    pub fn ends(&self, progress: &(dyn Fn(f32) + Sync)) -> RayEnds {
         let across = match self.method {
             Method::Auto | Method::Fan => Across::Hermite,
             Method::FanLinear => Across::Linear,
-            Method::Adaptive | Method::Rk4Pixel => return Seen::Map(self.map(progress)),
+            Method::Adaptive | Method::Rk4Pixel => return RayEnds::Map(self.map(progress)),
         };
-        let surface = self.ground.surface();
+        let surface = self.manifold.surface();
         let deep = Moved::for_camera(surface, &self.frame, self.size);
         let fan = match &deep {
             Some((moved, camera)) => self.fan(moved, camera, across),
@@ -197,14 +144,14 @@ impl Inside {
         let mut patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * self.tolerance);
         patchwork.origin = self.frame.uv.0;
         progress(1.0);
-        Seen::Patchwork {
+        RayEnds::Patchwork {
             work: fan.work(),
             estimate: fan.estimate().with(patchwork.estimate),
             patchwork: Box::new(patchwork),
         }
     }
 
-    /// The ends of all pixels' geodesics, in f64 on all cores. `progress` is told the share that is done.
+    /// The ends of all pixels' geodesics pixel by pixel, in f64 on all cores. `progress` receives the share that is done.
     pub fn map(&self, progress: &(dyn Fn(f32) + Sync)) -> Map {
         let (method, tolerance) = match self.method {
             Method::Auto | Method::Fan => (map::Method::Fan, self.tolerance),
@@ -218,7 +165,7 @@ impl Inside {
             max_evaluations: self.most_evaluations(),
             ..MapOptions::default()
         };
-        let surface = self.ground.surface();
+        let surface = self.manifold.surface();
         exponential_map(surface, &self.frame, self.size, &options, progress)
     }
 
@@ -230,7 +177,7 @@ impl Inside {
             Method::FanLinear => Across::Linear,
             Method::Adaptive | Method::Rk4Pixel => return None,
         };
-        let fan = self.fan(self.ground.surface(), &self.frame, across);
+        let fan = self.fan(self.manifold.surface(), &self.frame, across);
         let [columns, rows] = self.size.map(|side| side.div_ceil(step));
         let error = |index: u32| {
             let [x, y] = [index % columns, index / columns].map(|n| n * step + step / 2);
@@ -284,7 +231,14 @@ impl Inside {
             .min(pixels.saturating_mul(map::MOST_FOR_PIXEL))
     }
 
+    /// The same camera, its geodesics followed by another method.
+    #[must_use]
+    pub fn with_method(self, method: Method) -> Self {
+        Self { method, ..self }
+    }
+
     /// The same camera, with the error that is allowed where a view moves.
+    #[must_use]
     pub fn moving(self) -> Self {
         Self {
             tolerance: MOVING_TOLERANCE,
@@ -292,15 +246,62 @@ impl Inside {
         }
     }
 
-    /// What it stands on.
-    pub fn ground(&self) -> &Manifold {
-        &self.ground
+    /// The surface or metric that it is on.
+    pub fn manifold(&self) -> &Manifold {
+        &self.manifold
     }
 
     /// The picture in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
+}
+
+/// The frame and the zoom of a camera on a surface.
+///
+/// # Errors
+/// [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`].
+fn place(
+    surface: &dyn Surface,
+    name: &str,
+    camera: &GeodesicCamera,
+) -> Result<(Frame, f64), RenderError> {
+    let outside = |at, domain| RenderError::CameraOutside {
+        name: name.to_owned(),
+        at,
+        domain,
+    };
+    let undefined = |at| RenderError::UndefinedCamera {
+        name: name.to_owned(),
+        at,
+    };
+    let (at, angle) = match camera.pose {
+        Pose::Frame(frame) => {
+            let zoom = frame.zoom(surface);
+            let domain = surface.domain();
+            let in_domain = |k: usize| (domain[k][0]..=domain[k][1]).contains(&frame.uv[k]);
+            if !in_domain(0) || !in_domain(1) {
+                return Err(outside(frame.uv.0, domain));
+            }
+            if !(zoom.is_finite() && zoom > 0.0) {
+                return Err(undefined(frame.uv.0));
+            }
+            return Ok((frame, zoom));
+        }
+        Pose::At { at, angle } => (at.unwrap_or_else(|| first_place(surface)), angle),
+    };
+    // The length does not matter yet: the first zoom is measured from where the frame turns out to stand.
+    let unit = Frame::new(surface, at, angle, 1.0).map_err(|error| match error {
+        TraceError::OutsideDomain { at, domain } => outside(at, domain),
+        _ => undefined(at),
+    })?;
+    if unit.coordinates == Coordinates::Plain && !has_tangent_plane(surface, unit.uv.0) {
+        return Err(undefined(at));
+    }
+    let zoom = camera
+        .zoom
+        .unwrap_or_else(|| first_zoom(surface, unit.uv.0));
+    Ok((unit.zoomed(zoom), zoom))
 }
 
 /// A place with a tangent plane, the domain's middle if that has one.

@@ -6,7 +6,7 @@ use std::hash::Hash;
 /// Values by key, each with a size in bytes. What has not been used by the picture that is being made is given up, the
 /// oldest first, where it takes more than an allowance.
 #[derive(Debug)]
-pub(crate) struct Kept<K, V> {
+pub(crate) struct Cache<K, V> {
     entries: HashMap<K, Entry<V>>,
     allowance: usize,
     now: u64,
@@ -19,7 +19,7 @@ struct Entry<V> {
     used: u64,
 }
 
-impl<K: Clone + Eq + Hash, V: Clone> Kept<K, V> {
+impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
     /// Nothing yet; beyond what is in use it may hold so many bytes.
     pub(crate) fn new(allowance: usize) -> Self {
         Self {
@@ -40,6 +40,11 @@ impl<K: Clone + Eq + Hash, V: Clone> Kept<K, V> {
     pub(crate) fn put(&mut self, key: K, value: V, bytes: usize) {
         let used = self.now;
         self.entries.insert(key, Entry { value, bytes, used });
+    }
+
+    /// Gives a value up.
+    pub(crate) fn remove(&mut self, key: &K) {
+        self.entries.remove(key);
     }
 
     /// Ends a picture: what it has not used no longer counts as in use.
@@ -70,11 +75,11 @@ impl<K: Clone + Eq + Hash, V: Clone> Kept<K, V> {
 
 #[cfg(test)]
 mod tests {
-    use super::Kept;
+    use super::Cache;
 
     #[test]
     fn what_a_picture_has_used_stays_and_the_oldest_of_the_rest_goes_first() {
-        let mut kept = Kept::new(10);
+        let mut kept = Cache::new(10);
         for key in 0..4 {
             kept.put(key, key, 5);
             kept.next();

@@ -16,13 +16,13 @@ pub(crate) const SAMPLES: u32 = 4;
 const MAX_WORKGROUPS: u32 = 65_535;
 
 /// Builds for one picture, and counts.
-pub(crate) struct Workshop<'a> {
+pub(crate) struct PipelineFactory<'a> {
     pub(crate) gpu: &'a Gpu,
     /// What has been built.
     pub(crate) built: Built,
 }
 
-impl<'a> Workshop<'a> {
+impl<'a> PipelineFactory<'a> {
     pub(crate) fn new(gpu: &'a Gpu) -> Self {
         Self {
             gpu,

@@ -1,10 +1,9 @@
-//! What a camera sees: the ends of all pixels' geodesics, and the pictures that are made of them.
+//! The ends of all pixels' geodesics, and the pictures that are made of them.
 //!
 //! Ends flow in, colours flow out, and over them what is laid on row by row while the ends are at hand ([`Layer`]): a
 //! table's polynomials are evaluated once for each pixel, whoever needs them.
 
 use std::borrow::Cow;
-use std::sync::atomic::{AtomicU64, Ordering};
 
 use geodesic::ends::{Estimate, Work};
 use geodesic::map::Map;
@@ -15,10 +14,11 @@ use rayon::prelude::*;
 
 use super::Paint;
 use super::resolve::{resolve, resolve_patchwork};
+use crate::counters::PixelCounters;
 
-/// What a camera sees: the ends of the geodesics of all pixels.
+/// The ends of the geodesics of all pixels.
 #[derive(Clone, Debug)]
-pub enum Seen {
+pub enum RayEnds {
     /// By polynomials between rays that the pixels share.
     Patchwork {
         /// The ends.
@@ -48,26 +48,7 @@ pub(crate) trait Layer: Sync {
     fn lay(&self, ends: EndsOfRows<'_>, pixels: &mut [u8]);
 }
 
-/// What pictures have been made of, counted.
-#[derive(Debug, Default)]
-pub(crate) struct Tally {
-    /// Pixels whose ends were computed from a table.
-    pub(crate) ends: AtomicU64,
-    /// Rows of up to eight pixels of which the distances to a straight piece of a line were computed.
-    pub(crate) distances: AtomicU64,
-}
-
-impl Tally {
-    pub(crate) fn ends(&self, count: usize) {
-        self.ends.fetch_add(count as u64, Ordering::Relaxed);
-    }
-
-    pub(crate) fn distances(&self, count: u64) {
-        self.distances.fetch_add(count, Ordering::Relaxed);
-    }
-}
-
-impl Seen {
+impl RayEnds {
     /// What it cost.
     pub fn work(&self) -> Work {
         match self {
@@ -85,11 +66,11 @@ impl Seen {
     }
 
     /// All pixels' ends.
-    pub(crate) fn map(&self, tally: &Tally) -> Cow<'_, Map> {
+    pub(crate) fn map(&self, counters: &PixelCounters) -> Cow<'_, Map> {
         match self {
             Self::Patchwork { patchwork, .. } => {
                 let map = patchwork.map(true);
-                tally.ends(map.status.len());
+                counters.count_ends(map.status.len());
                 Cow::Owned(map)
             }
             Self::Map(map) => Cow::Borrowed(map),
@@ -97,11 +78,11 @@ impl Seen {
     }
 
     /// Why all pixels' geodesics end.
-    pub(crate) fn statuses(&self, tally: &Tally) -> Cow<'_, [Status]> {
+    pub(crate) fn statuses(&self, counters: &PixelCounters) -> Cow<'_, [Status]> {
         match self {
             Self::Patchwork { patchwork, .. } => {
                 let status = patchwork.map(false).status;
-                tally.ends(status.len());
+                counters.count_ends(status.len());
                 Cow::Owned(status)
             }
             Self::Map(map) => Cow::Borrowed(&map.status),
@@ -110,7 +91,7 @@ impl Seen {
 
     /// The picture, and each pixel's status.
     pub fn resolve(&self, paint: &Paint) -> (RgbaImage, Vec<Status>) {
-        self.resolve_under(paint, None, &Tally::default())
+        self.resolve_under(paint, None, &PixelCounters::default())
     }
 
     /// The picture with a layer over it, and each pixel's status.
@@ -118,18 +99,18 @@ impl Seen {
         &self,
         paint: &Paint,
         layer: Option<&dyn Layer>,
-        tally: &Tally,
+        counters: &PixelCounters,
     ) -> (RgbaImage, Vec<Status>) {
         match self {
             Self::Patchwork { patchwork, .. } => {
                 let (image, status) = resolve_patchwork(patchwork, paint, layer);
-                tally.ends(status.len());
+                counters.count_ends(status.len());
                 (image, status)
             }
             Self::Map(map) => {
                 let mut image = resolve(map, paint);
                 if let Some(layer) = layer {
-                    self.lay(&mut image, layer, tally);
+                    self.lay(&mut image, layer, counters);
                 }
                 (image, map.status.clone())
             }
@@ -137,7 +118,7 @@ impl Seen {
     }
 
     /// Lays a layer over a picture of these ends that was coloured elsewhere.
-    pub(crate) fn lay(&self, image: &mut RgbaImage, layer: &dyn Layer, tally: &Tally) {
+    pub(crate) fn lay(&self, image: &mut RgbaImage, layer: &dyn Layer, counters: &PixelCounters) {
         let band = BLOCK as usize * image.width() as usize;
         if band == 0 {
             return;
@@ -159,7 +140,7 @@ impl Seen {
                         status: &mut *status,
                     };
                     patchwork.block_row(row as u32, rows);
-                    tally.ends(count);
+                    counters.count_ends(count);
                     let ends = EndsOfRows {
                         origin: patchwork.origin,
                         offset,

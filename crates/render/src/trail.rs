@@ -80,7 +80,7 @@ impl Trail {
 }
 
 /// A trail's places in space; `None` where its surface is undefined, nothing for a metric.
-pub(super) fn in_space(
+pub(crate) fn in_space(
     scene: &Scene,
     settings: &ParamValues,
     trail: &Trail,

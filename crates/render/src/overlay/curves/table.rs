@@ -5,8 +5,8 @@
 
 use geodesic::surface::{Side, Sides};
 
-use super::Worn;
-use crate::geodesic_view::Inside;
+use super::SurfaceCurve;
+use crate::geodesic_view::PlacedCamera;
 
 /// Cells of the table along each axis.
 const CELLS: usize = 256;
@@ -76,15 +76,15 @@ pub(super) enum Near {
 }
 
 impl Table {
-    pub(super) fn new(lines: &[Worn], inside: &Inside) -> Self {
+    pub(super) fn new(lines: &[SurfaceCurve], inside: &PlacedCamera) -> Self {
         let (domain, sides) = (inside.domain(), inside.sides());
-        let pieces = |(line, worn): (usize, &Worn)| {
+        let pieces = |(line, curve): (usize, &SurfaceCurve)| {
             let piece = move |&[from, to]: &[[f64; 2]; 2]| Piece {
                 line,
                 from,
                 step: [to[0] - from[0], to[1] - from[1]],
             };
-            worn.pieces.iter().map(piece).collect::<Vec<_>>()
+            curve.pieces.iter().map(piece).collect::<Vec<_>>()
         };
         let mut table = Self {
             domain,

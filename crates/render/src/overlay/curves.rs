@@ -1,21 +1,20 @@
-//! Declared geodesics in the geodesic view of their surface: the surface wears them, and all their images are seen.
+//! Curves on the surface of a geodesic view: declared geodesics and trails, of which all images are seen.
 //!
-//! A scene's declarations and a camera flow in, straight pieces in the chart flow out; `lay.rs` draws them.
+//! A scene's declarations and a camera flow in, straight pieces in the chart flow out; `layer.rs` draws them.
 
-mod lay;
+mod layer;
 mod table;
 
-pub(super) use lay::Lines;
+pub(super) use layer::Lines;
 
 use geodesic::surface::Side;
-use geometry::{GeodesicSegment, MAX_POINTS};
 use scene::InitialConditionsEvaluator;
-use scene::ParamValues;
-use scene::{ObjectId, Scene, Shape};
 
-use super::{Trail, ink};
-use crate::geodesic_view::Inside;
-use crate::request::Request;
+use super::ink;
+use crate::geodesic_view::PlacedCamera;
+use crate::request::PictureRequest;
+use crate::trail::Trail;
+use geometry::{GeodesicSegment, MAX_POINTS};
 
 /// The most pieces of one line.
 const MOST_PIECES: u32 = 4096;
@@ -23,7 +22,7 @@ const MOST_PIECES: u32 = 4096;
 const STRAIGHT: f64 = 6.0;
 
 /// The lines of one declared geodesic.
-pub(super) struct Worn {
+pub(super) struct SurfaceCurve {
     pub(super) name: String,
     /// sRGB.
     pub(super) colour: [u8; 3],
@@ -33,42 +32,22 @@ pub(super) struct Worn {
 }
 
 /// All geodesics declared on a surface, of those instances that lie on the one that is seen.
-pub(super) fn lines(
-    scene: &Scene,
-    settings: &ParamValues,
-    request: &Request,
-    inside: &Inside,
-    seen: ObjectId,
-) -> Vec<Worn> {
+pub(super) fn lines(request: &PictureRequest, inside: &PlacedCamera) -> Vec<SurfaceCurve> {
+    let (scene, settings, seen) = (&*request.scene, &*request.settings, inside.surface);
     let mut all = Vec::new();
-    for (index, object) in scene.objects.iter().enumerate() {
-        let Shape::Geodesic {
-            surface, domain, ..
-        } = &object.shape
-        else {
+    for (id, object) in scene.geodesics_on(seen) {
+        let Some((_, domain)) = object.shape.geodesic() else {
             continue;
         };
-        if *surface != seen {
-            continue;
-        }
-        let id = ObjectId(index as u32);
         let Some(mut launcher) = InitialConditionsEvaluator::new(scene, id) else {
             continue;
         };
         let lengths = [domain.range.min, domain.range.max];
         let pieces = piece_count(lengths[1] - lengths[0], domain.count, inside);
         let used = inside.uniforms_used(scene, seen);
-        let mut worn = Worn {
+        let mut curve = SurfaceCurve {
             name: object.name.clone(),
-            colour: request
-                .colours
-                .iter()
-                .rev()
-                .find(|(of, _)| *of == id)
-                .map_or_else(
-                    || crate::style::colour(&object.shape),
-                    |(_, colour)| *colour,
-                ),
+            colour: request.srgb(id, &object.shape),
             notes: Vec::new(),
             pieces: Vec::new(),
         };
@@ -95,24 +74,24 @@ pub(super) fn lines(
                 Err(error) => fault = Some(error),
             }
         }
-        for points in inside.ground().polylines(&lines) {
-            worn.add(&points, inside);
+        for points in inside.manifold().polylines(&lines) {
+            curve.add(&points, inside);
         }
         if let Some(fault) = fault {
-            let name = &worn.name;
-            worn.notes.push(format!(
+            let name = &curve.name;
+            curve.notes.push(format!(
                 "`{name}` is not drawn in all its instances: {fault}"
             ));
         }
-        if !worn.pieces.is_empty() || !worn.notes.is_empty() {
-            all.push(worn);
+        if !curve.pieces.is_empty() || !curve.notes.is_empty() {
+            all.push(curve);
         }
     }
     all
 }
 
 /// How many pieces a line has: some more than are needed, so that a camera that zooms needs others only now and then.
-fn piece_count(length: f64, samples: u32, inside: &Inside) -> u32 {
+fn piece_count(length: f64, samples: u32, inside: &PlacedCamera) -> u32 {
     let [width, height] = inside.size().map(f64::from);
     let pixel = 2.0 * inside.zoom / width.min(height).max(1.0);
     let needed = (length / (STRAIGHT * pixel)).ceil();
@@ -122,21 +101,21 @@ fn piece_count(length: f64, samples: u32, inside: &Inside) -> u32 {
 }
 
 /// A trail on the surface that is seen.
-pub(super) fn trail(trail: &Trail, inside: &Inside) -> Worn {
-    let mut worn = Worn {
+pub(super) fn trail(trail: &Trail, inside: &PlacedCamera) -> SurfaceCurve {
+    let mut curve = SurfaceCurve {
         name: String::new(),
         colour: ink::TRAIL,
         notes: Vec::new(),
         pieces: Vec::new(),
     };
     let points: Vec<_> = trail.points.iter().copied().map(Some).collect();
-    worn.add(&points, inside);
-    worn
+    curve.add(&points, inside);
+    curve
 }
 
-impl Worn {
+impl SurfaceCurve {
     /// Takes a polyline apart; at seams a piece is continued on both sides.
-    fn add(&mut self, points: &[Option<[f64; 2]>], inside: &Inside) {
+    fn add(&mut self, points: &[Option<[f64; 2]>], inside: &PlacedCamera) {
         let (domain, sides) = (inside.domain(), inside.sides());
         for pair in points.windows(2) {
             let [Some(from), Some(to)] = [pair[0], pair[1]] else {

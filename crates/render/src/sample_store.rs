@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use scene::ParamValues;
-use scene::{Object, ObjectId, Scene, Shape};
+use scene::{Object, ObjectId, Scene};
 
-use super::content::Content;
-use super::kept::Kept;
-use crate::bounds::Placement;
+use crate::cache::Cache;
+use crate::content::Content;
+use crate::placement::Placement;
 use crate::sample::{self, PositionSample, Samples, SurfaceSample, VectorSample};
 
 /// What samples may take that the last picture has not used: a slider goes back, an edit is undone.
@@ -32,7 +32,7 @@ enum Told {
 /// Samples of all objects of the last pictures.
 #[derive(Debug)]
 pub(crate) struct SampleStore {
-    kept: Kept<Content, Sampled>,
+    kept: Cache<Content, Sampled>,
     /// How many objects have been sampled so far.
     pub(crate) sampled: u64,
 }
@@ -40,7 +40,7 @@ pub(crate) struct SampleStore {
 impl Default for SampleStore {
     fn default() -> Self {
         Self {
-            kept: Kept::new(ALLOWANCE),
+            kept: Cache::new(ALLOWANCE),
             sampled: 0,
         }
     }
@@ -63,9 +63,10 @@ impl SampleStore {
         let (samples, notes) = sample::sample_with_notes(scene, settings, id, placement);
         let (all, undefined) = samples.undefined();
         let object = &scene.objects[id.0 as usize];
-        let told = match &object.shape {
-            Shape::Geodesic { .. } => Told::Notes(notes),
-            _ => Told::Counts(all, undefined),
+        let told = if object.shape.is_geodesic() {
+            Told::Notes(notes)
+        } else {
+            Told::Counts(all, undefined)
         };
         let bytes = bytes(&samples);
         let sampled = Sampled {
@@ -76,6 +77,11 @@ impl SampleStore {
         self.sampled += u64::from(all > 0);
         self.kept.put(key, sampled.clone(), bytes);
         sampled
+    }
+
+    /// Gives up the samples of an object.
+    pub(crate) fn forget(&mut self, content: &Content, placement: &Placement) {
+        self.kept.remove(&content.placed(placement));
     }
 
     /// Ends a picture.

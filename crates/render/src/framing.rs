@@ -5,13 +5,14 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use scene::ParamValues;
-use scene::{ObjectId, Scene};
+use scene::ObjectId;
 
-use super::content::{Content, Structure};
 use crate::bounds::{Bounds, object_cloud};
 use crate::camera::Camera;
-use crate::request::{RenderError, Request};
+use crate::content::{Content, Structure};
+use crate::error::RenderError;
+use crate::request::PictureRequest;
+use crate::viewpoint::PerspectiveCamera;
 
 /// The bounds are kept while the scene stays in a ball of so many of their radii …
 const OUTGROWN: f64 = 1.6;
@@ -20,34 +21,34 @@ const SHRUNK: f64 = 0.3;
 
 /// The bounds that pictures are drawn in, and the coarse points that they come from.
 #[derive(Debug, Default)]
-pub(super) struct Place {
+pub(crate) struct Framing {
     kept: Option<Arc<Bounds>>,
     clouds: HashMap<Content, Arc<Vec<[f64; 3]>>>,
     /// The scene that was placed last.
-    last: Option<Placed>,
+    last: Option<Framed>,
 }
 
 /// A scene in its place.
 #[derive(Clone, Debug)]
-pub(super) struct Placed {
+pub(crate) struct Framed {
     contents: Arc<[Content]>,
     /// Which of them the view leaves room for.
     counts: Arc<[bool]>,
     /// The bounds that are kept.
-    pub(super) bounds: Arc<Bounds>,
+    pub(crate) bounds: Arc<Bounds>,
     /// The scene's points now, in the drawing units of these bounds.
     cloud: Arc<Vec<[f64; 3]>>,
 }
 
-impl Place {
+impl Framing {
     /// Places a scene with the contents of its objects.
-    pub(super) fn of(
+    pub(crate) fn frame(
         &mut self,
-        scene: &Scene,
-        settings: &ParamValues,
+        request: &PictureRequest,
         structures: &[Structure],
-        request: &Request,
-    ) -> Placed {
+        leaves_room: impl Fn(ObjectId) -> bool,
+    ) -> Framed {
+        let (scene, settings) = (&*request.scene, &*request.settings);
         let contents: Arc<[Content]> = scene
             .objects
             .iter()
@@ -57,7 +58,7 @@ impl Place {
         let counts: Arc<[bool]> = (0..)
             .map(ObjectId)
             .zip(&scene.objects)
-            .map(|(id, _)| request.leaves_room(scene, id))
+            .map(|(id, _)| leaves_room(id))
             .collect();
         if let (Some(last), true) = (&self.last, self.kept.is_some())
             && last.contents == contents
@@ -95,7 +96,7 @@ impl Place {
         } else {
             all().map(|point| bounds.placement.local(point)).collect()
         };
-        let placed = Placed {
+        let placed = Framed {
             contents,
             counts,
             bounds,
@@ -106,20 +107,20 @@ impl Place {
     }
 
     /// The bounds that are kept.
-    pub(super) fn kept(&self) -> Option<&Arc<Bounds>> {
+    pub(crate) fn kept(&self) -> Option<&Arc<Bounds>> {
         self.kept.as_ref()
     }
 
     /// Keeps other bounds from now on; none: those of the next scene.
-    pub(super) fn keep(&mut self, bounds: Option<Arc<Bounds>>) {
+    pub(crate) fn keep(&mut self, bounds: Option<Arc<Bounds>>) {
         self.kept = bounds;
         self.last = None;
     }
 }
 
-impl Placed {
+impl Framed {
     /// The contents of the scene's objects, in their order.
-    pub(super) fn contents(&self) -> &[Content] {
+    pub(crate) fn contents(&self) -> &[Content] {
         &self.contents
     }
 
@@ -127,13 +128,12 @@ impl Placed {
     ///
     /// # Errors
     /// As [`Camera::new`].
-    pub(super) fn camera(
+    pub(crate) fn camera(
         &self,
-        eye: Option<[f64; 3]>,
-        target: Option<[f64; 3]>,
+        camera: &PerspectiveCamera,
         size: [u32; 2],
     ) -> Result<Camera, RenderError> {
-        let mut camera = Camera::new(&self.bounds, eye, target, size)?;
+        let mut camera = Camera::new(&self.bounds, camera.eye, camera.target, size)?;
         camera.keep_clear_of(&self.cloud);
         Ok(camera)
     }

@@ -10,10 +10,11 @@ use expr::processor::{Processor, Work};
 use geodesic::patchwork::BLOCK;
 use geodesic::trace::Status;
 
-use super::super::{Ink, Pen};
-use super::Worn;
+use super::super::{StrokeColour, StrokeStyle};
+use super::SurfaceCurve;
 use super::table::{Found, Near, Table};
-use crate::geodesic_view::{EndsOfRows, Inside, Layer, Tally};
+use crate::counters::PixelCounters;
+use crate::geodesic_view::{EndsOfRows, Layer, PlacedCamera};
 
 /// Pixels that are measured together.
 const LANES: usize = BLOCK as usize;
@@ -25,22 +26,22 @@ const ABOUT: f32 = 2.5;
 /// Lines that are laid over a picture, the first one undermost.
 pub(in crate::overlay) struct Lines<'t> {
     table: Table,
-    inks: Vec<Ink>,
-    pen: Pen,
+    inks: Vec<StrokeColour>,
+    pen: StrokeStyle,
     /// The picture's.
     width: usize,
     processor: Processor,
     /// Of bands that are done, for others.
     scratches: Mutex<Vec<Scratch>>,
-    tally: &'t Tally,
+    counters: &'t PixelCounters,
 }
 
 impl<'t> Lines<'t> {
     /// None where there is nothing to be laid.
     pub(in crate::overlay) fn new(
-        lines: &[Worn],
-        inside: &Inside,
-        tally: &'t Tally,
+        lines: &[SurfaceCurve],
+        inside: &PlacedCamera,
+        counters: &'t PixelCounters,
     ) -> Option<Self> {
         if lines.iter().all(|line| line.pieces.is_empty()) {
             return None;
@@ -48,12 +49,15 @@ impl<'t> Lines<'t> {
         let size = inside.size();
         Some(Self {
             table: Table::new(lines, inside),
-            inks: lines.iter().map(|line| Ink::of(line.colour)).collect(),
-            pen: Pen::of(size),
+            inks: lines
+                .iter()
+                .map(|line| StrokeColour::new(line.colour))
+                .collect(),
+            pen: StrokeStyle::for_size(size),
             width: size[0] as usize,
             processor: Processor::here(),
             scratches: Mutex::default(),
-            tally,
+            counters,
         })
     }
 
@@ -90,7 +94,7 @@ impl Layer for Lines<'_> {
             scratch: &mut scratch,
             pixels,
         });
-        self.tally.distances(scratch.distances);
+        self.counters.count_distances(scratch.distances);
         self.scratches().push(scratch);
     }
 }
@@ -103,7 +107,7 @@ struct Scratch {
     near: Vec<Offset>,
     /// The squares of the lines' distances.
     squares: Vec<[f32; LANES]>,
-    /// See [`Tally::distances`].
+    /// See [`crate::counters::Counters::distances`].
     distances: u64,
 }
 

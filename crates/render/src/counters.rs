@@ -1,0 +1,46 @@
+//! What a renderer has made so far, counted: tests hold to these numbers that nothing is made twice.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// What has been made so far; no count ever decreases.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub struct Counters {
+    /// Pictures that have been drawn.
+    pub pictures: u64,
+    /// Pipelines of painters and passes, and kernels: whatever a driver compiles.
+    pub pipelines: u64,
+    /// Objects whose samples were computed.
+    pub sampled: u64,
+    /// Geodesic views whose geodesics were followed.
+    pub looks: u64,
+    /// Their pixels whose ends were computed here, for colours or for what lies over them.
+    pub ends: u64,
+    /// Rows of up to eight pixels of which the distances to a straight piece of a line over a geodesic view were
+    /// computed.
+    pub distances: u64,
+}
+
+/// The counts that grow on many threads at once.
+#[derive(Debug, Default)]
+pub(crate) struct PixelCounters {
+    ends: AtomicU64,
+    distances: AtomicU64,
+}
+
+impl PixelCounters {
+    /// Adds pixels whose ends were computed from a table.
+    pub(crate) fn count_ends(&self, count: usize) {
+        self.ends.fetch_add(count as u64, Ordering::Relaxed);
+    }
+
+    /// Adds rows of up to eight pixels of which the distances to a straight piece of a line were computed.
+    pub(crate) fn count_distances(&self, count: u64) {
+        self.distances.fetch_add(count, Ordering::Relaxed);
+    }
+
+    /// Writes them into counters.
+    pub(crate) fn write(&self, counters: &mut Counters) {
+        counters.ends = self.ends.load(Ordering::Relaxed);
+        counters.distances = self.distances.load(Ordering::Relaxed);
+    }
+}

@@ -1,0 +1,107 @@
+//! Why there is no picture, as sentences for its reader.
+
+use std::fmt;
+
+use geometry::ManifoldError;
+
+/// The longest side of a picture in pixels.
+pub const MAX_SIDE: u32 = 16_384;
+
+/// Why there is no picture.
+#[derive(Clone, Debug, PartialEq)]
+pub enum RenderError {
+    /// No GPU can be used; `reason` completes "because …".
+    NoGpu {
+        /// For instance "no GPU driver was found".
+        reason: String,
+    },
+    /// The GPU refused or lost the work, in the driver's words.
+    Gpu(String),
+    /// No view of this name is registered.
+    NoView {
+        /// The name.
+        name: String,
+    },
+    /// The object has no geodesic view: it is not a surface, or its geodesics cannot be computed.
+    Manifold(ManifoldError),
+    /// The geodesic camera cannot stand there: the surface is undefined or has no tangent plane at (u, v).
+    UndefinedCamera {
+        /// The surface's name.
+        name: String,
+        /// The point of its chart.
+        at: [f64; 2],
+    },
+    /// The geodesic camera's (u, v) is not in the surface's domain.
+    CameraOutside {
+        /// The surface's name.
+        name: String,
+        /// The point of its chart.
+        at: [f64; 2],
+        /// `[[u min, u max], [v min, v max]]`.
+        domain: [[f64; 2]; 2],
+    },
+    /// A number of the camera is not finite, a zoom is not positive, or eye and target coincide; the sentence
+    /// says which.
+    Camera(String),
+    /// The picture's size is not between 1×1 and [`MAX_SIDE`]×[`MAX_SIDE`].
+    Size([u32; 2]),
+    /// A fault of this program: generated text did not pass validation.
+    Internal {
+        /// What was found, with its origin.
+        message: String,
+        /// The text, kept for a report.
+        source: String,
+    },
+}
+
+impl fmt::Display for RenderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoGpu { reason } => write!(f, "no GPU can be used: {reason}"),
+            Self::Gpu(message) => write!(f, "the GPU could not draw the picture: {message}"),
+            Self::NoView { name } => write!(f, "there is no view `{name}`"),
+            Self::Manifold(error) => write!(f, "{error}"),
+            Self::UndefinedCamera { name, at: [u, v] } => {
+                write!(
+                    f,
+                    "`{name}` has no tangent plane at (u, v) = ({u}, {v}), so the camera cannot stand there"
+                )
+            }
+            Self::CameraOutside {
+                name,
+                at: [u, v],
+                domain: [[u0, u1], [v0, v1]],
+            } => write!(
+                f,
+                "({u}, {v}) is outside the domain of `{name}`, which is [{u0}, {u1}] by [{v0}, {v1}]"
+            ),
+            Self::Camera(sentence) => write!(f, "{sentence}"),
+            Self::Size([width, height]) => {
+                write!(
+                    f,
+                    "a picture of {width}x{height} pixels cannot be made: each side is from 1 to {MAX_SIDE}"
+                )
+            }
+            Self::Internal { message, .. } => {
+                write!(f, "internal error in a generated shader: {message}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for RenderError {}
+
+impl From<wgsl::InternalError> for RenderError {
+    fn from(error: wgsl::InternalError) -> Self {
+        Self::Internal {
+            message: error.message,
+            source: error.source,
+        }
+    }
+}
+
+impl From<ManifoldError> for RenderError {
+    fn from(error: ManifoldError) -> Self {
+        Self::Manifold(error)
+    }
+}

@@ -1,0 +1,75 @@
+//! The GPU path: wgpu painters and generated kernels. wgpu is used nowhere else.
+//!
+//! ```text
+//! samples.rs: buffers (f64 blocks or a kernel) ──one painter a file──▶ space.rs ──▶ canvas, or tiles in memory
+//! ends of geodesics (f64) ──geodesic.rs: table of polynomials, resolve pass──▶ canvas, or slabs in memory
+//! ```
+//!
+//! What is built is counted ([`Built`](crate::plan::Built)) and equals [`crate::plan::Plan::built`].
+
+mod blit;
+mod canvas;
+mod curves;
+mod device;
+mod evaluate;
+pub(crate) mod geodesic;
+mod glyphs;
+mod kernels;
+mod layout;
+mod pipelines;
+mod points;
+pub(crate) mod renderer;
+mod samples;
+mod space;
+mod surfaces;
+mod vectors;
+
+use scene::ParamValues;
+use scene::{ObjectId, Scene};
+use wgsl::GenerateError;
+
+pub use blit::{Blit, Blitter};
+pub use canvas::{Canvas, Pixels};
+pub use device::Gpu;
+pub use evaluate::{EvaluateError, evaluate};
+// What a window needs to know of the device that it shares.
+pub use wgpu::{Backend as GraphicsApi, DeviceType, PollType, RenderPass};
+
+use crate::error::RenderError;
+use crate::gpu::pipelines::PipelineFactory;
+use crate::placement::Placement;
+use crate::sample::Samples;
+
+/// The samples of an object as its generated kernel computes them: for comparing them with [`crate::sample::sample`].
+/// `None` if its expressions are too large for a shader.
+///
+/// # Errors
+/// [`RenderError::NoGpu`], [`RenderError::Gpu`], [`RenderError::Internal`].
+pub fn kernel_samples(
+    scene: &Scene,
+    settings: &ParamValues,
+    object: ObjectId,
+    placement: &Placement,
+) -> Result<Option<Samples>, RenderError> {
+    let gpu = device::open()?;
+    gpu.guarded(|| {
+        let mut factory = PipelineFactory::new(gpu);
+        samples::computed(&mut factory, scene, settings, object, placement)
+    })
+}
+
+/// The name of the GPU that pictures are drawn on.
+///
+/// # Errors
+/// [`RenderError::NoGpu`].
+pub fn adapter_name() -> Result<&'static str, RenderError> {
+    device::open().map(|gpu| gpu.name.as_str())
+}
+
+/// A fault in generated text as an error of rendering; `None` if the expression is only too large for a shader.
+fn internal(error: GenerateError) -> Option<RenderError> {
+    match error {
+        GenerateError::TooLarge { .. } => None,
+        GenerateError::Internal(error) => Some(error.into()),
+    }
+}

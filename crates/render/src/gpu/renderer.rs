@@ -1,0 +1,330 @@
+//! The GPU's half of a renderer: pipelines, buffers, targets and canvases that stay from one picture to the next. Params
+//! are numbers in buffers; nothing is compiled for them.
+
+use std::sync::Arc;
+
+use scene::ObjectId;
+
+use crate::cache::Cache;
+use crate::camera::Camera;
+use crate::content::{Content, Structure};
+use crate::error::RenderError;
+use crate::gpu::canvas::{Canvases, Pixels};
+use crate::gpu::device::Gpu;
+use crate::gpu::geodesic::{ResolvePass, ResolveTask, Resolved};
+use crate::gpu::kernels::{Found, Kernels, Wanted};
+use crate::gpu::layout::View;
+use crate::gpu::pipelines::PipelineFactory;
+use crate::gpu::samples::{self, SampleBuffer};
+use crate::gpu::space::{Draw, Painters, Target, draw_tiles};
+use crate::overlay::OverlayObject;
+use crate::plan::Built;
+use crate::request::PictureRequest;
+use crate::sample::{self, Painter};
+use crate::sample_store::SampleStore;
+use crate::texture::Texture;
+
+/// Bytes of sample buffers that are kept though the last picture has not used them.
+const ALLOWANCE: usize = 16 << 20;
+/// Targets that are kept: the sizes of this number of panes.
+const TARGETS: usize = 3;
+
+/// Draws on a device, again and again.
+#[derive(Debug)]
+pub(crate) struct GpuRenderer {
+    pub(crate) gpu: Arc<Gpu>,
+    built: Built,
+    painters: Painters,
+    buffers: Cache<Content, Buffered>,
+    overlay: Option<(Arc<[OverlayObject]>, Vec<SampleBuffer>)>,
+    /// The one that was used last is the last one.
+    targets: Vec<Target>,
+    canvases: Canvases,
+    kernels: Kernels,
+    resolve: ResolvePass,
+    /// Objects whose samples a kernel has computed.
+    sampled: u64,
+}
+
+/// Samples on the device.
+#[derive(Clone, Debug)]
+struct Buffered {
+    buffer: SampleBuffer,
+    /// Whether a kernel has computed them.
+    by_kernel: bool,
+}
+
+/// A scene to be drawn in space.
+pub(crate) struct SpaceScene<'a> {
+    pub(crate) request: &'a PictureRequest,
+    pub(crate) structures: &'a [Structure],
+    pub(crate) contents: &'a [Content],
+    pub(crate) camera: &'a Camera,
+    /// The share of an object's colour that is emphasis; `None` for an object that is hidden.
+    pub(crate) shown: &'a dyn Fn(ObjectId) -> Option<f32>,
+    /// What is drawn beside the scene's objects.
+    pub(crate) overlay: &'a Arc<[OverlayObject]>,
+    /// Linear light and alpha.
+    pub(crate) background: [f32; 4],
+}
+
+impl GpuRenderer {
+    pub(crate) fn new(gpu: Arc<Gpu>) -> Self {
+        Self {
+            gpu,
+            built: Built::default(),
+            painters: Painters::default(),
+            buffers: Cache::new(ALLOWANCE),
+            overlay: None,
+            targets: Vec::new(),
+            canvases: Canvases::default(),
+            kernels: Kernels::default(),
+            resolve: ResolvePass::default(),
+            sampled: 0,
+        }
+    }
+
+    /// Draws objects; returns the picture and what a reader should know. A single picture is drawn into memory tile by
+    /// tile, and waits for its kernels.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub(crate) fn draw_space(
+        &mut self,
+        store: &mut SampleStore,
+        scene: &SpaceScene,
+        is_single: bool,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<(Pixels, Vec<String>), RenderError> {
+        let gpu = self.gpu.clone();
+        gpu.guarded(|| {
+            let size = scene.request.size;
+            if !is_single {
+                check_side(&gpu, size)?;
+            }
+            let view = gpu.uniform("view", &View::new(scene.camera, [0, 0], size));
+            let prepared = |share: f32| progress(0.5 * share);
+            let (draws, notes) = self.draws(store, scene, &view, is_single, &prepared)?;
+            let pixels = if is_single {
+                let drawn = |share: f32| progress(0.5 + 0.5 * share);
+                let (camera, background) = (scene.camera, scene.background);
+                Pixels::Image(draw_tiles(&gpu, camera, &view, &draws, background, &drawn)?)
+            } else {
+                let canvas = self.canvases.take(&gpu, size);
+                let target = self.target(size);
+                gpu.submit(|encoder| target.draw(encoder, &canvas, &draws, scene.background));
+                Pixels::Texture(canvas)
+            };
+            self.painters.next();
+            self.buffers.next();
+            Ok((pixels, notes))
+        })
+    }
+
+    /// Colours the pixels of a geodesic view.
+    ///
+    /// # Errors
+    /// Those of the device.
+    pub(crate) fn resolve(
+        &mut self,
+        task: &ResolveTask,
+        progress: &dyn Fn(f32),
+    ) -> Result<Resolved, RenderError> {
+        let gpu = self.gpu.clone();
+        let mut factory = PipelineFactory {
+            gpu: &gpu,
+            built: self.built,
+        };
+        let (pass, canvases) = (&mut self.resolve, &mut self.canvases);
+        let resolved = gpu.guarded(|| pass.resolve(&mut factory, canvases, task, progress));
+        self.built = factory.built;
+        resolved
+    }
+
+    /// From this number of operations on, an object's samples are computed by a kernel.
+    pub(crate) fn kernels_pay_from(&mut self, operations: u64) {
+        self.kernels.pay_from(operations);
+    }
+
+    /// Whether kernels are being made.
+    pub(crate) fn is_building(&self) -> bool {
+        self.kernels.is_making()
+    }
+
+    /// The number of pipelines and kernels that have been built so far.
+    pub(crate) fn pipelines(&self) -> u64 {
+        let built = &self.built;
+        u64::from(built.draw_pipelines + built.resolve_pipelines) + self.kernels.built()
+    }
+
+    /// What has been built so far.
+    pub(crate) fn built(&self) -> Built {
+        Built {
+            sample_kernels: self.kernels.built() as u32,
+            ..self.built
+        }
+    }
+
+    /// Objects whose samples kernels have computed so far.
+    pub(crate) fn sampled(&self) -> u64 {
+        self.sampled
+    }
+
+    /// What is to be drawn, ready, and what a reader should know of it.
+    fn draws(
+        &mut self,
+        store: &mut SampleStore,
+        scene: &SpaceScene,
+        view: &wgpu::Buffer,
+        is_single: bool,
+        progress: &dyn Fn(f32),
+    ) -> Result<(Vec<Draw>, Vec<String>), RenderError> {
+        let request = scene.request;
+        let mut notes = Vec::new();
+        let mut draws: Vec<Draw> = Vec::new();
+        let steps = request.scene.objects.len() as f32;
+        for (id, object) in (0..).map(ObjectId).zip(&request.scene.objects) {
+            let Some(emphasis) = (scene.shown)(id) else {
+                continue;
+            };
+            let Some(painter) = Painter::for_object(&request.scene, object) else {
+                notes.extend(sample::left_out(object));
+                continue;
+            };
+            let buffer = self.buffer(store, scene, id, is_single, &mut notes)?;
+            let colour = (request.colour(id, &object.shape), emphasis);
+            let texture = |()| request.texture(id);
+            draws.push(self.with_factory(|painters, factory| {
+                painters.draw(factory, painter, view, &buffer, colour, texture)
+            })?);
+            progress((id.0 + 1) as f32 / steps);
+        }
+        self.upload_overlay(scene.overlay)?;
+        let buffers = self.overlay.as_ref().map(|(_, buffers)| buffers.clone());
+        for (object, buffer) in scene.overlay.iter().zip(buffers.iter().flatten()) {
+            let colour = (object.colour, 0.0);
+            let texture = |()| Texture::orientation();
+            draws.push(self.with_factory(|painters, factory| {
+                painters.draw(factory, object.painter, view, buffer, colour, texture)
+            })?);
+        }
+        Ok((draws, notes))
+    }
+
+    /// The samples of an object on the device. What a reader should know of them is added to `notes`.
+    fn buffer(
+        &mut self,
+        store: &mut SampleStore,
+        scene: &SpaceScene,
+        id: ObjectId,
+        is_single: bool,
+        notes: &mut Vec<String>,
+    ) -> Result<SampleBuffer, RenderError> {
+        let request = scene.request;
+        let object = &request.scene.objects[id.0 as usize];
+        let content = &scene.contents[id.0 as usize];
+        let structure = &scene.structures[id.0 as usize];
+        let placement = &scene.camera.placement;
+        let key = content.placed(placement);
+        let known = self.buffers.get(&key);
+        if let Some(known) = known.as_ref().filter(|known| known.by_kernel) {
+            notes.extend(known.buffer.note(&object.name));
+            return Ok(known.buffer.clone());
+        }
+        if known.is_none() {
+            let wanted = Wanted {
+                scene: request.scene.arc(),
+                settings: &request.settings,
+                object: id,
+                structure,
+                placement,
+                waits: is_single,
+            };
+            match self.kernels.samples(&self.gpu, &wanted)? {
+                Found::Samples(buffer) => {
+                    self.sampled += 1;
+                    notes.extend(buffer.note(&object.name));
+                    self.put(key, &buffer, true);
+                    return Ok(buffer);
+                }
+                Found::Blocks(note) => notes.extend(note),
+            }
+        }
+        let sampled = store.get(&request.scene, &request.settings, id, content, placement);
+        notes.extend(sampled.notes(object));
+        if let Some(known) = known {
+            notes.extend(self.kernels.refusal(structure, &object.name));
+            return Ok(known.buffer);
+        }
+        let buffer = samples::upload_samples(&self.gpu, &sampled.samples)?;
+        if is_single {
+            // They are on the device now, and nothing else will ask for them.
+            store.forget(content, placement);
+        }
+        self.put(key, &buffer, false);
+        Ok(buffer)
+    }
+
+    fn put(&mut self, key: Content, buffer: &SampleBuffer, by_kernel: bool) {
+        let bytes = buffer.buffer.size() as usize;
+        let buffer = buffer.clone();
+        self.buffers.put(key, Buffered { buffer, by_kernel }, bytes);
+    }
+
+    fn upload_overlay(&mut self, objects: &Arc<[OverlayObject]>) -> Result<(), RenderError> {
+        if let Some((known, _)) = &self.overlay
+            && Arc::ptr_eq(known, objects)
+        {
+            return Ok(());
+        }
+        let buffers: Result<Vec<_>, _> = objects
+            .iter()
+            .map(|object| samples::upload_samples(&self.gpu, &object.samples))
+            .collect();
+        self.overlay = Some((objects.clone(), buffers?));
+        Ok(())
+    }
+
+    fn with_factory<T>(
+        &mut self,
+        work: impl FnOnce(&mut Painters, &mut PipelineFactory<'_>) -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
+        let mut factory = PipelineFactory {
+            gpu: &self.gpu,
+            built: self.built,
+        };
+        let result = work(&mut self.painters, &mut factory);
+        self.built = factory.built;
+        result
+    }
+
+    fn target(&mut self, size: [u32; 2]) -> &Target {
+        let known = self.targets.iter().position(|target| target.size == size);
+        let target = match known {
+            Some(at) => self.targets.remove(at),
+            None => {
+                if self.targets.len() >= TARGETS {
+                    self.targets.remove(0);
+                }
+                Target::new(&self.gpu, size)
+            }
+        };
+        self.targets.push(target);
+        &self.targets[self.targets.len() - 1]
+    }
+}
+
+/// Refuses pictures that are larger than a texture may be.
+///
+/// # Errors
+/// [`RenderError::Gpu`].
+pub(crate) fn check_side(gpu: &Gpu, size: [u32; 2]) -> Result<(), RenderError> {
+    let most = gpu.device.limits().max_texture_dimension_2d;
+    if size.iter().any(|&side| side > most) {
+        let [width, height] = size;
+        return Err(RenderError::Gpu(format!(
+            "a picture of {width}x{height} pixels is larger than its textures, which have {most} a side"
+        )));
+    }
+    Ok(())
+}

@@ -1,0 +1,23 @@
+//! The drawing units: the scale of a scene, taken out in f64 before anything becomes f32.
+
+/// From the scene's units to drawing units, in which the scene's centre is 0 and its radius 1. The difference is
+/// taken in f64: f32 samples keep their precision however far from 0 the scene lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// The middle of the scene's box, in the scene's units.
+    pub centre: [f64; 3],
+    /// Half the diagonal of the scene's box, in the scene's units; positive.
+    pub radius: f64,
+}
+
+impl Placement {
+    /// A place in drawing units.
+    pub fn local(&self, world: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| (world[k] - self.centre[k]) / self.radius)
+    }
+
+    /// A place in the scene's units.
+    pub fn world(&self, local: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| self.centre[k] + local[k] * self.radius)
+    }
+}

@@ -1,0 +1,54 @@
+//! What comes back: a picture with all that belongs to it.
+
+use std::time::Duration;
+
+use geodesic::ends::{Estimate, Work};
+
+use crate::gpu::Pixels;
+
+/// A picture that has been drawn. `P` is where its pixels are: an `RgbaImage` in memory, or wherever a renderer has left
+/// them ([`Pixels`]).
+#[derive(Clone, Debug)]
+pub struct RenderedImage<P = Pixels> {
+    /// The pixels: sRGB, top row first; opaque but for a background that was asked for. In memory, alpha is not
+    /// multiplied into the colours.
+    pub image: P,
+    /// The backend that drew it, in words; for a picture in a file also why it was this one.
+    pub backend: String,
+    /// What a reader of the picture should know: sentences such as "`p` is undefined at the current params and
+    /// is not drawn".
+    pub notes: Vec<String>,
+    /// The names of what has been drawn over it: nothing unless it was asked for, or the scene declares geodesics on the
+    /// surface that is seen from inside.
+    pub overlays: Vec<&'static str>,
+    /// Of a geodesic view: what following its geodesics has cost, and how far off they are at most, in pixels.
+    pub geodesics: Option<(Work, Option<Estimate>)>,
+    /// From the request to the picture (on a GPU: until it was handed over).
+    pub took: Duration,
+}
+
+impl<P> RenderedImage<P> {
+    /// A picture of which there is nothing to be said.
+    pub fn new(image: P) -> Self {
+        Self {
+            image,
+            backend: String::new(),
+            notes: Vec::new(),
+            overlays: Vec::new(),
+            geodesics: None,
+            took: Duration::ZERO,
+        }
+    }
+
+    /// The same picture with its pixels elsewhere.
+    pub fn with_pixels<Q>(self, image: Q) -> RenderedImage<Q> {
+        RenderedImage {
+            image,
+            backend: self.backend,
+            notes: self.notes,
+            overlays: self.overlays,
+            geodesics: self.geodesics,
+            took: self.took,
+        }
+    }
+}

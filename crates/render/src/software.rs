@@ -1,0 +1,22 @@
+//! The software path: the 3D view on the CPU, on all cores, for machines without a GPU. It never touches wgpu.
+//!
+//! ```text
+//! samples ──points, vectors, curves, surfaces──▶ mesh.rs: triangles in clip space ──clipped, projected──▶
+//! raster.rs: tiles with four samples a pixel ──shade.rs──▶ picture
+//! ```
+//!
+//! The same picture comes out on every run and for every number of cores: triangles keep their order, and each tile
+//! is one task.
+
+mod curves;
+mod mesh;
+mod pick;
+mod points;
+mod raster;
+mod shade;
+mod space;
+mod surfaces;
+mod vectors;
+
+pub use pick::{NEAR, Picked, pick};
+pub use space::{Drawable, draw};

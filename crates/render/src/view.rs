@@ -1,0 +1,241 @@
+//! Views: the ways in which a scene is seen. A view is a module that implements [`View`] and is registered in [`Views`];
+//! the command line, the window and the protocol offer whatever is registered, and nothing else names a view.
+//!
+//! ```text
+//! Views ──name──▶ View ──options──▶ ViewPart of a PictureRequest
+//!                  └──renderer──▶ ViewRenderer, kept by a Renderer ──draw──▶ RenderedImage
+//! ```
+//!
+//! To add a view: a struct of options ([`ViewOptions`](crate::request::ViewOptions)), a [`View`], a [`ViewRenderer`], and
+//! a line in [`Views::standard`].
+
+pub mod geodesic;
+mod shared_state;
+pub mod space;
+
+pub use shared_state::SharedState;
+
+use std::fmt;
+use std::sync::Arc;
+
+use scene::{Object, ObjectId};
+
+use crate::camera::Camera;
+use crate::error::RenderError;
+use crate::plan::{self, Plan};
+use crate::rendered::RenderedImage;
+use crate::request::{Backend, PictureRequest, ViewPart};
+
+/// A way in which a scene is seen.
+pub trait View: fmt::Debug + Send + Sync {
+    /// Its name for the command line and the protocol: a word in lower case.
+    fn name(&self) -> &'static str;
+
+    /// Its title for people: "3D view".
+    fn title(&self) -> &'static str;
+
+    /// A line of help.
+    fn purpose(&self) -> &'static str;
+
+    /// Whether it is of one object. Then there is a pane for each object that it shows, and a name may follow the
+    /// view's: `geodesic:s`.
+    fn is_of_object(&self) -> bool;
+
+    /// Whether it can be of this object, or whether this object is seen in it.
+    fn shows(&self, object: &Object) -> bool;
+
+    /// The options of a first picture: of this object, if it is of one. A view of an object that is given none takes one
+    /// that does not exist, and its pictures are refused.
+    fn options(&self, object: Option<ObjectId>) -> ViewPart;
+
+    /// The keys and gestures that move its camera, for a list of shortcuts.
+    fn keys(&self) -> &'static [Key] {
+        &[]
+    }
+
+    /// What can be turned on and off in its pictures, beyond what all views have.
+    fn settings(&self) -> &'static [Setting] {
+        &[]
+    }
+
+    /// Adds to a plan what a picture needs.
+    fn plan(&self, _request: &PictureRequest, _plan: &mut Plan) {}
+
+    /// What a renderer keeps for this view from one picture to the next.
+    fn renderer(&self) -> Box<dyn ViewRenderer>;
+}
+
+/// A view's part of a renderer: it draws, and keeps what the next picture may use.
+pub trait ViewRenderer: fmt::Debug + Send {
+    /// Draws a picture; the request has been checked. `progress` receives the share that is done, from 0 to 1, from any
+    /// thread.
+    ///
+    /// # Errors
+    /// See [`RenderError`].
+    fn draw(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<RenderedImage, RenderError>;
+
+    /// Finds what is under the place (x, y) of the picture, in pixels from its top left corner.
+    ///
+    /// # Errors
+    /// As [`ViewRenderer::draw`].
+    fn pick(
+        &mut self,
+        _shared: &mut SharedState,
+        _request: &PictureRequest,
+        _at: [f64; 2],
+    ) -> Result<Option<Hit>, RenderError> {
+        Ok(None)
+    }
+
+    /// The camera in space that a request has; `None` for a view that has no such camera.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`].
+    fn camera(
+        &mut self,
+        _shared: &mut SharedState,
+        _request: &PictureRequest,
+    ) -> Result<Option<Camera>, RenderError> {
+        Ok(None)
+    }
+}
+
+/// What is under a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// The object.
+    pub object: ObjectId,
+    /// The place, in the scene's units.
+    pub position: [f64; 3],
+    /// (u, v) of a surface, (t, 0) of a curve, zero otherwise.
+    pub parameters: [f64; 2],
+    /// Which of the object's instances, counted from 0.
+    pub instance: u64,
+}
+
+/// A key or gesture, in words.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Key {
+    /// The keys: "W A S D".
+    pub keys: &'static str,
+    /// Their effect: "move".
+    pub action: &'static str,
+}
+
+impl Key {
+    /// A key with its effect.
+    pub const fn new(keys: &'static str, action: &'static str) -> Self {
+        Self { keys, action }
+    }
+}
+
+/// Something that can be turned on and off in a view's pictures; [`ViewPart::set`] takes its name.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub struct Setting {
+    /// A name for files.
+    pub name: &'static str,
+    /// A title for people.
+    pub title: &'static str,
+    /// Whether it is on unless the user says otherwise.
+    pub default: bool,
+}
+
+/// One view of a scene: the 3D view, or the geodesic view of one surface.
+#[derive(Clone, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+pub struct ViewId {
+    /// The view's name.
+    pub kind: String,
+    /// The name of the object that it is of; `None` for a view of the whole scene.
+    pub object: Option<String>,
+}
+
+impl ViewId {
+    /// A view of the whole scene.
+    pub fn of_scene(kind: &str) -> Self {
+        Self {
+            kind: kind.to_owned(),
+            object: None,
+        }
+    }
+
+    /// A view of an object.
+    pub fn of_object(kind: &str, object: &str) -> Self {
+        Self {
+            kind: kind.to_owned(),
+            object: Some(object.to_owned()),
+        }
+    }
+
+    /// The view that a request is for.
+    pub fn from_request(request: &PictureRequest) -> Self {
+        let object = request.view.object();
+        let object = object.and_then(|id| request.scene.objects.get(id.0 as usize));
+        Self {
+            kind: request.view.name().to_owned(),
+            object: object.map(|object| object.name.clone()),
+        }
+    }
+}
+
+/// As the command line has it: `3d`, `geodesic:s`.
+impl fmt::Display for ViewId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.object {
+            Some(object) => write!(f, "{}:{object}", self.kind),
+            None => f.write_str(&self.kind),
+        }
+    }
+}
+
+/// The views that are offered, the first of which is the one that is shown unless another is asked for.
+#[derive(Clone, Debug)]
+pub struct Views(Vec<Arc<dyn View>>);
+
+impl Views {
+    /// The views of this program.
+    pub fn standard() -> Self {
+        Self(vec![
+            Arc::new(space::SpaceView),
+            Arc::new(geodesic::GeodesicView),
+        ])
+    }
+
+    /// These views and one more. One of the same name is replaced.
+    #[must_use]
+    pub fn with(mut self, view: impl View + 'static) -> Self {
+        self.0.retain(|known| known.name() != view.name());
+        self.0.push(Arc::new(view));
+        self
+    }
+
+    /// The view of a name.
+    pub fn get(&self, name: &str) -> Option<&dyn View> {
+        self.iter().find(|view| view.name() == name)
+    }
+
+    /// All views.
+    pub fn iter(&self) -> impl Iterator<Item = &dyn View> {
+        self.0.iter().map(|view| &**view)
+    }
+
+    /// Plans a picture: what is built for it, and what is left out. The request has been checked.
+    pub fn plan(&self, request: &PictureRequest, backend: Backend) -> Plan {
+        let mut plan = Plan::new(backend != Backend::Software);
+        if let Some(view) = self.get(request.view.name()) {
+            view.plan(request, &mut plan);
+        }
+        plan::complete(&mut plan);
+        plan
+    }
+}
+
+impl Default for Views {
+    fn default() -> Self {
+        Self::standard()
+    }
+}

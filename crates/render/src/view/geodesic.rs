@@ -1,0 +1,296 @@
+//! The geodesic view of a surface or a metric: the exponential map, which is what a being inside it sees.
+//!
+//! ```text
+//! GeodesicCamera ──cache.rs──▶ PlacedCamera, RayEnds ──resolve (CPU, or a pass on the GPU)──▶ picture ──overlay──▶ picture
+//! ```
+
+mod cache;
+
+use ::geodesic::patchwork::table::code_of;
+use geometry::ManifoldError;
+use scene::{Object, ObjectId, Scene};
+
+use super::{Hit, Key, Setting, SharedState, View, ViewRenderer};
+use crate::error::RenderError;
+use crate::geodesic_view::{self, Cover, Method, Paint, RayEnds, count, notes};
+use crate::gpu::Pixels;
+use crate::gpu::geodesic::ResolveTask;
+use crate::overlay::{self, GeodesicOverlay};
+use crate::plan::{GeodesicPlan, Plan, derivative_operations};
+use crate::rendered::RenderedImage;
+use crate::request::{PictureRequest, ViewOptions, ViewPart};
+use crate::viewpoint::{GeodesicCamera, ViewCamera};
+use cache::{CachedMap, MapCache};
+
+/// The view's name.
+pub const NAME: &str = "geodesic";
+
+/// The share of a picture's work that following geodesics is taken to be.
+const FOLLOWING_SHARE: f32 = 0.9;
+
+/// The geodesic view.
+#[derive(Clone, Copy, Debug)]
+pub struct GeodesicView;
+
+/// What a geodesic picture is asked for beyond what all pictures are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GeodesicOptions {
+    /// The camera.
+    pub camera: GeodesicCamera,
+    /// How the geodesics are followed.
+    pub method: Method,
+    /// Whether the centre is marked with an open ring.
+    pub mark_centre: bool,
+}
+
+impl GeodesicOptions {
+    /// A first picture of a surface or metric.
+    pub fn new(surface: ObjectId) -> Self {
+        GeodesicCamera::new(surface).into()
+    }
+}
+
+impl From<GeodesicCamera> for GeodesicOptions {
+    fn from(camera: GeodesicCamera) -> Self {
+        Self {
+            camera,
+            method: Method::Auto,
+            mark_centre: true,
+        }
+    }
+}
+
+impl ViewOptions for GeodesicOptions {
+    fn view(&self) -> &'static str {
+        NAME
+    }
+
+    fn object(&self) -> Option<ObjectId> {
+        Some(self.camera.surface)
+    }
+
+    fn camera(&self) -> ViewCamera {
+        ViewCamera::Geodesic(self.camera)
+    }
+
+    fn set_camera(&mut self, camera: ViewCamera) {
+        if let ViewCamera::Geodesic(camera) = camera {
+            self.camera = camera;
+        }
+    }
+
+    fn set(&mut self, setting: &str, on: bool) -> bool {
+        let known = setting == MARK_CENTRE.name;
+        if known {
+            self.mark_centre = on;
+        }
+        known
+    }
+
+    fn check(&self, scene: &Scene) -> Result<(), RenderError> {
+        self.camera.check(scene)
+    }
+}
+
+/// Whether the centre is marked.
+const MARK_CENTRE: Setting = Setting {
+    name: "centre",
+    title: "Mark of the centre",
+    default: true,
+};
+
+impl View for GeodesicView {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn title(&self) -> &'static str {
+        "Geodesic view"
+    }
+
+    fn purpose(&self) -> &'static str {
+        "a surface from inside: from the camera in the centre, each pixel looks along a geodesic"
+    }
+
+    fn is_of_object(&self) -> bool {
+        true
+    }
+
+    fn shows(&self, object: &Object) -> bool {
+        object.shape.manifold().is_some()
+    }
+
+    fn options(&self, object: Option<ObjectId>) -> ViewPart {
+        GeodesicOptions::new(object.unwrap_or(ObjectId(u32::MAX))).into()
+    }
+
+    fn keys(&self) -> &'static [Key] {
+        KEYS
+    }
+
+    fn settings(&self) -> &'static [Setting] {
+        &[MARK_CENTRE]
+    }
+
+    fn plan(&self, request: &PictureRequest, plan: &mut Plan) {
+        let Some(options) = request.view.get::<GeodesicOptions>() else {
+            return;
+        };
+        let surface = options.camera.surface;
+        plan.geodesic = Some(GeodesicPlan {
+            surface,
+            is_table: options.method.is_fan(),
+            derivative_operations: derivative_operations(&request.scene, surface),
+        });
+        plan.count_textures(request, &[surface]);
+    }
+
+    fn renderer(&self) -> Box<dyn ViewRenderer> {
+        Box::new(GeodesicRenderer::default())
+    }
+}
+
+/// The keys that move the camera.
+const KEYS: &[Key] = &[
+    Key::new("W S", "along Y, against it"),
+    Key::new("A D", "against X, along it"),
+    Key::new("Q E", "turn anticlockwise, clockwise"),
+    Key::new("Z X", "zoom in, out"),
+    Key::new("Arrows", "move"),
+    Key::new("+ −", "zoom in, out"),
+    Key::new("R, Home", "reset"),
+    Key::new("Ctrl+Enter", "show the declaration"),
+    Key::new("Drag", "move"),
+    Key::new("Wheel", "zoom"),
+    Key::new("Double or Ctrl click", "show the declaration"),
+];
+
+/// What is kept for geodesic views.
+#[derive(Debug, Default)]
+struct GeodesicRenderer {
+    maps: MapCache,
+}
+
+impl ViewRenderer for GeodesicRenderer {
+    fn draw(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<RenderedImage, RenderError> {
+        let Some(options) = request.view.get::<GeodesicOptions>() else {
+            return Err(ManifoldError::NoSurface { name: None }.into());
+        };
+        let followed = |share: f32| progress(FOLLOWING_SHARE * share);
+        let map = self.maps.get(shared, request, options, &followed)?;
+        self.maps.next();
+        let image = match &*map.ends {
+            RayEnds::Patchwork { .. } if shared.gpu.is_some() => {
+                by_gpu(shared, request, options, &map, progress)?
+            }
+            _ => by_software(shared, request, options, &map),
+        };
+        progress(1.0);
+        Ok(RenderedImage {
+            geodesics: Some((map.ends.work(), map.ends.estimate())),
+            ..image
+        })
+    }
+
+    /// Only places in space are picked.
+    fn pick(
+        &mut self,
+        _shared: &mut SharedState,
+        _request: &PictureRequest,
+        _at: [f64; 2],
+    ) -> Result<Option<Hit>, RenderError> {
+        let sentence = "a geodesic view has no camera in space";
+        Err(RenderError::Camera(sentence.to_owned()))
+    }
+}
+
+/// Colours a map on the CPU.
+fn by_software(
+    shared: &SharedState,
+    request: &PictureRequest,
+    options: &GeodesicOptions,
+    map: &CachedMap,
+) -> RenderedImage {
+    let CachedMap { camera, ends } = map;
+    let texture = request.texture(camera.surface);
+    let paint = Paint {
+        texture: &texture,
+        colour: colour(request, camera.surface),
+        domain: camera.domain(),
+        sides: camera.sides(),
+        mark_centre: options.mark_centre,
+        coarse: request.moving,
+    };
+    let counters = &*shared.pixels;
+    let over = GeodesicOverlay::new(request, camera, counters);
+    let (mut image, status) = ends.resolve_under(&paint, over.layer(), counters);
+    let (said, overlays) = over.finish(&mut image, ends, Some(&status));
+    let mut notes = notes(status.len(), count(&status), &ends.work(), ends.estimate());
+    notes.extend(said);
+    RenderedImage {
+        notes,
+        overlays,
+        ..RenderedImage::new(Pixels::Image(image))
+    }
+}
+
+/// Colours a table of polynomials by a pass on the GPU. The picture stays there unless something lies over it, or it is
+/// for a file.
+///
+/// # Errors
+/// Those of the device.
+fn by_gpu(
+    shared: &mut SharedState,
+    request: &PictureRequest,
+    options: &GeodesicOptions,
+    map: &CachedMap,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<RenderedImage, RenderError> {
+    let CachedMap { camera, ends } = map;
+    let Some(gpu) = &mut shared.gpu else {
+        return Ok(by_software(shared, request, options, map));
+    };
+    let surface = camera.surface;
+    let cover = Cover::new(&request.texture(surface), camera.domain(), camera.sides());
+    let task = ResolveTask {
+        ends,
+        cover: &cover,
+        origin: camera.frame.uv.0,
+        colour: colour(request, surface),
+        mark_centre: options.mark_centre,
+        size: request.size,
+        in_memory: shared.is_single || overlay::any_geodesic(request, surface),
+    };
+    let resolved = gpu.resolve(&task, &|share| {
+        progress(FOLLOWING_SHARE + (1.0 - FOLLOWING_SHARE) * share);
+    })?;
+    let count = |status| {
+        let count = resolved.counts.get(code_of(status) as usize);
+        count.map_or(0, |&count| count as usize)
+    };
+    let pixels = request.size[0] as usize * request.size[1] as usize;
+    let mut notes = geodesic_view::notes(pixels, count, &ends.work(), ends.estimate());
+    let mut overlays = Vec::new();
+    let mut image = resolved.pixels;
+    if let Pixels::Image(image) = &mut image {
+        let over = GeodesicOverlay::new(request, camera, &shared.pixels);
+        let said;
+        (said, overlays) = over.draw(image, ends);
+        notes.extend(said);
+    }
+    Ok(RenderedImage {
+        notes,
+        overlays,
+        ..RenderedImage::new(image)
+    })
+}
+
+/// The colour of a surface, in linear light.
+fn colour(request: &PictureRequest, surface: ObjectId) -> [f32; 3] {
+    request.colour(surface, &request.scene.objects[surface.0 as usize].shape)
+}

@@ -1,0 +1,73 @@
+//! What the views of one renderer share: the samples and the place of the scene, the GPU, the counts.
+
+use std::sync::Arc;
+
+use image::RgbaImage;
+
+use crate::bounds::Bounds;
+use crate::content::Structures;
+use crate::counters::{Counters, PixelCounters};
+use crate::error::RenderError;
+use crate::framing::Framing;
+use crate::gpu::renderer::GpuRenderer;
+use crate::gpu::{Gpu, Pixels};
+use crate::plan::Built;
+use crate::sample_store::SampleStore;
+
+/// What the views of one renderer share.
+#[derive(Debug, Default)]
+pub struct SharedState {
+    pub(crate) structures: Structures,
+    pub(crate) framing: Framing,
+    pub(crate) samples: SampleStore,
+    /// The number of geodesic views whose geodesics were followed.
+    pub(crate) followed: u64,
+    pub(crate) pixels: Arc<PixelCounters>,
+    /// What draws on a GPU; without it the software path does.
+    pub(crate) gpu: Option<Box<GpuRenderer>>,
+    /// Whether a single picture is drawn, for a file: it is made in memory, in parts where it is large, and waits for
+    /// its kernels.
+    pub(crate) is_single: bool,
+}
+
+impl SharedState {
+    /// The GPU that pictures are drawn on; `None` on the software path.
+    pub fn gpu(&self) -> Option<&Arc<Gpu>> {
+        self.gpu.as_ref().map(|renderer| &renderer.gpu)
+    }
+
+    /// Copies a picture into memory. Waits for the GPU if it is there.
+    ///
+    /// # Errors
+    /// [`RenderError::Gpu`] if the device is lost, or the picture is another renderer's.
+    pub fn read(&self, pixels: Pixels) -> Result<RgbaImage, RenderError> {
+        match (pixels, self.gpu()) {
+            (Pixels::Image(image), _) => Ok(image),
+            (Pixels::Texture(canvas), Some(gpu)) => canvas.read(gpu),
+            (Pixels::Texture(_), None) => Err(RenderError::Gpu(
+                "the picture is another stage's".to_owned(),
+            )),
+        }
+    }
+
+    /// The bounds in which views in space are drawn: those of the first scene, until a scene no longer fits them. A
+    /// camera without a place of its own frames them.
+    pub fn bounds(&self) -> Option<Arc<Bounds>> {
+        self.framing.kept().cloned()
+    }
+
+    /// Writes what has been made so far into counters.
+    pub(crate) fn count(&self, counters: &mut Counters) {
+        let gpu = self.gpu.as_ref();
+        counters.pipelines = gpu.map_or(0, |gpu| gpu.pipelines());
+        counters.sampled = self.samples.sampled + gpu.map_or(0, |gpu| gpu.sampled());
+        counters.looks = self.followed;
+        self.pixels.write(counters);
+    }
+
+    /// What has been built on the GPU so far.
+    pub(crate) fn built(&self) -> Built {
+        let gpu = self.gpu.as_ref();
+        gpu.map_or_else(Built::default, |gpu| gpu.built())
+    }
+}

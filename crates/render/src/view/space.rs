@@ -1,0 +1,430 @@
+//! The 3D view: all objects in space, by a perspective camera.
+//!
+//! ```text
+//! request ──framing──▶ drawing units ──samples──▶ gpu/ or software/ ──▶ picture ──overlay──▶ picture
+//! ```
+
+use std::sync::Arc;
+
+use scene::{Object, ObjectId, Range, Sampling, Scene, Shape};
+
+use super::{Hit, Key, SharedState, View, ViewRenderer};
+use crate::bounds::Bounds;
+use crate::camera::Camera;
+use crate::content::{self, Content, Structure};
+use crate::error::RenderError;
+use crate::framing::Framed;
+use crate::gpu::Pixels;
+use crate::gpu::renderer::SpaceScene;
+use crate::overlay::{self, OverlayObject};
+use crate::placement::Placement;
+use crate::plan::{Plan, object_plan};
+use crate::rendered::RenderedImage;
+use crate::request::{Overlays, PictureRequest, ViewOptions, ViewPart};
+use crate::software::{self, Drawable};
+use crate::style;
+use crate::viewpoint::{GeodesicCamera, PerspectiveCamera, ViewCamera};
+
+/// The view's name.
+pub const NAME: &str = "3d";
+
+/// The share of a software picture's work that its samples are taken to be.
+const SAMPLING_SHARE: f32 = 0.4;
+
+/// The 3D view.
+#[derive(Clone, Copy, Debug)]
+pub struct SpaceView;
+
+/// What a 3D picture is asked for beyond what all pictures are.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SpaceOptions {
+    /// The camera.
+    pub camera: PerspectiveCamera,
+    /// A geodesic camera to be shown: its frame, the axes and the border of its picture.
+    pub show_camera: Option<GeodesicCamera>,
+    /// What lies behind the objects: sRGB and an alpha that is not multiplied into it; [`style::BACKGROUND`] if not
+    /// given.
+    pub background: Option<[u8; 4]>,
+    /// An object to be set off, by mixing [`style::EMPHASIS_COLOUR`] into it.
+    pub highlight: Option<ObjectId>,
+    /// Objects to be left out. What lies on them is drawn, and they are seen from inside as ever.
+    pub hidden: Vec<ObjectId>,
+}
+
+impl SpaceOptions {
+    /// A picture from a place, towards a target.
+    pub fn seen_from(eye: [f64; 3], target: [f64; 3]) -> Self {
+        Self {
+            camera: PerspectiveCamera::new(eye, target),
+            ..Self::default()
+        }
+    }
+
+    /// Whether an object is drawn.
+    pub fn shows(&self, object: ObjectId) -> bool {
+        !self.hidden.contains(&object)
+    }
+
+    /// Whether there is room for an object: also for one that is hidden, where something lies on it.
+    fn leaves_room(&self, request: &PictureRequest, object: ObjectId) -> bool {
+        let mut geodesics = request.scene.geodesics_on(object);
+        self.shows(object)
+            || geodesics.any(|(id, _)| self.shows(id))
+            || self
+                .show_camera
+                .is_some_and(|camera| camera.surface == object)
+            || request.trails.iter().any(|trail| trail.surface == object)
+    }
+
+    /// The background in linear light, and its alpha.
+    fn background_light(&self) -> [f32; 4] {
+        let [red, green, blue] = style::BACKGROUND;
+        let [r, g, b, alpha] = self.background.unwrap_or([red, green, blue, 255]);
+        let [r, g, b] = style::linear([r, g, b]);
+        [r, g, b, f32::from(alpha) / 255.0]
+    }
+
+    /// How much of [`style::EMPHASIS_COLOUR`] an object has, from 0 to 1.
+    fn emphasis(&self, object: ObjectId) -> f32 {
+        if self.highlight == Some(object) {
+            style::EMPHASIS
+        } else {
+            0.0
+        }
+    }
+}
+
+impl ViewOptions for SpaceOptions {
+    fn view(&self) -> &'static str {
+        NAME
+    }
+
+    fn camera(&self) -> ViewCamera {
+        ViewCamera::Perspective(self.camera)
+    }
+
+    fn set_camera(&mut self, camera: ViewCamera) {
+        if let ViewCamera::Perspective(camera) = camera {
+            self.camera = camera;
+        }
+    }
+
+    fn check(&self, _scene: &Scene) -> Result<(), RenderError> {
+        self.camera.check()
+    }
+}
+
+/// The bounds of what a 3D request leaves room for; those of the whole scene for another request.
+pub fn bounds(request: &PictureRequest) -> Bounds {
+    let options = request.view.get::<SpaceOptions>();
+    Bounds::of_some(&request.scene, &request.settings, |id| {
+        options.is_none_or(|options| options.leaves_room(request, id))
+    })
+}
+
+impl View for SpaceView {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn title(&self) -> &'static str {
+        "3D view"
+    }
+
+    fn purpose(&self) -> &'static str {
+        "all objects in space, by a perspective camera"
+    }
+
+    fn is_of_object(&self) -> bool {
+        false
+    }
+
+    fn shows(&self, object: &Object) -> bool {
+        !object.shape.is_metric()
+    }
+
+    fn options(&self, _object: Option<ObjectId>) -> ViewPart {
+        SpaceOptions::default().into()
+    }
+
+    fn keys(&self) -> &'static [Key] {
+        KEYS
+    }
+
+    fn plan(&self, request: &PictureRequest, plan: &mut Plan) {
+        let Some(options) = request.view.get::<SpaceOptions>() else {
+            return;
+        };
+        plan.overlays = overlay::painters(request, options.show_camera.as_ref());
+        let mut textured = Vec::new();
+        for (id, object) in (0..).map(ObjectId).zip(&request.scene.objects) {
+            if !options.shows(id) {
+                continue;
+            }
+            if object.shape.is_surface() {
+                textured.push(id);
+            }
+            let planned = object_plan(&request.scene, &request.settings, id, object, plan.gpu);
+            plan.objects.extend(planned);
+        }
+        plan.count_textures(request, &textured);
+        plan.left_out
+            .push("no geodesic kernel and no resolve pass: the picture is the 3D view".to_owned());
+    }
+
+    fn renderer(&self) -> Box<dyn ViewRenderer> {
+        Box::new(SpaceRenderer::default())
+    }
+}
+
+/// The keys that move the camera.
+const KEYS: &[Key] = &[
+    Key::new("W S", "forward, back"),
+    Key::new("A D", "left, right"),
+    Key::new("Q E", "up, down in the world"),
+    Key::new("Arrows", "turn"),
+    Key::new("Alt and arrows", "around the target"),
+    Key::new("Shift and arrows", "sideways"),
+    Key::new("+ −", "nearer, farther"),
+    Key::new("F", "frame everything"),
+    Key::new("R, Home", "reset"),
+    Key::new(
+        "Enter",
+        "put the geodesic camera to the middle of the picture",
+    ),
+    Key::new(
+        "Ctrl+Enter",
+        "show the declaration in the middle of the picture",
+    ),
+    Key::new("Drag", "turn"),
+    Key::new("Alt or right drag", "around the target"),
+    Key::new("Shift or middle drag", "sideways"),
+    Key::new("Wheel", "nearer, farther"),
+    Key::new(
+        "Click",
+        "put the geodesic camera there; of what has none, show the declaration",
+    ),
+    Key::new("Double or Ctrl click", "show the declaration"),
+];
+
+/// What is kept for the 3D view.
+#[derive(Debug, Default)]
+struct SpaceRenderer {
+    /// What shows a geodesic camera.
+    camera: Option<(ShownCamera, Arc<[OverlayObject]>)>,
+}
+
+/// What the picture of a geodesic camera in space depends on.
+#[derive(Clone, Debug, PartialEq)]
+struct ShownCamera {
+    manifold: Option<Content>,
+    camera: GeodesicCamera,
+    overlays: Overlays,
+    size: [u32; 2],
+    placement: Placement,
+}
+
+impl ViewRenderer for SpaceRenderer {
+    fn draw(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<RenderedImage, RenderError> {
+        let options = options(request)?;
+        let structures = shared.structures.get(request.scene.arc());
+        let framed = frame(shared, request, options, &structures);
+        let camera = framed.camera(&options.camera, request.size)?;
+        let overlay = self.overlay(request, options, &structures, &camera.placement)?;
+        let background = options.background_light();
+        let (mut pixels, notes) = if let Some(gpu) = &mut shared.gpu {
+            let shown = |id| options.shows(id).then(|| options.emphasis(id));
+            let scene = SpaceScene {
+                request,
+                structures: &structures,
+                contents: framed.contents(),
+                camera: &camera,
+                shown: &shown,
+                overlay: &overlay,
+                background,
+            };
+            gpu.draw_space(&mut shared.samples, &scene, shared.is_single, progress)?
+        } else {
+            let sampled = |share: f32| progress(SAMPLING_SHARE * share);
+            let (mut drawables, notes) = drawables(shared, request, options, &framed, &sampled);
+            drawables.extend(overlay.iter().map(|object| Drawable {
+                samples: object.samples.clone(),
+                colour: object.colour,
+                emphasis: 0.0,
+                texture: None,
+            }));
+            let image = software::draw(&camera, &drawables, background, &|share| {
+                progress(SAMPLING_SHARE + (1.0 - SAMPLING_SHARE) * share);
+            });
+            (Pixels::Image(image), notes)
+        };
+        shared.samples.next();
+        let mut overlays = overlay::names(overlay.iter());
+        let shown = options.show_camera.as_ref();
+        if overlay::any_space(request, shown) {
+            // Words are written over pictures in memory.
+            let mut image = shared.read(pixels)?;
+            overlays.extend(overlay::over_space(&mut image, request, shown)?);
+            pixels = Pixels::Image(image);
+        }
+        Ok(RenderedImage {
+            notes,
+            overlays,
+            ..RenderedImage::new(pixels)
+        })
+    }
+
+    /// A point, vector or curve that is seen within [`software::NEAR`] pixels counts, else the surface there. Metrics are
+    /// not seen in space, and what lies behind something else is not seen either.
+    fn pick(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        at: [f64; 2],
+    ) -> Result<Option<Hit>, RenderError> {
+        let options = options(request)?;
+        let structures = shared.structures.get(request.scene.arc());
+        let framed = frame(shared, request, options, &structures);
+        let camera = framed.camera(&options.camera, request.size)?;
+        let (drawables, _) = drawables(shared, request, options, &framed, &|_| {});
+        let picked = software::pick(&camera, &drawables, at);
+        Ok(picked.map(|picked| Hit {
+            object: ObjectId(picked.object as u32),
+            position: camera.placement.world(picked.position),
+            parameters: parameters(&request.scene.objects[picked.object].shape, picked.shares),
+            instance: picked.instance,
+        }))
+    }
+
+    fn camera(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+    ) -> Result<Option<Camera>, RenderError> {
+        let options = options(request)?;
+        let structures = shared.structures.get(request.scene.arc());
+        let framed = frame(shared, request, options, &structures);
+        framed.camera(&options.camera, request.size).map(Some)
+    }
+}
+
+impl SpaceRenderer {
+    /// What is drawn beside the scene's objects: the geodesic camera that is shown, and trails.
+    fn overlay(
+        &mut self,
+        request: &PictureRequest,
+        options: &SpaceOptions,
+        structures: &[Structure],
+        placement: &Placement,
+    ) -> Result<Arc<[OverlayObject]>, RenderError> {
+        let camera = match &options.show_camera {
+            Some(camera) => self.shown_camera(request, camera, structures, placement)?,
+            None => Arc::from([]),
+        };
+        let trails = overlay::trail_objects(request, placement);
+        if trails.is_empty() {
+            return Ok(camera);
+        }
+        Ok(camera.iter().cloned().chain(trails).collect())
+    }
+
+    fn shown_camera(
+        &mut self,
+        request: &PictureRequest,
+        camera: &GeodesicCamera,
+        structures: &[Structure],
+        placement: &Placement,
+    ) -> Result<Arc<[OverlayObject]>, RenderError> {
+        let (scene, settings) = (&request.scene, &request.settings);
+        let key = ShownCamera {
+            manifold: content::first_instance(scene, settings, structures, camera.surface),
+            camera: *camera,
+            overlays: request.overlays,
+            size: request.size,
+            placement: *placement,
+        };
+        if let Some((known, objects)) = &self.camera
+            && *known == key
+        {
+            return Ok(objects.clone());
+        }
+        let objects: Arc<[OverlayObject]> =
+            overlay::camera_objects(request, camera, placement)?.into();
+        self.camera = Some((key, objects.clone()));
+        Ok(objects)
+    }
+}
+
+/// The view's options in a request.
+///
+/// # Errors
+/// [`RenderError::NoView`] if they are another view's, which claims this view's name.
+fn options(request: &PictureRequest) -> Result<&SpaceOptions, RenderError> {
+    let name = request.view.name();
+    request.view.get().ok_or_else(|| RenderError::NoView {
+        name: name.to_owned(),
+    })
+}
+
+/// Frames the scene of a request in the bounds that are kept.
+fn frame(
+    shared: &mut SharedState,
+    request: &PictureRequest,
+    options: &SpaceOptions,
+    structures: &[Structure],
+) -> Framed {
+    let leaves_room = |id| options.leaves_room(request, id);
+    shared.framing.frame(request, structures, leaves_room)
+}
+
+/// The scene's objects with their samples, and what a reader of the picture should know of them.
+fn drawables(
+    shared: &mut SharedState,
+    request: &PictureRequest,
+    options: &SpaceOptions,
+    framed: &Framed,
+    progress: &dyn Fn(f32),
+) -> (Vec<Drawable>, Vec<String>) {
+    let (mut drawables, mut notes) = (Vec::new(), Vec::new());
+    let placement = framed.bounds.placement;
+    let scene = &request.scene;
+    let objects = (0..).map(ObjectId).zip(&scene.objects);
+    for ((id, object), content) in objects.zip(framed.contents()) {
+        if !options.shows(id) {
+            // It keeps its number.
+            drawables.push(Drawable::nothing());
+            continue;
+        }
+        let samples = &mut shared.samples;
+        let sampled = samples.get(scene, &request.settings, id, content, &placement);
+        notes.extend(sampled.notes(object));
+        let is_surface = object.shape.is_surface();
+        drawables.push(Drawable {
+            samples: sampled.samples,
+            colour: request.colour(id, &object.shape),
+            emphasis: options.emphasis(id),
+            texture: is_surface.then(|| request.texture(id)),
+        });
+        progress(drawables.len() as f32 / scene.objects.len() as f32);
+    }
+    (drawables, notes)
+}
+
+/// Parameters from shares of the domain.
+fn parameters(shape: &Shape, shares: [f64; 2]) -> [f64; 2] {
+    let value = |sampling: &Sampling, share: f64| {
+        let Range { min, max } = sampling.range;
+        // As [`Sampling::value`], where the interval may be wider than the largest number.
+        (min * (1.0 - share) + max * share).clamp(min, max)
+    };
+    let mut parameters = [0.0; 2];
+    for ((parameter, sampling), share) in parameters.iter_mut().zip(shape.domain()).zip(shares) {
+        *parameter = value(sampling, share);
+    }
+    parameters
+}

@@ -1,0 +1,165 @@
+//! Cameras as data: where a picture is seen from, as it is asked for. A view puts them into a scene; a window moves them.
+
+use geodesic::frame::Frame;
+use geometry::ManifoldError;
+use scene::{ObjectId, Scene};
+
+use crate::error::RenderError;
+
+/// The camera of a view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ViewCamera {
+    /// A camera in space.
+    Perspective(PerspectiveCamera),
+    /// A camera on a surface or a metric.
+    Geodesic(GeodesicCamera),
+    /// The view has no camera that can be moved.
+    Fixed,
+}
+
+/// A camera in space, in the scene's units. Coordinates that are not given are chosen so that the scene fills the
+/// picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PerspectiveCamera {
+    /// The place of the eye.
+    pub eye: Option<[f64; 3]>,
+    /// The place that it looks at.
+    pub target: Option<[f64; 3]>,
+}
+
+/// A camera on a surface or a metric.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GeodesicCamera {
+    /// The surface or metric.
+    pub surface: ObjectId,
+    /// Its place and direction.
+    pub pose: Pose,
+    /// The distance on the surface from the picture's centre to the middle of its shorter side's edge; positive. Chosen
+    /// from the surface's size if not given. A [`Pose::Frame`] has its own.
+    pub zoom: Option<f64>,
+}
+
+/// The place and direction of a geodesic camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Pose {
+    /// At a point of the chart.
+    At {
+        /// (u, v); the middle of the domain if not given.
+        at: Option<[f64; 2]>,
+        /// The angle from σu to the picture's x axis, towards σv, in radians.
+        angle: f64,
+    },
+    /// A frame that has been moved: made by [`PlacedCamera::frame`](crate::geodesic_view::PlacedCamera) and moved by
+    /// [`Frame`]'s methods. Its vectors' length is the zoom.
+    Frame(Frame),
+}
+
+/// The zooms that single precision can hold, and their inverses.
+const ZOOMS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
+
+impl PerspectiveCamera {
+    /// A camera at a place, with a target.
+    pub fn new(eye: [f64; 3], target: [f64; 3]) -> Self {
+        Self {
+            eye: Some(eye),
+            target: Some(target),
+        }
+    }
+
+    /// Refuses a camera that has no direction.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`].
+    pub fn check(&self) -> Result<(), RenderError> {
+        let finite =
+            |place: &Option<[f64; 3]>| place.is_none_or(|p| p.iter().all(|x| x.is_finite()));
+        if !finite(&self.eye) || !finite(&self.target) {
+            return Err(RenderError::Camera(
+                "the camera's place and target must be finite".into(),
+            ));
+        }
+        if self.eye.is_some() && self.eye == self.target {
+            return Err(RenderError::Camera(
+                "the camera stands on its target and has no direction".into(),
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl GeodesicCamera {
+    /// The first camera of a surface or metric: in the middle of its domain, or beside it.
+    pub fn new(surface: ObjectId) -> Self {
+        Self {
+            surface,
+            pose: Pose::At {
+                at: None,
+                angle: 0.0,
+            },
+            zoom: None,
+        }
+    }
+
+    /// The same camera at another point (u, v) of the chart, turned by no angle.
+    #[must_use]
+    pub fn at(self, at: [f64; 2]) -> Self {
+        let pose = Pose::At {
+            at: Some(at),
+            angle: 0.0,
+        };
+        Self { pose, ..self }
+    }
+
+    /// The same camera with another zoom.
+    #[must_use]
+    pub fn zoomed(self, zoom: f64) -> Self {
+        Self {
+            zoom: Some(zoom),
+            ..self
+        }
+    }
+
+    /// The same camera with the pose of a frame.
+    #[must_use]
+    pub fn with_frame(self, frame: Frame) -> Self {
+        Self {
+            pose: Pose::Frame(frame),
+            ..self
+        }
+    }
+
+    /// Refuses a camera on no surface, and numbers that are not finite.
+    ///
+    /// # Errors
+    /// [`RenderError::Manifold`], [`RenderError::Camera`].
+    pub fn check(&self, scene: &Scene) -> Result<(), RenderError> {
+        let object = scene.objects.get(self.surface.0 as usize);
+        if object.is_none_or(|object| object.shape.manifold().is_none()) {
+            let name = object.map(|object| object.name.clone());
+            return Err(ManifoldError::NoSurface { name }.into());
+        }
+        if let Pose::At { at, angle } = self.pose
+            && (!angle.is_finite() || at.is_some_and(|at| at.iter().any(|x| !x.is_finite())))
+        {
+            return Err(RenderError::Camera(
+                "the camera's place and angle must be finite".into(),
+            ));
+        }
+        if self
+            .zoom
+            .is_some_and(|zoom| !zoom.is_finite() || zoom <= 0.0)
+        {
+            return Err(RenderError::Camera(
+                "the zoom is a distance and must be positive".into(),
+            ));
+        }
+        if self.zoom.is_some_and(|zoom| !ZOOMS.contains(&zoom)) {
+            return Err(RenderError::Camera(format!(
+                "the zoom must lie between {:e} and {:e}",
+                ZOOMS.start(),
+                ZOOMS.end()
+            )));
+        }
+        Ok(())
+    }
+}
