@@ -184,3 +184,33 @@ fn a_declaration_that_is_too_large_is_shown_as_it_last_was() {
     assert_eq!(names(&read), ["p", "q"]);
     assert_eq!(read.program.stale, ["p"]);
 }
+
+#[test]
+fn only_what_depends_on_something_stale_is_stale() {
+    let good = "param a = 1 : [0, 4]; function f(x) = a x;
+        surface s(u,v) = (u, v, f(u)), u : [0,1], v : [0,1];
+        surface t(u,v) = (u, v, 2), u : [0,1], v : [0,1];
+        metric m(u,v) = (1, 0, 1 + u^2), u : [0,1], v : [0,1];
+        geodesic g(l) : t = (1, 0) @ (0.5, 0.5), l : [0, 0.2];
+        curve c(x) = (x, 1, 1), x : [0, 1];";
+    let stale = |broken: &str| {
+        let mut reader = Reader::default();
+        reader.read(good);
+        let read = reader.read(broken);
+        assert!(!read.diagnostics.is_empty());
+        (read.program.stale, read.program.incomplete)
+    };
+    for (from, to, names) in [
+        ("(x, 1, 1)", "(x, 1, ", &["c"][..]),
+        ("= a x", "= a +", &["s"]),
+        ("a = 1 :", "a = :", &["s"]),
+        ("(0.5, 0.5)", "(0.5", &["g"]),
+        ("1 + u^2", "1 + ", &["m"]),
+        ("(u, v, 2)", "(u, v, ", &["t", "g"]),
+    ] {
+        let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+        assert_eq!(stale(&good.replace(from, to)), (names, false), "{to}");
+    }
+    let new = format!("{good} point p = (1, ");
+    assert_eq!(stale(&new), (Vec::new(), true));
+}
