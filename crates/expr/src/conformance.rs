@@ -10,7 +10,7 @@ use crate::ops::{Binary, Unary};
 /// One case: an operation, its operands and its value.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
-    /// What is done.
+    /// The operation.
     pub operation: Operation,
     /// The operands; the second counts for two operands only. Numbers of f32, so that a shader starts from
     /// the same ones.

@@ -63,14 +63,14 @@ pub struct Graph {
     overflowed: bool,
 }
 
-/// How many nodes a graph may hold unless told otherwise: about 100 MB.
+/// The number of nodes that a graph may hold unless told otherwise: about 100 MB.
 pub const DEFAULT_LIMIT: usize = 1_000_000;
 
-/// How many nodes may be made or visited in all, for each node that may be held: what bounds the time that
+/// The number of nodes that may be made or visited in all, for each node that may be held: what bounds the time that
 /// rewriting takes even where its results are given up.
 const WORK_PER_NODE: u64 = 40;
 
-/// How many nodes the body of a function usually has.
+/// The number of nodes that the body of a function usually has.
 const USUAL_BODY: usize = 48;
 
 /// A node by its bits, so that equality is exact: 0 and −0 are two constants, all NaN are one.
@@ -112,12 +112,12 @@ impl Graph {
         }
     }
 
-    /// How many nodes it may hold.
+    /// The number of nodes that it may hold.
     pub fn limit(&self) -> usize {
         self.limit
     }
 
-    /// How many nodes it holds.
+    /// The number of nodes that it holds.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
@@ -143,7 +143,7 @@ impl Graph {
         self.intern(Node::Input(input))
     }
 
-    /// What a handle names.
+    /// The node that a handle names.
     ///
     /// # Panics
     /// May panic on a handle of another graph.

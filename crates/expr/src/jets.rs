@@ -37,7 +37,7 @@ mod run;
 mod terms;
 pub use run::JetRegisters;
 
-/// How many points are evaluated at once where many are: a vector of eight, or two of four.
+/// The number of points that are evaluated at once where many are: a vector of eight, or two of four.
 pub const LANES: usize = 8;
 
 /// Up to which order derivatives are computed.
@@ -52,7 +52,7 @@ pub enum Order {
 }
 
 impl Order {
-    /// How many coefficients a root has: 1, 3 or 6.
+    /// The number of coefficients that a root has: 1, 3 or 6.
     pub fn coefficients(self) -> usize {
         match self {
             Self::Value => 1,
@@ -117,17 +117,17 @@ impl JetTape {
         self.order
     }
 
-    /// How many roots it evaluates.
+    /// The number of roots that it evaluates.
     pub fn root_count(&self) -> usize {
         self.code.program.place_count() / self.order.coefficients()
     }
 
-    /// How many instructions one evaluation runs.
+    /// The number of instructions that one evaluation runs.
     pub fn instruction_count(&self) -> usize {
         self.code.program.instruction_count()
     }
 
-    /// How many registers an evaluation uses, those of fixed numbers among them.
+    /// The number of registers that an evaluation uses, those of fixed numbers among them.
     pub fn register_count(&self) -> usize {
         self.code.register_count
     }

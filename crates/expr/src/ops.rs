@@ -98,7 +98,7 @@ impl Operation {
             .chain(powers)
     }
 
-    /// How many operands it takes.
+    /// The number of operands that it takes.
     pub fn arity(self) -> usize {
         match self {
             Self::Unary(_) | Self::Power(_) => 1,

@@ -7,7 +7,7 @@
 /// Something to compute. Mark [`Work::run`] and all that it calls in its inner loops `#[inline(always)]`: only what is
 /// inlined is compiled anew for each kind of processor.
 pub trait Work {
-    /// What it gives.
+    /// The result.
     type Output;
     /// Computes it.
     fn run(self) -> Self::Output;

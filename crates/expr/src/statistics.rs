@@ -4,7 +4,7 @@ use rustc_hash::FxHashMap;
 
 use crate::graph::{Graph, NodeId};
 
-/// How many operations the roots need when every shared subexpression is computed once. Constants and inputs
+/// The number of operations that the roots need when every shared subexpression is computed once. Constants and inputs
 /// are not counted.
 pub fn operation_count(graph: &Graph, roots: &[NodeId]) -> usize {
     graph
@@ -14,7 +14,7 @@ pub fn operation_count(graph: &Graph, roots: &[NodeId]) -> usize {
         .count()
 }
 
-/// How many operations the roots need when each is written out as a tree, nothing shared: what an evaluator of
+/// The number of operations that the roots need when each is written out as a tree, nothing shared: what an evaluator of
 /// trees would run. Saturates at the largest `u64`.
 pub fn tree_size(graph: &Graph, roots: &[NodeId]) -> u64 {
     let mut sizes: FxHashMap<NodeId, u64> = FxHashMap::default();

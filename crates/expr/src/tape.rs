@@ -12,7 +12,7 @@ use rustc_hash::FxHashMap;
 use crate::graph::{Graph, Input, Node, NodeId};
 use crate::ops::{self, Binary, Lanes, Unary};
 
-/// How many points [`Tape::eval_block`] evaluates at once.
+/// The number of points that [`Tape::eval_block`] evaluates at once.
 pub const LANES: usize = 64;
 /// One number for each lane.
 pub type Block = [f64; LANES];
@@ -112,17 +112,17 @@ impl Tape {
         &self.inputs
     }
 
-    /// How many roots it evaluates.
+    /// The number of roots that it evaluates.
     pub fn root_count(&self) -> usize {
         self.roots.len()
     }
 
-    /// How many operations one evaluation runs.
+    /// The number of operations that one evaluation runs.
     pub fn operation_count(&self) -> usize {
         self.instructions.len()
     }
 
-    /// How many registers an evaluation uses.
+    /// The number of registers that an evaluation uses.
     pub fn register_count(&self) -> usize {
         self.register_count
     }

@@ -40,12 +40,12 @@ pub(crate) enum Chart {
 
 /// A point with its velocity.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
+pub(crate) struct State {
     pub(crate) at: [f64; 2],
     pub(crate) velocity: [f64; 2],
 }
 
-/// What the integrator needs to know at a point.
+/// The local data of the surface at a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Local {
     /// The second derivative of the coordinates.
@@ -66,7 +66,7 @@ pub(crate) struct Atlas<'s, S: Surface + ?Sized> {
     pub(crate) sides: Sides,
     pub(crate) apexes: [[Option<Apex>; 2]; 2],
     pub(crate) scale: Scale,
-    /// Whether vectors at different points may be compared.
+    /// True if vectors at different points may be compared.
     pub(crate) embedded: bool,
     evaluations: Cell<usize>,
 }
@@ -84,7 +84,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         }
     }
 
-    /// How often the surface has been evaluated.
+    /// Returns the number of evaluations of the surface so far.
     pub(crate) fn evaluations(&self) -> usize {
         self.evaluations.get()
     }
@@ -151,25 +151,25 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
     }
 
     /// The acceleration of a geodesic, with what else is local; `None` where anything is undefined.
-    pub(crate) fn local(&self, chart: &Chart, motion: Motion) -> Option<Local> {
+    pub(crate) fn local(&self, chart: &Chart, state: State) -> Option<Local> {
         match chart {
             Chart::Plain => {
-                let jet = self.jet(motion.at);
-                let acceleration = crate::metric::acceleration(&jet, motion.velocity).0;
+                let jet = self.jet(state.at);
+                let acceleration = crate::metric::acceleration(&jet, state.velocity).0;
                 checked(Local {
                     acceleration,
                     curvature: gaussian_curvature(&jet),
                     tangents: [jet.du, jet.dv],
-                    noise: f64::EPSILON * self.turning(&jet, motion.at),
+                    noise: f64::EPSILON * self.turning(&jet, state.at),
                 })
             }
             Chart::Apex(chart) => {
                 let inner = chart.inner();
-                let r = motion.at[0].hypot(motion.at[1]);
+                let r = state.at[0].hypot(state.at[1]);
                 if chart.apex.smooth && r < inner {
-                    return self.inner(chart, motion, r, inner);
+                    return self.inner(chart, state, r, inner);
                 }
-                self.about_apex(chart, motion)
+                self.about_apex(chart, state)
             }
         }
     }
@@ -188,18 +188,18 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
     }
 
     /// Near a smooth pole: the acceleration from six points along a line, to sixth order in their distance.
-    fn inner(&self, chart: &ApexChart, motion: Motion, r: f64, inner: f64) -> Option<Local> {
+    fn inner(&self, chart: &ApexChart, state: State, r: f64, inner: f64) -> Option<Local> {
         let along = if r > 0.0 {
-            motion.at.map(|x| x / r)
+            state.at.map(|x| x / r)
         } else {
             [1.0, 0.0]
         };
         let sample = |offset: f64| {
-            let at = [0, 1].map(|k| motion.at[k] + offset * along[k]);
-            self.about_apex(chart, Motion { at, ..motion })
+            let at = [0, 1].map(|k| state.at[k] + offset * along[k]);
+            self.about_apex(chart, State { at, ..state })
         };
         let step = 2.0 * inner;
-        // Interpolation at the middle of ±1, ±2, ±3 steps.
+        // Lagrange's interpolation at the middle of ±1, ±2, ±3 steps: (15, −6, 1)/20.
         let weights = [0.75, -0.3, 0.05];
         let near = sample(step)?;
         let mut acceleration = [0.0; 2];
@@ -227,8 +227,8 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
     }
 
     /// By the chain rule from the jet in (u,v).
-    fn about_apex(&self, chart: &ApexChart, motion: Motion) -> Option<Local> {
-        let [a, b] = motion.at;
+    fn about_apex(&self, chart: &ApexChart, state: State) -> Option<Local> {
+        let [a, b] = state.at;
         let tiny = 1e-14 * chart.radius();
         let (r, cos, sin) = match a.hypot(b) {
             r if r > tiny => (r, a / r, b / r),
@@ -255,7 +255,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
             combine(sin, by_r, cos / r, by_angle),
         ];
         // The second derivative along the straight line in (a, b) with this velocity.
-        let [x, y] = motion.velocity;
+        let [x, y] = state.velocity;
         let radial = cos * x + sin * y;
         let turning = (cos * y - sin * x) / r;
         let mut along = combine(radial * radial, by_rr, 2.0 * radial * turning, by_r_angle);
@@ -324,14 +324,14 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
 
     /// From (u,v) into an apex's chart. Near a smooth pole the velocity keeps its direction in space: there the
     /// rounding of the parameter at the pole makes (u,v) and the chart disagree about angles.
-    pub(crate) fn enter(&self, chart: &ApexChart, motion: Motion) -> Option<(Motion, Local)> {
-        let mut entered = chart.enter(motion);
+    pub(crate) fn enter(&self, chart: &ApexChart, state: State) -> Option<(State, Local)> {
+        let mut entered = chart.enter(state);
         let at = Chart::Apex(*chart);
         let mut local = self.local(&at, entered)?;
         if chart.is_inner(entered.at) && entered.at[0] > 0.0 {
             if self.embedded {
-                let jet = self.jet(motion.at);
-                let velocity = combine(motion.velocity[0], jet.du, motion.velocity[1], jet.dv);
+                let jet = self.jet(state.at);
+                let velocity = combine(state.velocity[0], jet.du, state.velocity[1], jet.dv);
                 if velocity.iter().all(|x| x.is_finite()) {
                     entered.velocity = components(local.tangents, velocity);
                 }
@@ -350,15 +350,10 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
 
     /// From an apex's chart, where it has these tangents, back to (u,v), perhaps beyond sides that wrap; again with
     /// its direction in space.
-    pub(crate) fn leave(
-        &self,
-        chart: &ApexChart,
-        motion: Motion,
-        tangents: [[f64; 3]; 2],
-    ) -> Motion {
-        let mut left = chart.leave(motion);
-        if self.embedded && chart.is_inner(motion.at) {
-            let [x, y] = motion.velocity;
+    pub(crate) fn leave(&self, chart: &ApexChart, state: State, tangents: [[f64; 3]; 2]) -> State {
+        let mut left = chart.leave(state);
+        if self.embedded && chart.is_inner(state.at) {
+            let [x, y] = state.velocity;
             let jet = self.jet(left.at);
             let velocity = components([jet.du, jet.dv], combine(x, tangents[0], y, tangents[1]));
             if velocity.iter().all(|x| x.is_finite()) {
@@ -382,7 +377,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         at
     }
 
-    /// Whether a point in (u,v) is too near an apex for the plain chart.
+    /// Returns whether a point in (u,v) is too near an apex for the plain chart.
     pub(crate) fn needs_apex_chart(&self, at: [f64; 2]) -> bool {
         (0..2).any(|axis| {
             (0..2).any(|end| {

@@ -29,7 +29,7 @@ pub enum Coordinates {
 /// Where the geodesic of one place in the picture ends: a place with `N` coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct End<const N: usize = 2> {
-    /// What `at` means.
+    /// The coordinates of `at`.
     pub coordinates: Coordinates,
     /// Its end.
     pub at: [f64; N],
@@ -126,7 +126,7 @@ pub trait Ends<const N: usize = 2>: Sync {
     }
 }
 
-/// What a picture cost.
+/// The work that a picture took.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct Work {
     /// Rays of a fan.
@@ -141,7 +141,7 @@ pub struct Work {
     pub followed: u64,
 }
 
-/// How exact a picture is, in pixels.
+/// The estimated errors of a picture, in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// The largest error.

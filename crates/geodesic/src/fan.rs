@@ -4,24 +4,24 @@
 //! between a few rays.
 //!
 //! ```text
-//! frame ──start.rs──▶ runners ──march.rs (lanes.rs, event.rs)──▶ rays (ray.rs)
-//! rays ──build.rs, refine.rs, verify.rs (indicate.rs)──▶ sectors
+//! frame ──start.rs──▶ active rays ──driver.rs (lanes.rs, event.rs)──▶ rays (ray.rs)
+//! rays ──build.rs, refine.rs, verify.rs (error_indicator.rs)──▶ sectors
 //! places in the picture ──polar.rs, sectors.rs, cell.rs──▶ their ends
 //! ```
 
+mod active_ray;
 mod border;
 mod build;
 mod cell;
 mod coordinates;
+mod driver;
+mod error_indicator;
 mod event;
 mod group;
-mod indicate;
 mod lanes;
-mod march;
 mod polar;
 mod ray;
 mod refine;
-mod runner;
 mod sectors;
 mod start;
 mod verify;
@@ -30,21 +30,21 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use expr::processor::{self, Processor};
 
-use crate::chart::{Atlas, Motion};
+use crate::chart::{Atlas, State};
 use crate::ends::{Coordinates, End, Ends, Estimate, Polar, Work};
-use crate::follow;
 use crate::frame::Frame;
-use crate::integrate::{DOP853, DOPRI5};
+use crate::integrate;
 use crate::metric::Metric;
 use crate::point::PicturePoint;
+use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
 use crate::surface::Surface;
 use crate::trace;
 use cell::Found;
-use coordinates::{Kind, Space};
+use coordinates::{CoordinateKind, Space};
 use polar::{PLACES, polar};
 use sectors::{Sector, Sectors};
-use start::Start;
+use start::FanStart;
 
 /// How ends between two rays are interpolated.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
@@ -56,7 +56,7 @@ pub enum Across {
     Linear,
 }
 
-/// How a fan is made.
+/// The options of a fan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FanOptions {
     /// The error allowed at a pixel, in pixels.
@@ -89,7 +89,7 @@ pub struct Fan<'s, S: Surface + ?Sized> {
     periods: [f64; 2],
     options: FanOptions,
     /// `None` where no ray can start.
-    start: Option<Start>,
+    start: Option<FanStart>,
     sectors: Sectors,
     /// The error allowed to a pixel followed by itself, per length.
     tolerance: f64,
@@ -103,7 +103,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
     /// depend on their number.
     pub fn build(surface: &'s S, frame: &Frame, size: [u32; 2], options: &FanOptions) -> Self {
         let space = Space::of(surface);
-        let start = Start::of(surface, &space, frame, size);
+        let start = FanStart::of(surface, &space, frame, size);
         let sectors = match &start {
             Some(start) => build::build(surface, &space, start, options),
             None => Sectors::default(),
@@ -139,7 +139,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
 
     /// The end at a place, which lies at this angle and distance in the picture.
     #[inline(always)]
-    fn look(&self, start: &Start, place: PicturePoint, angle: f64, distance: f64) -> End {
+    fn look(&self, start: &FanStart, place: PicturePoint, angle: f64, distance: f64) -> End {
         let s = start.zoom * distance;
         if s == 0.0 {
             return start.centre(&self.space);
@@ -165,7 +165,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
     #[inline(always)]
     fn look_closer(
         &self,
-        start: &Start,
+        start: &FanStart,
         place: PicturePoint,
         s: f64,
         sector: &Sector,
@@ -205,7 +205,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
     /// One geodesic by itself, where the rays do not say.
     #[cold]
     #[inline(never)]
-    fn follow(&self, start: &Start, place: PicturePoint, s: f64) -> End {
+    fn follow(&self, start: &FanStart, place: PicturePoint, s: f64) -> End {
         if s > self.sectors.follow_within {
             return self.ended(Status::WorkLimit);
         }
@@ -214,7 +214,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         let Ok(from) = start.frame.start(&atlas, place) else {
             return self.ended(Status::Undefined);
         };
-        let mut plan = follow::Plan {
+        let mut plan = integrate::IntegrationPlan {
             tableau: &DOPRI5,
             tolerance: Some(self.tolerance),
             step: trace::first_step(&atlas, s),
@@ -222,21 +222,21 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
             charts: true,
             keep_path: false,
         };
-        let mut end = follow::follow(&atlas, from, s, plan);
+        let mut end = integrate::integrate(&atlas, from, s, plan);
         let allowed = 0.5 * self.options.tolerance * start.pixel;
         if end.error > allowed && end.status == Status::Complete {
             // Errors have grown on the way, as they do in chaos: once more, so much more exactly.
             plan.tableau = &DOP853;
             plan.tolerance = Some((self.tolerance * allowed / end.error).max(1e-14));
             plan.limit = atlas.evaluations() + ONE_PIXEL;
-            end = follow::follow(&atlas, from, s, plan);
+            end = integrate::integrate(&atlas, from, s, plan);
         }
         let evaluations = atlas.evaluations() as u64;
         self.evaluations.fetch_add(evaluations, Ordering::Relaxed);
         if end.status != Status::Complete {
             return self.ended(end.status);
         }
-        let Motion { at, velocity } = end.motion;
+        let State { at, velocity } = end.state;
         let metric = Metric::of(&atlas.jet(at));
         let left = metric.turn_left(velocity);
         let side = if end.flipped { -start.side } else { start.side };
@@ -255,7 +255,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
 /// The ends of several places, compiled for the processor's vectors.
 struct Several<'a, 's, S: Surface + ?Sized> {
     fan: &'a Fan<'s, S>,
-    start: &'a Start,
+    start: &'a FanStart,
     places: &'a [PicturePoint],
     out: &'a mut Vec<End>,
 }
@@ -318,7 +318,7 @@ impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
         }
         let mut end = *end;
         if let Coordinates::Apex { axis, end: side } = end.coordinates {
-            let tip = self.space.tip(Kind::Apex { axis, end: side })?;
+            let tip = self.space.tip(CoordinateKind::Apex { axis, end: side })?;
             let [along, across] = [end.along, end.across].map(|v| tip.plain_vector(end.at, v));
             let at = tip.plain_point(end.at, tip.low);
             end = End {
@@ -330,7 +330,7 @@ impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
             };
         }
         if let Coordinates::Apex { axis, end: side } = coordinates {
-            let tip = self.space.tip(Kind::Apex { axis, end: side })?;
+            let tip = self.space.tip(CoordinateKind::Apex { axis, end: side })?;
             if !(tip.apex.smooth && tip.holds(end.at)) {
                 return None;
             }
@@ -361,7 +361,7 @@ impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
     }
 
     fn polar(&self, axis: u8, end: u8) -> Option<Polar> {
-        let tip = self.space.tip(Kind::Apex { axis, end })?;
+        let tip = self.space.tip(CoordinateKind::Apex { axis, end })?;
         tip.apex.smooth.then_some(Polar {
             base: tip.base,
             sign: tip.sign,

@@ -4,9 +4,9 @@
 //! begin at them. At a smooth pole (u,v) has no directions: there a frame holds its vectors in the coordinates
 //! about the pole, and is moved through poles like anywhere else.
 
-use crate::chart::{ApexChart, Atlas, Chart, Motion};
+use crate::chart::{ApexChart, Atlas, Chart, State};
 use crate::ends::Coordinates;
-use crate::follow::Start;
+use crate::integrate::Start;
 use crate::metric::{Metric, combine, norm};
 use crate::point::{PicturePoint, TangentVector, Uv};
 use crate::surface::{Jet, Surface};
@@ -108,7 +108,7 @@ impl Frame {
         self.metric_in(&Atlas::new(surface))
     }
 
-    /// Whether Y lies to the right of X, as (u,v) has it: after an odd number of flips.
+    /// Returns whether Y lies to the right of X, as (u,v) has it: after an odd number of flips.
     pub fn is_mirrored<S: Surface + ?Sized>(&self, surface: &S) -> bool {
         self.orientation(&Atlas::new(surface)) < 0.0
     }
@@ -147,8 +147,8 @@ impl Frame {
         // As the directions in space are: the parameter's rounding at the pole stretches (u,v) there.
         let tangents = self.tangents(&atlas);
         let [mut x, mut y] = [self.x, self.y].map(|TangentVector(velocity)| {
-            let motion = Motion { at, velocity };
-            atlas.leave(&chart, motion, tangents).velocity
+            let state = State { at, velocity };
+            atlas.leave(&chart, state, tangents).velocity
         });
         let mut uv = chart.plain_point(at);
         let signs = atlas.bring_back(&mut uv).signs;
@@ -211,7 +211,7 @@ impl Frame {
             x: trace.direction,
             y: trace.direction,
         };
-        if let (Chart::Apex(chart), Motion { at, velocity }) = inside
+        if let (Chart::Apex(chart), State { at, velocity }) = inside
             && chart.is_inner(at)
         {
             let (axis, end) = (chart.axis, chart.end());
@@ -262,11 +262,11 @@ impl Frame {
         if !(speed > 0.0 && speed.is_finite()) {
             return Err(TraceError::UndefinedStart { at: self.uv.0 });
         }
-        let motion = Motion {
+        let state = State {
             at: chart.point(self.uv.0),
             velocity: velocity.map(|x| x / speed),
         };
-        Ok(Start::About(chart, motion))
+        Ok(Start::About(chart, state))
     }
 
     /// The chart about the pole that the frame is at or near.
@@ -285,11 +285,11 @@ impl Frame {
             let jet = atlas.jet(self.uv.0);
             return [jet.du, jet.dv];
         };
-        let motion = Motion {
+        let state = State {
             at: chart.point(self.uv.0),
             velocity: [0.0; 2],
         };
-        let local = atlas.local(&Chart::Apex(chart), motion);
+        let local = atlas.local(&Chart::Apex(chart), state);
         local.map_or([[f64::NAN; 3]; 2], |local| local.tangents)
     }
 

@@ -1,154 +1,299 @@
-//! One step of an explicit Runge–Kutta pair along a geodesic: state and step length in, state and error out.
+//! A ray, step by step: changes of chart, control of the error in the metric, events, the end and why it came.
 //!
-//! Beside the geodesic the step carries two Jacobi fields y'' = −K y, the fundamental solution over this step: how
-//! an error sideways, or one in direction, at its start becomes an error at its end. They cost no evaluation.
+//! In: an atlas, a start at unit speed, a length. Out: [`RayEnd`]. Every ray ends, within its number of evaluations.
 
-mod tableau;
+mod collapse;
+mod conjugate;
+mod crease;
+mod event;
+mod ray;
 
-pub(crate) use tableau::{DOP853, DOPRI5, RK4, Tableau};
+use crate::chart::{ApexChart, Atlas, Chart, Local, State};
+use crate::runge_kutta::{StepParameter, Tableau};
+use crate::status::Status;
+use crate::surface::{Side, Surface};
+use ray::{Attempt, Cost, ErrorSum, Observers, Ray, StepControl};
 
-use crate::chart::{Atlas, Chart, Local, Motion};
-use crate::metric::{combine, norm};
-use crate::surface::Surface;
+/// A step shorter than this share of the ray's own scale is not worth taking.
+const SHORTEST: f64 = 1e-13;
 
-/// Point, velocity, the fields (m, m'), (n, n') with m(0) = 0, m'(0) = 1, n(0) = 1, n'(0) = 0, and the arc length.
-type State = [f64; 9];
-
-/// What a step's size measures.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(crate) enum Pace {
-    /// Arc length.
-    Length,
-    /// In (u,v), the way in the coordinates, measured by the metric that the step starts with: where a metric all but
-    /// degenerates, as on the rim of a flat ellipsoid, coordinates are smooth functions of this when they are none of
-    /// arc length.
-    Coordinates,
-}
-
-const MOST_STAGES: usize = 13;
-
-/// What a step gives.
+/// The plan of an integration.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Step {
-    /// Where it ends, in the same chart.
-    pub(crate) end: Motion,
-    /// The estimated error of the point, in the surface's units.
-    pub(crate) position_error: f64,
-    /// The estimated error of the unit velocity.
-    pub(crate) direction_error: f64,
-    /// [[n, m], [n', m']] over the step.
-    pub(crate) propagator: [[f64; 2]; 2],
-    /// Its arc length.
-    pub(crate) length: f64,
-    /// The estimated relative error of the Jacobi fields.
-    pub(crate) field_error: f64,
-    /// The local data at the end, where the pair evaluated them.
-    pub(crate) end_local: Option<Local>,
+pub(crate) struct IntegrationPlan {
+    pub(crate) tableau: &'static Tableau,
+    /// The error allowed, per length; `None` for steps of equal length.
+    pub(crate) tolerance: Option<f64>,
+    /// The first step's length; for steps of equal length, all of them.
+    pub(crate) step: f64,
+    /// How far the atlas's count of evaluations may go.
+    pub(crate) limit: usize,
+    /// True if apexes are passed in their own charts.
+    pub(crate) charts: bool,
+    /// True if the positions of the steps' ends are kept.
+    pub(crate) keep_path: bool,
 }
 
-/// Takes one step of size `h`, as `pace` measures it, from a point with its local data. `None` where a stage is undefined.
-pub(crate) fn step<S: Surface + ?Sized>(
+/// The start of a ray.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Start {
+    /// In (u,v), inside the domain, at unit speed.
+    Plain(State),
+    /// In the chart about an apex, at unit speed.
+    About(ApexChart, State),
+}
+
+impl From<State> for Start {
+    fn from(state: State) -> Self {
+        Self::Plain(state)
+    }
+}
+
+/// The end of a ray, with what happened on the way.
+#[derive(Clone, Debug)]
+pub(crate) struct RayEnd {
+    /// In (u,v), inside the domain.
+    pub(crate) state: State,
+    /// The chart that it ended in, and the point and velocity there.
+    pub(crate) inside: (Chart, State),
+    pub(crate) length: f64,
+    pub(crate) speed_drift: f64,
+    pub(crate) error: f64,
+    pub(crate) steps: usize,
+    pub(crate) rejected: usize,
+    pub(crate) status: Status,
+    pub(crate) flipped: bool,
+    /// The creases that it has crossed.
+    pub(crate) creases: usize,
+    pub(crate) path: Vec<[f64; 2]>,
+    /// The length of the last step that the tolerance chose: where a neighbouring ray may begin.
+    pub(crate) step: f64,
+    /// m at the end: the Jacobi field with m = 0, m' = 1 at the start, across the ray.
+    pub(crate) field: f64,
+    /// m' there.
+    pub(crate) field_rate: f64,
+    /// The arc lengths at which m = 0, if they were asked for.
+    pub(crate) conjugates: Vec<f64>,
+}
+
+impl RayEnd {
+    /// The end of a ray that cannot be begun: its start, and why.
+    fn at_start<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, start: Start, step: f64) -> Self {
+        let state = match start {
+            Start::Plain(state) => state,
+            Start::About(chart, state) => chart.leave(state),
+        };
+        Self {
+            state,
+            inside: (Chart::Plain, state),
+            length: 0.0,
+            speed_drift: 0.0,
+            error: 0.0,
+            steps: 0,
+            rejected: 0,
+            status: stalled_at(atlas, state.at),
+            flipped: false,
+            creases: 0,
+            path: Vec::new(),
+            step,
+            field: 0.0,
+            field_rate: 1.0,
+            conjugates: Vec::new(),
+        }
+    }
+}
+
+/// Integrates the geodesic from `start`.
+pub(crate) fn integrate<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
-    chart: &Chart,
-    tableau: &Tableau,
-    start: Motion,
-    local: &Local,
-    h: f64,
-    pace: Pace,
-) -> Option<Step> {
-    let [along_u, along_v] = local.tangents;
-    let way = |state: &State| norm(combine(state[2], along_u, state[3], along_v));
-    let state: State = [
-        start.at[0],
-        start.at[1],
-        start.velocity[0],
-        start.velocity[1],
-        0.0,
-        1.0,
-        1.0,
-        0.0,
-        0.0,
-    ];
-    let start_way = way(&state);
-    let even = pace == Pace::Length || !matches!(chart, Chart::Plain);
-    let derivative = |state: &State, local: &Local| {
-        let rate = if even { 1.0 } else { start_way / way(state) };
-        derivative(state, local).map(|x| rate * x)
+    start: impl Into<Start>,
+    length: f64,
+    plan: IntegrationPlan,
+) -> RayEnd {
+    integrate_observed(atlas, start.into(), length, plan, Observed::default())
+}
+
+/// What is observed on the way beside the ray itself.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Observed {
+    /// True if the Jacobi fields are to be as exact as the ray.
+    pub(crate) fields: bool,
+    /// True if conjugate points are looked for.
+    pub(crate) conjugates: bool,
+}
+
+/// Integrates the geodesic from `start` and observes more on the way.
+pub(crate) fn integrate_observed<S: Surface + ?Sized>(
+    atlas: &Atlas<'_, S>,
+    start: Start,
+    length: f64,
+    plan: IntegrationPlan,
+    observed: Observed,
+) -> RayEnd {
+    let first_evaluation = atlas.evaluations();
+    let Some((chart, state, local)) = begin(atlas, &plan, start) else {
+        return RayEnd::at_start(atlas, start, plan.step);
     };
-    let mut stages = [[0.0; 9]; MOST_STAGES];
-    stages[0] = derivative(&state, local);
-    let mut count = 1;
-    for row in tableau.stages {
-        let at = advance(&state, h, row, &stages);
-        let local = atlas.local(chart, motion(&at))?;
-        stages[count] = derivative(&at, &local);
-        count += 1;
-    }
-    let end = advance(&state, h, tableau.weights, &stages);
-    if !end.iter().all(|x| x.is_finite()) {
-        return None;
-    }
-    let mut end_local = None;
-    if tableau.error.len() > count {
-        let local = atlas.local(chart, motion(&end))?;
-        stages[count] = derivative(&end, &local);
-        end_local = Some(local);
-    }
-    let error = advance(&[0.0; 9], h, tableau.error, &stages);
-    let low = advance(&[0.0; 9], h, tableau.low_error, &stages);
-    let length = |x: f64, y: f64| norm(combine(x, local.tangents[0], y, local.tangents[1]));
-    // The two estimates of DOP853 as its authors combine them, in the metric.
-    let tempered = |high: f64, low: f64| {
-        let root = (high * high + 0.01 * low * low).sqrt();
-        if low > 0.0 && root > 0.0 {
-            high * (high / root)
+    let ray = Ray {
+        atlas,
+        plan,
+        chart,
+        state,
+        local,
+        s: 0.0,
+        errors: ErrorSum::default(),
+        field: [0.0, 1.0],
+        flipped: false,
+        creases: 0,
+        cost: Cost {
+            first_evaluation,
+            steps: 0,
+            rejected: 0,
+        },
+        control: StepControl::default(),
+        observers: Observers {
+            fields: observed.fields,
+            conjugates: observed.conjugates.then(Vec::new),
+            path: plan.keep_path.then(Vec::new),
+        },
+    };
+    run(ray, length)
+}
+
+/// Takes steps until the ray has its length, or ends before.
+///
+/// Every turn of the loop either goes on, shortens the step, or ends: the evaluations are limited, and steps that shrink to
+/// nothing end the ray, so that the loop does.
+fn run<S: Surface + ?Sized>(mut ray: Ray<'_, '_, S>, length: f64) -> RayEnd {
+    let atlas = ray.atlas;
+    let adaptive = ray.plan.tolerance.is_some();
+    let before = ray.speed();
+    ray.note_place();
+    let mut h = ray.plan.step;
+    let mut chosen = h;
+    let status = loop {
+        let remaining = length - ray.s;
+        if remaining <= 1e-15 * length {
+            break Status::Complete;
+        }
+        if !ray.affords_step() {
+            break Status::WorkLimit;
+        }
+        h = h.min(ray.longest());
+        let tried = step_to_try(h, remaining, adaptive);
+        // The last step, and steps of equal length, are to be of that length.
+        let pace = if tried == remaining || !adaptive {
+            StepParameter::Length
         } else {
-            high
+            StepParameter::Coordinates
+        };
+        match ray.attempt(tried, pace, length) {
+            Attempt::Accepted(next) => {
+                if let Some(next) = next {
+                    // A step cut short by the end says little about the next.
+                    h = if tried < h {
+                        next.max(h.min(2.0 * next))
+                    } else {
+                        next
+                    };
+                    chosen = h;
+                }
+                ray.note_place();
+            }
+            Attempt::Ended(status) => break status,
+            Attempt::Again(shorter) => {
+                ray.cost.rejected += 1;
+                h = shorter;
+                if !adaptive {
+                    break stalled_at(atlas, ray.plain().at);
+                }
+            }
+        }
+        // Steps that shrink to nothing run into something that they will not pass.
+        let shortest = SHORTEST * length.min(atlas.scale.size).max(ray.s);
+        if adaptive && h < shortest && length - ray.s > shortest {
+            break stalled_at(atlas, ray.plain().at);
         }
     };
-    // Lengths in units of the step, so that all four count alike.
-    let fields = |e: &State| {
-        (e[4] / h)
-            .abs()
-            .max(e[5].abs())
-            .max(e[6].abs())
-            .max((e[7] * h).abs())
-    };
-    let field_error = tempered(fields(&error), fields(&low)) / fields(&end).max(1.0);
-    Some(Step {
-        length: end[8],
-        field_error,
-        end: motion(&end),
-        position_error: tempered(length(error[0], error[1]), length(low[0], low[1]))
-            .max(tempered(error[8].abs(), low[8].abs())),
-        direction_error: tempered(length(error[2], error[3]), length(low[2], low[3])),
-        propagator: [[end[6], end[4]], [end[7], end[5]]],
-        end_local,
-    })
-}
-
-fn motion(state: &State) -> Motion {
-    Motion {
-        at: [state[0], state[1]],
-        velocity: [state[2], state[3]],
+    ray.note_place();
+    let drift = ray.speed() / before - 1.0;
+    RayEnd {
+        state: ray.plain(),
+        inside: (ray.chart, ray.state),
+        length: if status == Status::Complete {
+            length
+        } else {
+            ray.s
+        },
+        speed_drift: drift,
+        error: ray.errors.bound(),
+        steps: ray.cost.steps,
+        rejected: ray.cost.rejected,
+        status,
+        flipped: ray.flipped,
+        creases: ray.creases,
+        path: ray.observers.path.unwrap_or_default(),
+        step: chosen,
+        field: ray.field[0],
+        field_rate: ray.field[1],
+        conjugates: ray.observers.conjugates.unwrap_or_default(),
     }
 }
 
-fn derivative(state: &State, local: &Local) -> State {
-    let [_, _, x, y, m, m1, n, n1, _] = *state;
-    let [a, b] = local.acceleration;
-    let k = local.curvature;
-    [x, y, a, b, m1, -k * m, n1, -k * n, 1.0]
+/// The length to try where a step may be `h` long and so much of the way remains: an adaptive ray takes two steps of equal
+/// length rather than a long one and a sliver.
+fn step_to_try(h: f64, remaining: f64, adaptive: bool) -> f64 {
+    if h >= remaining {
+        remaining
+    } else if adaptive && 2.0 * h > remaining {
+        0.5 * remaining
+    } else if remaining - h < 1e-9 * h {
+        remaining
+    } else {
+        h
+    }
 }
 
-fn advance(state: &State, h: f64, weights: &[f64], stages: &[State; MOST_STAGES]) -> State {
-    let mut sum = [0.0; 9];
-    for (&weight, stage) in weights.iter().zip(stages) {
-        if weight != 0.0 {
-            for (sum, &slope) in sum.iter_mut().zip(stage) {
-                *sum += weight * slope;
+/// The chart for a start, the state in it, and its local data.
+fn begin<S: Surface + ?Sized>(
+    atlas: &Atlas<'_, S>,
+    plan: &IntegrationPlan,
+    start: Start,
+) -> Option<(Chart, State, Local)> {
+    let start = match start {
+        Start::Plain(state) => state,
+        Start::About(chart, state) => {
+            let local = atlas.local(&Chart::Apex(chart), state)?;
+            if plan.charts {
+                return Some((Chart::Apex(chart), state, local));
+            }
+            let mut left = atlas.leave(&chart, state, local.tangents);
+            let signs = atlas.bring_back(&mut left.at).signs;
+            left.velocity = [0, 1].map(|k| signs[k] * left.velocity[k]);
+            left
+        }
+    };
+    if plan.charts
+        && let Chart::Apex(chart) = atlas.chart_for(start.at)
+    {
+        let (state, local) = atlas.enter(&chart, start)?;
+        return Some((Chart::Apex(chart), state, local));
+    }
+    let local = atlas.local(&Chart::Plain, start)?;
+    Some((Chart::Plain, start, local))
+}
+
+/// Why a ray cannot go on from a point where the steps have become too short, or an evaluation fails.
+fn stalled_at<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, at: [f64; 2]) -> Status {
+    for (axis, x) in at.into_iter().enumerate() {
+        for end in 0..2 {
+            let off = (x - atlas.domain[axis][end]).abs() / atlas.width(axis);
+            if off < 1e-6 && atlas.apexes[axis][end].is_some() {
+                return Status::ConePoint;
+            }
+            if off < 1e-9 && atlas.sides.of(axis)[end] == Side::Edge {
+                return Status::LeftDomain;
             }
         }
     }
-    std::array::from_fn(|k| state[k] + h * sum[k])
+    atlas.rank_at(at)
 }

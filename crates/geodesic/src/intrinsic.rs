@@ -17,7 +17,7 @@ use crate::jet::{Jet, JetBlock, LANES, Lanes};
 use crate::metric::{Form, norm};
 use crate::point::Uv;
 use crate::scale::{Scale, at};
-use crate::surface::{Outline, Surface};
+use crate::surface::{ChartData, Surface};
 use crate::topology::Topology;
 
 /// A metric E du² + 2F du dv + G dv² given by expressions in `Variable(0)` = u and `Variable(1)` = v, with the
@@ -34,7 +34,7 @@ pub struct MetricSurface {
     /// E, F, G with their derivatives, for several points at once.
     jets: JetTape,
     fixed: Fixed,
-    outline: Outline,
+    chart_data: ChartData,
 }
 
 /// Where an input of the tape comes from.
@@ -99,14 +99,14 @@ impl MetricSurface {
             inputs,
             jets,
             fixed,
-            outline: Outline::of(domain),
+            chart_data: ChartData::of(domain),
         };
-        surface.outline.scale = measure(&|uv| surface.jet(uv), domain);
-        surface.outline.topology = Topology::of_metric(
+        surface.chart_data.scale = measure(&|uv| surface.jet(uv), domain);
+        surface.chart_data.topology = Topology::of_metric(
             &|uv| surface.form(uv),
             &|uv| surface.jet(uv),
             domain,
-            surface.outline.scale,
+            surface.chart_data.scale,
         );
         Ok(surface)
     }
@@ -159,8 +159,8 @@ impl Surface for MetricSurface {
         false
     }
 
-    fn outline(&self) -> &Outline {
-        &self.outline
+    fn chart_data(&self) -> &ChartData {
+        &self.chart_data
     }
 }
 

@@ -12,7 +12,7 @@ pub struct Jet {
     pub dvv: [f64; 3],
 }
 
-/// How many points a [`JetBlock`] holds.
+/// The number of points that a [`JetBlock`] holds.
 pub const LANES: usize = expr::jets::LANES;
 
 /// One number for each lane.

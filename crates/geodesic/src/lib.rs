@@ -3,9 +3,9 @@
 //! ```text
 //! expr ──surface.rs (or intrinsic.rs)──▶ jets ──topology.rs──▶ what lies beyond the sides
 //!                                         │
-//!                               metric.rs, chart.rs ──▶ acceleration ──integrate──▶ one step
+//!                               metric.rs, chart.rs ──▶ acceleration ──runge_kutta──▶ one step
 //!                                         │                                           │
-//!  frame.rs (camera) ◀─ trace.rs: an end and a status ◀─────────── follow.rs: many steps
+//!  frame.rs (camera) ◀─ trace.rs: an end and a status ◀─────────── integrate.rs: many steps
 //!         │                                                                           │
 //!         └──▶ fan.rs: shared rays ──ends.rs──▶ patchwork.rs: polynomials ──▶ map.rs: a picture's pixels
 //!                                                     └──▶ a table for the GPU        │
@@ -19,7 +19,6 @@
 mod chart;
 pub mod ends;
 pub mod fan;
-mod follow;
 pub mod frame;
 mod integrate;
 pub mod intrinsic;
@@ -31,6 +30,7 @@ pub mod patchwork;
 pub mod pixels;
 pub mod point;
 pub mod reference;
+mod runge_kutta;
 pub mod scale;
 pub mod sides;
 pub mod status;

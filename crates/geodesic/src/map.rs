@@ -20,7 +20,7 @@ use crate::surface::{Sides, Surface};
 
 pub use crate::pixels::{Map, pixel_place};
 
-/// How a map is made.
+/// A method of finding the ends of a picture's pixels.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Method {
     /// Rays shared by all pixels, interpolated by their Jacobi fields.
@@ -41,14 +41,14 @@ pub enum Method {
 /// What to do for accuracy, and at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapOptions {
-    /// How the map is made.
+    /// The method.
     pub method: Method,
     /// The error allowed at a pixel, in pixels.
     pub tolerance: f64,
     /// The most evaluations of all pixels together. A method that follows them one by one gives each the same share of
     /// it, but at least [`LEAST_FOR_PIXEL`] and at most [`MOST_FOR_PIXEL`].
     pub max_evaluations: u64,
-    /// Whether [`Map::by_pixel`] is wanted, of the methods that know it.
+    /// True if [`Map::by_pixel`] is wanted, of the methods that know it.
     pub by_pixel: bool,
 }
 

@@ -95,7 +95,7 @@ pub(crate) struct Form {
     pub(crate) efg: [f64; 3],
     pub(crate) by_u: [f64; 3],
     pub(crate) by_v: [f64; 3],
-    /// −Evv/2 + Fuv − Guu/2, what the second derivatives give of the curvature.
+    /// −Evv/2 + Fuv − Guu/2, the second derivatives' part of the curvature in Gauss's equation.
     pub(crate) bent: f64,
 }
 
@@ -139,7 +139,8 @@ pub(crate) fn minus_components(du: [f64; 3], dv: [f64; 3], w: [f64; 3]) -> [f64;
     [-dot(du, w) / e - shear * second, second]
 }
 
-/// The Gaussian curvature (LN − M²)/(EG − F²), with L = σuu·n and so on.
+/// The Gaussian curvature (LN − M²)/(EG − F²), with L = σuu·n and so on (do Carmo, *Differential Geometry of Curves and
+/// Surfaces*, 1976, section 3-3). Each quotient is taken before the product, which might overflow.
 pub fn gaussian_curvature(jet: &Jet) -> f64 {
     let normal = cross(jet.du, jet.dv);
     let square = dot(normal, normal);

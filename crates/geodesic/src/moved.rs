@@ -8,7 +8,7 @@ use crate::ends::Coordinates;
 use crate::frame::Frame;
 use crate::metric::speed;
 use crate::point::Uv;
-use crate::surface::{Jet, JetBlock, Lanes, Outline, Surface};
+use crate::surface::{ChartData, Jet, JetBlock, Lanes, Surface};
 
 /// A surface σ(u₀ + u, v₀ + v), as a function of (u, v).
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +16,7 @@ pub struct Moved<'s, S: ?Sized> {
     surface: &'s S,
     by: [f64; 2],
     /// In the new coordinates, with those apexes that the picture comes near to.
-    outline: Outline,
+    chart_data: ChartData,
 }
 
 /// The share of a pixel from which on the rounding of u and v is not to be put up with.
@@ -38,15 +38,15 @@ impl<'s, S: Surface + ?Sized> Moved<'s, S> {
         deep.then(|| {
             let by = frame.uv.0;
             let reach = zoom * f64::from(size[0]).hypot(f64::from(size[1])) / shorter;
-            let mut outline = *surface.outline();
+            let mut chart_data = *surface.chart_data();
             for axis in 0..2 {
                 for end in 0..2 {
-                    let edge = &mut outline.domain[axis][end];
+                    let edge = &mut chart_data.domain[axis][end];
                     *edge -= by[axis];
                     let mut way = [0.0; 2];
                     way[axis] = *edge;
                     if speed(&jet, way) > FAR * reach {
-                        outline.topology.apexes[axis][end] = None;
+                        chart_data.topology.apexes[axis][end] = None;
                     }
                 }
             }
@@ -57,7 +57,7 @@ impl<'s, S: Surface + ?Sized> Moved<'s, S> {
             let moved = Self {
                 surface,
                 by,
-                outline,
+                chart_data,
             };
             (moved, frame)
         })
@@ -82,7 +82,7 @@ impl<S: Surface + ?Sized> Surface for Moved<'_, S> {
         self.surface.is_embedded()
     }
 
-    fn outline(&self) -> &Outline {
-        &self.outline
+    fn chart_data(&self) -> &ChartData {
+        &self.chart_data
     }
 }

@@ -59,7 +59,7 @@ pub struct Patch<const N: usize = 2> {
     pub coefficients: [[[f32; DEGREE + 1]; DEGREE + 1]; N],
     /// The estimated error of the polynomials, in pixels.
     pub error: f32,
-    /// Whether an edge goes through it: a pixel whose value lies beyond [`Patchwork::bounds`] has left the domain. Only in
+    /// True if an edge goes through it: a pixel whose value lies beyond [`Patchwork::bounds`] has left the domain. Only in
     /// plain coordinates.
     pub edge: bool,
 }
@@ -71,11 +71,11 @@ pub struct Single<const N: usize = 2> {
     pub offset: Vec<[f32; N]>,
     /// Their derivatives by one pixel to the right, then by one pixel **down**.
     pub by_pixel: Vec<[[f32; N]; 2]>,
-    /// Why they ended.
+    /// The reasons why they ended.
     pub status: Vec<Status>,
 }
 
-/// What covers a block of [`BLOCK`]² pixels.
+/// The cover of a block of [`BLOCK`]² pixels.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Cover {
     /// Part of a [`Patch`], by its index.
@@ -96,7 +96,7 @@ pub struct Patchwork<const N: usize = 2> {
     pub origin: [f64; N],
     /// The camera's place in the coordinates of the ends, in which patches are.
     base: [f64; N],
-    /// What covers each block, row by row from the top.
+    /// The cover of each block, row by row from the top.
     pub covers: Vec<Cover>,
     /// The polynomials.
     pub patches: Vec<Patch<N>>,
@@ -110,7 +110,7 @@ pub struct Patchwork<const N: usize = 2> {
     pub centre_by_pixel: [[f32; N]; 2],
     /// The polynomials' own error, beside that of the ends.
     pub estimate: Estimate,
-    /// How often the ends have been evaluated.
+    /// The number of evaluations of the ends.
     pub samples: u64,
 }
 

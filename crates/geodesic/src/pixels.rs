@@ -18,9 +18,9 @@ pub struct Map<const N: usize = 2> {
     /// The derivatives of the end by one pixel to the right, then by one pixel **down**; empty where a method does not
     /// know them.
     pub by_pixel: Vec<[[f32; N]; 2]>,
-    /// Why each pixel's geodesic ended.
+    /// The reason why each pixel's geodesic ended.
     pub status: Vec<Status>,
-    /// What it cost.
+    /// The work that it took.
     pub work: Work,
     /// How exact it is, as far as the method can tell.
     pub estimate: Option<Estimate>,

@@ -52,7 +52,7 @@ pub struct Reference<'s, S: Surface + ?Sized> {
     /// Pixels outside of the sample from which the errors are followed uphill, too.
     suspects: Vec<u32>,
     known: HashMap<u32, Truth>,
-    /// Whether points are compared in space.
+    /// True if points are compared in space.
     embedded: bool,
 }
 

@@ -1,6 +1,6 @@
 //! What lies beyond the sides of a chart's domain, and the way back into it.
 
-/// What lies beyond one side of the domain.
+/// The kind of one side of the domain.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub enum Side {
     /// Nothing: the surface ends.
@@ -27,7 +27,7 @@ pub struct Sides {
 pub struct Crossing {
     /// The signs by which the components of a vector change.
     pub signs: [f64; 2],
-    /// Whether left and right have changed places: by a flip, but not by a pole, behind which the formula's own
+    /// True if left and right have changed places: by a flip, but not by a pole, behind which the formula's own
     /// coordinates are the mirrored ones.
     pub flipped: bool,
 }

@@ -1,6 +1,6 @@
 //! The ways in which a geodesic ends.
 
-/// Why a geodesic ended.
+/// The reason why a geodesic ended.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Status {
     /// It has its full length.

@@ -25,45 +25,45 @@ pub trait Surface: Sync {
             out.set(lane, &self.jet(Uv([u, v])));
         }
     }
-    /// Whether positions are places in space. A metric without an embedding gives jets in a frame of its own at each
+    /// Returns whether positions are places in space. A metric without an embedding gives jets in a frame of its own at each
     /// point: inner products and Gauss's equation hold in each, but vectors at different points, and positions, are
     /// not to be compared.
     fn is_embedded(&self) -> bool {
         true
     }
-    /// What is known of it beside its jets.
-    fn outline(&self) -> &Outline;
+    /// Returns the data of its chart.
+    fn chart_data(&self) -> &ChartData;
     /// The domain: `[[u min, u max], [v min, v max]]`.
     fn domain(&self) -> [[f64; 2]; 2] {
-        self.outline().domain
+        self.chart_data().domain
     }
-    /// What lies beyond each side of the domain.
+    /// Returns the kinds of the domain's sides.
     fn sides(&self) -> Sides {
-        self.outline().topology.sides
+        self.chart_data().topology.sides
     }
     /// The side's single point, where the side has collapsed to one: `axis` 0 for a side of constant u, 1 for
     /// constant v; `end` 0 for its minimum, 1 for its maximum.
     fn apex(&self, axis: usize, end: usize) -> Option<Apex> {
-        self.outline().topology.apexes[axis][end]
+        self.chart_data().topology.apexes[axis][end]
     }
     /// Lengths typical of the surface.
     fn scale(&self) -> Scale {
-        self.outline().scale
+        self.chart_data().scale
     }
 }
 
-/// What is known of a surface beside its jets.
+/// The data of a chart beside the surface's jets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Outline {
+pub struct ChartData {
     /// `[[u min, u max], [v min, v max]]`.
     pub domain: [[f64; 2]; 2],
-    /// What lies beyond the sides.
+    /// The kinds of its sides.
     pub topology: Topology,
     /// Lengths typical of it.
     pub scale: Scale,
 }
 
-impl Outline {
+impl ChartData {
     /// A domain of which nothing else is known yet.
     pub(crate) fn of(domain: [[f64; 2]; 2]) -> Self {
         Self {
@@ -84,7 +84,7 @@ impl Outline {
 pub struct ParametricSurface {
     tape: JetTape,
     fixed: Fixed,
-    outline: Outline,
+    chart_data: ChartData,
 }
 
 thread_local! {
@@ -119,10 +119,10 @@ impl ParametricSurface {
         let mut surface = Self {
             tape,
             fixed,
-            outline: Outline::of(domain),
+            chart_data: ChartData::of(domain),
         };
-        surface.outline.scale = Scale::measure(&|uv| surface.jet(uv), domain);
-        surface.outline.topology = Topology::find(&|uv| surface.jet(uv), domain);
+        surface.chart_data.scale = Scale::measure(&|uv| surface.jet(uv), domain);
+        surface.chart_data.topology = Topology::find(&|uv| surface.jet(uv), domain);
         Ok(surface)
     }
 }
@@ -154,7 +154,7 @@ impl Surface for ParametricSurface {
         });
     }
 
-    fn outline(&self) -> &Outline {
-        &self.outline
+    fn chart_data(&self) -> &ChartData {
+        &self.chart_data
     }
 }

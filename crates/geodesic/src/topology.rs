@@ -26,13 +26,13 @@ pub struct Apex {
     /// The share of the domain's width over which the lines of constant t leave the tip nearly straight; 1 unless
     /// they wind about it, as in a sheared chart. Beyond it the coordinates above wind as they do.
     pub reach: f64,
-    /// Whether the total angle is 2π: a smooth point, which rays pass.
+    /// True if the total angle is 2π: a smooth point, which rays pass.
     pub smooth: bool,
-    /// Whether the coordinates are of use: the angle grows evenly with t (or the tip is smooth).
+    /// True if the coordinates are of use: the angle grows evenly with t (or the tip is smooth).
     pub regular: bool,
 }
 
-/// What lies beyond all four sides.
+/// The kinds of all four sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Topology {
     /// What a ray meets at each side; a cone point is an edge here.
@@ -126,7 +126,7 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     norm(combine(1.0, a, -1.0, b))
 }
 
-/// Whether the side is one point.
+/// Returns whether the side is one point.
 fn is_point(
     jet: &dyn Fn(Uv) -> Jet,
     domain: [[f64; 2]; 2],
@@ -170,7 +170,7 @@ fn seam(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2], axis: usize, size: f64) 
     }
 }
 
-/// Whether a metric gives the side no length.
+/// Returns whether a metric gives the side no length.
 fn has_no_length(
     form: &dyn Fn(Uv) -> Form,
     domain: [[f64; 2]; 2],

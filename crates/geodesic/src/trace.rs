@@ -2,16 +2,16 @@
 
 use std::fmt;
 
-use crate::chart::{Atlas, Chart, Motion};
-use crate::follow::{self, End, Noting, Plan, Start};
-use crate::integrate::{DOP853, DOPRI5, RK4};
+use crate::chart::{Atlas, Chart, State};
+use crate::integrate::{self, IntegrationPlan, Observed, RayEnd, Start};
 use crate::metric::{norm, speed};
 use crate::point::{TangentVector, Uv};
+use crate::runge_kutta::{DOP853, DOPRI5, RK4};
 use crate::surface::{Side, Surface};
 
 pub use crate::status::Status;
 
-/// How a geodesic is integrated.
+/// A method of integration.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Method {
     /// Steps as long as the tolerance allows: DOP853, or Dormand–Prince 5(4) where the tolerance is loose. Poles and
@@ -22,26 +22,26 @@ pub enum Method {
     /// (equations 4.2), for comparison. Its error is estimated from a second run with half the steps; both are within
     /// the limit on evaluations.
     Rk4 {
-        /// How many steps.
+        /// The number of steps.
         steps: u32,
     },
 }
 
-/// What to do for accuracy.
+/// The accuracy that is asked for, and the limits on work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// The error allowed per step, relative to the step's length, measured on the surface; not below 50 ε.
     pub tolerance: f64,
-    /// How it is integrated.
+    /// The method of integration.
     pub method: Method,
     /// The most evaluations of the surface and its derivatives, whatever the method.
     pub max_evaluations: usize,
-    /// Whether the error is estimated by following the geodesic once more, more exactly, where the evaluations left
+    /// True if the error is estimated by following the geodesic once more, more exactly, where the evaluations left
     /// allow it; at three to four times the cost. Else the estimate is a bound from the steps' own ones.
     pub compare: bool,
-    /// Whether [`Trace::path`] is kept.
+    /// True if [`Trace::path`] is kept.
     pub keep_path: bool,
-    /// Whether conjugate points are looked for: [`Trace::conjugates`]. Steps are then short enough for
+    /// True if conjugate points are looked for: [`Trace::conjugates`]. Steps are then short enough for
     /// [`Trace::jacobi`] to be as exact as the end.
     pub conjugates: bool,
 }
@@ -81,11 +81,11 @@ pub struct Trace {
     pub rejected: usize,
     /// Evaluations of the surface and its derivatives.
     pub evaluations: usize,
-    /// Why it ended.
+    /// The reason why it ended.
     pub status: Status,
-    /// Whether it has passed an odd number of flips: left is then right.
+    /// True if it has passed an odd number of flips: left is then right.
     pub flipped: bool,
-    /// How many creases it has crossed, where σ is continuous and its derivatives are not. There the component of the
+    /// The number of creases that it has crossed, where σ is continuous and its derivatives are not. There the component of the
     /// velocity along the crease and the one across keep their lengths. (m, m') and the estimate know nothing of how
     /// the crease itself is bent.
     pub creases: usize,
@@ -120,19 +120,19 @@ pub enum TraceError {
     },
     /// The start lies outside the domain, beyond a side that does not wrap.
     OutsideDomain {
-        /// Where it should start.
+        /// The start.
         at: [f64; 2],
         /// The domain.
         domain: [[f64; 2]; 2],
     },
     /// The surface is undefined at the start.
     UndefinedStart {
-        /// Where it should start.
+        /// The start.
         at: [f64; 2],
     },
     /// σu and σv do not span a tangent plane at the start.
     DegenerateStart {
-        /// Where it should start.
+        /// The start.
         at: [f64; 2],
     },
 }
@@ -201,7 +201,7 @@ pub fn trace<S: Surface + ?Sized>(
     Ok(trace)
 }
 
-/// Whether length and tolerance are numbers that a trace can be made with.
+/// Returns whether length and tolerance are numbers that a trace can be made with.
 pub(crate) fn check(length: f64, options: &Options) -> Result<(), TraceError> {
     if !(length >= 0.0 && length.is_finite()) {
         return Err(TraceError::BadLength { length });
@@ -220,13 +220,13 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
     start: Start,
     length: f64,
     options: &Options,
-) -> (Trace, (Chart, Motion)) {
+) -> (Trace, (Chart, State)) {
     let tolerance = options.tolerance;
-    let noting = Noting {
+    let noting = Observed {
         fields: options.conjugates,
         conjugates: options.conjugates,
     };
-    let common = Plan {
+    let common = IntegrationPlan {
         tableau: &DOP853,
         tolerance: None,
         step: length,
@@ -237,7 +237,7 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
     let end = match options.method {
         Method::Adaptive => {
             let loose = tolerance >= LOOSE;
-            let plan = Plan {
+            let plan = IntegrationPlan {
                 tableau: if loose { &DOPRI5 } else { &DOP853 },
                 tolerance: Some(tolerance.max(TIGHTEST)),
                 step: first_step(atlas, length),
@@ -245,7 +245,7 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
                 ..common
             };
             let first_evaluation = atlas.evaluations();
-            let mut end = follow::follow_noting(atlas, start, length, plan, noting);
+            let mut end = integrate::integrate_observed(atlas, start, length, plan, noting);
             let used = atlas.evaluations() - first_evaluation;
             if options.compare
                 && let Some(error) = compared(atlas, start, length, &plan, &end, used)
@@ -256,24 +256,24 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
         }
         Method::Rk4 { steps } => {
             let step = length / f64::from(steps.max(1));
-            let fine = Plan {
+            let fine = IntegrationPlan {
                 tableau: &RK4,
                 step,
                 // The run with half the steps takes half as much.
                 limit: options.max_evaluations / 3 * 2,
                 ..common
             };
-            let coarse = Plan {
+            let coarse = IntegrationPlan {
                 step: 2.0 * step,
                 limit: options.max_evaluations,
                 keep_path: false,
                 ..fine
             };
-            let mut fine = follow::follow_noting(atlas, start, length, fine, noting);
+            let mut fine = integrate::integrate_observed(atlas, start, length, fine, noting);
             // Where the first run ended early, there the second one is compared with it.
-            let coarse = follow::follow(atlas, start, fine.length, coarse);
-            let gap = atlas.gap(fine.motion.at, coarse.motion.at);
-            // Of fourth order: the coarse run's error is sixteen times the fine one's.
+            let coarse = integrate::integrate(atlas, start, fine.length, coarse);
+            let gap = atlas.gap(fine.state.at, coarse.state.at);
+            // Of fourth order: the coarse run's error is sixteen times the fine one's (Richardson's extrapolation).
             fine.error = gap / 15.0;
             fine
         }
@@ -288,8 +288,8 @@ fn compared<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
     start: Start,
     length: f64,
-    plan: &Plan,
-    end: &End,
+    plan: &IntegrationPlan,
+    end: &RayEnd,
     used: usize,
 ) -> Option<f64> {
     let tolerance = plan.tolerance? / FINER;
@@ -297,32 +297,32 @@ fn compared<S: Surface + ?Sized>(
     if tolerance < TIGHTEST || left < 2 * used || end.status == Status::WorkLimit {
         return None;
     }
-    let whole = Plan {
+    let whole = IntegrationPlan {
         tableau: &DOP853,
         tolerance: Some(tolerance),
         keep_path: false,
         ..*plan
     };
-    let mut finer = follow::follow(atlas, start, length, whole);
+    let mut finer = integrate::integrate(atlas, start, length, whole);
     if finer.status == Status::Complete && (end.steps < FEW || 3 * finer.steps < 5 * end.steps) {
         // Few steps, or steps that are hardly shorter than before, tell little that is new.
-        let half = Plan {
+        let half = IntegrationPlan {
             step: whole.step.min(0.25 * length),
             ..whole
         };
-        let first = follow::follow(atlas, start, 0.5 * length, half);
+        let first = integrate::integrate(atlas, start, 0.5 * length, half);
         if first.status == Status::Complete {
             let start = match first.inside {
-                (Chart::Plain, motion) => Start::Plain(motion),
-                (Chart::Apex(chart), motion) => Start::About(chart, motion),
+                (Chart::Plain, state) => Start::Plain(state),
+                (Chart::Apex(chart), state) => Start::About(chart, state),
             };
-            finer = follow::follow(atlas, start, 0.5 * length, half);
+            finer = integrate::integrate(atlas, start, 0.5 * length, half);
         }
     }
     if finer.status != end.status {
         return None;
     }
-    let gap = atlas.gap(end.motion.at, finer.motion.at);
+    let gap = atlas.gap(end.state.at, finer.state.at);
     // Rounding, which both runs have of their own.
     let rounding = 32.0 * f64::EPSILON * (atlas.scale.size + length);
     Some(gap + rounding)
@@ -338,7 +338,7 @@ pub(crate) fn unit_start<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
     start: [f64; 2],
     velocity: [f64; 2],
-) -> Result<(Motion, f64), TraceError> {
+) -> Result<(State, f64), TraceError> {
     if !start.iter().all(|x| x.is_finite()) {
         return Err(TraceError::StartNotFinite);
     }
@@ -380,7 +380,7 @@ pub(crate) fn unit_start<S: Surface + ?Sized>(
         crate::metric::speed(&jet, [0, 1].map(|k| at[k] - given[k]))
     };
     let velocity = velocity.map(|x| x / speed);
-    Ok((Motion { at, velocity }, moved))
+    Ok((State { at, velocity }, moved))
 }
 
 /// The start, which may lie beyond sides that wrap, but not beyond others (but for rounding).
@@ -406,8 +406,8 @@ fn place<S: Surface + ?Sized>(
     Ok(at)
 }
 
-fn finish<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, end: End) -> Trace {
-    let Motion { at, velocity } = end.motion;
+fn finish<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, end: RayEnd) -> Trace {
+    let State { at, velocity } = end.state;
     let position = atlas.embedded.then(|| atlas.jet(at).position);
     Trace {
         uv: Uv(at),

@@ -28,7 +28,7 @@ pub(super) enum Program {
     Many(Steps<u32>),
 }
 
-/// How many registers a byte can name.
+/// The number of registers that a byte can name.
 pub(super) const FEW: usize = 256;
 
 /// A program whose registers are named by `R`.

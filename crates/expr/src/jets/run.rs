@@ -19,9 +19,9 @@ pub struct JetRegisters {
     processor: Processor,
 }
 
-/// How many numbers a line holds.
+/// The number of numbers that a line holds.
 const LINE: usize = 8;
-/// How many bytes a line of cache holds.
+/// The number of bytes that a line of cache holds.
 const CACHE_LINE: usize = 64;
 
 impl JetRegisters {

@@ -1,6 +1,6 @@
 //! The coordinates about an apex: polar coordinates undone, or a cone unrolled.
 
-use super::{ENTER, ENTER_ROUND, LEAVE, LEAVE_ROUND, Motion, rotated};
+use super::{ENTER, ENTER_ROUND, LEAVE, LEAVE_ROUND, State, rotated};
 use crate::topology::Apex;
 
 /// At a smooth pole, nearer than this share of the chart's radius the chain rule has lost digits and the
@@ -75,11 +75,11 @@ impl ApexChart {
 
     /// The longest stretch, in chart units, that a step may go near a tip that is not smooth: towards it so that
     /// the tip stays ahead, away from it twice the distance. There the chain rule's rounding grows like 1/r.
-    pub(crate) fn longest(&self, motion: Motion) -> f64 {
+    pub(crate) fn longest(&self, state: State) -> f64 {
         if self.apex.smooth {
             return f64::INFINITY;
         }
-        let ([a, b], [x, y]) = (motion.at, motion.velocity);
+        let ([a, b], [x, y]) = (state.at, state.velocity);
         let r = a.hypot(b).max(1e-12 * self.radius());
         if a * x + b * y < 0.0 {
             0.75 * r
@@ -115,7 +115,7 @@ impl ApexChart {
         stage * f64::EPSILON * self.base.abs() / self.power(r)
     }
 
-    /// Whether a point is far enough off to leave the chart.
+    /// Returns whether a point is far enough off to leave the chart.
     pub(crate) fn is_left_at(&self, at: [f64; 2]) -> bool {
         let most = if self.is_round() { LEAVE_ROUND } else { LEAVE };
         self.share(at) > most
@@ -127,7 +127,7 @@ impl ApexChart {
         share * self.reach()
     }
 
-    /// Whether the pole is one as a sphere's, or a flatter one.
+    /// Returns whether the pole is one as a sphere's, or a flatter one.
     fn is_round(&self) -> bool {
         self.apex.smooth && self.apex.bend > 0.25 * self.radius()
     }
@@ -168,7 +168,7 @@ impl ApexChart {
         usize::from(self.sign < 0.0)
     }
 
-    /// Whether a point in (u,v) is at the apex, as far as its parameter can tell.
+    /// Returns whether a point in (u,v) is at the apex, as far as its parameter can tell.
     pub(crate) fn is_at(&self, at: [f64; 2]) -> bool {
         let rho = (self.sign * (at[self.axis] - self.base)).max(0.0);
         self.root(rho) <= (1.0 + 1e-3) * self.nearest()
@@ -187,19 +187,19 @@ impl ApexChart {
     }
 
     /// From (u,v) into this chart, whose reference is the point's other parameter: it lies on the a-axis.
-    pub(crate) fn enter(&self, motion: Motion) -> Motion {
-        let rho = (self.sign * (motion.at[self.axis] - self.base)).max(0.0);
+    pub(crate) fn enter(&self, state: State) -> State {
+        let rho = (self.sign * (state.at[self.axis] - self.base)).max(0.0);
         let r = self.root(rho);
-        let radial = self.sign * motion.velocity[self.axis];
+        let radial = self.sign * state.velocity[self.axis];
         let radial = if self.apex.power == 1.0 {
             radial
         } else {
             let root = 1.0 / self.apex.power;
             radial * root * rho.powf(root - 1.0)
         };
-        Motion {
+        State {
             at: [r, 0.0],
-            velocity: [radial, r * self.apex.rate * motion.velocity[1 - self.axis]],
+            velocity: [radial, r * self.apex.rate * state.velocity[1 - self.axis]],
         }
     }
 
@@ -209,21 +209,21 @@ impl ApexChart {
         self.root(rho)
     }
 
-    /// Whether a point lies where the chain rule from (u,v) has lost digits.
+    /// Returns whether a point lies where the chain rule from (u,v) has lost digits.
     pub(crate) fn is_inner(&self, at: [f64; 2]) -> bool {
         self.apex.smooth && at[0].hypot(at[1]) < self.inner()
     }
 
     /// Back to (u,v), perhaps beyond sides that wrap.
-    pub(crate) fn leave(&self, mut motion: Motion) -> Motion {
-        let [x, y] = motion.velocity;
+    pub(crate) fn leave(&self, mut state: State) -> State {
+        let [x, y] = state.velocity;
         let nearest = self.nearest();
-        let r = motion.at[0].hypot(motion.at[1]);
+        let r = state.at[0].hypot(state.at[1]);
         if self.apex.smooth && r < nearest && x.hypot(y) > 0.0 {
             // The angle of a point at the pole is free: the one in which the ray goes on.
-            motion.at = [x, y].map(|c| nearest * c / x.hypot(y));
+            state.at = [x, y].map(|c| nearest * c / x.hypot(y));
         }
-        let [a, b] = motion.at;
+        let [a, b] = state.at;
         let r = a.hypot(b);
         let (cos, sin) = if r > 0.0 { (a / r, b / r) } else { (1.0, 0.0) };
         let radial = self.slope(r) * (cos * x + sin * y);
@@ -232,8 +232,8 @@ impl ApexChart {
         } else {
             0.0
         };
-        Motion {
-            at: self.plain_point(motion.at),
+        State {
+            at: self.plain_point(state.at),
             velocity: if self.axis == 0 {
                 [radial, turning]
             } else {
@@ -244,16 +244,16 @@ impl ApexChart {
 
     /// Turns the chart so that the point lies on the a-axis: along a ray the angle may go on growing. Gives the
     /// rotation as (cos, sin), for what else is expressed in the chart.
-    pub(crate) fn turn_to(&mut self, motion: &mut Motion) -> [f64; 2] {
-        let [a, b] = motion.at;
+    pub(crate) fn turn_to(&mut self, state: &mut State) -> [f64; 2] {
+        let [a, b] = state.at;
         let r = a.hypot(b);
         if r == 0.0 {
             return [1.0, 0.0];
         }
         let rotation = [a / r, b / r];
         self.reference += b.atan2(a) / self.apex.rate;
-        motion.at = [r, 0.0];
-        motion.velocity = rotated(rotation, motion.velocity);
+        state.at = [r, 0.0];
+        state.velocity = rotated(rotation, state.velocity);
         rotation
     }
 }

@@ -37,7 +37,7 @@ impl Stretch {
     }
 }
 
-/// Whether the way to the edge has to be stretched, and can be.
+/// Returns whether the way to the edge has to be stretched, and can be.
 #[inline(always)]
 fn aslant(rays: [&Ray; 2], stops: [&Stop; 2]) -> bool {
     let [a, b] = stops;
@@ -55,7 +55,7 @@ pub(super) fn free_until(rays: [&Ray; 2]) -> f64 {
     rays[0].limit().min(rays[1].limit())
 }
 
-/// Whether places between two rays are told by their shares of the way to the edge, once its slope is known.
+/// Returns whether places between two rays are told by their shares of the way to the edge, once its slope is known.
 #[inline(always)]
 pub(super) fn is_stretched(rays: [&Ray; 2]) -> bool {
     match (&rays[0].stop, &rays[1].stop) {
@@ -117,7 +117,7 @@ pub(super) fn exit_discrepancy(rays: [&Ray; 2], width: f64, middle: &Ray) -> f64
     }
 }
 
-/// Whether two rays end alike, so that what lies between them may be told from both.
+/// Returns whether two rays end alike, so that what lies between them may be told from both.
 pub(super) fn end_alike(rays: [&Ray; 2], reach: f64, pixel: f64) -> bool {
     let known = |ray: &Ray, s: f64| s <= ray.end + ray.slack;
     match (rays[0].stop, rays[1].stop) {

@@ -6,13 +6,13 @@
 use std::f64::consts::TAU;
 
 use super::FanOptions;
+use super::active_ray::ActiveRay;
 use super::border;
 use super::coordinates::Space;
-use super::march::{self, Plan};
+use super::driver::{self, RayPlan};
 use super::ray::Ray;
-use super::runner::Runner;
 use super::sectors::{self, Sector, Sectors, most};
-use super::start::Start;
+use super::start::FanStart;
 use crate::ends::Work;
 use crate::surface::Surface;
 
@@ -28,12 +28,12 @@ const EXACT: f64 = 0.04;
 /// that what lies between them has kinks that cost more squares of a picture than it saves steps.
 const LOOSEST: f64 = 4.0;
 /// The least share of the usual error that a ray is allowed: where even that grows too large, rays are of no use.
-const MOST_CARE: f64 = 2e-2;
+const LEAST_TOLERANCE_SHARE: f64 = 2e-2;
 /// The most evaluations for one ray, and the least that one is begun with.
 const ONE_RAY: u64 = 20_000;
 const LEAST: u64 = 50;
 
-/// How many pixels rays are followed beyond an edge: so that a square of pixels that an edge goes through can be one
+/// The number of pixels that rays are followed beyond an edge: so that a square of pixels that an edge goes through can be one
 /// polynomial.
 const BEYOND: f64 = 48.0;
 
@@ -43,7 +43,7 @@ pub(super) struct Wanted {
     angle: f64,
     around: f64,
     /// The share of the usual error that it is allowed.
-    care: f64,
+    tolerance_share: f64,
 }
 
 impl Wanted {
@@ -51,7 +51,7 @@ impl Wanted {
         Self {
             angle,
             around,
-            care: 1.0,
+            tolerance_share: 1.0,
         }
     }
 
@@ -62,17 +62,20 @@ impl Wanted {
     }
 
     /// The same, allowed a share of the usual error.
-    pub(super) fn with_care(self, care: f64) -> Self {
-        Self { care, ..self }
+    pub(super) fn with_tolerance_share(self, tolerance_share: f64) -> Self {
+        Self {
+            tolerance_share,
+            ..self
+        }
     }
 }
 
 pub(super) struct Builder<'a, S: Surface + ?Sized> {
     pub(super) surface: &'a S,
     pub(super) space: &'a Space,
-    pub(super) start: &'a Start,
+    pub(super) start: &'a FanStart,
     pub(super) options: &'a FanOptions,
-    pub(super) plan: Plan,
+    pub(super) plan: RayPlan,
     pub(super) rays: Vec<Ray>,
     pub(super) work: Work,
     pub(super) exhausted: bool,
@@ -84,7 +87,7 @@ pub(super) struct Builder<'a, S: Surface + ?Sized> {
 pub(super) fn build<S: Surface + ?Sized>(
     surface: &S,
     space: &Space,
-    start: &Start,
+    start: &FanStart,
     options: &FanOptions,
 ) -> Sectors {
     let tolerance = options.tolerance.clamp(1e-6, 100.0);
@@ -99,10 +102,10 @@ pub(super) fn build<S: Surface + ?Sized>(
         space,
         start,
         options: &options,
-        plan: Plan {
+        plan: RayPlan {
             rate: allowed / start.reach,
             least: 0.01 * start.reach,
-            lever: 0.5 * size.min(start.reach),
+            length_scale: 0.5 * size.min(start.reach),
             field: 0.05,
             shortest: (1e-2 * start.pixel).min(1e-4 * size),
             first: start.reach.min(size) * 0.03,
@@ -137,7 +140,7 @@ pub(super) fn build<S: Surface + ?Sized>(
 
 impl<S: Surface + ?Sized> Builder<'_, S> {
     /// Integrates rays. `None` where the evaluations do not suffice for all.
-    pub(super) fn integrate(&mut self, plan: &Plan, wanted: &[Wanted]) -> Option<Vec<Ray>> {
+    pub(super) fn integrate(&mut self, plan: &RayPlan, wanted: &[Wanted]) -> Option<Vec<Ray>> {
         let left = self
             .options
             .max_evaluations
@@ -149,7 +152,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             self.exhausted = true;
             return None;
         }
-        let plan = &Plan {
+        let plan = &RayPlan {
             limit: plan.limit.min(each),
             ..*plan
         };
@@ -159,11 +162,11 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             .map(|(id, wanted)| {
                 let mut runner = self.start.runner(wanted.angle, wanted.around, plan.first);
                 runner.id = id;
-                runner.care = wanted.care;
+                runner.tolerance_share = wanted.tolerance_share;
                 runner
             })
             .collect();
-        let done = march::march_all(self.surface, self.space, plan, runners);
+        let done = driver::drive_all(self.surface, self.space, plan, runners);
         for runner in &done {
             // Less than what a ray may take had there been no other.
             self.exhausted |= plan.limit < ONE_RAY && runner.evaluations + LEAST > plan.limit;
@@ -172,7 +175,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             self.work.rejected += runner.rejected;
             self.work.evaluations += runner.evaluations;
         }
-        Some(done.into_iter().map(Runner::finish).collect())
+        Some(done.into_iter().map(ActiveRay::finish).collect())
     }
 
     /// Rays that take part. Where one's own error grows on the way more than that of the others, it is integrated once
@@ -185,16 +188,18 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
     }
 
     /// The share of the usual error for the ray in the middle of a sector: what those beside it would have needed.
-    pub(super) fn care(&self, sector: &Sector) -> f64 {
-        let [a, b] = self.pair(sector).map(|ray| ray.error() / ray.care);
-        self.care_for(self.factor * (a * b).sqrt())
+    pub(super) fn tolerance_share(&self, sector: &Sector) -> f64 {
+        let [a, b] = self
+            .pair(sector)
+            .map(|ray| ray.error() / ray.tolerance_share);
+        self.tolerance_share_for(self.factor * (a * b).sqrt())
     }
 
     /// The share of the usual error for a ray that would be off by so many pixels.
-    fn care_for(&self, off: f64) -> f64 {
+    fn tolerance_share_for(&self, off: f64) -> f64 {
         let allowed = ALONG * self.options.tolerance;
         if off > 1.5 * allowed {
-            (0.5 * allowed / off).max(MOST_CARE)
+            (0.5 * allowed / off).max(LEAST_TOLERANCE_SHARE)
         } else {
             1.0
         }
@@ -211,7 +216,8 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let again: Vec<Wanted> = poor
             .iter()
             .map(|&n| Wanted {
-                care: self.care_for(self.factor * rays[n].error() / wanted[n].care),
+                tolerance_share: self
+                    .tolerance_share_for(self.factor * rays[n].error() / wanted[n].tolerance_share),
                 ..wanted[n]
             })
             .collect();
@@ -238,7 +244,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             };
             self.rays = rays;
             // Every other one again, more exactly: how far off are they?
-            let exact = Plan {
+            let exact = RayPlan {
                 rate: EXACT * plan.rate,
                 ..plan
             };
@@ -278,7 +284,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         // What the first rays were too exact, the others need not be.
         self.plan.rate *= loose;
         for ray in &mut self.rays {
-            ray.care /= loose;
+            ray.tolerance_share /= loose;
         }
         let order = self.order();
         let stretched =

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::border::{Stretch, edge, is_stretched};
-use super::coordinates::{Chart, Kind, Space};
+use super::coordinates::{CoordinateKind, FanChart, Space};
 use super::ray::{Ray, Sample, same};
 use crate::ends::{Coordinates, End};
 use crate::fan::Across;
@@ -25,7 +25,7 @@ pub(super) enum Found {
 /// An end with its derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
-    pub(super) chart: Chart,
+    pub(super) chart: FanChart,
     pub(super) at: [f64; 2],
     /// The unit tangent.
     pub(super) along: [f64; 2],
@@ -47,9 +47,9 @@ impl Point {
         (self.at[0] + self.at[1] + self.along[0] + self.turning[0]).is_finite()
     }
 
-    /// Whether it is a point in the plain coordinates.
+    /// Returns whether it is a point in the plain coordinates.
     fn is_plain(&self) -> bool {
-        self.chart.kind == Kind::Plain && self.is_finite()
+        self.chart.kind == CoordinateKind::Plain && self.is_finite()
     }
 
     /// As an [`End`] at the arc length `s` > 0.
@@ -71,11 +71,11 @@ impl Point {
             status: Status::Complete,
             error,
         };
-        if self.chart.kind == Kind::Plain {
+        if self.chart.kind == CoordinateKind::Plain {
             return end;
         }
         match (self.chart.kind, space.tip(self.chart.kind)) {
-            (Kind::Apex { axis, end: side }, Some(tip)) if tip.apex.smooth => End {
+            (CoordinateKind::Apex { axis, end: side }, Some(tip)) if tip.apex.smooth => End {
                 coordinates: Coordinates::Apex { axis, end: side },
                 ..end
             },
@@ -96,7 +96,7 @@ pub(super) fn determinant(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// A sample in other coordinates.
-fn convert(space: &Space, sample: &Sample, chart: Chart) -> Sample {
+fn convert(space: &Space, sample: &Sample, chart: FanChart) -> Sample {
     if same(&sample.chart, &chart) {
         return *sample;
     }
@@ -118,7 +118,7 @@ fn convert(space: &Space, sample: &Sample, chart: Chart) -> Sample {
         Some(tip) => {
             let vector = |v| tip.plain_vector(sample.at, v);
             Sample {
-                chart: Chart::PLAIN,
+                chart: FanChart::PLAIN,
                 at: tip.plain_point(sample.at, sample.chart.reference),
                 along: vector(sample.along),
                 jacobi: [vector(sample.jacobi[0]), [f64::NAN; 2]],
@@ -162,7 +162,7 @@ fn together(space: &Space, a: Sample, mut b: Sample) -> (Sample, Sample) {
         (Some(_), Some(_)) if a.chart.kind == b.chart.kind => a.chart,
         (Some(tip), None) if tip.apex.smooth && tip.holds(b.at) => a.chart,
         (None, Some(tip)) if tip.apex.smooth && tip.holds(a.at) => b.chart,
-        _ => Chart::PLAIN,
+        _ => FanChart::PLAIN,
     };
     (convert(space, &a, chart), convert(space, &b, chart))
 }
@@ -175,10 +175,10 @@ pub(super) fn pair(
     s: f64,
 ) -> Option<(Sample, Sample)> {
     let (mut a, mut b) = (a.at(s)?, b.at(s)?);
-    if a.chart.kind != Kind::Plain || b.chart.kind != Kind::Plain {
+    if a.chart.kind != CoordinateKind::Plain || b.chart.kind != CoordinateKind::Plain {
         (a, b) = together(space, a, b);
     }
-    if a.chart.kind == Kind::Plain {
+    if a.chart.kind == CoordinateKind::Plain {
         lift(&a, &mut b, space.periods(), width);
     }
     Some((a, b))
@@ -205,7 +205,7 @@ pub(super) fn between(
             )
         }
     };
-    if a.chart.kind != Kind::Plain || b.chart.kind != Kind::Plain {
+    if a.chart.kind != CoordinateKind::Plain || b.chart.kind != CoordinateKind::Plain {
         (a, b) = together(space, a, b);
     }
     if let Some(stretch) = &stretched {
@@ -215,7 +215,7 @@ pub(super) fn between(
             ray.jacobi[1] = [f64::NAN; 2];
         }
     }
-    if a.chart.kind == Kind::Plain {
+    if a.chart.kind == CoordinateKind::Plain {
         lift(&a, &mut b, space.periods(), width);
     }
     let mut point = match across {
@@ -284,7 +284,7 @@ pub(super) fn look_free(
     s: f64,
 ) -> Option<Point> {
     let (a, mut b) = (rays[0].at(s)?, rays[1].at(s)?);
-    if a.chart.kind != Kind::Plain || b.chart.kind != Kind::Plain {
+    if a.chart.kind != CoordinateKind::Plain || b.chart.kind != CoordinateKind::Plain {
         return None;
     }
     lift(&a, &mut b, periods, width);
@@ -347,7 +347,7 @@ pub(super) fn look(
         };
     };
     if !stretched
-        && point.chart.kind == Kind::Plain
+        && point.chart.kind == CoordinateKind::Plain
         && let Some((axis, end)) = space.beyond_edge(point.at)
     {
         return if space.is_collapsed(axis, end) {
@@ -387,7 +387,7 @@ pub(super) fn discrepancy(
     };
     let (truth, guess) = together(space, truth, guess);
     let mut off = [0, 1].map(|k| guess.at[k] - truth.at[k]);
-    if truth.chart.kind == Kind::Plain {
+    if truth.chart.kind == CoordinateKind::Plain {
         let periods = space.periods();
         for k in 0..2 {
             if periods[k] > 0.0 {

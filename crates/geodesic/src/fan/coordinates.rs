@@ -19,9 +19,9 @@ const KEEP_OFF: f64 = 0.1;
 /// digits like 1/r, and nothing changes over so short a way.
 pub(super) const NEAREST: f64 = 1e-6;
 
-/// Which coordinates.
+/// A kind of coordinates.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
-pub(super) enum Kind {
+pub(super) enum CoordinateKind {
     /// (u,v), lifted.
     Plain,
     /// (a,b) about the apex at an end of an axis.
@@ -31,21 +31,21 @@ pub(super) enum Kind {
 /// Coordinates with what the a-axis points at: the other parameter's value there. It is the domain's minimum at a
 /// smooth pole, and a ray's own at the tip of a cone, which no two rays need share.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Chart {
-    pub(super) kind: Kind,
+pub(super) struct FanChart {
+    pub(super) kind: CoordinateKind,
     pub(super) reference: f64,
 }
 
-impl Chart {
+impl FanChart {
     pub(super) const PLAIN: Self = Self {
-        kind: Kind::Plain,
+        kind: CoordinateKind::Plain,
         reference: 0.0,
     };
 }
 
 /// An apex whose coordinates are of use.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tip {
+pub(super) struct PoleChart {
     pub(super) axis: usize,
     /// The parameter at the apex.
     pub(super) base: f64,
@@ -60,7 +60,7 @@ pub(super) struct Tip {
     pub(super) apex: Apex,
 }
 
-impl Tip {
+impl PoleChart {
     /// A point's distance from the apex, as a share of the reach.
     pub(super) fn share(&self, at: [f64; 2]) -> f64 {
         at[0].hypot(at[1]).powf(self.apex.power) / self.reach
@@ -79,7 +79,7 @@ impl Tip {
         self.sign * (at[self.axis] - self.base)
     }
 
-    /// Whether a plain point is within the coordinates' use.
+    /// Returns whether a plain point is within the coordinates' use.
     pub(super) fn holds(&self, at: [f64; 2]) -> bool {
         (0.0..=REACH * self.reach).contains(&self.distance(at))
     }
@@ -150,7 +150,7 @@ pub(super) struct Space {
     pub(super) domain: [[f64; 2]; 2],
     sides: Sides,
     /// `[axis][end]`: the apexes that have coordinates of their own.
-    tips: [[Option<Tip>; 2]; 2],
+    tips: [[Option<PoleChart>; 2]; 2],
     /// `[axis][end]`: the sides that are one point.
     collapsed: [[bool; 2]; 2],
     pub(super) scale: Scale,
@@ -167,7 +167,7 @@ impl Space {
             [0, 1].map(|end| {
                 let apex: Apex = apexes[axis][end].filter(|apex: &Apex| apex.regular)?;
                 let reach = (domain[axis][1] - domain[axis][0]) * apex.reach;
-                Some(Tip {
+                Some(PoleChart {
                     axis,
                     base: domain[axis][end],
                     sign: if end == 0 { 1.0 } else { -1.0 },
@@ -193,10 +193,10 @@ impl Space {
     }
 
     /// The tip that coordinates are about.
-    pub(super) fn tip(&self, kind: Kind) -> Option<&Tip> {
+    pub(super) fn tip(&self, kind: CoordinateKind) -> Option<&PoleChart> {
         match kind {
-            Kind::Plain => None,
-            Kind::Apex { axis, end } => self
+            CoordinateKind::Plain => None,
+            CoordinateKind::Apex { axis, end } => self
                 .tips
                 .get(usize::from(axis))?
                 .get(usize::from(end))?
@@ -204,23 +204,23 @@ impl Space {
         }
     }
 
-    fn tips(&self) -> impl Iterator<Item = (Kind, &Tip)> {
+    fn tips(&self) -> impl Iterator<Item = (CoordinateKind, &PoleChart)> {
         (0..2u8).flat_map(move |axis| {
             (0..2u8).filter_map(move |end| {
-                let kind = Kind::Apex { axis, end };
+                let kind = CoordinateKind::Apex { axis, end };
                 Some((kind, self.tip(kind)?))
             })
         })
     }
 
     /// The coordinates of an apex near a plain point.
-    pub(super) fn chart_near(&self, at: [f64; 2]) -> Option<Chart> {
+    pub(super) fn chart_near(&self, at: [f64; 2]) -> Option<FanChart> {
         if !self.any_tip {
             return None;
         }
         self.tips().find_map(|(kind, tip)| {
             let near = (0.0..=ENTER * tip.reach).contains(&tip.distance(at));
-            near.then_some(Chart {
+            near.then_some(FanChart {
                 kind,
                 reference: if tip.apex.smooth {
                     tip.low
@@ -231,7 +231,7 @@ impl Space {
         })
     }
 
-    /// Whether a plain point is too near an apex that has its own coordinates, or beyond it.
+    /// Returns whether a plain point is too near an apex that has its own coordinates, or beyond it.
     pub(super) fn needs_apex(&self, at: [f64; 2]) -> bool {
         self.any_tip
             && self
@@ -293,7 +293,7 @@ impl Space {
         self.collapsed[axis][end]
     }
 
-    /// Whether a point lies within the domain itself.
+    /// Returns whether a point lies within the domain itself.
     #[inline(always)]
     pub(super) fn contains(&self, u: f64, v: f64) -> bool {
         let [[a, b], [c, d]] = self.domain;

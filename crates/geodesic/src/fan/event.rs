@@ -2,15 +2,15 @@
 
 use super::coordinates::Space;
 use super::ray::Knot;
-use crate::chart::Motion;
+use crate::chart::State;
 
 /// A lane within this share of its radius of a cone's tip has hit it.
 pub(super) const HIT: f64 = 1e-9;
 
-/// Whether a step in the plain coordinates leaves through an edge: the share of it, and which.
+/// Returns whether a step in the plain coordinates leaves through an edge: the share of it, and which.
 pub(super) fn leaves(
     space: &Space,
-    from: &Motion,
+    from: &State,
     before: [f64; 2],
     to: &Knot,
     h: f64,
@@ -53,8 +53,8 @@ pub(super) fn leaves(
     Some((high, edge))
 }
 
-/// Whether a step goes through the tip of a cone.
-pub(super) fn hits(from: &Motion, to: &Knot, radius: f64) -> bool {
+/// Returns whether a step goes through the tip of a cone.
+pub(super) fn hits(from: &State, to: &Knot, radius: f64) -> bool {
     let way = [0, 1].map(|k| to.at[k] - from.at[k]);
     let square = way[0] * way[0] + way[1] * way[1];
     let share = if square > 0.0 {

@@ -3,17 +3,17 @@
 //! What flows in: runners in the same coordinates, a step's length. What flows out: the runners a step farther on, which
 //! of them are still in the group, the next step's length.
 
-use super::coordinates::{Chart, Space};
+use super::active_ray::ActiveRay;
+use super::coordinates::{FanChart, Space};
+use super::driver::RayPlan;
 use super::event::{HIT, hits, leaves};
-use super::lanes::{Field, Local, STAGES, State, Trial, normals};
-use super::march::Plan;
+use super::lanes::{Field, LaneLocals, LaneStates, STAGES, Trial, normals};
 use super::ray::{Knot, Segment};
-use super::runner::Runner;
 use expr::processor::{Processor, Work};
 
-use crate::chart::{Atlas, Motion};
-use crate::follow;
-use crate::integrate::DOPRI5;
+use crate::chart::{Atlas, State};
+use crate::integrate;
+use crate::runge_kutta::DOPRI5;
 use crate::status::Status;
 use crate::surface::{LANES, Lanes, Surface};
 
@@ -27,9 +27,9 @@ const TURN: f64 = 2.0;
 /// A group of lanes.
 pub(super) struct Group<'a, S: Surface + ?Sized> {
     field: Field<'a, S>,
-    plan: &'a Plan,
-    state: State,
-    local: Local,
+    plan: &'a RayPlan,
+    state: LaneStates,
+    local: LaneLocals,
     sides: Lanes,
     /// Those that are still on their way in it.
     pub(super) active: [bool; LANES],
@@ -37,14 +37,14 @@ pub(super) struct Group<'a, S: Surface + ?Sized> {
 }
 
 /// A step of all lanes, compiled for the processor's vectors.
-struct Step<'a, 'f, S: Surface + ?Sized> {
+struct LaneStep<'a, 'f, S: Surface + ?Sized> {
     field: &'a Field<'f, S>,
-    state: &'a State,
-    local: &'a Local,
+    state: &'a LaneStates,
+    local: &'a LaneLocals,
     h: f64,
 }
 
-impl<S: Surface + ?Sized> Work for Step<'_, '_, S> {
+impl<S: Surface + ?Sized> Work for LaneStep<'_, '_, S> {
     type Output = Trial;
     #[inline(always)]
     fn run(self) -> Trial {
@@ -57,13 +57,13 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
     pub(super) fn of(
         surface: &'a S,
         space: &'a Space,
-        plan: &'a Plan,
-        runners: &[Runner],
+        plan: &'a RayPlan,
+        runners: &[ActiveRay],
     ) -> Option<Self> {
         let count = runners.len().min(LANES);
         let kind = runners.first().map(|runner| runner.chart.kind)?;
         let handedness = space.tip(kind).map_or(1.0, |tip| tip.handedness());
-        let lane = |of: &dyn Fn(&Runner) -> f64| -> Lanes {
+        let lane = |of: &dyn Fn(&ActiveRay) -> f64| -> Lanes {
             std::array::from_fn(|lane| of(&runners[lane.min(count - 1)]))
         };
         let zero = [0.0; LANES];
@@ -86,7 +86,7 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
                 one,
                 zero,
             ],
-            local: Local::default(),
+            local: LaneLocals::default(),
             sides: lane(&|r| r.side * handedness),
             active: std::array::from_fn(|lane| lane < count),
             processor: Processor::here(),
@@ -94,7 +94,7 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
     }
 
     /// Evaluates at the start, and puts the first knots.
-    pub(super) fn begin(&mut self, runners: &mut [Runner]) {
+    pub(super) fn begin(&mut self, runners: &mut [ActiveRay]) {
         self.field.local(&self.state, &mut self.local);
         let knots = self.knots(&self.state, &self.local);
         for (lane, runner) in runners.iter_mut().enumerate() {
@@ -127,7 +127,7 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
 
     /// The lanes' knots, their arc lengths and Jacobi fields apart.
     #[inline(always)]
-    fn knots(&self, state: &State, local: &Local) -> [Knot; LANES] {
+    fn knots(&self, state: &LaneStates, local: &LaneLocals) -> [Knot; LANES] {
         let velocity = [state[2], state[3]];
         let [n, n1] = normals(&local.jets, &velocity, &self.sides);
         std::array::from_fn(|l| Knot {
@@ -140,9 +140,14 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
         })
     }
 
-    /// Tries a step; gives the length of the next one.
-    pub(super) fn attempt(&mut self, runners: &mut [Runner], h: f64) -> f64 {
-        let trial = self.processor.run(Step {
+    /// Tries a step; returns the length of the next one.
+    ///
+    /// All lanes share the step's length, so the group takes the step if most lanes accept it and no other would shrink much:
+    /// lanes that refuse it, or whose next step would be much shorter than that of the others, leave the group and go on in
+    /// another one. So neither does one hard ray make seven easy ones slow, nor are evaluations thrown away when nearly all
+    /// lanes were content.
+    pub(super) fn attempt(&mut self, runners: &mut [ActiveRay], h: f64) -> f64 {
+        let trial = self.processor.run(LaneStep {
             field: &self.field,
             state: &self.state,
             local: &self.local,
@@ -193,7 +198,7 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
             }
             return h * least;
         }
-        // The few that failed go on in another group.
+        // The step is taken; the few that failed go on in another group.
         let knots = self.knots(&trial.end, &trial.local);
         let mut next = f64::INFINITY;
         for (lane, runner) in runners.iter_mut().enumerate() {
@@ -221,7 +226,7 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
         // So do those that would hold up the others.
         let goes = |lane: usize| self.active[lane] && runners[lane].stop.is_none();
         let going = (0..runners.len()).filter(|&lane| goes(lane)).count();
-        let slow = |runner: &Runner| runner.h < 1.5 * next;
+        let slow = |runner: &ActiveRay| runner.h < 1.5 * next;
         let slower = (0..runners.len())
             .filter(|&lane| goes(lane) && slow(&runners[lane]))
             .count();
@@ -249,13 +254,13 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
     }
 
     /// A lane's error over what is allowed; NaN where anything is undefined.
-    fn excess(&self, runner: &Runner, trial: &Trial, lane: usize, h: f64) -> f64 {
+    fn excess(&self, runner: &ActiveRay, trial: &Trial, lane: usize, h: f64) -> f64 {
         let [n, m] = [trial.fields[0][lane], trial.fields[1][lane]];
         let field = (n * runner.m[0] + m * runner.m[1]).abs();
         let error = trial.position[lane]
-            + self.plan.lever * trial.direction[lane]
+            + self.plan.length_scale * trial.direction[lane]
             + self.plan.field * field;
-        let mut excess = error / (runner.care * self.plan.rate * h.max(self.plan.least));
+        let mut excess = error / (runner.tolerance_share * self.plan.rate * h.max(self.plan.least));
         let [x, y] = trial.local.acceleration;
         if !(x[lane].is_finite() && y[lane].is_finite() && trial.local.curvature[lane].is_finite())
         {
@@ -289,9 +294,9 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
         excess
     }
 
-    fn accept(&mut self, runner: &mut Runner, trial: &Trial, lane: usize, h: f64, knot: Knot) {
+    fn accept(&mut self, runner: &mut ActiveRay, trial: &Trial, lane: usize, h: f64, knot: Knot) {
         let space = self.field.space;
-        let from = Motion {
+        let from = State {
             at: runner.at,
             velocity: runner.velocity,
         };
@@ -352,8 +357,8 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
         }
         let chart = match space.tip(self.field.kind) {
             None => space.chart_near(knot.at),
-            Some(tip) if tip.is_left_at(knot.at) => Some(Chart::PLAIN),
-            Some(tip) if !tip.apex.smooth && runner.turned.abs() > TURN => Some(Chart {
+            Some(tip) if tip.is_left_at(knot.at) => Some(FanChart::PLAIN),
+            Some(tip) if !tip.apex.smooth && runner.turned.abs() > TURN => Some(FanChart {
                 kind: self.field.kind,
                 reference: runner.chart.reference + runner.turned / tip.apex.rate,
             }),
@@ -368,7 +373,7 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
     /// Follows a ray beyond an edge; says whether it goes on.
     fn go_beyond(
         &self,
-        runner: &mut Runner,
+        runner: &mut ActiveRay,
         trial: &Trial,
         lane: usize,
         h: f64,
@@ -379,14 +384,14 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
         self.goes_beyond(runner)
     }
 
-    fn goes_beyond(&self, runner: &Runner) -> bool {
+    fn goes_beyond(&self, runner: &ActiveRay) -> bool {
         runner.beyond < STEPS_BEYOND
             && runner.way(self.plan.beyond) > 0.0
             && runner.evaluations + STAGES <= self.plan.limit
     }
 
     /// Ends a ray at an edge; says whether it is worth following beyond.
-    fn leave(&self, runner: &mut Runner, s: f64, (axis, end): (usize, usize)) -> bool {
+    fn leave(&self, runner: &mut ActiveRay, s: f64, (axis, end): (usize, usize)) -> bool {
         let collapsed = self.field.space.is_collapsed(axis, end);
         runner.stop(
             s,
@@ -401,7 +406,7 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
     }
 
     /// Where steps lead nowhere, one careful integration says why, and where it ends.
-    fn stall(&self, runner: &mut Runner) {
+    fn stall(&self, runner: &mut ActiveRay) {
         let space = self.field.space;
         let (at, velocity) = runner.plain(space);
         let (at, signs) = space.bring_back(at);
@@ -413,7 +418,7 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
             .limit
             .saturating_sub(runner.evaluations)
             .min(CAREFUL);
-        let plan = follow::Plan {
+        let plan = integrate::IntegrationPlan {
             tableau: &DOPRI5,
             tolerance: Some(self.plan.rate.clamp(1e-9, 1e-3)),
             step: self.plan.shortest,
@@ -421,7 +426,7 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
             charts: true,
             keep_path: false,
         };
-        let end = follow::follow(&atlas, Motion { at, velocity }, way, plan);
+        let end = integrate::integrate(&atlas, State { at, velocity }, way, plan);
         runner.evaluations += atlas.evaluations() as u64;
         let status = match end.status {
             // It passes what stopped the group: not known from here on.
@@ -436,7 +441,7 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
         runner.stop(s, status);
         if status == Status::LeftDomain {
             let off = |axis: usize, side: usize| {
-                (end.motion.at[axis] - space.domain[axis][side]).abs() / space.width(axis)
+                (end.state.at[axis] - space.domain[axis][side]).abs() / space.width(axis)
             };
             let nearest = (0..4)
                 .map(|n| (n / 2, n % 2))

@@ -1,37 +1,40 @@
 //! One step of Dormand and Prince's pair for eight rays at once: states in, states and errors out.
 //!
+//! The same step for one ray is in `runge_kutta.rs`: that one takes any pair, changes charts in between and carries data for
+//! the error estimate; this one is written so that the compiler makes vectors of it.
+//!
 //! All loops run over lanes innermost, so that the compiler turns them into vector instructions. Beside the geodesic
 //! each lane carries the fundamental solution of y'' = −K y over the step: the Jacobi field comes from it, and what
 //! an error at the step's start becomes at its end.
 
 #![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
 
-use super::coordinates::{Kind, NEAREST, Space};
-use crate::integrate::DOPRI5;
+use super::coordinates::{CoordinateKind, NEAREST, Space};
+use crate::runge_kutta::DOPRI5;
 use crate::surface::{JetBlock, LANES, Lanes, Surface};
 
 /// Point, velocity, and the fields (m, m'), (n, n') of y'' = −K y with m' = 1 and n = 1 at the step's start.
-pub(super) type State = [Lanes; 8];
+pub(super) type LaneStates = [Lanes; 8];
 
 /// The geodesic equation of a group of rays in common coordinates.
 pub(super) struct Field<'a, S: Surface + ?Sized> {
     pub(super) surface: &'a S,
     pub(super) space: &'a Space,
-    pub(super) kind: Kind,
-    /// See [`Chart`](super::coordinates::Chart).
+    pub(super) kind: CoordinateKind,
+    /// See [`FanChart`](super::coordinates::FanChart).
     pub(super) reference: Lanes,
 }
 
-/// What is local at the lanes' points.
+/// The local data at the lanes' points.
 #[derive(Clone, Debug)]
-pub(super) struct Local {
+pub(super) struct LaneLocals {
     /// In the group's coordinates.
     pub(super) jets: JetBlock,
     pub(super) acceleration: [Lanes; 2],
     pub(super) curvature: Lanes,
 }
 
-impl Default for Local {
+impl Default for LaneLocals {
     fn default() -> Self {
         Self {
             jets: JetBlock::default(),
@@ -43,8 +46,8 @@ impl Default for Local {
 
 /// A step that has been tried.
 pub(super) struct Trial {
-    pub(super) end: State,
-    pub(super) local: Local,
+    pub(super) end: LaneStates,
+    pub(super) local: LaneLocals,
     /// The estimated errors of the point (in the metric), of the unit velocity and of the two fields.
     pub(super) position: Lanes,
     pub(super) direction: Lanes,
@@ -67,11 +70,11 @@ const ROWS: [&[f64]; 6] = [
 impl<S: Surface + ?Sized> Field<'_, S> {
     /// One step of the length `h` from `start`, where `local` holds.
     #[inline(always)]
-    pub(super) fn step(&self, start: &State, local: &Local, h: f64) -> Trial {
+    pub(super) fn step(&self, start: &LaneStates, local: &LaneLocals, h: f64) -> Trial {
         let mut slopes = [[[0.0; LANES]; 8]; 7];
         slopes[0] = slope(start, local);
         let mut state = *start;
-        let mut end = Local::default();
+        let mut end = LaneLocals::default();
         for (stage, row) in ROWS.iter().enumerate() {
             state = *start;
             for (weight, slope) in row.iter().zip(&slopes) {
@@ -111,9 +114,9 @@ impl<S: Surface + ?Sized> Field<'_, S> {
         }
     }
 
-    /// What is local at the states' points.
+    /// Evaluates the local data at the states' points.
     #[inline(always)]
-    pub(super) fn local(&self, state: &State, out: &mut Local) {
+    pub(super) fn local(&self, state: &LaneStates, out: &mut LaneLocals) {
         match self.space.tip(self.kind) {
             None => self.plain(&[state[0], state[1]], &mut out.jets),
             Some(_) => self.about_apex(&[state[0], state[1]], &mut out.jets),
@@ -214,7 +217,7 @@ impl<S: Surface + ?Sized> Field<'_, S> {
 }
 
 #[inline(always)]
-fn slope(state: &State, local: &Local) -> State {
+fn slope(state: &LaneStates, local: &LaneLocals) -> LaneStates {
     let mut out = [[0.0; LANES]; 8];
     out[0] = state[2];
     out[1] = state[3];
@@ -230,7 +233,7 @@ fn slope(state: &State, local: &Local) -> State {
 }
 
 #[inline(always)]
-fn add(to: &mut State, weight: f64, what: &State) {
+fn add(to: &mut LaneStates, weight: f64, what: &LaneStates) {
     for (to, what) in to.iter_mut().zip(what) {
         for lane in 0..LANES {
             to[lane] += weight * what[lane];

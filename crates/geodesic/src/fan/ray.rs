@@ -1,7 +1,7 @@
 //! A ray with dense output: knots of an integration in; position, Jacobi field and their derivatives at any arc
 //! length out.
 
-use super::coordinates::{Chart, Kind};
+use super::coordinates::{CoordinateKind, FanChart};
 use super::sectors::{BINS, Profile, most};
 use crate::status::Status;
 
@@ -30,7 +30,7 @@ impl Knot {
 /// Knots in common coordinates.
 #[derive(Clone, Debug)]
 pub(super) struct Segment {
-    pub(super) chart: Chart,
+    pub(super) chart: FanChart,
     pub(super) knots: Vec<Knot>,
 }
 
@@ -43,7 +43,7 @@ pub(super) struct Stop {
     pub(super) edge: Option<(usize, usize)>,
     /// ds/dθ along the edge; NaN where it is not known.
     pub(super) slope: f64,
-    /// Whether the ray itself tells the slope, and not its neighbours.
+    /// True if the ray itself tells the slope, and not its neighbours.
     pub(super) told: bool,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct Stop {
 struct Interval {
     from: f64,
     length: f64,
-    chart: Chart,
+    chart: FanChart,
     /// `[power][γ0, γ1, J0, J1]`.
     main: [[f64; 4]; 6],
     /// `[power][N0, N1]`.
@@ -64,7 +64,7 @@ struct Interval {
 pub(super) struct Ray {
     /// In the frame's plane, from X towards Y.
     pub(super) angle: f64,
-    /// Where the intervals begin.
+    /// The arc lengths at which the intervals begin.
     starts: Vec<f64>,
     intervals: Vec<Interval>,
     /// For each of equal parts of the way the last interval that begins before it.
@@ -79,13 +79,13 @@ pub(super) struct Ray {
     /// of a fan.
     pub(super) off: Profile,
     /// The share of the usual error that it was allowed.
-    pub(super) care: f64,
+    pub(super) tolerance_share: f64,
 }
 
 /// A ray at an arc length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
-    pub(super) chart: Chart,
+    pub(super) chart: FanChart,
     pub(super) at: [f64; 2],
     pub(super) along: [f64; 2],
     /// J and J'.
@@ -142,7 +142,7 @@ impl Ray {
             slack,
             stop,
             off: [0.0; BINS],
-            care: 1.0,
+            tolerance_share: 1.0,
         }
     }
 
@@ -205,7 +205,7 @@ impl Ray {
 }
 
 impl Interval {
-    fn between(chart: Chart, a: &Knot, b: &Knot, j2: [f64; 2], k2: [f64; 2]) -> Self {
+    fn between(chart: FanChart, a: &Knot, b: &Knot, j2: [f64; 2], k2: [f64; 2]) -> Self {
         let h = b.s - a.s;
         let mut main = [[0.0; 4]; 6];
         let mut normal = [[0.0; 2]; 4];
@@ -316,7 +316,8 @@ fn second(knots: &[Knot], n: usize) -> [f64; 2] {
     })
 }
 
-/// The second derivative at t of the quintic through (node, value, derivative) of t, p, q, by divided differences.
+/// The second derivative at t of the quintic through (node, value, derivative) of t, p, q, by divided differences with
+/// double nodes (Stoer, Bulirsch, *Introduction to Numerical Analysis*, section 2.1.5).
 fn confluent(t: (f64, f64, f64), p: (f64, f64, f64), q: (f64, f64, f64)) -> f64 {
     let (tp, pq, tq) = (p.0 - t.0, q.0 - p.0, q.0 - t.0);
     let first = [t.2, (p.1 - t.1) / tp, p.2, (q.1 - p.1) / pq, q.2];
@@ -337,6 +338,6 @@ fn confluent(t: (f64, f64, f64), p: (f64, f64, f64), q: (f64, f64, f64)) -> f64 
 }
 
 /// The kinds of two charts, and whether points in both may be compared as they are.
-pub(super) fn same(a: &Chart, b: &Chart) -> bool {
-    a.kind == b.kind && (a.kind == Kind::Plain || a.reference == b.reference)
+pub(super) fn same(a: &FanChart, b: &FanChart) -> bool {
+    a.kind == b.kind && (a.kind == CoordinateKind::Plain || a.reference == b.reference)
 }

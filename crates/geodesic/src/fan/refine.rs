@@ -1,4 +1,4 @@
-//! How many rays a fan needs: bisection in angle, by what a new ray says about the two beside it.
+//! The number of rays that a fan needs: bisection in angle, by what a new ray says about the two beside it.
 //!
 //! A new ray in the middle of a sector shows the error that interpolation makes there. In the halves it is a sixteenth
 //! of that, so that they need not be looked at, each, to be accepted.
@@ -189,7 +189,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         }
     }
 
-    /// How many pixels of a sector would have to be followed by themselves.
+    /// The number of pixels that of a sector would have to be followed by themselves.
     fn left_out(&self, sector: &Sector) -> f64 {
         let mut sector = sector.clone();
         self.give_up(&mut sector);
@@ -232,7 +232,9 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             }
             let wanted: Vec<Wanted> = open
                 .iter()
-                .map(|sector| Wanted::middle(sector).with_care(self.care(sector)))
+                .map(|sector| {
+                    Wanted::middle(sector).with_tolerance_share(self.tolerance_share(sector))
+                })
                 .collect();
             let Some(middles) = self.follow(&wanted) else {
                 done.extend(open);

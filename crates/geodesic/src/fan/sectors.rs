@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::border;
 use super::ray::Ray;
-use super::start::Start;
+use super::start::FanStart;
 use crate::ends::{Estimate, Work};
 
 /// An error is known for each of so many ranges of radius.
@@ -32,11 +32,11 @@ pub(super) struct Sector {
     pub(super) seen: [Profile; 3],
     /// The error of the edge's place.
     pub(super) edge: f64,
-    /// Whether the errors have been told from a wider sector that interpolates in the same way.
+    /// True if the errors have been told from a wider sector that interpolates in the same way.
     pub(super) proven: bool,
-    /// Whether a more exact ray has measured the errors.
+    /// True if a more exact ray has measured the errors.
     pub(super) measured: bool,
-    /// Whether the errors have been raised since measured ones were larger than told.
+    /// True if the errors have been raised since measured ones were larger than told.
     pub(super) doubted: bool,
 }
 
@@ -129,7 +129,7 @@ pub(super) fn bin(s: f64, reach: f64) -> usize {
 }
 
 /// The radius within which all pixels that the rays say nothing about can be followed by themselves.
-pub(super) fn affordable(all: &Sectors, start: &Start, left: u64) -> f64 {
+pub(super) fn affordable(all: &Sectors, start: &FanStart, left: u64) -> f64 {
     let each = 2 * all.work.evaluations / all.work.rays.max(1) + 100;
     let cost = |radius: f64| {
         let area = |sector: &Sector| {

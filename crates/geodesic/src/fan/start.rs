@@ -2,19 +2,19 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use super::coordinates::{Chart, Kind, Space};
-use super::runner::Runner;
+use super::active_ray::ActiveRay;
+use super::coordinates::{CoordinateKind, FanChart, Space};
 use super::sectors::{BINS, Profile};
 use crate::chart::Atlas;
 use crate::ends::{Coordinates, End};
-use crate::follow;
 use crate::frame::Frame;
+use crate::integrate;
 use crate::status::Status;
 use crate::surface::Surface;
 
 /// The start of all rays.
 #[derive(Clone, Debug)]
-pub(super) struct Start {
+pub(super) struct FanStart {
     pub(super) frame: Frame,
     pub(super) zoom: f64,
     /// A pixel's width on the surface, at the centre.
@@ -25,13 +25,13 @@ pub(super) struct Start {
     half: [f64; 2],
     /// +1 where Y lies to the left of X, −1 where to the right.
     pub(super) side: f64,
-    chart: Chart,
+    chart: FanChart,
     at: [f64; 2],
     /// The unit vectors along X and Y.
     axes: [[f64; 2]; 2],
 }
 
-impl Start {
+impl FanStart {
     /// `None` where no geodesic can start.
     pub(super) fn of<S: Surface + ?Sized>(
         surface: &S,
@@ -59,26 +59,26 @@ impl Start {
             } else {
                 1.0
             },
-            chart: Chart::PLAIN,
+            chart: FanChart::PLAIN,
             at: frame.uv.0,
             axes: [[0.0; 2]; 2],
         };
-        let motion = |start: &follow::Start| match start {
-            follow::Start::Plain(motion) | follow::Start::About(_, motion) => *motion,
+        let state = |start: &integrate::Start| match start {
+            integrate::Start::Plain(state) | integrate::Start::About(_, state) => *state,
         };
-        start.at = motion(&x).at;
-        start.axes = [motion(&x).velocity, motion(&y).velocity];
+        start.at = state(&x).at;
+        start.axes = [state(&x).velocity, state(&y).velocity];
         match x {
-            follow::Start::About(chart, _) => {
-                start.chart = Chart {
-                    kind: Kind::Apex {
+            integrate::Start::About(chart, _) => {
+                start.chart = FanChart {
+                    kind: CoordinateKind::Apex {
                         axis: chart.axis as u8,
                         end: chart.end() as u8,
                     },
                     reference: space.domain[1 - chart.axis][0],
                 };
             }
-            follow::Start::Plain(_) => {
+            integrate::Start::Plain(_) => {
                 if let Some(chart) = space.chart_near(start.at)
                     && let Some(tip) = space.tip(chart.kind)
                 {
@@ -93,11 +93,11 @@ impl Start {
     }
 
     /// A ray from X towards Y by an angle, at least as long as the picture is wide within `around` of it.
-    pub(super) fn runner(&self, angle: f64, around: f64, first: f64) -> Runner {
+    pub(super) fn runner(&self, angle: f64, around: f64, first: f64) -> ActiveRay {
         let (sin, cos) = angle.sin_cos();
         let velocity = [0, 1].map(|k| cos * self.axes[0][k] + sin * self.axes[1][k]);
         let length = self.border(angle, around) + 2.0 * self.pixel;
-        Runner::new(
+        ActiveRay::new(
             angle, length, self.chart, self.at, velocity, self.side, first,
         )
     }
@@ -159,7 +159,7 @@ impl Start {
             .tip(self.chart.kind)
             .is_some_and(|tip| tip.apex.smooth);
         let (coordinates, at, [along, across]) = match self.chart.kind {
-            Kind::Apex { axis, end } if smooth => {
+            CoordinateKind::Apex { axis, end } if smooth => {
                 (Coordinates::Apex { axis, end }, self.at, self.axes)
             }
             _ => {

@@ -2,8 +2,8 @@
 //! in places spread evenly. What they find wrong they mend.
 
 use super::build::{ACROSS, Builder, Wanted};
-use super::indicate;
-use super::march::Plan;
+use super::driver::RayPlan;
+use super::error_indicator;
 use super::sectors::{BINS, Sector, bin, most};
 use crate::ends::Estimate;
 use crate::surface::Surface;
@@ -25,7 +25,7 @@ const SHARES: [f64; 2] = [0.25, 0.75];
 impl<S: Surface + ?Sized> Builder<'_, S> {
     /// Measures errors with rays that are integrated more exactly; where they are too large, these take part.
     pub(super) fn verify(&mut self, sectors: &mut Vec<Sector>) -> Estimate {
-        let exact = Plan {
+        let exact = RayPlan {
             rate: EXACT * self.plan.rate,
             ..self.plan
         };
@@ -137,7 +137,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         found.map_or(0.0, |sample| f64::from(sample.0))
     }
 
-    /// Whether sectors that have not been measured may be worse than those that have.
+    /// Returns whether sectors that have not been measured may be worse than those that have.
     fn is_doubtful(&self, sectors: &[Sector]) -> bool {
         let count = sectors.iter().filter(|sector| sector.measured).count();
         if 3 * count >= 2 * sectors.len() {
@@ -161,7 +161,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         order.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
         let sorted: Vec<&Sector> = order.iter().map(|&n| &sectors[n]).collect();
         let (reach, pixel) = (self.start.reach, self.start.pixel);
-        let between = indicate::between(self.space, &self.rays, &sorted, reach, pixel);
+        let between = error_indicator::between(self.space, &self.rays, &sorted, reach, pixel);
         for (n, error) in order.into_iter().zip(between) {
             errors[n] = errors[n].max(error);
         }

@@ -1,13 +1,13 @@
 //! The methods that follow a geodesic for each pixel: one row of a picture in, its ends out.
 
 use super::{MOST_FOR_PIXEL, MapOptions, Method, pixel_place, rk4};
-use crate::chart::{Atlas, Motion};
+use crate::chart::{Atlas, State};
 use crate::ends::{Coordinates, End, Work};
-use crate::follow::{self, Noting, Plan, Start};
 use crate::frame::Frame;
-use crate::integrate::{DOP853, DOPRI5};
+use crate::integrate::{self, IntegrationPlan, Observed, Start};
 use crate::metric::Metric;
 use crate::point::{PicturePoint, Uv};
+use crate::runge_kutta::{DOP853, DOPRI5};
 use crate::status::Status;
 use crate::surface::{Side, Surface};
 use crate::trace;
@@ -42,14 +42,14 @@ struct Pixel {
 
 /// What the geodesic of one pixel tells the next one's.
 #[derive(Clone, Copy, Debug)]
-struct Pace {
+struct Neighbour {
     /// The first step.
     step: Option<f64>,
     /// The share of the error allowed at the end that the steps may make.
     share: f64,
 }
 
-impl Default for Pace {
+impl Default for Neighbour {
     fn default() -> Self {
         Self {
             step: None,
@@ -143,7 +143,7 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
         out: &mut Row,
     ) {
         let mirrored = self.frame.is_mirrored(self.surface);
-        let mut pace = Pace::default();
+        let mut pace = Neighbour::default();
         for place in places {
             let Some(pixel) = self.pixel(place, options.by_pixel, out) else {
                 continue;
@@ -151,18 +151,18 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
             out.work.followed += 1;
             let length = pixel.length;
             let end = self.follow(pixel, options.tolerance * self.pixel, share, &mut pace, out);
-            let (offset, lifted) = nearest_repetition(self.atlas, self.frame.uv.0, end.motion.at);
+            let (offset, lifted) = nearest_repetition(self.atlas, self.frame.uv.0, end.state.at);
             let mut by_place = [[0.0; 2]; 2];
             if end.status == Status::Complete {
                 out.errors.push((end.error / self.pixel) as f32);
                 if options.by_pixel {
-                    let metric = Metric::of(&self.surface.jet(Uv(end.motion.at)));
+                    let metric = Metric::of(&self.surface.jet(Uv(end.state.at)));
                     let side = if end.flipped != mirrored { -1.0 } else { 1.0 };
-                    let left = metric.turn_left(end.motion.velocity);
+                    let left = metric.turn_left(end.state.velocity);
                     let known = End {
                         coordinates: Coordinates::Plain,
-                        at: end.motion.at,
-                        along: [0, 1].map(|k| lifted[k] * end.motion.velocity[k]),
+                        at: end.state.at,
+                        along: [0, 1].map(|k| lifted[k] * end.state.velocity[k]),
                         across: [0, 1].map(|k| lifted[k] * side * left[k]),
                         stretch: end.field / length,
                         status: end.status,
@@ -183,9 +183,9 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
         pixel: Pixel,
         allowed: f64,
         share: usize,
-        pace: &mut Pace,
+        pace: &mut Neighbour,
         out: &mut Row,
-    ) -> follow::End {
+    ) -> integrate::RayEnd {
         let limit = self.atlas.evaluations().saturating_add(share);
         let mut best = self.attempt(&pixel, allowed, limit, pace, out);
         for _ in 0..REPETITIONS {
@@ -207,13 +207,13 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
         pixel: &Pixel,
         allowed: f64,
         limit: usize,
-        pace: &mut Pace,
+        pace: &mut Neighbour,
         out: &mut Row,
-    ) -> follow::End {
+    ) -> integrate::RayEnd {
         let length = pixel.length;
         let tolerance = (pace.share * allowed / length).clamp(TIGHTEST, LOOSEST);
         let first_step = || trace::first_step(self.atlas, length);
-        let plan = Plan {
+        let plan = IntegrationPlan {
             tableau: if tolerance < trace::LOOSE {
                 &DOP853
             } else {
@@ -226,11 +226,11 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
             keep_path: false,
         };
         // Jacobi fields tell of the curvature between a step's stages what the point alone does not.
-        let noting = Noting {
+        let noting = Observed {
             fields: true,
             conjugates: false,
         };
-        let mut end = follow::follow_noting(self.atlas, pixel.start, length, plan, noting);
+        let mut end = integrate::integrate_observed(self.atlas, pixel.start, length, plan, noting);
         end.error *= CAUTION;
         out.work.steps += end.steps as u64;
         out.work.rejected += end.rejected as u64;
@@ -260,23 +260,23 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
     }
 
     /// A pixel's start in (u,v), with a velocity that takes it to its end in the time 1.
-    fn whole(&self, place: PicturePoint, out: &mut Row) -> Option<Motion> {
+    fn whole(&self, place: PicturePoint, out: &mut Row) -> Option<State> {
         if self.frame.coordinates == Coordinates::Plain && self.zoom > 0.0 && place != [0.0; 2] {
-            return Some(Motion {
+            return Some(State {
                 at: self.frame.uv.0,
                 velocity: self.frame.velocity(place).0,
             });
         }
         let pixel = self.pixel(place, false, out)?;
         let mut start = match pixel.start {
-            Start::Plain(motion) => motion,
-            Start::About(chart, motion) => chart.leave(motion),
+            Start::Plain(state) => state,
+            Start::About(chart, state) => chart.leave(state),
         };
         start.velocity = start.velocity.map(|x| x * pixel.length);
         Some(start)
     }
 
-    fn put(&self, end: rk4::End, limited: bool, out: &mut Row) {
+    fn put(&self, end: rk4::PixelEnd, limited: bool, out: &mut Row) {
         out.work.followed += 1;
         out.work.steps += end.evaluations / 4;
         out.work.evaluations += end.evaluations;

@@ -4,7 +4,7 @@
 //! In: a start in (u,v) with a velocity, whose geodesic is wanted at the time 1. Out: where it ends, beyond sides that wrap
 //! brought back, and why. Poles are passed as (u,v) pass them, edges are looked for at the steps' ends.
 
-use crate::chart::{Atlas, Motion};
+use crate::chart::{Atlas, State};
 use crate::metric;
 use crate::point::Uv;
 use crate::status::Status;
@@ -12,7 +12,7 @@ use crate::surface::{Side, Surface};
 
 /// A geodesic's end, and what it took.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct End {
+pub(super) struct PixelEnd {
     pub(super) at: [f64; 2],
     pub(super) status: Status,
     pub(super) evaluations: u64,
@@ -47,11 +47,11 @@ fn ended<S: Surface + ?Sized>(
 pub(super) fn follow<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
     surface: &S,
-    start: Motion,
+    start: State,
     steps: u32,
-) -> End {
+) -> PixelEnd {
     let h = 1.0 / f64::from(steps);
-    let Motion {
+    let State {
         mut at,
         mut velocity,
     } = start;
@@ -79,7 +79,7 @@ pub(super) fn follow<S: Surface + ?Sized>(
         at = along(at, h, mean(velocity, v2, v3, v4));
         velocity = along(velocity, h, mean(a1, a2, a3, a4));
         if let Some(status) = ended(atlas, before, at) {
-            return End {
+            return PixelEnd {
                 at: before,
                 status,
                 evaluations,
@@ -87,7 +87,7 @@ pub(super) fn follow<S: Surface + ?Sized>(
         }
     }
     atlas.bring_back(&mut at);
-    End {
+    PixelEnd {
         at,
         status: Status::Complete,
         evaluations,

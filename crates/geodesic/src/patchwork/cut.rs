@@ -141,7 +141,7 @@ impl Agreement {
     }
 }
 
-/// Whether an end says where it is, although its geodesic may have left the domain before.
+/// Returns whether an end says where it is, although its geodesic may have left the domain before.
 fn goes_on<const N: usize>(end: &End<N>) -> bool {
     let left = end.status == Status::LeftDomain && end.coordinates == Coordinates::Plain;
     end.status == Status::Complete || left && end.at[0].is_finite()
@@ -356,7 +356,7 @@ impl<const N: usize> Subdivider<'_, N> {
         Ok(())
     }
 
-    /// Whether an end lies beyond the edges if it has left through one, and within them if not; a little beside an edge
+    /// Returns whether an end lies beyond the edges if it has left through one, and within them if not; a little beside an edge
     /// it may be either.
     fn is_on_its_side(&self, end: &End<N>) -> bool {
         let mut inside = f64::INFINITY;
@@ -373,7 +373,7 @@ impl<const N: usize> Subdivider<'_, N> {
         }
     }
 
-    /// How often a square with this error is to be divided, if it is.
+    /// Returns how often a square with this error is to be divided, if it is.
     fn divisions(&self, error: f64) -> Option<u32> {
         let twice = error > 2.0 * HALVED * self.tolerance;
         (error > self.tolerance || error.is_nan()).then_some(if twice { 2 } else { 1 })
@@ -545,7 +545,7 @@ fn unit<const N: usize>(axis: usize) -> [f64; N] {
 
 type Place = PicturePoint;
 
-/// Whether an apex is so near to ends about it that their polar coordinates would bend.
+/// Returns whether an apex is so near to ends about it that their polar coordinates would bend.
 fn is_near<const N: usize>(ends: &[End<N>]) -> bool {
     let mut low = [f64::INFINITY; 2];
     let mut high = [f64::NEG_INFINITY; 2];

@@ -1,4 +1,8 @@
 //! Polynomials through values: values at Chebyshev's nodes in, coefficients out, by Chebyshev's series.
+//!
+//! The sums over the zeros of T_n are those of Press, Teukolsky, Vetterling, Flannery, *Numerical Recipes*, 3rd edition,
+//! section 5.8; why the terms of highest degree tell the error: Trefethen, *Approximation Theory and Approximation Practice*,
+//! 2013.
 
 use std::f64::consts::PI;
 
@@ -10,7 +14,7 @@ pub(super) const COUNT: usize = DEGREE + 1;
 /// A value at each node, `[j][i]`: the j-th in Y, the i-th in X.
 pub(super) type Grid = [[f64; COUNT]; COUNT];
 
-/// How many places a polynomial is checked at.
+/// The number of places that a polynomial is checked at.
 pub(super) const CHECKS: usize = 12;
 
 /// The tables of a fit.

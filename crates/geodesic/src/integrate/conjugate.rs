@@ -1,7 +1,8 @@
-//! Conjugate points: where the Jacobi field of a ray's start is zero again, found within the steps on the way.
+//! Conjugate points: the zeros of the Jacobi field of a ray's start, found within the steps on the way (do Carmo,
+//! *Differential Geometry of Curves and Surfaces*, 1976, section 5-5).
 
 use super::ray::Ray;
-use crate::integrate::{Pace, Step};
+use crate::runge_kutta::{Step, StepParameter};
 use crate::surface::Surface;
 
 /// A conjugate point is located to this share of its step.
@@ -10,7 +11,7 @@ const SHARP: f64 = 1e-14;
 impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     /// Adds the arc lengths of the conjugate points within a step of length `h` that is about to be taken, by
     /// Newton's method on the step's length, kept within a bracket: as exact as the steps are.
-    pub(super) fn note_conjugates(&mut self, step: &Step, h: f64, pace: Pace) {
+    pub(super) fn note_conjugates(&mut self, step: &Step, h: f64, pace: StepParameter) {
         let before = self.field;
         let carried = |step: &Step| step.propagator.map(|[n, k]| n * before[0] + k * before[1]);
         let after = carried(step);
@@ -58,7 +59,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                     break;
                 }
             }
-            if let Some(found) = &mut self.conjugates {
+            if let Some(found) = &mut self.observers.conjugates {
                 found.push(length);
             }
         }

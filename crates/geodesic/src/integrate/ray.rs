@@ -3,10 +3,10 @@
 //! In: where a ray is, what it has met so far, a step's length. Out: an [`Attempt`], and the ray a step farther on, with
 //! the errors of its steps carried along.
 
-use super::{Plan, stalled_at};
-use crate::chart::{Atlas, Chart, Local, Motion, REACH, rotated};
-use crate::integrate::{self, Pace, Step};
+use super::{IntegrationPlan, stalled_at};
+use crate::chart::{Atlas, Chart, Local, REACH, State, rotated};
 use crate::metric::{combine, norm};
+use crate::runge_kutta::{self, Step, StepParameter};
 use crate::status::Status;
 use crate::surface::Surface;
 
@@ -24,7 +24,7 @@ const UNHURRIED: f64 = 0.25;
 /// … the share that it keeps back then, …
 const KEPT: f64 = 0.15;
 /// … and by how much its steps may err more at most.
-const MOST_LENIENT: f64 = 1e3;
+const MOST_RELAXED: f64 = 1e3;
 
 /// What the end of a ray takes at most: a last change of chart, a look at why it ended, its position.
 const AT_END: usize = 16;
@@ -32,33 +32,106 @@ const AT_END: usize = 16;
 /// A ray on its way.
 pub(super) struct Ray<'a, 's, S: Surface + ?Sized> {
     pub(super) atlas: &'a Atlas<'s, S>,
-    pub(super) plan: Plan,
+    pub(super) plan: IntegrationPlan,
     pub(super) chart: Chart,
-    pub(super) motion: Motion,
+    pub(super) state: State,
     pub(super) local: Local,
-    pub(super) steps: usize,
-    pub(super) rejected: usize,
+    /// The arc length so far.
     pub(super) s: f64,
     pub(super) errors: ErrorSum,
     /// m and m'.
     pub(super) field: [f64; 2],
     pub(super) flipped: bool,
     pub(super) creases: usize,
-    /// The arc lengths of the conjugate points, where they are asked for.
-    pub(super) conjugates: Option<Vec<f64>>,
-    /// Whether the Jacobi fields are to be as exact as the ray.
-    pub(super) fields: bool,
-    /// The count of evaluations at the start.
-    pub(super) first_evaluation: usize,
-    /// The size of the step before; 0 before the first.
-    pub(super) last_step: f64,
-    /// Its error over the one allowed.
-    pub(super) last_excess: f64,
-    /// The same of the step that is being tried.
-    pub(super) this_excess: f64,
+    pub(super) cost: Cost,
+    pub(super) control: StepControl,
+    pub(super) observers: Observers,
 }
 
-/// What has become of a step.
+/// What a ray has cost so far.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cost {
+    /// The count of evaluations at the start.
+    pub(super) first_evaluation: usize,
+    pub(super) steps: usize,
+    pub(super) rejected: usize,
+}
+
+/// What is noted on the way.
+#[derive(Clone, Debug)]
+pub(super) struct Observers {
+    /// True if the Jacobi fields are to be as exact as the ray.
+    pub(super) fields: bool,
+    /// The arc lengths of the conjugate points, where they are asked for.
+    pub(super) conjugates: Option<Vec<f64>>,
+    /// The places of the steps' ends in (u,v), where they are asked for.
+    pub(super) path: Option<Vec<[f64; 2]>>,
+}
+
+/// The choice of each step's length from the errors of the steps before it.
+///
+/// The next length is 0.9 h e^(−1/q) for the error e of this step over the one allowed and the order q (Hairer, Nørsett,
+/// Wanner, *Solving Ordinary Differential Equations I*, 2nd edition, section II.4), or less where the errors have been
+/// growing from step to step (Gustafsson, ACM TOMS 20, 1994, pages 496–517).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StepControl {
+    /// The size of the step before; 0 before the first.
+    last_step: f64,
+    /// Its error over the one allowed.
+    last_excess: f64,
+    /// The error over the one allowed of the step that is being tried.
+    this_excess: f64,
+}
+
+impl Default for StepControl {
+    fn default() -> Self {
+        Self {
+            last_step: 0.0,
+            last_excess: 1.0,
+            this_excess: 1.0,
+        }
+    }
+}
+
+impl StepControl {
+    /// Judges a step of size `h` by its error over the one allowed: the size of the next one, or, as an error, of another
+    /// attempt. `scale` is the length beside which steps are short.
+    fn judge(&mut self, h: f64, excess: f64, order: f64, scale: f64) -> Result<f64, f64> {
+        let factor = 0.9 * excess.powf(-1.0 / order);
+        if excess > 1.0 || excess.is_nan() {
+            return Err(h * factor.clamp(0.1, 0.9));
+        }
+        // As the error has been growing from step to step, it will go on to grow.
+        let predicted = if self.last_step > 0.0 {
+            factor * (h / self.last_step) * (self.last_excess / excess).powf(1.0 / order)
+        } else {
+            factor
+        };
+        let factor = factor.min(predicted.max(0.5 * factor));
+        self.this_excess = excess;
+        // Steps that have been shrinking, towards a singular point, will go on to shrink.
+        let shrinking = h < self.last_step && h < SHORT * scale;
+        let trend = if shrinking {
+            (h / self.last_step).max(0.5)
+        } else {
+            1.0
+        };
+        Ok(h * factor.clamp(0.2, 6.0) * trend)
+    }
+
+    /// Takes note of a step that has been taken.
+    fn accept(&mut self, h: f64) {
+        self.last_step = h;
+        self.last_excess = self.this_excess;
+    }
+
+    /// Forgets the step before: it says nothing about those to come.
+    pub(super) fn forget(&mut self) {
+        self.last_step = 0.0;
+    }
+}
+
+/// The outcome of a step that has been tried.
 pub(super) enum Attempt {
     /// Taken; the length that the tolerance suggests next.
     Accepted(Option<f64>),
@@ -69,7 +142,7 @@ pub(super) enum Attempt {
 
 impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     pub(super) fn speed(&self) -> f64 {
-        let [x, y] = self.motion.velocity;
+        let [x, y] = self.state.velocity;
         norm(combine(
             x,
             self.local.tangents[0],
@@ -79,14 +152,22 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     }
 
     /// The point and velocity in (u,v), in the domain.
-    pub(super) fn plain(&self) -> Motion {
-        let mut motion = match &self.chart {
-            Chart::Plain => self.motion,
-            Chart::Apex(chart) => self.atlas.leave(chart, self.motion, self.local.tangents),
+    pub(super) fn plain(&self) -> State {
+        let mut state = match &self.chart {
+            Chart::Plain => self.state,
+            Chart::Apex(chart) => self.atlas.leave(chart, self.state, self.local.tangents),
         };
-        let signs = self.atlas.bring_back(&mut motion.at).signs;
-        motion.velocity = [0, 1].map(|k| signs[k] * motion.velocity[k]);
-        motion
+        let signs = self.atlas.bring_back(&mut state.at).signs;
+        state.velocity = [0, 1].map(|k| signs[k] * state.velocity[k]);
+        state
+    }
+
+    /// Notes where the ray is, if its path is asked for.
+    pub(super) fn note_place(&mut self) {
+        if self.observers.path.is_some() {
+            let at = self.plain().at;
+            self.observers.path.get_or_insert_default().push(at);
+        }
     }
 
     /// The longest step that the chart allows.
@@ -94,18 +175,18 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         match &self.chart {
             Chart::Plain => f64::INFINITY,
             Chart::Apex(chart) => {
-                let [x, y] = self.motion.velocity;
-                chart.longest(self.motion) / x.hypot(y)
+                let [x, y] = self.state.velocity;
+                chart.longest(self.state) / x.hypot(y)
             }
         }
     }
 
-    pub(super) fn step(&mut self, h: f64, pace: Pace) -> Option<Step> {
-        integrate::step(
+    pub(super) fn step(&mut self, h: f64, pace: StepParameter) -> Option<Step> {
+        runge_kutta::step(
             self.atlas,
             &self.chart,
             self.plan.tableau,
-            self.motion,
+            self.state,
             &self.local,
             h,
             pace,
@@ -114,9 +195,9 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
 
     /// By how much more than asked for the steps may err, so that the ray gets where it should within its limit:
     /// the work left is compared with the work done.
-    pub(super) fn leniency(&self, length: f64) -> f64 {
-        let used = (self.atlas.evaluations() - self.first_evaluation) as f64;
-        let limit = self.plan.limit.saturating_sub(self.first_evaluation) as f64;
+    pub(super) fn relaxation(&self, length: f64) -> f64 {
+        let used = (self.atlas.evaluations() - self.cost.first_evaluation) as f64;
+        let limit = self.plan.limit.saturating_sub(self.cost.first_evaluation) as f64;
         if used < UNHURRIED * limit || self.s <= 0.0 || used >= limit {
             return 1.0;
         }
@@ -125,10 +206,10 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         let left = ((1.0 - KEPT) * limit - used).max(0.3 * (limit - used));
         (needed / left)
             .powf(self.plan.tableau.error_order)
-            .clamp(1.0, MOST_LENIENT)
+            .clamp(1.0, MOST_RELAXED)
     }
 
-    /// Whether one more step, and what its end takes, are within the limit.
+    /// Returns whether one more step, and what its end takes, are within the limit.
     pub(super) fn affords_step(&self) -> bool {
         let interpolated = matches!(&self.chart, Chart::Apex(chart) if chart.apex.smooth);
         let each = if interpolated { 6 } else { 1 };
@@ -136,11 +217,11 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         self.atlas.evaluations() + step + AT_END <= self.plan.limit
     }
 
-    pub(super) fn attempt(&mut self, h: f64, pace: Pace, length: f64) -> Attempt {
+    pub(super) fn attempt(&mut self, h: f64, pace: StepParameter, length: f64) -> Attempt {
         let Some(step) = self.step(h, pace) else {
             return Attempt::Again(0.25 * h);
         };
-        if self.s + step.length > length && pace == Pace::Coordinates {
+        if self.s + step.length > length && pace == StepParameter::Coordinates {
             return Attempt::Again(0.5 * h);
         }
         let scale = self.atlas.scale.size.min(length);
@@ -148,7 +229,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         // Only what a chart about an apex loses may pass for rounding; in (u,v) it ends the ray, see below.
         let noise = match &self.chart {
             Chart::Plain => 0.0,
-            Chart::Apex(chart) => chart.noise(self.motion.at, step.end.at),
+            Chart::Apex(chart) => chart.noise(self.state.at, step.end.at),
         };
         let mut next = None;
         let mut may_err = f64::INFINITY;
@@ -156,35 +237,19 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             // A ray of many short steps is allowed that much of its scale's error in each: errors grow no more
             // than that by being made over and over.
             let floor = (rounding + scale * noise).max(SMALL_STEP * tolerance * scale);
-            let allowed = self.leniency(length) * (tolerance * h).max(floor);
+            let allowed = self.relaxation(length) * (tolerance * h).max(floor);
             may_err = allowed;
             let position = step.position_error / allowed;
             let direction = scale * step.direction_error / allowed;
             let mut excess = position + direction;
-            if self.fields {
+            if self.observers.fields {
                 excess = excess.max(scale * step.field_error / allowed);
             }
             let order = self.plan.tableau.error_order;
-            let factor = 0.9 * excess.powf(-1.0 / order);
-            if excess > 1.0 || excess.is_nan() {
-                return Attempt::Again(h * factor.clamp(0.1, 0.9));
-            }
-            // As the error has been growing from step to step, it will go on to grow (Gustafsson's predictor).
-            let predicted = if self.last_step > 0.0 {
-                factor * (h / self.last_step) * (self.last_excess / excess).powf(1.0 / order)
-            } else {
-                factor
+            next = match self.control.judge(h, excess, order, scale) {
+                Ok(next) => Some(next),
+                Err(shorter) => return Attempt::Again(shorter),
             };
-            let factor = factor.min(predicted.max(0.5 * factor));
-            self.this_excess = excess;
-            // Steps that have been shrinking, towards a singular point, will go on to shrink.
-            let shrinking = h < self.last_step && h < SHORT * scale;
-            let trend = if shrinking {
-                (h / self.last_step).max(0.5)
-            } else {
-                1.0
-            };
-            next = Some(h * factor.clamp(0.2, 6.0) * trend);
         }
         if self.oversteps(&step) {
             return Attempt::Again(0.5 * h);
@@ -217,7 +282,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
 
     /// What the rounding of coordinates amounts to on the surface.
     pub(super) fn rounding(&self) -> f64 {
-        let [a, b] = self.motion.at;
+        let [a, b] = self.state.at;
         let [t, w] = self.local.tangents;
         ROUNDING * (a.abs() * norm(t) + b.abs() * norm(w))
     }
@@ -227,23 +292,22 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         step: &Step,
         local: Local,
         h: f64,
-        pace: Pace,
+        pace: StepParameter,
         rounding: f64,
         scale: f64,
     ) {
         let noise = match &self.chart {
             Chart::Plain => self.local.noise,
-            Chart::Apex(chart) => chart.noise(self.motion.at, step.end.at),
+            Chart::Apex(chart) => chart.noise(self.state.at, step.end.at),
         };
-        if self.conjugates.is_some() {
+        if self.observers.conjugates.is_some() {
             self.note_conjugates(step, h, pace);
         }
         let before = self.speed();
-        self.steps += 1;
-        self.last_step = h;
-        self.last_excess = self.this_excess;
+        self.cost.steps += 1;
+        self.control.accept(h);
         self.s += step.length;
-        self.motion = step.end;
+        self.state = step.end;
         self.local = local;
         let [m, m1] = self.field;
         self.field = step.propagator.map(|[n, k]| n * m + k * m1);
@@ -263,7 +327,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         }
     }
 
-    /// Whether a step runs farther than its chart is good for.
+    /// Returns whether a step runs farther than its chart is good for.
     pub(super) fn oversteps(&self, step: &Step) -> bool {
         match &self.chart {
             Chart::Plain => self.plan.charts && self.atlas.needs_apex_chart(step.end.at),
@@ -278,26 +342,26 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             Chart::Plain => {
                 self.bring_back();
                 if self.plan.charts
-                    && let Chart::Apex(chart) = self.atlas.chart_for(self.motion.at)
+                    && let Chart::Apex(chart) = self.atlas.chart_for(self.state.at)
                 {
-                    let Some((motion, local)) = self.atlas.enter(&chart, self.motion) else {
+                    let Some((state, local)) = self.atlas.enter(&chart, self.state) else {
                         return false;
                     };
-                    (self.motion, self.local) = (motion, local);
+                    (self.state, self.local) = (state, local);
                     self.chart = Chart::Apex(chart);
                 }
                 true
             }
             Chart::Apex(chart) => {
-                if chart.is_left_at(self.motion.at) {
-                    self.motion = chart.leave(self.motion);
+                if chart.is_left_at(self.state.at) {
+                    self.state = chart.leave(self.state);
                     self.chart = Chart::Plain;
                     self.bring_back();
-                    let local = self.atlas.local(&self.chart, self.motion);
+                    let local = self.atlas.local(&self.chart, self.state);
                     self.local = local.unwrap_or(self.local);
                     return local.is_some();
                 }
-                let rotation = chart.turn_to(&mut self.motion);
+                let rotation = chart.turn_to(&mut self.state);
                 self.local.acceleration = rotated(rotation, self.local.acceleration);
                 let [t, w] = self.local.tangents;
                 let [cos, sin] = rotation;
@@ -308,10 +372,10 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     }
 
     pub(super) fn bring_back(&mut self) {
-        let crossing = self.atlas.bring_back(&mut self.motion.at);
+        let crossing = self.atlas.bring_back(&mut self.state.at);
         self.flipped ^= crossing.flipped;
         for (k, sign) in crossing.signs.into_iter().enumerate() {
-            self.motion.velocity[k] *= sign;
+            self.state.velocity[k] *= sign;
             self.local.acceleration[k] *= sign;
             self.local.tangents[k] = self.local.tangents[k].map(|x| x * sign);
         }

@@ -1,11 +1,15 @@
-//! Creases, where σ is continuous and its derivatives are not (|u|, max, min): noticed by a jump of the speed, located
-//! by bisection, crossed as light does that keeps its angle to the crease.
+//! Creases, where σ is continuous and its derivatives are not (|u|, max, min): noticed by a jump of the speed, located by
+//! bisection, and crossed so that the angle to the crease stays the same.
+//!
+//! Unfolded about the crease both sides are one plane to first order, and a geodesic is a straight line in it: the component
+//! of the velocity along the crease and the one across it keep their lengths. This is the rule for the edges of a polyhedron
+//! (Mitchell, Mount, Papadimitriou, *The discrete geodesic problem*, SIAM J. Comput. 16, 1987, pages 647–668).
 
 use super::ray::{Attempt, Ray};
 use super::stalled_at;
-use crate::chart::{Chart, Local, Motion};
-use crate::integrate::{Pace, Step};
+use crate::chart::{Chart, Local, State};
 use crate::metric::{combine, dot, norm};
+use crate::runge_kutta::{Step, StepParameter};
 use crate::status::Status;
 use crate::surface::Surface;
 
@@ -38,7 +42,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         step: &Step,
         local: &Local,
         h: f64,
-        pace: Pace,
+        pace: StepParameter,
         allowed: f64,
     ) -> Option<Attempt> {
         if !matches!(self.chart, Chart::Plain) {
@@ -47,14 +51,12 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         let scale = self.atlas.scale.size.min(self.s + step.length);
         let speed = self.speed();
         let change =
-            |motion: &Motion, local: &Local| length(local.tangents, motion.velocity) / speed - 1.0;
+            |state: &State, local: &Local| length(local.tangents, state.velocity) / speed - 1.0;
         let jump = change(&step.end, local);
         if jump.abs() <= NOTICED + NOTICED_BEYOND * allowed / scale {
             return None;
         }
-        match self.locate(step, *local, h, pace, &|motion, local| {
-            change(motion, local)
-        }) {
+        match self.locate(step, *local, h, pace, &|state, local| change(state, local)) {
             Found::Steep => Some(Attempt::Again(0.3 * h)),
             Found::Nothing => Some(Attempt::Ended(Status::WorkLimit)),
             Found::Jump(ends) => {
@@ -72,13 +74,13 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         step: &Step,
         local: Local,
         h: f64,
-        pace: Pace,
-        change: &dyn Fn(&Motion, &Local) -> f64,
+        pace: StepParameter,
+        change: &dyn Fn(&State, &Local) -> f64,
     ) -> Found {
         let jump = change(&step.end, &local);
         let (mut low, mut high) = (0.0, h);
         let start = Step {
-            end: self.motion,
+            end: self.state,
             length: 0.0,
             position_error: 0.0,
             direction_error: 0.0,
@@ -122,7 +124,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         &mut self,
         before: (Step, Local),
         after: (Step, Local),
-        pace: Pace,
+        pace: StepParameter,
         h: f64,
     ) -> Attempt {
         let rounding = self.rounding();
@@ -145,16 +147,16 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         };
         self.creases += 1;
         self.s += far.length - near.length;
-        self.motion = Motion {
+        self.state = State {
             at: far.end.at,
             velocity,
         };
-        let Some(local) = self.atlas.local(&self.chart, self.motion) else {
+        let Some(local) = self.atlas.local(&self.chart, self.state) else {
             return Attempt::Ended(stalled_at(self.atlas, self.plain().at));
         };
         self.local = local;
         // What came before says nothing about the steps behind.
-        self.last_step = 0.0;
+        self.control.forget();
         if self.enter_next_chart() {
             Attempt::Accepted(Some(h))
         } else {
@@ -166,9 +168,9 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     /// sides do not have a direction in common.
     fn refracted(
         &self,
-        near: &Motion,
+        near: &State,
         here: [[f64; 3]; 2],
-        far: &Motion,
+        far: &State,
         there: [[f64; 3]; 2],
     ) -> Option<[f64; 2]> {
         let candidates = if self.atlas.embedded {
@@ -198,13 +200,13 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         Some([0, 1].map(|k| share * along[k] + height / size * upright[k]))
     }
 
-    /// Whether both sides go on along a direction, a little off the crease: of the two directions in which metrics
+    /// Returns whether both sides go on along a direction, a little off the crease: of the two directions in which metrics
     /// agree, one is the crease's.
     fn is_along(
         &self,
-        near: &Motion,
+        near: &State,
         here: [[f64; 3]; 2],
-        far: &Motion,
+        far: &State,
         there: [[f64; 3]; 2],
         along: [f64; 2],
     ) -> bool {
@@ -214,8 +216,8 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         let (before, after) = (form(here), form(there));
         let gap = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).abs()).sum::<f64>();
         [-way, way].into_iter().all(|way| {
-            [(near, -off), (far, off)].into_iter().all(|(motion, off)| {
-                let at = [0, 1].map(|k| motion.at[k] + way * along[k] + off * near.velocity[k]);
+            [(near, -off), (far, off)].into_iter().all(|(state, off)| {
+                let at = [0, 1].map(|k| state.at[k] + way * along[k] + off * near.velocity[k]);
                 let jet = self.atlas.jet(at);
                 let found = form([jet.du, jet.dv]);
                 (gap(found, before) < gap(found, after)) == (off < 0.0)

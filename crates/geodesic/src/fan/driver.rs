@@ -4,21 +4,21 @@
 //! asks for much shorter steps than the others, or that comes to other coordinates, leaves the group, so that it does
 //! not hold it up.
 
+use super::active_ray::ActiveRay;
 use super::coordinates::Space;
 use super::group::Group;
-use super::runner::Runner;
 
 use crate::surface::{LANES, Surface};
 
-/// How rays are to be integrated.
+/// The plan by which the rays of a fan are integrated.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plan {
+pub(super) struct RayPlan {
     /// The error allowed per arc length.
     pub(super) rate: f64,
     /// A step shorter than this is allowed the error of one of this length: few are.
     pub(super) least: f64,
     /// What an error of direction is multiplied by to be one of position.
-    pub(super) lever: f64,
+    pub(super) length_scale: f64,
     /// What a relative error of the Jacobi field matters.
     pub(super) field: f64,
     /// Steps below this length lead nowhere.
@@ -35,12 +35,12 @@ pub(super) struct Plan {
 }
 
 /// Follows all runners to their ends, on the threads of the current pool; they come back in the order of their ids.
-pub(super) fn march_all<S: Surface + ?Sized>(
+pub(super) fn drive_all<S: Surface + ?Sized>(
     surface: &S,
     space: &Space,
-    plan: &Plan,
-    runners: Vec<Runner>,
-) -> Vec<Runner> {
+    plan: &RayPlan,
+    runners: Vec<ActiveRay>,
+) -> Vec<ActiveRay> {
     use rayon::prelude::*;
     let mut done = Vec::with_capacity(runners.len());
     let mut pending = runners;
@@ -48,7 +48,7 @@ pub(super) fn march_all<S: Surface + ?Sized>(
         // Rays in the same coordinates, with steps of like lengths, go together.
         pending
             .sort_by(|a, b| (a.chart.kind.cmp(&b.chart.kind)).then(octave(a.h).cmp(&octave(b.h))));
-        let mut groups: Vec<Vec<Runner>> = Vec::new();
+        let mut groups: Vec<Vec<ActiveRay>> = Vec::new();
         for runner in pending {
             match groups.last_mut() {
                 Some(group) if group.len() < LANES && group[0].chart.kind == runner.chart.kind => {
@@ -60,11 +60,11 @@ pub(super) fn march_all<S: Surface + ?Sized>(
         if groups.len() == 1 {
             groups
                 .iter_mut()
-                .for_each(|group| march(surface, space, plan, group));
+                .for_each(|group| drive(surface, space, plan, group));
         } else {
             groups
                 .par_iter_mut()
-                .for_each(|group| march(surface, space, plan, group));
+                .for_each(|group| drive(surface, space, plan, group));
         }
         let (ended, going): (Vec<_>, Vec<_>) =
             groups.into_iter().flatten().partition(|runner| runner.done);
@@ -81,7 +81,12 @@ fn octave(h: f64) -> i32 {
 }
 
 /// Takes a group as far as it goes together.
-fn march<S: Surface + ?Sized>(surface: &S, space: &Space, plan: &Plan, runners: &mut [Runner]) {
+fn drive<S: Surface + ?Sized>(
+    surface: &S,
+    space: &Space,
+    plan: &RayPlan,
+    runners: &mut [ActiveRay],
+) {
     let count = runners.len().min(LANES);
     let runners = &mut runners[..count];
     let Some(mut group) = Group::of(surface, space, plan, runners) else {

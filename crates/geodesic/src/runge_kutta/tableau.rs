@@ -1,8 +1,9 @@
 //! Coefficients of the embedded Runge–Kutta pairs, for autonomous systems (no nodes needed).
 //!
-//! Dormand and Prince 5(4): J. Comput. Appl. Math. 6 (1980), table 2. DOP853: Hairer, Nørsett, Wanner, *Solving
-//! Ordinary Differential Equations I*, section II.10, with its two error estimates of orders 5 and 3. The tests
-//! check their order conditions.
+//! Dormand and Prince 5(4): J. Comput. Appl. Math. 6 (1980), pages 19–26, table 2; also Hairer, Nørsett, Wanner,
+//! *Solving Ordinary Differential Equations I: Nonstiff Problems*, 2nd edition, Springer 1993, section II.5. DOP853: the
+//! same book, section II.10, with its two error estimates of orders 5 and 3; the coefficients are those of its authors'
+//! program of that name. The classical method: the same book, section II.1. The tests check the order conditions.
 
 /// An explicit embedded pair.
 #[derive(Debug)]

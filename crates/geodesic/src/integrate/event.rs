@@ -2,8 +2,8 @@
 
 use super::ray::{Attempt, Ray};
 use super::stalled_at;
-use crate::chart::{Chart, Motion};
-use crate::integrate::{Pace, Step};
+use crate::chart::{Chart, State};
+use crate::runge_kutta::{Step, StepParameter};
 use crate::status::Status;
 use crate::surface::{Side, Surface};
 
@@ -26,10 +26,10 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                 if chart.apex.smooth {
                     return None;
                 }
-                let outward = |motion: &Motion| {
-                    motion.at[0] * motion.velocity[0] + motion.at[1] * motion.velocity[1]
+                let outward = |state: &State| {
+                    state.at[0] * state.velocity[0] + state.at[1] * state.velocity[1]
                 };
-                let passes = outward(&self.motion) < 0.0 && outward(&step.end) >= 0.0;
+                let passes = outward(&self.state) < 0.0 && outward(&step.end) >= 0.0;
                 let arrives = step.end.at[0].hypot(step.end.at[1]) <= HIT * chart.radius();
                 (passes || arrives).then_some((Event::NearestToApex, h))
             }
@@ -39,7 +39,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                     let at = if share == 1.0 {
                         step.end.at
                     } else {
-                        hermite(&self.motion, &step.end, h, share)
+                        hermite(&self.state, &step.end, h, share)
                     };
                     (0..2).find_map(|axis| {
                         let [low, high] = self.atlas.domain[axis];
@@ -59,28 +59,34 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     }
 
     /// How far an event is ahead (negative) or behind (positive) at a point, and its rate.
-    fn measure(&self, event: Event, motion: &Motion) -> (f64, f64) {
+    fn measure(&self, event: Event, state: &State) -> (f64, f64) {
         match event {
             Event::Edge { axis, end } => {
                 let sign = if end == 0 { -1.0 } else { 1.0 };
                 (
-                    sign * (motion.at[axis] - self.atlas.domain[axis][end]),
-                    sign * motion.velocity[axis],
+                    sign * (state.at[axis] - self.atlas.domain[axis][end]),
+                    sign * state.velocity[axis],
                 )
             }
             Event::NearestToApex => {
-                let ([a, b], [x, y]) = (motion.at, motion.velocity);
+                let ([a, b], [x, y]) = (state.at, state.velocity);
                 (a * x + b * y, x * x + y * y)
             }
         }
     }
 
     /// Locates an event by Newton's method on the step's length, kept within a bracket: as exact as the steps are.
-    pub(super) fn end_at(&mut self, event: Event, h: f64, pace: Pace, length: f64) -> Attempt {
+    pub(super) fn end_at(
+        &mut self,
+        event: Event,
+        h: f64,
+        pace: StepParameter,
+        length: f64,
+    ) -> Attempt {
         let scale = self.atlas.scale.size.min(length);
         let rounding = self.rounding();
         let (mut low, mut high) = (0.0, h);
-        let (value, rate) = self.measure(event, &self.motion);
+        let (value, rate) = self.measure(event, &self.state);
         let mut at = if rate > 0.0 {
             (-value / rate).clamp(0.0, h)
         } else {
@@ -127,10 +133,10 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                 // A near miss: the step ends at the nearest point, from where the next one leads away.
                 self.accept(&step, local, at, pace, rounding, scale);
                 // Past the nearest point by a hair, so that it is not met again.
-                let ([a, b], [x, y]) = (self.motion.at, self.motion.velocity);
+                let ([a, b], [x, y]) = (self.state.at, self.state.velocity);
                 if a * x + b * y < 0.0 {
                     let along = (a * x + b * y) / (x * x + y * y);
-                    self.motion.at = [a - along * x, b - along * y];
+                    self.state.at = [a - along * x, b - along * y];
                 }
                 return if self.enter_next_chart() {
                     Attempt::Accepted(Some(h))
@@ -143,7 +149,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         Attempt::Ended(match event {
             Event::NearestToApex => Status::ConePoint,
             Event::Edge { axis, end } => {
-                self.motion.at[axis] = self.atlas.domain[axis][end];
+                self.state.at[axis] = self.atlas.domain[axis][end];
                 match self.atlas.apexes[axis][end] {
                     Some(_) => Status::ConePoint,
                     None => Status::LeftDomain,
@@ -154,7 +160,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
 }
 
 /// A point of the cubic through both ends with their velocities.
-fn hermite(from: &Motion, to: &Motion, h: f64, share: f64) -> [f64; 2] {
+fn hermite(from: &State, to: &State, h: f64, share: f64) -> [f64; 2] {
     let t = share;
     let (h00, h10) = (
         (1.0 + 2.0 * t) * (1.0 - t) * (1.0 - t),

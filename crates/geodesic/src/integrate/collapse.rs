@@ -35,7 +35,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             return None;
         }
         let normal = cross(self.local.tangents[0], self.local.tangents[1]);
-        let point = |t: f64| [0, 1].map(|k| self.motion.at[k] + t * self.motion.velocity[k]);
+        let point = |t: f64| [0, 1].map(|k| self.state.at[k] + t * self.state.velocity[k]);
         // With a sign, so that the secant passes through 0.
         let signed = |t: f64| {
             let jet = self.atlas.jet(point(t));

@@ -1,20 +1,20 @@
 //! A ray on its way from step to step, and what remains of it in the end.
 
-use super::coordinates::{Chart, Kind, Space};
+use super::coordinates::{CoordinateKind, FanChart, Space};
 use super::ray::{Knot, Ray, Segment, Stop};
 use super::sectors::{BINS, Profile, bin};
 use crate::status::Status;
 
 /// A ray on its way.
 #[derive(Clone, Debug)]
-pub(super) struct Runner {
+pub(super) struct ActiveRay {
     /// Its place among those that were asked for.
     pub(super) id: usize,
     pub(super) angle: f64,
     pub(super) length: f64,
     /// The share of the group's allowed error that it is allowed itself.
-    pub(super) care: f64,
-    pub(super) chart: Chart,
+    pub(super) tolerance_share: f64,
+    pub(super) chart: FanChart,
     pub(super) at: [f64; 2],
     pub(super) velocity: [f64; 2],
     /// +1 where the frame's Y lies to the left of X in the plain coordinates, −1 where to the right.
@@ -40,11 +40,11 @@ pub(super) struct Runner {
     pub(super) off: Profile,
 }
 
-impl Runner {
+impl ActiveRay {
     pub(super) fn new(
         angle: f64,
         length: f64,
-        chart: Chart,
+        chart: FanChart,
         at: [f64; 2],
         velocity: [f64; 2],
         side: f64,
@@ -54,7 +54,7 @@ impl Runner {
             id: 0,
             angle,
             length,
-            care: 1.0,
+            tolerance_share: 1.0,
             chart,
             at,
             velocity,
@@ -112,7 +112,7 @@ impl Runner {
     pub(super) fn finish(self) -> Ray {
         let mut ray = Ray::new(self.angle, &self.segments, self.stop);
         ray.off = self.off;
-        ray.care = self.care;
+        ray.tolerance_share = self.tolerance_share;
         ray
     }
 
@@ -133,7 +133,8 @@ impl Runner {
             .segments
             .last()
             .map(|segment| (segment.chart.kind, segment.knots.as_slice()));
-        let (Some(stop), Some((Kind::Plain, [.., a, b]))) = (&mut self.stop, knots) else {
+        let (Some(stop), Some((CoordinateKind::Plain, [.., a, b]))) = (&mut self.stop, knots)
+        else {
             return;
         };
         stop.edge = Some((axis, end));
@@ -158,7 +159,7 @@ impl Runner {
     }
 
     /// Goes over to other coordinates.
-    pub(super) fn enter(&mut self, space: &Space, chart: Chart) {
+    pub(super) fn enter(&mut self, space: &Space, chart: FanChart) {
         let (at, velocity) = self.plain(space);
         match space.tip(chart.kind) {
             None => (self.at, self.velocity) = (at, velocity),

@@ -2,10 +2,11 @@
 //!
 //! Between two rays the end is a cubic in the angle, whose third derivative is a constant. From one sector to the next it
 //! jumps, by the fourth derivative of the true end times the distance of the sectors' middles; and that derivative makes
-//! the cubic's error, w⁴/384 times it in the middle of a sector of the width w.
+//! the cubic's error, w⁴/384 times it in the middle of a sector of the width w: the remainder of Hermite's interpolation,
+//! f⁗/4! (w/2)⁴ (Stoer, Bulirsch, *Introduction to Numerical Analysis*, section 2.1.5).
 
 use super::cell;
-use super::coordinates::{Kind, Space};
+use super::coordinates::{CoordinateKind, Space};
 use super::ray::Ray;
 use super::sectors::{BINS, Sector};
 
@@ -18,7 +19,7 @@ const STRIDE: usize = 2;
 /// The third derivatives by the angle of a sector's cubic.
 #[derive(Clone, Copy, Debug)]
 struct Third {
-    kind: Kind,
+    kind: CoordinateKind,
     value: [f64; 2],
     /// The unit tangent and normal of its second ray.
     axes: [[f64; 2]; 2],
