@@ -163,9 +163,6 @@ impl Window {
         picture: Result<Box<Drawing>, String>,
         order: &Order,
     ) {
-        if let Ok(drawing) = &picture {
-            self.take_space_camera(pane, drawing, order);
-        }
         let view = self.views.entry(pane.clone()).or_default();
         if view
             .request
@@ -174,6 +171,11 @@ impl Window {
         {
             view.waiting = Waiting::No;
         }
+        // Only now: it puts the camera into the request that was sent.
+        if let Ok(drawing) = &picture {
+            self.take_space_camera(pane, drawing, order);
+        }
+        let view = self.views.entry(pane.clone()).or_default();
         match picture {
             Ok(drawing) => view.take(*drawing, order.version),
             Err(reason) => view.fail(reason, order.version),
