@@ -26,13 +26,13 @@ pub(crate) const INTERVAL_EMPTY: Code = Code("interval-empty");
 /// A sampling count below 2 or too large.
 pub(crate) const INTERVAL_COUNT: Code = Code("interval-count");
 /// The initial value of a param depends on a param or a grid.
-pub(crate) const INITIAL_NOT_CONSTANT: Code = Code("initial-not-constant");
+pub(crate) const INITIAL_NOT_CONSTANT: Code = Code("opening-not-constant");
 /// The initial value of a param does not have one component for each interval.
-pub(crate) const INITIAL_DIMENSION: Code = Code("initial-dimension");
+pub(crate) const INITIAL_DIMENSION: Code = Code("opening-dimension");
 /// The initial value of a param is undefined or infinite.
-pub(crate) const INITIAL_UNDEFINED: Code = Code("initial-undefined");
+pub(crate) const INITIAL_UNDEFINED: Code = Code("opening-undefined");
 /// The initial value of a param lies outside its interval.
-pub(crate) const INITIAL_OUTSIDE: Code = Code("initial-outside");
+pub(crate) const INITIAL_OUTSIDE: Code = Code("opening-outside");
 /// Two intervals for one parameter.
 pub(crate) const DUPLICATE_TAG: Code = Code("duplicate-tag");
 /// A curve or a geodesic whose parameters are not one, a surface or a metric whose parameters are not two.
