@@ -248,8 +248,7 @@ pub(crate) fn texture(text: &str) -> Result<TextureFile, String> {
 }
 
 /// Parses the name of a view, and that of its object if it is of one: `3d`, `geodesic` or `geodesic:SURFACE`.
-pub(crate) fn view(text: &str) -> Result<ViewName, String> {
-    let views = Views::standard();
+pub(crate) fn view(text: &str, views: &Views) -> Result<ViewName, String> {
     let (kind, object) = match text.split_once(':') {
         Some((kind, object)) => (kind, Some(object.trim().to_owned())),
         None => (text, None),
@@ -263,18 +262,37 @@ pub(crate) fn view(text: &str) -> Result<ViewName, String> {
             kind: view.name(),
             object,
         }),
-        _ => Err(format!("expected {}", forms(&views))),
+        _ => Err(format!("expected {}", forms(views))),
     }
 }
 
-/// The forms in which views are named: "3d, geodesic, or geodesic:SURFACE".
-fn forms(views: &Views) -> String {
-    let names = views.iter().flat_map(|view| {
+/// Parses the name of a view of this program. [`view_help`] and [`view`] take the place of this parser and its help, with
+/// the views of a registry.
+pub(crate) fn standard_view(text: &str) -> Result<ViewName, String> {
+    view(text, &Views::standard())
+}
+
+/// The help of an option that takes a view: "3d, or geodesic, or geodesic:SURFACE; …".
+pub(crate) fn view_help(views: &Views) -> String {
+    let names: Vec<String> = view_names(views).collect();
+    format!(
+        "{}; without a name, the program's first surface",
+        names.join(", or ")
+    )
+}
+
+/// The forms in which views are named: `3d`, `geodesic`, `geodesic:SURFACE`.
+fn view_names(views: &Views) -> impl Iterator<Item = String> + '_ {
+    views.iter().flat_map(|view| {
         let name = view.name();
         let of_object = view.is_of_object().then(|| format!("{name}:SURFACE"));
         [Some(name.to_owned()), of_object].into_iter().flatten()
-    });
-    let names: Vec<String> = names.collect();
+    })
+}
+
+/// The forms in which views are named, as a phrase: "3d, geodesic, or geodesic:SURFACE".
+fn forms(views: &Views) -> String {
+    let names: Vec<String> = view_names(views).collect();
     match names.split_last() {
         Some((last, [])) => last.clone(),
         Some((last, others)) => format!("{}, or {last}", others.join(", ")),
@@ -442,11 +460,11 @@ mod tests {
                 object: object.map(str::to_owned),
             })
         };
-        assert_eq!(view("3d"), named("3d", None));
-        assert_eq!(view("geodesic"), named("geodesic", None));
-        assert_eq!(view("geodesic:s"), named("geodesic", Some("s")));
+        assert_eq!(standard_view("3d"), named("3d", None));
+        assert_eq!(standard_view("geodesic"), named("geodesic", None));
+        assert_eq!(standard_view("geodesic:s"), named("geodesic", Some("s")));
         for text in ["", "2d", "geodesic:", "3d:s"] {
-            assert!(view(text).is_err(), "{text}");
+            assert!(standard_view(text).is_err(), "{text}");
         }
     }
 

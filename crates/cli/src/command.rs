@@ -13,8 +13,12 @@ mod render;
 mod show;
 mod trace;
 
-use clap::{Parser, Subcommand};
+use std::ffi::OsString;
 
+use clap::builder::ValueParser;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+
+use crate::argument;
 use crate::failure::Failure;
 use crate::registry::{Context, Registry};
 
@@ -47,6 +51,26 @@ pub(crate) struct Arguments {
     language: Option<String>,
     #[command(subcommand)]
     command: Command,
+}
+
+impl Arguments {
+    /// Parses the words of a command line, with the views of a registry.
+    ///
+    /// # Errors
+    /// Wrong usage; also `--help` and `--version`, which are texts for standard output.
+    pub(crate) fn parse_with<W: Into<OsString> + Clone>(
+        registry: &Registry,
+        words: impl IntoIterator<Item = W>,
+    ) -> Result<Self, clap::Error> {
+        let views = registry.views.clone();
+        let help = argument::view_help(&views);
+        let parser = ValueParser::new(move |text: &str| argument::view(text, &views));
+        let mut command = Self::command().mut_subcommand("render", |render| {
+            render.mut_arg("view", |view| view.help(help).value_parser(parser))
+        });
+        let matches = command.try_get_matches_from_mut(words)?;
+        Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -119,7 +143,6 @@ Exit status: 0 fine, 1 the program or the input has errors, 2 wrong usage or an 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_arguments_are_consistent() {

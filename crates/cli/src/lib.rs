@@ -22,13 +22,13 @@ mod style;
 
 use std::process::ExitCode;
 
-use clap::Parser;
-
 pub use registry::Registry;
 
 /// Reads the arguments of this process, runs the command that they name, and returns the exit status.
 pub fn run(registry: &Registry) -> ExitCode {
-    let arguments = command::Arguments::parse();
+    let parsed = command::Arguments::parse_with(registry, std::env::args_os());
+    // Help, the version, and wrong usage with its exit status.
+    let arguments = parsed.unwrap_or_else(|text| text.exit());
     match command::run(arguments, registry) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

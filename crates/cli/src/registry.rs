@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use ide::Languages;
 use ide::language::Language;
+use render::view::Views;
 
 use crate::failure::Failure;
 
@@ -13,6 +14,8 @@ use crate::failure::Failure;
 pub struct Registry {
     /// The languages of programs; the extension of a file chooses one of them.
     pub languages: Languages,
+    /// The views of a program, for pictures and the window.
+    pub views: Views,
 }
 
 impl Registry {
@@ -20,6 +23,7 @@ impl Registry {
     pub fn standard() -> Self {
         Self {
             languages: Languages::standard(),
+            views: Views::standard(),
         }
     }
 }

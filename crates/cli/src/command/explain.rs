@@ -118,19 +118,18 @@ struct IntrinsicEntry {
 /// Plans every view of the program and prints the plans.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
-    let document = document(program.scene());
+    let document = document(program.scene(), &context.registry.views);
     match arguments.format {
         Format::Json => output::print_json(&document),
         Format::Human => output::print(&text(&document, &program.source.name)),
     }
 }
 
-fn document(scene: &Arc<Scene>) -> Explanation {
+fn document(scene: &Arc<Scene>, all: &Views) -> Explanation {
     let settings = ParamValues::initial(scene);
     // The size of a picture changes nothing of what is built for it.
     let size = [512, 512];
     let settings = Arc::new(settings);
-    let all = Views::standard();
     let mut views = Vec::new();
     for kind in all.iter() {
         let objects: Vec<Option<ObjectId>> = match kind.is_of_object() {
@@ -144,7 +143,7 @@ fn document(scene: &Arc<Scene>) -> Explanation {
         for object in objects {
             let options = kind.options(object);
             let request = PictureRequest::new(scene, settings.clone(), options, size);
-            views.push(view(&all, &request));
+            views.push(view(all, &request));
         }
     }
     let dial = |(name, uniforms): (&String, usize)| Dial {

@@ -57,7 +57,7 @@ pub(super) struct Arguments {
     #[arg(short, long, value_name = "OUT.{png,gif,apng}")]
     output: PathBuf,
     /// 3d, or geodesic, or geodesic:SURFACE; without a name, the program's first surface
-    #[arg(long, value_name = "VIEW", default_value = "3d", value_parser = argument::view)]
+    #[arg(long, value_name = "VIEW", default_value = "3d", value_parser = argument::standard_view)]
     view: ViewName,
     /// The picture's size in pixels
     #[arg(long, value_name = "WxH", default_value = "800x800", value_parser = argument::size, allow_hyphen_values = true)]
@@ -162,8 +162,8 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
     let settings = program.settings(&arguments.set)?;
     let images = textures(&arguments.texture, &program)?;
-    let views = Views::standard();
-    let view = view(arguments, &views, &program, &settings)?;
+    let views = &context.registry.views;
+    let view = view(arguments, views, &program, &settings)?;
     let request = PictureRequest {
         overlays: Overlays {
             legend: arguments.legend,
@@ -190,13 +190,13 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             .map_err(animation::failure)?;
         request.textures = images.at(&request.scene, &request.settings)?;
         let mut picture =
-            render::render(&views, &request, arguments.backend, progress).map_err(failure)?;
+            render::render(views, &request, arguments.backend, progress).map_err(failure)?;
         picture.notes.extend(images.notes(&program, &request));
         Ok(picture)
     };
     if let Some(animation) = animation {
         return animation.write(arguments.size.0, &draw, |picture, what| {
-            summary(picture, what, &request, &views)
+            summary(picture, what, &request, views)
         });
     }
     let target = OutputTarget::new(&arguments.output)?;
@@ -206,7 +206,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     drop(progress);
     let picture = drawn?;
     target.write(&png(&picture.image)?)?;
-    output::print_error(&summary(&picture, &target.name(), &request, &views));
+    output::print_error(&summary(&picture, &target.name(), &request, views));
     Ok(())
 }
 

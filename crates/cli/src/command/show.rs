@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::{Args, Parser};
+use clap::Args;
 
 use super::preview::{self, NoWindow};
 use crate::argument::Format;
@@ -46,8 +46,10 @@ fn draw(arguments: &Arguments, context: &Context, view: &str, ending: &str) -> R
     let words = ["geotrace", "render", "--view", view, "-o"].map(OsString::from);
     let words = words.into_iter().chain([output, "--".into()]);
     let words = words.chain([arguments.file.clone().into_os_string()]);
-    let render = super::Arguments::try_parse_from(words).map_err(|error| Failure::Internal {
+    let parsed = super::Arguments::parse_with(&context.registry, words);
+    let mut render = parsed.map_err(|error| Failure::Internal {
         message: format!("a picture cannot be asked for: {error}"),
     })?;
+    render.language.clone_from(&context.language);
     super::run(render, &context.registry)
 }
