@@ -15,6 +15,7 @@ mod angle;
 mod cut;
 mod evaluate;
 mod fit;
+mod square;
 pub mod table;
 
 pub use angle::ARC_TANGENT;

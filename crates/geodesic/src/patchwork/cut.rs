@@ -2,7 +2,10 @@
 
 use std::array::from_fn;
 
-use super::fit::{CHECKS, COUNT, Fit, Grid, highest, truncate, value};
+use super::fit::{CHECKS, COUNT, Fit, Grid, highest, truncate};
+use super::square::{
+    Agreement, CORNERS, Place, Polynomials, SquareSamples, goes_on, is_near, unit,
+};
 use super::{BLOCK, Patch, Single};
 use crate::ends::{Coordinates, End, Ends};
 use crate::point::PicturePoint;
@@ -17,11 +20,6 @@ const BEYOND: f64 = 0.12;
 const NEGLIGIBLE: f64 = 0.05;
 /// How an error shrinks when the sides are halved.
 const HALVED: f64 = (1_u64 << COUNT) as f64;
-/// An apex farther off than so many times the patch's extent lets (u,v) be as smooth as its own coordinates.
-const FAR_APEX: f64 = 4.0;
-/// The corners are looked at before all else, as the first places of the check.
-const CORNERS: usize = 4;
-
 /// An end may be taken for one on the other side of an edge that it is so many pixels beside.
 const BESIDE: f64 = 0.2;
 
@@ -94,57 +92,6 @@ enum Attempt<const N: usize> {
     Covered(Piece<N>),
     /// To be divided, so many times.
     Divide(u32),
-}
-
-/// What the ends that have been looked at in a square have in common.
-#[derive(Clone, Copy, Debug, Eq, PartialEq)]
-enum Agreement {
-    /// All have this status.
-    Alike(Status),
-    /// Some have left the domain, the others are complete, and all say where they are: an edge goes through the square.
-    Edge,
-}
-
-/// The ends of a square that its polynomial is made from.
-struct SquareSamples<const N: usize> {
-    agreement: Agreement,
-    corners: [End<N>; CORNERS],
-    /// At the nodes, row by row.
-    nodes: Vec<(Place, End<N>)>,
-}
-
-/// A polynomial for each coordinate, as offsets from one end.
-struct Polynomials<const N: usize> {
-    coordinates: Coordinates,
-    periods: [f64; N],
-    reference: End<N>,
-    powers: [Grid; N],
-    /// The largest error that is expected, in pixels.
-    worst: f64,
-}
-
-impl<const N: usize> Polynomials<N> {
-    /// The value of a coordinate at (X, Y) in the square.
-    fn value(&self, k: usize, at: [f64; 2]) -> f64 {
-        self.reference.at[k] + value(&self.powers[k], at)
-    }
-}
-
-impl Agreement {
-    /// What these ends have in common with those before, of which `first` was the first one; `None` where nothing does.
-    fn with<const N: usize>(self, first: &End<N>, ends: &[End<N>]) -> Option<Self> {
-        let alike = |status: Status| ends.iter().all(|end| end.status == status);
-        match self {
-            Self::Alike(status) if alike(status) => Some(self),
-            _ => (goes_on(first) && ends.iter().all(goes_on)).then_some(Self::Edge),
-        }
-    }
-}
-
-/// Returns whether an end says where it is, although its geodesic may have left the domain before.
-fn goes_on<const N: usize>(end: &End<N>) -> bool {
-    let left = end.status == Status::LeftDomain && end.coordinates == Coordinates::Plain;
-    end.status == Status::Complete || left && end.at[0].is_finite()
 }
 
 impl<const N: usize> Subdivider<'_, N> {
@@ -536,26 +483,4 @@ impl<const N: usize> Subdivider<'_, N> {
             },
         )
     }
-}
-
-/// The unit vector along an axis.
-fn unit<const N: usize>(axis: usize) -> [f64; N] {
-    from_fn(|k| if k == axis { 1.0 } else { 0.0 })
-}
-
-type Place = PicturePoint;
-
-/// Returns whether an apex is so near to ends about it that their polar coordinates would bend.
-fn is_near<const N: usize>(ends: &[End<N>]) -> bool {
-    let mut low = [f64::INFINITY; 2];
-    let mut high = [f64::NEG_INFINITY; 2];
-    let mut nearest = f64::INFINITY;
-    for end in ends {
-        nearest = nearest.min(end.at[0].hypot(end.at[1]));
-        for k in 0..2 {
-            low[k] = low[k].min(end.at[k]);
-            high[k] = high[k].max(end.at[k]);
-        }
-    }
-    nearest < FAR_APEX * (high[0] - low[0]).max(high[1] - low[1])
 }
