@@ -15,7 +15,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use scene::geotrace::{Compilation, Excerpt};
 use syntax::diagnostic::Diagnostic;
-use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::declarations::Category;
 use syntax::geotrace::document::{Document, Piece, Snapshot, Tokens};
 use syntax::geotrace::symbols::Symbol;
 use syntax::geotrace::token::{Token, TokenKind};
@@ -370,10 +370,7 @@ impl GeotraceAnalysis {
             let Some(item) = self.item_of(id).and_then(|k| self.item(k)) else {
                 continue;
             };
-            found |= matches!(
-                item.word,
-                DeclarationKeyword::Param | DeclarationKeyword::Grid
-            );
+            found |= matches!(item.word.category(), Category::Slider | Category::Grid);
             if found {
                 break;
             }

@@ -1,6 +1,6 @@
 //! What can be written at a place.
 
-use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::declarations::{Category, DeclarationKeyword, Row, Syntax, TABLE};
 use syntax::geotrace::symbols::{Symbol, SymbolKind};
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
@@ -26,9 +26,7 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
     let mut is_complete = true;
     let list = match place.wanted {
         Wanted::Nothing => Vec::new(),
-        Wanted::Declaration => DeclarationKeyword::ALL
-            .map(|word| declaring(word, snippets))
-            .to_vec(),
+        Wanted::Declaration => TABLE.iter().map(|row| declaration(row, snippets)).collect(),
         Wanted::Parameter(item) => own_parameters(analysis, item),
         Wanted::ParameterOf(item) => own_parameters(analysis, item),
         Wanted::Surface => {
@@ -36,8 +34,8 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
             let all = names.list(analysis).into_iter();
             let is_surface = |symbol: &&Symbol| {
                 matches!(
-                    symbol.word,
-                    Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric)
+                    symbol.word.map(DeclarationKeyword::category),
+                    Some(Category::Surface | Category::Metric)
                 )
             };
             all.filter(is_surface).map(of_symbol).collect()
@@ -60,11 +58,8 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
 
 /// More about a completion, told when it is chosen from the list.
 pub fn describe(analysis: &GeotraceAnalysis, offset: u32, label: &str) -> Option<Description> {
-    if let Some(word) = DeclarationKeyword::from_text(label) {
-        return Some(describe::description(
-            form(word),
-            [purpose(word).to_owned()],
-        ));
+    if let Some(keyword) = DeclarationKeyword::from_text(label) {
+        return Some(describe::keyword(keyword));
     }
     let id = NamesInScope::at(analysis, offset).named(label)?;
     describe::of_symbol(analysis, id)
@@ -125,7 +120,7 @@ impl Place {
                     Wanted::Operand(number)
                 }
                 TokenKind::Colon => {
-                    let geodesic = item.is_some_and(|it| it.word == DeclarationKeyword::Geodesic);
+                    let geodesic = item.is_some_and(|it| it.word.row().syntax == Syntax::InSurface);
                     let behind = at.checked_sub(1).and_then(|k| analysis.token(k));
                     let behind_list = behind.is_none_or(|t| {
                         let last = t.text.bytes().next_back();
@@ -202,13 +197,6 @@ fn function_before(analysis: &GeotraceAnalysis, underscore: usize) -> Option<usi
 
 /// Whether behind this comma an interval's tag comes: the comma stands outside all brackets, behind the body.
 fn expects_tag(analysis: &GeotraceAnalysis, item: &Item<'_>, comma: usize) -> bool {
-    let has_intervals = matches!(
-        item.word,
-        DeclarationKeyword::Curve
-            | DeclarationKeyword::Surface
-            | DeclarationKeyword::Metric
-            | DeclarationKeyword::Geodesic
-    );
     let first = analysis.document().tokens_begun(item.span.start) as usize;
     let depth: i32 = analysis
         .tokens(first..comma)
@@ -218,7 +206,7 @@ fn expects_tag(analysis: &GeotraceAnalysis, item: &Item<'_>, comma: usize) -> bo
             _ => 0,
         })
         .sum();
-    has_intervals && depth == 0
+    item.word.has_domain() && depth == 0
 }
 
 fn own_parameters(analysis: &GeotraceAnalysis, item: usize) -> Vec<Completion> {
@@ -265,13 +253,9 @@ impl<'r> Names<'r> {
 }
 
 fn of_symbol(symbol: &Symbol) -> Completion {
-    let kind = match (symbol.word, symbol.kind) {
-        (Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric), _) => {
-            CompletionKind::Surface
-        }
-        (Some(DeclarationKeyword::Curve | DeclarationKeyword::Geodesic), _) => {
-            CompletionKind::Curve
-        }
+    let kind = match (symbol.word.map(DeclarationKeyword::category), symbol.kind) {
+        (Some(Category::Surface | Category::Metric), _) => CompletionKind::Surface,
+        (Some(Category::Curve), _) => CompletionKind::Curve,
         (_, SymbolKind::Function) => CompletionKind::Function,
         (_, SymbolKind::Constant) => CompletionKind::Constant,
     };
@@ -286,75 +270,16 @@ fn of_symbol(symbol: &Symbol) -> Completion {
     }
 }
 
-fn declaring(word: DeclarationKeyword, snippets: bool) -> Completion {
+fn declaration(row: &Row, snippets: bool) -> Completion {
     Completion {
-        label: word.text().to_owned(),
+        label: row.text.to_owned(),
         kind: CompletionKind::Keyword,
-        detail: purpose(word).to_owned(),
+        detail: row.purpose.to_owned(),
         insert: if snippets {
-            snippet(word).to_owned()
+            row.snippet.to_owned()
         } else {
-            format!("{} ", word.text())
+            format!("{} ", row.text)
         },
         snippet: snippets,
-    }
-}
-
-/// The form of a declaration.
-pub(crate) fn form(word: DeclarationKeyword) -> &'static str {
-    match word {
-        DeclarationKeyword::Param => "param r = 0.5 : [0, 1];",
-        DeclarationKeyword::Grid => "grid k : [0, 1, 5];",
-        DeclarationKeyword::Define => "define a = 2pi;",
-        DeclarationKeyword::Function => "function f(x, y) = x^2 + y;",
-        DeclarationKeyword::Curve => "curve c(t) = (cos t, sin t, 0), t : [0, 2pi];",
-        DeclarationKeyword::Surface => "surface s(u,v) = (u, v, u v), u : [0, 1], v : [0, 1];",
-        DeclarationKeyword::Point => "point p = (1, 2, 3);",
-        DeclarationKeyword::Vector => "vector v = (1, 0, 0) @ p;",
-        DeclarationKeyword::Metric => "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-2, 2], v : [1, 4];",
-        DeclarationKeyword::Geodesic => "geodesic g(t) : s = (1, 0) @ (0, 0), t : [0, 1];",
-    }
-}
-
-/// What a declaration is for.
-pub(crate) fn purpose(word: DeclarationKeyword) -> &'static str {
-    match word {
-        DeclarationKeyword::Param => "a slider, one for each interval",
-        DeclarationKeyword::Grid => {
-            "equally spaced values; what depends on them is drawn once for each"
-        }
-        DeclarationKeyword::Define => "a constant",
-        DeclarationKeyword::Function => "a function of numbers or vectors",
-        DeclarationKeyword::Curve => "a curve in space",
-        DeclarationKeyword::Surface => "a surface in space, seen in 3D and from inside",
-        DeclarationKeyword::Point => "a point in space",
-        DeclarationKeyword::Vector => "an arrow: direction @ origin",
-        DeclarationKeyword::Metric => {
-            "a surface given by its first fundamental form (E, F, G), seen from inside"
-        }
-        DeclarationKeyword::Geodesic => "a straightest line in a surface: direction @ start",
-    }
-}
-
-fn snippet(word: DeclarationKeyword) -> &'static str {
-    match word {
-        DeclarationKeyword::Param => "param ${1:r} : [${2:0}, ${3:1}];",
-        DeclarationKeyword::Grid => "grid ${1:k} : [${2:0}, ${3:1}, ${4:5}];",
-        DeclarationKeyword::Define => "define ${1:a} = ${2:2pi};",
-        DeclarationKeyword::Function => "function ${1:f}(${2:x}) = ${3:x^2};",
-        DeclarationKeyword::Curve => {
-            "curve ${1:c}(${2:t}) = (${3:cos t}, ${4:sin t}, ${5:0}), ${2:t} : [${6:0}, ${7:2pi}];"
-        }
-        DeclarationKeyword::Surface => {
-            "surface ${1:s}(${2:u},${3:v}) = (${4:u}, ${5:v}, ${6:u v}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];"
-        }
-        DeclarationKeyword::Point => "point ${1:p} = (${2:0}, ${3:0}, ${4:0});",
-        DeclarationKeyword::Vector => "vector ${1:v} = (${2:1}, ${3:0}, ${4:0}) @ ${5:(0, 0, 0)};",
-        DeclarationKeyword::Metric => {
-            "metric ${1:h}(${2:u},${3:v}) = (${4:1}, ${5:0}, ${6:1}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];"
-        }
-        DeclarationKeyword::Geodesic => {
-            "geodesic ${1:g}(${2:t}) : ${3:s} = (${4:1}, ${5:0}) @ (${6:0}, ${7:0}), ${2:t} : [0, ${8:1}];"
-        }
     }
 }

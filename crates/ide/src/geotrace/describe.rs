@@ -2,7 +2,7 @@
 
 use expr::ops;
 use scene::ParamValues;
-use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::declarations::{Category, DeclarationKeyword};
 use syntax::geotrace::symbols::{Symbol, SymbolKind};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
@@ -26,6 +26,12 @@ pub(crate) fn description(
         code: code.into(),
         text: text.into_iter().collect(),
     }
+}
+
+/// Describes a declaration keyword, by its example and its purpose.
+pub(crate) fn keyword(keyword: DeclarationKeyword) -> Description {
+    let row = keyword.row();
+    description(row.example, [row.purpose.to_owned()])
 }
 
 /// Describes a target.
@@ -72,8 +78,8 @@ fn declared(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Description {
         text.push("This declaration holds an error.".to_owned());
         return description(code, text);
     }
-    match item.word {
-        DeclarationKeyword::Param => {
+    match item.word.category() {
+        Category::Slider => {
             let intervals = written_intervals(analysis, item);
             text.push(format!(
                 "a slider over {intervals}; it starts at {}",
@@ -83,17 +89,15 @@ fn declared(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Description {
                 }
             ));
         }
-        DeclarationKeyword::Grid => {
+        Category::Grid => {
             let intervals = written_intervals(analysis, item);
             text.push(format!(
                 "the values {intervals}: what depends on it is drawn once for each"
             ));
         }
-        DeclarationKeyword::Define | DeclarationKeyword::Point | DeclarationKeyword::Vector => {
-            text.extend(value(analysis, item));
-        }
-        DeclarationKeyword::Function => {}
-        _ => {
+        Category::Constant => text.extend(value(analysis, item)),
+        Category::Function => {}
+        Category::Curve | Category::Surface | Category::Metric => {
             let lines = item.parameters().filter_map(|(name, _)| {
                 let interval = interval_of(analysis, item, name)?;
                 Some(format!("`{name} : {interval}`"))

@@ -4,7 +4,7 @@
 //! param opens with them, as in `param r = 0.3 : [0, 1];`.
 
 use scene::Range;
-use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::declarations::Category;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
@@ -71,7 +71,7 @@ const STEPS: f64 = 10_000.0;
 
 /// The value that a param opens with, where it is written.
 pub fn initial_value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Span> {
-    if item.word != DeclarationKeyword::Param {
+    if item.word.category() != Category::Slider {
         return None;
     }
     let behind = Span::new(item.name_span.end, item.span.end);
@@ -86,7 +86,7 @@ pub fn initial_value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Spa
 
 /// The intervals of a param, where nothing is wrong with it.
 fn ranges(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Vec<Range>> {
-    if item.word != DeclarationKeyword::Param {
+    if item.word.category() != Category::Slider {
         return None;
     }
     let excerpt = analysis.excerpt([item.index]);

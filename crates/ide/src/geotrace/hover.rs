@@ -4,7 +4,6 @@ use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
 use super::analysis::GeotraceAnalysis;
-use super::completion::{form, purpose};
 use super::describe;
 use crate::description::Description;
 
@@ -12,9 +11,8 @@ use crate::description::Description;
 pub fn hover(analysis: &GeotraceAnalysis, offset: u32) -> Option<(Span, Description)> {
     let k = analysis.token_at(offset)?;
     let token = analysis.token(k)?;
-    if let TokenKind::Declare(word) = token.kind {
-        let description = describe::description(form(word), [purpose(word).to_owned()]);
-        return Some((token.span, description));
+    if let TokenKind::Declare(keyword) = token.kind {
+        return Some((token.span, describe::keyword(keyword)));
     }
     let description = describe::describe(analysis, analysis.target(k)?)?;
     Some((token.span, description))

@@ -1,6 +1,6 @@
 //! The views of each surface.
 
-use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::declarations::Category;
 
 use super::analysis::GeotraceAnalysis;
 use crate::lens::Lens;
@@ -17,9 +17,9 @@ pub fn lenses(analysis: &GeotraceAnalysis) -> Vec<Lens> {
         };
         let space = lens("3D", "3d", None);
         let inside = lens("inside view", "geodesic", Some(item.name.to_owned()));
-        match item.word {
-            DeclarationKeyword::Surface => vec![space, inside],
-            DeclarationKeyword::Metric => vec![inside],
+        match item.word.category() {
+            Category::Surface => vec![space, inside],
+            Category::Metric => vec![inside],
             _ => Vec::new(),
         }
     });

@@ -1,6 +1,6 @@
 //! The shape of a text: what it declares, what folds, what grows around a cursor.
 
-use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::declarations::Category;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
@@ -14,7 +14,7 @@ pub fn outline(analysis: &GeotraceAnalysis) -> Vec<OutlineEntry> {
         .filter(|item| !item.name.is_empty())
         .map(|item| OutlineEntry {
             name: item.name.to_owned(),
-            kind: kind(item.word),
+            kind: kind(item.word.category()),
             keyword: item.word.text(),
             detail: parameters(item.parameters().map(|(name, _)| name)),
             span: item.span,
@@ -23,17 +23,12 @@ pub fn outline(analysis: &GeotraceAnalysis) -> Vec<OutlineEntry> {
         .collect()
 }
 
-fn kind(word: DeclarationKeyword) -> OutlineKind {
-    match word {
-        DeclarationKeyword::Param | DeclarationKeyword::Grid => OutlineKind::Variable,
-        DeclarationKeyword::Define | DeclarationKeyword::Point | DeclarationKeyword::Vector => {
-            OutlineKind::Constant
-        }
-        DeclarationKeyword::Function => OutlineKind::Function,
-        DeclarationKeyword::Curve
-        | DeclarationKeyword::Surface
-        | DeclarationKeyword::Metric
-        | DeclarationKeyword::Geodesic => OutlineKind::Object,
+fn kind(category: Category) -> OutlineKind {
+    match category {
+        Category::Slider | Category::Grid => OutlineKind::Variable,
+        Category::Constant => OutlineKind::Constant,
+        Category::Function => OutlineKind::Function,
+        Category::Curve | Category::Surface | Category::Metric => OutlineKind::Object,
     }
 }
 

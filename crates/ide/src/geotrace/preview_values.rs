@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::declarations::Category;
 use syntax::span::Span;
 
 use super::analysis::GeotraceAnalysis;
@@ -17,7 +17,7 @@ pub fn preview_values(
 ) -> Vec<Hint> {
     analysis
         .items_in(range)
-        .filter(|item| item.word == DeclarationKeyword::Param)
+        .filter(|item| item.word.category() == Category::Slider)
         .filter_map(|item| {
             let value = values.get(item.name)?;
             let numbers: Vec<String> = value.iter().map(|x| short(*x)).collect();

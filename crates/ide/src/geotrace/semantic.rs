@@ -1,6 +1,6 @@
 //! Colours by meaning: the text's tokens in the standard types of editors.
 
-use syntax::geotrace::declarations::DeclarationKeyword;
+use syntax::geotrace::declarations::{Category, DeclarationKeyword};
 use syntax::geotrace::document::Piece;
 use syntax::geotrace::symbols::SymbolKind;
 use syntax::geotrace::token::TokenKind;
@@ -54,7 +54,10 @@ fn token(analysis: &GeotraceAnalysis, piece: Piece<'_>, index: usize) -> Option<
                         SymbolKind::Constant => TokenType::Variable,
                         SymbolKind::Function => TokenType::Function,
                     };
-                    (token_type, word_modifier(symbol.word))
+                    (
+                        token_type,
+                        category_modifier(symbol.word.map(DeclarationKeyword::category)),
+                    )
                 }
             };
             if introduces_in(piece, index) {
@@ -72,18 +75,13 @@ fn token(analysis: &GeotraceAnalysis, piece: Piece<'_>, index: usize) -> Option<
     })
 }
 
-fn word_modifier(word: Option<DeclarationKeyword>) -> Modifiers {
-    match word {
+fn category_modifier(category: Option<Category>) -> Modifiers {
+    match category {
         None => Modifiers::DEFAULT_LIBRARY,
-        Some(DeclarationKeyword::Curve | DeclarationKeyword::Geodesic) => Modifiers::CURVE,
-        Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric) => Modifiers::SURFACE,
-        Some(DeclarationKeyword::Grid) => Modifiers::GRID,
-        Some(DeclarationKeyword::Param) => Modifiers::PARAM,
-        Some(
-            DeclarationKeyword::Define
-            | DeclarationKeyword::Function
-            | DeclarationKeyword::Point
-            | DeclarationKeyword::Vector,
-        ) => Modifiers::default(),
+        Some(Category::Curve) => Modifiers::CURVE,
+        Some(Category::Surface | Category::Metric) => Modifiers::SURFACE,
+        Some(Category::Grid) => Modifiers::GRID,
+        Some(Category::Slider) => Modifiers::PARAM,
+        Some(Category::Constant | Category::Function) => Modifiers::default(),
     }
 }
