@@ -20,6 +20,7 @@ pub mod stiff;
 pub mod structure;
 pub mod talk;
 pub mod toy_language;
+pub mod toy_view;
 pub mod wanted;
 
 use syntax::diagnostic::Code;

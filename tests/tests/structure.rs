@@ -1,0 +1,151 @@
+//! The structure of the code: what imports what, what few files may name, which words are no longer used.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use testing::examples::repository;
+use testing::structure::{self, File};
+
+#[test]
+fn no_modules_import_each_other_in_a_cycle() {
+    let files = structure::files();
+    let cycles = structure::cycles(&files);
+    assert!(cycles.is_empty(), "modules import each other: {cycles:#?}");
+}
+
+#[test]
+fn few_files_name_a_view_a_shape_or_a_keyword() {
+    let files = structure::files();
+    for limit in structure::limits(&files) {
+        assert!(
+            limit.files.len() <= limit.most,
+            "{}: {}, at most {}: {:#?}",
+            limit.what,
+            limit.files.len(),
+            limit.most,
+            limit.files
+        );
+    }
+}
+
+/// How many names of types may be declared three times or more: as few as there are, so that a new one is noticed.
+const REPEATED: usize = 34;
+
+#[test]
+fn few_names_of_types_are_declared_three_times() {
+    let files = structure::files();
+    let mut types = structure::types(&files);
+    types.retain(|_, places| places.len() > 2);
+    assert!(types.len() <= REPEATED, "{}: {types:#?}", types.len());
+}
+
+/// Words for which the field has a standard term; ARCHITECTURE.md has the glossary.
+const RETIRED: &[&str] = &[
+    "artist", "easel", "mender", "hung", "pilot", "studio", "workshop", "shelf", "racks",
+    "trickle", "keeper", "mail", "standing", "hands", "telling", "desk", "worn", "leniency",
+];
+
+#[test]
+fn retired_words_are_not_used_for_names() {
+    let retired: BTreeSet<&str> = RETIRED.iter().copied().collect();
+    let mut found = Vec::new();
+    for file in structure::files() {
+        let words = structure::words(&file);
+        let used: Vec<&String> = words
+            .iter()
+            .filter(|it| retired.contains(it.as_str()))
+            .collect();
+        if !used.is_empty() {
+            found.push(format!("{}: {used:?}", file.path.display()));
+        }
+    }
+    assert!(found.is_empty(), "{found:#?}");
+}
+
+#[test]
+fn a_folder_of_modules_stands_beside_the_file_that_declares_them() {
+    let folders: Vec<PathBuf> = structure::files()
+        .into_iter()
+        .map(|file| file.path)
+        .filter(|path| path.ends_with("mod.rs"))
+        .collect();
+    assert!(folders.is_empty(), "{folders:#?}");
+}
+
+/// The files of a crate below a folder of its `src`, or not below it.
+fn files_of(krate: &str, folder: &str, below: bool) -> Vec<File> {
+    let mut files = structure::files();
+    files.retain(|file| {
+        let is_below = file.modules.first().is_some_and(|module| module == folder);
+        file.krate == krate && is_below == below && !file.modules.is_empty()
+    });
+    assert!(!files.is_empty(), "no files in `{krate}`");
+    files
+}
+
+#[test]
+fn the_kernels_of_syntax_and_scene_do_not_import_a_language() {
+    for krate in ["syntax", "scene"] {
+        for file in files_of(krate, "geotrace", false) {
+            let imports = file.imports();
+            assert!(
+                !imports.contains("geotrace"),
+                "{} imports a language",
+                file.path.display()
+            );
+        }
+    }
+}
+
+/// What stands between backticks and looks like a path of the repository.
+fn paths(text: &str) -> Vec<&str> {
+    let ends = [
+        ".rs", ".md", ".gtr", ".wgsl", ".toml", ".snap", ".cases", ".mjs", ".py",
+    ];
+    let in_code = text.split('`').skip(1).step_by(2);
+    let linked = text
+        .split("](")
+        .skip(1)
+        .filter_map(|rest| rest.split(')').next());
+    in_code
+        .chain(linked)
+        .filter(|it| !it.contains(|c: char| c.is_whitespace() || "*<>{}…:,()".contains(c)))
+        .filter(|it| {
+            it.contains('/') && (ends.iter().any(|end| it.ends_with(end)) || it.ends_with('/'))
+        })
+        .filter(|it| !it.starts_with("//") && !it.starts_with("../"))
+        .collect()
+}
+
+#[test]
+fn the_paths_that_the_documents_name_exist() {
+    let mut missing = Vec::new();
+    let mut count = 0;
+    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        let Ok(text) = std::fs::read_to_string(repository().join(document)) else {
+            continue;
+        };
+        for path in paths(&text) {
+            count += 1;
+            let path = path.trim_start_matches('/');
+            let places = [
+                repository().join(path),
+                repository().join("crates").join(path),
+            ];
+            if !places.iter().any(|place| place.exists()) {
+                missing.push(format!("{document}: {path}"));
+            }
+        }
+    }
+    assert!(count > 10, "only {count} paths were found");
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
+#[test]
+fn a_path_that_does_not_exist_would_be_found() {
+    assert_eq!(
+        paths("see `no/such.rs` and [a](docs/b.md), `a / b`"),
+        ["no/such.rs", "docs/b.md"]
+    );
+    assert!(!Path::new("no/such.rs").exists());
+}
