@@ -6,14 +6,12 @@ mod worker;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
-use geodesic::ends::{Estimate, Work};
-use render::Renderer;
 use render::counters::Counters;
-use render::gpu::Canvas;
+use render::rendered::RenderedImage;
 use render::view::Hit;
+use render::{PictureRequest, Renderer};
 
 use crate::channel::EventSender;
-use crate::engine::request::Order;
 use crate::queue::LatestQueue;
 use crate::state::SpaceCamera;
 use crate::state::pane::PaneKey;
@@ -25,49 +23,28 @@ pub(crate) enum RenderEvent {
     /// A picture was drawn, or failed with a sentence.
     Drawn {
         pane: PaneKey,
-        picture: Result<Box<Drawing>, String>,
-        order: Box<Order>,
+        /// The picture; it took the time from the request to pixels that can be shown.
+        picture: Result<Box<RenderedImage>, String>,
+        /// The camera that the 3D view is seen from.
+        space_camera: Option<SpaceCamera>,
+        request: Box<VersionedRequest>,
         counters: Counters,
     },
     /// An object was found under a place of the 3D view, or none.
     Picked {
-        order: Box<Order>,
+        request: Box<PictureRequest>,
         hit: Option<Hit>,
         purpose: Purpose,
     },
-    /// Where everything is seen from.
+    /// The camera that sees everything was found.
     Framed(SpaceCamera),
 }
 
-/// A finished picture.
-#[derive(Debug)]
-pub(crate) struct Drawing {
-    pub(crate) pixels: Painted,
-    pub(crate) notes: Vec<String>,
-    /// Of a geodesic view: its cost and how exact it is.
-    pub(crate) inside: Option<(Work, Option<Estimate>)>,
-    /// The camera of the 3D view.
-    pub(crate) space_camera: Option<SpaceCamera>,
-    pub(crate) took: Duration,
-}
-
-/// The pixels of a finished picture.
-#[derive(Debug)]
-pub(crate) enum Painted {
-    /// In memory.
-    Image(image::RgbaImage),
-    /// On the window's own GPU.
-    Canvas(Canvas),
-}
-
-impl Painted {
-    /// Returns the number of pixels.
-    pub(crate) fn pixels(&self) -> usize {
-        match self {
-            Self::Image(image) => image.width() as usize * image.height() as usize,
-            Self::Canvas(canvas) => canvas.size().iter().map(|side| *side as usize).product(),
-        }
-    }
+/// A request with the version of the text that its scene is of. The picture does not depend on the version.
+#[derive(Clone, Debug)]
+pub(crate) struct VersionedRequest {
+    pub(crate) picture: PictureRequest,
+    pub(crate) version: i32,
 }
 
 /// The purpose of a pick.
@@ -93,7 +70,7 @@ pub(crate) struct RenderThread {
 /// The key of a job: a newer job takes the place of a waiting one with the same key.
 #[derive(Clone, Debug, Eq, Ord, PartialEq, PartialOrd)]
 enum Key {
-    Stage,
+    Renderer,
     Question(u64),
     Pane(PaneKey),
 }
@@ -101,7 +78,7 @@ enum Key {
 /// The rank of a job: those of a lower rank are done first.
 #[derive(Clone, Copy, Debug)]
 enum Rank {
-    Stage,
+    Renderer,
     Pick,
     Frame,
     Draw,
@@ -111,29 +88,29 @@ enum Rank {
 #[derive(Debug)]
 enum Job {
     Move(Box<Renderer>),
-    Draw(Box<Order>),
-    Pick(Box<Order>, [f64; 2], Purpose),
-    Frame(Box<Order>),
+    Draw(Box<VersionedRequest>),
+    Pick(Box<PictureRequest>, [f64; 2], Purpose),
+    Frame(Box<PictureRequest>),
 }
 
 impl RenderThread {
-    /// Starts the thread, which draws on a stage. The pictures of a stage on the window's own GPU stay there.
-    pub(crate) fn start(events: EventSender<RenderEvent>, stage: Renderer) -> Self {
+    /// Starts the thread, which draws with a renderer. The pictures of a renderer on the window's own GPU stay there.
+    pub(crate) fn start(events: EventSender<RenderEvent>, renderer: Renderer) -> Self {
         let queue = LatestQueue::default();
         let own = queue.clone();
-        std::thread::spawn(move || work(&own, &events, stage));
+        std::thread::spawn(move || work(&own, &events, renderer));
         Self { queue, asked: 0 }
     }
 
-    /// Draws on another stage from now on.
-    pub(crate) fn set_stage(&self, stage: Renderer) {
-        let job = Job::Move(Box::new(stage));
-        self.queue.push(Rank::Stage as u8, Key::Stage, job);
+    /// Draws with another renderer from now on.
+    pub(crate) fn set_renderer(&self, renderer: Renderer) {
+        let job = Job::Move(Box::new(renderer));
+        self.queue.push(Rank::Renderer as u8, Key::Renderer, job);
     }
 
     /// Asks for a picture, in the place of one of the same pane that has not been begun.
-    pub(crate) fn draw(&self, pane: PaneKey, order: Order) {
-        let job = Job::Draw(Box::new(order));
+    pub(crate) fn draw(&self, pane: PaneKey, request: VersionedRequest) {
+        let job = Job::Draw(Box::new(request));
         self.queue.push(Rank::Draw as u8, Key::Pane(pane), job);
     }
 
@@ -143,13 +120,13 @@ impl RenderThread {
     }
 
     /// Asks what is under a pixel of the 3D view that a request describes.
-    pub(crate) fn pick(&mut self, order: Order, at: [f64; 2], purpose: Purpose) {
-        self.ask(Rank::Pick, Job::Pick(Box::new(order), at, purpose));
+    pub(crate) fn pick(&mut self, request: PictureRequest, at: [f64; 2], purpose: Purpose) {
+        self.ask(Rank::Pick, Job::Pick(Box::new(request), at, purpose));
     }
 
     /// Asks for the camera that sees everything that a request shows.
-    pub(crate) fn frame(&mut self, order: Order) {
-        self.ask(Rank::Frame, Job::Frame(Box::new(order)));
+    pub(crate) fn frame(&mut self, request: PictureRequest) {
+        self.ask(Rank::Frame, Job::Frame(Box::new(request)));
     }
 
     fn ask(&mut self, rank: Rank, job: Job) {
@@ -164,29 +141,30 @@ impl Drop for RenderThread {
     }
 }
 
-fn work(queue: &LatestQueue<Key, Job>, events: &EventSender<RenderEvent>, stage: Renderer) {
-    let mut worker = Worker::new(stage);
+fn work(queue: &LatestQueue<Key, Job>, events: &EventSender<RenderEvent>, renderer: Renderer) {
+    let mut worker = Worker::new(renderer);
     while let Some((key, job)) = queue.take() {
         // A panic must not take the window with it: it becomes a sentence.
         let answer = catch_unwind(AssertUnwindSafe(|| match (&key, &job) {
-            (Key::Pane(pane), Job::Draw(order)) => Some(worker.draw(pane, order)),
-            (_, Job::Pick(order, at, purpose)) => Some(worker.pick(order, *at, *purpose)),
-            (_, Job::Frame(order)) => worker.frame(order),
+            (Key::Pane(pane), Job::Draw(request)) => Some(worker.draw(pane, request)),
+            (_, Job::Pick(request, at, purpose)) => Some(worker.pick(request, *at, *purpose)),
+            (_, Job::Frame(request)) => worker.frame(request),
             _ => None,
         }));
         let event = match (answer, key, job) {
-            (_, _, Job::Move(stage)) => {
-                worker.move_to(*stage);
+            (_, _, Job::Move(renderer)) => {
+                worker.move_to(*renderer);
                 continue;
             }
             (Ok(Some(event)), ..) => event,
             (Ok(None), ..) => continue,
-            (Err(_), Key::Pane(pane), Job::Draw(order)) => {
+            (Err(_), Key::Pane(pane), Job::Draw(request)) => {
                 worker.move_to(Renderer::software());
                 RenderEvent::Drawn {
                     pane,
                     picture: Err("internal error: the picture could not be drawn".to_owned()),
-                    order,
+                    space_camera: None,
+                    request,
                     counters: worker.counters(),
                 }
             }

@@ -8,11 +8,10 @@ use egui::{
     Color32, ColorImage, Context, PaintCallbackInfo, Painter, Rect, TextureHandle, TextureOptions,
 };
 use render::Renderer;
-use render::gpu::{Blit, Blitter, Canvas, Gpu};
+use render::gpu::{Blit, Blitter, Canvas, Gpu, Pixels};
 use render::gpu::{DeviceType, GraphicsApi, PollType, RenderPass};
 
 use crate::Backend;
-use crate::engine::render_thread::Painted;
 
 /// The GPU that draws the window.
 #[derive(Clone)]
@@ -39,9 +38,9 @@ impl GpuSurface {
         }
     }
 
-    /// The stage that a backend means here, and its name in words. A GPU that is a program on the processor is slower
+    /// Returns the renderer that a backend means here, and its name in words. A GPU that is a program on the processor is slower
     /// than the processor's own way, so it is taken only where it is asked for.
-    pub(crate) fn stage(&self, backend: Backend) -> (Renderer, String) {
+    pub(crate) fn renderer(&self, backend: Backend) -> (Renderer, String) {
         let adapter = self.state.adapter.get_info();
         // OpenGL can draw the controls, but lacks what the passes need.
         let is_real = adapter.device_type != DeviceType::Cpu && adapter.backend != GraphicsApi::Gl;
@@ -105,13 +104,13 @@ impl TextureBinding {
     /// Hangs a picture up, in the place of another one. Nothing comes of it where the GPU is lost: another one is
     /// opened then.
     pub(crate) fn new(
-        painted: Painted,
+        painted: Pixels,
         before: Option<Self>,
         screen: Option<&GpuSurface>,
         context: &Context,
     ) -> Option<Self> {
         let Some(screen) = screen else {
-            let Painted::Image(image) = painted else {
+            let Pixels::Image(image) = painted else {
                 return None;
             };
             let size = [image.width() as usize, image.height() as usize];
@@ -128,8 +127,8 @@ impl TextureBinding {
         };
         let blitter = Arc::clone(screen.blitter.as_ref()?);
         let (canvas, is_own) = match painted {
-            Painted::Canvas(canvas) => (canvas, false),
-            Painted::Image(image) => {
+            Pixels::Texture(canvas) => (canvas, false),
+            Pixels::Image(image) => {
                 let size = [image.width(), image.height()];
                 if let Some(Self::Canvas { blit, is_own, .. }) = &before
                     && *is_own

@@ -80,7 +80,7 @@ fn numbers(window: &Window, ui: &mut Ui) {
     ui.label(format!(
         "picture {picture_took:.1} ms, frame {frame_took:.1} ms"
     ));
-    if let (Some((work, estimate)), PaneKey::Inside(_)) = (picture.inside, &window.active) {
+    if let (Some((work, estimate)), PaneKey::Inside(_)) = (picture.geodesics, &window.active) {
         ui.separator();
         let error = estimate.map_or(String::new(), |it| format!(", error ≤ {:.2} px", it.max));
         ui.label(format!(

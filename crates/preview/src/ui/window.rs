@@ -246,9 +246,9 @@ impl Window {
             view.forget_request();
             view.picture = None;
         }
-        let (stage, words) = screen.stage(backend);
+        let (renderer, words) = screen.renderer(backend);
         self.set_frame_wait_budget(screen.frame_wait_budget());
-        self.render_thread.set_stage(stage);
+        self.render_thread.set_renderer(renderer);
         self.display.replace(screen, words);
     }
 

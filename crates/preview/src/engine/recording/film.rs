@@ -1,7 +1,7 @@
 //! The pictures of a recording, one after the other, and the files that hold them.
 //!
 //! ```text
-//! Film: order, camera, what moves ──share of the whole──▶ settings, camera ──software path──▶ picture ──▶ Reel
+//! Film: request, camera, what moves ──share of the whole──▶ settings, camera ──software path──▶ picture ──▶ Reel
 //!                                                                    Reel: one file, or a file for each picture
 //! ```
 //!
@@ -19,7 +19,7 @@ use render::viewpoint::ViewCamera;
 use render::{PictureRequest, Renderer};
 use scene::ObjectId;
 
-use crate::engine::request::{Look, Order};
+use crate::engine::request::camera_on;
 use crate::io::files;
 use crate::state::InsideCamera;
 use crate::state::camera_controller::{CameraController, Subject};
@@ -30,7 +30,7 @@ use crate::state::path::{CameraPath, between};
 #[derive(Debug)]
 pub(crate) struct Film {
     /// The picture of the view as it is.
-    pub(crate) order: Order,
+    pub(crate) request: PictureRequest,
     /// The geodesic camera that is looked through, or that the 3D view shows.
     pub(crate) camera: Option<(ObjectId, InsideCamera)>,
     /// A param that runs from one value to another.
@@ -175,7 +175,7 @@ impl Pictures {
             changes: film.change.iter().cloned().collect(),
             ..Script::default()
         };
-        let mut request = film.order.request();
+        let mut request = film.request.clone();
         request.size = film.clip.size;
         let base = script
             .steady(&request)
@@ -195,16 +195,15 @@ impl Pictures {
     fn draw(&mut self, number: u32) -> Result<RgbaImage, Ended> {
         let failed = |error: String| Ended::Failed(error);
         let film = &self.film;
-        let scene = &film.order.scene;
         let share = Script::share(number, film.clip.frames);
         let at = self.script.frame_at(&self.base, share);
         let at = at.map_err(|error| failed(error.to_string()))?;
-        let mut order = film.order.clone();
-        order.settings = at.settings;
+        let mut request = film.request.clone();
+        request.settings = at.settings;
         if let Some((surface, start)) = film.camera {
             let subject = Subject {
-                scene: Arc::clone(scene),
-                settings: Arc::clone(&order.settings),
+                scene: Arc::clone(request.scene.arc()),
+                settings: Arc::clone(&request.settings),
                 surface,
             };
             let before = self.camera.unwrap_or(start);
@@ -225,12 +224,12 @@ impl Pictures {
             }
             self.done = share;
             self.camera = Some(camera);
-            match &mut order.look {
-                Look::Space { standpoint, .. } => *standpoint = Some((surface, camera)),
-                Look::Inside { camera: own, .. } => *own = Some(camera),
+            let camera = camera_on(surface, &camera);
+            match request.view.get_mut::<SpaceOptions>() {
+                Some(options) => options.show_camera = Some(camera),
+                None => request.view.set_camera(ViewCamera::Geodesic(camera)),
             }
         }
-        let mut request = order.request();
         if let ViewCamera::Perspective(_) = request.view.camera() {
             request.view.set_camera(self.base.view.camera());
         }

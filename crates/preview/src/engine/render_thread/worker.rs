@@ -1,4 +1,4 @@
-//! What a job needs and what is kept for the next one; a job in, an answer out.
+//! The state of the render thread: a request in, an event out.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -8,52 +8,52 @@ use glam::DVec3;
 use render::camera::Camera;
 use render::counters::Counters;
 use render::gpu::Pixels;
-use render::view::space;
-use render::viewpoint::{PerspectiveCamera, ViewCamera};
-use render::{RenderError, Renderer};
-use scene::ParamValues;
-use scene::{ObjectId, Scene};
+use render::rendered::RenderedImage;
+use render::shared::Shared;
+use render::view::space::{self, SpaceOptions};
+use render::viewpoint::PerspectiveCamera;
+use render::{PictureRequest, RenderError, Renderer};
+use scene::{ObjectId, ParamValues, Scene};
 
-use super::{Drawing, Painted, Purpose, RenderEvent};
-use crate::engine::request::{Look, Order};
+use super::{Purpose, RenderEvent, VersionedRequest};
 use crate::state::SpaceCamera;
 use crate::state::pane::PaneKey;
 
 /// The state of the render thread between two pictures.
 pub(super) struct Worker {
-    stage: Renderer,
+    renderer: Renderer,
     /// Set if the renderer draws on the window's own GPU.
     shares_gpu: bool,
-    /// Where everything of a scene is seen from, at the settings and size where it was asked for.
+    /// The camera that sees everything.
     home: Option<Home>,
     /// The time that the last picture of each pane took.
     took: BTreeMap<PaneKey, Duration>,
 }
 
-/// A scene with its params, the size of its picture, what is hidden, and the place from which all of the rest is seen.
-type Home = (
-    Arc<Scene>,
-    Arc<ParamValues>,
-    [u32; 2],
-    Vec<ObjectId>,
-    SpaceCamera,
-);
+/// The camera that sees everything, and all that it depends on.
+struct Home {
+    scene: Shared<Scene>,
+    settings: Arc<ParamValues>,
+    size: [u32; 2],
+    hidden: Vec<ObjectId>,
+    camera: SpaceCamera,
+}
 
 impl Worker {
-    /// Draws on a stage. If that is on the window's own GPU, pictures stay there.
-    pub(super) fn new(stage: Renderer) -> Self {
+    /// Draws with a renderer. If that is on the window's own GPU, pictures stay there.
+    pub(super) fn new(renderer: Renderer) -> Self {
         Self {
-            shares_gpu: stage.gpu().is_some(),
-            stage,
+            shares_gpu: renderer.gpu().is_some(),
+            renderer,
             home: None,
             took: BTreeMap::new(),
         }
     }
 
-    /// Draws on another stage from now on.
-    pub(super) fn move_to(&mut self, stage: Renderer) {
-        self.shares_gpu = stage.gpu().is_some();
-        self.stage = stage;
+    /// Draws with another renderer from now on.
+    pub(super) fn move_to(&mut self, renderer: Renderer) {
+        self.shares_gpu = renderer.gpu().is_some();
+        self.renderer = renderer;
     }
 
     /// Returns the time that the last picture of a pane took.
@@ -63,86 +63,96 @@ impl Worker {
 
     /// Returns the renderer's counters.
     pub(super) fn counters(&self) -> Counters {
-        self.stage.counters()
+        self.renderer.counters()
     }
 
     /// Draws a pane's picture.
-    pub(super) fn draw(&mut self, pane: &PaneKey, order: &Order) -> RenderEvent {
+    pub(super) fn draw(&mut self, pane: &PaneKey, request: &VersionedRequest) -> RenderEvent {
         let start = Instant::now();
-        let mut picture = self.picture(order, start);
-        if picture.is_err() && self.stage.is_lost() {
+        let mut drawn = self.picture(&request.picture, start);
+        if drawn.is_err() && self.renderer.is_lost() {
             // The processor is never lost.
             self.move_to(Renderer::software());
-            picture = self.picture(order, start);
+            drawn = self.picture(&request.picture, start);
         }
         self.took.insert(pane.clone(), start.elapsed());
+        let (picture, space_camera) = match drawn {
+            Ok((picture, camera)) => (Ok(Box::new(picture)), camera),
+            Err(error) => (Err(error.to_string()), None),
+        };
         RenderEvent::Drawn {
             pane: pane.clone(),
-            picture: picture.map(Box::new).map_err(|error| error.to_string()),
-            order: Box::new(order.clone()),
-            counters: self.stage.counters(),
+            picture,
+            space_camera,
+            request: Box::new(request.clone()),
+            counters: self.renderer.counters(),
         }
     }
 
     /// Finds what is under a pixel.
-    pub(super) fn pick(&mut self, order: &Order, at: [f64; 2], purpose: Purpose) -> RenderEvent {
-        let request = order.request();
-        let hit = self.stage.pick(&request, at);
-        let hit = hit.ok().flatten();
+    pub(super) fn pick(
+        &mut self,
+        request: &PictureRequest,
+        at: [f64; 2],
+        purpose: Purpose,
+    ) -> RenderEvent {
+        let hit = self.renderer.pick(request, at);
         RenderEvent::Picked {
-            order: Box::new(order.clone()),
-            hit,
+            request: Box::new(request.clone()),
+            hit: hit.ok().flatten(),
             purpose,
         }
     }
 
     /// Finds the camera that sees everything.
-    pub(super) fn frame(&mut self, order: &Order) -> Option<RenderEvent> {
-        Some(RenderEvent::Framed(self.home(order).ok()?))
+    pub(super) fn frame(&mut self, request: &PictureRequest) -> Option<RenderEvent> {
+        let mut request = request.clone();
+        let options = request.view.get_mut::<SpaceOptions>()?;
+        options.camera = PerspectiveCamera::default();
+        Some(RenderEvent::Framed(self.home(&request).ok()?))
     }
 
-    fn picture(&mut self, order: &Order, start: Instant) -> Result<Drawing, RenderError> {
-        let mut space_camera = None;
-        let mut request = order.request();
-        if let Look::Space { camera, .. } = &order.look {
-            let seen_from = match camera {
-                Some(camera) => *camera,
-                None => self.home(order)?,
-            };
-            let camera = PerspectiveCamera::new(seen_from.eye, seen_from.target);
-            request.view.set_camera(ViewCamera::Perspective(camera));
-            space_camera = Some(seen_from);
+    /// Draws a picture; returns it with the camera that everything is seen from, where the request leaves that open.
+    fn picture(
+        &mut self,
+        request: &PictureRequest,
+        start: Instant,
+    ) -> Result<(RenderedImage, Option<SpaceCamera>), RenderError> {
+        let mut request = request.clone();
+        let options = request.view.get::<SpaceOptions>();
+        let is_open = options.is_some_and(|options| options.camera.eye.is_none());
+        let home = if is_open {
+            Some(self.home(&request)?)
+        } else {
+            None
+        };
+        if let (Some(home), Some(options)) = (home, request.view.get_mut::<SpaceOptions>()) {
+            options.camera = PerspectiveCamera::new(home.eye, home.target);
         }
-        let shot = self.stage.draw(&request)?;
-        let pixels = match shot.image {
-            Pixels::Texture(canvas) if self.shares_gpu => Painted::Canvas(canvas),
-            pixels => Painted::Image(self.stage.read(pixels)?),
+        let mut drawn = self.renderer.draw(&request)?;
+        let pixels = match drawn.image {
+            Pixels::Texture(canvas) if self.shares_gpu => Pixels::Texture(canvas),
+            pixels => Pixels::Image(self.renderer.read(pixels)?),
         };
-        Ok(Drawing {
-            pixels,
-            notes: shot.notes,
-            inside: shot.geodesics,
-            space_camera,
-            took: start.elapsed(),
-        })
+        drawn.image = pixels;
+        drawn.took = start.elapsed();
+        Ok((drawn, home))
     }
 
-    /// Where everything is seen from.
-    fn home(&mut self, order: &Order) -> Result<SpaceCamera, RenderError> {
-        let hidden_now = match &order.look {
-            Look::Space { hidden, .. } => hidden.as_slice(),
-            Look::Inside { .. } => &[],
-        };
-        if let Some((scene, settings, size, hidden, camera)) = &self.home
-            && Arc::ptr_eq(scene, &order.scene)
-            && *settings == order.settings
-            && *size == order.size
-            && *hidden == hidden_now
+    /// Returns the camera that sees everything that a request of the 3D view shows.
+    fn home(&mut self, request: &PictureRequest) -> Result<SpaceCamera, RenderError> {
+        let options = request.view.get::<SpaceOptions>();
+        let hidden = options.map_or(Vec::new(), |options| options.hidden.clone());
+        if let Some(home) = &self.home
+            && home.scene == request.scene
+            && home.settings == request.settings
+            && home.size == request.size
+            && home.hidden == hidden
         {
-            return Ok(*camera);
+            return Ok(home.camera);
         }
-        let bounds = space::bounds(&order.request());
-        let camera = Camera::new(&bounds, None, None, order.size)?;
+        let bounds = space::bounds(request);
+        let camera = Camera::new(&bounds, None, None, request.size)?;
         let (centre, radius) = (
             DVec3::from(bounds.placement.centre),
             bounds.placement.radius,
@@ -155,13 +165,13 @@ impl Worker {
             radius,
             moved: false,
         };
-        self.home = Some((
-            Arc::clone(&order.scene),
-            Arc::clone(&order.settings),
-            order.size,
-            hidden_now.to_vec(),
+        self.home = Some(Home {
+            scene: request.scene.clone(),
+            settings: Arc::clone(&request.settings),
+            size: request.size,
+            hidden,
             camera,
-        ));
+        });
         Ok(camera)
     }
 }

@@ -9,6 +9,7 @@ use render::view::space::SpaceOptions;
 use render::{Backend, PictureRequest, Views};
 
 use crate::channel::report_when_done;
+use crate::engine::request::with_curvatures;
 use crate::io::files;
 use crate::state::pane::PaneKey;
 use crate::ui::window::Window;
@@ -33,7 +34,7 @@ pub(crate) enum Decision {
 
 /// Opens the dialog for a picture of the active view.
 pub(crate) fn ask_for_picture(window: &mut Window) {
-    let Some(order) = window.kept(&window.active) else {
+    let Some(request) = window.kept(&window.active) else {
         return;
     };
     let name = match &window.active {
@@ -42,7 +43,7 @@ pub(crate) fn ask_for_picture(window: &mut Window) {
     };
     window.dialogs.picture = Some(PictureDialog {
         pane: window.active.clone(),
-        size: order.size,
+        size: request.size,
         transparent: false,
         path: in_folder(window, &name),
     });
@@ -61,12 +62,11 @@ pub(crate) fn in_folder(window: &Window, name: &str) -> String {
 
 /// Copies the active view's picture.
 pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
-    let Some(order) = window.kept(&window.active) else {
+    let Some(request) = window.kept(&window.active) else {
         return;
     };
     let context = ui.ctx().clone();
     report_when_done(window.status_sender(), move || {
-        let request = order.request();
         let picture = render::render(&Views::standard(), &request, Backend::Auto, &|_| {});
         let image = picture.map_err(|error| error.to_string())?.image;
         let size = [image.width() as usize, image.height() as usize];
@@ -207,10 +207,9 @@ pub(crate) fn choose(window: &Window, title: &str, path: &str) {
 }
 
 fn write_picture(window: &Window, dialog: &PictureDialog) {
-    let Some(order) = window.kept(&dialog.pane) else {
+    let Some(mut request) = window.kept(&dialog.pane) else {
         return;
     };
-    let mut request = order.request();
     request.size = dialog.size;
     if let Some(options) = request.view.get_mut::<SpaceOptions>()
         && dialog.transparent
@@ -225,16 +224,15 @@ fn write_picture(window: &Window, dialog: &PictureDialog) {
 
 fn write_mesh(window: &Window, path: &str) {
     // Colours and textures are the 3D view's.
-    let order = window
+    let request = window
         .sent(&PaneKey::Space)
         .or_else(|| window.sent(&window.active));
-    let Some(order) = order.cloned() else {
+    let Some(request) = request.cloned() else {
         return;
     };
     let path = PathBuf::from(path);
     report_when_done(window.status_sender(), move || {
-        let request = order.whole_request();
-        save_mesh(&path, &request)
+        save_mesh(&path, &with_curvatures(request))
     });
 }
 

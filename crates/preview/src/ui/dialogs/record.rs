@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use egui::{Align2, ComboBox, DragValue, Grid, ProgressBar, Ui};
 use export::animation::{self, Clip, ParamChange};
+use render::view::space::SpaceOptions;
 
 use super::picture::{self, Decision};
 use crate::engine::recording::Recording;
 use crate::engine::recording::film::{Film, Kind};
-use crate::engine::request::Look;
 use crate::state::motion::Motion;
 use crate::state::pane::PaneKey;
 use crate::state::{InsideCamera, StatusMessage};
@@ -55,7 +55,7 @@ impl Moves {
 /// Opens the dialog for a recording of the active view.
 pub(crate) fn ask(window: &mut Window) {
     let pane = window.active.clone();
-    let Some(size) = window.kept(&pane).map(|order| order.size) else {
+    let Some(size) = window.kept(&pane).map(|request| request.size) else {
         return;
     };
     let mut moves = Vec::new();
@@ -240,10 +240,10 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
 
 /// Begins to record what a dialog was left with.
 fn begin(window: &mut Window, dialog: &RecordDialog) {
-    let Some(mut order) = window.kept(&dialog.pane) else {
+    let Some(request) = window.kept(&dialog.pane) else {
         return;
     };
-    let id_of = |name: &str| order.scene.object(name).map(|(id, _)| id);
+    let id_of = |name: &str| request.scene.object(name).map(|(id, _)| id);
     let mut camera = dialog
         .camera
         .as_ref()
@@ -267,14 +267,13 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
         window.status_message = Some(StatusMessage::error(sentence));
         return;
     }
-    if let Look::Space { standpoint, .. } = &mut order.look {
-        // A param is recorded with what the view shows, a walk with the camera that walks.
-        if change.is_some() && standpoint.is_none() {
-            camera = None;
-        }
+    // A param is recorded with what the view shows, a walk with the camera that walks.
+    let options = request.view.get::<SpaceOptions>();
+    if change.is_some() && options.is_some_and(|options| options.show_camera.is_none()) {
+        camera = None;
     }
     let film = Film {
-        order,
+        request,
         camera,
         trail: dialog.trail && change.is_none(),
         change,

@@ -41,21 +41,21 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
         }
     }
     if response.clicked()
-        && let Some(order) = window.sent(&pane).cloned()
+        && let Some(request) = window.sent(&pane).cloned()
     {
         let pointed = response.interact_pointer_pos();
         // A key presses what has the focus, in its middle.
         let at = pointed.unwrap_or_else(|| response.rect.center());
         let share = (at - response.rect.min) / response.rect.size();
-        let [width, height] = order.size.map(f64::from);
+        let [width, height] = request.size.map(f64::from);
         let pixel = [f64::from(share.x) * width, f64::from(share.y) * height];
         if response.double_clicked() {
-            window.double_click(order, pixel);
+            window.double_click(request, pixel);
         } else if ui.input(|input| input.modifiers.command) {
-            window.render_thread.pick(order, pixel, Purpose::Open);
+            window.render_thread.pick(request, pixel, Purpose::Open);
         } else if !response.triple_clicked() {
             // The third of three clicks means nothing by itself.
-            window.click(order, pixel, pointed.is_none(), ui);
+            window.click(request, pixel, pointed.is_none(), ui);
         }
     }
     if response.has_focus() && window.input.by_keys {

@@ -8,11 +8,11 @@
 use std::sync::Arc;
 
 use egui::Ui;
+use render::PictureRequest;
 use render::view::Hit;
 
 use super::Window;
 use crate::engine::render_thread::Purpose;
-use crate::engine::request::Order;
 use crate::state::StatusMessage;
 use crate::state::camera_controller::Subject;
 
@@ -41,7 +41,7 @@ struct Open {
 
 impl Window {
     /// A click on a pixel of a 3D picture. One by a key is never the first half of two.
-    pub(crate) fn click(&mut self, order: Order, at: [f64; 2], by_key: bool, ui: &Ui) {
+    pub(crate) fn click(&mut self, request: PictureRequest, at: [f64; 2], by_key: bool, ui: &Ui) {
         self.end_click();
         self.input.clicks.count += 1;
         self.input.clicks.open = (!by_key).then(|| Open {
@@ -50,11 +50,11 @@ impl Window {
             shown: self.active_surface.clone(),
         });
         let purpose = Purpose::Place(self.input.clicks.count);
-        self.render_thread.pick(order, at, purpose);
+        self.render_thread.pick(request, at, purpose);
     }
 
     /// A double click there, whose first half has been taken for a click.
-    pub(crate) fn double_click(&mut self, order: Order, at: [f64; 2]) {
+    pub(crate) fn double_click(&mut self, request: PictureRequest, at: [f64; 2]) {
         if let Some(open) = self.input.clicks.open.take() {
             self.input.clicks.withdrawn = Some(self.input.clicks.count);
             self.model.withdraw_placement();
@@ -62,7 +62,7 @@ impl Window {
                 self.active_surface = open.shown;
             }
         }
-        self.render_thread.pick(order, at, Purpose::Open);
+        self.render_thread.pick(request, at, Purpose::Open);
     }
 
     /// Ends the last click: it has no further effect.
@@ -99,8 +99,8 @@ impl Window {
     }
 
     /// Takes over the object that was found under a click.
-    pub(super) fn take_hit(&mut self, order: &Order, hit: &Hit, purpose: Purpose) {
-        let Some(object) = order.scene.objects.get(hit.object.0 as usize) else {
+    pub(super) fn take_hit(&mut self, request: &PictureRequest, hit: &Hit, purpose: Purpose) {
+        let Some(object) = request.scene.objects.get(hit.object.0 as usize) else {
             return;
         };
         let name = object.name.clone();
@@ -122,8 +122,8 @@ impl Window {
             return;
         }
         let subject = Subject {
-            scene: Arc::clone(&order.scene),
-            settings: Arc::clone(&order.settings),
+            scene: Arc::clone(request.scene.arc()),
+            settings: Arc::clone(&request.settings),
             surface: hit.object,
         };
         let zoom = self.model.view.inside.get(&name).map(|camera| camera.zoom);

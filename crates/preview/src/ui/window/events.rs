@@ -109,7 +109,8 @@ impl Window {
             RenderEvent::Drawn {
                 pane,
                 picture,
-                order,
+                space_camera,
+                request,
                 counters,
             } => {
                 self.counters.pictures += 1;
@@ -117,13 +118,13 @@ impl Window {
                 self.counters.sampled = counters.sampled;
                 self.counters.pipelines = counters.pipelines;
                 self.counters.looks = counters.looks;
-                self.take_picture(&pane, picture, &order);
+                self.take_picture(&pane, picture, space_camera, &request);
             }
             RenderEvent::Picked {
-                order,
+                request,
                 hit: Some(hit),
                 purpose,
-            } => self.take_hit(&order, &hit, purpose),
+            } => self.take_hit(&request, &hit, purpose),
             RenderEvent::Picked { hit: None, .. } => {}
             RenderEvent::Framed(home) => {
                 if let Some(camera) = self.model.view.space {

@@ -157,8 +157,8 @@ impl Window {
 
     /// Puts the 3D camera where everything is seen, from where it looks now: the artist knows how far that is.
     pub(crate) fn frame_all(&mut self) {
-        if let Some(order) = self.sent(&PaneKey::Space).cloned() {
-            self.render_thread.frame(order);
+        if let Some(request) = self.sent(&PaneKey::Space).cloned() {
+            self.render_thread.frame(request);
         }
     }
 

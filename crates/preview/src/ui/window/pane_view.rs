@@ -3,9 +3,11 @@
 use std::time::Duration;
 
 use geodesic::ends::{Estimate, Work};
+use render::PictureRequest;
+use render::gpu::Pixels;
+use render::rendered::RenderedImage;
 
-use crate::engine::render_thread::{Drawing, Painted};
-use crate::engine::request::Order;
+use crate::engine::request::differ_by_shown_camera;
 use crate::ui::gpu_surface::TextureBinding;
 
 /// A pane with a picture.
@@ -16,7 +18,7 @@ pub(crate) struct PaneView {
     /// Set if it was on the screen when the window last drew itself.
     pub(super) on_screen: bool,
     /// The request that was sent last.
-    pub(super) request: Option<Order>,
+    pub(super) request: Option<PictureRequest>,
     pub(super) waiting: Waiting,
     /// The picture that is on the screen.
     pub(crate) picture: Option<Picture>,
@@ -38,11 +40,12 @@ pub(super) enum Waiting {
 #[derive(Default)]
 pub(crate) struct Picture {
     /// Newly arrived pixels, to be handed to the GPU.
-    pub(crate) fresh: Option<Painted>,
+    pub(crate) fresh: Option<Pixels>,
     /// The texture that it is painted from.
     pub(crate) binding: Option<TextureBinding>,
     pub(crate) notes: Vec<String>,
-    pub(crate) inside: Option<(Work, Option<Estimate>)>,
+    /// Of a geodesic view: its cost, and how exact it is.
+    pub(crate) geodesics: Option<(Work, Option<Estimate>)>,
     pub(crate) took: Duration,
     /// The seconds that a pixel took.
     pub(super) rate: f64,
@@ -56,14 +59,14 @@ impl PaneView {
     /// Notes a request that is sent now. A picture that differs from the one before only by another view's camera is
     /// one
     /// that follows.
-    pub(super) fn send(&mut self, order: &Order) {
+    pub(super) fn send(&mut self, request: &PictureRequest) {
         let before = self.request.as_ref();
-        let follows = before.is_some_and(|before| before.differs_by_shown_camera(order));
+        let follows = before.is_some_and(|before| differ_by_shown_camera(before, request));
         self.waiting = match (follows, self.waiting) {
             (true, Waiting::No | Waiting::Following) => Waiting::Following,
             _ => Waiting::ForFrame,
         };
-        self.request = Some(order.clone());
+        self.request = Some(request.clone());
     }
 
     /// Forgets the request, whose answer nobody needs.
@@ -73,14 +76,18 @@ impl PaneView {
     }
 
     /// Takes over a picture that was drawn.
-    pub(super) fn take(&mut self, drawing: Drawing, version: i32) {
-        let pixels = drawing.pixels.pixels();
+    pub(super) fn take(&mut self, drawn: RenderedImage, version: i32) {
         let picture = self.picture.get_or_insert_default();
-        picture.fresh = Some(drawing.pixels);
-        picture.notes = drawing.notes;
-        picture.inside = drawing.inside.or(picture.inside);
-        picture.took = drawing.took;
-        picture.rate = drawing.took.as_secs_f64() / pixels.max(1) as f64;
+        let [width, height] = match &drawn.image {
+            Pixels::Image(image) => [image.width(), image.height()],
+            Pixels::Texture(canvas) => canvas.size(),
+        };
+        let pixels = f64::from(width) * f64::from(height);
+        picture.rate = drawn.took.as_secs_f64() / pixels.max(1.0);
+        picture.fresh = Some(drawn.image);
+        picture.notes = drawn.notes;
+        picture.geodesics = drawn.geodesics.or(picture.geodesics);
+        picture.took = drawn.took;
         picture.error = None;
         picture.version = version;
     }

@@ -3,11 +3,15 @@
 use std::time::{Duration, Instant};
 
 use egui::Ui;
+use render::PictureRequest;
+use render::rendered::RenderedImage;
+use render::viewpoint::{PerspectiveCamera, ViewCamera};
 
 use super::Window;
 use super::pane_view::{PaneView, Picture, Waiting};
-use crate::engine::render_thread::Drawing;
-use crate::engine::request::{Look, Order};
+use crate::engine::render_thread::VersionedRequest;
+use crate::engine::request::{at_rest, picture_request};
+use crate::state::SpaceCamera;
 use crate::state::pane::PaneKey;
 
 /// The time that a picture of a moving view should take, in seconds.
@@ -39,23 +43,30 @@ impl Window {
         let seen: Vec<PaneKey> = seen.map(|(pane, _)| pane.clone()).collect();
         let mut following = Vec::new();
         for pane in seen {
-            let Some(order) = self.wanted_picture(&pane, moving, again) else {
+            let Some(picture) = self.wanted_picture(&pane, moving, again) else {
                 continue;
             };
             let view = self.views.entry(pane.clone()).or_default();
-            view.send(&order);
+            view.send(&picture);
+            let version = self.model.version;
+            let request = VersionedRequest { picture, version };
             match view.waiting {
-                Waiting::Following => following.push((pane, order)),
-                _ => self.render_thread.draw(pane, order),
+                Waiting::Following => following.push((pane, request)),
+                _ => self.render_thread.draw(pane, request),
             }
         }
-        for (pane, order) in following {
-            self.render_thread.draw(pane, order);
+        for (pane, request) in following {
+            self.render_thread.draw(pane, request);
         }
     }
 
     /// Returns the request for a pane's picture, where it is another one than that which was sent last.
-    fn wanted_picture(&mut self, pane: &PaneKey, moving: bool, again: bool) -> Option<Order> {
+    fn wanted_picture(
+        &mut self,
+        pane: &PaneKey,
+        moving: bool,
+        again: bool,
+    ) -> Option<PictureRequest> {
         let view = self.views.get(pane)?;
         let size = match &view.request {
             // A picture that has just come is not replaced by one of a size that would have been quicker.
@@ -64,10 +75,8 @@ impl Window {
         };
         let active = self.active_surface.clone();
         let (model, library) = (&mut self.model, &mut self.library);
-        let order =
-            crate::engine::request::order(model, library, pane, size, active.as_deref(), moving)?;
-        let sent = self.sent(pane);
-        (!sent.is_some_and(|sent| sent.is_like(&order))).then_some(order)
+        let request = picture_request(model, library, pane, size, active.as_deref(), moving)?;
+        (self.sent(pane) != Some(&request)).then_some(request)
     }
 
     /// Returns whether any picture is on its way.
@@ -138,7 +147,7 @@ impl Window {
     }
 
     /// Returns the request that was sent last for a pane's picture.
-    pub(crate) fn sent(&self, pane: &PaneKey) -> Option<&Order> {
+    pub(crate) fn sent(&self, pane: &PaneKey) -> Option<&PictureRequest> {
         self.views.get(pane)?.request.as_ref()
     }
 
@@ -148,47 +157,39 @@ impl Window {
     }
 
     /// Returns the request for a picture that is kept: as its pane shows it at rest, though it may move.
-    pub(crate) fn kept(&self, pane: &PaneKey) -> Option<Order> {
+    pub(crate) fn kept(&self, pane: &PaneKey) -> Option<PictureRequest> {
         let view = self.views.get(pane)?;
-        let order = view.request.clone()?;
+        let request = view.request.clone()?;
         let room = view.room.filter(|_| view.on_screen);
-        let size = room.map_or(order.size, |room| self.picture_size(pane, room, false));
-        Some(order.kept(size))
+        let size = room.map_or(request.size, |room| self.picture_size(pane, room, false));
+        Some(at_rest(request, size))
     }
 
-    /// Takes over a pane's picture, or the sentence that says why there is none.
+    /// Takes over a pane's picture, or the sentence that says why there is none, and the camera of the 3D view.
     pub(super) fn take_picture(
         &mut self,
         pane: &PaneKey,
-        picture: Result<Box<Drawing>, String>,
-        order: &Order,
+        picture: Result<Box<RenderedImage>, String>,
+        space_camera: Option<SpaceCamera>,
+        request: &VersionedRequest,
     ) {
         let view = self.views.entry(pane.clone()).or_default();
-        if view
-            .request
-            .as_ref()
-            .is_some_and(|sent| sent.is_like(order))
-        {
+        if view.request.as_ref() == Some(&request.picture) {
             view.waiting = Waiting::No;
         }
-        // Only now: it puts the camera into the request that was sent.
-        if let Ok(drawing) = &picture {
-            self.take_space_camera(pane, drawing, order);
-        }
-        let view = self.views.entry(pane.clone()).or_default();
         match picture {
-            Ok(drawing) => view.take(*drawing, order.version),
-            Err(reason) => view.fail(reason, order.version),
+            Ok(drawn) => view.take(*drawn, request.version),
+            Err(reason) => view.fail(reason, request.version),
+        }
+        // Only now: it puts the camera into the request that was sent, which is compared above.
+        if let Some(camera) = space_camera {
+            self.take_space_camera(pane, camera, &request.picture);
         }
     }
 
-    /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the
-    /// params
+    /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the params
     /// do. It is ignored if the scene or the pane's size has changed since the request.
-    fn take_space_camera(&mut self, pane: &PaneKey, drawing: &Drawing, order: &Order) {
-        let Some(first) = drawing.space_camera else {
-            return;
-        };
+    fn take_space_camera(&mut self, pane: &PaneKey, first: SpaceCamera, request: &PictureRequest) {
         if self.model.view.space.is_some() {
             return;
         }
@@ -196,14 +197,13 @@ impl Window {
         let Some(sent) = view.and_then(|view: &mut PaneView| view.request.as_mut()) else {
             return;
         };
-        if !std::sync::Arc::ptr_eq(&sent.scene, &order.scene) || sent.size != order.size {
+        if sent.scene != request.scene || sent.size != request.size {
             return;
         }
-        let same = sent.is_like(order);
-        if let Look::Space { camera, .. } = &mut sent.look
-            && same
-        {
-            *camera = Some(first);
+        if sent == request {
+            // The same picture would be drawn with it.
+            let camera = PerspectiveCamera::new(first.eye, first.target);
+            sent.view.set_camera(ViewCamera::Perspective(camera));
         }
         self.model.adjust(|view| view.space = Some(first));
     }
