@@ -11,7 +11,7 @@ use syntax::line_index::LineIndex;
 use syntax::span::Span;
 
 use crate::channel::EventSender;
-use crate::engine::reader::{Read, Reader, Source};
+use crate::engine::reader::{Read, Reader, SourceText};
 use crate::queue::LatestQueue;
 use crate::state::{Compiled, Finding};
 
@@ -45,7 +45,7 @@ impl Compiler {
     /// Starts the thread with another function that reads texts.
     fn reading_by(
         events: EventSender<Compiled>,
-        read: impl Fn(&mut Reader, &Source<'_>) -> Read + Send + 'static,
+        read: impl Fn(&mut Reader, &SourceText<'_>) -> Read + Send + 'static,
     ) -> Self {
         let queue = LatestQueue::default();
         let own = queue.clone();
@@ -114,13 +114,13 @@ pub(crate) fn compiled(version: i32, text: Arc<str>, read: Read) -> Compiled {
 fn work(
     queue: &LatestQueue<(), Waiting>,
     events: &EventSender<Compiled>,
-    read: impl Fn(&mut Reader, &Source<'_>) -> Read,
+    read: impl Fn(&mut Reader, &SourceText<'_>) -> Read,
 ) {
     let mut reader = Reader::default();
     while let Some(((), order)) = queue.take() {
         let start = Instant::now();
         // A panic must not end the thread: it becomes a sentence, and what it has touched is dropped.
-        let source = Source {
+        let source = SourceText {
             language: &*order.language,
             text: &order.text,
             changes: order.changes.as_ref(),

@@ -31,7 +31,7 @@ pub(crate) struct Read {
 
 /// A text that is to be read.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Source<'a> {
+pub(crate) struct SourceText<'a> {
     pub(crate) language: &'a dyn Language,
     pub(crate) text: &'a str,
     /// The changes that make the text of the one that was read before; their places are those of that text.
@@ -40,7 +40,7 @@ pub(crate) struct Source<'a> {
 
 impl Reader {
     /// Reads a text.
-    pub(crate) fn read(&mut self, source: &Source<'_>) -> Read {
+    pub(crate) fn read(&mut self, source: &SourceText<'_>) -> Read {
         match self.bring(source) {
             Ok(program) => Read {
                 diagnostics: program.diagnostics(),
@@ -60,7 +60,7 @@ impl Reader {
 
     /// Brings the program to a text by its changes, or by the difference where they are not known, or opens the text
     /// where there is no program of this language.
-    fn bring(&mut self, source: &Source<'_>) -> Result<&dyn Program, EditError> {
+    fn bring(&mut self, source: &SourceText<'_>) -> Result<&dyn Program, EditError> {
         let name = source.language.name();
         let program = match self.program.take() {
             Some((known, mut program)) if known == name => {
@@ -89,7 +89,7 @@ impl Reader {
 
 #[cfg(test)]
 mod tests {
-    use super::{Reader, Source};
+    use super::{Reader, SourceText};
     use ide::Languages;
 
     #[test]
@@ -98,7 +98,7 @@ mod tests {
         let languages = Languages::standard();
         let mut reader = Reader::default();
         let mut read = |text| {
-            reader.read(&Source {
+            reader.read(&SourceText {
                 language: languages.default_language().as_ref(),
                 text,
                 changes: None,

@@ -62,14 +62,14 @@ const TOGETHER: Duration = Duration::from_millis(16);
 /// Hands requests to the thread.
 #[derive(Debug)]
 pub(crate) struct RenderThread {
-    queue: LatestQueue<Key, Job>,
+    queue: LatestQueue<JobKey, Job>,
     /// The number of requests that are no pictures: each has a key of its own.
     asked: u64,
 }
 
 /// The key of a job: a newer job takes the place of a waiting one with the same key.
 #[derive(Clone, Debug, Eq, Ord, PartialEq, PartialOrd)]
-enum Key {
+enum JobKey {
     Renderer,
     Question(u64),
     Pane(PaneKey),
@@ -105,18 +105,18 @@ impl RenderThread {
     /// Draws with another renderer from now on.
     pub(crate) fn set_renderer(&self, renderer: Renderer) {
         let job = Job::Move(Box::new(renderer));
-        self.queue.push(Rank::Renderer as u8, Key::Renderer, job);
+        self.queue.push(Rank::Renderer as u8, JobKey::Renderer, job);
     }
 
     /// Asks for a picture, in the place of one of the same pane that has not been begun.
     pub(crate) fn draw(&self, pane: PaneKey, request: VersionedRequest) {
         let job = Job::Draw(Box::new(request));
-        self.queue.push(Rank::Draw as u8, Key::Pane(pane), job);
+        self.queue.push(Rank::Draw as u8, JobKey::Pane(pane), job);
     }
 
     /// Drops the request of a pane that has not been begun.
     pub(crate) fn forget(&self, pane: &PaneKey) {
-        self.queue.remove(&Key::Pane(pane.clone()));
+        self.queue.remove(&JobKey::Pane(pane.clone()));
     }
 
     /// Asks what is under a pixel of the 3D view that a request describes.
@@ -131,7 +131,8 @@ impl RenderThread {
 
     fn ask(&mut self, rank: Rank, job: Job) {
         self.asked += 1;
-        self.queue.push(rank as u8, Key::Question(self.asked), job);
+        self.queue
+            .push(rank as u8, JobKey::Question(self.asked), job);
     }
 }
 
@@ -141,12 +142,12 @@ impl Drop for RenderThread {
     }
 }
 
-fn work(queue: &LatestQueue<Key, Job>, events: &EventSender<RenderEvent>, renderer: Renderer) {
+fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, renderer: Renderer) {
     let mut worker = Worker::new(renderer);
     while let Some((key, job)) = queue.take() {
         // A panic must not take the window with it: it becomes a sentence.
         let answer = catch_unwind(AssertUnwindSafe(|| match (&key, &job) {
-            (Key::Pane(pane), Job::Draw(request)) => Some(worker.draw(pane, request)),
+            (JobKey::Pane(pane), Job::Draw(request)) => Some(worker.draw(pane, request)),
             (_, Job::Pick(request, at, purpose)) => Some(worker.pick(request, *at, *purpose)),
             (_, Job::Frame(request)) => worker.frame(request),
             _ => None,
@@ -158,7 +159,7 @@ fn work(queue: &LatestQueue<Key, Job>, events: &EventSender<RenderEvent>, render
             }
             (Ok(Some(event)), ..) => event,
             (Ok(None), ..) => continue,
-            (Err(_), Key::Pane(pane), Job::Draw(request)) => {
+            (Err(_), JobKey::Pane(pane), Job::Draw(request)) => {
                 worker.move_to(Renderer::software());
                 RenderEvent::Drawn {
                     pane,
@@ -175,7 +176,7 @@ fn work(queue: &LatestQueue<Key, Job>, events: &EventSender<RenderEvent>, render
         };
         // The next picture wakes the window for this one too, if it is expected soon.
         let follows = match queue.next_key() {
-            Some(Key::Pane(pane)) => worker.took(&pane).is_some_and(|took| took < TOGETHER),
+            Some(JobKey::Pane(pane)) => worker.took(&pane).is_some_and(|took| took < TOGETHER),
             _ => false,
         };
         let sent = if follows {

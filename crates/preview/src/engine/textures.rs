@@ -20,12 +20,12 @@ pub(crate) struct TextureRead {
 /// The images that have been read.
 #[derive(Debug, Default)]
 pub(crate) struct Library {
-    images: BTreeMap<PathBuf, State>,
+    images: BTreeMap<PathBuf, ImageState>,
     events: Option<EventSender<TextureRead>>,
 }
 
 #[derive(Debug)]
-enum State {
+enum ImageState {
     Reading,
     Ready(Arc<Texture>),
     Failed(String),
@@ -52,8 +52,8 @@ impl Library {
             Choice::Default | Choice::Curvature => None,
             Choice::Plain => Some(PLAIN.clone()),
             Choice::Image(path) => match self.images.get(path) {
-                Some(State::Ready(texture)) => Some(texture.clone()),
-                Some(State::Reading | State::Failed(_)) => None,
+                Some(ImageState::Ready(texture)) => Some(texture.clone()),
+                Some(ImageState::Reading | ImageState::Failed(_)) => None,
                 None => {
                     self.read(path.clone());
                     None
@@ -65,7 +65,7 @@ impl Library {
     /// Returns the sentence about an image that cannot be read.
     pub(crate) fn trouble(&self, path: &Path) -> Option<&str> {
         match self.images.get(path) {
-            Some(State::Failed(sentence)) => Some(sentence),
+            Some(ImageState::Failed(sentence)) => Some(sentence),
             _ => None,
         }
     }
@@ -75,7 +75,7 @@ impl Library {
         let Some(events) = self.events.clone() else {
             return;
         };
-        self.images.insert(path.clone(), State::Reading);
+        self.images.insert(path.clone(), ImageState::Reading);
         std::thread::spawn(move || {
             let texture = Texture::load(&path).map(Arc::new);
             let texture = texture.map_err(|error| error.to_string());
@@ -86,8 +86,8 @@ impl Library {
     /// Takes over an image that was read; returns the sentence about one that cannot be.
     pub(crate) fn take(&mut self, read: TextureRead) -> Option<String> {
         let (state, trouble) = match read.texture {
-            Ok(texture) => (State::Ready(texture), None),
-            Err(sentence) => (State::Failed(sentence.clone()), Some(sentence)),
+            Ok(texture) => (ImageState::Ready(texture), None),
+            Err(sentence) => (ImageState::Failed(sentence.clone()), Some(sentence)),
         };
         self.images.insert(read.path, state);
         trouble

@@ -49,13 +49,13 @@ pub(crate) struct Link {
 /// The events for a server that does not read them yet.
 #[derive(Clone, Debug, Default)]
 struct Outbox {
-    queue: LatestQueue<Kind, Event>,
+    queue: LatestQueue<EventKind, Event>,
     sent: Arc<std::sync::atomic::AtomicU64>,
 }
 
 /// The kind of an event: of some kinds only the latest is kept.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
-enum Kind {
+enum EventKind {
     Values,
     Shown,
     Each(u64),
@@ -98,9 +98,9 @@ impl Drop for Link {
 impl Outbox {
     fn say(&self, event: Event) {
         let kind = match &event {
-            Event::Values { .. } => Kind::Values,
-            Event::Shown { .. } => Kind::Shown,
-            _ => Kind::Each(self.sent.fetch_add(1, std::sync::atomic::Ordering::Relaxed)),
+            Event::Values { .. } => EventKind::Values,
+            Event::Shown { .. } => EventKind::Shown,
+            _ => EventKind::Each(self.sent.fetch_add(1, std::sync::atomic::Ordering::Relaxed)),
         };
         // The later event is about later texts and pictures: it goes behind what was said meanwhile.
         self.queue.remove(&kind);
@@ -108,7 +108,7 @@ impl Outbox {
     }
 }
 
-fn write(queue: &LatestQueue<Kind, Event>, mut output: impl Write) {
+fn write(queue: &LatestQueue<EventKind, Event>, mut output: impl Write) {
     while let Some((_, event)) = queue.take() {
         // A reader that has ended is noticed by the thread that reads too.
         if line::write(&mut output, &event).is_err() {

@@ -19,7 +19,7 @@ pub struct Counters {
     pub frames: u64,
     /// Pictures of views that have reached it.
     pub pictures: u64,
-    /// Pictures that the stage has drawn.
+    /// Pictures that the renderer has drawn.
     pub drawn: u64,
     /// Objects whose samples were computed.
     pub sampled: u64,

@@ -45,7 +45,7 @@ struct Instance {
 
 /// The difference between two subjects.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-enum Change {
+enum SubjectChange {
     None,
     /// The params have other values.
     Values,
@@ -68,7 +68,7 @@ impl CameraController {
     ) -> Result<InsideCamera, RenderError> {
         let change = self.change_to(subject, path);
         if let Some((known, result)) = &self.settled
-            && change == Change::None
+            && change == SubjectChange::None
             && *known == camera
         {
             return result.clone();
@@ -79,7 +79,7 @@ impl CameraController {
             None => return Err(ManifoldError::NoSurface { name: None }.into()),
         };
         // A camera that was put there by other means may be of another time, and not fit the surface as it is.
-        let kept = camera.filter(|camera| camera.moved || change != Change::Scene);
+        let kept = camera.filter(|camera| camera.moved || change != SubjectChange::Scene);
         let kept = kept.and_then(|camera| settled(surface, &camera));
         let result = kept.map_or_else(|| first_place(subject), Ok);
         let known = result.as_ref().ok().copied().or(camera);
@@ -107,13 +107,17 @@ impl CameraController {
         next
     }
 
-    fn change_to(&mut self, subject: &Subject, path: &mut Option<Arc<CameraPath>>) -> Change {
+    fn change_to(
+        &mut self,
+        subject: &Subject,
+        path: &mut Option<Arc<CameraPath>>,
+    ) -> SubjectChange {
         let change = match self.instance.as_ref().map(|instance| &instance.subject) {
             // A camera that was remembered is where the user left it.
-            None => Change::Values,
-            Some(before) if !before.is_of_scene(subject) => Change::Scene,
-            Some(before) if before.settings != subject.settings => Change::Values,
-            Some(_) => return Change::None,
+            None => SubjectChange::Values,
+            Some(before) if !before.is_of_scene(subject) => SubjectChange::Scene,
+            Some(before) if before.settings != subject.settings => SubjectChange::Values,
+            Some(_) => return SubjectChange::None,
         };
         let manifold = subject.manifold();
         if let (

@@ -68,14 +68,14 @@ impl From<animation::RecordError> for Ended {
 
 /// The format of a recording, by the extension of its file.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(crate) enum Kind {
+pub(crate) enum RecordingFormat {
     /// One file with all pictures.
     Film(animation::AnimationFormat),
     /// A PNG file for each picture.
     Series,
 }
 
-impl Kind {
+impl RecordingFormat {
     /// The kinds and their extensions, in the order of a menu.
     pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
         (Self::Film(animation::AnimationFormat::Gif), "GIF", "gif"),
@@ -98,7 +98,7 @@ impl Film {
     /// # Errors
     /// See [`Ended`]; nothing is left behind then.
     pub(crate) fn shoot(self, path: &Path, next: &dyn Fn(u32) -> bool) -> Result<String, Ended> {
-        let kind = Kind::of(path).ok_or_else(|| {
+        let kind = RecordingFormat::of(path).ok_or_else(|| {
             Ended::Failed(format!(
                 "`{}` does not end in gif, apng or png",
                 path.display()
@@ -120,7 +120,7 @@ impl Film {
             other => other,
         };
         match kind {
-            Kind::Film(format) => {
+            RecordingFormat::Film(format) => {
                 write_whole_with(path, |out| -> Result<(), Ended> {
                     let mut recorder = Recorder::new(format, clip, out)?;
                     for number in 0..frames {
@@ -135,7 +135,7 @@ impl Film {
                     path.display()
                 ))
             }
-            Kind::Series => {
+            RecordingFormat::Series => {
                 let mut series = FileSeries::default();
                 for number in 0..frames {
                     let bytes = files::png(&picture(number)?).map_err(Ended::Failed)?;

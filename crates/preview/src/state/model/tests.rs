@@ -3,7 +3,7 @@ use std::sync::Arc;
 use scene::ObjectId;
 
 use super::{Animation, Model, Step, View, advanced};
-use crate::engine::reader::{Reader, Source};
+use crate::engine::reader::{Reader, SourceText};
 use crate::state::Compiled;
 use crate::state::motion::Motion;
 use crate::state::{InsideCamera, SpaceCamera};
@@ -16,7 +16,7 @@ fn read(reader: &mut Reader, text: &str) -> Compiled {
     crate::engine::compiler::compiled(
         1,
         text.into(),
-        reader.read(&Source {
+        reader.read(&SourceText {
             language: &**ide::Languages::standard().default_language(),
             text,
             changes: None,

@@ -8,7 +8,7 @@ use render::view::space::SpaceOptions;
 
 use super::picture::{self, Decision};
 use crate::engine::recording::Recording;
-use crate::engine::recording::film::{Film, Kind};
+use crate::engine::recording::film::{Film, RecordingFormat};
 use crate::state::motion::Motion;
 use crate::state::pane::PaneKey;
 use crate::state::{InsideCamera, StatusMessage};
@@ -134,7 +134,8 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
             window.dialogs.record = Some(dialog);
         }
         Decision::Save
-            if dialog.moves.is_empty() || Kind::of(Path::new(&dialog.path)).is_none() =>
+            if dialog.moves.is_empty()
+                || RecordingFormat::of(Path::new(&dialog.path)).is_none() =>
         {
             window.dialogs.record = Some(dialog);
         }
@@ -203,8 +204,8 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
         }
         let label = ui.label("Format");
         ui.horizontal(|ui| {
-            let now = Kind::of(Path::new(&dialog.path));
-            for (kind, name, extension) in Kind::ALL {
+            let now = RecordingFormat::of(Path::new(&dialog.path));
+            for (kind, name, extension) in RecordingFormat::ALL {
                 if ui.selectable_label(now == Some(kind), name).clicked() {
                     let path = Path::new(&dialog.path).with_extension(extension);
                     dialog.path = path.display().to_string();
@@ -223,11 +224,11 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
         ui.checkbox(&mut dialog.transparent, "Transparent background");
     }
     let path = Path::new(&dialog.path);
-    let first = match Kind::of(path) {
-        Some(Kind::Series) => animation::numbered(path, 0, dialog.clip.frames),
+    let first = match RecordingFormat::of(path) {
+        Some(RecordingFormat::Series) => animation::numbered(path, 0, dialog.clip.frames),
         _ => path.to_owned(),
     };
-    if Kind::of(path).is_none() {
+    if RecordingFormat::of(path).is_none() {
         ui.colored_label(
             ui.visuals().error_fg_color,
             "The file's name must end in gif, apng or png.",

@@ -16,7 +16,7 @@ use crate::state::{Compiled, StatusMessage};
 #[derive(Debug, Default)]
 pub(super) struct ServerReports {
     /// A compiled text of which it has not been reported that it is on the screen.
-    unshown: Option<Shown>,
+    unshown: Option<ShownText>,
     /// The params' values that were reported last.
     values: BTreeMap<String, Vec<f64>>,
     /// A surface whose view is opened when the text of this version has been read.
@@ -25,7 +25,7 @@ pub(super) struct ServerReports {
 
 /// A compiled text.
 #[derive(Clone, Copy, Debug)]
-struct Shown {
+struct ShownText {
     version: i32,
     ok: bool,
     arrived: Instant,
@@ -34,7 +34,7 @@ struct Shown {
 impl ServerReports {
     /// Notes a compiled text, which is reported when its pictures are on the screen.
     pub(super) fn note_compiled(&mut self, compiled: &Compiled) {
-        self.unshown = Some(Shown {
+        self.unshown = Some(ShownText {
             version: compiled.version,
             ok: compiled.ok,
             arrived: compiled.arrived,
@@ -51,7 +51,7 @@ impl Window {
                 || view.waiting == Waiting::No
                 || picture.is_some_and(|it| it.version >= version)
         };
-        if let Some(Shown {
+        if let Some(ShownText {
             version,
             ok,
             arrived,
