@@ -1,7 +1,7 @@
 //! Messages on a stream of bytes: `Content-Length: N`, a blank line, N bytes of JSON.
 //!
 //! The reader never gives up. A header without a length, a length that is wrong, a body that is no JSON become a
-//! [`Frame::Bad`] with a reason, and reading goes on at the next header that can be found.
+//! [`Frame::Bad`] with a reason, and reading goes on at the next header that can be found. A message is parsed here, and only here.
 
 use tokio::io::{AsyncRead, AsyncReadExt};
 use tower_lsp::jsonrpc::{Request, Response};
@@ -13,10 +13,12 @@ const LONGEST_HEADER: usize = 64 << 10;
 const LENGTH: &[u8] = b"Content-Length:";
 
 /// What was read.
-#[derive(Debug, Eq, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub(crate) enum Frame {
-    /// The body of a message: valid JSON.
-    Message(Vec<u8>),
+    /// A request or a notification of the editor.
+    Request(Request),
+    /// The response to a request of the server.
+    Response(Response),
     /// Something else, and why: completes "this is no message: …".
     Bad(String),
     /// Valid JSON that is neither a request, a notification nor an answer.
@@ -30,8 +32,6 @@ pub(crate) struct FrameReader<R> {
     /// Bytes at the start of the buffer that have been used.
     used: usize,
     ended: bool,
-    /// Bodies are messages and are not looked at.
-    trusted: bool,
 }
 
 impl<R: AsyncRead + Unpin> FrameReader<R> {
@@ -41,15 +41,6 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
             buffer: Vec::new(),
             used: 0,
             ended: false,
-            trusted: false,
-        }
-    }
-
-    /// Reads what this program has written: the bodies are taken as they are.
-    pub(crate) fn of_own(stream: R) -> Self {
-        Self {
-            trusted: true,
-            ..Self::new(stream)
         }
     }
 
@@ -69,12 +60,13 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
         let end = (body + length).min(self.buffer.len());
         let content = &self.buffer[body..end];
         if end == body + length {
-            let is_message = self.trusted
-                || serde_json::from_slice::<Request>(content).is_ok()
-                || serde_json::from_slice::<Response>(content).is_ok();
-            if is_message {
+            let frame = match serde_json::from_slice(content) {
+                Ok(request) => Some(Frame::Request(request)),
+                Err(_) => serde_json::from_slice(content).ok().map(Frame::Response),
+            };
+            if frame.is_some() {
                 self.used = end;
-                return Some(Frame::Message(content.to_vec()));
+                return frame;
             }
             if serde_json::from_slice::<serde::de::IgnoredAny>(content).is_ok() {
                 self.used = end;
@@ -175,9 +167,10 @@ mod tests {
         frames
     }
 
-    fn good(frames: &[Frame]) -> Vec<&str> {
+    fn good(frames: &[Frame]) -> Vec<String> {
         let texts = frames.iter().filter_map(|frame| match frame {
-            Frame::Message(body) => std::str::from_utf8(body).ok(),
+            Frame::Request(request) => Some(request.to_string()),
+            Frame::Response(response) => serde_json::to_string(response).ok(),
             _ => None,
         });
         texts.collect()
@@ -199,8 +192,8 @@ mod tests {
         ] {
             let frames = read(&[fault, &next].concat()).await;
             assert_eq!(
-                good(&frames).last(),
-                Some(&r#"{"jsonrpc":"2.0","method":"b"}"#),
+                good(&frames).last().map(String::as_str),
+                Some(r#"{"jsonrpc":"2.0","method":"b"}"#),
                 "{fault:?}: {frames:?}"
             );
             assert!(
@@ -224,11 +217,10 @@ mod tests {
             writer.write_all(&bytes).await
         });
         let mut reader = FrameReader::new(reader);
-        assert_eq!(
-            reader.next().await,
-            Some(Frame::Message(messages[0].into()))
-        );
-        assert!(matches!(reader.next().await, Some(Frame::Message(_))));
+        for message in messages {
+            let next = reader.next().await.expect("a message");
+            assert_eq!(good(&[next]), [message]);
+        }
         assert_eq!(reader.next().await, None);
         assert!(task.await.is_ok());
     }
