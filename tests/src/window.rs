@@ -41,7 +41,7 @@ impl Windows {
             program: fake.into(),
             arguments: [address.into()].into_iter().chain(deaf).collect(),
             patience: PATIENCE,
-            lingers: Duration::from_millis(1),
+            close_delay: Duration::from_millis(1),
         };
         Self { listener, program }
     }

@@ -19,8 +19,8 @@ use tower_lsp::ClientSocket;
 use tower_lsp::jsonrpc::{Request, Response};
 use tower_service::Service;
 
-use crate::direct::{Message, Outlet};
 use crate::frames::{self, Frame, FrameReader};
+use crate::raw_responses::{Message, RawSender};
 
 /// How many messages are worked on at once; a cancellation waits for a free place.
 const CONCURRENCY: usize = 64;
@@ -41,13 +41,13 @@ pub(crate) struct Connection {
 }
 
 impl Connection {
-    /// Starts to serve an editor. `raw` are the messages that `outlet` takes.
+    /// Starts to serve an editor. `raw` are the messages that `raw_sender` takes.
     pub(crate) fn start<R, W, S>(
         input: R,
         output: W,
         service: S,
         socket: ClientSocket,
-        outlet: Outlet,
+        raw_sender: RawSender,
         raw: UnboundedReceiver<Message>,
     ) -> Self
     where
@@ -94,11 +94,11 @@ impl Connection {
                         }
                         Frame::Bad(reason) => {
                             let message = format!("this is no message: {reason}");
-                            outlet.send(error(PARSE_ERROR, &message));
+                            raw_sender.send(error(PARSE_ERROR, &message));
                         }
                         Frame::Invalid => {
                             let message = "this is JSON, but neither a request nor an answer";
-                            outlet.send(error(INVALID_REQUEST, message));
+                            raw_sender.send(error(INVALID_REQUEST, message));
                         }
                     }
                 }

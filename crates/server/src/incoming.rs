@@ -1,7 +1,7 @@
 //! From the protocol's messages to the features, and their answers back.
 //!
 //! ```text
-//! greeting    the first words and the last
+//! lifecycle   initialize, shutdown, and what both sides can do
 //! documents   opened, changed, closed; what is wrong with them
 //! places      what is asked at a place             ─┐
 //! ranges      what is asked of a range, or of all   ├─▶ work: on a worker, over a snapshot
@@ -13,7 +13,7 @@
 //! and only so does the state change in the order of the messages. What takes time runs on workers over a snapshot.
 
 mod documents;
-mod greeting;
+mod lifecycle;
 mod places;
 mod ranges;
 mod window;
@@ -27,8 +27,8 @@ use tower_lsp::jsonrpc::Result;
 use tower_lsp::ls_types as lsp;
 use tower_lsp::{Client, LanguageServer, LspServiceBuilder};
 
-use crate::direct::{self, Outlet};
 use crate::encoding::Place;
+use crate::raw_responses::{self, RawSender};
 use crate::session::Session;
 pub(crate) use window::close_all;
 
@@ -48,24 +48,27 @@ pub(crate) struct Backend {
     places: Arc<Semaphore>,
     end: Arc<crate::End>,
     /// Where messages go past the protocol.
-    outlet: Outlet,
+    raw_sender: RawSender,
 }
 
 /// Adds the methods that answer with text to those of the protocol.
 pub(crate) fn with_texts(builder: LspServiceBuilder<Backend>) -> LspServiceBuilder<Backend> {
     builder
-        .custom_method(direct::CODE_LENS, ranges::code_lens)
-        .custom_method(direct::COMPLETION, places::completion)
-        .custom_method(direct::DIAGNOSTIC, documents::diagnostic)
-        .custom_method(direct::DOCUMENT_SYMBOL, ranges::document_symbol)
-        .custom_method(direct::FOLDING_RANGE, ranges::folding_range)
-        .custom_method(direct::FORMATTING, ranges::formatting)
-        .custom_method(direct::INLAY_HINT, ranges::inlay_hint)
-        .custom_method(direct::REFERENCES, places::references)
-        .custom_method(direct::SYMBOL, workspace::symbol)
-        .custom_method(direct::TOKENS, ranges::semantic_tokens_full)
-        .custom_method(direct::TOKENS_DELTA, ranges::semantic_tokens_full_delta)
-        .custom_method(direct::TOKENS_RANGE, ranges::semantic_tokens_range)
+        .custom_method(raw_responses::CODE_LENS, ranges::code_lens)
+        .custom_method(raw_responses::COMPLETION, places::completion)
+        .custom_method(raw_responses::DIAGNOSTIC, documents::diagnostic)
+        .custom_method(raw_responses::DOCUMENT_SYMBOL, ranges::document_symbol)
+        .custom_method(raw_responses::FOLDING_RANGE, ranges::folding_range)
+        .custom_method(raw_responses::FORMATTING, ranges::formatting)
+        .custom_method(raw_responses::INLAY_HINT, ranges::inlay_hint)
+        .custom_method(raw_responses::REFERENCES, places::references)
+        .custom_method(raw_responses::SYMBOL, workspace::symbol)
+        .custom_method(raw_responses::TOKENS, ranges::semantic_tokens_full)
+        .custom_method(
+            raw_responses::TOKENS_DELTA,
+            ranges::semantic_tokens_full_delta,
+        )
+        .custom_method(raw_responses::TOKENS_RANGE, ranges::semantic_tokens_range)
 }
 
 impl Backend {
@@ -73,11 +76,11 @@ impl Backend {
         client: Client,
         end: Arc<crate::End>,
         session: Arc<Mutex<Session>>,
-        outlet: Outlet,
+        raw_sender: RawSender,
     ) -> Self {
         Self {
             client,
-            outlet,
+            raw_sender,
             session,
             publishing: Arc::default(),
             places: Arc::new(Semaphore::new(MOST_AT_WORK)),
@@ -114,15 +117,15 @@ impl Backend {
 
 impl LanguageServer for Backend {
     async fn initialize(&self, params: lsp::InitializeParams) -> Result<lsp::InitializeResult> {
-        greeting::initialize(self, params).await
+        lifecycle::initialize(self, params).await
     }
 
     async fn initialized(&self, params: lsp::InitializedParams) {
-        greeting::initialized(self, params).await
+        lifecycle::initialized(self, params).await
     }
 
     async fn shutdown(&self) -> Result<()> {
-        greeting::shutdown(self).await
+        lifecycle::shutdown(self).await
     }
 
     async fn did_open(&self, params: lsp::DidOpenTextDocumentParams) {

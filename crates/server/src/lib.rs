@@ -4,26 +4,26 @@
 //! bytes ──connection──▶ tower-lsp ──incoming──▶ session, documents (changed at once, in the order of the messages)
 //!                                       │            │ snapshots
 //!                                       ▼            ▼
-//!                                  workers: ide ──outgoing──▶ tower-lsp ──connection──▶ bytes
-//!                                                     └──────── direct ────────▲
+//!                                  workers: ide ──to_lsp──▶ tower-lsp ──connection──▶ bytes
+//!                                                     └─────── raw_responses ───────▲
 //! ```
 //!
 //! A preview window is a process of its own beside each document that has one (`preview`).
 //!
-//! The protocol's types live in `incoming` and `outgoing`. Nothing a client sends ends the server but `exit`, the end of
+//! The protocol's types live in `incoming` and `to_lsp`. Nothing a client sends ends the server but `exit`, the end of
 //! its input, and the death of the process that started it.
 
 mod connection;
-mod direct;
 mod documents;
 mod encoding;
 mod frames;
 mod incoming;
-mod outgoing;
 mod platform;
 mod preview;
+mod raw_responses;
 mod session;
 mod settings;
+mod to_lsp;
 mod tokens;
 mod workspace;
 
@@ -35,9 +35,9 @@ use tokio::io::{AsyncRead, AsyncWrite};
 use tower_lsp::LspService;
 
 use connection::Connection;
-use direct::{Direct, Outlet};
 use incoming::Backend;
 pub use preview::WindowProgram;
+use raw_responses::{RawResponses, RawSender};
 use session::Session;
 
 /// How a session came to its end.
@@ -95,18 +95,18 @@ where
 {
     let end = Arc::new(End::default());
     let session = Arc::new(Mutex::new(Session::new(languages, window)));
-    let (outlet, direct) = Outlet::new();
-    let faults = outlet.clone();
+    let (raw_sender, raw) = RawSender::new();
+    let faults = raw_sender.clone();
     let service = LspService::build(|client| {
-        Backend::new(client, end.clone(), session.clone(), outlet.clone())
+        Backend::new(client, end.clone(), session.clone(), raw_sender.clone())
     });
     let service = service.custom_method(incoming::CURSOR, Backend::cursor);
     let (service, socket) = incoming::with_texts(service).finish();
-    let service = Direct::new(service, outlet);
+    let service = RawResponses::new(service, raw_sender);
     let Connection {
         mut serving,
         mut writing,
-    } = Connection::start(input, output, service, socket, faults, direct);
+    } = Connection::start(input, output, service, socket, faults, raw);
     tokio::select! {
         _ = &mut serving => {
             // What has been said is still written.

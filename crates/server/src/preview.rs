@@ -23,7 +23,7 @@ use protocol::{Command, Hello, View};
 use tokio::sync::mpsc::Receiver;
 
 use crate::documents::{Open, Snapshot};
-pub(crate) use process::{Gone, Heard, Process};
+pub(crate) use process::{Gone, Process, WindowOutput};
 pub(crate) use sent::SentVersions;
 
 /// The command that opens a preview: its arguments are a document's URI and, perhaps, `{"view": "3d"}` or
@@ -40,14 +40,14 @@ pub struct WindowProgram {
     /// How long it may take to say its version.
     pub patience: Duration,
     /// For how long it outlives its document: an editor that reads a file anew closes it and opens it again.
-    pub lingers: Duration,
+    pub close_delay: Duration,
 }
 
 impl WindowProgram {
     /// How long a window may take to say its version: it does so before it looks for a display.
     pub const PATIENCE: Duration = Duration::from_secs(10);
     /// For how long a window outlives its document.
-    pub const LINGERS: Duration = Duration::from_millis(500);
+    pub const CLOSE_DELAY: Duration = Duration::from_millis(500);
 
     /// This program itself, with these arguments.
     ///
@@ -58,7 +58,7 @@ impl WindowProgram {
             program: std::env::current_exe()?,
             arguments: arguments.into_iter().map(Into::into).collect(),
             patience: Self::PATIENCE,
-            lingers: Self::LINGERS,
+            close_delay: Self::CLOSE_DELAY,
         })
     }
 }
@@ -100,7 +100,7 @@ pub(crate) struct Left(u64);
 pub(crate) struct Started {
     pub(crate) id: u64,
     pub(crate) process: Arc<Process>,
-    pub(crate) heard: Receiver<Heard>,
+    pub(crate) heard: Receiver<WindowOutput>,
 }
 
 impl Previews {

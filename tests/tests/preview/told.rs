@@ -101,7 +101,7 @@ async fn a_window_that_lacks_a_text_is_told_it_once_more() {
 async fn a_document_that_is_read_anew_keeps_its_window_whatever_its_versions_are() {
     let mut windows = Windows::new(FAKE, false).await;
     // As long as any test lasts: only what calls the end off keeps the window.
-    windows.program.lingers = Duration::from_secs(3600);
+    windows.program.close_delay = Duration::from_secs(3600);
     let mut editor = started(Place::Here, "preview-reread", &windows).await;
     let mut window = previewed(&mut editor, &windows, URI, PROGRAM).await;
     editor
@@ -153,7 +153,7 @@ async fn a_document_that_is_read_anew_keeps_its_window_whatever_its_versions_are
 #[tokio::test]
 async fn a_document_that_is_read_anew_brings_no_window_to_the_front() {
     let mut windows = Windows::new(FAKE, false).await;
-    windows.program.lingers = Duration::from_secs(3600);
+    windows.program.close_delay = Duration::from_secs(3600);
     let mut editor = Editor::start_with(
         Place::Here,
         "preview-reread-on-open",

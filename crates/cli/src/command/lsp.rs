@@ -47,7 +47,7 @@ fn window(given: &[OsString]) -> Option<WindowProgram> {
             program: program.into(),
             arguments: arguments.to_vec(),
             patience: WindowProgram::PATIENCE,
-            lingers: WindowProgram::LINGERS,
+            close_delay: WindowProgram::CLOSE_DELAY,
         });
     }
     if cfg!(feature = "window") {

@@ -5,9 +5,9 @@ use tower_lsp::ls_types as lsp;
 
 use super::work::not_open;
 use super::{Backend, places, window};
-use crate::direct::{Answer, answer};
 use crate::documents::{Change, Open};
-use crate::outgoing;
+use crate::raw_responses::{Answer, answer};
+use crate::to_lsp;
 
 pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentParams) {
     let document = params.text_document;
@@ -122,7 +122,7 @@ pub(super) async fn diagnostic(
             related_documents: None,
             full_document_diagnostic_report: lsp::FullDocumentDiagnosticReport {
                 result_id: Some(name),
-                items: outgoing::diagnostics(open, &uri),
+                items: to_lsp::diagnostics(open, &uri),
             },
         })
     };
@@ -148,7 +148,7 @@ impl Findings {
         Self {
             revision: open.revision,
             version: open.version,
-            found: outgoing::diagnostics(open, uri),
+            found: to_lsp::diagnostics(open, uri),
         }
     }
 }

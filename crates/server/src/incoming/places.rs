@@ -5,9 +5,9 @@ use tower_lsp::ls_types as lsp;
 
 use super::work::failed;
 use super::{Backend, place};
-use crate::direct::Answer;
 use crate::documents::Open;
-use crate::outgoing;
+use crate::raw_responses::Answer;
+use crate::to_lsp;
 
 /// The protocol's code for a request that failed for a reason that the user should read.
 const REQUEST_FAILED: i64 = -32803;
@@ -20,7 +20,7 @@ pub(super) async fn hover(
     let markdown = server.session().editor.markdown;
     server
         .ask(&at.text_document.uri, move |snapshot| {
-            outgoing::hover(snapshot, snapshot.offset(place(at.position)), markdown)
+            to_lsp::hover(snapshot, snapshot.offset(place(at.position)), markdown)
         })
         .await
 }
@@ -32,7 +32,7 @@ pub(super) async fn completion(server: &Backend, params: lsp::CompletionParams) 
         .answer(&at.text_document.uri, move |snapshot| {
             let offset = snapshot.offset(place(at.position));
             let found = snapshot.analysis().completions(offset, snippets);
-            outgoing::completions(snapshot, found)
+            to_lsp::completions(snapshot, found)
         })
         .await
 }
@@ -60,7 +60,7 @@ pub(super) async fn completion_resolve(
         snapshot.analysis().describe_completion(offset, &label)
     });
     if let Some(description) = described.await? {
-        item.documentation = Some(outgoing::documentation(&description, format));
+        item.documentation = Some(to_lsp::documentation(&description, format));
     }
     Ok(item)
 }
@@ -74,7 +74,7 @@ pub(super) async fn signature_help(
         .ask(&at.text_document.uri, move |snapshot| {
             let offset = snapshot.offset(place(at.position));
             let found = snapshot.analysis().signature(offset)?;
-            Some(outgoing::signature(&found))
+            Some(to_lsp::signature(&found))
         })
         .await
 }
@@ -89,7 +89,7 @@ pub(super) async fn goto_definition(
         .ask(&uri.clone(), move |snapshot| {
             let offset = snapshot.offset(place(at.position));
             let (_, declared) = snapshot.analysis().definition(offset)?;
-            let location = lsp::Location::new(uri, outgoing::range(snapshot, declared));
+            let location = lsp::Location::new(uri, to_lsp::range(snapshot, declared));
             Some(lsp::GotoDefinitionResponse::Scalar(location))
         })
         .await
@@ -105,7 +105,7 @@ pub(super) async fn references(server: &Backend, params: lsp::ReferenceParams) -
             let found = snapshot.analysis().occurrences(offset).into_iter();
             let wanted = found.filter(|occurrence| declaration || !occurrence.introduces);
             let locations = wanted.map(|occurrence| {
-                lsp::Location::new(uri.clone(), outgoing::range(snapshot, occurrence.span))
+                lsp::Location::new(uri.clone(), to_lsp::range(snapshot, occurrence.span))
             });
             locations.collect::<Vec<_>>()
         })
@@ -124,7 +124,7 @@ pub(super) async fn document_highlight(
             let offset = snapshot.offset(place(at.position));
             let found = snapshot.analysis().occurrences(offset).into_iter();
             let highlights = found.map(|occurrence| lsp::DocumentHighlight {
-                range: outgoing::range(snapshot, occurrence.span),
+                range: to_lsp::range(snapshot, occurrence.span),
                 kind: Some(if occurrence.introduces {
                     lsp::DocumentHighlightKind::WRITE
                 } else {
@@ -151,7 +151,7 @@ pub(super) async fn prepare_rename(
                     failed(ErrorCode::ServerError(REQUEST_FAILED), error.to_string())
                 })?;
             Ok(Some(lsp::PrepareRenameResponse::RangeWithPlaceholder {
-                range: outgoing::range(snapshot, span),
+                range: to_lsp::range(snapshot, span),
                 placeholder: name,
             }))
         })
@@ -174,7 +174,7 @@ pub(super) async fn rename(
                 .map_err(|error| {
                     failed(ErrorCode::ServerError(REQUEST_FAILED), error.to_string())
                 })?;
-            Ok(Some(outgoing::workspace_edit(
+            Ok(Some(to_lsp::workspace_edit(
                 snapshot, &uri, &edits, versioned,
             )))
         })
@@ -190,7 +190,7 @@ pub(super) async fn selection_range(
             let ranges = params.positions.iter().map(|position| {
                 let offset = snapshot.offset(place(*position));
                 let chain = snapshot.analysis().selection(offset);
-                outgoing::selection(snapshot, &chain)
+                to_lsp::selection(snapshot, &chain)
             });
             Some(ranges.collect())
         })
@@ -206,7 +206,7 @@ pub(super) async fn on_type_formatting(
         .ask(&at.text_document.uri, move |snapshot| {
             let offset = snapshot.offset(place(at.position));
             let edits = snapshot.analysis().format_on_type(offset)?;
-            Some(outgoing::text_edits(snapshot, &edits))
+            Some(to_lsp::text_edits(snapshot, &edits))
         })
         .await
 }

@@ -7,9 +7,9 @@ use tower_lsp::jsonrpc::Result;
 use tower_lsp::ls_types as lsp;
 
 use super::{Backend, places};
-use crate::direct::{Answer, answer};
 use crate::documents::Snapshot;
-use crate::outgoing;
+use crate::raw_responses::{Answer, answer};
+use crate::to_lsp;
 use crate::tokens::{self, Encoded};
 
 pub(super) async fn document_symbol(
@@ -23,11 +23,11 @@ pub(super) async fn document_symbol(
             let entries = snapshot.analysis().outline();
             let entries = entries.iter();
             if hierarchical {
-                let symbols = entries.map(|entry| outgoing::document_symbol(snapshot, entry));
+                let symbols = entries.map(|entry| to_lsp::document_symbol(snapshot, entry));
                 lsp::DocumentSymbolResponse::Nested(symbols.collect())
             } else {
                 let symbols =
-                    entries.map(|entry| outgoing::symbol_information(snapshot, &uri, entry));
+                    entries.map(|entry| to_lsp::symbol_information(snapshot, &uri, entry));
                 lsp::DocumentSymbolResponse::Flat(symbols.collect())
             }
         })
@@ -41,7 +41,7 @@ pub(super) async fn folding_range(
     server
         .answer(&params.text_document.uri, |snapshot| {
             let folds = snapshot.analysis().folds();
-            let folds = folds.iter().map(|fold| outgoing::fold(snapshot, fold));
+            let folds = folds.iter().map(|fold| to_lsp::fold(snapshot, fold));
             folds.collect::<Vec<_>>()
         })
         .await
@@ -78,14 +78,14 @@ async fn tokens_since(server: &Backend, uri: lsp::Uri, known: Option<String>) ->
         let answer = match old {
             None => answer(&lsp::SemanticTokens {
                 result_id,
-                data: outgoing::tokens(&encoded),
+                data: to_lsp::tokens(&encoded),
             }),
             Some(old) => {
                 let edits = tokens::difference(&old, &encoded).into_iter();
                 let edits = edits.map(|(start, gone, come)| lsp::SemanticTokensEdit {
                     start: 5 * start as u32,
                     delete_count: 5 * gone as u32,
-                    data: Some(outgoing::tokens(&come)),
+                    data: Some(to_lsp::tokens(&come)),
                 });
                 answer(&lsp::SemanticTokensDelta {
                     result_id,
@@ -111,7 +111,7 @@ pub(super) async fn semantic_tokens_range(
             let encoded = tokens::encode(snapshot, Some(places(params.range)));
             lsp::SemanticTokens {
                 result_id: None,
-                data: outgoing::tokens(&encoded),
+                data: to_lsp::tokens(&encoded),
             }
         })
         .await
@@ -139,7 +139,7 @@ pub(super) async fn inlay_hint(server: &Backend, params: lsp::InlayHintParams) -
                     settings.splits
                 }
             });
-            let wanted = wanted.map(|hint| outgoing::hint(snapshot, hint));
+            let wanted = wanted.map(|hint| to_lsp::hint(snapshot, hint));
             wanted.collect::<Vec<_>>()
         })
         .await
@@ -152,7 +152,7 @@ pub(super) async fn code_lens(server: &Backend, params: lsp::CodeLensParams) -> 
     server
         .answer(&params.text_document.uri, |snapshot| {
             let lenses = snapshot.analysis().lenses();
-            let lenses = lenses.iter().map(|lens| outgoing::lens(snapshot, lens));
+            let lenses = lenses.iter().map(|lens| to_lsp::lens(snapshot, lens));
             lenses.collect::<Vec<_>>()
         })
         .await
@@ -179,7 +179,7 @@ pub(super) async fn code_action(
             let fixes = snapshot.analysis().fixes(span(snapshot, params.range));
             let actions = fixes
                 .iter()
-                .map(|fix| outgoing::action(snapshot, &uri, fix, versioned));
+                .map(|fix| to_lsp::action(snapshot, &uri, fix, versioned));
             Some(actions.collect())
         })
         .await
@@ -192,7 +192,7 @@ pub(super) async fn formatting(
     server
         .answer(&params.text_document.uri, |snapshot| {
             let edits = snapshot.analysis().format(None);
-            outgoing::text_edits(snapshot, &edits)
+            to_lsp::text_edits(snapshot, &edits)
         })
         .await
 }
@@ -205,7 +205,7 @@ pub(super) async fn range_formatting(
         .ask(&params.text_document.uri, move |snapshot| {
             let range = span(snapshot, params.range);
             let edits = snapshot.analysis().format(Some(range));
-            Some(outgoing::text_edits(snapshot, &edits))
+            Some(to_lsp::text_edits(snapshot, &edits))
         })
         .await
 }

@@ -3,7 +3,7 @@
 //! One task listens to each window. It never waits for the editor: what has to be asked there is asked by a second task,
 //! one thing after the other.
 
-mod wishes;
+mod requests;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -15,9 +15,9 @@ use tower_lsp::Client;
 use tower_lsp::ls_types as lsp;
 
 use crate::documents::Open;
-use crate::preview::{Gone, Heard, Left, Process, Started};
+use crate::preview::{Gone, Left, Process, Started, WindowOutput};
 use crate::session::Session;
-use wishes::{Wish, ask};
+use requests::{WindowRequest, run_all};
 
 /// How long windows may take to hear that they are to close when the editor leaves.
 const PATIENCE_FAREWELL: Duration = Duration::from_millis(500);
@@ -48,7 +48,7 @@ pub(super) fn open(
                 client,
                 session: session.clone(),
             });
-            tokio::spawn(attend(window, heard, patience));
+            tokio::spawn(run(window, heard, patience));
         }
         // Requests and notifications are never waited for within a handler.
         Err((kind, message)) => {
@@ -60,10 +60,10 @@ pub(super) fn open(
 /// Closes the window of a document that was closed, unless that is opened again soon.
 pub(super) fn close_later(session: &Arc<Mutex<Session>>, uri: &lsp::Uri, left: Left) {
     let program = lock(session).window.clone();
-    let lingers = program.map_or(Duration::ZERO, |program| program.lingers);
+    let close_delay = program.map_or(Duration::ZERO, |program| program.close_delay);
     let (session, uri) = (session.clone(), uri.clone());
     tokio::spawn(async move {
-        tokio::time::sleep(lingers).await;
+        tokio::time::sleep(close_delay).await;
         lock(&session).previews.close(uri.as_str(), left);
     });
 }
@@ -174,7 +174,7 @@ fn start(
 }
 
 /// Listens to a window until it has ended.
-async fn attend(window: Arc<Window>, mut heard: Receiver<Heard>, patience: Duration) {
+async fn run(window: Arc<Window>, mut heard: Receiver<WindowOutput>, patience: Duration) {
     match timeout(patience, window.greeted(&mut heard)).await {
         Ok(Ok(())) => {}
         Ok(Err(None)) => return,
@@ -192,8 +192,8 @@ async fn attend(window: Arc<Window>, mut heard: Receiver<Heard>, patience: Durat
             return;
         }
     }
-    let (wishes, to_ask) = mpsc::channel(MOST_ASKED);
-    tokio::spawn(ask(window.clone(), to_ask));
+    let (requests, to_ask) = mpsc::channel(MOST_ASKED);
+    tokio::spawn(run_all(window.clone(), to_ask));
     let mut hints: Option<Instant> = None;
     let mut last_hints: Option<Instant> = None;
     let mut deadline: Option<Instant> = None;
@@ -218,21 +218,21 @@ async fn attend(window: Arc<Window>, mut heard: Receiver<Heard>, patience: Durat
             }
         };
         match heard {
-            Some(Heard::Event(event)) => {
-                if window.hear(event, &wishes).await && hints.is_none() {
+            Some(WindowOutput::Event(event)) => {
+                if window.hear(event, &requests).await && hints.is_none() {
                     let now = Instant::now();
                     hints = Some(last_hints.map_or(now, |last| now.max(last + HINTS_EVERY)));
                 }
             }
-            Some(Heard::Line(line)) => window.log(line).await,
-            Some(Heard::Untold(message)) => {
+            Some(WindowOutput::Line(line)) => window.log(line).await,
+            Some(WindowOutput::NotSent(message)) => {
                 let message = format!("{}: {message}", name(&window.uri));
                 window
                     .client
                     .show_message(lsp::MessageType::ERROR, message)
                     .await;
             }
-            Some(Heard::Gone(gone)) => {
+            Some(WindowOutput::Gone(gone)) => {
                 if hints.is_some() {
                     window.refresh_hints();
                 }
@@ -246,15 +246,15 @@ async fn attend(window: Arc<Window>, mut heard: Receiver<Heard>, patience: Durat
 
 impl Window {
     /// Waits for the window's version. The error is what to tell the user, if anything.
-    async fn greeted(&self, heard: &mut Receiver<Heard>) -> Result<(), Option<String>> {
+    async fn greeted(&self, heard: &mut Receiver<WindowOutput>) -> Result<(), Option<String>> {
         loop {
             match heard.recv().await {
-                Some(Heard::Line(line)) => self.log(line).await,
-                Some(Heard::Event(event)) => {
+                Some(WindowOutput::Line(line)) => self.log(line).await,
+                Some(WindowOutput::Event(event)) => {
                     return handshake::check(&event).map_err(|error| Some(error.to_string()));
                 }
-                Some(Heard::Untold(message)) => return Err(Some(message)),
-                Some(Heard::Gone(gone)) => {
+                Some(WindowOutput::NotSent(message)) => return Err(Some(message)),
+                Some(WindowOutput::Gone(gone)) => {
                     self.gone(gone, false).await;
                     return Err(None);
                 }
@@ -322,7 +322,7 @@ impl Window {
     }
 
     /// Takes what the window says; whether the hints have changed.
-    async fn hear(&self, event: Event, wishes: &mpsc::Sender<Wish>) -> bool {
+    async fn hear(&self, event: Event, requests: &mpsc::Sender<WindowRequest>) -> bool {
         match event {
             Event::Shown {
                 version,
@@ -350,10 +350,10 @@ impl Window {
             }
             Event::Open { version, range } => {
                 // More than can be asked is not asked at all.
-                let _ = wishes.try_send(Wish::Open { version, range });
+                let _ = requests.try_send(WindowRequest::Open { version, range });
             }
             Event::Write { param, value, .. } => {
-                let _ = wishes.try_send(Wish::Write { param, value });
+                let _ = requests.try_send(WindowRequest::Write { param, value });
             }
             Event::Values { values, .. } => {
                 let mut session = lock(&self.session);

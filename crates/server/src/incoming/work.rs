@@ -7,8 +7,8 @@ use tower_lsp::jsonrpc::{Error, ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
 
 use super::Backend;
-use crate::direct::{Answer, answer};
 use crate::documents::{Open, Snapshot};
+use crate::raw_responses::{Answer, answer};
 
 impl Backend {
     /// The document as it is now.

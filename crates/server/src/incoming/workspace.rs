@@ -11,11 +11,11 @@ use tower_lsp::ls_types::notification::Notification as _;
 use super::documents::is_previewed;
 use super::work::failed;
 use super::{Backend, window};
-use crate::direct::{Answer, Outlet, answer};
 use crate::documents::Snapshot;
-use crate::outgoing;
 use crate::preview;
+use crate::raw_responses::{Answer, RawSender, answer};
 use crate::session::Session;
+use crate::to_lsp;
 use crate::workspace;
 
 /// The most symbols that a search in the workspace gives.
@@ -55,7 +55,7 @@ pub(super) async fn symbol(server: &Backend, params: lsp::WorkspaceSymbolParams)
     let query = params.query;
     let token = params.work_done_progress_params.work_done_token;
     let progress =
-        token.map(|token| Progress::begin(&server.outlet, token, "Reading the workspace"));
+        token.map(|token| Progress::begin(&server.raw_sender, token, "Reading the workspace"));
     let searched = server.work(move || {
         let mut found = Vec::new();
         let mut names: Vec<String> = Vec::new();
@@ -154,19 +154,19 @@ fn matching(snapshot: &Snapshot, query: &str, found: &mut Vec<lsp::SymbolInforma
     };
     let entries = snapshot.analysis().outline();
     let entries = entries.iter().filter(|entry| fits(&entry.name));
-    found.extend(entries.map(|entry| outgoing::symbol_information(snapshot, &uri, entry)));
+    found.extend(entries.map(|entry| to_lsp::symbol_information(snapshot, &uri, entry)));
 }
 
 /// A progress bar that the editor has offered with a request: from the first to the last that is said of it. It goes the
 /// way of the answers, so that it ends before they come.
 struct Progress<'o> {
-    outlet: &'o Outlet,
+    raw_sender: &'o RawSender,
     token: lsp::ProgressToken,
 }
 
 impl<'o> Progress<'o> {
-    fn begin(outlet: &'o Outlet, token: lsp::ProgressToken, title: &str) -> Self {
-        let progress = Self { outlet, token };
+    fn begin(raw_sender: &'o RawSender, token: lsp::ProgressToken, title: &str) -> Self {
+        let progress = Self { raw_sender, token };
         let begin = lsp::WorkDoneProgressBegin {
             title: title.to_owned(),
             cancellable: Some(true),
@@ -186,7 +186,7 @@ impl<'o> Progress<'o> {
             "method": lsp::notification::Progress::METHOD,
             "params": params,
         });
-        self.outlet.send(message.to_string().into_bytes());
+        self.raw_sender.send(message.to_string().into_bytes());
     }
 }
 

@@ -36,13 +36,13 @@ const PATIENCE_LINES: Duration = Duration::from_millis(200);
 
 /// What was heard of a window.
 #[derive(Debug)]
-pub(crate) enum Heard {
+pub(crate) enum WindowOutput {
     /// It has said something.
     Event(Event),
     /// A line for the log: of its standard error, or of what is no event.
     Line(String),
     /// A sentence for the user: something could not be told to it.
-    Untold(String),
+    NotSent(String),
     /// It has ended. The last that is heard.
     Gone(Gone),
 }
@@ -76,7 +76,7 @@ impl Process {
     /// Where the system does not start the program or a thread.
     pub(crate) fn start(
         program: &WindowProgram,
-    ) -> std::io::Result<(Arc<Self>, mpsc::Receiver<Heard>)> {
+    ) -> std::io::Result<(Arc<Self>, mpsc::Receiver<WindowOutput>)> {
         let mut command = std::process::Command::new(&program.program);
         command
             .args(&program.arguments)
@@ -154,7 +154,7 @@ impl Process {
         input: Option<ChildStdin>,
         output: Option<ChildStdout>,
         error: Option<ChildStderr>,
-        heard: mpsc::Sender<Heard>,
+        heard: mpsc::Sender<WindowOutput>,
     ) -> std::io::Result<()> {
         let (Some(input), Some(output), Some(error)) = (input, output, error) else {
             return Err(std::io::Error::other("the window has no standard streams"));
@@ -186,19 +186,19 @@ impl Process {
                 reason: reason(lines.iter()),
             };
             drop(lines);
-            let _ = heard.blocking_send(Heard::Gone(gone));
+            let _ = heard.blocking_send(WindowOutput::Gone(gone));
         })?;
         Ok(())
     }
 
     /// Writes what is to be told until nothing more is, or the window does not listen any more.
-    fn tell_all(&self, mut input: ChildStdin, heard: &mpsc::Sender<Heard>) {
+    fn tell_all(&self, mut input: ChildStdin, heard: &mpsc::Sender<WindowOutput>) {
         while let Some(command) = self.mailbox.take() {
             match line::write(&mut input, &command) {
                 Ok(()) => {}
                 Err(error @ WriteError::TooLong { .. }) => {
                     let message = format!("the text is not shown in the preview: {error}");
-                    let _ = heard.blocking_send(Heard::Untold(message));
+                    let _ = heard.blocking_send(WindowOutput::NotSent(message));
                 }
                 Err(WriteError::Stream(_)) => {
                     // It has ended: the listener tells that.
@@ -227,13 +227,13 @@ impl Process {
     }
 }
 
-fn listen(output: ChildStdout, heard: &mpsc::Sender<Heard>) {
+fn listen(output: ChildStdout, heard: &mpsc::Sender<WindowOutput>) {
     let mut reader = line::Reader::<_, Event>::new(BufReader::new(output));
     let mut lines = 0;
     loop {
         match reader.read() {
             Ok(Some(event)) => {
-                if heard.blocking_send(Heard::Event(event)).is_err() {
+                if heard.blocking_send(WindowOutput::Event(event)).is_err() {
                     return;
                 }
             }
@@ -241,14 +241,14 @@ fn listen(output: ChildStdout, heard: &mpsc::Sender<Heard>) {
             Err(error) => {
                 lines += 1;
                 if lines <= MOST_LINES {
-                    let _ = heard.try_send(Heard::Line(error.to_string()));
+                    let _ = heard.try_send(WindowOutput::Line(error.to_string()));
                 }
             }
         }
     }
 }
 
-fn record(error: ChildStderr, last: &Mutex<VecDeque<String>>, heard: &mpsc::Sender<Heard>) {
+fn record(error: ChildStderr, last: &Mutex<VecDeque<String>>, heard: &mpsc::Sender<WindowOutput>) {
     let mut reader = BufReader::new(error);
     let mut count = 0;
     let mut bytes = Vec::new();
@@ -274,7 +274,7 @@ fn record(error: ChildStderr, last: &Mutex<VecDeque<String>>, heard: &mpsc::Send
         drop(last);
         count += 1;
         if count <= MOST_LINES {
-            let _ = heard.try_send(Heard::Line(line));
+            let _ = heard.try_send(WindowOutput::Line(line));
         }
     }
 }

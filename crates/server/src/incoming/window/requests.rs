@@ -1,4 +1,4 @@
-//! What a window wishes of the editor: that a declaration is shown, that a value is written into the text.
+//! What a window requests of the editor: that a declaration is shown, that a value is written into the text.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -10,27 +10,29 @@ use tower_lsp::ls_types as lsp;
 
 use super::{Window, lock, name};
 use crate::documents::{Open, Snapshot};
-use crate::outgoing;
+use crate::to_lsp;
 
 /// How long the editor may take for one thing; the next is asked then.
 const PATIENCE_EDITOR: Duration = Duration::from_secs(30);
 
 /// What is to be asked of the editor.
 #[derive(Debug)]
-pub(super) enum Wish {
+pub(super) enum WindowRequest {
     /// A declaration is to be shown: its range in the text of a version.
     Open { version: i32, range: [u32; 2] },
     /// A param's value is to be written into the text.
     Write { param: String, value: Vec<f64> },
 }
 
-/// Asks the editor what a window wishes, one thing after the other.
-pub(super) async fn ask(window: Arc<Window>, mut wishes: Receiver<Wish>) {
-    while let Some(wish) = wishes.recv().await {
+/// Asks the editor what a window requests, one thing after the other.
+pub(super) async fn run_all(window: Arc<Window>, mut requests: Receiver<WindowRequest>) {
+    while let Some(wish) = requests.recv().await {
         let asked = async {
             match wish {
-                Wish::Open { version, range } => window.show_declaration(version, range).await,
-                Wish::Write { param, value } => window.write_value(&param, &value).await,
+                WindowRequest::Open { version, range } => {
+                    window.show_declaration(version, range).await
+                }
+                WindowRequest::Write { param, value } => window.write_value(&param, &value).await,
             }
         };
         // An editor that asks its user first may take its time, but others are not kept waiting for ever.
@@ -58,7 +60,7 @@ impl Window {
                 can,
             )
         };
-        let selection = span.map(|span| outgoing::range(&*snapshot, span));
+        let selection = span.map(|span| to_lsp::range(&*snapshot, span));
         if !can {
             let place = selection.map_or_else(String::new, |range| {
                 let start = range.start;
@@ -113,7 +115,7 @@ impl Window {
                 return Ok(());
             }
             let edit =
-                outgoing::workspace_edit(&snapshot, &self.uri, &[edit], editor.versioned_edits);
+                to_lsp::workspace_edit(&snapshot, &self.uri, &[edit], editor.versioned_edits);
             let params = lsp::ApplyWorkspaceEditParams {
                 label: Some(format!("Set {param}")),
                 edit,

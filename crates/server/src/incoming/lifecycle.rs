@@ -1,4 +1,4 @@
-//! The first words and the last: what the editor offers, what the server can do, and the end.
+//! The life of a session: what the editor offers, what the server can do, and the end.
 
 use tower_lsp::jsonrpc::Result;
 use tower_lsp::ls_types as lsp;
@@ -6,8 +6,8 @@ use tower_lsp::ls_types as lsp;
 use super::workspace::set;
 use super::{Backend, window};
 use crate::encoding::Encoding;
-use crate::outgoing;
 use crate::session::Editor;
+use crate::to_lsp;
 
 pub(super) async fn initialize(
     server: &Backend,
@@ -32,7 +32,7 @@ pub(super) async fn initialize(
         crate::platform::when_process_ends(process, move || end.now());
     }
     Ok(lsp::InitializeResult {
-        capabilities: outgoing::capabilities(encoding),
+        capabilities: to_lsp::capabilities(encoding),
         server_info: Some(lsp::ServerInfo {
             name: "geotrace".to_owned(),
             version: Some(env!("CARGO_PKG_VERSION").to_owned()),

@@ -86,13 +86,13 @@ impl From<Vec<u8>> for Message {
 
 /// Takes messages for the editor, from the first to the last.
 #[derive(Clone, Debug)]
-pub(crate) struct Outlet {
+pub(crate) struct RawSender {
     messages: UnboundedSender<Message>,
     room: Arc<Semaphore>,
 }
 
-impl Outlet {
-    /// An outlet, and where its messages come out.
+impl RawSender {
+    /// A sender, and where its messages come out.
     pub(crate) fn new() -> (Self, UnboundedReceiver<Message>) {
         let (messages, out) = unbounded_channel();
         let room = Arc::new(Semaphore::new(MOST_WAITING));
@@ -118,18 +118,18 @@ impl Outlet {
 
 /// The protocol's service, past which some answers go.
 #[derive(Debug)]
-pub(crate) struct Direct<S> {
+pub(crate) struct RawResponses<S> {
     inner: S,
-    outlet: Outlet,
+    raw_sender: RawSender,
 }
 
-impl<S> Direct<S> {
-    pub(crate) fn new(inner: S, outlet: Outlet) -> Self {
-        Self { inner, outlet }
+impl<S> RawResponses<S> {
+    pub(crate) fn new(inner: S, raw_sender: RawSender) -> Self {
+        Self { inner, raw_sender }
     }
 }
 
-impl<S> Service<Request> for Direct<S>
+impl<S> Service<Request> for RawResponses<S>
 where
     S: Service<Request, Response = Option<Response>>,
     S::Future: Send + 'static,
@@ -157,14 +157,14 @@ where
             request = request.params(params);
         }
         let answered = self.inner.call(request.finish());
-        let outlet = self.outlet.clone();
+        let raw_sender = self.raw_sender.clone();
         Box::pin(async move {
             let Some(response) = answered.await? else {
                 return Ok(None);
             };
             match response.into_parts() {
                 (id, Ok(LSPAny::String(text))) => {
-                    outlet.answer(&id, &text).await;
+                    raw_sender.answer(&id, &text).await;
                     Ok(None)
                 }
                 (id, other) => Ok(Some(Response::from_parts(id, other))),
