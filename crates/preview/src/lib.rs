@@ -9,7 +9,7 @@
 //!                                         engine/render_thread: the renderer ──pictures──▶ ui/panes
 //! ```
 //!
-//! The parts below `ui` know nothing of it: each sends events of its own type over a [`channel`], and the window makes
+//! The parts below `ui` know nothing of it: each sends events of its own type over a `channel`, and the window makes
 //! one enum of them. The folders use each other only downward: `ui`, then `engine`, then `io`, then `state`, then
 //! `channel`, `queue` and `platform`.
 //!

@@ -195,8 +195,8 @@ impl ParamValues {
         self.instance(scene, object, 0)
     }
 
-    /// The uniforms of the instance that [`Settings::for_each_instance`] visits `index`-th, counted from 0 and
-    /// below [`Settings::instance_count`]. Instances can so be shared out over threads.
+    /// The uniforms of the instance that [`ParamValues::for_each_instance`] visits `index`-th, counted from 0 and
+    /// below [`ParamValues::instance_count`]. Instances can so be shared out over threads.
     pub fn instance(&self, scene: &Scene, object: &Object, index: u64) -> Vec<f64> {
         let mut uniforms = self.uniforms.clone();
         self.combination(scene, &object.grids, index, &mut uniforms);

@@ -1,7 +1,7 @@
 //! Names that are spelt like a word: what a word that means nothing may have been meant to be.
 //!
 //! The distance between two words is the optimal string alignment distance. `strsim` computes it too, but only for pairs
-//! of words; [`Search::among`] walks a [`Trie`] and leaves out every branch that cannot hold a near name, without which a
+//! of words; `Search::among` walks a [`Trie`] and leaves out every branch that cannot hold a near name, without which a
 //! misspelt word among 100,000 names would cost 100,000 comparisons.
 
 use crate::trie::Trie;

@@ -270,17 +270,19 @@ mod tests {
             "point first = (1, 2, 3);",
             "point first = (1, 2, 3); point q = (0, 0, 0);",
             "point p = (1, 2, 3); point q = (0, 0, 0);",
-        ];
-        edit(1, texts[0], None);
+        ]
+        // Changes that are longer than the text give way to the text.
+        .map(|text| text.to_owned() + &"\n# more".repeat(40));
+        edit(1, &texts[0], None);
         assert_eq!(begins.recv().expect("it begins"), None);
         for version in [1, 2] {
-            let changes = Changes::between(texts[version - 1], texts[version]);
-            edit(version as i32 + 1, texts[version], Some(changes));
+            let changes = Changes::between(&texts[version - 1], &texts[version]);
+            edit(version as i32 + 1, &texts[version], Some(changes));
         }
         go_on.send(()).expect("it waits");
         assert_eq!(next(&events).version, 1);
         let changes = begins.recv().expect("it begins").expect("changes");
-        assert_eq!(changes.apply(texts[0]).as_deref(), Some(texts[2]));
+        assert_eq!(changes.apply(&texts[0]).as_ref(), Some(&texts[2]));
         go_on.send(()).expect("it waits");
         let last = next(&events);
         let scene = last.scene.expect("a scene");

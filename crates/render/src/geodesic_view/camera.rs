@@ -69,8 +69,7 @@ impl PlacedCamera {
     /// side that wraps is brought back into the domain.
     ///
     /// # Errors
-    /// [`RenderError::Manifold`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`],
-    /// [`RenderError::TooLarge`].
+    /// [`RenderError::Manifold`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`].
     pub fn new(
         scene: &Scene,
         settings: &ParamValues,

@@ -1,7 +1,7 @@
 //! A Geotrace program that is edited: the language as a [`Grammar`] of the kernel's document.
 //!
 //! `;` delimits declarations and `#` comments whatever any name means, so a chunk is a declaration up to its `;`, with the
-//! white space and comments before it. The parser reads a chunk through a [`Scope`] that the document's [`ScopeView`]
+//! white space and comments before it. The parser reads a chunk through a `Scope` that the document's [`ScopeView`]
 //! implements; what the hooks are called with is recorded, packed.
 
 use std::sync::Arc;
