@@ -27,9 +27,9 @@ use syntax::diagnostic::Code;
 
 /// Every code that compiling a program can give, with what it means.
 pub fn codes() -> impl Iterator<Item = (Code, &'static str)> {
-    let all = syntax::geotrace::codes::CODES
-        .iter()
-        .chain(scene::geotrace::CODES);
+    let kernel = syntax::codes::CODES.iter();
+    let language = syntax::geotrace::codes::CODES.iter();
+    let all = kernel.chain(language).chain(scene::geotrace::CODES);
     all.copied()
 }
 pub mod window;
