@@ -60,13 +60,9 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
         let end = (body + length).min(self.buffer.len());
         let content = &self.buffer[body..end];
         if end == body + length {
-            let frame = match serde_json::from_slice(content) {
-                Ok(request) => Some(Frame::Request(request)),
-                Err(_) => serde_json::from_slice(content).ok().map(Frame::Response),
-            };
-            if frame.is_some() {
+            if let Some(frame) = message(content) {
                 self.used = end;
-                return frame;
+                return Some(frame);
             }
             if serde_json::from_slice::<serde::de::IgnoredAny>(content).is_ok() {
                 self.used = end;
@@ -147,6 +143,19 @@ fn length_of(header: &[u8]) -> Option<usize> {
     })
 }
 
+/// Parses a body as a message. To the protocol's type of requests the method is optional, so that a response is a request
+/// without one.
+fn message(body: &[u8]) -> Option<Frame> {
+    let request: Option<Request> = serde_json::from_slice(body).ok();
+    match request {
+        Some(request) if !request.method().is_empty() => Some(Frame::Request(request)),
+        request => {
+            let response = serde_json::from_slice(body).ok().map(Frame::Response);
+            response.or(request.map(Frame::Request))
+        }
+    }
+}
+
 fn find(bytes: &[u8], wanted: &[u8]) -> Option<usize> {
     bytes
         .windows(wanted.len())
@@ -200,6 +209,18 @@ mod tests {
                 frames.iter().any(|f| matches!(f, Frame::Bad(_))),
                 "{fault:?}"
             );
+        }
+    }
+
+    #[tokio::test]
+    async fn answers_of_the_editor_are_responses() {
+        for answer in [
+            r#"{"jsonrpc":"2.0","result":null,"id":1}"#,
+            r#"{"jsonrpc":"2.0","error":{"code":-32603,"message":"no"},"id":"a"}"#,
+        ] {
+            let frames = read(&framed(answer.as_bytes())).await;
+            assert!(matches!(frames[..], [Frame::Response(_)]), "{frames:?}");
+            assert_eq!(good(&frames), [answer]);
         }
     }
 
