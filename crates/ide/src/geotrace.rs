@@ -45,7 +45,7 @@ use crate::completion::Completions;
 use crate::description::Description;
 use crate::edit::Edit;
 use crate::edit_param::EditParamError;
-use crate::highlight::{Highlight, HighlightKind};
+use crate::highlight::Highlight;
 use crate::hint::Hint;
 use crate::language::{Analysis, Compiled, EditError, Language, Program, Scope};
 use crate::lens::Lens;
@@ -120,25 +120,9 @@ impl Language for Geotrace {
         let parts = highlight(text, &scene::geotrace::vocabulary()).into_iter();
         let parts = parts.map(|part| Highlight {
             span: part.span,
-            kind: highlight_kind(part.kind),
+            kind: part.kind,
         });
         parts.collect()
-    }
-}
-
-fn highlight_kind(kind: syntax::geotrace::highlight::HighlightKind) -> HighlightKind {
-    use syntax::geotrace::highlight::HighlightKind as Kind;
-    match kind {
-        Kind::Comment => HighlightKind::Comment,
-        Kind::Number => HighlightKind::Number,
-        Kind::Keyword => HighlightKind::Keyword,
-        Kind::Constant => HighlightKind::Constant,
-        Kind::Function => HighlightKind::Function,
-        Kind::Variable => HighlightKind::Variable,
-        Kind::Operator => HighlightKind::Operator,
-        Kind::Punctuation => HighlightKind::Punctuation,
-        Kind::Undefined => HighlightKind::Undefined,
-        Kind::Error => HighlightKind::Error,
     }
 }
 

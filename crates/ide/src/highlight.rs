@@ -1,33 +1,9 @@
 //! Colours for an editor that shows a text by itself, as the program pane of the window does.
 
+pub use syntax::highlight::HighlightKind;
 use syntax::span::Span;
 
 use crate::semantic::{SemanticToken, TokenType};
-
-/// The kind of a part of the text, to the eye.
-#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub enum HighlightKind {
-    /// A comment.
-    Comment,
-    /// A number.
-    Number,
-    /// A word of the language.
-    Keyword,
-    /// A name that stands for a value.
-    Constant,
-    /// A name that is applied.
-    Function,
-    /// A parameter.
-    Variable,
-    /// An operator.
-    Operator,
-    /// Brackets and separators.
-    Punctuation,
-    /// A word without a meaning.
-    Undefined,
-    /// Characters that are not a token.
-    Error,
-}
 
 /// A coloured part of a text.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]

@@ -5,6 +5,7 @@
 //! - [`span`], [`text`], [`line_index`]: places in a text.
 //! - [`diagnostic`], [`codes`]: what is wrong with a text.
 //! - [`symbol`], [`trie`], [`spelling`]: names.
+//! - [`highlight`]: the kinds of coloured pieces.
 //! - [`document`]: a text that is edited, read piece by piece.
 //!
 //! A language is a module beside it: [`geotrace`].
@@ -13,6 +14,7 @@ pub mod codes;
 pub mod diagnostic;
 pub mod document;
 pub mod geotrace;
+pub mod highlight;
 pub mod line_index;
 mod persistent_vector;
 pub mod span;

@@ -5,32 +5,8 @@ use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::parser::parse_program;
 use crate::geotrace::symbols::{SymbolKind, Vocabulary};
 use crate::geotrace::token::{Token, TokenKind};
+use crate::highlight::HighlightKind;
 use crate::span::Span;
-
-/// The class of a coloured piece of the text.
-#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub enum HighlightKind {
-    /// `#` to the end of the line.
-    Comment,
-    /// A number.
-    Number,
-    /// A declaration keyword.
-    Keyword,
-    /// The name of a value.
-    Constant,
-    /// A name that is applied.
-    Function,
-    /// A parameter.
-    Variable,
-    /// `+ - * / ^ _ '`
-    Operator,
-    /// Brackets, `, ; : = @`
-    Punctuation,
-    /// An undefined word.
-    Undefined,
-    /// Characters that begin no token.
-    Error,
-}
 
 /// A coloured piece of the text.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
