@@ -724,6 +724,19 @@ fn a_lost_device_is_an_error_and_a_new_stage_goes_on() {
         .expect("a picture");
 }
 
+#[test]
+fn a_renderer_that_is_dropped_while_it_builds_kernels_leaves_no_thread_on_its_gpu() {
+    let gpu = Arc::new(own_gpu());
+    let left = Arc::downgrade(&gpu);
+    let mut stage = Renderer::on_gpu(gpu).with_kernels_from(1);
+    let (scene, settings) = compiled(&twenty(None));
+    stage
+        .draw(&Wanted::space(SIZE).of(&scene, &settings))
+        .expect("a picture");
+    drop(stage);
+    assert!(left.upgrade().is_none());
+}
+
 /// A device that no other test uses.
 fn own_gpu() -> Gpu {
     Gpu::open().expect("a GPU or software Vulkan")

@@ -4,6 +4,7 @@
 mod worker;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
 use render::counters::Counters;
@@ -65,6 +66,9 @@ pub(crate) struct RenderThread {
     queue: LatestQueue<JobKey, Job>,
     /// The number of requests that are no pictures: each has a key of its own.
     asked: u64,
+    thread: Option<JoinHandle<()>>,
+    /// Set once the thread has had a renderer on a GPU.
+    has_used_gpu: bool,
 }
 
 /// The key of a job: a newer job takes the place of a waiting one with the same key.
@@ -98,12 +102,19 @@ impl RenderThread {
     pub(crate) fn start(events: EventSender<RenderEvent>, renderer: Renderer) -> Self {
         let queue = LatestQueue::default();
         let own = queue.clone();
-        std::thread::spawn(move || work(&own, &events, renderer));
-        Self { queue, asked: 0 }
+        let has_used_gpu = renderer.gpu().is_some();
+        let thread = std::thread::spawn(move || work(&own, &events, renderer));
+        Self {
+            queue,
+            asked: 0,
+            thread: Some(thread),
+            has_used_gpu,
+        }
     }
 
     /// Draws with another renderer from now on.
-    pub(crate) fn set_renderer(&self, renderer: Renderer) {
+    pub(crate) fn set_renderer(&mut self, renderer: Renderer) {
+        self.has_used_gpu |= renderer.gpu().is_some();
         let job = Job::Move(Box::new(renderer));
         self.queue.push(Rank::Renderer as u8, JobKey::Renderer, job);
     }
@@ -139,6 +150,14 @@ impl RenderThread {
 impl Drop for RenderThread {
     fn drop(&mut self) {
         self.queue.abandon();
+        // The process may end next, and that unloads the GPU's driver. A thread that still uses the driver then would
+        // crash the process. A picture of the processor needs no such care, and may take long: nothing waits for it.
+        if self.has_used_gpu
+            && let Some(thread) = self.thread.take()
+        {
+            // A panic of the thread has been reported where it occurred.
+            let _ = thread.join();
+        }
     }
 }
 
@@ -187,5 +206,24 @@ fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, ren
         if !sent {
             return;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use render::gpu::Gpu;
+
+    use super::*;
+
+    #[test]
+    fn a_thread_that_is_dropped_has_left_its_gpu() {
+        let gpu = Arc::new(Gpu::open().expect("a GPU or software Vulkan"));
+        let left = Arc::downgrade(&gpu);
+        let (events, _received) = EventSender::new(egui::Context::default());
+        let thread = RenderThread::start(events, Renderer::on_gpu(gpu));
+        drop(thread);
+        assert!(left.upgrade().is_none());
     }
 }

@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
-use std::thread;
+use std::thread::{self, JoinHandle};
 
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
@@ -29,6 +29,8 @@ const MOST: usize = 256;
 pub(crate) struct Kernels {
     states: HashMap<Arc<[u64]>, State>,
     built: Arc<AtomicU64>,
+    /// The threads that build kernels.
+    threads: Vec<JoinHandle<()>>,
     /// From so many operations on, an object has one.
     pays: u64,
 }
@@ -81,6 +83,7 @@ impl Default for Kernels {
         Self {
             states: HashMap::new(),
             built: Arc::default(),
+            threads: Vec::new(),
             pays: KERNEL_PAYS,
         }
     }
@@ -132,7 +135,7 @@ impl Kernels {
         }
         let kernel = state
             .kernel
-            .get_or_insert_with(|| begin(gpu, wanted, &self.built));
+            .get_or_insert_with(|| begin(gpu, wanted, &self.built, &mut self.threads));
         if wanted.waits {
             kernel.wait();
         }
@@ -176,12 +179,27 @@ impl Kernels {
     }
 }
 
+impl Drop for Kernels {
+    fn drop(&mut self) {
+        // The process may end next, and that unloads the driver: a thread that still uses it would crash the process.
+        for thread in self.threads.drain(..) {
+            // A panic of the thread has been reported where it occurred.
+            let _ = thread.join();
+        }
+    }
+}
+
 fn refused(name: &str, message: &str) -> String {
     format!("the GPU has refused the shader of `{name}`, which is computed without it: {message}")
 }
 
 /// Begins to make the kernel of an object, on a thread of its own.
-fn begin(gpu: &Arc<Gpu>, wanted: &Wanted, built: &Arc<AtomicU64>) -> Arc<OnceLock<Made>> {
+fn begin(
+    gpu: &Arc<Gpu>,
+    wanted: &Wanted,
+    built: &Arc<AtomicU64>,
+    threads: &mut Vec<JoinHandle<()>>,
+) -> Arc<OnceLock<Made>> {
     let place = Arc::new(OnceLock::new());
     let (gpu, built, result) = (gpu.clone(), built.clone(), place.clone());
     let scene = wanted.scene.clone();
@@ -193,10 +211,13 @@ fn begin(gpu: &Arc<Gpu>, wanted: &Wanted, built: &Arc<AtomicU64>) -> Arc<OnceLoc
         // Nobody else sets it.
         let _ = result.set(made);
     };
-    let thread = thread::Builder::new().name("kernel".to_owned()).spawn(work);
-    if let Err(error) = thread {
+    threads.retain(|thread| !thread.is_finished());
+    match thread::Builder::new().name("kernel".to_owned()).spawn(work) {
+        Ok(thread) => threads.push(thread),
         // Blocks go on.
-        let _ = place.set(Made::Refused(error.to_string()));
+        Err(error) => {
+            let _ = place.set(Made::Refused(error.to_string()));
+        }
     }
     place
 }
