@@ -1,9 +1,12 @@
 //! README and docs tell the truth: their commands, files and tables are checked.
 
 use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
 
+use testing::binary::geotrace;
 use testing::draw::scene;
 use testing::examples::repository;
+use testing::pictures::difference;
 
 fn read(path: &str) -> String {
     std::fs::read_to_string(repository().join(path))
@@ -41,33 +44,156 @@ fn every_code_stands_in_the_table_of_diagnostics() {
     );
 }
 
-#[test]
-fn links_and_pictures_of_the_readme_exist() {
-    let text = read("README.md");
-    let mut count = 0;
-    for part in text.split("](").skip(1) {
-        let target = part.split(')').next().unwrap_or("");
-        if target.contains("://") {
-            continue;
+/// The pages for users, with the folder that their links start from.
+fn pages() -> Vec<(String, PathBuf)> {
+    let mut pages: Vec<String> = ["README.md", "CONTRIBUTING.md", "ARCHITECTURE.md"]
+        .map(str::to_owned)
+        .into();
+    for entry in std::fs::read_dir(repository().join("docs")).expect("docs/") {
+        let name = entry.expect("an entry").file_name();
+        let name = name.to_str().expect("a name in UTF-8");
+        if name.ends_with(".md") {
+            pages.push(format!("docs/{name}"));
         }
-        count += 1;
-        assert!(
-            repository().join(target).exists(),
-            "README.md names {target}"
-        );
     }
-    assert!(count >= 5, "only {count} links were found");
+    let folder = |page: &str| {
+        let path = repository().join(page);
+        path.parent().expect("a folder").to_owned()
+    };
+    let pages = pages.into_iter();
+    pages.map(|page| (page.clone(), folder(&page))).collect()
+}
+
+/// The blocks of a page in a language.
+fn blocks(page: &str, language: &str) -> Vec<String> {
+    let text = read(page);
+    let fence = format!("```{language}\n");
+    let rest = text.split(fence.as_str()).skip(1);
+    rest.map(|block| block.split("```").next().unwrap_or("").to_owned())
+        .collect()
 }
 
 #[test]
-fn the_program_in_the_readme_compiles() {
+fn links_and_pictures_of_the_pages_exist() {
+    let mut count = 0;
+    for (page, folder) in pages() {
+        for part in read(&page).split("](").skip(1) {
+            let target = part.split(')').next().unwrap_or("");
+            // The page of releases is beside the repository's files, not among them.
+            if target.contains("://") || target == "../../releases" {
+                continue;
+            }
+            let (file, section) = target.split_once('#').unwrap_or((target, ""));
+            let path = if file.is_empty() {
+                repository().join(&page)
+            } else {
+                folder.join(file)
+            };
+            assert!(path.exists(), "{page} names {target}");
+            if !section.is_empty() {
+                let text = std::fs::read_to_string(&path).expect("a page");
+                let heads = text.lines().filter(|line| line.starts_with('#'));
+                let mut anchors = heads.map(|line| {
+                    let head = line.trim_start_matches('#').trim().to_lowercase();
+                    head.replace([',', '…'], "").replace(' ', "-")
+                });
+                assert!(anchors.any(|it| it == section), "{page} names {target}");
+            }
+            count += 1;
+        }
+    }
+    assert!(count >= 80, "only {count} links were found");
+}
+
+#[test]
+fn the_programs_of_the_readme_and_the_tutorial_compile() {
+    let [first] = &blocks("README.md", "gtr")[..] else {
+        panic!("README.md has one program");
+    };
+    assert_eq!(scene(first).objects.len(), 3);
+    let steps = blocks("docs/tutorial.md", "gtr");
+    assert_eq!(steps.len(), 4);
+    for (k, program) in steps.iter().enumerate() {
+        assert!(!scene(program).objects.is_empty());
+        let file = format!("docs/tutorial/{}.gtr", k + 1);
+        assert_eq!(*program, read(&file), "the tutorial shows {file}");
+    }
+}
+
+#[test]
+fn the_commands_of_the_tutorial_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut count = 0;
+    for block in blocks("docs/tutorial.md", "sh") {
+        for line in block.lines() {
+            let words = line.strip_prefix("geotrace ").expect("a command");
+            let words = words.split_whitespace().map(|word| {
+                let path = repository().join(word);
+                if path.exists() {
+                    path.into_os_string()
+                } else {
+                    word.into()
+                }
+            });
+            geotrace(words).folder(folder.path()).run().expect_status(0);
+            count += 1;
+        }
+    }
+    assert_eq!(count, 3);
+    for name in ["figure.png", "walk.gif", "torus.glb"] {
+        assert!(folder.path().join(name).exists(), "{name} was not written");
+    }
+}
+
+#[test]
+fn the_gallery_shows_every_example() {
     let text = read("README.md");
-    let program = text
-        .split("```text\n")
-        .nth(1)
-        .and_then(|rest| rest.split("```").next());
-    let scene = scene(program.expect("a program in README.md"));
-    assert_eq!(scene.objects.len(), 3);
+    for example in testing::examples::all() {
+        let name = example.name;
+        let cell = format!("](docs/images/gallery/{name}.png)](examples/{name}.gtr)");
+        assert!(text.contains(&cell), "README.md does not show {name}.gtr");
+    }
+}
+
+/// The pictures that stand in the docs are those that the program draws now.
+#[test]
+fn the_pictures_of_the_docs_are_drawn_as_they_stand() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let script = std::process::Command::new("bash")
+        .arg(repository().join("docs/pictures"))
+        .arg(folder.path())
+        .env("GEOTRACE_BIN", testing::binary::binary())
+        .env("GEOTRACE_STILLS", "1")
+        .output()
+        .expect("bash");
+    let said = String::from_utf8_lossy(&script.stderr);
+    assert!(script.status.success(), "{said}");
+    let gallery = Path::new("gallery");
+    let mut count = 0;
+    for part in ["".as_ref(), gallery] {
+        for entry in std::fs::read_dir(folder.path().join(part)).expect("a folder") {
+            let entry = entry.expect("an entry");
+            if entry.path().is_dir() {
+                continue;
+            }
+            let name = part.join(entry.file_name());
+            let kept = repository().join("docs/images").join(&name);
+            let [drawn, kept] = [entry.path(), kept].map(|path| {
+                let image = image::open(&path);
+                image
+                    .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+                    .to_rgba8()
+            });
+            let difference = difference(&drawn, &kept, 12);
+            assert!(
+                difference.share <= 0.002,
+                "{}: {difference:?}; look at what `bash docs/pictures` draws",
+                name.display()
+            );
+            count += 1;
+        }
+    }
+    assert!(count >= 40, "only {count} pictures were drawn");
 }
 
 #[test]
@@ -92,7 +218,6 @@ fn every_declaration_of_the_readmes_table_compiles() {
 fn the_files_that_the_readme_names_exist() {
     for path in [
         "tests/run",
-        "docs/pictures",
         ".ci/run",
         "ARCHITECTURE.md",
         "CHANGELOG.md",
