@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use render::Backend;
-use render::plan::{Built, Painter, Source};
+use render::plan::{Built, Painter, SampleSource};
 use scene::ParamValues;
 use testing::binary::geotrace;
 use testing::draw::{scene, surfaces};
@@ -82,7 +82,7 @@ fn many_samples_come_from_a_kernel_and_few_from_blocks() {
              u : [0, 6, {count}], v : [-1, 1, {count}];"
         )
     };
-    for (count, expected) in [("20", Source::Blocks), ("4000", Source::Kernel)] {
+    for (count, expected) in [("20", SampleSource::Blocks), ("4000", SampleSource::Kernel)] {
         let scene = scene(&source(count));
         let request = Wanted {
             backend: Backend::Gpu,

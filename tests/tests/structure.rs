@@ -28,15 +28,26 @@ fn few_files_name_a_view_a_shape_or_a_keyword() {
     }
 }
 
-/// How many names of types may be declared three times or more: as few as there are, so that a new one is noticed.
-const REPEATED: usize = 34;
+/// The names of types that are declared three times or more, each with the reason.
+const REPEATED: &[(&str, &str)] = &[
+    (
+        "Arguments",
+        "one for each sub-command, in its module, as clap's examples have it",
+    ),
+    (
+        "View",
+        "the renderer's trait, the protocol's message, and the window's choices: none imports another",
+    ),
+];
 
 #[test]
-fn few_names_of_types_are_declared_three_times() {
+fn no_name_of_a_type_is_declared_three_times_without_a_reason() {
     let files = structure::files();
     let mut types = structure::types(&files);
     types.retain(|_, places| places.len() > 2);
-    assert!(types.len() <= REPEATED, "{}: {types:#?}", types.len());
+    let expected: Vec<&str> = REPEATED.iter().map(|(name, _)| *name).collect();
+    let found: Vec<&String> = types.keys().collect();
+    assert_eq!(found, expected, "{types:#?}");
 }
 
 /// Words for which the field has a standard term; ARCHITECTURE.md has the glossary.

@@ -28,7 +28,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crate::graph::{Graph, Input, NodeId, TooLarge};
-use crate::jets::assemble::{Code, assemble};
+use crate::jets::assemble::{StraightLineCode, assemble};
 use crate::jets::expand::{Expansion, expand};
 
 mod assemble;
@@ -66,7 +66,7 @@ impl Order {
 #[derive(Clone, Debug)]
 pub struct JetTape {
     expansion: Expansion,
-    code: Code,
+    code: StraightLineCode,
     order: Order,
     identity: u64,
 }

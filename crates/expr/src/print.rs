@@ -44,16 +44,16 @@ pub fn listing(graph: &Graph, roots: &[NodeId]) -> String {
 /// A root as one s-expression, `(add 1 (sin v0))`, shared subexpressions written out each time; cut off with `…`
 /// after about `longest` bytes.
 pub fn expression(graph: &Graph, root: NodeId, longest: usize) -> String {
-    enum Step {
+    enum Task {
         Node(NodeId),
         Close,
     }
     let mut text = String::new();
-    let mut stack = vec![Step::Node(root)];
+    let mut stack = vec![Task::Node(root)];
     while let Some(step) = stack.pop() {
         let id = match step {
-            Step::Node(id) => id,
-            Step::Close => {
+            Task::Node(id) => id,
+            Task::Close => {
                 text.push(')');
                 continue;
             }
@@ -70,9 +70,9 @@ pub fn expression(graph: &Graph, root: NodeId, longest: usize) -> String {
             Some(name) => text.push_str(&name),
             None => {
                 let _ = write!(text, "({}", head(node));
-                stack.push(Step::Close);
+                stack.push(Task::Close);
                 let operands: Vec<NodeId> = node.operands().collect();
-                stack.extend(operands.into_iter().rev().map(Step::Node));
+                stack.extend(operands.into_iter().rev().map(Task::Node));
             }
         }
     }

@@ -48,11 +48,11 @@ enum Operand {
 #[derive(Clone, Copy, Debug)]
 struct Instruction {
     out: u32,
-    operation: Operation,
+    operation: TapeOperation,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Operation {
+enum TapeOperation {
     Unary(Unary, Operand),
     Binary(Binary, Operand, Operand),
     Power(Operand, i32),
@@ -92,9 +92,11 @@ impl Tape {
                     compiler.places.insert(id, Operand::Input(position as u32));
                     continue;
                 }
-                Node::Unary(op, a) => Operation::Unary(op, compiler.take(a)),
-                Node::Binary(op, a, b) => Operation::Binary(op, compiler.take(a), compiler.take(b)),
-                Node::Power(a, n) => Operation::Power(compiler.take(a), n),
+                Node::Unary(op, a) => TapeOperation::Unary(op, compiler.take(a)),
+                Node::Binary(op, a, b) => {
+                    TapeOperation::Binary(op, compiler.take(a), compiler.take(b))
+                }
+                Node::Power(a, n) => TapeOperation::Power(compiler.take(a), n),
             };
             let out = compiler.give(id);
             instructions.push(Instruction { out, operation });
@@ -145,9 +147,9 @@ impl Tape {
         };
         for instruction in &self.instructions {
             registers[instruction.out as usize] = match instruction.operation {
-                Operation::Unary(op, a) => op.eval(read(registers, a)),
-                Operation::Binary(op, a, b) => op.eval(read(registers, a), read(registers, b)),
-                Operation::Power(a, n) => ops::integer_power(read(registers, a), n),
+                TapeOperation::Unary(op, a) => op.eval(read(registers, a)),
+                TapeOperation::Binary(op, a, b) => op.eval(read(registers, a), read(registers, b)),
+                TapeOperation::Power(a, n) => ops::integer_power(read(registers, a), n),
             };
         }
         for (out, &root) in out.iter_mut().zip(&self.roots) {
@@ -174,14 +176,14 @@ impl Tape {
         };
         for instruction in &self.instructions {
             match instruction.operation {
-                Operation::Unary(op, a) => match lanes(blocks, inputs, a) {
+                TapeOperation::Unary(op, a) => match lanes(blocks, inputs, a) {
                     Lanes::Each(a) => op.eval_lanes(a, result),
                     Lanes::Same(a) => **result = [op.eval(a); LANES],
                 },
-                Operation::Binary(op, a, b) => {
+                TapeOperation::Binary(op, a, b) => {
                     op.eval_lanes(lanes(blocks, inputs, a), lanes(blocks, inputs, b), result);
                 }
-                Operation::Power(a, n) => match lanes(blocks, inputs, a) {
+                TapeOperation::Power(a, n) => match lanes(blocks, inputs, a) {
                     Lanes::Each(a) => ops::integer_power_lanes(a, n, result),
                     Lanes::Same(a) => **result = [ops::integer_power(a, n); LANES],
                 },

@@ -29,7 +29,7 @@ pub(crate) struct Content(Arc<[u64]>);
 
 /// Stands before what a list of words goes on with.
 #[derive(Clone, Copy)]
-enum Mark {
+enum WordTag {
     Constant = 1,
     Variable,
     Uniform,
@@ -88,9 +88,9 @@ impl Structure {
             if settings.fixed_grid(scene, id).is_some() {
                 continue;
             }
-            words.push(Mark::Grid as u64);
+            words.push(WordTag::Grid as u64);
             for (axis, sampling) in grid.axes.iter().enumerate() {
-                words.push(Mark::Axis as u64);
+                words.push(WordTag::Axis as u64);
                 words.extend(sampling_words(sampling));
                 of_grid.insert(grid.first_uniform + axis as u32, [number, axis]);
             }
@@ -99,7 +99,7 @@ impl Structure {
             match of_grid.get(uniform) {
                 Some(place) => words.extend(place.map(|n| n as u64)),
                 None => {
-                    words.push(Mark::Value as u64);
+                    words.push(WordTag::Value as u64);
                     words.push(value(settings.uniforms(), *uniform));
                 }
             }
@@ -118,7 +118,13 @@ impl Content {
     /// The same, in drawing units.
     pub(crate) fn placed(&self, placement: &Placement) -> Self {
         let [x, y, z] = placement.centre.map(f64::to_bits);
-        let tail = [Mark::Placement as u64, x, y, z, placement.radius.to_bits()];
+        let tail = [
+            WordTag::Placement as u64,
+            x,
+            y,
+            z,
+            placement.radius.to_bits(),
+        ];
         Self(self.0.iter().copied().chain(tail).collect())
     }
 }
@@ -202,7 +208,7 @@ impl<'a> Writer<'a> {
             .extend(shape.domain().iter().flat_map(sampling_words));
         for root in shape.roots() {
             let number = self.node(root);
-            self.words.extend([Mark::Root as u64, number]);
+            self.words.extend([WordTag::Root as u64, number]);
         }
     }
 
@@ -234,19 +240,19 @@ impl<'a> Writer<'a> {
     fn write(&mut self, node: Node) {
         let at = |id: NodeId| self.written[&id];
         let words = match node {
-            Node::Constant(value) => [Mark::Constant as u64, value.to_bits(), 0, 0],
-            Node::Input(Input::Variable(k)) => [Mark::Variable as u64, u64::from(k), 0, 0],
+            Node::Constant(value) => [WordTag::Constant as u64, value.to_bits(), 0, 0],
+            Node::Input(Input::Variable(k)) => [WordTag::Variable as u64, u64::from(k), 0, 0],
             Node::Input(Input::Uniform(k)) => {
                 let next = self.uniforms.len() as u64;
                 let slot = *self.slots.entry(k).or_insert(next);
                 if slot == next {
                     self.uniforms.push(k);
                 }
-                [Mark::Uniform as u64, slot, 0, 0]
+                [WordTag::Uniform as u64, slot, 0, 0]
             }
-            Node::Unary(op, a) => [Mark::Unary as u64, op as u64, at(a), 0],
-            Node::Binary(op, a, b) => [Mark::Binary as u64, op as u64, at(a), at(b)],
-            Node::Power(a, n) => [Mark::Power as u64, at(a), n as u64, 0],
+            Node::Unary(op, a) => [WordTag::Unary as u64, op as u64, at(a), 0],
+            Node::Binary(op, a, b) => [WordTag::Binary as u64, op as u64, at(a), at(b)],
+            Node::Power(a, n) => [WordTag::Power as u64, at(a), n as u64, 0],
         };
         self.words.extend(words);
     }

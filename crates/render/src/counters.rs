@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// What has been made so far; no count ever decreases.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
-pub struct Counters {
+pub struct WorkCounters {
     /// Pictures that have been drawn.
     pub pictures: u64,
     /// Pipelines of painters and passes, and kernels: whatever a driver compiles.
@@ -39,7 +39,7 @@ impl PixelCounters {
     }
 
     /// Writes them into counters.
-    pub(crate) fn write(&self, counters: &mut Counters) {
+    pub(crate) fn write(&self, counters: &mut WorkCounters) {
         counters.ends = self.ends.load(Ordering::Relaxed);
         counters.distances = self.distances.load(Ordering::Relaxed);
     }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 /// How the geodesics of a geodesic view are followed.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
-pub enum Method {
+pub enum PictureMethod {
     /// The best: the fan, on both backends.
     #[default]
     Auto,
@@ -31,7 +31,7 @@ pub enum Method {
     Adaptive,
 }
 
-impl Method {
+impl PictureMethod {
     /// Whether rays are shared by all pixels, so that the ends are a table of polynomials.
     pub(crate) fn is_fan(self) -> bool {
         match self {

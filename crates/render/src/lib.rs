@@ -36,7 +36,7 @@ pub mod view;
 pub mod viewpoint;
 
 pub use error::{MAX_SIDE, RenderError};
-pub use geodesic_view::Method;
+pub use geodesic_view::PictureMethod;
 pub use rendered::RenderedImage;
 pub use renderer::{Renderer, render};
 pub use request::{Backend, PictureRequest};

@@ -89,7 +89,7 @@ pub(crate) fn over_space(
     request: &PictureRequest,
     camera: Option<&GeodesicCamera>,
 ) -> Result<Vec<&'static str>, RenderError> {
-    let mut key = legend::Key::default();
+    let mut key = legend::Legend::default();
     if request.overlays.legend {
         if let Some(camera) = camera {
             space::key(&mut key, request, camera)?;

@@ -49,7 +49,7 @@ pub struct ObjectPlan {
     /// Samples of all instances.
     pub samples: u64,
     /// Where its samples come from.
-    pub source: Source,
+    pub source: SampleSource,
     /// The uniforms that its samples depend on.
     pub uniforms: Vec<u32>,
     /// Operations of its position (and direction) per sample.
@@ -74,7 +74,7 @@ pub struct GeodesicPlan {
 
 /// Where numbers come from.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
-pub enum Source {
+pub enum SampleSource {
     /// f64 on the CPU.
     Blocks,
     /// Generated code on the GPU.
@@ -122,7 +122,7 @@ pub(crate) fn complete(plan: &mut Plan) {
     if plan
         .objects
         .iter()
-        .all(|object| object.source == Source::Blocks)
+        .all(|object| object.source == SampleSource::Blocks)
     {
         let reason = if inside {
             "a geodesic view has no samples"
@@ -173,7 +173,7 @@ impl Plan {
         let kernels = self
             .objects
             .iter()
-            .filter(|object| object.source == Source::Kernel)
+            .filter(|object| object.source == SampleSource::Kernel)
             .count();
         let geodesic = self.geodesic.as_ref();
         // A map pixel by pixel is coloured on the CPU, with its image.
@@ -220,9 +220,9 @@ pub(crate) fn object_plan(
         instances,
         samples,
         source: if gpu && work >= KERNEL_PAYS && !followed {
-            Source::Kernel
+            SampleSource::Kernel
         } else {
-            Source::Blocks
+            SampleSource::Blocks
         },
         uniforms: uniforms.collect(),
         operations,

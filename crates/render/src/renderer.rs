@@ -21,7 +21,7 @@ use scene::{ObjectId, Scene};
 
 use crate::bounds::Bounds;
 use crate::camera::Camera;
-use crate::counters::Counters;
+use crate::counters::WorkCounters;
 use crate::error::RenderError;
 use crate::gpu::renderer::GpuRenderer;
 use crate::gpu::{Gpu, Pixels};
@@ -354,10 +354,10 @@ impl Renderer {
     }
 
     /// What has been made so far.
-    pub fn counters(&self) -> Counters {
-        let mut counters = Counters {
+    pub fn counters(&self) -> WorkCounters {
+        let mut counters = WorkCounters {
             pictures: self.pictures,
-            ..Counters::default()
+            ..WorkCounters::default()
         };
         self.shared.count(&mut counters);
         counters

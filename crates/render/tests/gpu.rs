@@ -11,7 +11,7 @@ use render::bounds::Bounds;
 use render::placement::Placement;
 use render::plan::Built;
 use render::sample::{Samples, sample};
-use render::{Backend, Method, RenderError, gpu};
+use render::{Backend, PictureMethod, RenderError, gpu};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 use scenes::Wanted;
@@ -141,18 +141,18 @@ fn a_picture_builds_what_its_plan_says_and_nothing_else() {
         samplers: 1,
         ..Built::default()
     };
-    let seen = |chosen: Method| {
+    let seen = |chosen: PictureMethod| {
         let mut request = Wanted::geodesic(ObjectId(3), [48, 48]);
         request.inside().method = chosen;
         request
     };
     for (request, expected) in [
         (Wanted::space([48, 48]), all),
-        (seen(Method::Auto), inside),
-        (seen(Method::Fan), inside),
-        (seen(Method::FanLinear), inside),
-        (seen(Method::Adaptive), Built::default()),
-        (seen(Method::Rk4Pixel), Built::default()),
+        (seen(PictureMethod::Auto), inside),
+        (seen(PictureMethod::Fan), inside),
+        (seen(PictureMethod::FanLinear), inside),
+        (seen(PictureMethod::Adaptive), Built::default()),
+        (seen(PictureMethod::Rk4Pixel), Built::default()),
     ] {
         let request = with(request, Backend::Gpu);
         let (_, built) = request.draw_counted(&scene, &settings).expect("a picture");
@@ -164,7 +164,7 @@ fn a_picture_builds_what_its_plan_says_and_nothing_else() {
 #[test]
 fn ends_pixel_by_pixel_are_computed_and_coloured_as_by_the_software_path() {
     let (scene, settings) = compiled(SCENE);
-    for chosen in [Method::Adaptive, Method::Rk4Pixel] {
+    for chosen in [PictureMethod::Adaptive, PictureMethod::Rk4Pixel] {
         let mut request = with(Wanted::geodesic(ObjectId(3), [48, 48]), Backend::Gpu);
         request.inside().method = chosen;
         let (picture, built) = request.draw_counted(&scene, &settings).expect("a picture");

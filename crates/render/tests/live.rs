@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use image::RgbaImage;
-use render::counters::Counters;
+use render::counters::WorkCounters;
 use render::gpu::Gpu;
 use render::gpu::Pixels;
 use render::request::{Overlays, Spacing};
@@ -88,8 +88,8 @@ fn seen_from(eye: [f64; 3]) -> Wanted {
 }
 
 /// The difference of two counters.
-fn made(before: Counters, after: Counters) -> Counters {
-    Counters {
+fn made(before: WorkCounters, after: WorkCounters) -> WorkCounters {
+    WorkCounters {
         pictures: after.pictures - before.pictures,
         pipelines: after.pipelines - before.pipelines,
         sampled: after.sampled - before.sampled,
@@ -164,9 +164,9 @@ fn a_camera_move_and_the_same_request_again_sample_nothing() {
                 .draw(&request.of(&scene, &settings))
                 .expect("a picture");
         }
-        let expected = Counters {
+        let expected = WorkCounters {
             pictures: 4,
-            ..Counters::default()
+            ..WorkCounters::default()
         };
         assert_eq!(made(before, stage.counters()), expected);
     }
@@ -189,10 +189,10 @@ fn a_param_samples_only_what_reads_it() {
             stage
                 .draw(&request.of(&scene, &settings))
                 .expect("a picture");
-            let expected = Counters {
+            let expected = WorkCounters {
                 pictures: 1,
                 sampled: 1,
-                ..Counters::default()
+                ..WorkCounters::default()
             };
             assert_eq!(made(before, stage.counters()), expected);
         }
@@ -558,7 +558,7 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
     let (scene, mut settings) = compiled(&text);
     let request = Wanted::space(SIZE);
     let plan = request.plan(&scene, &settings);
-    assert_eq!(plan.objects[0].source, render::plan::Source::Kernel);
+    assert_eq!(plan.objects[0].source, render::plan::SampleSource::Kernel);
     let mut stage = stage(Backend::Gpu);
     let first = stage
         .draw(&request.of(&scene, &settings))
@@ -610,7 +610,7 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
 }
 
 /// Waits until no kernel is being built; what has been made then.
-fn built(stage: &Renderer) -> Counters {
+fn built(stage: &Renderer) -> WorkCounters {
     let start = std::time::Instant::now();
     while stage.is_building() {
         assert!(start.elapsed().as_secs() < 120, "{:?}", stage.counters());

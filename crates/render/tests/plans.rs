@@ -2,8 +2,8 @@
 
 mod scenes;
 
-use render::plan::{Built, Painter, Source};
-use render::{Backend, Method};
+use render::plan::{Built, Painter, SampleSource};
+use render::{Backend, PictureMethod};
 use scene::ObjectId;
 use scene::ParamValues;
 use scenes::{Wanted, scene};
@@ -75,7 +75,7 @@ fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
         "no sampling kernel",
         "no geodesic kernel",
     ];
-    for method in [Method::Auto, Method::Rk4Pixel] {
+    for method in [PictureMethod::Auto, PictureMethod::Rk4Pixel] {
         choose(&mut request, method);
         let left_out = request.plan(&scene, &settings).left_out;
         assert_eq!(left_out.len(), parts.len(), "{left_out:?}");
@@ -114,7 +114,7 @@ fn an_object_is_planned_with_its_uniforms_samples_and_operations() {
     };
     assert_eq!(object.painter, Painter::Curves);
     assert_eq!((object.instances, object.samples), (5, 100));
-    assert_eq!(object.source, Source::Blocks);
+    assert_eq!(object.source, SampleSource::Blocks);
     assert_eq!(object.uniforms, [1, 2]);
     assert_eq!(object.operations, 2);
 }

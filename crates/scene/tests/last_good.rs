@@ -12,7 +12,7 @@ use scene::{ProgramScene, Scene};
 use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::document::ChunkId;
 use syntax::geotrace::actions::Operator;
-use syntax::geotrace::document::Event;
+use syntax::geotrace::document::ParseEvent;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
@@ -76,15 +76,15 @@ impl Reference {
     /// A chunk as it was read, each symbol by its code, and the declared names that it uses.
     fn written(&mut self, document: &Document, chunk: ChunkId) -> Good {
         let text = document.text();
-        let piece = text.piece_of(chunk);
+        let placed = text.placed_chunk(chunk);
         let builtins = builtin_count();
-        let names: Vec<(Span, &str)> = piece
+        let names: Vec<(Span, &str)> = placed
             .declarations()
             .map(|(read, _)| (read.name_span, read.name))
             .collect();
         let mut written = String::new();
-        for token in piece.tokens().iter() {
-            let own = token.span.text(piece.text);
+        for token in placed.tokens().iter() {
+            let own = token.span.text(placed.text);
             let symbol = match token.kind {
                 TokenKind::Constant(id) | TokenKind::Function(id) if id.0 >= builtins => Some(id),
                 _ => None,
@@ -107,8 +107,8 @@ impl Reference {
             }
             written.push_str(&word);
         }
-        let used = piece.events().filter_map(|event| match event {
-            Event::Operator(Operator::Constant(id) | Operator::Function(id), _) => Some(id),
+        let used = placed.events().filter_map(|event| match event {
+            ParseEvent::Operator(Operator::Constant(id) | Operator::Function(id), _) => Some(id),
             _ => None,
         });
         let name = |id: SymbolId| Some(text.symbol(id)?.name.to_string());
@@ -155,7 +155,7 @@ impl Reference {
         let faulty: HashSet<ChunkId> = errors
             .iter()
             .filter(|found| is_error(found))
-            .filter_map(|found| Some(text.piece_at(found.span.start)?.chunk))
+            .filter_map(|found| Some(text.placed_chunk_at(found.span.start)?.chunk))
             .collect();
         let mut homes: Vec<(String, Choice, Option<Good>)> = Vec::new();
         let mut incomplete = false;

@@ -15,7 +15,7 @@ use protocol::changes::Changes;
 use syntax::diagnostic::Diagnostic;
 use syntax::span::Span;
 
-use crate::encoding::{Encoding, Lines, Place};
+use crate::encoding::{Encoding, LineStarts, Place};
 
 /// Where spans of a text stand, as its editor counts.
 pub(crate) trait Places {
@@ -33,7 +33,7 @@ pub(crate) struct Snapshot {
     /// How the editor counts columns.
     pub(crate) encoding: Encoding,
     analysis: Arc<dyn Analysis>,
-    lines: Option<Arc<Lines>>,
+    lines: Option<Arc<LineStarts>>,
 }
 
 impl Snapshot {
@@ -79,15 +79,15 @@ impl Places for Snapshot {
 }
 
 /// The lines of a text as the protocol has them, where they may not be those of a document, which end at `\n` alone.
-fn own_lines(text: &str) -> Option<Arc<Lines>> {
-    text.contains('\r').then(|| Arc::new(Lines::new(text)))
+fn own_lines(text: &str) -> Option<Arc<LineStarts>> {
+    text.contains('\r').then(|| Arc::new(LineStarts::new(text)))
 }
 
 /// A text, and how its editor counts places in it.
 #[derive(Clone, Copy)]
 struct Counted<'t> {
     text: &'t dyn Text,
-    lines: Option<&'t Lines>,
+    lines: Option<&'t LineStarts>,
     encoding: Encoding,
 }
 
@@ -133,7 +133,7 @@ impl Counted<'_> {
 
 /// A change of a document.
 #[derive(Clone, Debug)]
-pub(crate) struct Change {
+pub(crate) struct ContentChange {
     /// What is replaced; the whole text if `None`.
     pub(crate) range: Option<[Place; 2]>,
     /// What takes its place.
@@ -161,7 +161,7 @@ pub(crate) struct Open {
     pub(crate) revision: u64,
     encoding: Encoding,
     program: Box<dyn Program>,
-    lines: Option<Arc<Lines>>,
+    lines: Option<Arc<LineStarts>>,
     snapshot: OnceLock<Arc<Snapshot>>,
     /// The changes that led to this version, if they were asked for.
     changes: Changes,
@@ -222,7 +222,7 @@ impl Documents {
         &mut self,
         uri: &str,
         version: i32,
-        changes: Vec<Change>,
+        changes: Vec<ContentChange>,
         recorded: bool,
     ) -> Option<Result<&Open, EditError>> {
         let open = self.open.get_mut(uri)?;
@@ -292,7 +292,7 @@ impl Open {
         &self.changes
     }
 
-    fn apply(&mut self, change: &Change, recorded: bool) -> Result<(), EditError> {
+    fn apply(&mut self, change: &ContentChange, recorded: bool) -> Result<(), EditError> {
         let text = self.program.text();
         let span = match change.range {
             None => Span::new(0, text.len()),
@@ -313,7 +313,7 @@ impl Open {
         }
         if self.lines.is_some() || change.text.contains('\r') {
             // Rare: a text with carriage returns. It is gone through once for each change.
-            self.lines = Some(Arc::new(Lines::new(&self.program.text().string())));
+            self.lines = Some(Arc::new(LineStarts::new(&self.program.text().string())));
         }
         Ok(())
     }
@@ -335,8 +335,8 @@ impl Places for Open {
 
 #[cfg(test)]
 mod tests {
-    use super::{Change, Documents, Places, Snapshot};
-    use crate::encoding::{Encoding, Lines, Place};
+    use super::{ContentChange, Documents, Places, Snapshot};
+    use crate::encoding::{Encoding, LineStarts, Place};
     use ide::Languages;
     use syntax::span::Span;
 
@@ -378,7 +378,7 @@ mod tests {
                         continue;
                     }
                     text.replace_range(start..end, new);
-                    let change = Change {
+                    let change = ContentChange {
                         range: Some(ends),
                         text: new.to_owned(),
                     };
@@ -388,7 +388,7 @@ mod tests {
                     assert_eq!(snapshot.text().string(), text);
                     let edited = open.changes().apply(&before.text().string());
                     assert_eq!(edited.as_ref(), Some(&text));
-                    let lines = Lines::new(&text);
+                    let lines = LineStarts::new(&text);
                     for offset in (0..=text.len()).filter(|&k| text.is_char_boundary(k)) {
                         let span = Span::new(offset as u32, text.len() as u32);
                         assert_eq!(open.range(span), snapshot.range(span));

@@ -26,7 +26,7 @@ pub(crate) struct Place {
 
 /// A text with its lines.
 #[derive(Clone, Debug)]
-pub(crate) struct Lines {
+pub(crate) struct LineStarts {
     /// The offset of each line's first byte; never empty.
     starts: Vec<u32>,
 }
@@ -70,7 +70,7 @@ impl Encoding {
     }
 }
 
-impl Lines {
+impl LineStarts {
     /// The lines of a text of less than 4 GiB; a line ends at `\n`, `\r\n` or `\r`, as the protocol has it.
     pub(crate) fn new(text: &str) -> Self {
         let bytes = text.as_bytes();
@@ -109,7 +109,7 @@ fn ends(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
 
 /// The plain way through a whole text, with which documents are compared.
 #[cfg(test)]
-impl Lines {
+impl LineStarts {
     /// The offset of a place. A line past the last is the text's end.
     pub(crate) fn offset(&self, text: &str, encoding: Encoding, place: Place) -> u32 {
         let Some(&start) = self.starts.get(place.line as usize) else {
@@ -155,13 +155,13 @@ impl Lines {
 
 #[cfg(test)]
 mod tests {
-    use super::{Encoding, Lines, Place};
+    use super::{Encoding, LineStarts, Place};
 
     const TEXT: &str = "a𝛼é\r\n\rx\n";
 
     #[test]
     fn columns_count_code_units_of_each_encoding() {
-        let lines = Lines::new(TEXT);
+        let lines = LineStarts::new(TEXT);
         let end = "a𝛼é".len() as u32;
         for (encoding, column) in [
             (Encoding::Utf8, 7),
@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn places_out_of_range_are_brought_to_the_nearest_there_is() {
-        let lines = Lines::new(TEXT);
+        let lines = LineStarts::new(TEXT);
         let at = |line, column| lines.offset(TEXT, Encoding::Utf16, Place { line, column });
         assert_eq!(at(0, 99), 7);
         // Within the pair of code units of one character.

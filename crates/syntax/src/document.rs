@@ -50,7 +50,7 @@ use names::Names;
 use sequence::Sequence;
 
 pub use grammar::{Analysis, Definition, Grammar, Reading, ShadowedSplit};
-pub use index::Piece;
+pub use index::PlacedChunk;
 pub use scope::ScopeView;
 pub use sequence::ChunkId;
 pub use snapshot::Snapshot;
@@ -66,7 +66,7 @@ pub struct Document<G: Grammar> {
     shadowed: HashMap<SymbolId, Split>,
     version: u64,
     journal: VecDeque<Change>,
-    counters: Counters,
+    counters: ReadCounters,
 }
 
 impl<G: Grammar> Deref for Document<G> {
@@ -90,9 +90,9 @@ pub struct Change {
     pub forgotten: Vec<SymbolId>,
 }
 
-/// Counters of the work that a document has done since it was made.
+/// ReadCounters of the work that a document has done since it was made.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
-pub struct Counters {
+pub struct ReadCounters {
     /// The bytes that were searched for the ends of chunks.
     pub cut: u64,
     /// The chunks that were read because their text was new.
@@ -171,7 +171,7 @@ impl<G: Grammar> Document<G> {
             shadowed: HashMap::new(),
             version: 0,
             journal: VecDeque::new(),
-            counters: Counters::default(),
+            counters: ReadCounters::default(),
         }
     }
 
@@ -269,7 +269,7 @@ impl<G: Grammar> Document<G> {
     }
 
     /// The counters of the work so far.
-    pub fn counters(&self) -> Counters {
+    pub fn counters(&self) -> ReadCounters {
         self.counters
     }
 }

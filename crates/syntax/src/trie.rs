@@ -16,7 +16,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Trie<V> {
     /// `None` if no name is defined.
-    root: Option<Arc<Node<V>>>,
+    root: Option<Arc<TrieNode<V>>>,
 }
 
 /// A name that holds a character outside `a-z A-Z 0-9`, or none at all.
@@ -39,7 +39,7 @@ impl<V: Copy> Trie<V> {
             return Err(NotAName);
         }
         let mut rest = name.as_bytes();
-        let root = self.root.get_or_insert_with(|| Arc::new(Node::root()));
+        let root = self.root.get_or_insert_with(|| Arc::new(TrieNode::root()));
         let mut node = Arc::make_mut(root);
         loop {
             let Some(slot) = rest.first().copied().and_then(slot) else {
@@ -48,7 +48,7 @@ impl<V: Copy> Trie<V> {
             let index = node.index(slot);
             if !node.has(slot) {
                 node.present |= 1 << slot;
-                node.children.insert(index, Node::chain(rest, value));
+                node.children.insert(index, TrieNode::chain(rest, value));
                 return Ok(None);
             }
             let child = Arc::make_mut(&mut node.children[index]);
@@ -155,14 +155,14 @@ impl<V: Copy> Trie<V> {
 }
 
 #[derive(Clone, Debug)]
-struct Node<V> {
+struct TrieNode<V> {
     /// The letters that lead here from the parent; empty at the root only.
     label: Label,
     value: Option<V>,
     /// Bit `k` is set where a child's label begins with the k-th letter of the alphabet.
     present: u64,
     /// In the order of the bits.
-    children: Vec<Arc<Node<V>>>,
+    children: Vec<Arc<TrieNode<V>>>,
 }
 
 /// A few letters, held where they are used; longer runs are chains of nodes.
@@ -192,7 +192,7 @@ impl Label {
     }
 }
 
-impl<V> Node<V> {
+impl<V> TrieNode<V> {
     fn root() -> Self {
         Self {
             label: Label::front(&[]),
@@ -259,7 +259,7 @@ impl<V> Node<V> {
 
 /// Nodes are dropped from a list: a chain of names, each a letter longer than the last, would exhaust the
 /// stack otherwise.
-impl<V> Drop for Node<V> {
+impl<V> Drop for TrieNode<V> {
     fn drop(&mut self) {
         if self.children.is_empty() {
             return;

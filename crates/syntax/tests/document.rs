@@ -7,7 +7,7 @@ use syntax::diagnostic::Diagnostic;
 use syntax::document::{ChunkId, EditError};
 use syntax::geotrace::actions::{Actions, Declaration, Interval, Operator};
 use syntax::geotrace::declarations::DeclarationKeyword;
-use syntax::geotrace::document::{Document, Event};
+use syntax::geotrace::document::{Document, ParseEvent};
 use syntax::geotrace::parse_program;
 use syntax::geotrace::symbols::{Symbol, Vocabulary};
 use syntax::geotrace::token::{Token, TokenKind};
@@ -25,7 +25,7 @@ fn vocabulary() -> Vocabulary {
 struct Transcript {
     lines: Vec<String>,
     tokens: Vec<Token>,
-    events: Vec<Event<'static>>,
+    events: Vec<ParseEvent<'static>>,
     diagnostics: Vec<Diagnostic>,
 }
 
@@ -34,13 +34,13 @@ impl Actions for Transcript {
         self.tokens.push(token);
     }
     fn act_declaration_start(&mut self, word: DeclarationKeyword, span: Span) {
-        self.events.push(Event::Open(word, span));
+        self.events.push(ParseEvent::Open(word, span));
     }
     fn act_operator(&mut self, operator: Operator, span: Span) {
-        self.events.push(Event::Operator(operator, span));
+        self.events.push(ParseEvent::Operator(operator, span));
     }
     fn act_interval(&mut self, interval: Interval) {
-        self.events.push(Event::Interval(interval));
+        self.events.push(ParseEvent::Interval(interval));
     }
     fn act_declaration(&mut self, d: &Declaration<'_>) {
         let mut line = format!("{:?} {:?} {} {:?}", d.word, d.span, d.name, d.name_span);
@@ -85,21 +85,23 @@ fn tokens(all: impl Iterator<Item = Token>, name: impl Fn(SymbolId) -> String) -
 }
 
 fn steps<'e>(
-    events: impl Iterator<Item = (u32, Event<'e>)>,
+    events: impl Iterator<Item = (u32, ParseEvent<'e>)>,
     name: impl Fn(SymbolId) -> String,
 ) -> Vec<String> {
     events
         .filter_map(|(start, event)| {
             Some(match event {
-                Event::Operator(Operator::Constant(id), span) => {
+                ParseEvent::Operator(Operator::Constant(id), span) => {
                     format!("{:?} {}", span.moved(start), name(id))
                 }
-                Event::Operator(Operator::Function(id), span) => {
+                ParseEvent::Operator(Operator::Function(id), span) => {
                     format!("{:?} {}", span.moved(start), name(id))
                 }
-                Event::Operator(operator, span) => format!("{:?} {operator:?}", span.moved(start)),
-                Event::Open(word, span) => format!("{:?} {word:?}", span.moved(start)),
-                Event::Interval(interval) => {
+                ParseEvent::Operator(operator, span) => {
+                    format!("{:?} {operator:?}", span.moved(start))
+                }
+                ParseEvent::Open(word, span) => format!("{:?} {word:?}", span.moved(start)),
+                ParseEvent::Interval(interval) => {
                     let tag = interval.tag.map(|(at, span)| (at, span.moved(start)));
                     format!(
                         "{:?} {:?} {tag:?}",
@@ -107,7 +109,7 @@ fn steps<'e>(
                         interval.span.moved(start)
                     )
                 }
-                Event::Declaration(_) | Event::Finding => return None,
+                ParseEvent::Declaration(_) | ParseEvent::Finding => return None,
             })
         })
         .collect()

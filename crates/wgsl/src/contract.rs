@@ -5,7 +5,7 @@ use crate::library::Piece;
 
 /// A function's header.
 #[derive(Clone, Debug, Eq, PartialEq)]
-pub struct Signature {
+pub struct FunctionSignature {
     /// Its name.
     pub name: String,
     /// Name and type of each parameter.
@@ -69,7 +69,7 @@ pub fn is_exactly(generated: &Piece<'_>, contract: &Piece<'_>) -> Result<(), Int
 }
 
 /// The headers of the functions in a text, in order.
-pub fn signatures(text: &str) -> Vec<Signature> {
+pub fn signatures(text: &str) -> Vec<FunctionSignature> {
     items(text)
         .iter()
         .filter_map(|item| signature(item))
@@ -120,7 +120,7 @@ fn finish(item: &mut String, found: &mut Vec<String>) {
 
 /// Reads `fn name(a: T, b: U) -> V`, attributes before it left out; parameters with attributes of their own
 /// (entry points) are no part of a contract.
-fn signature(item: &str) -> Option<Signature> {
+fn signature(item: &str) -> Option<FunctionSignature> {
     if item.starts_with('@') {
         return None;
     }
@@ -138,7 +138,7 @@ fn signature(item: &str) -> Option<Signature> {
         .unwrap_or("")
         .trim()
         .to_owned();
-    Some(Signature {
+    Some(FunctionSignature {
         name: name.trim().to_owned(),
         parameters,
         result,

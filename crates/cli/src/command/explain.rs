@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use render::plan::{ObjectPlan, Painter, Plan, Source};
+use render::plan::{ObjectPlan, Painter, Plan, SampleSource};
 use render::{Backend, PictureRequest, ViewId, Views};
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
@@ -227,7 +227,7 @@ fn view(views: &Views, request: &PictureRequest) -> ViewEntry {
                 Some(object) => object.shape.kind(),
                 None => "surface",
             },
-            source: source(Source::Blocks),
+            source: source(SampleSource::Blocks),
             derivative_operations: geodesic.derivative_operations,
         }),
         left_out: plan.left_out,
@@ -271,10 +271,10 @@ fn painter(painter: Painter) -> &'static str {
     }
 }
 
-fn source(source: Source) -> &'static str {
+fn source(source: SampleSource) -> &'static str {
     match source {
-        Source::Blocks => "blocks",
-        Source::Kernel => "kernel",
+        SampleSource::Blocks => "blocks",
+        SampleSource::Kernel => "kernel",
     }
 }
 

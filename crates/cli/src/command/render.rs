@@ -13,7 +13,7 @@ use render::texture::{Texture, TextureError};
 use render::view::geodesic::GeodesicOptions;
 use render::view::space::SpaceOptions;
 use render::viewpoint::{GeodesicCamera, PerspectiveCamera, Pose, ViewCamera};
-use render::{Backend, Method, PictureRequest, RenderError, RenderedImage, ViewId, Views};
+use render::{Backend, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
@@ -85,7 +85,7 @@ pub(super) struct Arguments {
     zoom: Option<Quantity>,
     /// How the geodesics are followed
     #[arg(long, value_parser = argument::choice(&METHODS), value_name = "M", help_heading = "Geodesic view")]
-    method: Option<Method>,
+    method: Option<PictureMethod>,
     /// A key to the hatchings, lines and colours of the picture
     #[arg(long, help_heading = "Drawn over the picture")]
     legend: bool,
@@ -130,27 +130,27 @@ const BACKENDS: [Choice<Backend>; 3] = [
     ),
 ];
 
-const METHODS: [Choice<Method>; 5] = [
-    Choice::new("auto", "The best: fan", Method::Auto),
+const METHODS: [Choice<PictureMethod>; 5] = [
+    Choice::new("auto", "The best: fan", PictureMethod::Auto),
     Choice::new(
         "fan",
         "A fan of rays that all pixels share, in double precision, interpolated by their Jacobi fields",
-        Method::Fan,
+        PictureMethod::Fan,
     ),
     Choice::new(
         "fan-linear",
         "The same fan, interpolated linearly, for comparison",
-        Method::FanLinear,
+        PictureMethod::FanLinear,
     ),
     Choice::new(
         "adaptive",
         "A geodesic for each pixel, with steps as long as the tolerance allows, in double precision",
-        Method::Adaptive,
+        PictureMethod::Adaptive,
     ),
     Choice::new(
         "rk4-pixel",
         "A geodesic for each pixel, with steps of equal length, as in the thesis",
-        Method::Rk4Pixel,
+        PictureMethod::Rk4Pixel,
     ),
 ];
 

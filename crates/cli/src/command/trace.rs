@@ -6,7 +6,7 @@ use clap::{ArgGroup, Args};
 use geodesic::frame::trace_heading;
 use geodesic::surface::Surface;
 use geodesic::trace::{self, Method, Options, Status, Trace, TraceError};
-use render::Method as PictureMethod;
+use render::PictureMethod;
 use serde::Serialize;
 
 use crate::argument::{self, Assignment, Choice, Format, Pair, Quantity};

@@ -1,7 +1,7 @@
 //! From coefficients to code: what the roots need, in an order that keeps registers few, sums of products as one
 //! instruction, sine and cosine of one angle as one.
 //!
-//! What flows in: an [`Expansion`]. What flows out: [`Code`] over registers: first the two variables, then fixed
+//! What flows in: an [`Expansion`]. What flows out: [`StraightLineCode`] over registers: first the two variables, then fixed
 //! numbers, then what is computed. A register is used again as soon as its value has been used for the last time;
 //! those of fixed numbers never are, so that they stay filled from one evaluation to the next.
 
@@ -11,8 +11,8 @@ use crate::ops::{Binary, Unary};
 
 /// Straight-line code.
 #[derive(Clone, Debug)]
-pub(super) struct Code {
-    pub(super) program: Program,
+pub(super) struct StraightLineCode {
+    pub(super) program: Instructions,
     /// Which coefficients the registers from [`FIRST_FIXED`] on hold.
     pub(super) fixed: Vec<u32>,
     /// For each place of the program the coefficient that is its factor, and whether that is negated.
@@ -22,7 +22,7 @@ pub(super) struct Code {
 
 /// Instructions, and where their results are: over few registers, which is usual, or over many.
 #[derive(Clone, Debug)]
-pub(super) enum Program {
+pub(super) enum Instructions {
     /// All registers are among the first [`FEW`].
     Few(Steps<u8>),
     Many(Steps<u32>),
@@ -98,7 +98,7 @@ struct Plan {
 }
 
 /// Makes the code for roots of so many coefficients each.
-pub(super) fn assemble(expansion: &Expansion, coefficients: usize) -> Code {
+pub(super) fn assemble(expansion: &Expansion, coefficients: usize) -> StraightLineCode {
     let uses = count_uses(expansion);
     let plans = Plans {
         expansion,
@@ -145,11 +145,11 @@ pub(super) fn assemble(expansion: &Expansion, coefficients: usize) -> Code {
         instructions,
         places,
     };
-    Code {
+    StraightLineCode {
         program: if register_count <= FEW {
-            Program::Few(steps.named(|register| register as u8))
+            Instructions::Few(steps.named(|register| register as u8))
         } else {
-            Program::Many(steps)
+            Instructions::Many(steps)
         },
         register_count,
         fixed: registers.fixed,
@@ -160,7 +160,7 @@ pub(super) fn assemble(expansion: &Expansion, coefficients: usize) -> Code {
     }
 }
 
-impl Program {
+impl Instructions {
     pub(super) fn instruction_count(&self) -> usize {
         match self {
             Self::Few(steps) => steps.instructions.len(),

@@ -10,7 +10,7 @@ use rustc_hash::{FxBuildHasher, FxHashMap};
 
 use crate::graph::{Graph, Input, Node, NodeId, TooLarge};
 use crate::jets::Order;
-use crate::jets::terms::{Builder, Micro, Term, ZERO};
+use crate::jets::terms::{Micro, Term, TermBuilder, ZERO};
 use crate::ops::{Arithmetic, Binary, Unary};
 
 /// What the roots need, and more.
@@ -41,7 +41,7 @@ pub(super) fn expand(
     order: Order,
 ) -> Result<Expansion, TooLarge> {
     let nodes = graph.order(roots);
-    let mut builder = Builder::new(graph.limit(), nodes.len());
+    let mut builder = TermBuilder::new(graph.limit(), nodes.len());
     let mut uniforms = Vec::new();
     let mut known: FxHashMap<NodeId, Coefficients> =
         FxHashMap::with_capacity_and_hasher(nodes.len(), FxBuildHasher);
@@ -123,7 +123,7 @@ impl Expansion {
     }
 }
 
-impl Builder {
+impl TermBuilder {
     /// The chain rule: f(a) with the first and second derivative of f at a's value.
     fn chain(
         &mut self,

@@ -7,7 +7,9 @@
 
 use crate::arithmetic::{power, sign, zmul};
 use crate::elementary;
-use crate::jets::assemble::{Code, FEW, FIRST_FIXED, Instruction, Op, Program, Steps};
+use crate::jets::assemble::{
+    FEW, FIRST_FIXED, Instruction, Instructions, Op, Steps, StraightLineCode,
+};
 use crate::processor::{Processor, Work};
 
 /// Registers, reused between evaluations so that none allocates. One per thread, for any tapes.
@@ -35,15 +37,15 @@ impl JetRegisters {
 
     pub(super) fn run<const N: usize>(
         &mut self,
-        code: &Code,
+        code: &StraightLineCode,
         fixed: &[f64],
         identity: u64,
         at: &[[f64; N]; 2],
         out: &mut [[f64; N]],
     ) {
         let length = N * match code.program {
-            Program::Few(_) => FEW,
-            Program::Many(_) => code.register_count,
+            Instructions::Few(_) => FEW,
+            Instructions::Many(_) => code.register_count,
         };
         let slack = CACHE_LINE / size_of::<f64>();
         if self.numbers.len() < length + slack {
@@ -81,7 +83,7 @@ impl JetRegisters {
 
 /// An evaluation.
 struct Run<'a, const N: usize> {
-    code: &'a Code,
+    code: &'a StraightLineCode,
     /// Of the results.
     factors: &'a [f64],
     registers: &'a mut [f64],
@@ -172,13 +174,13 @@ impl<const N: usize> Run<'_, N> {
         let (at, _) = self.at.as_flattened().as_chunks::<W>();
         registers[..2 * COUNT].copy_from_slice(at);
         match &self.code.program {
-            Program::Few(steps) => match registers.first_chunk_mut::<ALL>() {
+            Instructions::Few(steps) => match registers.first_chunk_mut::<ALL>() {
                 Some(all) if ALL > 0 => {
                     evaluate::<W, COUNT, N, u8, _>(steps, self.factors, all, self.out)
                 }
                 _ => evaluate::<W, COUNT, N, u8, _>(steps, self.factors, registers, self.out),
             },
-            Program::Many(steps) => {
+            Instructions::Many(steps) => {
                 evaluate::<W, COUNT, N, u32, _>(steps, self.factors, registers, self.out);
             }
         }

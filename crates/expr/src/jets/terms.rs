@@ -58,7 +58,7 @@ impl Micro {
 }
 
 /// Makes coefficients; as an [`Arithmetic`], what the table's rules are run in.
-pub(super) struct Builder {
+pub(super) struct TermBuilder {
     pub(super) micros: Vec<Micro>,
     pub(super) varying: Vec<bool>,
     ids: FxHashMap<Micro, u32>,
@@ -66,7 +66,7 @@ pub(super) struct Builder {
     pub(super) overflowed: bool,
 }
 
-impl Arithmetic for Builder {
+impl Arithmetic for TermBuilder {
     type Number = Term;
 
     fn constant(&mut self, value: f64) -> Term {
@@ -207,7 +207,7 @@ impl Term {
     }
 }
 
-impl Builder {
+impl TermBuilder {
     pub(super) fn new(limit: usize, nodes: usize) -> Self {
         let room = 4 * nodes.min(1 << 16);
         let mut builder = Self {

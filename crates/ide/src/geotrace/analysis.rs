@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use scene::geotrace::{Compilation, Excerpt};
 use syntax::diagnostic::Diagnostic;
 use syntax::geotrace::declarations::Category;
-use syntax::geotrace::document::{Document, Piece, Snapshot, Tokens};
+use syntax::geotrace::document::{Document, PlacedChunk, Snapshot, Tokens};
 use syntax::geotrace::symbols::Symbol;
 use syntax::geotrace::token::{Token, TokenKind};
 use syntax::span::Span;
@@ -112,17 +112,22 @@ impl GeotraceAnalysis {
 
     /// A token by its number, from 0.
     pub fn token(&self, token: usize) -> Option<Lexeme<'_>> {
-        let (piece, index) = self.document.piece_of_token(u32::try_from(token).ok()?)?;
-        Some(lexeme(piece, piece.tokens().get(index)?))
+        let (placed, index) = self
+            .document
+            .placed_chunk_of_token(u32::try_from(token).ok()?)?;
+        Some(lexeme(placed, placed.tokens().get(index)?))
     }
 
     /// Tokens by their numbers, in the order of the text.
     pub fn tokens(&self, range: Range<usize>) -> impl Iterator<Item = Lexeme<'_>> {
         let first = u32::try_from(range.start).ok();
-        let first = first.and_then(|first| self.document.piece_of_token(first));
+        let first = first.and_then(|first| self.document.placed_chunk_of_token(first));
         let skipped = first.map_or(0, |(_, index)| index);
-        let pieces = self.document.pieces_from(first.map(|(piece, _)| piece));
-        let all = pieces.flat_map(|piece| piece.tokens().iter().map(move |it| lexeme(piece, it)));
+        let placed_chunks = self
+            .document
+            .placed_chunks_from(first.map(|(placed, _)| placed));
+        let all = placed_chunks
+            .flat_map(|placed| placed.tokens().iter().map(move |it| lexeme(placed, it)));
         all.skip(skipped).take(range.len())
     }
 
@@ -148,21 +153,23 @@ impl GeotraceAnalysis {
     /// A declaration by its number, from 0.
     pub fn item(&self, item: usize) -> Option<Item<'_>> {
         let number = u32::try_from(item).ok()?;
-        let (piece, index) = self.document.piece_of_declaration(number)?;
-        let (read, events) = piece.declarations().nth(index)?;
-        Some(Item::new(item, piece.start, read, events))
+        let (placed, index) = self.document.placed_chunk_of_declaration(number)?;
+        let (read, events) = placed.declarations().nth(index)?;
+        Some(Item::new(item, placed.start, read, events))
     }
 
     /// The declarations from one on, in the order of the text.
     pub fn items_from(&self, item: usize) -> impl Iterator<Item = Item<'_>> {
         let first = u32::try_from(item).ok();
-        let first = first.and_then(|first| self.document.piece_of_declaration(first));
+        let first = first.and_then(|first| self.document.placed_chunk_of_declaration(first));
         let skipped = first.map_or(0, |(_, index)| index);
-        let pieces = self.document.pieces_from(first.map(|(piece, _)| piece));
-        let all = pieces.flat_map(|piece| {
-            let number = piece.first_declaration as usize..;
-            let declarations = number.zip(piece.declarations());
-            declarations.map(move |(k, (read, events))| Item::new(k, piece.start, read, events))
+        let placed_chunks = self
+            .document
+            .placed_chunks_from(first.map(|(placed, _)| placed));
+        let all = placed_chunks.flat_map(|placed| {
+            let number = placed.first_declaration as usize..;
+            let declarations = number.zip(placed.declarations());
+            declarations.map(move |(k, (read, events))| Item::new(k, placed.start, read, events))
         });
         all.skip(skipped)
     }
@@ -256,31 +263,33 @@ impl GeotraceAnalysis {
 
     /// What a token stands for, at its declaration too.
     pub fn target(&self, token: usize) -> Option<Target> {
-        let (piece, index) = self.document.piece_of_token(u32::try_from(token).ok()?)?;
-        self.target_in(piece, index)
+        let (placed, index) = self
+            .document
+            .placed_chunk_of_token(u32::try_from(token).ok()?)?;
+        self.target_in(placed, index)
     }
 
     /// What a token of a piece stands for.
-    pub(crate) fn target_in(&self, piece: Piece<'_>, index: usize) -> Option<Target> {
-        let Token { kind, span } = piece.tokens().get(index)?;
+    pub(crate) fn target_in(&self, placed: PlacedChunk<'_>, index: usize) -> Option<Target> {
+        let Token { kind, span } = placed.tokens().get(index)?;
         match kind {
             TokenKind::Constant(id) | TokenKind::Function(id) => {
                 // Where a name that is taken is declared again, the word is no use of it.
-                let taken = item_in(piece, span.start).is_some_and(|item| {
+                let taken = item_in(placed, span.start).is_some_and(|item| {
                     item.symbol.is_none() && item.name_span == span || item.has_parameter(span)
                 });
                 (!taken).then_some(Target::Symbol(id))
             }
             TokenKind::Variable(position) => {
                 let position = position as usize;
-                let item = match derived_function(piece.tokens(), index) {
+                let item = match derived_function(placed.tokens(), index) {
                     Some(function) => self.item_of(function)?,
-                    None => item_in(piece, span.start)?.index,
+                    None => item_in(placed, span.start)?.index,
                 };
                 Some(Target::Parameter { item, position })
             }
             TokenKind::Undefined => {
-                let item = item_in(piece, span.start)?;
+                let item = item_in(placed, span.start)?;
                 if item.name_span == span {
                     return item.symbol.map(Target::Symbol);
                 }
@@ -297,8 +306,8 @@ impl GeotraceAnalysis {
     /// Whether a token introduces a name.
     pub fn introduces(&self, token: usize) -> bool {
         let found = u32::try_from(token).ok();
-        let found = found.and_then(|token| self.document.piece_of_token(token));
-        found.is_some_and(|(piece, index)| introduces_in(piece, index))
+        let found = found.and_then(|token| self.document.placed_chunk_of_token(token));
+        found.is_some_and(|(placed, index)| introduces_in(placed, index))
     }
 
     /// The name of what a token stands for.
@@ -322,32 +331,35 @@ impl GeotraceAnalysis {
             Target::Parameter { item, .. } => self.item(item).and_then(|item| item.symbol),
         };
         let document = &self.document;
-        let pieces: Vec<Piece<'_>> = match (symbol, target) {
+        let placed_chunks: Vec<PlacedChunk<'_>> = match (symbol, target) {
             (Some(id), _) if document.home(id).is_some() => {
                 let chunks = document.readers(id).chain(document.home(id));
-                let mut pieces: Vec<_> = chunks.map(|chunk| document.piece_of(chunk)).collect();
-                pieces.sort_by_key(|piece| piece.start);
-                pieces.dedup_by_key(|piece| piece.chunk);
-                pieces
+                let mut placed_chunks: Vec<_> =
+                    chunks.map(|chunk| document.placed_chunk(chunk)).collect();
+                placed_chunks.sort_by_key(|placed| placed.start);
+                placed_chunks.dedup_by_key(|placed| placed.chunk);
+                placed_chunks
             }
             (_, Target::Parameter { item, .. }) => {
                 let found = u32::try_from(item).ok();
-                let found = found.and_then(|item| document.piece_of_declaration(item));
-                found.into_iter().map(|(piece, _)| piece).collect()
+                let found = found.and_then(|item| document.placed_chunk_of_declaration(item));
+                found.into_iter().map(|(placed, _)| placed).collect()
             }
             // Who reads a builtin is not noted.
-            _ => document.pieces_from(document.piece_at(0)).collect(),
+            _ => document
+                .placed_chunks_from(document.placed_chunk_at(0))
+                .collect(),
         };
-        let all = pieces.into_iter().flat_map(|piece| {
-            let tokens = 0..piece.tokens().len();
+        let all = placed_chunks.into_iter().flat_map(|placed| {
+            let tokens = 0..placed.tokens().len();
             tokens
                 // The text is compared before the meaning is looked for.
                 .filter(move |&k| {
-                    let span = piece.tokens().span(k);
-                    span.is_some_and(|span| span.text(piece.text) == name)
+                    let span = placed.tokens().span(k);
+                    span.is_some_and(|span| span.text(placed.text) == name)
                 })
-                .filter(move |&k| self.target_in(piece, k) == Some(target))
-                .map(move |k| piece.first_token as usize + k)
+                .filter(move |&k| self.target_in(placed, k) == Some(target))
+                .map(move |k| placed.first_token as usize + k)
         });
         all.collect()
     }
@@ -387,19 +399,19 @@ impl GeotraceAnalysis {
 }
 
 /// The declaration in a piece that holds a place of it, or ends there.
-fn item_in(piece: Piece<'_>, offset: u32) -> Option<Item<'_>> {
-    let begun = piece.declarations().enumerate();
+fn item_in(placed: PlacedChunk<'_>, offset: u32) -> Option<Item<'_>> {
+    let begun = placed.declarations().enumerate();
     let begun = begun.take_while(|(_, (read, _))| read.span.start <= offset);
     let (index, (read, events)) = begun.last()?;
-    let index = piece.first_declaration as usize + index;
+    let index = placed.first_declaration as usize + index;
     (offset <= read.span.end).then(|| Item::new(index, 0, read, events))
 }
 
 /// Whether a token of a piece introduces a name.
-pub(crate) fn introduces_in(piece: Piece<'_>, index: usize) -> bool {
-    let span = piece.tokens().span(index);
+pub(crate) fn introduces_in(placed: PlacedChunk<'_>, index: usize) -> bool {
+    let span = placed.tokens().span(index);
     span.is_some_and(|span| {
-        item_in(piece, span.start).is_some_and(|item| {
+        item_in(placed, span.start).is_some_and(|item| {
             item.name_span == span && item.symbol.is_some() || item.has_parameter(span)
         })
     })
@@ -422,10 +434,10 @@ fn derived_function(tokens: Tokens<'_>, index: usize) -> Option<SymbolId> {
 }
 
 /// A token of a piece, in its place in the text.
-pub(crate) fn lexeme(piece: Piece<'_>, token: Token) -> Lexeme<'_> {
+pub(crate) fn lexeme(placed: PlacedChunk<'_>, token: Token) -> Lexeme<'_> {
     Lexeme {
         kind: token.kind,
-        span: token.span.moved(piece.start),
-        text: token.span.text(piece.text),
+        span: token.span.moved(placed.start),
+        text: token.span.text(placed.text),
     }
 }

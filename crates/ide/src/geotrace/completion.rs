@@ -1,6 +1,6 @@
 //! What can be written at a place.
 
-use syntax::geotrace::declarations::{Category, DeclarationKeyword, Row, Syntax, TABLE};
+use syntax::geotrace::declarations::{Category, DeclarationKeyword, DeclarationRow, Syntax, TABLE};
 use syntax::geotrace::symbols::{Symbol, SymbolKind};
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
@@ -18,18 +18,18 @@ const MOST_NAMES: usize = 256;
 
 /// What can be written at a place.
 pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> Completions {
-    let place = Place::of(analysis, offset);
+    let place = CompletionPlace::of(analysis, offset);
     let names = Names {
         visible: NamesInScope::at(analysis, offset),
         written: analysis.slice(place.range),
     };
     let mut is_complete = true;
     let list = match place.wanted {
-        Wanted::Nothing => Vec::new(),
-        Wanted::Declaration => TABLE.iter().map(|row| declaration(row, snippets)).collect(),
-        Wanted::Parameter(item) => own_parameters(analysis, item),
-        Wanted::ParameterOf(item) => own_parameters(analysis, item),
-        Wanted::Surface => {
+        Expected::Nothing => Vec::new(),
+        Expected::Declaration => TABLE.iter().map(|row| declaration(row, snippets)).collect(),
+        Expected::Parameter(item) => own_parameters(analysis, item),
+        Expected::ParameterOf(item) => own_parameters(analysis, item),
+        Expected::Surface => {
             is_complete = names.are_few();
             let all = names.list(analysis).into_iter();
             let is_surface = |symbol: &&Symbol| {
@@ -40,7 +40,7 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
             };
             all.filter(is_surface).map(of_symbol).collect()
         }
-        Wanted::Operand(item) => {
+        Expected::Operand(item) => {
             let mut list = item
                 .map(|item| own_parameters(analysis, item))
                 .unwrap_or_default();
@@ -67,7 +67,7 @@ pub fn describe(analysis: &GeotraceAnalysis, offset: u32, label: &str) -> Option
 
 /// What fits at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Wanted {
+enum Expected {
     Nothing,
     Declaration,
     /// One of the declaration's own parameters: an interval's tag.
@@ -80,12 +80,12 @@ enum Wanted {
     Operand(Option<usize>),
 }
 
-struct Place {
-    wanted: Wanted,
+struct CompletionPlace {
+    wanted: Expected,
     range: Span,
 }
 
-impl Place {
+impl CompletionPlace {
     fn of(analysis: &GeotraceAnalysis, offset: u32) -> Self {
         let start = word_start(analysis, offset);
         let range = Span::new(start, offset);
@@ -93,7 +93,7 @@ impl Place {
         let last = next.checked_sub(1).and_then(|k| analysis.token(k));
         if last.is_some_and(|t| t.kind == TokenKind::Comment && offset <= t.span.end) {
             return Self {
-                wanted: Wanted::Nothing,
+                wanted: Expected::Nothing,
                 range,
             };
         }
@@ -108,16 +108,16 @@ impl Place {
         let item = item.or_else(|| open_item(analysis, start));
         let number = item.map(|item| item.index);
         let wanted = match before.next() {
-            None => Wanted::Declaration,
+            None => Expected::Declaration,
             Some((at, token)) => match token.kind {
-                TokenKind::Semicolon => Wanted::Declaration,
-                TokenKind::Declare(_) => Wanted::Nothing,
+                TokenKind::Semicolon => Expected::Declaration,
+                TokenKind::Declare(_) => Expected::Nothing,
                 TokenKind::Underscore => match function_before(analysis, at) {
-                    Some(item) => Wanted::ParameterOf(item),
-                    None => Wanted::Nothing,
+                    Some(item) => Expected::ParameterOf(item),
+                    None => Expected::Nothing,
                 },
                 TokenKind::Number(_) if range.start == range.end && token.span.end == start => {
-                    Wanted::Operand(number)
+                    Expected::Operand(number)
                 }
                 TokenKind::Colon => {
                     let geodesic = item.is_some_and(|it| it.word.row().syntax == Syntax::InSurface);
@@ -127,15 +127,15 @@ impl Place {
                         !last.is_some_and(|byte| byte.is_ascii_alphanumeric())
                     });
                     if geodesic && behind_list {
-                        Wanted::Surface
+                        Expected::Surface
                     } else {
-                        Wanted::Nothing
+                        Expected::Nothing
                     }
                 }
                 TokenKind::Comma if item.is_some_and(|item| expects_tag(analysis, &item, at)) => {
-                    number.map_or(Wanted::Nothing, Wanted::Parameter)
+                    number.map_or(Expected::Nothing, Expected::Parameter)
                 }
-                _ => Wanted::Operand(number),
+                _ => Expected::Operand(number),
             },
         };
         Self { wanted, range }
@@ -270,7 +270,7 @@ fn of_symbol(symbol: &Symbol) -> Completion {
     }
 }
 
-fn declaration(row: &Row, snippets: bool) -> Completion {
+fn declaration(row: &DeclarationRow, snippets: bool) -> Completion {
     Completion {
         label: row.text.to_owned(),
         kind: CompletionKind::Keyword,

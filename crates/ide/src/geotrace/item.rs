@@ -1,7 +1,7 @@
 //! A declaration as it stands in the text.
 
 use syntax::geotrace::declarations::DeclarationKeyword;
-use syntax::geotrace::document::{Event, Events, Parameters, ReadDeclaration};
+use syntax::geotrace::document::{Parameters, ParseEvent, ParseEvents, ReadDeclaration};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
@@ -24,7 +24,7 @@ pub struct Item<'r> {
     pub faulty: bool,
     start: u32,
     parameters: Parameters<'r>,
-    events: Events<'r>,
+    events: ParseEvents<'r>,
 }
 
 impl<'r> Item<'r> {
@@ -33,7 +33,7 @@ impl<'r> Item<'r> {
         index: usize,
         start: u32,
         read: ReadDeclaration<'r>,
-        events: Events<'r>,
+        events: ParseEvents<'r>,
     ) -> Self {
         Self {
             index,
@@ -65,7 +65,7 @@ impl<'r> Item<'r> {
     pub fn intervals(&self) -> impl Iterator<Item = Span> + use<'r> {
         let start = self.start;
         self.events.filter_map(move |event| match event {
-            Event::Interval(interval) => Some(interval.span.moved(start)),
+            ParseEvent::Interval(interval) => Some(interval.span.moved(start)),
             _ => None,
         })
     }
@@ -74,7 +74,7 @@ impl<'r> Item<'r> {
     pub fn operands(&self) -> impl Iterator<Item = Span> + use<'r> {
         let start = self.start;
         self.events.filter_map(move |event| match event {
-            Event::Operator(_, span) => Some(span.moved(start)),
+            ParseEvent::Operator(_, span) => Some(span.moved(start)),
             _ => None,
         })
     }

@@ -143,7 +143,7 @@ impl Renamed {
             match document.edit(edit.span, &edit.text) {
                 Ok(change) => read.extend(change.read),
                 // The text would be too large: the name stays what it was, which is found below.
-                Err(_) => read.extend(before.piece_at(edit.span.start).map(|it| it.chunk)),
+                Err(_) => read.extend(before.placed_chunk_at(edit.span.start).map(|it| it.chunk)),
             }
         }
         let mut read: Vec<ChunkId> = read.into_iter().collect();
@@ -160,22 +160,22 @@ impl Renamed {
     ) -> Option<usize> {
         let (before, after): (&Snapshot, &Snapshot) = (old.document(), &self.document);
         self.read.iter().find_map(|chunk| {
-            let (piece, other) = (before.piece_of(*chunk), after.piece_of(*chunk));
-            let first = piece.first_token as usize;
+            let (placed, other) = (before.placed_chunk(*chunk), after.placed_chunk(*chunk));
+            let first = placed.first_token as usize;
             let is_same = |k: usize| {
-                let (Some(token), Some(read)) = (piece.tokens().get(k), other.tokens().get(k))
+                let (Some(token), Some(read)) = (placed.tokens().get(k), other.tokens().get(k))
                 else {
                     return false;
                 };
                 let text = match renamed.binary_search(&(first + k)) {
                     Ok(_) => name,
-                    Err(_) => token.span.text(piece.text),
+                    Err(_) => token.span.text(placed.text),
                 };
                 Meaning::of(before, token.kind) == Meaning::of(after, read.kind)
                     && text == read.span.text(other.text)
-                    && introduces_in(piece, k) == introduces_in(other, k)
+                    && introduces_in(placed, k) == introduces_in(other, k)
             };
-            let count = piece.tokens().len();
+            let count = placed.tokens().len();
             let differs = (0..count).find(|k| !is_same(*k));
             let longer = (other.tokens().len() > count).then(|| count.saturating_sub(1));
             differs.or(longer).map(|k| first + k)
@@ -198,11 +198,11 @@ impl Renamed {
             }
             let is_more = found.next().is_some();
             if last.is_some() || is_more {
-                let piece = old.document().piece_of(chunk);
-                let span = last.or(piece.tokens().span(0)).unwrap_or_default();
+                let placed = old.document().placed_chunk(chunk);
+                let span = last.or(placed.tokens().span(0)).unwrap_or_default();
                 return Err(RenameError::ReadOtherwise {
-                    word: span.text(piece.text).to_owned(),
-                    line: line(old, span.moved(piece.start).start),
+                    word: span.text(placed.text).to_owned(),
+                    line: line(old, span.moved(placed.start).start),
                 });
             }
         }

@@ -1,7 +1,7 @@
 //! Colours by meaning: the text's tokens in the standard types of editors.
 
 use syntax::geotrace::declarations::{Category, DeclarationKeyword};
-use syntax::geotrace::document::Piece;
+use syntax::geotrace::document::PlacedChunk;
 use syntax::geotrace::symbols::SymbolKind;
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
@@ -15,20 +15,24 @@ pub fn semantic_tokens(analysis: &GeotraceAnalysis, range: Span) -> Vec<Semantic
     let document = analysis.document();
     let wanted = analysis.tokens_in(range);
     let first = u32::try_from(wanted.start).ok();
-    let first = first.and_then(|token| document.piece_of_token(token));
-    let pieces = document.pieces_from(first.map(|(piece, _)| piece));
-    let all = pieces.flat_map(|piece| {
-        let tokens = 0..piece.tokens().len();
-        tokens.map(move |index| (piece, index))
+    let first = first.and_then(|token| document.placed_chunk_of_token(token));
+    let placed_chunks = document.placed_chunks_from(first.map(|(placed, _)| placed));
+    let all = placed_chunks.flat_map(|placed| {
+        let tokens = 0..placed.tokens().len();
+        tokens.map(move |index| (placed, index))
     });
     let skipped = first.map_or(0, |(_, index)| index);
     let all = all.skip(skipped).take(wanted.len());
-    all.filter_map(|(piece, index)| token(analysis, piece, index))
+    all.filter_map(|(placed, index)| token(analysis, placed, index))
         .collect()
 }
 
-fn token(analysis: &GeotraceAnalysis, piece: Piece<'_>, index: usize) -> Option<SemanticToken> {
-    let token = lexeme(piece, piece.tokens().get(index)?);
+fn token(
+    analysis: &GeotraceAnalysis,
+    placed: PlacedChunk<'_>,
+    index: usize,
+) -> Option<SemanticToken> {
+    let token = lexeme(placed, placed.tokens().get(index)?);
     let span = token.span;
     let plain = |token_type| (token_type, Modifiers::default());
     let (token_type, modifiers) = match token.kind {
@@ -46,7 +50,7 @@ fn token(analysis: &GeotraceAnalysis, piece: Piece<'_>, index: usize) -> Option<
         | TokenKind::Function(_)
         | TokenKind::Variable(_)
         | TokenKind::Undefined => {
-            let (token_type, modifiers) = match analysis.target_in(piece, index)? {
+            let (token_type, modifiers) = match analysis.target_in(placed, index)? {
                 Target::Parameter { .. } => plain(TokenType::Parameter),
                 Target::Symbol(id) => {
                     let symbol = analysis.symbol(id)?;
@@ -60,7 +64,7 @@ fn token(analysis: &GeotraceAnalysis, piece: Piece<'_>, index: usize) -> Option<
                     )
                 }
             };
-            if introduces_in(piece, index) {
+            if introduces_in(placed, index) {
                 (token_type, modifiers.with(Modifiers::DECLARATION))
             } else {
                 (token_type, modifiers)

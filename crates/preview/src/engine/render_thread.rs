@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use render::counters::Counters;
+use render::counters::WorkCounters;
 use render::rendered::RenderedImage;
 use render::view::Hit;
 use render::{PictureRequest, Renderer};
@@ -29,7 +29,7 @@ pub(crate) enum RenderEvent {
         /// The camera that the 3D view is seen from.
         space_camera: Option<SpaceCamera>,
         request: Box<VersionedRequest>,
-        counters: Counters,
+        counters: WorkCounters,
     },
     /// An object was found under a place of the 3D view, or none.
     Picked {

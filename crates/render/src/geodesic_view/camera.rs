@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
-use super::{Method, RayEnds};
+use super::{PictureMethod, RayEnds};
 use crate::error::RenderError;
 use crate::sample::DEGENERATE;
 use crate::viewpoint::{GeodesicCamera, Pose};
@@ -35,7 +35,7 @@ const PLACES: [[f64; 2]; 7] = [
 ];
 /// The first zoom, as a share of the shorter of the two coordinate lines through the camera.
 const FIRST_ZOOM: f64 = 0.55;
-/// Steps of [`Method::Rk4Pixel`] for each pixel.
+/// Steps of [`PictureMethod::Rk4Pixel`] for each pixel.
 const RK4_STEPS: u32 = 128;
 
 /// The error allowed at a pixel, in pixels.
@@ -58,7 +58,7 @@ pub struct PlacedCamera {
     /// The uniforms of the surface's first instance.
     pub uniforms: Vec<f64>,
     /// How geodesics are followed.
-    pub method: Method,
+    pub method: PictureMethod,
     /// The error allowed at a pixel, in pixels.
     tolerance: f64,
     size: [u32; 2],
@@ -105,7 +105,7 @@ impl PlacedCamera {
             frame,
             zoom,
             uniforms,
-            method: Method::Auto,
+            method: PictureMethod::Auto,
             tolerance: TOLERANCE,
             size,
         })
@@ -129,9 +129,11 @@ impl PlacedCamera {
     /// Follows the geodesics of all pixels, in f64 on all cores. `progress` receives the share that is done.
     pub fn ends(&self, progress: &(dyn Fn(f32) + Sync)) -> RayEnds {
         let across = match self.method {
-            Method::Auto | Method::Fan => Across::Hermite,
-            Method::FanLinear => Across::Linear,
-            Method::Adaptive | Method::Rk4Pixel => return RayEnds::Map(self.map(progress)),
+            PictureMethod::Auto | PictureMethod::Fan => Across::Hermite,
+            PictureMethod::FanLinear => Across::Linear,
+            PictureMethod::Adaptive | PictureMethod::Rk4Pixel => {
+                return RayEnds::Map(self.map(progress));
+            }
         };
         let surface = self.manifold.surface();
         let deep = Moved::for_camera(surface, &self.frame, self.size);
@@ -153,10 +155,10 @@ impl PlacedCamera {
     /// The ends of all pixels' geodesics pixel by pixel, in f64 on all cores. `progress` receives the share that is done.
     pub fn map(&self, progress: &(dyn Fn(f32) + Sync)) -> Map {
         let (method, tolerance) = match self.method {
-            Method::Auto | Method::Fan => (map::Method::Fan, self.tolerance),
-            Method::FanLinear => (map::Method::FanLinear, self.tolerance),
-            Method::Adaptive => (map::Method::Adaptive, self.tolerance),
-            Method::Rk4Pixel => (map::Method::Rk4 { steps: RK4_STEPS }, self.tolerance),
+            PictureMethod::Auto | PictureMethod::Fan => (map::Method::Fan, self.tolerance),
+            PictureMethod::FanLinear => (map::Method::FanLinear, self.tolerance),
+            PictureMethod::Adaptive => (map::Method::Adaptive, self.tolerance),
+            PictureMethod::Rk4Pixel => (map::Method::Rk4 { steps: RK4_STEPS }, self.tolerance),
         };
         let options = MapOptions {
             method,
@@ -172,9 +174,9 @@ impl PlacedCamera {
     /// not know them pixel by pixel. NaN where nothing is seen.
     pub(crate) fn errors(&self, step: u32) -> Option<Vec<f32>> {
         let across = match self.method {
-            Method::Auto | Method::Fan => Across::Hermite,
-            Method::FanLinear => Across::Linear,
-            Method::Adaptive | Method::Rk4Pixel => return None,
+            PictureMethod::Auto | PictureMethod::Fan => Across::Hermite,
+            PictureMethod::FanLinear => Across::Linear,
+            PictureMethod::Adaptive | PictureMethod::Rk4Pixel => return None,
         };
         let fan = self.fan(self.manifold.surface(), &self.frame, across);
         let [columns, rows] = self.size.map(|side| side.div_ceil(step));
@@ -232,7 +234,7 @@ impl PlacedCamera {
 
     /// The same camera, its geodesics followed by another method.
     #[must_use]
-    pub fn with_method(self, method: Method) -> Self {
+    pub fn with_method(self, method: PictureMethod) -> Self {
         Self { method, ..self }
     }
 

@@ -52,7 +52,7 @@ pub fn resolve(map: &Map, paint: &Paint) -> RgbaImage {
         .par_chunks_mut(4 * width)
         .enumerate()
         .for_each(|(y, pixels)| {
-            processor.run(Row {
+            processor.run(ImageRow {
                 width,
                 height,
                 offset: &map.offset,
@@ -106,7 +106,7 @@ pub(super) fn resolve_patchwork(
             };
             patchwork.block_row(number as u32, rows);
             for (y, pixels) in pixels.chunks_exact_mut(4 * width).enumerate() {
-                processor.run(Row {
+                processor.run(ImageRow {
                     width,
                     height: count / width,
                     offset,
@@ -208,7 +208,7 @@ impl Cover {
 }
 
 /// One row of some rows of the picture. What is not seen is left as it is.
-struct Row<'a> {
+struct ImageRow<'a> {
     /// Of the rows given.
     width: usize,
     height: usize,
@@ -224,7 +224,7 @@ struct Row<'a> {
     pixels: &'a mut [u8],
 }
 
-impl Work for Row<'_> {
+impl Work for ImageRow<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -275,7 +275,7 @@ impl Work for Row<'_> {
     }
 }
 
-impl Row<'_> {
+impl ImageRow<'_> {
     /// The differences of a pixel's end to its neighbours' across and down, each the shorter of both sides' and to the
     /// image's nearest repetition: a seam, where the chart jumps, is no edge of the picture.
     #[inline(never)]

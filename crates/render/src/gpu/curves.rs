@@ -1,10 +1,10 @@
 //! Painter of curves: strips with round joins.
 
-use crate::gpu::glyphs::Kind;
+use crate::gpu::glyphs::GlyphKind;
 use crate::style;
 
 /// A quad and a join for each sample.
-pub(crate) const KIND: Kind = Kind {
+pub(crate) const KIND: GlyphKind = GlyphKind {
     label: "curves",
     shader: wgsl::painter::curves,
     width: &style::LINE_HALF_WIDTH,

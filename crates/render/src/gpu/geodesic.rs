@@ -34,12 +34,12 @@ pub(crate) struct ResolvePass {
     pipeline: Option<wgpu::ComputePipeline>,
     samplers: Vec<([bool; 2], wgpu::Sampler)>,
     images: Vec<(Arc<Texture>, wgpu::TextureView)>,
-    tables: Vec<Table>,
+    tables: Vec<DeviceEnds>,
 }
 
 /// The ends of a map on the device.
 #[derive(Debug)]
-struct Table {
+struct DeviceEnds {
     ends: Arc<RayEnds>,
     words: wgpu::Buffer,
     /// How many pixels have each status, once they have been counted.
@@ -139,11 +139,11 @@ impl ResolvePass {
         Ok(Resolved { pixels, counts })
     }
 
-    fn table(&mut self, gpu: &Gpu, ends: &Arc<RayEnds>, patchwork: &Patchwork) -> &mut Table {
+    fn table(&mut self, gpu: &Gpu, ends: &Arc<RayEnds>, patchwork: &Patchwork) -> &mut DeviceEnds {
         recent(
             &mut self.tables,
             |table| Arc::ptr_eq(&table.ends, ends),
-            || Table {
+            || DeviceEnds {
                 ends: ends.clone(),
                 words: gpu.storage("table", bytemuck::cast_slice(&patchwork.table())),
                 counts: None,

@@ -10,7 +10,7 @@ use crate::style;
 
 /// A kind of glyph.
 #[derive(Debug)]
-pub(crate) struct Kind {
+pub(crate) struct GlyphKind {
     /// The pipeline's name.
     pub(crate) label: &'static str,
     /// Its shader.
@@ -26,14 +26,14 @@ pub(crate) struct Kind {
 /// The painter of one kind.
 #[derive(Debug)]
 pub(crate) struct Glyphs {
-    kind: &'static Kind,
+    kind: &'static GlyphKind,
     pipeline: wgpu::RenderPipeline,
 }
 
 impl Glyphs {
     pub(crate) fn new(
         factory: &mut PipelineFactory<'_>,
-        kind: &'static Kind,
+        kind: &'static GlyphKind,
     ) -> Result<Self, RenderError> {
         let joined = (kind.shader)()?;
         let pipeline = factory.draw_pipeline(kind.label, &joined);

@@ -27,7 +27,7 @@ const MOST: usize = 256;
 /// Kernels by the structure of what they sample.
 #[derive(Debug)]
 pub(crate) struct Kernels {
-    states: HashMap<Arc<[u64]>, State>,
+    states: HashMap<Arc<[u64]>, KernelState>,
     built: Arc<AtomicU64>,
     /// The threads that build kernels.
     threads: Vec<JoinHandle<()>>,
@@ -36,7 +36,7 @@ pub(crate) struct Kernels {
 }
 
 #[derive(Debug)]
-struct State {
+struct KernelState {
     /// Operations of one sample, with its normal.
     operations: u64,
     kernel: Option<Arc<OnceLock<Made>>>,
@@ -60,7 +60,7 @@ struct Ready {
 }
 
 /// What there is for an object.
-pub(crate) enum Found {
+pub(crate) enum ObjectSamples {
     /// Its samples, by a kernel.
     Samples(SampleBuffer),
     /// Blocks are to be used; if a kernel has been refused, why.
@@ -68,7 +68,7 @@ pub(crate) enum Found {
 }
 
 /// An object of a scene.
-pub(crate) struct Wanted<'a> {
+pub(crate) struct SampleRequest<'a> {
     pub(crate) scene: &'a Arc<Scene>,
     pub(crate) settings: &'a ParamValues,
     pub(crate) object: ObjectId,
@@ -108,9 +108,9 @@ impl Kernels {
     pub(crate) fn samples(
         &mut self,
         gpu: &Arc<Gpu>,
-        wanted: &Wanted,
-    ) -> Result<Found, RenderError> {
-        let Wanted {
+        wanted: &SampleRequest,
+    ) -> Result<ObjectSamples, RenderError> {
+        let SampleRequest {
             scene, structure, ..
         } = *wanted;
         let samples = plan::samples(scene, wanted.settings, wanted.object);
@@ -118,7 +118,7 @@ impl Kernels {
         let pays = if gpu.refuses_samples() { 1 } else { self.pays };
         // Nothing that a shader may hold would pay.
         if samples.saturating_mul(wgsl::kernel::OPERATION_LIMIT as u64) < pays {
-            return Ok(Found::Blocks(None));
+            return Ok(ObjectSamples::Blocks(None));
         }
         if self.states.len() >= MOST && !self.states.contains_key(structure.words()) {
             self.states.clear();
@@ -126,12 +126,12 @@ impl Kernels {
         let state = self
             .states
             .entry(structure.words().clone())
-            .or_insert_with(|| State {
+            .or_insert_with(|| KernelState {
                 operations: plan::operations(scene, wanted.object),
                 kernel: None,
             });
         if samples.saturating_mul(state.operations) < pays {
-            return Ok(Found::Blocks(None));
+            return Ok(ObjectSamples::Blocks(None));
         }
         let kernel = state
             .kernel
@@ -141,8 +141,10 @@ impl Kernels {
         }
         let object = &scene.objects[wanted.object.0 as usize];
         match kernel.get() {
-            None | Some(Made::TooLarge) => Ok(Found::Blocks(None)),
-            Some(Made::Refused(message)) => Ok(Found::Blocks(Some(refused(&object.name, message)))),
+            None | Some(Made::TooLarge) => Ok(ObjectSamples::Blocks(None)),
+            Some(Made::Refused(message)) => {
+                Ok(ObjectSamples::Blocks(Some(refused(&object.name, message))))
+            }
             Some(Made::Ready(ready)) => {
                 let slots: Vec<u32> = ready
                     .slots
@@ -159,7 +161,7 @@ impl Kernels {
                     wanted.placement,
                     None,
                 )
-                .map(Found::Samples)
+                .map(ObjectSamples::Samples)
             }
         }
     }
@@ -196,7 +198,7 @@ fn refused(name: &str, message: &str) -> String {
 /// Begins to make the kernel of an object, on a thread of its own.
 fn begin(
     gpu: &Arc<Gpu>,
-    wanted: &Wanted,
+    wanted: &SampleRequest,
     built: &Arc<AtomicU64>,
     threads: &mut Vec<JoinHandle<()>>,
 ) -> Arc<OnceLock<Made>> {

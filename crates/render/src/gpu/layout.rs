@@ -8,7 +8,7 @@ use crate::style;
 /// `View` of lib/view.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct View {
+pub(crate) struct ViewUniform {
     pub(crate) view_from_world: [[f32; 4]; 4],
     pub(crate) zoom: [f32; 2],
     pub(crate) near: f32,
@@ -27,7 +27,7 @@ pub(crate) struct View {
     pub(crate) emphasis: [f32; 4],
 }
 
-impl View {
+impl ViewUniform {
     /// The view of a camera, for a tile (first pixel, size) of its picture.
     pub(crate) fn new(camera: &Camera, first: [u32; 2], size: [u32; 2]) -> Self {
         // x_tile = x · scale + offset maps the tile's part of [−1,1] to [−1,1]; y points up, rows go down.
@@ -195,7 +195,7 @@ mod tests {
         assert_same_layout!(
             surfaces,
             "View",
-            super::View,
+            super::ViewUniform,
             [
                 view_from_world,
                 zoom,

@@ -1,10 +1,10 @@
 //! Painter of points: discs.
 
-use crate::gpu::glyphs::Kind;
+use crate::gpu::glyphs::GlyphKind;
 use crate::style;
 
 /// A disc for each point.
-pub(crate) const KIND: Kind = Kind {
+pub(crate) const KIND: GlyphKind = GlyphKind {
     label: "points",
     shader: wgsl::painter::points,
     width: &style::POINT_RADIUS,

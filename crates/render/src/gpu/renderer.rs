@@ -12,8 +12,8 @@ use crate::error::RenderError;
 use crate::gpu::canvas::{Canvases, Pixels};
 use crate::gpu::device::Gpu;
 use crate::gpu::geodesic::{ResolvePass, ResolveTask, Resolved};
-use crate::gpu::kernels::{Found, Kernels, Wanted};
-use crate::gpu::layout::View;
+use crate::gpu::kernels::{Kernels, ObjectSamples, SampleRequest};
+use crate::gpu::layout::ViewUniform;
 use crate::gpu::pipelines::PipelineFactory;
 use crate::gpu::samples::{self, SampleBuffer};
 use crate::gpu::space::{Draw, Painters, Target, draw_tiles};
@@ -102,7 +102,7 @@ impl GpuRenderer {
             if !is_single {
                 check_side(&gpu, size)?;
             }
-            let view = gpu.uniform("view", &View::new(scene.camera, [0, 0], size));
+            let view = gpu.uniform("view", &ViewUniform::new(scene.camera, [0, 0], size));
             let prepared = |share: f32| progress(0.5 * share);
             let (draws, notes) = self.draws(store, scene, &view, is_single, &prepared)?;
             let pixels = if is_single {
@@ -232,7 +232,7 @@ impl GpuRenderer {
             return Ok(known.buffer.clone());
         }
         if known.is_none() {
-            let wanted = Wanted {
+            let wanted = SampleRequest {
                 scene: request.scene.arc(),
                 settings: &request.settings,
                 object: id,
@@ -241,13 +241,13 @@ impl GpuRenderer {
                 waits: is_single,
             };
             match self.kernels.samples(&self.gpu, &wanted)? {
-                Found::Samples(buffer) => {
+                ObjectSamples::Samples(buffer) => {
                     self.sampled += 1;
                     notes.extend(buffer.note(&object.name));
                     self.put(key, &buffer, true);
                     return Ok(buffer);
                 }
-                Found::Blocks(note) => notes.extend(note),
+                ObjectSamples::Blocks(note) => notes.extend(note),
             }
         }
         let sampled = store.get(&request.scene, &request.settings, id, content, placement);

@@ -10,7 +10,7 @@ use crate::error::RenderError;
 use crate::gpu::canvas::Canvas;
 use crate::gpu::device::Gpu;
 use crate::gpu::glyphs::Glyphs;
-use crate::gpu::layout::View;
+use crate::gpu::layout::ViewUniform;
 use crate::gpu::pipelines::{COLOUR_FORMAT, DEPTH_FORMAT, PipelineFactory, SAMPLES};
 use crate::gpu::samples::SampleBuffer;
 use crate::gpu::surfaces::Surfaces;
@@ -66,7 +66,7 @@ pub(crate) fn draw_tiles(
         .collect();
     for (number, first) in tiles.iter().enumerate() {
         // Every tile has the target's size; what lies beyond the picture is not copied.
-        let uniform = View::new(camera, *first, target.size);
+        let uniform = ViewUniform::new(camera, *first, target.size);
         gpu.queue
             .write_buffer(view, 0, bytemuck::bytes_of(&uniform));
         gpu.submit(|encoder| target.draw(encoder, &resolved, draws, background));

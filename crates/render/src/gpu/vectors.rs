@@ -1,10 +1,10 @@
 //! Painter of vectors: a strip, a disc and a cone each.
 
-use crate::gpu::glyphs::Kind;
+use crate::gpu::glyphs::GlyphKind;
 use crate::style;
 
 /// A shaft, its round end and a head for each arrow.
-pub(crate) const KIND: Kind = Kind {
+pub(crate) const KIND: GlyphKind = GlyphKind {
     label: "vectors",
     shader: wgsl::painter::vectors,
     width: &style::LINE_HALF_WIDTH,

@@ -26,7 +26,7 @@ const NEAR: f64 = 6.0;
 
 /// A pixel's end.
 #[derive(Clone, Copy)]
-struct Entry {
+struct PixelEnd {
     uv: [f64; 2],
     /// From the picture's centre, in pixels: right, down.
     place: [f64; 2],
@@ -109,7 +109,7 @@ fn mean_around(size: [u32; 2], values: &[f32]) -> Vec<f32> {
 fn beyond(map: &Map, inside: &PlacedCamera) -> Vec<bool> {
     let (domain, sides) = (inside.domain(), inside.sides());
     let size = map.size;
-    let entry = |index: usize| -> Option<Entry> {
+    let entry = |index: usize| -> Option<PixelEnd> {
         if map.status[index] != Status::Complete || map.by_pixel.is_empty() {
             return None;
         }
@@ -132,14 +132,14 @@ fn beyond(map: &Map, inside: &PlacedCamera) -> Vec<bool> {
             .iter()
             .chain(&uv)
             .all(|x| x.is_finite());
-        known.then_some(Entry {
+        known.then_some(PixelEnd {
             uv,
             place,
             distance: place[0].hypot(place[1]),
             by_uv,
         })
     };
-    let entries: Vec<Option<Entry>> = (0..map.status.len()).into_par_iter().map(entry).collect();
+    let entries: Vec<Option<PixelEnd>> = (0..map.status.len()).into_par_iter().map(entry).collect();
     let cells = MOST_CELLS.min((size[0].max(size[1]) / 2).max(8) as usize);
     let cell = |uv: [f64; 2]| -> [usize; 2] {
         [0, 1].map(|k| {

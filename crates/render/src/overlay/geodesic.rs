@@ -78,7 +78,7 @@ impl<'a> GeodesicOverlay<'a> {
         status: Option<&[Status]>,
     ) -> (Vec<String>, Vec<&'static str>) {
         let mut drawn = Vec::new();
-        let mut key = legend::Key::default();
+        let mut key = legend::Legend::default();
         if !self.geodesics.is_empty() {
             drawn.push("geodesics");
             for (colour, name) in &self.geodesics {
@@ -93,7 +93,7 @@ impl<'a> GeodesicOverlay<'a> {
         }
         if !self.request.overlays.legend {
             // A trail is drawn with its length.
-            key = legend::Key::default();
+            key = legend::Legend::default();
         }
         for trail in &self.trails {
             drawn.push("trail");
@@ -110,7 +110,7 @@ impl<'a> GeodesicOverlay<'a> {
         image: &mut RgbaImage,
         seen: &RayEnds,
         status: Option<&[Status]>,
-        key: &mut legend::Key,
+        key: &mut legend::Legend,
     ) -> (Vec<String>, Vec<&'static str>) {
         let Self {
             request, inside, ..

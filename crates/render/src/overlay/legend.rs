@@ -11,7 +11,7 @@ use crate::texture::CurvatureScale;
 
 /// Entries of a key, as they come.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Key {
+pub(super) struct Legend {
     entries: Vec<(Mark, String)>,
 }
 
@@ -24,7 +24,7 @@ enum Mark {
     Curvature(CurvatureScale),
 }
 
-impl Key {
+impl Legend {
     /// A line of a colour (sRGB).
     pub(super) fn line(&mut self, colour: [u8; 3], words: &str) {
         self.entries.push((Mark::Line(colour), words.to_owned()));

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use scene::{ObjectId, Scene};
 
 use super::ink;
-use super::legend::Key;
+use super::legend::Legend;
 use crate::error::RenderError;
 use crate::geodesic_view::PlacedCamera;
 use crate::placement::Placement;
@@ -69,7 +69,7 @@ pub(crate) fn trail_objects(request: &PictureRequest, placement: &Placement) -> 
 /// # Errors
 /// Those of the camera.
 pub(super) fn key(
-    key: &mut Key,
+    key: &mut Legend,
     request: &PictureRequest,
     camera: &GeodesicCamera,
 ) -> Result<(), RenderError> {

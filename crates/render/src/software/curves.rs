@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::mesh::{Builder, Eye, Mesh, Vertex};
+use super::mesh::{Eye, Mesh, MeshBuilder, Vertex};
 use super::points;
 use crate::sample::PositionSample;
 use crate::style;
@@ -18,7 +18,7 @@ pub(super) fn mesh(
     samples: &[PositionSample],
     instances: std::ops::Range<usize>,
 ) -> Mesh {
-    let mut builder = Builder::new(eye, material);
+    let mut builder = MeshBuilder::new(eye, material);
     let count = count as usize;
     let mut run: Vec<Vec3> = Vec::with_capacity(count);
     for instance in instances {
@@ -59,7 +59,7 @@ pub(super) fn mesh(
 }
 
 /// One unbroken strip through view places in front of the eye.
-fn polyline(builder: &mut Builder, eye: &Eye, places: &[Vec3]) {
+fn polyline(builder: &mut MeshBuilder, eye: &Eye, places: &[Vec3]) {
     let mut places = places.to_vec();
     places.retain(|at| -at.z >= 0.999 * eye.near);
     // Places that are seen as one give a piece no direction.
@@ -100,7 +100,7 @@ fn polyline(builder: &mut Builder, eye: &Eye, places: &[Vec3]) {
 }
 
 /// One straight piece between view places, with half widths of the caller's, for the shafts of vectors.
-pub(super) fn piece(builder: &mut Builder, eye: &Eye, ends: [Vec3; 2], half: [f32; 2]) {
+pub(super) fn piece(builder: &mut MeshBuilder, eye: &Eye, ends: [Vec3; 2], half: [f32; 2]) {
     let side = side(eye, ends[0], ends[1]);
     let [a, b] = [0, 1].map(|k| edge(builder, eye, ends[k], side, half[k]));
     builder.triangle(a[0], b[0], b[1]);
@@ -119,7 +119,7 @@ fn side(eye: &Eye, a: Vec3, b: Vec3) -> Vec2 {
 
 /// The two corners of a strip at a place.
 fn edge(
-    builder: &mut Builder,
+    builder: &mut MeshBuilder,
     eye: &Eye,
     at: Vec3,
     side: Vec2,
@@ -137,7 +137,7 @@ fn edge(
     })
 }
 
-fn cap(builder: &mut Builder, eye: &Eye, at: Vec3, lift: f32) {
+fn cap(builder: &mut MeshBuilder, eye: &Eye, at: Vec3, lift: f32) {
     let half = eye.half_width(at);
     points::disc(builder, eye, at, half, lift * half, style::JOIN_SEGMENTS);
 }

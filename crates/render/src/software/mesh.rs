@@ -106,12 +106,12 @@ pub(super) struct Mesh {
     pub material: u32,
 }
 
-/// A handle to a vertex of a [`Builder`].
+/// A handle to a vertex of a [`MeshBuilder`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VertexId(u32);
 
 /// Collects vertices and triangles, cuts what leaves the view, projects the rest.
-pub(super) struct Builder<'a> {
+pub(super) struct MeshBuilder<'a> {
     eye: &'a Eye,
     vertices: Vec<Vertex>,
     /// For each vertex its corner, if it lies in the guarded view.
@@ -119,7 +119,7 @@ pub(super) struct Builder<'a> {
     mesh: Mesh,
 }
 
-impl<'a> Builder<'a> {
+impl<'a> MeshBuilder<'a> {
     pub(super) fn new(eye: &'a Eye, material: u32) -> Self {
         let mesh = Mesh {
             material,

@@ -46,7 +46,7 @@ pub fn pick(camera: &Camera, objects: &[Drawable], at: [f64; 2]) -> Option<Picke
     }
     let eye = Eye::new(camera);
     let jobs = jobs(objects);
-    let window = Window::around(at, camera.size);
+    let window = PixelWindow::around(at, camera.size);
     let seen = window.look(&eye, objects, &jobs);
     let is_surface = |seen: &Seen| {
         matches!(
@@ -87,12 +87,12 @@ pub fn pick(camera: &Camera, objects: &[Drawable], at: [f64; 2]) -> Option<Picke
 }
 
 /// The pixels around a place.
-struct Window {
+struct PixelWindow {
     first: [usize; 2],
     end: [usize; 2],
 }
 
-impl Window {
+impl PixelWindow {
     fn around(at: [f64; 2], size: [u32; 2]) -> Self {
         let reach = NEAR.ceil();
         Self {

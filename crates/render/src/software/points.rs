@@ -2,13 +2,13 @@
 
 use glam::{Vec2, Vec3};
 
-use super::mesh::{Builder, Eye, Mesh, Vertex};
+use super::mesh::{Eye, Mesh, MeshBuilder, Vertex};
 use crate::sample::PositionSample;
 use crate::style;
 
 /// One disc for each defined sample.
 pub(super) fn mesh(eye: &Eye, material: u32, samples: &[PositionSample]) -> Mesh {
-    let mut builder = Builder::new(eye, material);
+    let mut builder = MeshBuilder::new(eye, material);
     for sample in samples.iter().filter(|sample| sample.defined != 0.0) {
         let at = eye.see(sample.position);
         let w = (-at.z).max(eye.near);
@@ -28,7 +28,7 @@ pub(super) fn mesh(eye: &Eye, material: u32, samples: &[PositionSample]) -> Mesh
 
 /// A disc at a view place: a regular polygon of the disc's area, shaded like a ball.
 pub(super) fn disc(
-    builder: &mut Builder,
+    builder: &mut MeshBuilder,
     eye: &Eye,
     at: Vec3,
     radius: f32,

@@ -14,7 +14,7 @@ use crate::texture::{Footprint, Sampler};
 /// How triangles of one kind of one object look.
 #[derive(Clone, Debug)]
 pub(super) struct Material<'a> {
-    pub kind: Kind<'a>,
+    pub kind: MaterialKind<'a>,
     /// In linear light.
     pub colour: [f32; 3],
     /// How much of [`style::EMPHASIS_COLOUR`] is mixed in.
@@ -23,7 +23,7 @@ pub(super) struct Material<'a> {
 
 /// What triangles are lit as.
 #[derive(Clone, Debug)]
-pub(super) enum Kind<'a> {
+pub(super) enum MaterialKind<'a> {
     /// A strip or disc that faces the eye: its texture coordinates are the place in the unit disc.
     Glyph,
     /// An arrowhead.
@@ -34,7 +34,7 @@ pub(super) enum Kind<'a> {
 
 impl Material<'_> {
     pub(super) fn is_surface(&self) -> bool {
-        matches!(self.kind, Kind::Surface(_))
+        matches!(self.kind, MaterialKind::Surface(_))
     }
 }
 
@@ -181,7 +181,7 @@ impl Block {
     fn shade(&mut self, filled: usize, material: &Material, eye: &Eye) {
         let colour = material.colour;
         match &material.kind {
-            Kind::Glyph => {
+            MaterialKind::Glyph => {
                 for k in 0..filled {
                     let inverse = 1.0 / self.values[INVERSE][k].max(self.values[LEAST][k]);
                     let [u, v] = UV.map(|n| self.values[n][k] * inverse);
@@ -189,7 +189,7 @@ impl Block {
                     self.light[k] = colour.map(|c| c * style::glyph_light(facing));
                 }
             }
-            Kind::Cone => {
+            MaterialKind::Cone => {
                 for k in 0..filled {
                     let normal = Vec3::from(NORMAL.map(|n| self.values[n][k]));
                     let to_eye = Vec3::from(to_eye(eye, [self.at[0][k], self.at[1][k]]));
@@ -197,7 +197,7 @@ impl Block {
                     self.light[k] = colour.map(|c| c * style::glyph_light(facing));
                 }
             }
-            Kind::Surface(image) => {
+            MaterialKind::Surface(image) => {
                 self.interpolate();
                 self.illuminate(eye);
                 for k in 0..LANES {

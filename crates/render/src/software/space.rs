@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::mesh::{Eye, Mesh};
 use super::raster::{Batch, TILE, Tile, Workspace};
-use super::shade::{Kind, Material};
+use super::shade::{Material, MaterialKind};
 use super::{curves, points, surfaces, vectors};
 use crate::camera::Camera;
 use crate::sample::Samples;
@@ -67,8 +67,8 @@ pub fn draw(
         .iter()
         .flat_map(|object| {
             let kinds = match &object.texture {
-                Some(texture) => [Kind::Surface(texture.sampler()), Kind::Cone],
-                None => [Kind::Glyph, Kind::Cone],
+                Some(texture) => [MaterialKind::Surface(texture.sampler()), MaterialKind::Cone],
+                None => [MaterialKind::Glyph, MaterialKind::Cone],
             };
             kinds.map(|kind| Material {
                 kind,

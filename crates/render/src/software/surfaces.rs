@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::mesh::{Builder, Eye, Mesh, Vertex, VertexId};
+use super::mesh::{Eye, Mesh, MeshBuilder, Vertex, VertexId};
 use crate::sample::SurfaceSample;
 
 /// The triangles of the quad rows `rows` (numbered over all instances, `count[1] − 1` to each).
@@ -16,14 +16,14 @@ pub(super) fn mesh(
     samples: &[SurfaceSample],
     rows: std::ops::Range<usize>,
 ) -> Mesh {
-    let mut builder = Builder::new(eye, material);
+    let mut builder = MeshBuilder::new(eye, material);
     let [columns, lines] = count.map(|n| n as usize);
     let quad_rows = lines - 1;
     // The lower row of samples of one quad row is the upper one of the next.
     let mut last: Option<(usize, Vec<Option<VertexId>>)> = None;
     for row in rows {
         let (instance, j) = (row / quad_rows, row % quad_rows);
-        let line = |builder: &mut Builder, j: usize| -> Vec<Option<VertexId>> {
+        let line = |builder: &mut MeshBuilder, j: usize| -> Vec<Option<VertexId>> {
             let first = (instance * lines + j) * columns;
             let v = j as f32 / quad_rows as f32;
             (0..columns)

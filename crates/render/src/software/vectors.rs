@@ -2,14 +2,14 @@
 
 use glam::{Vec2, Vec3};
 
-use super::mesh::{Builder, Eye, Mesh, Vertex};
+use super::mesh::{Eye, Mesh, MeshBuilder, Vertex};
 use super::{curves, points};
 use crate::sample::VectorSample;
 use crate::style;
 
 /// The meshes of shafts (glyphs) and heads (cones), in this order.
 pub(super) fn meshes(eye: &Eye, materials: [u32; 2], samples: &[VectorSample]) -> [Mesh; 2] {
-    let [mut shafts, mut heads] = materials.map(|material| Builder::new(eye, material));
+    let [mut shafts, mut heads] = materials.map(|material| MeshBuilder::new(eye, material));
     for sample in samples.iter().filter(|sample| sample.defined != 0.0) {
         let origin = eye.see(sample.origin);
         let along = eye.view.transform_vector3(Vec3::from(sample.direction));
@@ -18,7 +18,7 @@ pub(super) fn meshes(eye: &Eye, materials: [u32; 2], samples: &[VectorSample]) -
     [shafts.finish(), heads.finish()]
 }
 
-fn arrow(shafts: &mut Builder, heads: &mut Builder, eye: &Eye, origin: Vec3, along: Vec3) {
+fn arrow(shafts: &mut MeshBuilder, heads: &mut MeshBuilder, eye: &Eye, origin: Vec3, along: Vec3) {
     let tip = origin + along;
     let length = along.length();
     let half = [eye.half_width(origin), eye.half_width(tip)];
@@ -83,7 +83,7 @@ fn in_front(eye: &Eye, ends: [Vec3; 2], half: [f32; 2]) -> Option<([Vec3; 2], [f
 }
 
 fn cone(
-    builder: &mut Builder,
+    builder: &mut MeshBuilder,
     eye: &Eye,
     tip: Vec3,
     axis: Vec3,

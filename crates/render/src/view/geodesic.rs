@@ -12,7 +12,7 @@ use scene::{Object, ObjectId, Scene};
 
 use super::{Hit, Key, Setting, SharedState, View, ViewRenderer};
 use crate::error::RenderError;
-use crate::geodesic_view::{self, Cover, Method, Paint, RayEnds, count, notes};
+use crate::geodesic_view::{self, Cover, Paint, PictureMethod, RayEnds, count, notes};
 use crate::gpu::Pixels;
 use crate::gpu::geodesic::ResolveTask;
 use crate::overlay::{self, GeodesicOverlay};
@@ -38,7 +38,7 @@ pub struct GeodesicOptions {
     /// The camera.
     pub camera: GeodesicCamera,
     /// How the geodesics are followed.
-    pub method: Method,
+    pub method: PictureMethod,
     /// Whether the centre is marked with an open ring.
     pub mark_centre: bool,
 }
@@ -54,7 +54,7 @@ impl From<GeodesicCamera> for GeodesicOptions {
     fn from(camera: GeodesicCamera) -> Self {
         Self {
             camera,
-            method: Method::Auto,
+            method: PictureMethod::Auto,
             mark_centre: true,
         }
     }

@@ -6,7 +6,7 @@ use image::RgbaImage;
 
 use crate::bounds::Bounds;
 use crate::content::Structures;
-use crate::counters::{Counters, PixelCounters};
+use crate::counters::{PixelCounters, WorkCounters};
 use crate::error::RenderError;
 use crate::framing::Framing;
 use crate::gpu::renderer::GpuRenderer;
@@ -57,7 +57,7 @@ impl SharedState {
     }
 
     /// Writes what has been made so far into counters.
-    pub(crate) fn count(&self, counters: &mut Counters) {
+    pub(crate) fn count(&self, counters: &mut WorkCounters) {
         let gpu = self.gpu.as_ref();
         counters.pipelines = gpu.map_or(0, |gpu| gpu.pipelines());
         counters.sampled = self.samples.sampled + gpu.map_or(0, |gpu| gpu.sampled());

@@ -17,8 +17,8 @@ use syntax::symbol::SymbolId;
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};
 use crate::geotrace::lowerer::{
-    BodyId, BodyKey, BodyOutcome, Components, Effect, Function, Item, Lowerer, dimension_error,
-    too_large,
+    BodyId, BodyKey, BodyOutcome, Components, Effect, Function, Lowerer, StackItem,
+    dimension_error, too_large,
 };
 use crate::geotrace::operation::Derivation;
 use crate::geotrace::symbol::{Declared, Meaning};
@@ -28,31 +28,33 @@ impl Lowerer {
     /// has to be lowered first.
     pub(crate) fn apply(
         &mut self,
-        function: Item,
-        operand: Item,
+        function: StackItem,
+        operand: StackItem,
         span: Span,
-        stack: &mut Vec<Item>,
+        stack: &mut Vec<StackItem>,
         dependencies: &mut Dependencies,
     ) -> Result<Effect, (SemanticError, Span)> {
-        let Item::Function(function) = function else {
-            return Ok(Effect::Push(Item::Poison));
+        let StackItem::Function(function) = function else {
+            return Ok(Effect::Push(StackItem::Poison));
         };
         let symbol = function.symbol;
         let (arguments, body) = match self.symbols.meaning(symbol) {
-            Meaning::Poisoned | Meaning::Constant(_) => return Ok(Effect::Push(Item::Poison)),
+            Meaning::Poisoned | Meaning::Constant(_) => return Ok(Effect::Push(StackItem::Poison)),
             Meaning::Geodesic => {
                 let error = self.symbols.value_error(symbol);
-                return error.map_or(Ok(Effect::Push(Item::Poison)), |error| Err((error, span)));
+                return error.map_or(Ok(Effect::Push(StackItem::Poison)), |error| {
+                    Err((error, span))
+                });
             }
             Meaning::Builtin(_) => match self.value(operand.clone())? {
                 Some(value) => (vec![value], None),
-                None => return Ok(Effect::Push(Item::Poison)),
+                None => return Ok(Effect::Push(StackItem::Poison)),
             },
             Meaning::Declared(declared) => {
                 let declared = declared.clone();
                 match self.arguments(symbol, &declared, &operand, span)? {
                     Some(arguments) => (arguments, Some(declared.body)),
-                    None => return Ok(Effect::Push(Item::Poison)),
+                    None => return Ok(Effect::Push(StackItem::Poison)),
                 }
             }
         };
@@ -63,7 +65,7 @@ impl Lowerer {
         let mut id = match (self.applications.ids.get(&key), body) {
             (Some(&id), _) => id,
             (None, Some(body)) => {
-                stack.push(Item::Function(function));
+                stack.push(StackItem::Function(function));
                 stack.push(operand);
                 let parameters = self.formal_parameters(&key.dimensions);
                 return Ok(Effect::Run(key, body, parameters));
@@ -83,7 +85,7 @@ impl Lowerer {
             };
         }
         let value = match self.applications.body(id) {
-            BodyOutcome::Silent => return Ok(Effect::Push(Item::Poison)),
+            BodyOutcome::Silent => return Ok(Effect::Push(StackItem::Poison)),
             BodyOutcome::Failed(error) => {
                 return Err((SemanticError::clone(error), span));
             }
@@ -107,12 +109,12 @@ impl Lowerer {
     ) -> Result<Effect, (SemanticError, Span)> {
         for exponent in &function.powers {
             let Some(exponent) = exponent else {
-                return Ok(Effect::Push(Item::Poison));
+                return Ok(Effect::Push(StackItem::Poison));
             };
             value = value::power(&mut self.graph, &value, exponent)
                 .map_err(|error| (dimension_error(&error), span))?;
         }
-        Ok(Effect::Push(Item::Value(value)))
+        Ok(Effect::Push(StackItem::Value(value)))
     }
 
     /// One value per parameter; none where the operand has failed.
@@ -120,19 +122,19 @@ impl Lowerer {
         &mut self,
         symbol: SymbolId,
         declared: &Declared,
-        operand: &Item,
+        operand: &StackItem,
         span: Span,
     ) -> Result<Option<Vec<Value>>, (SemanticError, Span)> {
         let expected = declared.parameters.len();
         let given = match operand {
-            Item::Function(_) | Item::Poison => return Ok(None),
+            StackItem::Function(_) | StackItem::Poison => return Ok(None),
             // One parameter takes the whole operand.
             operand if expected == 1 => {
                 return Ok(self.value(operand.clone())?.map(|value| vec![value]));
             }
-            Item::Number(number) => vec![Value::Number(self.graph.constant(*number))],
-            Item::List(values, _) => values.clone(),
-            Item::Value(value) => value
+            StackItem::Number(number) => vec![Value::Number(self.graph.constant(*number))],
+            StackItem::List(values, _) => values.clone(),
+            StackItem::Value(value) => value
                 .components()
                 .iter()
                 .map(|&component| Value::Number(component))

@@ -7,7 +7,7 @@
 use rustc_hash::FxHashMap;
 use syntax::diagnostic::Severity;
 use syntax::geotrace::actions::{self, Actions, Declaration, Operator};
-use syntax::geotrace::document::{Event, Events, ReadDeclaration, Snapshot};
+use syntax::geotrace::document::{ParseEvent, ParseEvents, ReadDeclaration, Snapshot};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
@@ -42,12 +42,12 @@ pub(crate) struct Reading<'s> {
     pub(crate) snapshot: &'s Snapshot,
     pub(crate) declaration: ReadDeclaration<'s>,
     /// Its steps and intervals.
-    pub(crate) events: Events<'s>,
+    pub(crate) events: ParseEvents<'s>,
 }
 
 /// The place that an assembled declaration's name gets.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Place {
+pub(crate) enum NamePlace {
     /// Its place in its chunk, which starts here.
     Chunk(u32),
     /// This place, whose text it replaces.
@@ -67,7 +67,7 @@ impl<'s> Reading<'s> {
     /// The names of the symbols in its expressions; those of builtins too.
     pub(crate) fn symbols(self) -> impl Iterator<Item = SymbolId> + use<'s> {
         self.events.filter_map(|event| match event {
-            Event::Operator(Operator::Constant(symbol) | Operator::Function(symbol), _) => {
+            ParseEvent::Operator(Operator::Constant(symbol) | Operator::Function(symbol), _) => {
                 Some(symbol)
             }
             _ => None,
@@ -93,16 +93,16 @@ impl<'s> Assembler<'s> {
 
     /// Adds a declaration below those that have been added. Returns `None` and adds nothing if it has no meaning there: it
     /// has an error, its name is taken, or it uses a name that has no meaning.
-    pub(crate) fn add(&mut self, reading: Reading<'s>, place: Place) -> Option<Assembled> {
+    pub(crate) fn add(&mut self, reading: Reading<'s>, place: NamePlace) -> Option<Assembled> {
         let read = reading.declaration;
         let (base, mut is_stale) = match place {
-            Place::Chunk(start) => (start, false),
-            Place::Instead(_) => (0, true),
+            NamePlace::Chunk(start) => (start, false),
+            NamePlace::Instead(_) => (0, true),
         };
         let mut is_sound = read.symbol.is_some() && !self.names.contains_key(read.name);
         for event in reading.events {
             match event {
-                Event::Operator(operator, span) => {
+                ParseEvent::Operator(operator, span) => {
                     let operator = with_symbol(operator, |symbol| {
                         if symbol.0 < self.builtins {
                             return symbol;
@@ -114,10 +114,10 @@ impl<'s> Assembler<'s> {
                     });
                     self.declarations.act_operator(operator, span.moved(base));
                 }
-                Event::Interval(interval) => {
+                ParseEvent::Interval(interval) => {
                     self.declarations.act_interval(moved(interval, base));
                 }
-                Event::Declaration(_) | Event::Open(..) | Event::Finding => {}
+                ParseEvent::Declaration(_) | ParseEvent::Open(..) | ParseEvent::Finding => {}
             }
         }
         let symbol = SymbolId(self.next);
@@ -126,8 +126,8 @@ impl<'s> Assembler<'s> {
             symbol: Some(symbol),
             span: read.span.moved(base),
             name_span: match place {
-                Place::Chunk(start) => read.name_span.moved(start),
-                Place::Instead(span) => span,
+                NamePlace::Chunk(start) => read.name_span.moved(start),
+                NamePlace::Instead(span) => span,
             },
             faulty: read.faulty || !is_sound,
             ..read.as_declaration(&parameters)

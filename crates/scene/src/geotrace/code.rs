@@ -13,7 +13,7 @@ use crate::geotrace::operation::operation;
 
 /// One operator, and the place of it with its operands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Step {
+pub(crate) struct CodeStep {
     pub(crate) operator: Operator,
     pub(crate) span: Span,
 }
@@ -35,7 +35,7 @@ impl Expression {
 /// the declaration that is being read.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Code {
-    steps: Vec<Step>,
+    steps: Vec<CodeStep>,
     /// The start of the steps of the declaration that is being read.
     open: usize,
 }
@@ -43,10 +43,10 @@ pub(crate) struct Code {
 impl Code {
     /// Notes the next operator.
     pub(crate) fn push(&mut self, operator: Operator, span: Span) {
-        self.steps.push(Step { operator, span });
+        self.steps.push(CodeStep { operator, span });
     }
 
-    pub(crate) fn step(&self, index: usize) -> Step {
+    pub(crate) fn step(&self, index: usize) -> CodeStep {
         self.steps[index]
     }
 
@@ -108,7 +108,7 @@ impl Code {
         let (a, b) = (&self.steps[a.steps()], &self.steps[b.steps()]);
         let apart = |a: Span, b: Span| i64::from(b.start) - i64::from(a.start);
         let shift = apart(a.first()?.span, b.first()?.span);
-        let same = |(a, b): (&Step, &Step)| {
+        let same = |(a, b): (&CodeStep, &CodeStep)| {
             let ends = i64::from(b.span.end) - i64::from(a.span.end);
             a.operator == b.operator && apart(a.span, b.span) == shift && ends == shift
         };

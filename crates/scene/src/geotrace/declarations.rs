@@ -12,9 +12,9 @@ use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
 use crate::geotrace::code::Expression;
-use crate::geotrace::dependencies::{Dependencies, Source};
+use crate::geotrace::dependencies::{Dependencies, SourceIndex};
 use crate::geotrace::error::{self, SemanticError};
-use crate::geotrace::interval::Interval;
+use crate::geotrace::interval::DeclaredInterval;
 use crate::geotrace::lowerer::{Lowered, Lowerer};
 use crate::geotrace::symbol::{Constant, Declared, Meaning, Symbols};
 use crate::limits::{MAX_INSTANCES, MAX_SAMPLES};
@@ -31,7 +31,7 @@ pub(crate) struct Declarations {
     /// The diagnostics of the declaration that is being read.
     pub(crate) found: Vec<Diagnostic>,
     /// The intervals of the declaration that is being read.
-    intervals: Vec<Interval>,
+    intervals: Vec<DeclaredInterval>,
     /// The param or grid of each source of the lowerer's dependencies.
     pub(crate) sources: Vec<Owner>,
     /// The number of samples of all objects together.
@@ -119,7 +119,7 @@ pub(crate) struct Uniforms {
     pub(crate) count: u32,
     /// The set that holds just this param or grid.
     pub(crate) dependencies: Dependencies,
-    pub(crate) source: Source,
+    pub(crate) source: SourceIndex,
 }
 
 /// The param or grid that is a source of dependencies.
@@ -174,7 +174,8 @@ impl Declarations {
     /// Notes an interval that has been read.
     pub(crate) fn interval(&mut self, read: actions::Interval) {
         // Where the expressions are incomplete the declaration is faulty and is dropped as a whole.
-        self.intervals.extend(Interval::last(&self.lowerer, read));
+        self.intervals
+            .extend(DeclaredInterval::last(&self.lowerer, read));
     }
 
     /// Computes the outcome of a declaration that has been read to its end.
@@ -229,10 +230,12 @@ impl Declarations {
     /// The expressions that stand before the intervals.
     pub(crate) fn expressions<const N: usize>(
         &self,
-        intervals: &[Interval],
+        intervals: &[DeclaredInterval],
     ) -> Option<[Expression; N]> {
         let code = &self.lowerer.code;
-        let end = intervals.first().map_or(code.end(), Interval::start);
+        let end = intervals
+            .first()
+            .map_or(code.end(), DeclaredInterval::start);
         code.last_before(end)
     }
 

@@ -9,7 +9,7 @@ use syntax::span::Span;
 
 use crate::geotrace::declarations::{Declarations, Understood, constant};
 use crate::geotrace::error::{self, SemanticError};
-use crate::geotrace::interval::{Interval, Purpose};
+use crate::geotrace::interval::{DeclaredInterval, Purpose};
 use crate::limits::DEFAULT_SAMPLES;
 use crate::scene::{Sampling, Shape};
 
@@ -18,7 +18,7 @@ impl Declarations {
     pub(super) fn meaning(
         &mut self,
         declaration: &Declaration<'_>,
-        intervals: &[Interval],
+        intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
         match declaration.word {
             DeclarationKeyword::Param => self.param(declaration, intervals),
@@ -85,7 +85,7 @@ impl Declarations {
     fn curve(
         &mut self,
         declaration: &Declaration<'_>,
-        intervals: &[Interval],
+        intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
         let domain = self.domain(declaration, intervals, "a curve has one parameter");
         let [body] = self.expressions(intervals)?;
@@ -104,7 +104,7 @@ impl Declarations {
     fn surface(
         &mut self,
         declaration: &Declaration<'_>,
-        intervals: &[Interval],
+        intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
         let domain = self.domain(declaration, intervals, "a surface has two parameters");
         let [body] = self.expressions(intervals)?;
@@ -128,7 +128,7 @@ impl Declarations {
     pub(crate) fn domain<const N: usize>(
         &mut self,
         declaration: &Declaration<'_>,
-        intervals: &[Interval],
+        intervals: &[DeclaredInterval],
         rule: &str,
     ) -> Option<[Option<Sampling>; N]> {
         let parameters = declaration.parameters;
@@ -145,7 +145,7 @@ impl Declarations {
             self.found
                 .push(error.at(list_span(parameters, declaration.name_span)));
         }
-        let mut by_parameter: Vec<Option<&Interval>> = vec![None; parameters.len()];
+        let mut by_parameter: Vec<Option<&DeclaredInterval>> = vec![None; parameters.len()];
         for interval in intervals {
             let Some((position, tag)) = interval.read.tag else {
                 continue;

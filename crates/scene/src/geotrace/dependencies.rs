@@ -19,7 +19,7 @@ pub(crate) struct Dependencies(u32);
 
 /// The position of a param or grid among all of them, in the order of the text.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub(crate) struct Source(pub(crate) u32);
+pub(crate) struct SourceIndex(pub(crate) u32);
 
 /// All sets that occur.
 #[derive(Clone, Debug)]
@@ -104,9 +104,12 @@ impl DependencySets {
     }
 
     /// The params and grids of a set, in the order of the text.
-    pub(crate) fn sources(&self, dependencies: Dependencies) -> impl Iterator<Item = Source> + '_ {
+    pub(crate) fn sources(
+        &self,
+        dependencies: Dependencies,
+    ) -> impl Iterator<Item = SourceIndex> + '_ {
         let in_order = self.places.is_none().then(|| self.members(dependencies));
-        let mut moved: Vec<Source> = Vec::new();
+        let mut moved: Vec<SourceIndex> = Vec::new();
         if let Some(places) = &self.places {
             moved.extend(self.members(dependencies));
             moved.sort_by_key(|source| places.get(source.0 as usize));
@@ -125,11 +128,11 @@ impl DependencySets {
     }
 
     /// The params and grids of a set, in the order in which they came.
-    fn members(&self, dependencies: Dependencies) -> impl Iterator<Item = Source> + '_ {
+    fn members(&self, dependencies: Dependencies) -> impl Iterator<Item = SourceIndex> + '_ {
         let words = self.sets[dependencies.0 as usize].iter().zip(0..);
         words.flat_map(|(&word, index): (&u64, u32)| {
             let bits = (0..64).filter(move |bit| word >> bit & 1 == 1);
-            bits.map(move |bit| Source(64 * index + bit))
+            bits.map(move |bit| SourceIndex(64 * index + bit))
         })
     }
 

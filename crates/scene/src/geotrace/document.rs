@@ -24,11 +24,11 @@ use std::sync::OnceLock;
 
 use syntax::diagnostic::{Diagnostic, Severity};
 use syntax::document::{Change, ChunkId, EditError};
-use syntax::geotrace::document::{Event, Snapshot};
+use syntax::geotrace::document::{ParseEvent, Snapshot};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
-use crate::geotrace::assembler::{Assembler, Place, Reading};
+use crate::geotrace::assembler::{Assembler, NamePlace, Reading};
 use crate::geotrace::builtin;
 use crate::geotrace::compile::{Compilation, compile};
 use crate::geotrace::error::has_errors;
@@ -120,7 +120,7 @@ struct Totals {
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct Counters {
     /// The parser's part of it.
-    pub reading: syntax::document::Counters,
+    pub reading: syntax::document::ReadCounters,
     /// The number of chunks that were checked.
     pub checked: u64,
     /// The number of declarations that were lowered.
@@ -250,8 +250,8 @@ impl Document {
         let mut all = Vec::new();
         for event in self.text.events(chunk) {
             match event {
-                Event::Finding => all.extend(findings.next()),
-                Event::Declaration(_) => {
+                ParseEvent::Finding => all.extend(findings.next()),
+                ParseEvent::Declaration(_) => {
                     let found = of_declarations.next().into_iter().flatten();
                     let start = |chunk| self.text.start(chunk);
                     all.extend(found.map(|it| self.checker.translate(it, start)));
@@ -371,7 +371,7 @@ impl Document {
                     declaration,
                     events,
                 };
-                assembler.add(reading, Place::Chunk(start));
+                assembler.add(reading, NamePlace::Chunk(start));
             }
             start += snapshot.chunk_text(chunk).len() as u32;
         }
@@ -409,7 +409,7 @@ impl Document {
             let places = found
                 .filter(|found| is_error(found))
                 .map(|it| it.span.start);
-            faulty.extend(places.filter_map(|at| Some(self.text.piece_at(at)?.chunk)));
+            faulty.extend(places.filter_map(|at| Some(self.text.placed_chunk_at(at)?.chunk)));
         } else {
             let has_error = |chunk: &ChunkId| {
                 let checked = self.checked.get(chunk).into_iter();

@@ -20,10 +20,10 @@ use crate::param_values::ParamValues;
 
 /// The names that an expression may use: all that a program without errors declares.
 #[derive(Clone, Debug)]
-pub(crate) struct Scope(Arc<Program>);
+pub(crate) struct Scope(Arc<ScopeData>);
 
 #[derive(Debug)]
-struct Program {
+struct ScopeData {
     names: Parsed,
     declarations: Declarations,
     /// The offset of each line's end.
@@ -37,7 +37,7 @@ impl Scope {
             .zip(0..)
             .filter_map(|(byte, offset)| (byte == b'\n').then_some(offset))
             .collect();
-        Self(Arc::new(Program {
+        Self(Arc::new(ScopeData {
             names,
             declarations,
             line_ends,
@@ -84,7 +84,7 @@ impl Scope {
     }
 }
 
-impl Program {
+impl ScopeData {
     /// Moves the related places of an error in a function's body into the hint: they lie in the program, not in the
     /// expression's text.
     fn place_in_hint(&self, mut diagnostic: Diagnostic) -> Diagnostic {

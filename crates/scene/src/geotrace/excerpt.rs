@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use syntax::geotrace::document::Snapshot;
 
 use crate::evaluation::Outcome;
-use crate::geotrace::assembler::{Assembler, Place, Reading};
+use crate::geotrace::assembler::{Assembler, NamePlace, Reading};
 use crate::geotrace::declarations::Declarations;
 use crate::geotrace::evaluate::outcome;
 use crate::geotrace::symbol::Meaning;
@@ -38,7 +38,7 @@ impl Excerpt {
         }
         let mut assembler = Assembler::new();
         for reading in needed.iter().filter_map(|it| reading(snapshot, *it)) {
-            assembler.add(reading, Place::Chunk(0));
+            assembler.add(reading, NamePlace::Chunk(0));
         }
         let named = wanted.iter().filter_map(|number| {
             let name = reading(snapshot, *number)?.declaration.name;
@@ -74,8 +74,8 @@ impl Excerpt {
 
 /// A declaration by its number.
 fn reading(snapshot: &Snapshot, number: u32) -> Option<Reading<'_>> {
-    let (piece, index) = snapshot.piece_of_declaration(number)?;
-    let (declaration, events) = piece.declarations().nth(index)?;
+    let (placed, index) = snapshot.placed_chunk_of_declaration(number)?;
+    let (declaration, events) = placed.declarations().nth(index)?;
     Some(Reading {
         snapshot,
         declaration,

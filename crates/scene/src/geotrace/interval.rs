@@ -14,7 +14,7 @@ use crate::scene::{Range, Sampling};
 
 /// An interval as it was read.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Interval {
+pub(crate) struct DeclaredInterval {
     pub(crate) read: actions::Interval,
     ends: [Expression; 2],
     count: Option<Expression>,
@@ -35,7 +35,7 @@ pub(crate) struct Bounds {
     pub(crate) count: Option<u32>,
 }
 
-impl Interval {
+impl DeclaredInterval {
     /// The interval whose expressions are the last ones read; `None` if they are incomplete.
     pub(crate) fn last(lowerer: &Lowerer, read: actions::Interval) -> Option<Self> {
         let code = &lowerer.code;

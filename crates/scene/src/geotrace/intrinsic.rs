@@ -14,7 +14,7 @@ use crate::geotrace::code::Expression;
 use crate::geotrace::declarations::{Declarations, Drawn, Manifold, Understood, kind_of};
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};
-use crate::geotrace::interval::{Interval, number};
+use crate::geotrace::interval::{DeclaredInterval, number};
 use crate::geotrace::lowerer::Lowered;
 use crate::geotrace::symbol::Meaning;
 use crate::initial_conditions::InitialConditionsEvaluator;
@@ -30,7 +30,7 @@ impl Declarations {
     pub(crate) fn metric(
         &mut self,
         declaration: &Declaration<'_>,
-        intervals: &[Interval],
+        intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
         let domain = self.domain(declaration, intervals, "a metric has two parameters");
         let [body] = self.expressions(intervals)?;
@@ -58,7 +58,7 @@ impl Declarations {
     pub(crate) fn geodesic(
         &mut self,
         declaration: &Declaration<'_>,
-        intervals: &[Interval],
+        intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
         let domain = self.domain(
             declaration,

@@ -4,7 +4,7 @@
 //! In: expressions as steps ([`crate::geotrace::code`]) and the meanings of symbols. Out: values over the nodes of one
 //! graph, or errors.
 //!
-//! A body whose value is needed is run as a further [`Frame`], not by recursion: ten thousand functions, each
+//! A body whose value is needed is run as a further [`CallFrame`], not by recursion: ten thousand functions, each
 //! applying the one above, are no deeper than one.
 
 use std::sync::Arc;
@@ -19,13 +19,13 @@ use crate::geotrace::code::Expression;
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::SemanticError;
 use crate::geotrace::lowerer::{
-    BodyKey, BodyOutcome, Effect, Function, Item, Lowered, Lowerer, dimension_error, too_large,
+    BodyKey, BodyOutcome, Effect, Function, Lowered, Lowerer, StackItem, dimension_error, too_large,
 };
 use crate::geotrace::operation::{Derivation, Operation, operation};
 use crate::geotrace::symbol::{Constant, Meaning, Symbols};
 
 /// One expression being run.
-struct Frame {
+struct CallFrame {
     /// The next step.
     next: usize,
     end: usize,
@@ -55,7 +55,7 @@ impl Lowerer {
             return nothing;
         }
         let mut stack = Vec::new();
-        let mut frames = vec![Frame::new(expression, parameters, None)];
+        let mut frames = vec![CallFrame::new(expression, parameters, None)];
         while let Some(frame) = frames.last_mut() {
             if frame.next < frame.end {
                 self.step(&mut frames, &mut stack, diagnostics);
@@ -100,8 +100,8 @@ impl Lowerer {
     /// Runs the innermost frame's next step.
     fn step(
         &mut self,
-        frames: &mut Vec<Frame>,
-        stack: &mut Vec<Item>,
+        frames: &mut Vec<CallFrame>,
+        stack: &mut Vec<StackItem>,
         diagnostics: &mut Vec<Diagnostic>,
     ) {
         let Some(frame) = frames.last_mut() else {
@@ -115,12 +115,12 @@ impl Lowerer {
                 stack.push(item);
             }
             Ok(Effect::Run(key, expression, parameters)) => {
-                frames.push(Frame::new(expression, parameters, Some(key)));
+                frames.push(CallFrame::new(expression, parameters, Some(key)));
             }
             Err((error, place)) => {
                 frame.report(error, place, &self.symbols, diagnostics);
                 frame.next += 1;
-                stack.push(Item::Poison);
+                stack.push(StackItem::Poison);
             }
         }
     }
@@ -128,19 +128,19 @@ impl Lowerer {
     /// Applies an operator to the items it takes from the stack; an error comes with its place.
     fn perform(
         &mut self,
-        frame: &mut Frame,
-        stack: &mut Vec<Item>,
+        frame: &mut CallFrame,
+        stack: &mut Vec<StackItem>,
         operator: Operator,
         span: Span,
     ) -> Result<Effect, (SemanticError, Span)> {
         let item = match operation(operator) {
-            Operation::Number(number) => Item::Number(number),
+            Operation::Number(number) => StackItem::Number(number),
             Operation::Constant(symbol) => self.constant(frame, symbol),
             Operation::Variable(position) => match frame.parameters.get(position as usize) {
-                Some(value) => Item::Value(value.clone()),
-                None => Item::Poison,
+                Some(value) => StackItem::Value(value.clone()),
+                None => StackItem::Poison,
             },
-            Operation::Function(symbol) => Item::Function(Box::new(Function {
+            Operation::Function(symbol) => StackItem::Function(Box::new(Function {
                 symbol,
                 derivations: Vec::new(),
                 powers: Vec::new(),
@@ -149,11 +149,11 @@ impl Lowerer {
             Operation::FunctionPower => {
                 let exponent = self.value(pop(stack))?;
                 match pop(stack) {
-                    Item::Function(mut function) => {
+                    StackItem::Function(mut function) => {
                         function.powers.push(exponent);
-                        Item::Function(function)
+                        StackItem::Function(function)
                     }
-                    _ => Item::Poison,
+                    _ => StackItem::Poison,
                 }
             }
             Operation::Apply => {
@@ -164,17 +164,19 @@ impl Lowerer {
             Operation::Tuple(count) => self.tuple(stack, count as usize, span)?,
             Operation::Component(index) => match self.value(pop(stack))? {
                 Some(value) => computed(value::component(&value, index), span)?,
-                None => Item::Poison,
+                None => StackItem::Poison,
             },
             Operation::Unary(row) => match pop(stack) {
-                Item::Number(number) => Item::Number((row.number)(number)),
+                StackItem::Number(number) => StackItem::Number((row.number)(number)),
                 item => match self.value(item)? {
                     Some(value) => computed((row.value)(&mut self.graph, &value), span)?,
-                    None => Item::Poison,
+                    None => StackItem::Poison,
                 },
             },
             Operation::Binary(row) => match (pop(stack), pop(stack)) {
-                (Item::Number(b), Item::Number(a)) => Item::Number((row.numbers)(a, b)),
+                (StackItem::Number(b), StackItem::Number(a)) => {
+                    StackItem::Number((row.numbers)(a, b))
+                }
                 (b, a) => {
                     // The right operand's node comes first, as it is popped first: the order of nodes is part of the scene.
                     // Of two errors the left one is reported.
@@ -184,7 +186,7 @@ impl Lowerer {
                         (Some(a), Some(b)) => {
                             computed((row.values)(&mut self.graph, &a, &b), span)?
                         }
-                        _ => Item::Poison,
+                        _ => StackItem::Poison,
                     }
                 }
             },
@@ -192,28 +194,28 @@ impl Lowerer {
         Ok(Effect::Push(item))
     }
 
-    fn constant(&mut self, frame: &mut Frame, symbol: SymbolId) -> Item {
+    fn constant(&mut self, frame: &mut CallFrame, symbol: SymbolId) -> StackItem {
         match self.symbols.meaning(symbol) {
             Meaning::Constant(Constant {
                 value,
                 dependencies,
             }) => {
                 frame.dependencies = self.dependencies.union(frame.dependencies, *dependencies);
-                Item::Value(value.clone())
+                StackItem::Value(value.clone())
             }
-            _ => Item::Poison,
+            _ => StackItem::Poison,
         }
     }
 
     /// A function with one derivative more; only one of a single parameter has *the* derivative, `f'`.
     fn derived(
         &self,
-        item: Item,
+        item: StackItem,
         derivation: Derivation,
         span: Span,
-    ) -> Result<Item, (SemanticError, Span)> {
-        let Item::Function(mut function) = item else {
-            return Ok(Item::Poison);
+    ) -> Result<StackItem, (SemanticError, Span)> {
+        let StackItem::Function(mut function) = item else {
+            return Ok(StackItem::Poison);
         };
         if derivation == Derivation::Total
             && let Some(error) = self.symbols.total_error(function.symbol)
@@ -221,16 +223,16 @@ impl Lowerer {
             return Err((error, span));
         }
         function.derivations.push(derivation);
-        Ok(Item::Function(function))
+        Ok(StackItem::Function(function))
     }
 
     /// A bracketed list. One with vectors in it may still be an argument list.
     fn tuple(
         &mut self,
-        stack: &mut Vec<Item>,
+        stack: &mut Vec<StackItem>,
         count: usize,
         span: Span,
-    ) -> Result<Item, (SemanticError, Span)> {
+    ) -> Result<StackItem, (SemanticError, Span)> {
         if count == 1 {
             return Ok(pop(stack));
         }
@@ -239,17 +241,17 @@ impl Lowerer {
         for item in items {
             match self.value(item)? {
                 Some(value) => values.push(value),
-                None => return Ok(Item::Poison),
+                None => return Ok(StackItem::Poison),
             }
         }
         Ok(match value::tuple(&values) {
-            Ok(value) => Item::Value(value),
-            Err(_) => Item::List(values, span),
+            Ok(value) => StackItem::Value(value),
+            Err(_) => StackItem::List(values, span),
         })
     }
 }
 
-impl Frame {
+impl CallFrame {
     fn new(expression: Expression, parameters: Vec<Value>, body: Option<BodyKey>) -> Self {
         let steps = expression.steps();
         Self {
@@ -279,17 +281,17 @@ impl Frame {
 }
 
 /// The item on top. Every operator's operands have been pushed, for steps come in postfix order.
-fn pop(stack: &mut Vec<Item>) -> Item {
-    stack.pop().unwrap_or(Item::Poison)
+fn pop(stack: &mut Vec<StackItem>) -> StackItem {
+    stack.pop().unwrap_or(StackItem::Poison)
 }
 
 /// The value of an operation on values, or what is wrong with their dimensions.
 fn computed(
     result: Result<Value, DimensionError>,
     span: Span,
-) -> Result<Item, (SemanticError, Span)> {
+) -> Result<StackItem, (SemanticError, Span)> {
     match result {
-        Ok(value) => Ok(Item::Value(value)),
+        Ok(value) => Ok(StackItem::Value(value)),
         Err(error) => Err((dimension_error(&error), span)),
     }
 }

@@ -42,7 +42,7 @@ pub(crate) struct Lowered {
 
 /// An item of the stack.
 #[derive(Clone, Debug)]
-pub(crate) enum Item {
+pub(crate) enum StackItem {
     /// A number known while compiling, which no node of the graph stands for yet.
     Number(f64),
     Value(Value),
@@ -65,7 +65,7 @@ pub(crate) struct Function {
 /// The effect of a step.
 pub(crate) enum Effect {
     /// An item for the stack.
-    Push(Item),
+    Push(StackItem),
     /// Nothing yet: the body has to be run first, with these parameters, and then the step again.
     Run(BodyKey, Expression, Vec<Value>),
 }
@@ -142,15 +142,18 @@ impl Applications {
 
 impl Lowerer {
     /// The value that an item is; none for what a reported fault left behind.
-    pub(crate) fn value(&mut self, item: Item) -> Result<Option<Value>, (SemanticError, Span)> {
+    pub(crate) fn value(
+        &mut self,
+        item: StackItem,
+    ) -> Result<Option<Value>, (SemanticError, Span)> {
         match item {
-            Item::Number(number) => Ok(Some(Value::Number(self.graph.constant(number)))),
-            Item::Value(value) => Ok(Some(value)),
-            Item::List(values, span) => match value::tuple(&values) {
+            StackItem::Number(number) => Ok(Some(Value::Number(self.graph.constant(number)))),
+            StackItem::Value(value) => Ok(Some(value)),
+            StackItem::List(values, span) => match value::tuple(&values) {
                 Ok(value) => Ok(Some(value)),
                 Err(error) => Err((dimension_error(&error), span)),
             },
-            Item::Function(_) | Item::Poison => Ok(None),
+            StackItem::Function(_) | StackItem::Poison => Ok(None),
         }
     }
 }

@@ -9,9 +9,9 @@ use crate::geotrace::code::Expression;
 use crate::geotrace::declarations::{
     Declarations, DeclaredSource, Owner, SourceData, Understood, Uniforms, constant, kind_of,
 };
-use crate::geotrace::dependencies::Source;
+use crate::geotrace::dependencies::SourceIndex;
 use crate::geotrace::error::{self, SemanticError};
-use crate::geotrace::interval::{Bounds, Interval, Purpose, number};
+use crate::geotrace::interval::{Bounds, DeclaredInterval, Purpose, number};
 use crate::geotrace::lowerer::Lowered;
 use crate::geotrace::symbol::Meaning;
 use crate::limits::{DEFAULT_SAMPLES, MAX_UNIFORMS};
@@ -21,7 +21,7 @@ impl Declarations {
     pub(crate) fn param(
         &mut self,
         declaration: &Declaration<'_>,
-        intervals: &[Interval],
+        intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
         let bounds = self.bounds(intervals, Purpose::Axis);
         let ranges: Option<Vec<_>> =
@@ -52,7 +52,7 @@ impl Declarations {
     pub(crate) fn grid(
         &mut self,
         declaration: &Declaration<'_>,
-        intervals: &[Interval],
+        intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
         let bounds = self.bounds(intervals, Purpose::Axis);
         let axes: Vec<_> = bounds?
@@ -199,7 +199,7 @@ impl Declarations {
             }
             None => {
                 self.scene.uniform_count = end;
-                let source = Source(self.sources.len() as u32);
+                let source = SourceIndex(self.sources.len() as u32);
                 self.sources.push(owner);
                 let sets = &mut self.lowerer.dependencies;
                 Uniforms {
@@ -215,7 +215,7 @@ impl Declarations {
     }
 
     /// All intervals; `None` if any has an error.
-    fn bounds(&mut self, intervals: &[Interval], purpose: Purpose) -> Option<Vec<Bounds>> {
+    fn bounds(&mut self, intervals: &[DeclaredInterval], purpose: Purpose) -> Option<Vec<Bounds>> {
         let bounds: Vec<_> = intervals
             .iter()
             .map(|interval| interval.bounds(&mut self.lowerer, purpose, &mut self.found))

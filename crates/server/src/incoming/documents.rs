@@ -5,7 +5,7 @@ use tower_lsp::ls_types as lsp;
 
 use super::work::not_open;
 use super::{Backend, places, window};
-use crate::documents::{Change, Open};
+use crate::documents::{ContentChange, Open};
 use crate::raw_responses::{Answer, answer};
 use crate::to_lsp;
 
@@ -43,7 +43,7 @@ pub(super) async fn did_open(server: &Backend, params: lsp::DidOpenTextDocumentP
 pub(super) async fn did_change(server: &Backend, params: lsp::DidChangeTextDocumentParams) {
     let uri = params.text_document.uri;
     let changes = params.content_changes.into_iter();
-    let changes = changes.map(|change| Change {
+    let changes = changes.map(|change| ContentChange {
         range: change.range.map(places),
         text: change.text,
     });

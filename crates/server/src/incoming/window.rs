@@ -41,7 +41,7 @@ pub(super) fn open(
         Ok(None) => {}
         Ok(Some((started, patience))) => {
             let Started { id, process, heard } = started;
-            let window = Arc::new(Window {
+            let window = Arc::new(PreviewWindow {
                 uri: uri.clone(),
                 id,
                 process,
@@ -80,7 +80,7 @@ pub(crate) async fn close_all(session: &Arc<Mutex<Session>>) {
     }
 }
 
-struct Window {
+struct PreviewWindow {
     uri: lsp::Uri,
     id: u64,
     process: Arc<Process>,
@@ -174,7 +174,7 @@ fn start(
 }
 
 /// Listens to a window until it has ended.
-async fn run(window: Arc<Window>, mut heard: Receiver<WindowOutput>, patience: Duration) {
+async fn run(window: Arc<PreviewWindow>, mut heard: Receiver<WindowOutput>, patience: Duration) {
     match timeout(patience, window.greeted(&mut heard)).await {
         Ok(Ok(())) => {}
         Ok(Err(None)) => return,
@@ -244,7 +244,7 @@ async fn run(window: Arc<Window>, mut heard: Receiver<WindowOutput>, patience: D
     }
 }
 
-impl Window {
+impl PreviewWindow {
     /// Waits for the window's version. The error is what to tell the user, if anything.
     async fn greeted(&self, heard: &mut Receiver<WindowOutput>) -> Result<(), Option<String>> {
         loop {

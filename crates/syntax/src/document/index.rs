@@ -11,7 +11,7 @@ use super::snapshot::Snapshot;
 
 /// A chunk at its place in the text. The places in its analysis count from its start.
 #[derive(Debug)]
-pub struct Piece<'d, G: Grammar> {
+pub struct PlacedChunk<'d, G: Grammar> {
     /// The chunk.
     pub chunk: ChunkId,
     /// Its start in the text.
@@ -26,15 +26,15 @@ pub struct Piece<'d, G: Grammar> {
     pub analysis: &'d G::Analysis,
 }
 
-impl<G: Grammar> Clone for Piece<'_, G> {
+impl<G: Grammar> Clone for PlacedChunk<'_, G> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<G: Grammar> Copy for Piece<'_, G> {}
+impl<G: Grammar> Copy for PlacedChunk<'_, G> {}
 
-impl<'d, G: Grammar> Piece<'d, G> {
+impl<'d, G: Grammar> PlacedChunk<'d, G> {
     fn declaration_spans(&self) -> impl Iterator<Item = Span> + use<'d, G> {
         self.analysis.declaration_spans(self.text)
     }
@@ -65,47 +65,50 @@ impl<G: Grammar> Snapshot<G> {
     }
 
     /// The piece that holds the token of this number, from 0, and the token's number in it.
-    pub fn piece_of_token(&self, token: u32) -> Option<(Piece<'_, G>, usize)> {
+    pub fn placed_chunk_of_token(&self, token: u32) -> Option<(PlacedChunk<'_, G>, usize)> {
         if token >= self.token_count() {
             return None;
         }
-        let piece = self.piece(self.sequence.at_token(token)?);
-        Some((piece, (token - piece.first_token) as usize))
+        let placed = self.placed(self.sequence.at_token(token)?);
+        Some((placed, (token - placed.first_token) as usize))
     }
 
     /// The piece that holds the declaration of this number, from 0, and the declaration's number in it.
-    pub fn piece_of_declaration(&self, declaration: u32) -> Option<(Piece<'_, G>, usize)> {
+    pub fn placed_chunk_of_declaration(
+        &self,
+        declaration: u32,
+    ) -> Option<(PlacedChunk<'_, G>, usize)> {
         if declaration >= self.declaration_count() {
             return None;
         }
-        let piece = self.piece(self.sequence.at_declaration(declaration)?);
-        Some((piece, (declaration - piece.first_declaration) as usize))
+        let placed = self.placed(self.sequence.at_declaration(declaration)?);
+        Some((placed, (declaration - placed.first_declaration) as usize))
     }
 
     /// The piece that holds the byte at an offset, or the last one.
-    pub fn piece_at(&self, offset: u32) -> Option<Piece<'_, G>> {
-        Some(self.piece(self.sequence.at_byte(offset)?))
+    pub fn placed_chunk_at(&self, offset: u32) -> Option<PlacedChunk<'_, G>> {
+        Some(self.placed(self.sequence.at_byte(offset)?))
     }
 
     /// A chunk in its place.
-    pub fn piece_of(&self, chunk: ChunkId) -> Piece<'_, G> {
-        self.piece((chunk, self.sequence.before(chunk)))
+    pub fn placed_chunk(&self, chunk: ChunkId) -> PlacedChunk<'_, G> {
+        self.placed((chunk, self.sequence.before(chunk)))
     }
 
     /// A piece and all below it.
-    pub fn pieces_from<'d>(
+    pub fn placed_chunks_from<'d>(
         &'d self,
-        first: Option<Piece<'d, G>>,
-    ) -> impl Iterator<Item = Piece<'d, G>> {
-        std::iter::successors(first, |piece| {
-            let chunk = self.sequence.next(piece.chunk)?;
+        first: Option<PlacedChunk<'d, G>>,
+    ) -> impl Iterator<Item = PlacedChunk<'d, G>> {
+        std::iter::successors(first, |placed| {
+            let chunk = self.sequence.next(placed.chunk)?;
             let read = self.chunk(chunk);
-            Some(Piece {
+            Some(PlacedChunk {
                 chunk,
-                start: piece.start + piece.text.len() as u32,
-                first_token: piece.first_token + piece.analysis.token_count() as u32,
-                first_declaration: piece.first_declaration
-                    + piece.declaration_spans().count() as u32,
+                start: placed.start + placed.text.len() as u32,
+                first_token: placed.first_token + placed.analysis.token_count() as u32,
+                first_declaration: placed.first_declaration
+                    + placed.declaration_spans().count() as u32,
                 text: &read.text,
                 analysis: &read.analysis,
             })
@@ -124,9 +127,9 @@ impl<G: Grammar> Snapshot<G> {
 
     /// The number of tokens for which `holds`, a predicate that is true up to some token and false behind it.
     fn tokens_that(&self, offset: u32, holds: impl Fn(Span, u32) -> bool) -> u32 {
-        self.piece_at(offset).map_or(0, |piece| {
-            let inside = offset - piece.start;
-            piece.first_token + piece.tokens_that(|span| holds(span, inside)) as u32
+        self.placed_chunk_at(offset).map_or(0, |placed| {
+            let inside = offset - placed.start;
+            placed.first_token + placed.tokens_that(|span| holds(span, inside)) as u32
         })
     }
 
@@ -141,17 +144,17 @@ impl<G: Grammar> Snapshot<G> {
     }
 
     fn declarations_that(&self, offset: u32, holds: impl Fn(Span, u32) -> bool) -> u32 {
-        self.piece_at(offset).map_or(0, |piece| {
-            let inside = offset - piece.start;
-            let spans = piece.declaration_spans();
+        self.placed_chunk_at(offset).map_or(0, |placed| {
+            let inside = offset - placed.start;
+            let spans = placed.declaration_spans();
             let count = spans.take_while(|span| holds(*span, inside)).count();
-            piece.first_declaration + count as u32
+            placed.first_declaration + count as u32
         })
     }
 
-    fn piece(&self, (chunk, before): (ChunkId, Measure)) -> Piece<'_, G> {
+    fn placed(&self, (chunk, before): (ChunkId, Measure)) -> PlacedChunk<'_, G> {
         let read = self.chunk(chunk);
-        Piece {
+        PlacedChunk {
             chunk,
             start: before.bytes,
             first_token: before.tokens,

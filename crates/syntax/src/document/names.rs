@@ -23,7 +23,7 @@ pub(super) struct NameId(u32);
 #[derive(Clone, Debug)]
 pub(super) struct Names<G: Grammar> {
     pub(super) trie: Trie<NameId>,
-    entries: PersistentVector<Arc<Entry>>,
+    entries: PersistentVector<Arc<NameEntry>>,
     /// By [`SymbolId`], the builtins first.
     symbols: PersistentVector<Option<Arc<Defined<G>>>>,
     free: Vec<SymbolId>,
@@ -31,7 +31,7 @@ pub(super) struct Names<G: Grammar> {
 }
 
 #[derive(Clone, Debug)]
-struct Entry {
+struct NameEntry {
     name: Arc<str>,
     /// The symbols of this name. Between edits there is at most one; a builtin is always the only one.
     definers: Vec<SymbolId>,
@@ -117,7 +117,7 @@ impl<G: Grammar> Names<G> {
             return id;
         }
         let id = NameId(self.entries.len() as u32);
-        self.entries.push(Arc::new(Entry {
+        self.entries.push(Arc::new(NameEntry {
             name: name.into(),
             definers: Vec::new(),
             uses: ChunkSet::default(),
@@ -128,7 +128,7 @@ impl<G: Grammar> Names<G> {
         id
     }
 
-    fn entry_mut(&mut self, name: NameId) -> &mut Entry {
+    fn entry_mut(&mut self, name: NameId) -> &mut NameEntry {
         let entry = self.entries.get_mut(name.0 as usize);
         Arc::make_mut(entry.expect("a name of this document"))
     }

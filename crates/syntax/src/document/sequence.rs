@@ -41,7 +41,7 @@ pub(super) struct Measure {
 /// The chunks in order.
 #[derive(Clone, Debug)]
 pub(super) struct Sequence {
-    nodes: PersistentVector<Arc<Node>>,
+    nodes: PersistentVector<Arc<TreeNode>>,
     free: Vec<u32>,
     root: u32,
     /// The leaf of each chunk, by its handle.
@@ -49,7 +49,7 @@ pub(super) struct Sequence {
 }
 
 #[derive(Clone, Debug)]
-struct Node {
+struct TreeNode {
     parent: u32,
     is_leaf: bool,
     /// Chunks in a leaf, nodes in other nodes, each with its sum.
@@ -66,7 +66,7 @@ const NONE: u32 = u32::MAX;
 impl Default for Sequence {
     fn default() -> Self {
         let mut nodes = PersistentVector::default();
-        nodes.push(Arc::new(Node {
+        nodes.push(Arc::new(TreeNode {
             parent: NONE,
             is_leaf: true,
             items: Vec::new(),
@@ -274,7 +274,7 @@ impl Sequence {
             let left_sum = sum(&node.items);
             let right_sum = sum(&items);
             if parent == NONE {
-                parent = self.allocate(Node {
+                parent = self.allocate(TreeNode {
                     parent: NONE,
                     is_leaf: false,
                     items: vec![(at, left_sum)],
@@ -282,7 +282,7 @@ impl Sequence {
                 self.node_mut(at).parent = parent;
                 self.root = parent;
             }
-            let right = self.allocate(Node {
+            let right = self.allocate(TreeNode {
                 parent,
                 is_leaf,
                 items,
@@ -364,12 +364,12 @@ impl Sequence {
         }
     }
 
-    fn node_mut(&mut self, at: u32) -> &mut Node {
+    fn node_mut(&mut self, at: u32) -> &mut TreeNode {
         let node = self.nodes.get_mut(at as usize);
         Arc::make_mut(node.expect("a node of this tree"))
     }
 
-    fn allocate(&mut self, node: Node) -> u32 {
+    fn allocate(&mut self, node: TreeNode) -> u32 {
         match self.free.pop() {
             Some(index) => {
                 *self.node_mut(index) = node;
@@ -383,7 +383,7 @@ impl Sequence {
     }
 }
 
-impl Node {
+impl TreeNode {
     /// The position of an item, which the node holds.
     fn index(&self, item: u32) -> usize {
         let index = self.items.iter().position(|(other, _)| *other == item);

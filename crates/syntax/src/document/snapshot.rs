@@ -198,7 +198,9 @@ impl<G: Grammar> Snapshot<G> {
     /// The start of the run of letters and digits that ends at an offset. Returns the offset if the run is empty.
     pub fn word_start(&self, offset: u32) -> u32 {
         // A chunk does not end inside a word.
-        let before = offset.checked_sub(1).and_then(|last| self.piece_at(last));
+        let before = offset
+            .checked_sub(1)
+            .and_then(|last| self.placed_chunk_at(last));
         before.map_or(offset, |piece| {
             let inside = ((offset - piece.start) as usize).min(piece.text.len());
             let letters = piece.text.as_bytes()[..inside].iter().rev();

@@ -56,7 +56,7 @@ pub enum Category {
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
-pub struct Row {
+pub struct DeclarationRow {
     /// The keyword.
     pub keyword: DeclarationKeyword,
     /// The keyword as it is written.
@@ -87,8 +87,8 @@ macro_rules! declarations {
         const COUNT: usize = [$($text),*].len();
 
         /// The table, in the order of the keywords.
-        pub static TABLE: [Row; COUNT] = [
-            $(Row { keyword: DeclarationKeyword::$name, text: $text, $($field: $value),* }),*
+        pub static TABLE: [DeclarationRow; COUNT] = [
+            $(DeclarationRow { keyword: DeclarationKeyword::$name, text: $text, $($field: $value),* }),*
         ];
 
         impl DeclarationKeyword {
@@ -193,7 +193,7 @@ declarations! {
 impl DeclarationKeyword {
     /// The keyword's row of the table.
     #[inline]
-    pub fn row(self) -> &'static Row {
+    pub fn row(self) -> &'static DeclarationRow {
         &TABLE[self as usize]
     }
 

@@ -1,7 +1,7 @@
 //! A Geotrace program that is edited: the language as a [`Grammar`] of the kernel's document.
 //!
 //! `;` delimits declarations and `#` comments whatever any name means, so a chunk is a declaration up to its `;`, with the
-//! white space and comments before it. The parser reads a chunk through a `Scope` that the document's [`ScopeView`]
+//! white space and comments before it. The parser reads a chunk through a `NameScope` that the document's [`ScopeView`]
 //! implements; what the hooks are called with is recorded, packed.
 
 use std::sync::Arc;
@@ -22,10 +22,10 @@ use super::parser::lints::shadowed_split;
 use super::parser::parse_chunk;
 use super::parser::suggestions::each_declared;
 use super::records::{EventRecorder, Records};
-use super::symbols::{Parsed, Scope, Symbol, Vocabulary};
+use super::symbols::{NameScope, Parsed, Symbol, Vocabulary};
 use super::token::{Token, TokenKind};
 
-pub use super::records::{Events, Parameters, Tokens};
+pub use super::records::{Parameters, ParseEvents, Tokens};
 
 /// The Geotrace language.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ pub type Document = document::Document<Geotrace>;
 /// A program at one version.
 pub type Snapshot = document::Snapshot<Geotrace>;
 /// A chunk of a program at its place.
-pub type Piece<'d> = document::Piece<'d, Geotrace>;
+pub type PlacedChunk<'d> = document::PlacedChunk<'d, Geotrace>;
 
 /// What reading a chunk gives: its tokens and the calls of the hooks, packed.
 #[derive(Clone, Debug, Default)]
@@ -55,7 +55,7 @@ pub struct Signature {
 
 /// One call of a hook, as reading a chunk has recorded it.
 #[derive(Clone, Copy, Debug)]
-pub enum Event<'d> {
+pub enum ParseEvent<'d> {
     /// A declaration starts.
     Open(DeclarationKeyword, Span),
     /// A step of an expression.
@@ -223,12 +223,12 @@ impl ChunkAnalysis {
         Tokens::new(&self.tokens, text)
     }
 
-    fn events<'d>(&'d self, text: &'d str) -> Events<'d> {
-        Events::new(&self.events, text)
+    fn events<'d>(&'d self, text: &'d str) -> ParseEvents<'d> {
+        ParseEvents::new(&self.events, text)
     }
 }
 
-impl Scope for ScopeView<'_, Geotrace> {
+impl NameScope for ScopeView<'_, Geotrace> {
     const IS_CHUNK: bool = true;
 
     fn longest_prefix(&self, word: &str) -> Option<(usize, SymbolId)> {
@@ -330,28 +330,28 @@ impl Actions for Recorder {
     }
 }
 
-impl<'d> Piece<'d> {
+impl<'d> PlacedChunk<'d> {
     /// Its tokens, comments among them, in order.
     pub fn tokens(&self) -> Tokens<'d> {
         self.analysis.tokens(self.text)
     }
 
     /// The calls of the hooks, in order.
-    pub fn events(&self) -> Events<'d> {
+    pub fn events(&self) -> ParseEvents<'d> {
         self.analysis.events(self.text)
     }
 
     /// The declarations in order, each with its steps and intervals.
     pub fn declarations(
         &self,
-    ) -> impl Iterator<Item = (ReadDeclaration<'d>, Events<'d>)> + use<'d> {
+    ) -> impl Iterator<Item = (ReadDeclaration<'d>, ParseEvents<'d>)> + use<'d> {
         self.events().declarations()
     }
 }
 
 impl Snapshot {
     /// The calls of the hooks while a chunk was read. Places count from its start.
-    pub fn events(&self, chunk: ChunkId) -> Events<'_> {
+    pub fn events(&self, chunk: ChunkId) -> ParseEvents<'_> {
         self.analysis(chunk).events(self.chunk_text(chunk))
     }
 
@@ -379,10 +379,10 @@ impl Snapshot {
 
     /// The number of the declaration of a symbol. Returns `None` for a builtin.
     pub fn declaration_of(&self, symbol: SymbolId) -> Option<u32> {
-        let piece = self.piece_of(self.home(symbol)?);
-        let mut declarations = piece.declarations();
+        let placed = self.placed_chunk(self.home(symbol)?);
+        let mut declarations = placed.declarations();
         let place = declarations.position(|(it, _)| it.symbol == Some(symbol))?;
-        Some(piece.first_declaration + place as u32)
+        Some(placed.first_declaration + place as u32)
     }
 
     /// The names at the end of the text as [`parse_program`](super::parse_program) gives them: with other handles, which

@@ -27,7 +27,7 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::geotrace::actions::{Actions, Interval, Operator, Parameter};
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::{Fault, Lexer};
-use crate::geotrace::symbols::{Parsed, Scope, Symbol, Vocabulary};
+use crate::geotrace::symbols::{NameScope, Parsed, Symbol, Vocabulary};
 use crate::geotrace::token::{Token, TokenKind};
 use crate::line_index::LineIndex;
 use crate::span::Span;
@@ -73,7 +73,7 @@ pub fn parse_expression<A: Actions>(source: &str, parsed: &Parsed, actions: &mut
 /// by diagnostic index, the cross-references that the caller must still fill in.
 ///
 /// The caller also compares the chunk with the names below it ([`shadowed_split`](lints::shadowed_split)).
-pub(crate) fn parse_chunk<A: Actions, S: Scope>(
+pub(crate) fn parse_chunk<A: Actions, S: NameScope>(
     source: &str,
     is_first: bool,
     scope: S,
@@ -118,7 +118,7 @@ struct Parser<'s, 'a, A, S> {
     /// Tokens accepted so far, so that loops can assert progress.
     accepted: usize,
     diagnostics: usize,
-    state: State<'s>,
+    state: DeclarationState<'s>,
     lints: lints::LintState,
     /// The number of undefined words reported so far.
     searches: usize,
@@ -130,7 +130,7 @@ struct Parser<'s, 'a, A, S> {
 
 /// The state of the declaration that is being read.
 #[derive(Default)]
-struct State<'s> {
+struct DeclarationState<'s> {
     /// It holds an error.
     faulty: bool,
     /// Its steps are incomplete: no more are handed out.
@@ -150,7 +150,7 @@ struct State<'s> {
     rejected: bool,
 }
 
-impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
+impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
     fn new(lexer: Lexer<'s>, parsed: S, actions: &'a mut A) -> Self {
         let start = Token {
             kind: TokenKind::Eoi,
@@ -166,7 +166,7 @@ impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
             flagged: false,
             accepted: 0,
             diagnostics: 0,
-            state: State::default(),
+            state: DeclarationState::default(),
             lints: lints::LintState::default(),
             searches: 0,
             deferred: Vec::new(),
@@ -323,7 +323,7 @@ impl<'s, 'a, A: Actions, S: Scope> Parser<'s, 'a, A, S> {
 }
 
 /// A whole text is its own surroundings.
-impl<A: Actions, S: Scope> References for Parser<'_, '_, A, S> {
+impl<A: Actions, S: NameScope> References for Parser<'_, '_, A, S> {
     fn line(&self, offset: u32) -> u32 {
         self.line_of(offset)
     }

@@ -13,7 +13,7 @@ use crate::geotrace::token::Token;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-use super::document::{Event, ReadDeclaration};
+use super::document::{ParseEvent, ReadDeclaration};
 use tags::{STEPS_END, of_operator, of_token, operator, token_kind, word, word_index};
 
 mod tags;
@@ -43,7 +43,7 @@ pub struct Tokens<'d> {
 
 /// The hook calls of a chunk, or a part of them, in order.
 #[derive(Clone, Copy, Debug)]
-pub struct Events<'d> {
+pub struct ParseEvents<'d> {
     records: &'d Records,
     text: &'d str,
     next: usize,
@@ -214,7 +214,7 @@ impl EventRecorder {
     }
 }
 
-impl<'d> Events<'d> {
+impl<'d> ParseEvents<'d> {
     pub(crate) fn new(records: &'d Records, text: &'d str) -> Self {
         Self {
             records,
@@ -225,7 +225,9 @@ impl<'d> Events<'d> {
     }
 
     /// The declarations in order, each with what was read of it: its steps and intervals.
-    pub fn declarations(self) -> impl Iterator<Item = (ReadDeclaration<'d>, Events<'d>)> + use<'d> {
+    pub fn declarations(
+        self,
+    ) -> impl Iterator<Item = (ReadDeclaration<'d>, ParseEvents<'d>)> + use<'d> {
         let mut own = self;
         let mut rest = self;
         std::iter::from_fn(move || {
@@ -237,7 +239,7 @@ impl<'d> Events<'d> {
                     rest.next += 1;
                     continue;
                 }
-                if let Some(Event::Declaration(declaration)) = rest.next() {
+                if let Some(ParseEvent::Declaration(declaration)) = rest.next() {
                     own.end = at;
                     let found = (declaration, own);
                     own = rest;
@@ -254,14 +256,14 @@ impl<'d> Events<'d> {
     }
 }
 
-impl<'d> Iterator for Events<'d> {
-    type Item = Event<'d>;
+impl<'d> Iterator for ParseEvents<'d> {
+    type Item = ParseEvent<'d>;
 
-    fn next(&mut self) -> Option<Event<'d>> {
+    fn next(&mut self) -> Option<ParseEvent<'d>> {
         let Entry { span, tag, number } = self.entry()?;
         Some(match tag {
-            ..OPEN => Event::Operator(operator(tag, number, span.text(self.text)), span),
-            OPEN..INTERVAL => Event::Open(word(tag - OPEN), span),
+            ..OPEN => ParseEvent::Operator(operator(tag, number, span.text(self.text)), span),
+            OPEN..INTERVAL => ParseEvent::Open(word(tag - OPEN), span),
             INTERVAL..FINDING => {
                 let kind = match tag {
                     INTERVAL | TAGGED_INTERVAL => IntervalKind::Range,
@@ -272,13 +274,13 @@ impl<'d> Iterator for Events<'d> {
                     let entry = self.entry()?;
                     tagged = Some(((entry.tag == SOME).then_some(entry.number), entry.span));
                 }
-                Event::Interval(Interval {
+                ParseEvent::Interval(Interval {
                     kind,
                     span,
                     tag: tagged,
                 })
             }
-            FINDING..DECLARATION => Event::Finding,
+            FINDING..DECLARATION => ParseEvent::Finding,
             DECLARATION.. => {
                 let faulty = tag >= FAULTY_DECLARATION;
                 let first = if faulty {
@@ -289,7 +291,7 @@ impl<'d> Iterator for Events<'d> {
                 let name = self.entry()?;
                 let parameters = self.next;
                 self.next += number as usize;
-                Event::Declaration(ReadDeclaration {
+                ParseEvent::Declaration(ReadDeclaration {
                     word: word(tag - first),
                     span,
                     symbol: (name.tag == SOME).then_some(SymbolId(name.number)),
@@ -351,9 +353,9 @@ const SOME: u8 = 1;
 
 #[cfg(test)]
 mod tests {
-    use super::Event;
+    use super::ParseEvent;
     use super::tags::{PLAIN, STEPS};
-    use super::{Entry, EventRecorder, Events, Records, Tokens};
+    use super::{Entry, EventRecorder, ParseEvents, Records, Tokens};
     use crate::geotrace::actions::{Declaration, Interval, IntervalKind, Operator, Parameter};
     use crate::geotrace::declarations::DeclarationKeyword;
     use crate::geotrace::token::{Token, TokenKind};
@@ -443,26 +445,26 @@ mod tests {
             recorder.open(DeclarationKeyword::Geodesic, span(6));
             let records = recorder.finish(&text);
 
-            let told = |event: Event<'_>| match event {
-                Event::Declaration(read) => {
+            let told = |event: ParseEvent<'_>| match event {
+                ParseEvent::Declaration(read) => {
                     let parameters = read.parameters.moved(0);
                     format!("{:?}", read.as_declaration(&parameters))
                 }
                 other => format!("{other:?}"),
             };
             let expected = |events: &[Operator]| -> Vec<String> {
-                let steps = events.iter().map(|it| Event::Operator(*it, span(6)));
+                let steps = events.iter().map(|it| ParseEvent::Operator(*it, span(6)));
                 steps.map(told).collect()
             };
-            let number = Event::Operator(Operator::Number(25.0), Span::new(0, 5));
-            let mut first = vec![told(Event::Open(DeclarationKeyword::Param, span(6)))];
-            first.extend([told(number), told(Event::Finding)]);
+            let number = ParseEvent::Operator(Operator::Number(25.0), Span::new(0, 5));
+            let mut first = vec![told(ParseEvent::Open(DeclarationKeyword::Param, span(6)))];
+            first.extend([told(number), told(ParseEvent::Finding)]);
             first.extend(expected(&operators));
             let second: Vec<_> = intervals
                 .iter()
-                .map(|it| told(Event::Interval(*it)))
+                .map(|it| told(ParseEvent::Interval(*it)))
                 .collect();
-            let all = Events::new(&records, &text);
+            let all = ParseEvents::new(&records, &text);
             let found: Vec<_> = all.declarations().collect();
             let declarations = [
                 declared(Some(SymbolId(77)), false, 2),
@@ -477,7 +479,7 @@ mod tests {
                 assert_eq!(read.parameters.len(), expected.parameters.len());
                 assert_eq!(&events.map(told).collect::<Vec<_>>(), own);
             }
-            let last = told(Event::Open(DeclarationKeyword::Geodesic, span(6)));
+            let last = told(ParseEvent::Open(DeclarationKeyword::Geodesic, span(6)));
             assert_eq!(all.map(told).last(), Some(last));
             assert_eq!(all.count(), first.len() + second.len() + 3);
         }

@@ -54,7 +54,7 @@ pub struct Symbol {
 pub struct Symbols(Vec<Symbol>);
 
 /// The names that the parser sees at a place of a text, and those that it defines.
-pub(crate) trait Scope {
+pub(crate) trait NameScope {
     /// The parser reads a chunk and does not know the rest of the text: the parts of diagnostics that depend on it are
     /// deferred.
     const IS_CHUNK: bool;
@@ -185,7 +185,7 @@ impl Symbol {
     }
 }
 
-impl Scope for Parsed {
+impl NameScope for Parsed {
     const IS_CHUNK: bool = false;
 
     #[inline]

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use render::camera::Camera;
-use render::counters::Counters;
+use render::counters::WorkCounters;
 use render::gpu::Pixels;
 use render::rendered::RenderedImage;
 use render::shared::Shared;
@@ -62,7 +62,7 @@ impl Worker {
     }
 
     /// Returns the renderer's counters.
-    pub(super) fn counters(&self) -> Counters {
+    pub(super) fn counters(&self) -> WorkCounters {
         self.renderer.counters()
     }
 

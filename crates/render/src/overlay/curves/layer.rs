@@ -1,7 +1,7 @@
-//! Lines in the chart are laid over a picture: pieces and the pixels' ends flow in, inked pixels flow out.
+//! Lines in the chart are laid over a picture: segments and the pixels' ends flow in, inked pixels flow out.
 //!
 //! A pixel's distance to a line is measured in the chart and turned into pixels by the derivative of its end, so lines
-//! are as wide as other lines wherever they are seen. Pieces are looked up for a block of pixels at once, and measured
+//! are as wide as other lines wherever they are seen. Segments are looked up for a block of pixels at once, and measured
 //! for a row of it at once, in loops that become vectors.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -12,7 +12,7 @@ use geodesic::trace::Status;
 
 use super::super::{StrokeColour, StrokeStyle};
 use super::SurfaceCurve;
-use super::table::{Found, Near, Table};
+use super::table::{FoundSegments, Near, SegmentTable};
 use crate::counters::PixelCounters;
 use crate::geodesic_view::{EndsOfRows, Layer, PlacedCamera};
 
@@ -25,7 +25,7 @@ const ABOUT: f32 = 2.5;
 
 /// Lines that are laid over a picture, the first one undermost.
 pub(in crate::overlay) struct Lines<'t> {
-    table: Table,
+    table: SegmentTable,
     inks: Vec<StrokeColour>,
     pen: StrokeStyle,
     /// The picture's.
@@ -48,7 +48,7 @@ impl<'t> Lines<'t> {
         }
         let size = inside.size();
         Some(Self {
-            table: Table::new(lines, inside),
+            table: SegmentTable::new(lines, inside),
             inks: lines
                 .iter()
                 .map(|line| StrokeColour::new(line.colour))
@@ -102,16 +102,16 @@ impl Layer for Lines<'_> {
 /// What a band of pixels is measured with.
 #[derive(Debug, Default)]
 struct Scratch {
-    found: Found,
+    found: FoundSegments,
     /// What was found, as offsets from the camera.
     near: Vec<Offset>,
     /// The squares of the lines' distances.
     squares: Vec<[f32; LANES]>,
-    /// See [`crate::counters::Counters::distances`].
+    /// See [`crate::counters::WorkCounters::distances`].
     distances: u64,
 }
 
-/// A piece as it is measured.
+/// A segment as it is measured.
 #[derive(Debug)]
 struct Offset {
     line: usize,
@@ -128,7 +128,7 @@ struct Band<'a> {
 }
 
 /// What is near some pixels.
-struct Bounds {
+struct Neighbourhood {
     /// A box in the chart within which it lies: lowest and highest (u,v).
     around: [[f64; 2]; 2],
     /// Whether what is about each of them covers few enough cells.
@@ -183,7 +183,7 @@ impl Work for Band<'_> {
 impl Band<'_> {
     /// What is near some pixels, so many from each of the first ones on; `None` where none of them shows the surface.
     #[inline(always)]
-    fn bounds(&self, firsts: impl Iterator<Item = usize>, count: usize) -> Option<Bounds> {
+    fn bounds(&self, firsts: impl Iterator<Item = usize>, count: usize) -> Option<Neighbourhood> {
         let EndsOfRows {
             origin,
             offset,
@@ -223,7 +223,7 @@ impl Band<'_> {
             (x * x + y * y).sqrt()
         });
         let reach = by_pixel.map(|x| f64::from(self.lines.pen.reach()) * x);
-        Some(Bounds {
+        Some(Neighbourhood {
             around: [
                 [0, 1].map(|k| origin[k] + f64::from(low[k]) - reach[k]),
                 [0, 1].map(|k| origin[k] + f64::from(high[k]) + reach[k]),
@@ -232,24 +232,24 @@ impl Band<'_> {
         })
     }
 
-    /// Finds the pieces that are near some pixels, or one.
+    /// Finds the segments that are near some pixels, or one.
     #[inline(always)]
-    fn find(&mut self, bounds: &Bounds, point: bool) -> Near {
+    fn find(&mut self, bounds: &Neighbourhood, point: bool) -> Near {
         let Scratch { found, near, .. } = &mut *self.scratch;
         let what = self.lines.table.near(bounds.around, point, found);
         near.clear();
         if what == Near::Some {
             let origin = self.ends.origin;
-            near.extend(found.pieces.iter().map(|piece| Offset {
-                line: piece.line,
-                from: [0, 1].map(|k| (piece.from[k] - origin[k]) as f32),
-                step: piece.step.map(|x| x as f32),
+            near.extend(found.segments.iter().map(|segment| Offset {
+                line: segment.line,
+                from: [0, 1].map(|k| (segment.from[k] - origin[k]) as f32),
+                step: segment.step.map(|x| x as f32),
             }));
         }
         what
     }
 
-    /// Inks some pixels of a row with the pieces that are near. `few_cells` is known of all of them, or has to be found
+    /// Inks some pixels of a row with the segments that are near. `few_cells` is known of all of them, or has to be found
     /// out for each.
     #[inline(always)]
     fn strip(&mut self, first: usize, count: usize, few_cells: bool) {
@@ -261,8 +261,8 @@ impl Band<'_> {
             ..
         } = &mut *self.scratch;
         *distances += near.len() as u64;
-        for piece in near.iter() {
-            strip.measure(piece.from, piece.step, &mut squares[piece.line]);
+        for segment in near.iter() {
+            strip.measure(segment.from, segment.step, &mut squares[segment.line]);
         }
         let pen = &self.lines.pen;
         let most = pen.reach() * pen.reach();
@@ -376,7 +376,7 @@ fn greater(a: f32, b: f32) -> f32 {
 }
 
 impl Strip {
-    /// Lowers the squares of the distances to those of a piece, given by offsets from the camera, where it is nearer.
+    /// Lowers the squares of the distances to those of a segment, given by offsets from the camera, where it is nearer.
     #[inline(always)]
     fn measure(&self, from: [f32; 2], step: [f32; 2], squares: &mut [f32; LANES]) {
         let [xu, xv, yu, yv] = &self.pixels;

@@ -1,6 +1,6 @@
-//! The pieces of all lines, found by where they are in the chart.
+//! The segments of all lines, found by where they are in the chart.
 //!
-//! Pieces flow in, and then boxes of the chart; the pieces that may go through a box flow out. Whether there are any, as
+//! Segments flow in, and then boxes of the chart; the segments that may go through a box flow out. Whether there are any, as
 //! there are not for most of a picture, is told by one sum.
 
 use geodesic::surface::{Side, Sides};
@@ -10,51 +10,51 @@ use crate::geodesic_view::PlacedCamera;
 
 /// Cells of the table along each axis.
 const CELLS: usize = 256;
-/// A box that is wider than this share of a period may meet a piece in several repetitions.
+/// A box that is wider than this share of a period may meet a segment in several repetitions.
 const ROUND: f64 = 0.25;
 
-/// A straight piece in the chart, of one of the lines.
+/// A straight segment in the chart, of one of the lines.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub(super) struct Segment {
     pub(super) line: usize,
     pub(super) from: [f64; 2],
     pub(super) step: [f64; 2],
 }
 
-/// The pieces by the cells of the chart that they may go through.
-pub(super) struct Table {
+/// The segments by the cells of the chart that they may go through.
+pub(super) struct SegmentTable {
     domain: [[f64; 2]; 2],
     sides: Sides,
     wraps: [bool; 2],
     period: [f64; 2],
-    pieces: Vec<Piece>,
-    /// Where the pieces of a cell begin in `numbers`, row by row; one more than there are cells.
+    segments: Vec<Segment>,
+    /// Where the segments of a cell begin in `numbers`, row by row; one more than there are cells.
     begins: Vec<u32>,
-    /// Numbers of pieces.
+    /// Numbers of segments.
     numbers: Vec<u32>,
     /// How many numbers stand in the cells below and to the left of each corner of a cell.
     sums: Vec<u32>,
 }
 
-/// Pieces that were found, each once.
+/// Segments that were found, each once.
 #[derive(Debug, Default)]
-pub(super) struct Found {
-    pub(super) pieces: Vec<Piece>,
-    /// For each piece of the table, the number of the search that came upon it last.
+pub(super) struct FoundSegments {
+    pub(super) segments: Vec<Segment>,
+    /// For each segment of the table, the number of the search that came upon it last.
     searches: Vec<u32>,
     search: u32,
 }
 
-impl Found {
-    fn begin(&mut self, pieces: usize) {
-        if self.searches.len() != pieces || self.search == u32::MAX {
-            self.searches = vec![0; pieces];
+impl FoundSegments {
+    fn begin(&mut self, segments: usize) {
+        if self.searches.len() != segments || self.search == u32::MAX {
+            self.searches = vec![0; segments];
             self.search = 0;
         }
         self.search += 1;
     }
 
-    /// Whether this search comes upon a piece for the first time.
+    /// Whether this search comes upon a segment for the first time.
     #[inline(always)]
     fn is_new(&mut self, number: u32) -> bool {
         let last = &mut self.searches[number as usize];
@@ -64,7 +64,7 @@ impl Found {
     }
 }
 
-/// The pieces that may go through a box.
+/// The segments that may go through a box.
 #[derive(Debug, PartialEq)]
 pub(super) enum Near {
     Nothing,
@@ -75,23 +75,23 @@ pub(super) enum Near {
     Unclear,
 }
 
-impl Table {
+impl SegmentTable {
     pub(super) fn new(lines: &[SurfaceCurve], inside: &PlacedCamera) -> Self {
         let (domain, sides) = (inside.domain(), inside.sides());
-        let pieces = |(line, curve): (usize, &SurfaceCurve)| {
-            let piece = move |&[from, to]: &[[f64; 2]; 2]| Piece {
+        let segments = |(line, curve): (usize, &SurfaceCurve)| {
+            let segment = move |&[from, to]: &[[f64; 2]; 2]| Segment {
                 line,
                 from,
                 step: [to[0] - from[0], to[1] - from[1]],
             };
-            curve.pieces.iter().map(piece).collect::<Vec<_>>()
+            curve.pieces.iter().map(segment).collect::<Vec<_>>()
         };
         let mut table = Self {
             domain,
             sides,
             wraps: [0, 1].map(|k| sides.of(k)[0] == Side::Wrap),
             period: domain.map(|[low, high]| high - low),
-            pieces: lines.iter().enumerate().flat_map(pieces).collect(),
+            segments: lines.iter().enumerate().flat_map(segments).collect(),
             begins: Vec::new(),
             numbers: Vec::new(),
             sums: Vec::new(),
@@ -105,11 +105,16 @@ impl Table {
         self.period.map(|period| CELLS as f64 / period)
     }
 
-    /// The pieces that may go through a box (lowest and highest (u,v), which may lie beyond sides that wrap), in its own
+    /// The segments that may go through a box (lowest and highest (u,v), which may lie beyond sides that wrap), in its own
     /// coordinates. A box about one point is never unclear: it is taken to be where its middle is.
     #[inline(always)]
-    pub(super) fn near(&self, bounds: [[f64; 2]; 2], point: bool, found: &mut Found) -> Near {
-        found.pieces.clear();
+    pub(super) fn near(
+        &self,
+        bounds: [[f64; 2]; 2],
+        point: bool,
+        found: &mut FoundSegments,
+    ) -> Near {
+        found.segments.clear();
         let Some(Turned {
             bounds,
             signs,
@@ -130,18 +135,18 @@ impl Table {
         if !point && (far(0) || far(1)) {
             return Near::Unclear;
         }
-        found.begin(self.pieces.len());
+        found.begin(self.segments.len());
         let middle = [0, 1].map(|k| 0.5 * (low[k] + high[k]));
         for row in rows.iter().flat_map(|&[from, to]| from..to) {
             for number in columns.iter().flat_map(|columns| self.in_row(row, columns)) {
                 if !found.is_new(*number) {
                     continue;
                 }
-                let Piece {
+                let Segment {
                     line,
                     mut from,
                     step,
-                } = self.pieces[*number as usize];
+                } = self.segments[*number as usize];
                 for (k, from) in from.iter_mut().enumerate() {
                     if self.wraps[k] {
                         let period = self.period[k];
@@ -153,7 +158,7 @@ impl Table {
                     from[k].min(to) <= high[k] && from[k].max(to) >= low[k]
                 };
                 if meets(0) && meets(1) {
-                    found.pieces.push(Piece {
+                    found.segments.push(Segment {
                         line,
                         from: [0, 1].map(|k| signs[k] * (from[k] - shift[k])),
                         step: [0, 1].map(|k| signs[k] * step[k]),
@@ -161,7 +166,7 @@ impl Table {
                 }
             }
         }
-        match found.pieces.is_empty() {
+        match found.segments.is_empty() {
             true => Near::Nothing,
             false => Near::Some,
         }
@@ -205,7 +210,7 @@ impl Table {
         Some(turned)
     }
 
-    /// Whether any piece is entered in some columns and rows of cells.
+    /// Whether any segment is entered in some columns and rows of cells.
     #[inline(always)]
     fn any(&self, columns: &[[usize; 2]; 2], rows: &[[usize; 2]; 2]) -> bool {
         let sum = |i: usize, j: usize| self.sums[j * (CELLS + 1) + i];
@@ -253,7 +258,7 @@ impl Table {
         &self.numbers[begin(from)..begin(to)]
     }
 
-    /// Enters the pieces: first how many each cell has, then which.
+    /// Enters the segments: first how many each cell has, then which.
     fn enter(&mut self) {
         let n = CELLS as i64;
         let bounded = |axis: usize, cell: i64| -> Option<usize> {
@@ -264,9 +269,9 @@ impl Table {
             }
         };
         let mut entries: Vec<[u32; 2]> = Vec::new();
-        for (number, piece) in self.pieces.iter().enumerate() {
+        for (number, segment) in self.segments.iter().enumerate() {
             let range = |k: usize| {
-                let ends = [piece.from[k], piece.from[k] + piece.step[k]];
+                let ends = [segment.from[k], segment.from[k] + segment.step[k]];
                 let [from, to] = ends.map(|x| self.cell(k, x));
                 from.min(to).floor() as i64..=from.max(to).floor() as i64
             };
@@ -327,22 +332,22 @@ mod tests {
         }
     }
 
-    /// All repetitions, within two turns, of a piece of a chart whose u wraps: by turns of it, turned over by each one
+    /// All repetitions, within two turns, of a segment of a chart whose u wraps: by turns of it, turned over by each one
     /// where it flips.
-    fn repeated(table: &Table, piece: &Piece, flips: bool) -> Vec<Piece> {
+    fn repeated(table: &SegmentTable, segment: &Segment, flips: bool) -> Vec<Segment> {
         let turn = |turn: i32| {
             let over = flips && turn % 2 != 0;
             let sign = if over { -1.0 } else { 1.0 };
             let both = table.domain[1][0] + table.domain[1][1];
             let v = if over {
-                both - piece.from[1]
+                both - segment.from[1]
             } else {
-                piece.from[1]
+                segment.from[1]
             };
-            Piece {
-                line: piece.line,
-                from: [piece.from[0] + f64::from(turn) * table.period[0], v],
-                step: [piece.step[0], sign * piece.step[1]],
+            Segment {
+                line: segment.line,
+                from: [segment.from[0] + f64::from(turn) * table.period[0], v],
+                step: [segment.step[0], sign * segment.step[1]],
             }
         };
         (-2..=2).map(turn).collect()
@@ -355,24 +360,24 @@ mod tests {
         };
         let domain = [[-1.0, 2.0], [0.5, 1.5]];
         let mut number = numbers();
-        let pieces = (0..300).map(|line| Piece {
+        let segments = (0..300).map(|line| Segment {
             line,
             from: [-1.0 + 2.95 * number(), 0.5 + 0.95 * number()],
             step: [0.04 * number(), 0.04 * number()],
         });
-        let mut table = Table {
+        let mut table = SegmentTable {
             domain,
             sides,
             wraps: [side == Side::Wrap, false],
             period: domain.map(|[low, high]| high - low),
-            pieces: pieces.collect(),
+            segments: segments.collect(),
             begins: Vec::new(),
             numbers: Vec::new(),
             sums: Vec::new(),
         };
         table.enter();
         let mut counts = [0; 3];
-        let mut found = Found::default();
+        let mut found = FoundSegments::default();
         for _ in 0..2000 {
             let low = [-6.0 + 12.0 * number(), 0.5 + 0.9 * number()];
             let size = [0.3 * number() * number(), 0.1 * number()];
@@ -382,25 +387,28 @@ mod tests {
                 counts[2] += 1;
                 continue;
             }
-            let meets = |piece: &Piece| {
+            let meets = |segment: &Segment| {
                 (0..2).all(|k| {
-                    piece.from[k].max(piece.from[k] + piece.step[k]) >= low[k]
-                        && piece.from[k].min(piece.from[k] + piece.step[k]) <= high[k]
+                    segment.from[k].max(segment.from[k] + segment.step[k]) >= low[k]
+                        && segment.from[k].min(segment.from[k] + segment.step[k]) <= high[k]
                 })
             };
             let mut wanted: Vec<usize> = table
-                .pieces
+                .segments
                 .iter()
-                .flat_map(|piece| repeated(&table, piece, side == Side::WrapFlip))
+                .flat_map(|segment| repeated(&table, segment, side == Side::WrapFlip))
                 .filter(meets)
-                .map(|piece| piece.line)
+                .map(|segment| segment.line)
                 .collect();
             wanted.sort_unstable();
             wanted.dedup();
-            let mut lines: Vec<usize> = found.pieces.iter().map(|piece| piece.line).collect();
+            let mut lines: Vec<usize> = found.segments.iter().map(|segment| segment.line).collect();
             lines.sort_unstable();
             assert_eq!(lines, wanted, "{low:?} {high:?}");
-            assert!(found.pieces.iter().all(meets), "{found:?} {low:?} {high:?}");
+            assert!(
+                found.segments.iter().all(meets),
+                "{found:?} {low:?} {high:?}"
+            );
             counts[usize::from(near == Near::Some)] += 1;
         }
         counts

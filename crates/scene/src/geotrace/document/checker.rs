@@ -17,7 +17,7 @@ use syntax::diagnostic::{Code, Diagnostic};
 use syntax::document::ChunkId;
 use syntax::geotrace::actions::Declaration;
 use syntax::geotrace::declarations::DeclarationKeyword;
-use syntax::geotrace::document::{Event, ReadDeclaration};
+use syntax::geotrace::document::{ParseEvent, ReadDeclaration};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
@@ -234,17 +234,17 @@ impl Checker {
         };
         for event in document.events(chunk) {
             match event {
-                Event::Operator(operator, span) => {
+                ParseEvent::Operator(operator, span) => {
                     let operator = with_symbol(operator, |symbol| self.own(symbol));
                     let code = &mut self.declarations.lowerer.code;
                     code.push(operator, span.moved(base));
                 }
-                Event::Interval(interval) => self.declarations.interval(moved(interval, base)),
-                Event::Declaration(declaration) => {
+                ParseEvent::Interval(interval) => self.declarations.interval(moved(interval, base)),
+                ParseEvent::Declaration(declaration) => {
                     let rank = document.rank(chunk);
                     self.declare(declaration, chunk, rank, base, &mut checked);
                 }
-                Event::Open(..) | Event::Finding => {}
+                ParseEvent::Open(..) | ParseEvent::Finding => {}
             }
         }
         checked

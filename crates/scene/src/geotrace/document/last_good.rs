@@ -35,7 +35,7 @@ use syntax::document::ChunkId;
 use syntax::geotrace::document::Snapshot;
 use syntax::span::Span;
 
-use crate::geotrace::assembler::{Assembled, Assembler, Place, Reading};
+use crate::geotrace::assembler::{Assembled, Assembler, NamePlace, Reading};
 use crate::program_scene::ProgramScene;
 use crate::scene::Scene;
 
@@ -119,7 +119,7 @@ impl LastGood {
         let declared: HashSet<&str> = chunks.flat_map(|chunk| names(text, chunk)).collect();
         let mut rejected = HashSet::new();
         for round in 1..=ROUNDS {
-            let attempt = Attempt {
+            let attempt = Recovery {
                 last_good: self,
                 text,
                 faulty,
@@ -168,7 +168,7 @@ struct Candidate<'s> {
 
 /// One way down a text with errors.
 #[derive(Debug)]
-struct Attempt<'a, 's> {
+struct Recovery<'a, 's> {
     last_good: &'s LastGood,
     text: &'s Snapshot,
     faulty: &'s HashSet<ChunkId>,
@@ -180,21 +180,21 @@ struct Attempt<'a, 's> {
     is_last: bool,
     assembler: Assembler<'s>,
     /// The readings that have a meaning, in order.
-    parts: Vec<(Reading<'s>, Place)>,
+    parts: Vec<(Reading<'s>, NamePlace)>,
     /// The declarations that have been put back, or would have been.
     put_back: HashSet<&'s str>,
     has_failed: bool,
     shown: Shown,
 }
 
-impl<'s> Attempt<'_, 's> {
+impl<'s> Recovery<'_, 's> {
     /// Returns the scene, or the candidate that the next attempt is to leave out.
     fn run(mut self) -> Result<Shown, Candidate<'s>> {
         let text = self.text;
         let mut start = 0;
         for chunk in text.chunks() {
             let end = start + text.chunk_text(chunk).len() as u32;
-            let instead = Place::Instead(Span::new(start, end));
+            let instead = NamePlace::Instead(Span::new(start, end));
             if self.faulty.contains(&chunk) {
                 let names = names(text, chunk);
                 self.shown.program.incomplete |= names.is_empty();
@@ -208,7 +208,7 @@ impl<'s> Attempt<'_, 's> {
                         declaration,
                         events,
                     };
-                    if self.add(own, chunk, Place::Chunk(start))? {
+                    if self.add(own, chunk, NamePlace::Chunk(start))? {
                         let name = declaration.name.into();
                         self.shown.own.push((name, chunk));
                     } else {
@@ -234,7 +234,7 @@ impl<'s> Attempt<'_, 's> {
         &mut self,
         name: &'s str,
         home: ChunkId,
-        place: Place,
+        place: NamePlace,
     ) -> Result<(), Candidate<'s>> {
         let candidate = Candidate {
             name,
@@ -287,13 +287,13 @@ impl<'s> Attempt<'_, 's> {
         &mut self,
         reading: Reading<'s>,
         home: ChunkId,
-        place: Place,
+        place: NamePlace,
     ) -> Result<bool, Candidate<'s>> {
         let name = reading.declaration.name;
         let candidate = Candidate {
             name,
             home,
-            is_own: matches!(place, Place::Chunk(_)),
+            is_own: matches!(place, NamePlace::Chunk(_)),
         };
         if self.rejected.contains(&candidate) {
             return Ok(false);

@@ -8,7 +8,7 @@ use tokio::sync::mpsc::Receiver;
 use tokio::time::timeout;
 use tower_lsp::ls_types as lsp;
 
-use super::{Window, lock, name};
+use super::{PreviewWindow, lock, name};
 use crate::documents::{Open, Snapshot};
 use crate::to_lsp;
 
@@ -25,7 +25,7 @@ pub(super) enum WindowRequest {
 }
 
 /// Asks the editor what a window requests, one thing after the other.
-pub(super) async fn run_all(window: Arc<Window>, mut requests: Receiver<WindowRequest>) {
+pub(super) async fn run_all(window: Arc<PreviewWindow>, mut requests: Receiver<WindowRequest>) {
     while let Some(wish) = requests.recv().await {
         let asked = async {
             match wish {
@@ -40,7 +40,7 @@ pub(super) async fn run_all(window: Arc<Window>, mut requests: Receiver<WindowRe
     }
 }
 
-impl Window {
+impl PreviewWindow {
     async fn show_declaration(&self, version: i32, range: [u32; 2]) {
         let (snapshot, span, can) = {
             let mut session = lock(&self.session);

@@ -3,11 +3,11 @@
 use super::messages::quote;
 use super::names::{self, Mode, list};
 use super::suggestions::nearest_keyword;
-use super::{Parser, State, Stop};
+use super::{DeclarationState, Parser, Stop};
 use crate::geotrace::actions::{Actions, Declaration, Interval, IntervalKind, Operator};
 use crate::geotrace::codes;
 use crate::geotrace::declarations::{DeclarationKeyword, Syntax};
-use crate::geotrace::symbols::{Scope, Symbol};
+use crate::geotrace::symbols::{NameScope, Symbol};
 use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
 use crate::symbol::SymbolId;
@@ -18,11 +18,11 @@ type Tag = Option<(Option<u32>, Span)>;
 /// A geodesic as it is written.
 const GEODESIC: &str = "geodesic g(t) : s = (a, b) @ (u, v), t : [0, length];";
 
-impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
+impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// A declaration whose word is the current token. It depends only on the names defined above it, and
     /// leaves the parser at the token after it.
     pub(super) fn declaration(&mut self, word: DeclarationKeyword) {
-        self.state = State::default();
+        self.state = DeclarationState::default();
         self.declaration_with_word(word);
     }
 
@@ -39,7 +39,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
     /// behind the name, so that the name is defined and its uses are not reported as well.
     #[cold]
     pub(super) fn declaration_without_word(&mut self) {
-        self.state = State::default();
+        self.state = DeclarationState::default();
         let word = self.lexer.word();
         let is_word = word.start == self.current.span.start && word.end > word.start;
         let text = word.text(self.source);
@@ -113,7 +113,7 @@ impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
             parameters,
             faulty: self.state.faulty,
         });
-        self.state = State::default();
+        self.state = DeclarationState::default();
         if ends {
             self.fetch(Mode::Expression);
         }

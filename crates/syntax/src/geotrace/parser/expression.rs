@@ -6,12 +6,12 @@ use super::names::Mode;
 use super::{MAX_DEPTH, Parse, Parser, Stop};
 use crate::geotrace::actions::{Actions, Operator};
 use crate::geotrace::codes;
-use crate::geotrace::symbols::Scope;
+use crate::geotrace::symbols::NameScope;
 use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
+impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// `EXPR = ADD`
     pub(super) fn expression(&mut self) -> Parse {
         self.add()

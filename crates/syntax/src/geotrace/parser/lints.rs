@@ -9,7 +9,7 @@ use crate::document::ShadowedSplit;
 use crate::geotrace::actions::Actions;
 use crate::geotrace::codes;
 use crate::geotrace::lexer::Word;
-use crate::geotrace::symbols::{Parsed, Scope};
+use crate::geotrace::symbols::{NameScope, Parsed};
 use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 use crate::symbol::SymbolId;
@@ -65,7 +65,7 @@ impl LintState {
     }
 }
 
-impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
+impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// Reports a warning. `written` are texts that say one of the two readings without doubt, for fixes.
     fn warn(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
         if !self.state.silent {

@@ -7,7 +7,7 @@ use crate::geotrace::actions::Actions;
 use crate::geotrace::codes;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::Fault;
-use crate::geotrace::symbols::Scope;
+use crate::geotrace::symbols::NameScope;
 use crate::geotrace::token::{Token, TokenKind};
 use crate::span::Span;
 
@@ -116,7 +116,7 @@ fn substitute(character: char) -> Option<&'static str> {
     })
 }
 
-impl<A: Actions, S: Scope> Parser<'_, '_, A, S> {
+impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// Reports that the current token was not accepted, unless what stands before it has been reported, or
     /// it is itself reported already.
     pub(super) fn reject(&mut self, diagnostic: Diagnostic) -> Stop {

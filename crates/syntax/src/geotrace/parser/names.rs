@@ -3,13 +3,13 @@
 use super::deferred::{Deferred, Undefined};
 use super::messages::quote;
 use super::suggestions::nearest_keyword;
-use super::{Parser, State, Stop};
+use super::{DeclarationState, Parser, Stop};
 use crate::diagnostic::Diagnostic;
 use crate::geotrace::actions::{Actions, Parameter};
 use crate::geotrace::codes;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::{Lexeme, Word};
-use crate::geotrace::symbols::{Scope, SymbolKind};
+use crate::geotrace::symbols::{NameScope, SymbolKind};
 use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 use crate::symbol::SymbolId;
@@ -33,7 +33,7 @@ const MAX_NAME_LENGTH: usize = 255;
 /// The greatest number of undefined words that are reported in one declaration.
 const MAX_UNDEFINED: usize = 32;
 
-impl<'s, A: Actions, S: Scope> Parser<'s, '_, A, S> {
+impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     /// The next lexeme of the text.
     #[inline]
     pub(super) fn lex(&mut self, mode: Mode) -> Lexeme {
@@ -340,7 +340,11 @@ pub(super) fn list(parameters: &[Parameter]) -> String {
     }
 }
 
-fn expression_word(parsed: &impl Scope, state: &State<'_>, word: Word<'_>) -> (usize, TokenKind) {
+fn expression_word(
+    parsed: &impl NameScope,
+    state: &DeclarationState<'_>,
+    word: Word<'_>,
+) -> (usize, TokenKind) {
     if word.is_whole()
         && let Some(declaring) = DeclarationKeyword::from_text(word.rest)
     {
@@ -359,7 +363,7 @@ fn expression_word(parsed: &impl Scope, state: &State<'_>, word: Word<'_>) -> (u
     }
 }
 
-fn whole_word(parsed: &impl Scope, word: Word<'_>) -> (usize, TokenKind) {
+fn whole_word(parsed: &impl NameScope, word: Word<'_>) -> (usize, TokenKind) {
     match parsed.get(word.rest) {
         Some(id) => (word.rest.len(), meaning(parsed, id)),
         None => declaring_or(word, TokenKind::Undefined),
@@ -372,7 +376,7 @@ fn declaring_or(word: Word<'_>, otherwise: TokenKind) -> (usize, TokenKind) {
     (word.rest.len(), kind)
 }
 
-pub(super) fn meaning(parsed: &impl Scope, id: SymbolId) -> TokenKind {
+pub(super) fn meaning(parsed: &impl NameScope, id: SymbolId) -> TokenKind {
     match parsed.symbol(id).kind {
         SymbolKind::Constant => TokenKind::Constant(id),
         SymbolKind::Function => TokenKind::Function(id),
