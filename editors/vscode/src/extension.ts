@@ -1,5 +1,6 @@
 // Starts the language server for Geotrace documents, keeps its status in view, and hands the preview's command on.
 
+import { join } from "node:path";
 import * as vscode from "vscode";
 import {
     type ClientCapabilities,
@@ -11,12 +12,13 @@ import {
     State,
     type StaticFeature,
 } from "vscode-languageclient/node";
+import { exportPicture, newFromExample } from "./commands";
 import { findServer, ServerMissing } from "./server";
 
 /** The command that the server executes: its arguments are a document's URI and, perhaps, a view. */
 const PREVIEW = "geotrace.preview";
 
-/** The notification of where the cursor stands: the preview sets off what is declared there. */
+/** The notification of where the cursor stands: the preview highlights what is declared there. */
 const CURSOR = "geotrace/cursor";
 /** How long the cursor may have moved before that is told, in milliseconds. */
 const CURSOR_DELAY = 30;
@@ -62,6 +64,8 @@ class Session implements vscode.Disposable {
     readonly status = vscode.languages.createLanguageStatusItem("geotrace.status", { language: "geotrace" });
     readonly shown = new Map<string, Shown>();
     private cursor: NodeJS.Timeout | undefined;
+    /** The path of the program, once it has been found. */
+    private program: string | undefined;
     private readonly output = vscode.window.createOutputChannel("Geotrace", { log: true });
     private readonly context: vscode.ExtensionContext;
     private readonly disposables: vscode.Disposable[];
@@ -76,6 +80,15 @@ class Session implements vscode.Disposable {
             this.output,
             vscode.commands.registerCommand("geotrace.restart", () => this.restart()),
             vscode.commands.registerCommand("geotrace.showLog", () => this.output.show()),
+            vscode.commands.registerCommand("geotrace.newFromExample", (name?: string) =>
+                newFromExample(join(context.extensionPath, "examples"), name),
+            ),
+            vscode.commands.registerCommand("geotrace.exportPicture", (source?: vscode.Uri, target?: unknown) =>
+                this.program === undefined
+                    ? undefined
+                    : // From a menu, the second argument is the selection.
+                      exportPicture(this.program, source, target instanceof vscode.Uri ? target : undefined),
+            ),
             vscode.workspace.onDidChangeConfiguration(async (change) => {
                 if (change.affectsConfiguration("geotrace.server")) {
                     await this.restart();
@@ -115,6 +128,7 @@ class Session implements vscode.Disposable {
         const wanted = String(this.context.extension.packageJSON.version);
         try {
             const server = await findServer(setting, this.context.extensionPath, wanted);
+            this.program = server.path;
             this.output.info(`${server.path} (from ${server.from}), version ${server.version}`);
             const options: ServerOptions = { command: server.path, args: ["lsp"] };
             const client = new LanguageClient("geotrace", "Geotrace", options, this.clientOptions());
@@ -157,9 +171,13 @@ class Session implements vscode.Disposable {
             outputChannel: this.output,
             synchronize: { configurationSection: "geotrace" },
             middleware: {
-                executeCommand: (command: string, given: unknown[], next: ExecuteCommandSignature) => {
+                executeCommand: async (command: string, given: unknown[], next: ExecuteCommandSignature) => {
                     if (command !== PREVIEW) {
                         return next(command, given);
+                    }
+                    if (given[0] instanceof vscode.Uri) {
+                        // From the explorer the file may not be open, and the server knows open documents only.
+                        await vscode.window.showTextDocument(given[0]);
                     }
                     // It may not have moved since the document was opened.
                     this.tellCursor(vscode.window.activeTextEditor);

@@ -1,6 +1,6 @@
 // What a user of VS Code sees, through the editor's own API.
 const assert = require("node:assert");
-const { mkdtempSync, writeFileSync } = require("node:fs");
+const { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } = require("node:fs");
 const { tmpdir } = require("node:os");
 const { join } = require("node:path");
 const vscode = require("vscode");
@@ -167,6 +167,37 @@ exports["the preview's command runs from the palette and from a lens"] = async (
     const document = await open("surface s(u,v) = (u,v,0), u : [0,1], v : [0,1];");
     await ask("geotrace.preview");
     await ask("geotrace.preview", document.uri.toString(), { view: "geodesic", surface: "s" });
+};
+
+exports["an example is opened as a new program"] = async () => {
+    await ask("geotrace.newFromExample", "ellipsoid");
+    const { document } = vscode.window.activeTextEditor;
+    assert.ok(document.isUntitled);
+    assert.strictEqual(document.languageId, "geotrace");
+    assert.match(document.getText(), /^# An ellipsoid/);
+    assert.deepStrictEqual(found(document), []);
+};
+
+exports["a picture is exported with edits that are not saved"] = async () => {
+    const document = await open("surface s(u,v) = (u,v,u v), u : [0,1], v : [0,1];");
+    const folder = mkdtempSync(join(tmpdir(), "geotrace-picture-"));
+    const target = join(folder, "picture.png");
+    await ask("geotrace.exportPicture", document.uri, vscode.Uri.file(target));
+    const bytes = readFileSync(target);
+    assert.strictEqual(bytes.toString("latin1", 1, 4), "PNG");
+    assert.deepStrictEqual([bytes.readUInt32BE(16), bytes.readUInt32BE(20)], [1600, 1200]);
+    rmSync(folder, { recursive: true });
+};
+
+exports["the manifest has what the marketplace shows, and no address that was not given"] = () => {
+    const { packageJSON: manifest, extensionPath } = vscode.extensions.getExtension("geotrace.geotrace");
+    assert.ok(existsSync(join(extensionPath, manifest.icon)));
+    assert.ok(existsSync(join(extensionPath, manifest.contributes.languages[0].icon.light)));
+    for (const { media } of manifest.contributes.walkthroughs[0].steps) {
+        assert.ok(existsSync(join(extensionPath, media.markdown)), media.markdown);
+    }
+    assert.deepStrictEqual([manifest.repository, manifest.bugs, manifest.homepage], [undefined, undefined, undefined]);
+    assert.ok(!readFileSync(join(extensionPath, "readme.md"), "utf8").includes("!["));
 };
 
 exports["settings reach the server"] = async () => {
