@@ -22,16 +22,31 @@ fn the_window_ends_with_a_sentence_and_status_1() {
 
 #[test]
 fn show_makes_both_pictures_instead() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let run = without_display(&["show"])
-        .argument(examples::one("torus").path)
-        .folder(folder.path())
-        .run();
-    run.expect_status(0).expect_text("no display");
-    for name in ["torus.png", "torus-inside.png"] {
-        let image = image::open(folder.path().join(name)).expect("a picture");
-        assert_eq!(image.to_rgba8().dimensions(), (800, 800), "{name}");
+    // A file in the place of a command is shown.
+    for command in [&["show"][..], &[]] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let run = without_display(command)
+            .argument(examples::one("torus").path)
+            .folder(folder.path())
+            .run();
+        run.expect_status(0).expect_text("no display");
+        for name in ["torus.png", "torus-inside.png"] {
+            let image = image::open(folder.path().join(name)).expect("a picture");
+            assert_eq!(image.to_rgba8().dimensions(), (800, 800), "{name}");
+        }
     }
+}
+
+#[test]
+fn a_file_that_does_not_exist_is_named_and_a_misspelt_command_is_mended() {
+    without_display(&["no-such.gtr"])
+        .run()
+        .expect_status(2)
+        .expect_text("no-such.gtr");
+    without_display(&["rendr", "a.gtr"])
+        .run()
+        .expect_status(2)
+        .expect_text("render");
 }
 
 #[test]

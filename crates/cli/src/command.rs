@@ -14,6 +14,7 @@ mod show;
 mod trace;
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use clap::builder::ValueParser;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -42,6 +43,7 @@ vector v = c'(o) @ p;
     name = "geotrace",
     version,
     arg_required_else_help = true,
+    override_usage = "geotrace FILE\n       geotrace <COMMAND>",
     max_term_width = 100,
     after_help = after_help()
 )]
@@ -68,9 +70,27 @@ impl Arguments {
         let mut command = Self::command().mut_subcommand("render", |render| {
             render.mut_arg("view", |view| view.help(help).value_parser(parser))
         });
+        let words = with_show(&command, registry, words);
         let matches = command.try_get_matches_from_mut(words)?;
         Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
     }
+}
+
+/// Inserts the word `show` where a file stands in the place of a command: `geotrace FILE` is `geotrace show FILE`.
+fn with_show<W: Into<OsString>>(
+    command: &clap::Command,
+    registry: &Registry,
+    words: impl IntoIterator<Item = W>,
+) -> Vec<OsString> {
+    let mut words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    if let Some(word) = words.get(1) {
+        let path = Path::new(word);
+        let is_file = registry.languages.by_extension(path).is_some() || path.is_file();
+        if is_file && command.find_subcommand(word).is_none() {
+            words.insert(1, "show".into());
+        }
+    }
+    words
 }
 
 #[derive(Debug, Subcommand)]

@@ -219,6 +219,22 @@ test("the health check finds the server", function()
   assert(report:find("OK", 1, true) and not report:find("ERROR", 1, true), report)
 end)
 
+test(":help geotrace opens the manual, and its links lead somewhere", function()
+  local folder = scratch .. "/manual"
+  vim.fn.mkdir(folder .. "/doc", "p")
+  vim.fn.writefile(vim.fn.readfile(root .. "/editors/neovim/doc/geotrace.txt"), folder .. "/doc/geotrace.txt")
+  vim.cmd.helptags(folder .. "/doc")
+  vim.opt.runtimepath:append(folder)
+  for _, tag in ipairs({ "geotrace", ":GeotracePreview", "geotrace-setup" }) do
+    vim.cmd.help(tag)
+    equal(vim.fn.expand("%:t"), "geotrace.txt", tag)
+    vim.cmd.close()
+  end
+  for tag in table.concat(vim.fn.readfile(folder .. "/doc/geotrace.txt"), "\n"):gmatch("|([^|%s]+)|") do
+    assert(#vim.fn.getcompletion(tag, "help") > 0, "no help for " .. tag)
+  end
+end)
+
 test("restarting gives a new server and the diagnostics again", function()
   open("define b = sinn 2;")
   local first = vim.lsp.get_clients({ bufnr = 0, name = "geotrace" })[1].id
