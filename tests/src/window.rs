@@ -40,7 +40,7 @@ impl Windows {
         let program = WindowProgram {
             program: fake.into(),
             arguments: [address.into()].into_iter().chain(deaf).collect(),
-            patience: PATIENCE,
+            version_timeout: PATIENCE,
             close_delay: Duration::from_millis(1),
         };
         Self { listener, program }

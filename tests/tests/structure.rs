@@ -54,6 +54,7 @@ fn no_name_of_a_type_is_declared_three_times_without_a_reason() {
 const RETIRED: &[&str] = &[
     "artist", "easel", "mender", "hung", "pilot", "studio", "workshop", "shelf", "racks",
     "trickle", "keeper", "mail", "standing", "hands", "telling", "desk", "worn", "leniency",
+    "launcher", "patience", "tally", "untold",
 ];
 
 #[test]
@@ -71,6 +72,51 @@ fn retired_words_are_not_used_for_names() {
         }
     }
     assert!(found.is_empty(), "{found:#?}");
+}
+
+/// Crates whose documentation may still begin with one of [`FRAGMENTS`].
+const EXEMPT: &[&str] = &["geodesic", "preview", "protocol"];
+
+/// Words that make a relative clause of a sentence, where documentation says what an item is or does.
+const FRAGMENTS: &[&str] = &["How", "What", "Where", "Whether", "Who"];
+
+#[test]
+fn documentation_begins_with_a_subject_or_a_verb() {
+    let mut found = Vec::new();
+    for file in structure::files() {
+        // The documentation of a command's arguments is their help.
+        let is_help = file.path.starts_with("crates/cli/src/command");
+        if is_help || EXEMPT.contains(&file.krate.as_str()) {
+            continue;
+        }
+        for begin in documentation(&file.text) {
+            let first = begin.split(|c: char| !c.is_alphanumeric()).next();
+            if first.is_some_and(|word| FRAGMENTS.contains(&word)) {
+                found.push(format!("{}: {begin}", file.path.display()));
+            }
+        }
+    }
+    assert!(found.is_empty(), "{found:#?}");
+}
+
+/// The first lines of the documentation comments of a file.
+fn documentation(text: &str) -> Vec<&str> {
+    let mut begins = Vec::new();
+    let mut is_inside = false;
+    for line in text.lines().map(str::trim_start) {
+        let line = line.strip_prefix("///").or(line.strip_prefix("//!"));
+        if let Some(line) = line.filter(|_| !is_inside) {
+            begins.push(line.trim_start());
+        }
+        is_inside = line.is_some();
+    }
+    begins
+}
+
+#[test]
+fn a_comment_that_is_a_fragment_would_be_found() {
+    let text = "//! What flows.\n//! Where.\n\n    /// The place.\nfn f() {} // Who.";
+    assert_eq!(documentation(text), ["What flows.", "The place."]);
 }
 
 #[test]

@@ -86,7 +86,7 @@ pub(crate) struct Choice<T: 'static> {
     pub(crate) word: &'static str,
     /// A line of help, without its end; a word without help is accepted and not listed.
     pub(crate) help: Option<&'static str>,
-    /// What the word means.
+    /// The meaning of the word.
     pub(crate) value: T,
 }
 

@@ -45,7 +45,7 @@ pub(crate) enum Failure {
     },
     /// The reader of standard output has closed it, as `head` does. This is not an error.
     ReaderGone,
-    /// The editor has closed the connection without the request `shutdown`: the protocol asks for status 1.
+    /// The editor has closed the connection without the request `shutdown`: the protocol requires status 1.
     EditorGone,
 }
 

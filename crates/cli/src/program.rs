@@ -82,23 +82,19 @@ impl LoadedProgram {
     pub(crate) fn evaluate(
         &self,
         expression: &str,
-        settings: &ParamValues,
+        params: &ParamValues,
     ) -> Result<Evaluation, Vec<Diagnostic>> {
-        self.scope.evaluate(expression, settings)
+        self.scope.evaluate(expression, params)
     }
 
     /// The first instance of a surface or a metric, ready for geodesics.
     ///
     /// # Errors
     /// [`Failure::Input`] if its derivatives are too large, [`Failure::Usage`] for other objects.
-    pub(crate) fn manifold(
-        &self,
-        id: ObjectId,
-        settings: &ParamValues,
-    ) -> Result<Manifold, Failure> {
+    pub(crate) fn manifold(&self, id: ObjectId, params: &ParamValues) -> Result<Manifold, Failure> {
         let scene = self.scene();
         let object = scene.get(id);
-        let uniforms = object.map(|object| settings.first_instance(scene, object));
+        let uniforms = object.map(|object| params.first_instance(scene, object));
         let manifold = Manifold::new(scene, id, &uniforms.unwrap_or_default());
         manifold.map_err(|error| match error {
             ManifoldError::NoSurface { .. } => Failure::usage(error.to_string()),
@@ -118,21 +114,21 @@ impl LoadedProgram {
     ///
     /// # Errors
     /// [`Failure::Usage`]: an unknown name, a wrong number of values, a value out of range.
-    pub(crate) fn settings(&self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
+    pub(crate) fn params(&self, assignments: &[Assignment]) -> Result<ParamValues, Failure> {
         let scene = self.scene();
-        let mut settings = ParamValues::initial(scene);
+        let mut params = ParamValues::initial(scene);
         for assignment in assignments {
             let option = format!("--set {}", assignment.name);
             let values: Result<Vec<f64>, Failure> = assignment
                 .values
                 .iter()
-                .map(|value| self.number(&option, value, &settings))
+                .map(|value| self.number(&option, value, &params))
                 .collect();
-            settings
+            params
                 .set(scene, &assignment.name, &values?)
                 .map_err(|error| refused(scene, &error))?;
         }
-        Ok(settings)
+        Ok(params)
     }
 
     /// Evaluates the number that was given to an option. An expression may use all names of the program.
@@ -143,7 +139,7 @@ impl LoadedProgram {
         &self,
         option: &str,
         quantity: &Quantity,
-        settings: &ParamValues,
+        params: &ParamValues,
     ) -> Result<f64, Failure> {
         let text = match quantity {
             Quantity::Number(value) => return Ok(*value),
@@ -153,7 +149,7 @@ impl LoadedProgram {
             message: format!("{option}: `{text}`: {reason}"),
             hint,
         };
-        match self.evaluate(text, settings) {
+        match self.evaluate(text, params) {
             Ok(evaluation) => match evaluation.outcome {
                 Outcome::Single(Value::Number(Some(value))) => Ok(value),
                 Outcome::Single(Value::Number(None)) => {
@@ -179,11 +175,11 @@ impl LoadedProgram {
         &self,
         option: &str,
         quantities: &[Quantity; N],
-        settings: &ParamValues,
+        params: &ParamValues,
     ) -> Result<[f64; N], Failure> {
         let mut numbers = [0.0; N];
         for (number, quantity) in numbers.iter_mut().zip(quantities) {
-            *number = self.number(option, quantity, settings)?;
+            *number = self.number(option, quantity, params)?;
         }
         Ok(numbers)
     }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// The delay before a bar appears: most pictures are ready before a bar could be read.
-const PATIENCE: Duration = Duration::from_millis(400);
+const DELAY: Duration = Duration::from_millis(400);
 /// The number of steps of the bar.
 const STEPS: u64 = 1000;
 
@@ -35,7 +35,7 @@ impl Progress {
 
     /// Reports that the work is done to this fraction, 0 to 1. May be called from any thread, and often.
     pub(crate) fn reach(&self, fraction: f32) {
-        if self.start.elapsed() > PATIENCE {
+        if self.start.elapsed() > DELAY {
             let step = f64::from(fraction.clamp(0.0, 1.0)) * STEPS as f64;
             self.bar.set_position(step as u64);
         }

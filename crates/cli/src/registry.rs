@@ -28,7 +28,7 @@ impl Registry {
     }
 }
 
-/// What all commands of a run share.
+/// The state that all commands of a run share.
 #[derive(Clone, Debug)]
 pub(crate) struct Context {
     /// The languages and views.

@@ -88,7 +88,7 @@ impl Script {
                 }
             };
             let values: Vec<f64> = from.iter().zip(to).map(between).collect();
-            Arc::make_mut(&mut request.settings)
+            Arc::make_mut(&mut request.params)
                 .set(&request.scene, name, &values)
                 .map_err(ScriptError::Set)?;
         }
@@ -150,7 +150,7 @@ impl Script {
             _ => return Ok(()),
         };
         camera.check(&request.scene)?;
-        let placed = PlacedCamera::new(&request.scene, &request.settings, &camera, request.size)?;
+        let placed = PlacedCamera::new(&request.scene, &request.params, &camera, request.size)?;
         let start = placed.frame;
         let mut trail = Trail::new(camera.surface, start.uv.0);
         let (moved, _) = trail

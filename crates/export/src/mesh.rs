@@ -146,17 +146,17 @@ impl MeshFormat {
 /// Builds the content of a file from the objects that the request does not hide, or from those that are listed. The
 /// request also gives their colours and textures.
 pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
-    let (scene, settings) = (&*request.scene, &*request.settings);
+    let (scene, params) = (&*request.scene, &*request.params);
     let options = request.view.get::<SpaceOptions>();
     let is_shown = |id| options.is_none_or(|options| options.shows(id));
-    let placement = Bounds::of(scene, settings).placement;
+    let placement = Bounds::of(scene, params).placement;
     let mut model = Model::default();
     for (index, object) in scene.objects.iter().enumerate() {
         let id = ObjectId(index as u32);
         if !objects.map_or(is_shown(id), |objects| objects.contains(&id)) {
             continue;
         }
-        let (geometry, notes) = geometry(scene, settings, request, id, object, &placement);
+        let (geometry, notes) = geometry(scene, params, request, id, object, &placement);
         model.notes.extend(notes);
         model.parts.extend(geometry.map(|geometry| Part {
             object: id,
@@ -274,17 +274,17 @@ impl Polylines {
 /// The shape of an object, if any of it is defined, and sentences for the user.
 fn geometry(
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     request: &PictureRequest,
     id: ObjectId,
     object: &Object,
     placement: &Placement,
 ) -> (Option<Geometry>, Vec<String>) {
-    let (samples, notes) = sample_with_notes(scene, settings, id, placement);
+    let (samples, notes) = sample_with_notes(scene, params, id, placement);
     // A geodesic has samples, but no expression for its position.
     let geometry = match (&samples, object.shape.position()) {
         (Samples::Points(samples), Some(position)) => {
-            let places = positions(scene, settings, object, position);
+            let places = positions(scene, params, object, position);
             let defined = samples.iter().map(|sample| sample.defined != 0.0);
             let kept = places.into_iter().zip(defined).filter(|(_, kept)| *kept);
             Geometry::Points(kept.map(|(place, _)| place).collect())
@@ -293,8 +293,8 @@ fn geometry(
             let Some((direction, origin)) = object.shape.vector() else {
                 return (None, notes);
             };
-            let origins = positions(scene, settings, object, origin);
-            let directions = positions(scene, settings, object, direction);
+            let origins = positions(scene, params, object, origin);
+            let directions = positions(scene, params, object, direction);
             let mut lines = Polylines::default();
             for ((from, by), sample) in origins.iter().zip(&directions).zip(samples) {
                 if sample.defined != 0.0 {
@@ -305,7 +305,7 @@ fn geometry(
             Geometry::Lines(lines)
         }
         (Samples::Curves { count, samples }, Some(position)) => {
-            let places = positions(scene, settings, object, position);
+            let places = positions(scene, params, object, position);
             let mut lines = Polylines::default();
             let count = *count as usize;
             for (places, samples) in places.chunks(count).zip(samples.chunks(count)) {
@@ -317,14 +317,14 @@ fn geometry(
         }
         (Samples::Curves { .. }, None) => {
             let mut lines = Polylines::default();
-            for line in &follow_declared(scene, settings, id).lines {
+            for line in &follow_declared(scene, params, id).lines {
                 let line = line.iter().map(|knot| knot.and_then(|knot| knot.position));
                 lines.add(&line.collect::<Vec<_>>());
             }
             Geometry::Lines(lines)
         }
         (Samples::Surfaces { count, samples }, Some(position)) => {
-            let places = positions(scene, settings, object, position);
+            let places = positions(scene, params, object, position);
             let mut mesh = Mesh::default();
             let size = count[0] as usize * count[1] as usize;
             for (places, samples) in places.chunks(size).zip(samples.chunks(size)) {

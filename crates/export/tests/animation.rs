@@ -134,8 +134,8 @@ fn too_few_or_other_pictures_are_no_animation() {
 #[test]
 fn params_run_from_one_end_to_the_other() {
     let scene = scene(SPHERE);
-    let settings = ParamValues::initial(&scene);
-    let request = Wanted::space([8, 8]).of(&scene, &settings);
+    let params = ParamValues::initial(&scene);
+    let request = Wanted::space([8, 8]).of(&scene, &params);
     let script = Script {
         changes: vec![ParamChange {
             name: "r".into(),
@@ -146,8 +146,8 @@ fn params_run_from_one_end_to_the_other() {
     };
     let values = (0..5).map(|frame| {
         let share = Script::share(frame, 5);
-        let frame = script.frame_at(&request, share).expect("settings");
-        frame.settings.param(&scene.params[0])[0]
+        let frame = script.frame_at(&request, share).expect("params");
+        frame.params.param(&scene.params[0])[0]
     });
     assert_eq!(values.collect::<Vec<_>>(), [3.0, 2.5, 2.0, 1.5, 1.0]);
     let mut wrong = script.clone();
@@ -159,8 +159,8 @@ fn params_run_from_one_end_to_the_other() {
 #[test]
 fn the_camera_in_space_stands_still_and_sees_everything() {
     let scene = scene(SPHERE);
-    let mut settings = ParamValues::initial(&scene);
-    let request = Wanted::space([64, 64]).of(&scene, &settings);
+    let mut params = ParamValues::initial(&scene);
+    let request = Wanted::space([64, 64]).of(&scene, &params);
     let script = Script {
         changes: vec![ParamChange {
             name: "r".into(),
@@ -177,8 +177,8 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
         panic!("{camera:?}")
     };
     // It stands where the largest sphere wants it, and looks at its centre.
-    settings.set(&scene, "r", &[3.0]).expect("in range");
-    let bounds = Bounds::of(&scene, &settings);
+    params.set(&scene, "r", &[3.0]).expect("in range");
+    let bounds = Bounds::of(&scene, &params);
     let camera = Camera::new(&bounds, None, None, [64, 64]).expect("a camera");
     let wanted = DVec3::from(bounds.placement.world(camera.eye.to_array()));
     let eye = DVec3::from(eye);
@@ -192,13 +192,13 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
 #[test]
 fn a_walk_round_a_great_circle_comes_back_with_its_length() {
     let scene = scene(SPHERE);
-    let settings = ParamValues::initial(&scene);
+    let params = ParamValues::initial(&scene);
     let mut request = Wanted::geodesic(ObjectId(0), [64, 64]);
     request.inside().camera.pose = Pose::At {
         at: Some([1.0, 1.2]),
         angle: 0.7,
     };
-    let request = request.of(&scene, &settings);
+    let request = request.of(&scene, &params);
     let script = Script {
         walk: Some(std::f64::consts::TAU),
         trail: true,
@@ -208,7 +208,7 @@ fn a_walk_round_a_great_circle_comes_back_with_its_length() {
         let ViewCamera::Geodesic(camera) = request.view.camera() else {
             panic!("{:?}", request.view)
         };
-        let placed = PlacedCamera::new(&scene, &settings, &camera, request.size);
+        let placed = PlacedCamera::new(&scene, &params, &camera, request.size);
         placed.expect("a camera").frame
     };
     let start = frame(&request);

@@ -23,8 +23,8 @@ const KLEIN: &str = "function w(u,v) = 3+cos(u/2)sinv-sin(u/2)sin(2v); \
 
 fn exported(source: &str) -> Model {
     let scene = scene(source);
-    let settings = ParamValues::initial(&scene);
-    model(&Wanted::space([1, 1]).of(&scene, &settings), None)
+    let params = ParamValues::initial(&scene);
+    model(&Wanted::space([1, 1]).of(&scene, &params), None)
 }
 
 fn file(model: &Model, format: MeshFormat) -> Vec<u8> {

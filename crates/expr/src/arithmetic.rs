@@ -1,6 +1,6 @@
 //! The operations that `std` does not have: powers, the annihilating product, the sign.
 //!
-//! What flows in and out: numbers. These are definitions: shaders follow them step by step.
+//! Input and output: numbers. These are definitions: shaders follow them step by step.
 
 /// The largest exponent, in absolute value, for which [`power`] multiplies. The rounding error of repeated
 /// squaring grows with the exponent; beyond this the library's function is better.

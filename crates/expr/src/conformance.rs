@@ -1,8 +1,8 @@
 //! The cases that every evaluator of expressions is held to.
 //!
-//! What flows out: operations with operands and values. The f64 tape, its blocks, jets and generated WGSL are each
-//! run over [`cases`], whose values come from the table's definition; this crate's tests compare that
-//! definition with [`anchors`], whose values were found independently.
+//! Output: operations with operands and values. The f64 tape, its blocks, jets and generated WGSL are each run over
+//! [`cases`], whose values come from the table's definition; this crate's tests compare that definition with
+//! [`anchors`], whose values were found independently.
 
 pub use crate::ops::Operation;
 use crate::ops::{Binary, Unary};

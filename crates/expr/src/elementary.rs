@@ -1,11 +1,10 @@
 //! Elementary functions over lanes of f64, free of branches so that loops over them become vector instructions.
 //!
-//! What flows in: an array of numbers. What flows out: an array of values. Only additions, products, quotients and
-//! comparisons are used, none of them fused, so that the bits are the same on every processor. Polynomials are
-//! minimax (Remez, relative to the function), rounded to f64. The reductions of arguments are those of Cody and Waite,
-//! *Software Manual for the Elementary Functions*, 1980. Greatest errors found over millions of arguments, in
-//! units in the last place of the true value: `sin`, `cos`, `exp`, `log` 1, `sinh`, `cosh` 2, `tan`, `tanh` 3. The
-//! sign of a zero is not kept.
+//! Input: an array of numbers. Output: an array of values. Only additions, products, quotients and comparisons are
+//! used, none of them fused, so that the bits are the same on every processor. Polynomials are minimax (Remez, relative
+//! to the function), rounded to f64. The reductions of arguments are those of Cody and Waite, *Software Manual for the
+//! Elementary Functions*, 1980. Greatest errors found over millions of arguments, in units in the last place of the
+//! true value: `sin`, `cos`, `exp`, `log` 1, `sinh`, `cosh` 2, `tan`, `tanh` 3. The sign of a zero is not kept.
 //!
 //! Angles beyond [`LARGEST_ANGLE`] are handed to `std` lane by lane; so are the inverse functions of angles.
 

@@ -1,7 +1,7 @@
 //! The graph of expressions: an arena of nodes in which equal expressions are one node.
 //!
-//! What flows in: operations on nodes (their constructors stand in `simplify.rs`). What flows out: handles, and
-//! for each handle the [`Node`] that it names. Derivatives and substitution stand in `rewrite.rs`.
+//! Input: operations on nodes (their constructors stand in `simplify.rs`). Output: handles, and for each handle the
+//! [`Node`] that it names. Derivatives and substitution stand in `rewrite.rs`.
 //!
 //! A graph never grows past its limit. A constructor that finds it full gives an undefined constant instead
 //! and raises [`Graph::overflowed`]; [`Graph::derivatives`] and [`Graph::substitute`] give [`TooLarge`] and
@@ -16,7 +16,7 @@ use crate::ops::{Binary, Unary};
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct NodeId(u32);
 
-/// Where an expression takes a number from.
+/// The source of a number in an expression.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub enum Input {
     /// A parameter of a function, curve or surface: what derivatives are taken by and what an application
@@ -63,7 +63,7 @@ pub struct Graph {
     overflowed: bool,
 }
 
-/// The number of nodes that a graph may hold unless told otherwise: about 100 MB.
+/// The default limit on the number of nodes of a graph: about 100 MB.
 pub const DEFAULT_LIMIT: usize = 1_000_000;
 
 /// The number of nodes that may be made or visited in all, for each node that may be held: what bounds the time that
@@ -220,7 +220,7 @@ impl Graph {
     /// Counts work.
     ///
     /// # Errors
-    /// Where it exceeds what the limit allows, or the graph is full already.
+    /// If it exceeds the limit, or the graph is full already.
     pub(crate) fn charge(&mut self, nodes: usize) -> Result<(), TooLarge> {
         self.work = self.work.saturating_add(nodes as u64);
         if self.overflowed || self.exhausted() {

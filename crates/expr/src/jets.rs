@@ -4,12 +4,12 @@
 //! roots ──expand.rs──▶ one coefficient for each node and derivative ──assemble.rs──▶ code ──run.rs──▶ numbers
 //! ```
 //!
-//! What flows in: roots and the two variables to derive by, then points. What flows out: the coefficients of each
-//! root. Derivatives are carried along with the values (truncated Taylor arithmetic in two variables), nothing is
-//! derived symbolically, and each operation costs a bounded number of instructions. The arithmetic is unrolled before
-//! any point is seen: a coefficient that is zero everywhere, because its node does not depend on a variable or is
-//! linear in it, costs nothing; equal coefficients (the derivative of a sine, and the cosine) are computed once; what
-//! depends on uniforms alone is computed once for their values ([`JetTape::fix`]).
+//! Input: roots and the two variables to derive by, then points. Output: the coefficients of each root. Derivatives are
+//! carried along with the values (truncated Taylor arithmetic in two variables), nothing is derived symbolically, and
+//! each operation costs a bounded number of instructions. The arithmetic is unrolled before any point is seen: a
+//! coefficient that is zero everywhere, because its node does not depend on a variable or is linear in it, costs
+//! nothing; equal coefficients (the derivative of a sine, and the cosine) are computed once; what depends on uniforms
+//! alone is computed once for their values ([`JetTape::fix`]).
 //!
 //! ```
 //! use expr::jets::{JetRegisters, JetTape, Order};
@@ -74,7 +74,7 @@ pub struct JetTape {
 /// The numbers of a [`JetTape`] that are the same at every point: constants, and what follows from uniforms.
 #[derive(Clone, Debug)]
 pub struct Fixed {
-    /// What stands in registers, then the factors of the results.
+    /// The contents of the registers, then the factors of the results.
     numbers: Vec<f64>,
     tape: u64,
     identity: u64,

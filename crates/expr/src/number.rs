@@ -31,7 +31,7 @@ pub enum LiteralError {
 /// with a point or an exponent: `1.0`, `6.2831855`, `1e-7`. A negative number has its sign before the literal.
 ///
 /// # Errors
-/// Where the number is not finite in f32.
+/// If the number is not finite in f32.
 pub fn wgsl_literal(value: f64) -> Result<String, LiteralError> {
     let value = value as f32;
     if value.is_nan() {

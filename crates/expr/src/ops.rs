@@ -1,8 +1,8 @@
 //! The one table of scalar operations.
 //!
-//! What flows in: nothing. What flows out: for each operation its name, documentation, exact f64 meaning (one
-//! number and blocks of lanes, from one expression), derivative rule, first and second derivative at a number, WGSL
-//! text, and the name under which programs know it. The rows stand in `ops/unary.rs` and `ops/binary.rs`. To add an operation, add a row, and
+//! Input: nothing. Output: for each operation its name, documentation, exact f64 meaning (one number and blocks of
+//! lanes, from one expression), derivative rule, first and second derivative at a number, WGSL text, and the name under
+//! which programs know it. The rows stand in `ops/unary.rs` and `ops/binary.rs`. To add an operation, add a row, and
 //! cases to [`crate::conformance`].
 //!
 //! f64 functions are those of `std`, which round as the system's mathematical library does.
@@ -23,7 +23,7 @@ pub(crate) use power::integer_power_derivative;
 pub use slopes::{Arithmetic, ExpressionBuilder, Numbers};
 pub use unary::Unary;
 
-/// How an operation is written in WGSL.
+/// The WGSL of an operation.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum Wgsl {
     /// Before its operand: `-a`.
@@ -64,8 +64,8 @@ pub const CONSTANTS: [(&str, f64, &str); 2] = [
     ),
 ];
 
-/// The operation that programs write as the function `name`. (`id`, which the language has too, is none: it
-/// hands its operand on, a number or a vector.)
+/// The operation that programs write as the function `name`. (`id`, which the language has too, is not one: it hands
+/// its operand on, a number or a vector.)
 pub fn builtin(name: &str) -> Option<Unary> {
     Unary::ALL
         .iter()
@@ -84,7 +84,7 @@ pub struct Row {
     pub wgsl: Wgsl,
     /// The rule of its derivative, for readers.
     pub derivative: &'static str,
-    /// What it is, for readers.
+    /// Its description, for readers.
     pub doc: &'static str,
 }
 

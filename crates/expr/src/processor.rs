@@ -1,8 +1,8 @@
 //! Which vector instructions this processor has, found at run time.
 //!
-//! What flows in: work over arrays of numbers, written as plain loops. What flows out: its result, from a copy of the
-//! work that was compiled for the widest vectors at hand (on x86-64: 128 bits everywhere, 256 with AVX2, 512 with
-//! AVX-512). Nothing is contracted or reordered, so that every copy gives the same bits.
+//! Input: work over arrays of numbers, written as plain loops. Output: its result, from a copy of the work that was
+//! compiled for the widest vectors at hand (on x86-64: 128 bits everywhere, 256 with AVX2, 512 with AVX-512). Nothing
+//! is contracted or reordered, so that every copy gives the same bits.
 
 /// Something to compute. Mark [`Work::run`] and all that it calls in its inner loops `#[inline(always)]`: only what is
 /// inlined is compiled anew for each kind of processor.
@@ -23,7 +23,7 @@ impl Processor {
         Self(pulp::Arch::new())
     }
 
-    /// What every processor of the architecture has.
+    /// The instructions that every processor of the architecture has.
     pub fn least() -> Self {
         Self(pulp::Arch::Scalar)
     }

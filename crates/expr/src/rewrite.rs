@@ -1,15 +1,15 @@
 //! Derivatives and substitution: new expressions from old ones, each shared subexpression once.
 //!
-//! What flows in: roots. What flows out: as many roots, in the same graph. Nodes are visited in the order of
-//! their ids, operands first, so nothing recurses. Where the graph has no room it is left as it was.
+//! Input: roots. Output: as many roots, in the same graph. Nodes are visited in the order of their ids, operands first,
+//! so nothing recurses. Where the graph has no room it is left as it was.
 
 use rustc_hash::FxHashMap;
 
 use crate::graph::{Graph, Input, InputSet, Node, NodeId, TooLarge};
 
 impl Graph {
-    /// The exact derivative of each root by `input`, all roots sharing their work, also with earlier calls.
-    /// What does not depend on `input` has the derivative 0, at no cost.
+    /// The exact derivative of each root by `input`, all roots sharing their work, also with earlier calls. A node that
+    /// does not depend on `input` has the derivative 0, at no cost.
     ///
     /// The rules stand in [`crate::ops`]. At a kink of `abs` the derivative is 0.
     ///

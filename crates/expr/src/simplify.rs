@@ -1,14 +1,13 @@
 //! The constructors of operations, which simplify as they go.
 //!
-//! What flows in: operands. What flows out: a node with the operation's value. Constants are folded by the
-//! same f64 operations that evaluation uses, operands of sums and products are ordered, and identities that
-//! hold exactly in floating point are applied. Nothing is reassociated or distributed, for that would round
-//! differently.
+//! Input: operands. Output: a node with the operation's value. Constants are folded by the same f64 operations that
+//! evaluation uses, operands of sums and products are ordered, and identities that hold exactly in floating point are
+//! applied. Nothing is reassociated or distributed, for that would round differently.
 //!
 //! A value changes in these cases only, which sparse derivatives cannot do without:
 //!
 //! - `0·x`, `x − x` and the product that zero annihilates are 0, also where x is infinite or NaN: a NaN may become
-//!   0. (`0/x` is kept: 0/0 is undefined, and a program is told so.)
+//!   0. (`0/x` is kept: 0/0 is undefined, and a program gets a diagnostic.)
 //! - `x + 0` is x and `0 − x` is −x, also where x is a zero: a result that is zero may have the other sign. So
 //!   may those of the rules above. The sign of a zero is seen only in the sign of an infinity that something
 //!   divided by it gives.

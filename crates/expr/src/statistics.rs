@@ -1,4 +1,4 @@
-//! How large expressions are: what sharing saves.
+//! Sizes of expressions, which show how much sharing saves.
 
 use rustc_hash::FxHashMap;
 

@@ -1,8 +1,8 @@
 //! Evaluation in f64: a graph's roots as straight-line code over registers.
 //!
-//! What flows in: roots, then numbers for their inputs. What flows out: a number for each root. A register is
-//! used again as soon as its value has been used for the last time, so that the registers in use stay in the
-//! processor's cache. Constants and inputs are read where they are, without a register.
+//! Input: roots, then numbers for their inputs. Output: a number for each root. A register is used again as soon as its
+//! value has been used for the last time, so that the registers in use stay in the processor's cache. Constants and
+//! inputs are read where they are, without a register.
 //!
 //! Evaluation of one point and of blocks of [`LANES`] points run the same instructions from the same table
 //! ([`crate::ops`]); another arithmetic over the same tape is one more `match` over its instructions.
@@ -35,7 +35,7 @@ pub struct Registers {
     blocks: Vec<Box<Block>>,
 }
 
-/// Where an instruction finds a number.
+/// The source of an instruction's operand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Operand {
     Constant(f64),
@@ -204,12 +204,12 @@ struct Compiler {
     places: FxHashMap<NodeId, Operand>,
     free: Vec<u32>,
     register_count: u32,
-    /// How often each node is still to be used.
+    /// The number of uses of each node that are still to come.
     uses: FxHashMap<NodeId, u32>,
 }
 
 impl Compiler {
-    /// Where a node's value is; after its last use its register is free.
+    /// The place of a node's value; after its last use its register is free.
     fn take(&mut self, id: NodeId) -> Operand {
         let place = self.places[&id];
         if let (Operand::Register(register), Some(uses)) = (place, self.uses.get_mut(&id))

@@ -29,8 +29,8 @@ impl Value {
     }
 }
 
-/// What an operation cannot be applied to. Its text is a sentence in the user's words that names the
-/// dimensions; 1 stands for a number.
+/// A mismatch of dimensions. Its text is a sentence in the user's words that names the dimensions; 1 stands for a
+/// number.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum DimensionError {
     /// `a + b`.
@@ -175,7 +175,7 @@ impl fmt::Display for DimensionError {
 impl std::error::Error for DimensionError {}
 
 impl DimensionError {
-    /// What to write instead, where that is known.
+    /// A correction, if one is known.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Cross { left, right } if left == right => {

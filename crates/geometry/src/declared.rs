@@ -23,7 +23,7 @@ pub struct FollowedGeodesic {
 }
 
 /// Follows all instances of a declared geodesic on all cores. The result is empty for other objects.
-pub fn follow_declared(scene: &Scene, settings: &ParamValues, id: ObjectId) -> FollowedGeodesic {
+pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> FollowedGeodesic {
     let Some((object, surface, domain)) = parts(scene, id) else {
         return FollowedGeodesic::default();
     };
@@ -31,7 +31,7 @@ pub fn follow_declared(scene: &Scene, settings: &ParamValues, id: ObjectId) -> F
         return FollowedGeodesic::default();
     };
     let name = &object.name;
-    let instances = settings.instance_count(scene, object);
+    let instances = params.instance_count(scene, object);
     let drawn = instances.min((MAX_POINTS / u64::from(domain.count.max(1))).max(1));
     let mut notes = Vec::new();
     if drawn < instances {
@@ -44,10 +44,10 @@ pub fn follow_declared(scene: &Scene, settings: &ParamValues, id: ObjectId) -> F
     let on = scene.get(surface);
     let shared = on
         .filter(|on| on.grids.is_empty())
-        .map(|on| Manifold::new(scene, surface, &settings.first_instance(scene, on)));
+        .map(|on| Manifold::new(scene, surface, &params.first_instance(scene, on)));
     let line = |index: u64| -> (Vec<Option<Knot>>, Option<String>) {
         let nowhere = || vec![None; lengths.len()];
-        let uniforms = settings.instance(scene, object, index);
+        let uniforms = params.instance(scene, object, index);
         let own;
         let manifold = match &shared {
             Some(shared) => shared,

@@ -6,7 +6,7 @@
 //! Manifold + GeodesicSegment ──polyline_cache.rs──▶ points of the chart, kept from one picture to the next
 //! ```
 //!
-//! Knows nothing of pictures, of text, or of who asks.
+//! Knows nothing of pictures, of text, or of its callers.
 
 mod declared;
 mod manifold;

@@ -36,7 +36,7 @@ pub struct Completions {
     pub range: Span,
     /// The entries.
     pub list: Vec<Completion>,
-    /// False if the list was cut off, so that the editor asks again when more of the word is written.
+    /// False if the list was cut off, so that the editor requests it again when more of the word is written.
     pub is_complete: bool,
 }
 

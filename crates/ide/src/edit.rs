@@ -5,9 +5,9 @@ use syntax::span::Span;
 /// A piece of the text and what takes its place.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct Edit {
-    /// What is replaced; empty to insert.
+    /// The range that is replaced; empty to insert.
     pub span: Span,
-    /// What takes its place.
+    /// The new text.
     pub text: String,
 }
 

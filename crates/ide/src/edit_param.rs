@@ -14,9 +14,9 @@ pub enum EditParamError {
     Components {
         /// The param.
         name: String,
-        /// How many components it has.
+        /// The number of its components.
         expected: usize,
-        /// How many values were given.
+        /// The number of values that were given.
         given: usize,
     },
     /// A value lies outside its interval, or is not a number.

@@ -67,7 +67,7 @@ pub struct Geotrace;
 #[derive(Debug)]
 pub struct GeotraceProgram {
     document: Document,
-    /// The diagnostics of the document, once they have been asked for.
+    /// The diagnostics of the document, once they have been requested.
     diagnostics: OnceLock<Arc<[Diagnostic]>>,
 }
 
@@ -79,9 +79,9 @@ impl Scope for CompilationScope {
     fn evaluate(
         &self,
         expression: &str,
-        settings: &ParamValues,
+        params: &ParamValues,
     ) -> Result<Evaluation, Vec<Diagnostic>> {
-        self.0.evaluate(expression, settings)
+        self.0.evaluate(expression, params)
     }
 }
 
@@ -171,9 +171,9 @@ impl Program for GeotraceProgram {
     fn evaluate(
         &self,
         expression: &str,
-        settings: &ParamValues,
+        params: &ParamValues,
     ) -> Result<Evaluation, Vec<Diagnostic>> {
-        self.document.compilation().evaluate(expression, settings)
+        self.document.compilation().evaluate(expression, params)
     }
 }
 

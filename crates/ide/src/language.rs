@@ -104,7 +104,7 @@ pub trait Scope: Debug {
     fn evaluate(
         &self,
         expression: &str,
-        settings: &ParamValues,
+        params: &ParamValues,
     ) -> Result<Evaluation, Vec<Diagnostic>>;
 }
 
@@ -116,9 +116,9 @@ impl Scope for ProgramScope {
     fn evaluate(
         &self,
         expression: &str,
-        settings: &ParamValues,
+        params: &ParamValues,
     ) -> Result<Evaluation, Vec<Diagnostic>> {
-        self.0.evaluate(expression, settings)
+        self.0.evaluate(expression, params)
     }
 }
 
@@ -161,9 +161,9 @@ pub trait Program: Debug + Send {
     fn evaluate(
         &self,
         expression: &str,
-        settings: &ParamValues,
+        params: &ParamValues,
     ) -> Result<Evaluation, Vec<Diagnostic>> {
-        let _ = settings;
+        let _ = params;
         let span = Span::new(0, u32::try_from(expression.len()).unwrap_or(u32::MAX));
         let message = "this language has no expressions that can be evaluated";
         Err(vec![Diagnostic::error(

@@ -1,4 +1,4 @@
-//! What an editor shows of a program beyond its mistakes, as plain data on byte offsets, whatever its language.
+//! Editor features beyond diagnostics, as plain data on byte offsets, whatever the program's language.
 //!
 //! ```text
 //! languages     the languages by file extension and name

@@ -7,7 +7,7 @@ pub enum RenameError {
     NoName,
     /// The name is builtin.
     Builtin(String),
-    /// The new name is none: names start with a letter and consist of letters and digits.
+    /// The new name is not valid: names start with a letter and consist of letters and digits.
     NotAName(String),
     /// The new name opens declarations.
     Keyword(String),
@@ -15,7 +15,7 @@ pub enum RenameError {
     Taken {
         /// The name.
         name: String,
-        /// Where it is declared.
+        /// The place of its declaration.
         line: Option<u32>,
     },
     /// Some word would be read otherwise, whatever blanks are put in.

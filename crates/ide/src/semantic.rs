@@ -2,7 +2,7 @@
 
 use syntax::span::Span;
 
-/// What a token is, in editors' standard terms.
+/// The type of a token, in editors' standard terms.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 #[allow(missing_docs)]
 pub enum TokenType {
@@ -76,10 +76,10 @@ impl Modifiers {
 /// A coloured piece of the text.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct SemanticToken {
-    /// Where it is; never more than one line.
+    /// Its range; never more than one line.
     pub span: Span,
-    /// What it is.
+    /// Its type.
     pub token_type: TokenType,
-    /// What more there is to say.
+    /// Its modifiers.
     pub modifiers: Modifiers,
 }

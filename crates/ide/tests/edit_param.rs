@@ -12,9 +12,9 @@ fn written(text: &str, param: &str, values: &[f64]) -> String {
     let text = apply(text, &[edit]);
     let compilation = scene::geotrace::compile(&text);
     let scene = compilation.scene.as_ref().expect("no errors");
-    let settings = ParamValues::initial(scene);
+    let params = ParamValues::initial(scene);
     let read = scene.params.iter().find(|it| it.name == param).expect("it");
-    for ((value, opening), range) in values.iter().zip(settings.param(read)).zip(&read.ranges) {
+    for ((value, opening), range) in values.iter().zip(params.param(read)).zip(&read.ranges) {
         let step = (range.max - range.min) / 10_000.0;
         assert!((value - opening).abs() <= 0.5 * step, "{value} in {text}");
     }

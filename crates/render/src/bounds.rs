@@ -1,4 +1,4 @@
-//! Where the scene is: a robust box of its objects, from a coarse f64 sampling.
+//! The place of a scene: a robust box of its objects, from a coarse f64 sampling.
 //!
 //! The box decides the [`Placement`] (the drawing units of all samples) and, with its cloud of points, the first
 //! camera. A generated kernel needs both before it runs, so they never come from the full sampling.
@@ -17,7 +17,7 @@ const SAMPLES: usize = 40_000;
 /// what lies further is an outlier and does not shrink the rest of the picture.
 const REACH: f64 = 2.0;
 
-/// Where the scene is.
+/// The place and extent of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bounds {
     /// Centre and radius.
@@ -30,20 +30,16 @@ pub struct Bounds {
 
 impl Bounds {
     /// The bounds of what is defined; a scene where nothing is has the unit ball.
-    pub fn of(scene: &Scene, settings: &ParamValues) -> Self {
-        Self::of_some(scene, settings, |_| true)
+    pub fn of(scene: &Scene, params: &ParamValues) -> Self {
+        Self::of_some(scene, params, |_| true)
     }
 
     /// The bounds of some of the objects.
-    pub fn of_some(
-        scene: &Scene,
-        settings: &ParamValues,
-        counts: impl Fn(ObjectId) -> bool,
-    ) -> Self {
+    pub fn of_some(scene: &Scene, params: &ParamValues, counts: impl Fn(ObjectId) -> bool) -> Self {
         let objects = (0..).map(ObjectId).zip(&scene.objects);
         let cloud = objects
             .filter(|(id, _)| counts(*id))
-            .flat_map(|(_, object)| object_cloud(scene, settings, object));
+            .flat_map(|(_, object)| object_cloud(scene, params, object));
         Self::around(cloud.collect())
     }
 
@@ -74,7 +70,7 @@ impl Bounds {
         let longest = half.iter().fold(0.0, |a: f64, &b| a.max(b));
         let scale = if longest > 0.0 { longest } else { 1.0 };
         let mut radius = scale * half.iter().map(|h| (h / scale).powi(2)).sum::<f64>().sqrt();
-        // A single place has no size of its own: it is given one that f64 can still tell from 0.
+        // A single place has no size of its own: it gets one that f64 still distinguishes from 0.
         let least = 1e-12 * centre.iter().fold(0.0, |a: f64, &b| a.max(b.abs()));
         if radius <= least {
             radius = if least > 0.0 {
@@ -97,11 +93,7 @@ impl Bounds {
 }
 
 /// Coarse points of an object without outliers, in the scene's units; none for what has no place in space.
-pub(crate) fn object_cloud(
-    scene: &Scene,
-    settings: &ParamValues,
-    object: &Object,
-) -> Vec<[f64; 3]> {
+pub(crate) fn object_cloud(scene: &Scene, params: &ParamValues, object: &Object) -> Vec<[f64; 3]> {
     let roots: Vec<NodeId> = match (object.shape.position(), object.shape.vector()) {
         (Some(position), _) => position.to_vec(),
         (None, Some((direction, origin))) => origin.iter().chain(direction).copied().collect(),
@@ -109,7 +101,7 @@ pub(crate) fn object_cloud(
         (None, None) => return Vec::new(),
     };
     let tape = Tape::new(&scene.graph, &roots);
-    let sampler = Sampler::new(scene, settings, object, tape, Resolution::Coarse(SAMPLES));
+    let sampler = Sampler::new(scene, params, object, tape, Resolution::Coarse(SAMPLES));
     let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
     let mut points: Vec<[f64; 3]> = if roots.len() == 6 {
         let ends = sampler.map(|_, out: &[f64; 6]| {

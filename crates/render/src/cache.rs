@@ -29,7 +29,7 @@ impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
         }
     }
 
-    /// What is kept under a key; it is in use from now on.
+    /// Returns the value of a key; it is in use from now on.
     pub(crate) fn get(&mut self, key: &K) -> Option<V> {
         let entry = self.entries.get_mut(key)?;
         entry.used = self.now;
@@ -66,7 +66,7 @@ impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
         self.now += 1;
     }
 
-    /// How many there are.
+    /// The number of entries.
     #[cfg(test)]
     pub(crate) fn len(&self) -> usize {
         self.entries.len()

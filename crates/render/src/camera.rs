@@ -15,7 +15,7 @@ use crate::style;
 pub struct Camera {
     /// The drawing units.
     pub placement: Placement,
-    /// Where it stands.
+    /// Its position.
     pub eye: DVec3,
     /// Unit vectors: right, up, back (towards the eye) in the scene.
     pub axes: [DVec3; 3],
@@ -26,13 +26,13 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera that shows the whole scene, or stands and looks where it is told (world places).
+    /// A camera that shows the whole scene, or one with the given eye and target (world places).
     ///
-    /// Unless told otherwise it looks from azimuth [`style::AZIMUTH`] and elevation [`style::ELEVATION`], as near as
-    /// the scene's points allow; a scene that lies in a coordinate plane is seen face on.
+    /// By default it looks from azimuth [`style::AZIMUTH`] and elevation [`style::ELEVATION`], as near as the scene's
+    /// points allow; a scene that lies in a coordinate plane is seen face on.
     ///
     /// # Errors
-    /// [`RenderError::Camera`] if eye and target cannot be told apart at the scene's size.
+    /// [`RenderError::Camera`] if eye and target coincide at the scene's size.
     pub fn new(
         bounds: &Bounds,
         eye: Option<[f64; 3]>,
@@ -74,7 +74,7 @@ impl Camera {
             .map(|&p| self.axes[2].dot(self.eye - DVec3::from(p)));
         let nearest = reach.fold(f64::INFINITY, f64::min);
         let far = self.eye.length() + 1.0;
-        // Never so near that f32 depths could not tell things apart.
+        // Never so near that f32 depths could not separate surfaces.
         self.near = if nearest.is_finite() {
             (0.5 * nearest).clamp(1e-4 * far, far)
         } else {

@@ -1,5 +1,5 @@
-//! What an object is, written down so that equal objects have equal words, in whatever scene and at whatever place of
-//! it: the key by which samples, geodesics and kernels are kept.
+//! The content key of an object: a list of words that is equal for equal objects, in whatever scene and at whatever
+//! place of it: the key by which samples, geodesics and kernels are kept.
 //!
 //! An object's [`Structure`] is its expressions, its domain and its kind; with the values of the uniforms that it reads
 //! it becomes a [`Content`]. Expressions are written from their roots down, each node once, so that neither their ids
@@ -75,7 +75,7 @@ impl Structure {
     pub(crate) fn instances(
         &self,
         scene: &Scene,
-        settings: &ParamValues,
+        params: &ParamValues,
         object: &Object,
     ) -> Content {
         let mut words = self.words.to_vec();
@@ -85,7 +85,7 @@ impl Structure {
             let Some(grid) = scene.grids.get(id.0 as usize) else {
                 continue;
             };
-            if settings.fixed_grid(scene, id).is_some() {
+            if params.fixed_grid(scene, id).is_some() {
                 continue;
             }
             words.push(WordTag::Grid as u64);
@@ -100,7 +100,7 @@ impl Structure {
                 Some(place) => words.extend(place.map(|n| n as u64)),
                 None => {
                     words.push(WordTag::Value as u64);
-                    words.push(value(settings.uniforms(), *uniform));
+                    words.push(value(params.uniforms(), *uniform));
                 }
             }
         }
@@ -115,7 +115,7 @@ impl Structure {
 }
 
 impl Content {
-    /// The same, in drawing units.
+    /// Returns the content in drawing units.
     pub(crate) fn placed(&self, placement: &Placement) -> Self {
         let [x, y, z] = placement.centre.map(f64::to_bits);
         let tail = [
@@ -169,13 +169,13 @@ impl Structures {
 /// The content of the first instance of an object; `None` if the scene has no such object.
 pub(crate) fn first_instance(
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     structures: &[Structure],
     id: ObjectId,
 ) -> Option<Content> {
     let object = scene.objects.get(id.0 as usize)?;
     let structure = structures.get(id.0 as usize)?;
-    Some(structure.instance(&settings.first_instance(scene, object)))
+    Some(structure.instance(&params.first_instance(scene, object)))
 }
 
 struct Writer<'a> {

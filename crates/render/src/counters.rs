@@ -1,8 +1,8 @@
-//! What a renderer has made so far, counted: tests hold to these numbers that nothing is made twice.
+//! Counters of a renderer's work: tests hold to these numbers that nothing is made twice.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What has been made so far; no count ever decreases.
+/// Counters of a renderer's work; no count ever decreases.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct WorkCounters {
     /// Pictures that have been drawn.

@@ -47,7 +47,7 @@ pub enum RenderError {
     Size([u32; 2]),
     /// A fault of this program: generated text did not pass validation.
     Internal {
-        /// What was found, with its origin.
+        /// The finding, with its origin.
         message: String,
         /// The text, kept for a report.
         source: String,

@@ -1,5 +1,5 @@
-//! Where the scene is, kept still while it moves a little: samples are in drawing units, and a camera that is not told
-//! where to stand must not jump at every step of a slider.
+//! The framing of the scene, kept still while it moves a little: samples are in drawing units, and a camera without a
+//! position of its own must not jump at every step of a slider.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -48,12 +48,12 @@ impl Framing {
         structures: &[Structure],
         leaves_room: impl Fn(ObjectId) -> bool,
     ) -> Framed {
-        let (scene, settings) = (&*request.scene, &*request.settings);
+        let (scene, params) = (&*request.scene, &*request.params);
         let contents: Arc<[Content]> = scene
             .objects
             .iter()
             .zip(structures)
-            .map(|(object, structure)| structure.instances(scene, settings, object))
+            .map(|(object, structure)| structure.instances(scene, params, object))
             .collect();
         let counts: Arc<[bool]> = (0..)
             .map(ObjectId)
@@ -75,7 +75,7 @@ impl Framing {
             .zip(&scene.objects)
             .filter(|(cloud, _)| cloud.is_none())
             .for_each(|(cloud, object)| {
-                *cloud = Some(Arc::new(object_cloud(scene, settings, object)));
+                *cloud = Some(Arc::new(object_cloud(scene, params, object)));
             });
         let clouds: Vec<Arc<Vec<[f64; 3]>>> = clouds.into_iter().flatten().collect();
         self.clouds = contents.iter().cloned().zip(clouds.clone()).collect();

@@ -15,7 +15,7 @@ use geodesic::ends::{Estimate, Work};
 use geodesic::trace::Status;
 use rayon::prelude::*;
 
-/// How the geodesics of a geodesic view are followed.
+/// The method by which the geodesics of a geodesic view are integrated.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum PictureMethod {
     /// The best: the fan, on both backends.
@@ -23,7 +23,7 @@ pub enum PictureMethod {
     Auto,
     /// Rays in f64 that all pixels share, interpolated by their Jacobi fields.
     Fan,
-    /// The same, interpolated linearly between rays, for comparison.
+    /// The fan, interpolated linearly between rays, for comparison.
     FanLinear,
     /// Fixed steps of the classical Runge–Kutta method for each pixel, as in the thesis (equations 4.2).
     Rk4Pixel,
@@ -32,7 +32,7 @@ pub enum PictureMethod {
 }
 
 impl PictureMethod {
-    /// Whether rays are shared by all pixels, so that the ends are a table of polynomials.
+    /// Returns true if rays are shared by all pixels, so that the ends are a table of polynomials.
     pub(crate) fn is_fan(self) -> bool {
         match self {
             Self::Auto | Self::Fan | Self::FanLinear => true,
@@ -48,7 +48,7 @@ pub const RING: f32 = 7.0;
 /// The least radius of the ring in pixels.
 pub const LEAST_RING: f32 = 3.5;
 
-/// What a pixel may have that shows nothing of the surface.
+/// The statuses of pixels that show nothing of the surface.
 pub(crate) const UNSEEN: [Status; 5] = [
     Status::LeftDomain,
     Status::ConePoint,
@@ -63,7 +63,7 @@ pub(crate) fn count(status: &[Status]) -> impl Fn(Status) -> usize + use<> {
     let none = || [0_usize; UNSEEN.len()];
     let counted = status.par_chunks(PART).map(|part| {
         let mut counts = none();
-        // Most parts are seen as a whole, which a vector at a time tells.
+        // Most parts are seen as a whole, which is tested a vector at a time.
         let seen = part
             .iter()
             .fold(true, |all, status| all & (*status == Status::Complete));
@@ -92,8 +92,8 @@ pub fn hatching(status: Status) -> [[u8; 3]; 2] {
     }
 }
 
-/// What a reader of the picture should be told: pixels that show nothing of the surface, of `pixels` in all (`count`
-/// gives how many have a status), what the picture cost and how exact it is.
+/// Returns notes for a reader of the picture: pixels that show nothing of the surface, of `pixels` in all (`count`
+/// gives the number of each status), the cost of the picture and its estimated error.
 pub fn notes(
     pixels: usize,
     count: impl Fn(Status) -> usize,

@@ -5,7 +5,8 @@
 //! ends of geodesics (f64) ──geodesic.rs: table of polynomials, resolve pass──▶ canvas, or slabs in memory
 //! ```
 //!
-//! What is built is counted ([`Built`](crate::plan::Built)) and equals [`crate::plan::Plan::built`].
+//! Everything that is built is counted ([`Built`](crate::plan::Built)), and the counts equal
+//! [`crate::plan::Plan::built`].
 
 mod blit;
 mod canvas;
@@ -47,14 +48,14 @@ use crate::sample::Samples;
 /// [`RenderError::NoGpu`], [`RenderError::Gpu`], [`RenderError::Internal`].
 pub fn kernel_samples(
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     object: ObjectId,
     placement: &Placement,
 ) -> Result<Option<Samples>, RenderError> {
     let gpu = device::open()?;
     gpu.guarded(|| {
         let mut factory = PipelineFactory::new(gpu);
-        samples::computed(&mut factory, scene, settings, object, placement)
+        samples::computed(&mut factory, scene, params, object, placement)
     })
 }
 

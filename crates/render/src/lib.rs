@@ -6,9 +6,9 @@
 //!                          └─▶ view/geodesic.rs  ends of geodesics ──resolve──▶ RenderedImage
 //! ```
 //!
-//! What is built for a picture is planned first ([`plan`](mod@plan)); both backends draw from the same samples
-//! with the same camera ([`camera`]) and the same constants ([`style`]).
-//! All filtering, shading and averaging happens in linear light; textures and pictures hold sRGB.
+//! A picture is planned before anything is built for it ([`plan`](mod@plan)); both backends draw from the same samples
+//! with the same camera ([`camera`]) and the same constants ([`style`]). All filtering, shading and averaging happens
+//! in linear light; textures and pictures hold sRGB.
 
 pub mod bounds;
 mod cache;

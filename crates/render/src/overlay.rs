@@ -1,4 +1,4 @@
-//! What is drawn over a picture when asked for: nothing of it is computed otherwise.
+//! Overlays: drawn over a picture on request, and computed only then.
 //!
 //! ```text
 //! geodesic view: rows of ends ──curve.rs: declared geodesics, trails─────────────┐
@@ -64,14 +64,14 @@ mod ink {
     pub(super) const TRAIL: [u8; 3] = [150, 130, 255];
 }
 
-/// Whether anything lies over a geodesic picture of a surface.
+/// Returns true if anything lies over a geodesic picture of a surface.
 pub(crate) fn any_geodesic(request: &PictureRequest, surface: ObjectId) -> bool {
     request.overlays.any()
         || request.trails_on(surface).next().is_some()
         || request.scene.geodesics_on(surface).next().is_some()
 }
 
-/// Whether anything lies over a 3D picture that shows this geodesic camera, if any.
+/// Returns true if anything lies over a 3D picture that shows this geodesic camera, if any.
 pub(crate) fn any_space(request: &PictureRequest, camera: Option<&GeodesicCamera>) -> bool {
     let mut textures = request.textures.iter();
     let keyed =
@@ -79,8 +79,8 @@ pub(crate) fn any_space(request: &PictureRequest, camera: Option<&GeodesicCamera
     request.overlays.legend && keyed || !request.trails.is_empty()
 }
 
-/// Draws what lies over a 3D picture: the key to its overlays and to the colours of curvature if the legend is asked
-/// for, and the trails' lengths. Returns the names of what was drawn.
+/// Draws what lies over a 3D picture: the key to its overlays and to the colours of curvature if the legend is on, and
+/// the trails' lengths. Returns the names of what was drawn.
 ///
 /// # Errors
 /// Those of the geodesic camera that is shown.
@@ -200,7 +200,7 @@ fn blend(pixel: &mut [u8], colour: [f32; 3], share: f32) {
     blend_by(Decoder::get(), Encoder::get(), pixel, colour, share);
 }
 
-/// The same by tables that are at hand.
+/// Measures distances with tables that exist already.
 #[inline]
 fn blend_by(decoder: Decoder, encoder: Encoder, pixel: &mut [u8], colour: [f32; 3], share: f32) {
     for (byte, colour) in pixel.iter_mut().zip(colour) {

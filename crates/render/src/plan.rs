@@ -1,4 +1,4 @@
-//! What a picture needs, decided before anything is built.
+//! The plan of a picture: everything that it needs, decided before anything is built.
 //!
 //! A view adds to the [`Plan`] of a request what it needs ([`View::plan`](crate::view::View::plan)); it is data for
 //! `explain`. The GPU path builds exactly what the plan says ([`Plan::built`]), and tests compare its counters with it: no
@@ -20,16 +20,16 @@ use crate::sample::surface_roots;
 /// the GPU; below, f64 blocks are ready before a driver has compiled anything.
 pub const KERNEL_PAYS: u64 = 200_000_000;
 
-/// What one picture needs.
+/// The plan of one picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// Whether the picture is planned for a GPU; otherwise nothing of [`Plan::built`] is.
+    /// True if the picture is planned for a GPU; otherwise nothing of [`Plan::built`] is.
     pub gpu: bool,
-    /// What is drawn in space; empty in a geodesic view.
+    /// The objects that are drawn in space; empty in a geodesic view.
     pub objects: Vec<ObjectPlan>,
     /// The geodesic view, if that is the picture.
     pub geodesic: Option<GeodesicPlan>,
-    /// What draws overlays in space, beside the objects' painters.
+    /// The painters of overlays in space, beside the objects' painters.
     pub overlays: &'static [Painter],
     /// Distinct images.
     pub textures: u32,
@@ -37,18 +37,18 @@ pub struct Plan {
     pub left_out: Vec<String>,
 }
 
-/// How one object is drawn in space.
+/// The plan of one object in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectPlan {
     /// The object.
     pub object: ObjectId,
-    /// What draws it.
+    /// The painter that draws it.
     pub painter: Painter,
-    /// How many instances of it there are.
+    /// The number of its instances.
     pub instances: u64,
     /// Samples of all instances.
     pub samples: u64,
-    /// Where its samples come from.
+    /// The source of its samples.
     pub source: SampleSource,
     /// The uniforms that its samples depend on.
     pub uniforms: Vec<u32>,
@@ -59,12 +59,12 @@ pub struct ObjectPlan {
     pub operations_with_normals: Option<u64>,
 }
 
-/// What a geodesic view needs.
+/// The plan of a geodesic view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeodesicPlan {
     /// The surface.
     pub surface: ObjectId,
-    /// Whether its ends are a table of polynomials, which a fixed pass on the GPU colours; a map pixel by pixel is
+    /// True if its ends are a table of polynomials, which a fixed pass on the GPU colours; a map pixel by pixel is
     /// coloured on the CPU.
     pub is_table: bool,
     /// Operations of the surface's derivatives up to order two, shared ones once: what one evaluation of the
@@ -72,7 +72,7 @@ pub struct GeodesicPlan {
     pub derivative_operations: Option<u64>,
 }
 
-/// Where numbers come from.
+/// The source of an object's samples.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum SampleSource {
     /// f64 on the CPU.
@@ -165,7 +165,7 @@ impl Plan {
         objects.chain(self.overlays.iter().copied()).collect()
     }
 
-    /// What the GPU path builds.
+    /// Returns the counts of everything that the GPU path builds.
     pub fn built(&self) -> Built {
         if !self.gpu {
             return Built::default();
@@ -195,12 +195,12 @@ impl Plan {
 /// Plans an object in space; `None` for one that has no place there.
 pub(crate) fn object_plan(
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     id: ObjectId,
     object: &Object,
     gpu: bool,
 ) -> Option<ObjectPlan> {
-    let instances = settings.instance_count(scene, object);
+    let instances = params.instance_count(scene, object);
     let painter = Painter::for_object(scene, object)?;
     let roots = object.shape.roots();
     let operations = count(&scene.graph, &roots);
@@ -231,7 +231,7 @@ pub(crate) fn object_plan(
 }
 
 /// Samples of all instances of an object in space.
-pub(crate) fn samples(scene: &Scene, settings: &ParamValues, id: ObjectId) -> u64 {
+pub(crate) fn samples(scene: &Scene, params: &ParamValues, id: ObjectId) -> u64 {
     let Some(object) = scene.objects.get(id.0 as usize) else {
         return 0;
     };
@@ -239,7 +239,7 @@ pub(crate) fn samples(scene: &Scene, settings: &ParamValues, id: ObjectId) -> u6
         // A metric has no place in space, and a geodesic no expression: it is followed in f64.
         return 0;
     }
-    settings
+    params
         .instance_count(scene, object)
         .saturating_mul(object.shape.sample_count())
 }

@@ -1,4 +1,4 @@
-//! What comes back: a picture with all that belongs to it.
+//! The result of rendering: a picture with all that belongs to it.
 
 use std::time::Duration;
 
@@ -10,16 +10,15 @@ use crate::gpu::Pixels;
 /// them ([`Pixels`]).
 #[derive(Clone, Debug)]
 pub struct RenderedImage<P = Pixels> {
-    /// The pixels: sRGB, top row first; opaque but for a background that was asked for. In memory, alpha is not
-    /// multiplied into the colours.
+    /// The pixels: sRGB, top row first; opaque but for a background with an alpha. In memory, alpha is not multiplied
+    /// into the colours.
     pub image: P,
     /// The backend that drew it, in words; for a picture in a file also why it was this one.
     pub backend: String,
-    /// What a reader of the picture should know: sentences such as "`p` is undefined at the current params and
-    /// is not drawn".
+    /// Notes for a reader of the picture: sentences such as "`p` is undefined at the current params and is not drawn".
     pub notes: Vec<String>,
-    /// The names of what has been drawn over it: nothing unless it was asked for, or the scene declares geodesics on the
-    /// surface that is seen from inside.
+    /// The names of what has been drawn over it: nothing unless the request has overlays, or the scene declares
+    /// geodesics on the surface that is seen from inside.
     pub overlays: Vec<&'static str>,
     /// Of a geodesic view: what following its geodesics has cost, and how far off they are at most, in pixels.
     pub geodesics: Option<(Work, Option<Estimate>)>,
@@ -40,7 +39,7 @@ impl<P> RenderedImage<P> {
         }
     }
 
-    /// The same picture with its pixels elsewhere.
+    /// Returns the picture with its pixels elsewhere.
     pub fn with_pixels<Q>(self, image: Q) -> RenderedImage<Q> {
         RenderedImage {
             image,

@@ -39,7 +39,7 @@ const KEPT: usize = 6;
 #[derive(Debug, Default)]
 pub struct Renderer {
     views: Views,
-    /// What is kept for each view that has been drawn, by its name.
+    /// The state of each view that has been drawn, by its name.
     renderers: BTreeMap<&'static str, Box<dyn ViewRenderer>>,
     shared: SharedState,
     /// The last picture of each view; the one that was drawn last is the last one.
@@ -60,7 +60,7 @@ struct KeptImage {
 #[derive(Debug)]
 struct Curvatures {
     scene: Shared<Scene>,
-    settings: Arc<ParamValues>,
+    params: Arc<ParamValues>,
     textures: Vec<(ObjectId, Shared<Texture>)>,
 }
 
@@ -117,7 +117,7 @@ impl Renderer {
         renderer
     }
 
-    /// The same renderer, with other views than [`Views::standard`].
+    /// Returns the renderer with other views than [`Views::standard`].
     #[must_use]
     pub fn with_views(mut self, views: Views) -> Self {
         self.views = views;
@@ -125,7 +125,7 @@ impl Renderer {
         self
     }
 
-    /// The same renderer, but an object's samples are asked of a kernel from this number of operations on, instead of
+    /// Returns the renderer with a kernel for an object's samples from this number of operations on, instead of
     /// [`crate::plan::KERNEL_PAYS`]: for tests, which have no time for objects as large as that.
     #[must_use]
     pub fn with_kernels_from(mut self, operations: u64) -> Self {
@@ -140,7 +140,7 @@ impl Renderer {
         &self.views
     }
 
-    /// Whether kernels are being built, behind the pictures.
+    /// Returns true if kernels are being built, behind the pictures.
     pub fn is_building(&self) -> bool {
         let gpu = self.shared.gpu.as_ref();
         gpu.is_some_and(|gpu| gpu.is_building())
@@ -151,7 +151,8 @@ impl Renderer {
         self.shared.gpu()
     }
 
-    /// Whether its GPU is gone for good: then a new renderer is needed, on another device or on the software path.
+    /// Returns true if its GPU is gone for good: then a new renderer is needed, on another device or on the software
+    /// path.
     pub fn is_lost(&self) -> bool {
         self.gpu().is_some_and(|gpu| gpu.is_lost())
     }
@@ -257,7 +258,7 @@ impl Renderer {
         Ok(image)
     }
 
-    /// What draws the view of a request, and what it shares with others.
+    /// Returns the renderer of a request's view, and the state that it shares with others.
     ///
     /// # Errors
     /// [`RenderError::NoView`].
@@ -286,7 +287,7 @@ impl Renderer {
             Some(known) if known.is_for(request) => known,
             _ => Curvatures {
                 scene: request.scene.clone(),
-                settings: request.settings.clone(),
+                params: request.params.clone(),
                 textures: Vec::new(),
             },
         };
@@ -294,7 +295,7 @@ impl Renderer {
         for id in std::mem::take(&mut whole.curved) {
             if !known.textures.iter().any(|(it, _)| *it == id) {
                 // A surface whose derivatives are too large shows what it would show otherwise.
-                let texture = Texture::curvature(&request.scene, &request.settings, id);
+                let texture = Texture::curvature(&request.scene, &request.params, id);
                 known
                     .textures
                     .extend(texture.ok().map(|it| (id, it.into())));
@@ -314,8 +315,8 @@ impl Renderer {
         self.shared.read(pixels)
     }
 
-    /// What the view that a request describes shows at the place (x, y), in pixels from its top left corner; `None`
-    /// where it shows nothing, or cannot be asked.
+    /// Returns the object and place that a view shows at (x, y), in pixels from its top left corner; `None` where it
+    /// shows nothing, or does not support picking.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
@@ -353,7 +354,7 @@ impl Renderer {
         self.shared.framing.keep(bounds);
     }
 
-    /// What has been made so far.
+    /// Returns the counters of the work so far.
     pub fn counters(&self) -> WorkCounters {
         let mut counters = WorkCounters {
             pictures: self.pictures,
@@ -365,7 +366,7 @@ impl Renderer {
 }
 
 impl KeptImage {
-    /// Whether a request in these bounds would give the same picture.
+    /// Returns true if a request in these bounds would give the same picture.
     fn is_for(&self, request: &PictureRequest, bounds: Option<&Arc<Bounds>>) -> bool {
         let same_bounds = match (&self.bounds, bounds) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
@@ -377,9 +378,9 @@ impl KeptImage {
 }
 
 impl Curvatures {
-    /// Whether the textures are those of a request's scene and settings.
+    /// Returns true if the textures are those of a request's scene and params.
     fn is_for(&self, request: &PictureRequest) -> bool {
-        self.scene == request.scene && self.settings == request.settings
+        self.scene == request.scene && self.params == request.params
     }
 }
 

@@ -1,5 +1,5 @@
-//! What is asked for: a [`PictureRequest`] says all that a picture depends on, as data that can be compared. It is the
-//! same from a pane of a window, or a command line, down to what draws.
+//! The picture request: a [`PictureRequest`] holds all that a picture depends on, as data that can be compared. It is
+//! the same from a pane of a window, or a command line, down to what draws.
 
 mod part;
 
@@ -22,7 +22,7 @@ pub struct PictureRequest {
     /// The scene.
     pub scene: Shared<Scene>,
     /// The values of its params and grids.
-    pub settings: Arc<ParamValues>,
+    pub params: Arc<ParamValues>,
     /// The view, its camera, and the options that this view alone reads.
     pub view: ViewPart,
     /// Width and height in pixels, each from 1 to [`MAX_SIDE`].
@@ -31,28 +31,29 @@ pub struct PictureRequest {
     /// [`Texture::orientation`].
     pub textures: Vec<(ObjectId, Shared<Texture>)>,
     /// Surfaces that show their [curvature](Texture::curvature) instead. A renderer makes these textures and keeps them
-    /// while the scene and its settings stay.
+    /// while the scene and its param values stay.
     pub curved: Vec<ObjectId>,
     /// Colours (sRGB) other than those of [`crate::style`]; a surface's colour multiplies its texture.
     pub colours: Vec<(ObjectId, [u8; 3])>,
-    /// What is drawn over the picture.
+    /// The overlays that are drawn over the picture.
     pub overlays: Overlays,
     /// Paths that geodesic cameras have walked: views draw them, with their lengths.
     pub trails: Vec<Shared<Trail>>,
-    /// Whether the view moves, and a picture at once is worth more than a fine one: then a geodesic view may be off by
+    /// True if the view moves, and a picture at once is worth more than a fine one: then a geodesic view may be off by
     /// [`MOVING_TOLERANCE`](crate::geodesic_view::MOVING_TOLERANCE) pixels, and the software path blurs what it sees at
     /// a flat angle.
     pub moving: bool,
 }
 
-/// What is asked for beyond the picture itself; by default nothing.
+/// The overlays of a picture; none by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Overlays {
     /// A key to the hatchings and lines that the picture has.
     pub legend: bool,
     /// Geodesic circles at equal distances around the camera.
     pub wavefronts: Option<Spacing>,
-    /// Where geodesics from the camera meet those that start beside them: the Jacobi field is zero there.
+    /// The conjugate points, where geodesics from the camera meet those that start beside them: the Jacobi field is
+    /// zero there.
     pub conjugate_points: bool,
     /// The line beyond which a pixel's point is nearer to the camera by another way.
     pub cut_locus: bool,
@@ -69,7 +70,7 @@ pub enum Spacing {
     Every(f64),
 }
 
-/// What draws a picture.
+/// The device that draws a picture.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Backend {
     /// A GPU where there is one, else the software path.
@@ -85,13 +86,13 @@ impl PictureRequest {
     /// A picture of a view, everything else at its default.
     pub fn new(
         scene: impl Into<Shared<Scene>>,
-        settings: impl Into<Arc<ParamValues>>,
+        params: impl Into<Arc<ParamValues>>,
         view: impl Into<ViewPart>,
         size: [u32; 2],
     ) -> Self {
         Self {
             scene: scene.into(),
-            settings: settings.into(),
+            params: params.into(),
             view: view.into(),
             size,
             textures: Vec::new(),
@@ -139,7 +140,7 @@ impl PictureRequest {
 }
 
 impl Overlays {
-    /// Whether anything is asked for.
+    /// Returns true if there is any overlay.
     pub fn any(&self) -> bool {
         *self != Self::default()
     }

@@ -1,6 +1,6 @@
 //! Samples of the objects, from f64 blocks: what painters draw.
 //!
-//! An object and its settings flow in, arrays of plain samples flow out, relative to a [`Placement`]. A generated
+//! An object and the param values flow in, arrays of plain samples flow out, relative to a [`Placement`]. A generated
 //! kernel on the GPU fills buffers of the same layout; a painter never knows which source it draws from.
 //!
 //! The order is instance by instance; within a surface row by row of constant v, u fastest: sample (i, j) of
@@ -23,7 +23,7 @@ pub const NORMAL_NUDGE: f64 = 1e-4;
 /// σu and σv, each times its domain's width, count as parallel where |σu×σv| is at most this times the square of
 /// the longer one.
 pub const DEGENERATE: f64 = 1e-7;
-/// What lies further than this from the scene's centre, in drawing units, is taken as undefined.
+/// Points further than this from the scene's centre, in drawing units, are taken as undefined.
 pub const HORIZON: f64 = 1e6;
 
 /// A place in drawing units: a point, or a sample of a curve. 16 bytes.
@@ -40,7 +40,7 @@ pub struct PositionSample {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct VectorSample {
-    /// Where it starts.
+    /// Its origin.
     pub origin: [f32; 3],
     /// 1 where origin and direction are defined, else 0.
     pub defined: f32,
@@ -59,7 +59,7 @@ pub struct SurfaceSample {
     pub position: [f32; 3],
     /// 1 where defined, else 0.
     pub defined: f32,
-    /// The unit vector along σu×σv, or zero where there is none.
+    /// The unit vector along σu×σv, or zero where it is undefined.
     pub normal: [f32; 3],
     /// Makes the size a multiple of 16 bytes.
     pub padding: f32,
@@ -116,7 +116,7 @@ pub enum Samples {
 }
 
 impl Samples {
-    /// How many there are, and how many of them are undefined.
+    /// The number of samples, and the number of those that are undefined.
     pub fn undefined(&self) -> (usize, usize) {
         let positions =
             |s: &[PositionSample]| (s.len(), s.iter().filter(|s| s.defined == 0.0).count());
@@ -129,14 +129,14 @@ impl Samples {
         }
     }
 
-    /// What a reader of the picture should be told of undefined samples.
+    /// Returns the note on undefined samples.
     pub fn note(&self, name: &str) -> Option<String> {
         let (all, undefined) = self.undefined();
         note(name, all, undefined)
     }
 }
 
-/// What a reader of the picture should be told of an object's samples, of which some are undefined.
+/// Returns the note on an object's samples, of which some are undefined.
 pub(crate) fn note(name: &str, all: usize, undefined: usize) -> Option<String> {
     match (all, undefined) {
         (_, 0) => None,
@@ -155,19 +155,19 @@ pub(crate) fn note(name: &str, all: usize, undefined: usize) -> Option<String> {
 /// Evaluates three expressions of an object at all its samples, in f64 and in the scene's units.
 pub fn positions(
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     object: &Object,
     position: &[NodeId; 3],
 ) -> Vec<[f64; 3]> {
     let tape = Tape::new(&scene.graph, position);
-    let sampler = Sampler::new(scene, settings, object, tape, Resolution::Full);
+    let sampler = Sampler::new(scene, params, object, tape, Resolution::Full);
     sampler.map(|_, out: &[f64; 3]| *out)
 }
 
-/// As [`sample`], with what a reader of the picture should be told.
+/// Samples as [`sample`] does, and adds notes for a reader of the picture.
 pub fn sample_with_notes(
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     id: ObjectId,
     placement: &Placement,
 ) -> (Samples, Vec<String>) {
@@ -179,19 +179,19 @@ pub fn sample_with_notes(
             left_out(object).into_iter().collect(),
         ),
         Shape::Geodesic { .. } if lies_in_space(scene, id) => {
-            let followed = follow_declared(scene, settings, id);
+            let followed = follow_declared(scene, params, id);
             let samples = line_samples(placement, followed.count, &followed.lines);
             (samples, followed.notes)
         }
         _ => {
-            let samples = sample(scene, settings, id, placement);
+            let samples = sample(scene, params, id, placement);
             let note = samples.note(name);
             (samples, note.into_iter().collect())
         }
     }
 }
 
-/// What a reader of a 3D picture should be told of an object that has no place in it.
+/// Returns the note of a 3D picture on an object that has no place in it.
 pub(crate) fn left_out(object: &Object) -> Option<String> {
     let name = &object.name;
     matches!(object.shape, Shape::Metric { .. }).then(|| {
@@ -204,20 +204,20 @@ pub(crate) fn left_out(object: &Object) -> Option<String> {
 /// Evaluates all samples of an object, on all cores.
 pub fn sample(
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     object_id: ObjectId,
     placement: &Placement,
 ) -> Samples {
     let object = &scene.objects[object_id.0 as usize];
     match &object.shape {
         Shape::Point { position } => {
-            let sampler = Sampler::full(scene, settings, object, position);
+            let sampler = Sampler::full(scene, params, object, position);
             Samples::Points(sampler.map(|_, out: &[f64; 3]| placed(placement, out)))
         }
         Shape::Vector { direction, origin } => {
             let [dx, dy, dz] = *direction;
             let [x, y, z] = *origin;
-            let sampler = Sampler::full(scene, settings, object, &[x, y, z, dx, dy, dz]);
+            let sampler = Sampler::full(scene, params, object, &[x, y, z, dx, dy, dz]);
             Samples::Vectors(sampler.map(|_, out: &[f64; 6]| {
                 let [x, y, z, dx, dy, dz] = *out;
                 vector(placement, [x, y, z], [dx, dy, dz])
@@ -226,7 +226,7 @@ pub fn sample(
         Shape::Curve {
             position, domain, ..
         } => {
-            let sampler = Sampler::full(scene, settings, object, position);
+            let sampler = Sampler::full(scene, params, object, position);
             let samples = sampler.map(|_, out: &[f64; 3]| placed(placement, out));
             Samples::Curves {
                 count: domain.count,
@@ -235,11 +235,11 @@ pub fn sample(
         }
         Shape::Surface {
             position, domain, ..
-        } => surface::surface(scene, settings, object, placement, position, domain),
+        } => surface::surface(scene, params, object, placement, position, domain),
         Shape::Metric { .. } => Samples::Points(Vec::new()),
         Shape::Geodesic { .. } if !lies_in_space(scene, object_id) => Samples::Points(Vec::new()),
         Shape::Geodesic { .. } => {
-            let FollowedGeodesic { count, lines, .. } = follow_declared(scene, settings, object_id);
+            let FollowedGeodesic { count, lines, .. } = follow_declared(scene, params, object_id);
             line_samples(placement, count, &lines)
         }
     }
@@ -299,7 +299,7 @@ pub(crate) fn vector(placement: &Placement, origin: [f64; 3], direction: [f64; 3
     }
 }
 
-/// How many of an object's samples are evaluated.
+/// Returns the number of an object's samples that are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Resolution {
     /// All.
@@ -320,7 +320,7 @@ pub(crate) struct Sampler {
     axes: [Vec<f64>; 2],
 }
 
-/// Where an input of the tape comes from.
+/// The source of an input of the tape.
 #[derive(Clone, Copy)]
 enum Column {
     Variable(usize),
@@ -332,10 +332,10 @@ enum Column {
 const CHUNK: usize = 16 * LANES;
 
 impl Sampler {
-    fn full(scene: &Scene, settings: &ParamValues, object: &Object, roots: &[NodeId]) -> Self {
+    fn full(scene: &Scene, params: &ParamValues, object: &Object, roots: &[NodeId]) -> Self {
         Self::new(
             scene,
-            settings,
+            params,
             object,
             Tape::new(&scene.graph, roots),
             Resolution::Full,
@@ -344,7 +344,7 @@ impl Sampler {
 
     pub(crate) fn new(
         scene: &Scene,
-        settings: &ParamValues,
+        params: &ParamValues,
         object: &Object,
         tape: Tape,
         resolution: Resolution,
@@ -378,11 +378,11 @@ impl Sampler {
             Shape::Geodesic { domain, .. } => [axis(domain), vec![0.0]],
         };
         let per_instance = axes[0].len() * axes[1].len();
-        let all = settings.instance_count(scene, object) as usize;
+        let all = params.instance_count(scene, object) as usize;
         let picked = pick(all, (budget / per_instance).max(64));
         let mut uniforms = Vec::with_capacity(picked.len().saturating_mul(used.len()));
         let (mut index, mut next) = (0, 0);
-        settings.for_each_instance(scene, object, |values| {
+        params.for_each_instance(scene, object, |values| {
             if picked.get(next) == Some(&index) {
                 uniforms.extend(used.iter().map(|&k| values[k]));
                 next += 1;
@@ -399,7 +399,7 @@ impl Sampler {
         }
     }
 
-    /// How many places there are.
+    /// Returns the number of places.
     pub(crate) fn len(&self) -> usize {
         self.instances * self.axes[0].len() * self.axes[1].len()
     }

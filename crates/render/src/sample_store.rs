@@ -10,7 +10,7 @@ use crate::content::Content;
 use crate::placement::Placement;
 use crate::sample::{self, PositionSample, Samples, SurfaceSample, VectorSample};
 
-/// What samples may take that the last picture has not used: a slider goes back, an edit is undone.
+/// The most memory for samples that the last picture has not used: a slider goes back, an edit is undone.
 const ALLOWANCE: usize = 16 << 20;
 
 /// The samples of one object.
@@ -20,10 +20,10 @@ pub(crate) struct Sampled {
     told: Told,
 }
 
-/// What a reader of the picture should be told.
+/// Notes for a reader of the picture.
 #[derive(Clone, Debug)]
 enum Told {
-    /// How many samples there are, and how many of them are undefined.
+    /// The number of samples, and the number of those that are undefined.
     Counts(usize, usize),
     /// Sentences; they name the object, and so does its content.
     Notes(Vec<String>),
@@ -33,7 +33,7 @@ enum Told {
 #[derive(Debug)]
 pub(crate) struct SampleStore {
     kept: Cache<Content, Sampled>,
-    /// How many objects have been sampled so far.
+    /// The number of objects that have been sampled so far.
     pub(crate) sampled: u64,
 }
 
@@ -51,7 +51,7 @@ impl SampleStore {
     pub(crate) fn get(
         &mut self,
         scene: &Scene,
-        settings: &ParamValues,
+        params: &ParamValues,
         id: ObjectId,
         content: &Content,
         placement: &Placement,
@@ -60,7 +60,7 @@ impl SampleStore {
         if let Some(known) = self.kept.get(&key) {
             return known;
         }
-        let (samples, notes) = sample::sample_with_notes(scene, settings, id, placement);
+        let (samples, notes) = sample::sample_with_notes(scene, params, id, placement);
         let (all, undefined) = samples.undefined();
         let object = &scene.objects[id.0 as usize];
         let told = if object.shape.is_geodesic() {
@@ -91,7 +91,7 @@ impl SampleStore {
 }
 
 impl Sampled {
-    /// What a reader of the picture should be told of the object.
+    /// Returns the notes on the object for a reader of the picture.
     pub(crate) fn notes(&self, object: &Object) -> Vec<String> {
         match &self.told {
             Told::Notes(notes) => notes.clone(),

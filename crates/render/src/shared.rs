@@ -1,5 +1,5 @@
-//! A shared value that counts as equal only to itself: a scene, an image, a trail, of which nobody wants to compare all
-//! the contents.
+//! A shared value that counts as equal only to itself: a scene, an image, a trail, for which it would be slow to
+//! compare all the contents.
 
 use std::ops::Deref;
 use std::sync::Arc;

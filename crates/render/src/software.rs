@@ -5,8 +5,8 @@
 //! raster.rs: tiles with four samples a pixel ──shade.rs──▶ picture
 //! ```
 //!
-//! The same picture comes out on every run and for every number of cores: triangles keep their order, and each tile
-//! is one task.
+//! The picture is equal on every run and for every number of cores: triangles keep their order, and each tile is one
+//! task.
 
 mod curves;
 mod mesh;

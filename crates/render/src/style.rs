@@ -1,4 +1,4 @@
-//! How things look: colours, light, widths. One set of constants for both backends.
+//! The appearance of things: colours, light, widths. One set of constants for both backends.
 //!
 //! Lengths are in *drawing units* (see [`crate::placement::Placement`]: the scene has radius 1 in them), pixel
 //! lengths in units of [`pixel_unit`], colours in linear light unless said otherwise.
@@ -25,9 +25,9 @@ pub const CURVE_COLOUR: [u8; 3] = [255, 45, 40];
 /// Surfaces, sRGB; multiplies the texture.
 pub const SURFACE_COLOUR: [u8; 3] = [255, 255, 255];
 
-/// What a highlighted object is mixed with, sRGB: unlike the colours above.
+/// The colour that is mixed into a highlighted object, sRGB: unlike the colours above.
 pub const EMPHASIS_COLOUR: [u8; 3] = [60, 215, 255];
-/// How much of it a highlighted object has.
+/// The share of it in a highlighted object.
 pub const EMPHASIS: f32 = 0.45;
 
 /// A length in space that stays readable: it is seen in perspective, but never drawn smaller or larger than some
@@ -84,7 +84,7 @@ pub const ELEVATION: f64 = 0.45;
 /// The share of the picture's shorter half that stays free around the scene.
 pub const MARGIN: f64 = 0.08;
 
-/// What a glyph keeps of its colour at its rim.
+/// The share of its colour that a glyph keeps at its rim.
 pub const GLYPH_RIM: f32 = 0.42;
 /// Light from everywhere.
 pub const AMBIENT: f32 = 0.20;
@@ -92,7 +92,7 @@ pub const AMBIENT: f32 = 0.20;
 pub const FILL: f32 = 0.32;
 /// Light from over the eye's left shoulder.
 pub const KEY: f32 = 0.50;
-/// Where the key light comes from, in view space (x right, y up, z towards the eye); a unit vector.
+/// The direction of the key light, in view space (x right, y up, z towards the eye); a unit vector.
 pub const KEY_DIRECTION: [f32; 3] = [-0.4, 0.56, 0.725_534_3];
 /// The strength of the highlight, white, added to the lit colour.
 pub const HIGHLIGHT: f32 = 0.07;

@@ -24,18 +24,18 @@ use crate::style::{decode, encode};
 pub const MAX_FILE_SIDE: u32 = 32_768;
 /// The longest side of a texture in texels; a larger image is reduced to it.
 pub const MAX_SIDE: u32 = 8_192;
-/// What decoding one image may take, in bytes.
+/// The most memory that decoding one image may take, in bytes.
 const MAX_BYTES: u64 = 1 << 30;
 
 /// An image with its mip chain.
 #[derive(Clone, Debug)]
 pub struct Texture {
     levels: Vec<Level>,
-    /// The same in linear light, made when first asked for: a GPU has no use for it.
+    /// The image in linear light, made on first use: a GPU has no use for it.
     light: OnceLock<Vec<filter::Light>>,
-    /// The covers by [`Texture::cover`], as they are asked for.
+    /// The covers that [`Texture::cover`] has made.
     covers: [OnceLock<Arc<Texture>>; 3],
-    /// What the colours mean, of a texture that shows the curvature.
+    /// The meaning of the colours, of a texture that shows the curvature.
     scale: Option<CurvatureScale>,
 }
 

@@ -23,7 +23,7 @@ pub struct Trail {
     pub surface: ObjectId,
     /// Its points (u, v) in the order of the walk; neighbours are joined, across sides that are glued too.
     pub points: Vec<[f64; 2]>,
-    /// How long it is, in the surface's units.
+    /// Returns its length, in the surface's units.
     pub length: f64,
 }
 
@@ -82,11 +82,11 @@ impl Trail {
 /// A trail's places in space; `None` where its surface is undefined, nothing for a metric.
 pub(crate) fn in_space(
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     trail: &Trail,
 ) -> Option<Vec<Option<Knot>>> {
     let object = scene.objects.get(trail.surface.0 as usize)?;
-    let uniforms = settings.first_instance(scene, object);
+    let uniforms = params.first_instance(scene, object);
     let manifold = Manifold::new(scene, trail.surface, &uniforms).ok()?;
     let surface: &dyn Surface = manifold.surface();
     surface.is_embedded().then(|| {

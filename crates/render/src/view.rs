@@ -37,11 +37,11 @@ pub trait View: fmt::Debug + Send + Sync {
     /// A line of help.
     fn purpose(&self) -> &'static str;
 
-    /// Whether it is of one object. Then there is a pane for each object that it shows, and a name may follow the
-    /// view's: `geodesic:s`.
+    /// Returns true if it is of one object. Then there is a pane for each object that it shows, and a name may follow
+    /// the view's: `geodesic:s`.
     fn is_of_object(&self) -> bool;
 
-    /// Whether it can be of this object, or whether this object is seen in it.
+    /// Returns true if it can be of this object, or whether this object is seen in it.
     fn shows(&self, object: &Object) -> bool;
 
     /// The options of a first picture: of this object, if it is of one. A view of an object that is given none takes one
@@ -53,7 +53,7 @@ pub trait View: fmt::Debug + Send + Sync {
         &[]
     }
 
-    /// What can be turned on and off in its pictures, beyond what all views have.
+    /// Returns the settings of its pictures that can be turned on and off, beyond those that all views have.
     fn settings(&self) -> &'static [Setting] {
         &[]
     }
@@ -61,7 +61,7 @@ pub trait View: fmt::Debug + Send + Sync {
     /// Adds to a plan what a picture needs.
     fn plan(&self, _request: &PictureRequest, _plan: &mut Plan) {}
 
-    /// What a renderer keeps for this view from one picture to the next.
+    /// Returns the state that a renderer keeps for this view from one picture to the next.
     fn renderer(&self) -> Box<dyn ViewRenderer>;
 }
 
@@ -105,7 +105,7 @@ pub trait ViewRenderer: fmt::Debug + Send {
     }
 }
 
-/// What is under a pixel.
+/// The object and place under a pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The object.
@@ -141,7 +141,7 @@ pub struct Setting {
     pub name: &'static str,
     /// A title for people.
     pub title: &'static str,
-    /// Whether it is on unless the user says otherwise.
+    /// True if it is on unless the user says otherwise.
     pub default: bool,
 }
 
@@ -192,7 +192,7 @@ impl fmt::Display for ViewId {
     }
 }
 
-/// The views that are offered, the first of which is the one that is shown unless another is asked for.
+/// The views that are offered; the first one is the default.
 #[derive(Clone, Debug)]
 pub struct Views(Vec<Arc<dyn View>>);
 

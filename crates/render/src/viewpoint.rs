@@ -1,4 +1,4 @@
-//! Cameras as data: where a picture is seen from, as it is asked for. A view puts them into a scene; a window moves them.
+//! Cameras as data, as a request holds them. A view puts them into a scene; a window moves them.
 
 use geodesic::frame::Frame;
 use geometry::ManifoldError;
@@ -100,7 +100,7 @@ impl GeodesicCamera {
         }
     }
 
-    /// The same camera at another point (u, v) of the chart, turned by no angle.
+    /// Returns the camera at another point (u, v) of the chart, turned by no angle.
     #[must_use]
     pub fn at(self, at: [f64; 2]) -> Self {
         let pose = Pose::At {
@@ -110,7 +110,7 @@ impl GeodesicCamera {
         Self { pose, ..self }
     }
 
-    /// The same camera with another zoom.
+    /// Returns the camera with another zoom.
     #[must_use]
     pub fn zoomed(self, zoom: f64) -> Self {
         Self {
@@ -119,7 +119,7 @@ impl GeodesicCamera {
         }
     }
 
-    /// The same camera with the pose of a frame.
+    /// Returns the camera with the pose of a frame.
     #[must_use]
     pub fn with_frame(self, frame: Frame) -> Self {
         Self {

@@ -20,17 +20,17 @@ const BACKENDS: [Backend; 2] = [Backend::Software, Backend::Gpu];
 
 fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
-    let settings = ParamValues::initial(&scene);
-    (scene, settings)
+    let params = ParamValues::initial(&scene);
+    (scene, params)
 }
 
 fn drawn(backend: Backend, change: impl FnOnce(&mut Wanted)) -> RgbaImage {
-    let (scene, settings) = compiled(SCENE);
+    let (scene, params) = compiled(SCENE);
     let mut request = Wanted::space([320, 240]);
     request.backend = backend;
     change(&mut request);
     request
-        .draw(&scene, &settings)
+        .draw(&scene, &params)
         .expect("a picture; the GPU or software Vulkan")
         .image
 }

@@ -76,8 +76,8 @@ fn what_is_flat_is_white_and_what_is_undefined_grey() {
 #[test]
 fn the_legend_has_the_scale_only_where_colours_show_curvature() {
     let scene = scene("surface s(u,v) = (u,v,u^2-v^2), u : [-1,1], v : [-1,1];");
-    let settings = ParamValues::initial(&scene);
-    let texture = Texture::curvature(&scene, &settings, ObjectId(0)).expect("a texture");
+    let params = ParamValues::initial(&scene);
+    let texture = Texture::curvature(&scene, &params, ObjectId(0)).expect("a texture");
     for view in ["inside", "space"] {
         let draw = |textures, legend| {
             let base = match view {
@@ -93,7 +93,7 @@ fn the_legend_has_the_scale_only_where_colours_show_curvature() {
             if view == "inside" {
                 request.inside().camera.zoom = Some(0.5);
             }
-            request.draw(&scene, &settings).expect("a picture")
+            request.draw(&scene, &params).expect("a picture")
         };
         let shown = vec![(ObjectId(0), texture.clone())];
         let (plain, with) = (draw(shown.clone(), false), draw(shown, true));

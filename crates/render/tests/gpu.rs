@@ -28,8 +28,8 @@ const SCENE: &str = "
 
 fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
-    let settings = ParamValues::initial(&scene);
-    (scene, settings)
+    let params = ParamValues::initial(&scene);
+    (scene, params)
 }
 
 fn with(mut request: Wanted, backend: Backend) -> Wanted {
@@ -128,7 +128,7 @@ fn constants_need_no_inputs() {
 
 #[test]
 fn a_picture_builds_what_its_plan_says_and_nothing_else() {
-    let (scene, settings) = compiled(SCENE);
+    let (scene, params) = compiled(SCENE);
     let all = Built {
         draw_pipelines: 4,
         textures: 1,
@@ -155,22 +155,22 @@ fn a_picture_builds_what_its_plan_says_and_nothing_else() {
         (seen(PictureMethod::Rk4Pixel), Built::default()),
     ] {
         let request = with(request, Backend::Gpu);
-        let (_, built) = request.draw_counted(&scene, &settings).expect("a picture");
-        assert_eq!(built, request.plan(&scene, &settings).built());
+        let (_, built) = request.draw_counted(&scene, &params).expect("a picture");
+        assert_eq!(built, request.plan(&scene, &params).built());
         assert_eq!(built, expected);
     }
 }
 
 #[test]
 fn ends_pixel_by_pixel_are_computed_and_coloured_as_by_the_software_path() {
-    let (scene, settings) = compiled(SCENE);
+    let (scene, params) = compiled(SCENE);
     for chosen in [PictureMethod::Adaptive, PictureMethod::Rk4Pixel] {
         let mut request = with(Wanted::geodesic(ObjectId(3), [48, 48]), Backend::Gpu);
         request.inside().method = chosen;
-        let (picture, built) = request.draw_counted(&scene, &settings).expect("a picture");
-        assert_eq!(built, request.plan(&scene, &settings).built());
+        let (picture, built) = request.draw_counted(&scene, &params).expect("a picture");
+        assert_eq!(built, request.plan(&scene, &params).built());
         let request = with(request, Backend::Software);
-        let software = request.draw(&scene, &settings).expect("a picture");
+        let software = request.draw(&scene, &params).expect("a picture");
         assert!(picture.image == software.image, "{chosen:?}");
         assert_eq!(picture.notes, software.notes);
     }
@@ -178,9 +178,9 @@ fn ends_pixel_by_pixel_are_computed_and_coloured_as_by_the_software_path() {
 
 #[test]
 fn points_alone_build_no_surface_pipeline_no_resolve_pass_and_no_sampler() {
-    let (scene, settings) = compiled("point p = (1, 2, 3);");
+    let (scene, params) = compiled("point p = (1, 2, 3);");
     let request = with(Wanted::space([32, 32]), Backend::Gpu);
-    let (_, built) = request.draw_counted(&scene, &settings).expect("a picture");
+    let (_, built) = request.draw_counted(&scene, &params).expect("a picture");
     assert_eq!(
         built,
         Built {
@@ -192,11 +192,11 @@ fn points_alone_build_no_surface_pipeline_no_resolve_pass_and_no_sampler() {
 
 #[test]
 fn both_backends_draw_the_same_picture_in_space() {
-    let (scene, settings) = compiled(SCENE);
+    let (scene, params) = compiled(SCENE);
     for (size, mean_bound) in [([256, 256], 0.6), ([150, 90], 1.2), ([1, 1], 8.0)] {
         let draw = |backend| {
             with(Wanted::space(size), backend)
-                .draw(&scene, &settings)
+                .draw(&scene, &params)
                 .expect("a picture")
         };
         let (gpu, software) = (draw(Backend::Gpu), draw(Backend::Software));
@@ -216,11 +216,11 @@ fn both_backends_draw_the_same_picture_in_space() {
 
 #[test]
 fn a_picture_of_several_tiles_has_no_seams() {
-    let (scene, settings) = compiled(SCENE);
+    let (scene, params) = compiled(SCENE);
     let size = [2200, 40];
     let draw = |backend| {
         with(Wanted::space(size), backend)
-            .draw(&scene, &settings)
+            .draw(&scene, &params)
             .expect("a picture")
     };
     let (mean, far) = difference(&draw(Backend::Gpu).image, &draw(Backend::Software).image);
@@ -229,18 +229,18 @@ fn a_picture_of_several_tiles_has_no_seams() {
 
 #[test]
 fn samples_of_generated_kernels_agree_with_f64() {
-    let (scene, settings) = compiled(SCENE);
-    let Placement { centre, radius } = Bounds::of(&scene, &settings).placement;
+    let (scene, params) = compiled(SCENE);
+    let Placement { centre, radius } = Bounds::of(&scene, &params).placement;
     let placement = Placement { centre, radius };
     let close = |a: &[f32; 3], b: &[f32; 3], bound: f32| {
         a.iter().zip(b).all(|(a, b)| (a - b).abs() < bound)
     };
     for (index, object) in scene.objects.iter().enumerate() {
         let id = ObjectId(index as u32);
-        let found = gpu::kernel_samples(&scene, &settings, id, &placement)
+        let found = gpu::kernel_samples(&scene, &params, id, &placement)
             .expect("a GPU")
             .expect("small");
-        match (found, sample(&scene, &settings, id, &placement)) {
+        match (found, sample(&scene, &params, id, &placement)) {
             (Samples::Points(a), Samples::Points(b)) => {
                 assert_eq!(a.len(), b.len());
                 let same = a
@@ -301,12 +301,12 @@ fn samples_of_generated_kernels_agree_with_f64() {
 
 #[test]
 fn what_is_undefined_is_marked_by_the_kernel_and_noted() {
-    let (scene, settings) = compiled("curve c(t) = (t, sqrt t, log(t + 0.5)), t : [-1, 1, 81];");
-    let placement = Bounds::of(&scene, &settings).placement;
-    let found = gpu::kernel_samples(&scene, &settings, ObjectId(0), &placement)
+    let (scene, params) = compiled("curve c(t) = (t, sqrt t, log(t + 0.5)), t : [-1, 1, 81];");
+    let placement = Bounds::of(&scene, &params).placement;
+    let found = gpu::kernel_samples(&scene, &params, ObjectId(0), &placement)
         .expect("a GPU")
         .expect("small");
-    let expected = sample(&scene, &settings, ObjectId(0), &placement);
+    let expected = sample(&scene, &params, ObjectId(0), &placement);
     assert_eq!(found.undefined(), expected.undefined());
     assert!(found.undefined().1 > 30);
 }
@@ -343,12 +343,12 @@ fn both_backends_see_the_same_from_inside() {
         ),
     ];
     for (name, text, distance) in surfaces {
-        let (scene, settings) = compiled(text);
+        let (scene, params) = compiled(text);
         let mut request = Wanted::geodesic(ObjectId(0), [128, 128]);
         request.inside().camera.zoom = Some(distance);
         let draw = |backend| {
             with(request.clone(), backend)
-                .draw(&scene, &settings)
+                .draw(&scene, &params)
                 .expect("a picture")
         };
         let (gpu, software) = (draw(Backend::Gpu), draw(Backend::Software));
@@ -383,12 +383,12 @@ fn a_machine_without_a_driver_says_so_and_takes_the_software_path() {
         assert!(text.contains("1 passed"), "{text}");
         return;
     }
-    let (scene, settings) = compiled("point p = (1, 2, 3);");
+    let (scene, params) = compiled("point p = (1, 2, 3);");
     let request = with(Wanted::space([16, 16]), Backend::Gpu);
-    let error = request.draw(&scene, &settings).unwrap_err();
+    let error = request.draw(&scene, &params).unwrap_err();
     assert!(matches!(error, RenderError::NoGpu { .. }), "{error}");
     let picture = with(request, Backend::Auto)
-        .draw(&scene, &settings)
+        .draw(&scene, &params)
         .expect("a picture");
     assert!(
         picture.backend.starts_with("software, because "),

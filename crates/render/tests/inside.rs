@@ -217,16 +217,16 @@ fn one_pixel_shows_the_camera_s_own_place() {
 fn the_first_instance_of_a_surface_with_grids_is_seen() {
     let scene =
         scene("grid r : [1, 3, 3]; surface s(u,v) = r(cosu, sinu, v), u : [0,2pi], v : [-1,1];");
-    let mut settings = ParamValues::initial(&scene);
-    let zoom = |settings: &ParamValues| {
+    let mut params = ParamValues::initial(&scene);
+    let zoom = |params: &ParamValues| {
         request([8, 8], None, 0.0, None)
-            .placed(&scene, settings)
+            .placed(&scene, params)
             .expect("a camera")
             .zoom
     };
-    let first = zoom(&settings);
-    settings.set(&scene, "r", &[3.0]).expect("in range");
-    assert!((zoom(&settings) - 3.0 * first).abs() < 1e-9);
+    let first = zoom(&params);
+    params.set(&scene, "r", &[3.0]).expect("in range");
+    assert!((zoom(&params) - 3.0 * first).abs() < 1e-9);
 }
 
 #[test]

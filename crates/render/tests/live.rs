@@ -22,8 +22,8 @@ const SIZE: [u32; 2] = [120, 90];
 
 fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
-    let settings = ParamValues::initial(&scene);
-    (scene, settings)
+    let params = ParamValues::initial(&scene);
+    (scene, params)
 }
 
 fn examples() -> Vec<(String, String)> {
@@ -73,12 +73,12 @@ fn image(stage: &Renderer, shot: &RenderedImage) -> RgbaImage {
 }
 
 /// The picture that is made by itself.
-fn alone(backend: Backend, scene: &Arc<Scene>, settings: &ParamValues, request: &Wanted) -> Drawn {
+fn alone(backend: Backend, scene: &Arc<Scene>, params: &ParamValues, request: &Wanted) -> Drawn {
     let request = Wanted {
         backend,
         ..request.clone()
     };
-    request.draw(scene, settings)
+    request.draw(scene, params)
 }
 
 fn seen_from(eye: [f64; 3]) -> Wanted {
@@ -120,7 +120,7 @@ impl Random {
 #[test]
 fn a_stage_draws_what_a_single_picture_shows() {
     for (name, text) in examples() {
-        let (scene, settings) = compiled(&text);
+        let (scene, params) = compiled(&text);
         let mut requests = vec![Wanted::space(SIZE)];
         let inside = (0..).zip(&scene.objects);
         let inside = inside.filter(|(_, object)| object.shape.manifold().is_some());
@@ -128,8 +128,8 @@ fn a_stage_draws_what_a_single_picture_shows() {
         for backend in BACKENDS {
             let mut stage = stage(backend);
             for request in &requests {
-                let shot = stage.draw(&request.of(&scene, &settings));
-                match alone(backend, &scene, &settings, request) {
+                let shot = stage.draw(&request.of(&scene, &params));
+                match alone(backend, &scene, &params, request) {
                     Ok(picture) => {
                         let shot = shot.unwrap_or_else(|error| panic!("{name}: {error}"));
                         assert_eq!(shot.notes, picture.notes, "{name}");
@@ -147,10 +147,10 @@ fn a_stage_draws_what_a_single_picture_shows() {
 #[test]
 fn a_camera_move_and_the_same_request_again_sample_nothing() {
     for backend in BACKENDS {
-        let (scene, settings) = compiled(&twenty(None));
+        let (scene, params) = compiled(&twenty(None));
         let mut stage = stage(backend);
         stage
-            .draw(&Wanted::space(SIZE).of(&scene, &settings))
+            .draw(&Wanted::space(SIZE).of(&scene, &params))
             .expect("a picture");
         let before = stage.counters();
         assert_eq!((before.sampled, before.looks), (20, 0));
@@ -160,9 +160,7 @@ fn a_camera_move_and_the_same_request_again_sample_nothing() {
             Wanted::space([60, 60]),
             Wanted::space(SIZE),
         ] {
-            stage
-                .draw(&request.of(&scene, &settings))
-                .expect("a picture");
+            stage.draw(&request.of(&scene, &params)).expect("a picture");
         }
         let expected = WorkCounters {
             pictures: 4,
@@ -175,20 +173,16 @@ fn a_camera_move_and_the_same_request_again_sample_nothing() {
 #[test]
 fn a_param_samples_only_what_reads_it() {
     for backend in BACKENDS {
-        let (scene, mut settings) = compiled(&twenty(None));
+        let (scene, mut params) = compiled(&twenty(None));
         let mut stage = stage(backend);
         let request = Wanted::space(SIZE);
-        stage
-            .draw(&request.of(&scene, &settings))
-            .expect("a picture");
+        stage.draw(&request.of(&scene, &params)).expect("a picture");
         for step in 1..=10 {
             let before = stage.counters();
-            settings
+            params
                 .set(&scene, "a7", &[0.1 * f64::from(step)])
                 .expect("inside the interval");
-            stage
-                .draw(&request.of(&scene, &settings))
-                .expect("a picture");
+            stage.draw(&request.of(&scene, &params)).expect("a picture");
             let expected = WorkCounters {
                 pictures: 1,
                 sampled: 1,
@@ -202,7 +196,7 @@ fn a_param_samples_only_what_reads_it() {
 #[test]
 fn an_edit_of_one_of_twenty_surfaces_samples_one() {
     for backend in BACKENDS {
-        let (scene, settings) = compiled(&twenty(None));
+        let (scene, params) = compiled(&twenty(None));
         let (edited, _) = compiled(&twenty(Some(3)));
         // The same surfaces, all further down the text and with other names for what they read.
         let moved = format!(
@@ -212,17 +206,15 @@ fn an_edit_of_one_of_twenty_surfaces_samples_one() {
         let (moved, other) = compiled(&moved);
         let mut stage = stage(backend);
         let request = Wanted::space(SIZE);
-        stage
-            .draw(&request.of(&scene, &settings))
-            .expect("a picture");
-        for (scene, settings, sampled) in [
-            (&edited, &settings, 1),
+        stage.draw(&request.of(&scene, &params)).expect("a picture");
+        for (scene, params, sampled) in [
+            (&edited, &params, 1),
             // The old one is still kept.
-            (&scene, &settings, 0),
+            (&scene, &params, 0),
             (&moved, &other, 0),
         ] {
             let before = stage.counters();
-            stage.draw(&request.of(scene, settings)).expect("a picture");
+            stage.draw(&request.of(scene, params)).expect("a picture");
             assert_eq!(made(before, stage.counters()).sampled, sampled);
         }
     }
@@ -236,14 +228,14 @@ fn equal_objects_are_sampled_once_and_different_ones_apart() {
         point s = (k, 0, 0); point n = (m, 0, 0); point h = (k, m, 0); point w = (m, k, 0);
         vector x = (1, 2, 3) @ (4, 5, 6); vector y = (4, 5, 6) @ (1, 2, 3);
         curve c(t) = (t, 0, 0), t : [0, 1, 5]; curve d(t) = (t, 0, 0), t : [0, 1, 6];";
-        let (scene, settings) = compiled(text);
+        let (scene, params) = compiled(text);
         let mut stage = stage(backend);
         let shot = stage
-            .draw(&Wanted::space(SIZE).of(&scene, &settings))
+            .draw(&Wanted::space(SIZE).of(&scene, &params))
             .expect("a picture");
         // p, q and r have one value; all others are different.
         assert_eq!(stage.counters().sampled, 9);
-        let picture = alone(backend, &scene, &settings, &Wanted::space(SIZE));
+        let picture = alone(backend, &scene, &params, &Wanted::space(SIZE));
         assert!(image(&stage, &shot) == picture.expect("a picture").image);
     }
 }
@@ -254,36 +246,34 @@ fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
         let text = "param a : [1, 2]; param b : [0, 1];
         surface s(u, v) = (a cos u, a sin u, v), u : [0, 2pi, 30], v : [-3, 3, 30];
         point p = (b, 0, 0);";
-        let (scene, mut settings) = compiled(text);
+        let (scene, mut params) = compiled(text);
         let mut stage = stage(backend);
         let request = Wanted::geodesic(ObjectId(0), [40, 40]);
-        let walk = |stage: &mut Renderer, settings: &ParamValues, request: &Wanted, looks| {
+        let walk = |stage: &mut Renderer, params: &ParamValues, request: &Wanted, looks| {
             let before = stage.counters();
-            let shot = stage
-                .draw(&request.of(&scene, settings))
-                .expect("a picture");
+            let shot = stage.draw(&request.of(&scene, params)).expect("a picture");
             let now = made(before, stage.counters());
             assert_eq!((now.looks, now.sampled), (looks, 0));
-            let picture = alone(backend, &scene, settings, request).expect("a picture");
+            let picture = alone(backend, &scene, params, request).expect("a picture");
             assert_eq!(shot.notes, picture.notes);
             assert!(image(stage, &shot) == picture.image);
         };
-        walk(&mut stage, &settings, &request, 1);
-        walk(&mut stage, &settings, &request, 0);
+        walk(&mut stage, &params, &request, 1);
+        walk(&mut stage, &params, &request, 0);
         let mut painted = request.clone();
         painted.colours = vec![(ObjectId(0), [255, 0, 0])];
-        walk(&mut stage, &settings, &painted, 0);
-        settings.set(&scene, "b", &[0.5]).expect("inside");
-        walk(&mut stage, &settings, &request, 0);
-        settings.set(&scene, "a", &[1.5]).expect("inside");
-        walk(&mut stage, &settings, &request, 1);
+        walk(&mut stage, &params, &painted, 0);
+        params.set(&scene, "b", &[0.5]).expect("inside");
+        walk(&mut stage, &params, &request, 0);
+        params.set(&scene, "a", &[1.5]).expect("inside");
+        walk(&mut stage, &params, &request, 1);
         let mut turned = request.clone();
         turned.inside().camera.pose = Pose::At {
             at: None,
             angle: 0.5,
         };
-        walk(&mut stage, &settings, &turned, 1);
-        walk(&mut stage, &settings, &request, 0);
+        walk(&mut stage, &params, &turned, 1);
+        walk(&mut stage, &params, &request, 0);
     }
 }
 
@@ -292,7 +282,7 @@ fn the_ends_of_a_picture_from_inside_are_computed_once_whatever_lies_over_it() {
     let text = "surface s(u,v) = ((1 + 0.4cos v) cos u, (1 + 0.4cos v) sin u, 0.4sin v), \
                 u : [0, 2pi], v : [0, 2pi];\n\
                 geodesic g(t) : s = (1, 0.3) @ (1, 1), t : [0, 9];\n";
-    let (scene, settings) = compiled(text);
+    let (scene, params) = compiled(text);
     let mut stage = Renderer::software();
     let mut made = |overlays: Overlays| {
         let request = Wanted {
@@ -301,7 +291,7 @@ fn the_ends_of_a_picture_from_inside_are_computed_once_whatever_lies_over_it() {
         };
         let before = stage.counters();
         stage
-            .draw(&request.of(&scene, &settings))
+            .draw(&request.of(&scene, &params))
             .expect("it can be drawn");
         made(before, stage.counters())
     };
@@ -330,7 +320,7 @@ fn a_view_that_moves_is_coarse_and_at_rest_as_fine_as_if_it_never_had() {
     let text = "surface s(u,v) = ((1 + 0.4cos v) cos u, (1 + 0.4cos v) sin u, 0.4sin v), \
                 u : [0, 2pi], v : [0, 2pi];\n\
                 geodesic g(t) : s = (1, 0.3) @ (1, 1), t : [0, 9];\n";
-    let (scene, settings) = compiled(text);
+    let (scene, params) = compiled(text);
     let fine = Wanted::geodesic(ObjectId(0), SIZE);
     let coarse = Wanted {
         moving: true,
@@ -339,7 +329,7 @@ fn a_view_that_moves_is_coarse_and_at_rest_as_fine_as_if_it_never_had() {
     let mut stage = Renderer::software();
     let mut draw = |request: &Wanted| {
         let shot = stage
-            .draw(&request.of(&scene, &settings))
+            .draw(&request.of(&scene, &params))
             .expect("it can be drawn");
         let (work, estimate) = shot.geodesics.expect("it is a geodesic view");
         let Pixels::Image(image) = shot.image else {
@@ -361,7 +351,7 @@ fn a_view_that_moves_is_coarse_and_at_rest_as_fine_as_if_it_never_had() {
     assert_eq!(draw(&fine).0, resting);
     let mut other = Renderer::software();
     let alone = other
-        .draw(&fine.of(&scene, &settings))
+        .draw(&fine.of(&scene, &params))
         .expect("it can be drawn");
     let Pixels::Image(alone) = alone.image else {
         panic!("the software path draws in memory");
@@ -374,41 +364,37 @@ fn the_first_camera_stays_while_the_scene_moves_a_little_and_follows_when_it_lea
     let text = "param a : [0, 100];
         surface s(u, v) = (u + 0.01 a, v, 0.1 u v), u : [0, 1, 12], v : [0, 1, 12];
         point p = (0.5, 0.5, 0);";
-    let (scene, mut settings) = compiled(text);
+    let (scene, mut params) = compiled(text);
     let mut stage = Renderer::software();
     let request = Wanted::space(SIZE);
     let first = stage
-        .camera(&request.of(&scene, &settings))
+        .camera(&request.of(&scene, &params))
         .expect("a camera");
-    settings.set(&scene, "a", &[10.0]).expect("inside");
+    params.set(&scene, "a", &[10.0]).expect("inside");
     let near = stage
-        .camera(&request.of(&scene, &settings))
+        .camera(&request.of(&scene, &params))
         .expect("a camera");
     assert_eq!(
         (first.placement, first.eye, first.axes),
         (near.placement, near.eye, near.axes)
     );
     let before = stage.counters();
-    stage
-        .draw(&request.of(&scene, &settings))
-        .expect("a picture");
+    stage.draw(&request.of(&scene, &params)).expect("a picture");
     assert_eq!(made(before, stage.counters()).sampled, 2);
-    settings.set(&scene, "a", &[20.0]).expect("inside");
-    stage
-        .draw(&request.of(&scene, &settings))
-        .expect("a picture");
+    params.set(&scene, "a", &[20.0]).expect("inside");
+    stage.draw(&request.of(&scene, &params)).expect("a picture");
     assert_eq!(made(before, stage.counters()).sampled, 3, "the point stays");
     let mut far = String::from(text);
     far.push_str("point q = (50, 0, 0);");
-    let (scene, settings) = compiled(&far);
+    let (scene, params) = compiled(&far);
     let away = stage
-        .camera(&request.of(&scene, &settings))
+        .camera(&request.of(&scene, &params))
         .expect("a camera");
     assert!(away.placement.radius > 10.0 * near.placement.radius);
     stage.set_bounds(None);
-    let bounds = render::bounds::Bounds::of(&scene, &settings);
+    let bounds = render::bounds::Bounds::of(&scene, &params);
     stage
-        .camera(&request.of(&scene, &settings))
+        .camera(&request.of(&scene, &params))
         .expect("a camera");
     assert_eq!(stage.bounds().as_deref(), Some(&bounds));
 }
@@ -430,14 +416,14 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
             let mut random = Random(seed);
             let mut stage = self::stage(backend);
             let mut kept = [true; 8];
-            let (mut scene, mut settings) = (None::<Arc<Scene>>, None::<ParamValues>);
+            let (mut scene, mut params) = (None::<Arc<Scene>>, None::<ParamValues>);
             let mut request = Wanted::space(SIZE);
             for step in 0..25 {
                 match (&scene, random.below(4)) {
                     (Some(scene), 0) => {
-                        let settings = settings.as_mut().expect("with its scene");
+                        let params = params.as_mut().expect("with its scene");
                         let name = ["a", "b"][random.below(2)];
-                        settings.set(scene, name, &[random.next()]).expect("inside");
+                        params.set(scene, name, &[random.next()]).expect("inside");
                     }
                     (Some(_), 1) => {
                         let [x, y, z] = [(); 3].map(|()| 8.0 * random.next() - 4.0);
@@ -469,19 +455,19 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
                             "param a : [0, 1]; param b : [0, 1]; grid k : [0, 1, 3], [0, 1, 2];{text}"
                         );
                         let (new, opening) = compiled(&text);
-                        (scene, settings) = (Some(new), Some(opening));
+                        (scene, params) = (Some(new), Some(opening));
                         if request.view.object().is_some() {
                             request = Wanted::space(SIZE);
                         }
                     }
                 }
-                let (Some(scene), Some(settings)) = (&scene, &settings) else {
+                let (Some(scene), Some(params)) = (&scene, &params) else {
                     continue;
                 };
-                let shot = stage.draw(&request.of(scene, settings));
+                let shot = stage.draw(&request.of(scene, params));
                 let mut fresh = self::stage(backend);
                 fresh.set_bounds(stage.bounds());
-                let expected = fresh.draw(&request.of(scene, settings));
+                let expected = fresh.draw(&request.of(scene, params));
                 match (shot, expected) {
                     (Ok(shot), Ok(expected)) => {
                         assert_eq!(shot.notes, expected.notes, "seed {seed}, step {step}");
@@ -500,30 +486,26 @@ fn after_any_edits_moves_and_values_a_picture_is_the_one_from_scratch() {
 
 #[test]
 fn pipelines_are_built_for_kinds_of_objects_and_never_again() {
-    let (scene, mut settings) = compiled(&twenty(None));
+    let (scene, mut params) = compiled(&twenty(None));
     let (edited, _) = compiled(&twenty(Some(3)));
     let mut stage = stage(Backend::Gpu);
     let request = Wanted::space(SIZE);
-    stage
-        .draw(&request.of(&scene, &settings))
-        .expect("a picture");
+    stage.draw(&request.of(&scene, &params)).expect("a picture");
     assert_eq!(stage.counters().pipelines, 1, "surfaces alone");
     for step in 0..5 {
-        settings
+        params
             .set(&scene, "a1", &[0.1 * f64::from(step)])
             .expect("inside");
-        stage
-            .draw(&request.of(&scene, &settings))
-            .expect("a picture");
+        stage.draw(&request.of(&scene, &params)).expect("a picture");
     }
     stage
-        .draw(&seen_from([30.0, 20.0, 10.0]).of(&scene, &settings))
+        .draw(&seen_from([30.0, 20.0, 10.0]).of(&scene, &params))
         .expect("a picture");
     stage
-        .draw(&request.of(&edited, &settings))
+        .draw(&request.of(&edited, &params))
         .expect("a picture");
     stage
-        .draw(&Wanted::space([50, 50]).of(&scene, &settings))
+        .draw(&Wanted::space([50, 50]).of(&scene, &params))
         .expect("a picture");
     let now = stage.counters();
     assert_eq!((now.pipelines, now.looks), (1, 0));
@@ -531,16 +513,14 @@ fn pipelines_are_built_for_kinds_of_objects_and_never_again() {
     // A geodesic view takes one fixed pass, and no kernel of its own.
     for surface in [0, 1, 0] {
         let inside = Wanted::geodesic(ObjectId(surface), [40, 40]);
-        stage
-            .draw(&inside.of(&scene, &settings))
-            .expect("a picture");
+        stage.draw(&inside.of(&scene, &params)).expect("a picture");
     }
     let now = stage.counters();
     assert_eq!((now.pipelines, now.looks), (2, 2));
-    let (curves, settings) =
+    let (curves, params) =
         compiled("curve c(t) = (t, t^2, 0), t : [0, 1, 20]; point p = (1, 0, 0);");
     stage
-        .draw(&request.of(&curves, &settings))
+        .draw(&request.of(&curves, &params))
         .expect("a picture");
     assert_eq!(stage.counters().pipelines, 4);
 }
@@ -555,14 +535,12 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
         surface s(u, v) = (cos u (2 + cos v), sin u (2 + cos v), sin v + a sin(7 u) / 5 {waves}),
             u : [0, 2pi, 1000], v : [0, 2pi, 700];"
     );
-    let (scene, mut settings) = compiled(&text);
+    let (scene, mut params) = compiled(&text);
     let request = Wanted::space(SIZE);
-    let plan = request.plan(&scene, &settings);
+    let plan = request.plan(&scene, &params);
     assert_eq!(plan.objects[0].source, render::plan::SampleSource::Kernel);
     let mut stage = stage(Backend::Gpu);
-    let first = stage
-        .draw(&request.of(&scene, &settings))
-        .expect("a picture");
+    let first = stage.draw(&request.of(&scene, &params)).expect("a picture");
     let first = image(&stage, &first);
     let start = std::time::Instant::now();
     while stage.counters().pipelines < 2 {
@@ -575,24 +553,18 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
     }
     // What is there stays; other values come from the kernel, which is not built again.
     let before = stage.counters();
-    stage
-        .draw(&request.of(&scene, &settings))
-        .expect("a picture");
+    stage.draw(&request.of(&scene, &params)).expect("a picture");
     assert_eq!(made(before, stage.counters()).sampled, 0);
-    settings.set(&scene, "a", &[0.5]).expect("inside");
-    let bumpy = stage
-        .draw(&request.of(&scene, &settings))
-        .expect("a picture");
+    params.set(&scene, "a", &[0.5]).expect("inside");
+    let bumpy = stage.draw(&request.of(&scene, &params)).expect("a picture");
     let bumpy = image(&stage, &bumpy);
     assert_ne!(first, bumpy);
-    settings.set(&scene, "a", &[1.0]).expect("inside");
-    stage
-        .draw(&request.of(&scene, &settings))
-        .expect("a picture");
-    settings.set(&scene, "a", &[0.5]).expect("inside");
+    params.set(&scene, "a", &[1.0]).expect("inside");
+    stage.draw(&request.of(&scene, &params)).expect("a picture");
+    params.set(&scene, "a", &[0.5]).expect("inside");
     let now = made(before, stage.counters());
     assert_eq!((now.sampled, now.pipelines), (2, 0));
-    let software = alone(Backend::Software, &scene, &settings, &request).expect("a picture");
+    let software = alone(Backend::Software, &scene, &params, &request).expect("a picture");
     let off = software.image.as_raw().iter().zip(bumpy.as_raw());
     let off = off.filter(|(a, b)| a.abs_diff(**b) > 24).count();
     assert!(
@@ -600,10 +572,10 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
         "{off} bytes are off"
     );
     // Another program that reads other params finds the same kernel.
-    let (renamed, mut settings) = compiled(&format!("param b : [0, 3], [1, 2]; {text}"));
-    settings.set(&renamed, "a", &[0.25]).expect("inside");
+    let (renamed, mut params) = compiled(&format!("param b : [0, 3], [1, 2]; {text}"));
+    params.set(&renamed, "a", &[0.25]).expect("inside");
     stage
-        .draw(&request.of(&renamed, &settings))
+        .draw(&request.of(&renamed, &params))
         .expect("a picture");
     let now = made(before, stage.counters());
     assert_eq!((now.sampled, now.pipelines), (3, 0));
@@ -623,20 +595,16 @@ fn built(stage: &Renderer) -> WorkCounters {
 fn of_twenty_surfaces_with_kernels_a_param_builds_none_and_an_edit_the_one_that_it_changes() {
     // As though each were large: small ones share the painters' pipelines, and have no other.
     let mut stage = stage(Backend::Gpu).with_kernels_from(1);
-    let (scene, mut settings) = compiled(&twenty(None));
+    let (scene, mut params) = compiled(&twenty(None));
     let request = Wanted::space(SIZE);
-    stage
-        .draw(&request.of(&scene, &settings))
-        .expect("a picture");
+    stage.draw(&request.of(&scene, &params)).expect("a picture");
     let first = built(&stage);
     // A kernel for each surface, and what draws them all.
     assert_eq!((first.pipelines, first.sampled), (20 + 1, 20));
     for step in 1..=10 {
         let value = [0.1 * f64::from(step)];
-        settings.set(&scene, "a7", &value).expect("inside");
-        stage
-            .draw(&request.of(&scene, &settings))
-            .expect("a picture");
+        params.set(&scene, "a7", &value).expect("inside");
+        stage.draw(&request.of(&scene, &params)).expect("a picture");
     }
     let dragged = made(first, built(&stage));
     assert_eq!((dragged.pipelines, dragged.sampled), (0, 10));
@@ -647,34 +615,32 @@ fn of_twenty_surfaces_with_kernels_a_param_builds_none_and_an_edit_the_one_that_
         .expect("a picture");
     let after = built(&stage);
     assert_eq!(made(first, after).pipelines, 1);
-    let mut settings = opening;
-    settings.set(&edited, "a3", &[0.5]).expect("inside");
-    let shot = stage.draw(&request.of(&edited, &settings));
+    let mut params = opening;
+    params.set(&edited, "a3", &[0.5]).expect("inside");
+    let shot = stage.draw(&request.of(&edited, &params));
     let shot = image(&stage, &shot.expect("a picture"));
     let now = made(after, built(&stage));
     assert_eq!((now.pipelines, now.sampled), (0, 1));
-    let software = alone(Backend::Software, &edited, &settings, &request).expect("a picture");
+    let software = alone(Backend::Software, &edited, &params, &request).expect("a picture");
     let off = software.image.as_raw().iter().zip(shot.as_raw());
     let off = off.filter(|(a, b)| a.abs_diff(**b) > 24).count();
     assert!(off < shot.as_raw().len() / 40, "{off} bytes are off");
     // Back, and elsewhere in another text: every kernel is known.
     let (moved, other) = compiled(&format!("param b : [0, 1]; {}", twenty(None)));
-    for (scene, settings) in [(&scene, &ParamValues::initial(&scene)), (&moved, &other)] {
-        stage.draw(&request.of(scene, settings)).expect("a picture");
+    for (scene, params) in [(&scene, &ParamValues::initial(&scene)), (&moved, &other)] {
+        stage.draw(&request.of(scene, params)).expect("a picture");
     }
     assert_eq!(made(after, built(&stage)).pipelines, 0);
 }
 
 #[test]
 fn a_canvas_is_drawn_on_again_once_nobody_looks_at_it() {
-    let (scene, settings) = compiled("point p = (0, 0, 0);");
+    let (scene, params) = compiled("point p = (0, 0, 0);");
     let mut stage = stage(Backend::Gpu);
     let mut draw = |colour: [u8; 4]| {
         let mut request = Wanted::space([20, 10]);
         request.in_space().background = Some(colour);
-        let shot = stage
-            .draw(&request.of(&scene, &settings))
-            .expect("a picture");
+        let shot = stage.draw(&request.of(&scene, &params)).expect("a picture");
         match shot.image {
             Pixels::Texture(canvas) => canvas,
             Pixels::Image(_) => panic!("a picture in memory"),
@@ -701,27 +667,23 @@ fn a_canvas_is_drawn_on_again_once_nobody_looks_at_it() {
 
 #[test]
 fn a_lost_device_is_an_error_and_a_new_stage_goes_on() {
-    let (scene, settings) = compiled("surface s(u, v) = (u, v, u v), u : [0, 1], v : [0, 1];");
+    let (scene, params) = compiled("surface s(u, v) = (u, v, u v), u : [0, 1], v : [0, 1];");
     let gpu = Arc::new(own_gpu());
     let mut stage = Renderer::on_gpu(gpu.clone());
     let request = Wanted::space(SIZE);
-    stage
-        .draw(&request.of(&scene, &settings))
-        .expect("a picture");
+    stage.draw(&request.of(&scene, &params)).expect("a picture");
     assert!(!stage.is_lost());
     gpu.destroy();
     for request in [request.clone(), Wanted::geodesic(ObjectId(0), SIZE)] {
         let error = stage
-            .draw(&request.of(&scene, &settings))
+            .draw(&request.of(&scene, &params))
             .expect_err("the device has gone");
         assert!(matches!(error, RenderError::Gpu(_)), "{error}");
     }
     assert!(stage.is_lost());
     let mut other = Renderer::software();
     other.set_bounds(stage.bounds());
-    other
-        .draw(&request.of(&scene, &settings))
-        .expect("a picture");
+    other.draw(&request.of(&scene, &params)).expect("a picture");
 }
 
 #[test]
@@ -729,9 +691,9 @@ fn a_renderer_that_is_dropped_while_it_builds_kernels_leaves_no_thread_on_its_gp
     let gpu = Arc::new(own_gpu());
     let left = Arc::downgrade(&gpu);
     let mut stage = Renderer::on_gpu(gpu).with_kernels_from(1);
-    let (scene, settings) = compiled(&twenty(None));
+    let (scene, params) = compiled(&twenty(None));
     stage
-        .draw(&Wanted::space(SIZE).of(&scene, &settings))
+        .draw(&Wanted::space(SIZE).of(&scene, &params))
         .expect("a picture");
     drop(stage);
     assert!(left.upgrade().is_none());

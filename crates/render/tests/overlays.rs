@@ -139,10 +139,10 @@ fn declared_geodesics_are_curves_in_space_at_equal_arc_lengths() {
         "{SPHERE} grid k : [0, 1, 3]; geodesic g(t) : s = (1, k) @ (0, 0), t : [-1, 2, 31];"
     );
     let scene = scene(&source);
-    let settings = ParamValues::initial(&scene);
-    let bounds = render::bounds::Bounds::of(&scene, &settings);
+    let params = ParamValues::initial(&scene);
+    let bounds = render::bounds::Bounds::of(&scene, &params);
     let Samples::Curves { count, samples } =
-        sample(&scene, &settings, ObjectId(1), &bounds.placement)
+        sample(&scene, &params, ObjectId(1), &bounds.placement)
     else {
         panic!("no curves")
     };
@@ -159,7 +159,7 @@ fn declared_geodesics_are_curves_in_space_at_equal_arc_lengths() {
             assert!((chord - expected).abs() < 1e-5, "{chord}, not {expected}");
         }
     }
-    let planned = Wanted::space([8, 8]).plan(&scene, &settings);
+    let planned = Wanted::space([8, 8]).plan(&scene, &params);
     assert_eq!(planned.objects.len(), 2);
 }
 
@@ -184,14 +184,14 @@ fn a_metric_has_a_note_in_space_and_its_geodesics_no_place() {
 #[test]
 fn a_geodesic_camera_is_shown_in_space_when_asked_for() {
     let scene = scene(SPHERE);
-    let settings = ParamValues::initial(&scene);
+    let params = ParamValues::initial(&scene);
     let picture = |show_camera| {
         let request = Wanted {
             backend: Backend::Software,
             ..Wanted::space([64, 64]).with_space(|options| options.show_camera = show_camera)
         };
-        let drawn = request.draw(&scene, &settings).expect("a picture");
-        (request.plan(&scene, &settings).painters().len(), drawn)
+        let drawn = request.draw(&scene, &params).expect("a picture");
+        (request.plan(&scene, &params).painters().len(), drawn)
     };
     let (plain_painters, plain) = picture(None);
     let (painters, shown) = picture(Some(
@@ -206,7 +206,7 @@ fn a_geodesic_camera_is_shown_in_space_when_asked_for() {
 #[test]
 fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent() {
     let scene = scene(SPHERE);
-    let settings = ParamValues::initial(&scene);
+    let params = ParamValues::initial(&scene);
     let points = (0..=40)
         .map(|k| [0.0, -0.4 + 0.02 * f64::from(k)])
         .collect();
@@ -233,8 +233,8 @@ fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent(
             trails,
             ..base
         };
-        let painters = request.plan(&scene, &settings).painters().len();
-        let picture = request.draw(&scene, &settings).expect("a picture");
+        let painters = request.plan(&scene, &params).painters().len();
+        let picture = request.draw(&scene, &params).expect("a picture");
         (picture, painters)
     };
     for space in [false, true] {

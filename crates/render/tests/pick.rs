@@ -16,8 +16,8 @@ const SIZE: [u32; 2] = [160, 120];
 
 fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
     let scene = scenes::scene(text);
-    let settings = ParamValues::initial(&scene);
-    (scene, settings)
+    let params = ParamValues::initial(&scene);
+    (scene, params)
 }
 
 fn from(eye: [f64; 3], target: [f64; 3]) -> Wanted {
@@ -26,21 +26,16 @@ fn from(eye: [f64; 3], target: [f64; 3]) -> Wanted {
     request
 }
 
-fn pick(scene: &Arc<Scene>, settings: &ParamValues, request: &Wanted, at: [f64; 2]) -> Option<Hit> {
+fn pick(scene: &Arc<Scene>, params: &ParamValues, request: &Wanted, at: [f64; 2]) -> Option<Hit> {
     Renderer::software()
-        .pick(&request.of(scene, settings), at)
+        .pick(&request.of(scene, params), at)
         .expect("a picture")
 }
 
 /// Where the ray through a pixel place goes: its start and its direction in the scene's units.
-fn ray(
-    scene: &Arc<Scene>,
-    settings: &ParamValues,
-    request: &Wanted,
-    at: [f64; 2],
-) -> [[f64; 3]; 2] {
+fn ray(scene: &Arc<Scene>, params: &ParamValues, request: &Wanted, at: [f64; 2]) -> [[f64; 3]; 2] {
     let camera = Renderer::software()
-        .camera(&request.of(scene, settings))
+        .camera(&request.of(scene, params))
         .expect("a camera");
     let [tx, ty] = camera.half_tangents();
     let x = (2.0 * at[0] / f64::from(SIZE[0]) - 1.0) * tx;
@@ -56,18 +51,18 @@ fn ray(
 #[test]
 fn a_plane_is_hit_where_the_ray_meets_it() {
     let text = "surface s(u, v) = (u, 2 v, 0.5), u : [-4, 4, 9], v : [-2, 2, 7];";
-    let (scene, settings) = compiled(text);
+    let (scene, params) = compiled(text);
     let request = from([3.0, -7.0, 5.0], [0.2, 0.1, 0.5]);
     let mut hits = 0;
     for k in 0..200 {
         let at = [0.37 + 0.797 * f64::from(k), 119.0 - 0.59 * f64::from(k)];
-        let [start, direction] = ray(&scene, &settings, &request, at);
+        let [start, direction] = ray(&scene, &params, &request, at);
         let t = (0.5 - start[2]) / direction[2];
         let place: [f64; 3] = std::array::from_fn(|n| start[n] + t * direction[n]);
         let [u, v] = [place[0], place[1] / 2.0];
         let inside = u.abs() < 3.9 && v.abs() < 1.95;
         let outside = u.abs() > 4.1 || v.abs() > 2.05;
-        let hit = pick(&scene, &settings, &request, at);
+        let hit = pick(&scene, &params, &request, at);
         if inside {
             let hit = hit.unwrap_or_else(|| panic!("{at:?} misses"));
             assert_eq!((hit.object, hit.instance), (ObjectId(0), 0));
@@ -94,7 +89,7 @@ fn a_plane_is_hit_where_the_ray_meets_it() {
 fn a_sphere_is_hit_on_its_near_side() {
     let text = "surface s(u, v) = 2 (cos u cos v, sin u cos v, sin v),
         u : [0, 2pi, 241], v : [-pi/2, pi/2, 121];";
-    let (scene, settings) = compiled(text);
+    let (scene, params) = compiled(text);
     let eye = [6.0, 5.0, 4.0];
     let request = from(eye, [0.0; 3]);
     let mut hits = 0;
@@ -102,11 +97,11 @@ fn a_sphere_is_hit_on_its_near_side() {
         let angle = 2.4 * f64::from(k);
         let away = 44.0 * (f64::from(k) / 40.0).sqrt();
         let at = [80.0 + away * angle.cos(), 60.0 + away * angle.sin()];
-        let [start, d] = ray(&scene, &settings, &request, at);
+        let [start, d] = ray(&scene, &params, &request, at);
         let dot = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (a, b, c) = (dot(d, d), dot(start, d), dot(start, start) - 4.0);
         let root = b * b - a * c;
-        let hit = pick(&scene, &settings, &request, at);
+        let hit = pick(&scene, &params, &request, at);
         if root < 0.3 {
             continue;
         }
@@ -130,18 +125,18 @@ fn a_sphere_is_hit_on_its_near_side() {
 fn curves_points_and_vectors_are_picked_within_four_pixels() {
     let text = "curve c(t) = (t, 0, 0), t : [-2, 6, 3];
         point p = (0, 1, 0); vector w = (1, 0, 0) @ (-1, -1, 0);";
-    let (scene, settings) = compiled(text);
+    let (scene, params) = compiled(text);
     // From straight above: x to the right, y up.
     let request = from([0.0, 0.0, 6.0], [0.0; 3]);
     let mut stage = Renderer::software();
     let camera = stage
-        .camera(&request.of(&scene, &settings))
+        .camera(&request.of(&scene, &params))
         .expect("a camera");
     let pixel = f64::from(camera.pixels_per_unit()) / (6.0);
     let at = |x: f64, y: f64| [80.0 + x * pixel, 60.0 - y * pixel];
     let mut pick = |[x, y]: [f64; 2]| {
         stage
-            .pick(&request.of(&scene, &settings), [x, y])
+            .pick(&request.of(&scene, &params), [x, y])
             .expect("a picture")
     };
     let [x, y] = at(0.5, 0.0);
@@ -172,14 +167,14 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
 #[test]
 fn perspective_does_not_bend_a_curves_parameter() {
     let text = "curve c(t) = (0, t, 0), t : [0, 10, 2]; point p = (0, 5, 0);";
-    let (scene, settings) = compiled(text);
+    let (scene, params) = compiled(text);
     let request = from([1.0, -3.0, 2.0], [0.0, 4.0, 0.0]);
     let mut stage = Renderer::software();
     for k in 0..160 {
         for j in (0..120).step_by(7) {
             let at = [f64::from(k) + 0.5, f64::from(j) + 0.5];
             let hit = stage
-                .pick(&request.of(&scene, &settings), at)
+                .pick(&request.of(&scene, &params), at)
                 .expect("a picture");
             if let Some(hit) = hit.filter(|hit| hit.object == ObjectId(0)) {
                 assert!(
@@ -197,11 +192,11 @@ fn each_instance_is_told_apart() {
         surface s(u, v) = (u + 2 k_1, v + 2 k_2, 0), u : [0, 1, 5], v : [0, 1, 5];
         point p = (2 k_1 + 1.5, 2 k_2 + 1.5, 0);
         curve c(t) = (2 k_1 + t, 2 k_2 + 1.5, 0), t : [0, 1, 9];";
-    let (scene, settings) = compiled(text);
+    let (scene, params) = compiled(text);
     let request = from([3.5, 1.5, 20.0], [3.5, 1.5, 0.0]);
     let mut stage = Renderer::software();
     let camera = stage
-        .camera(&request.of(&scene, &settings))
+        .camera(&request.of(&scene, &params))
         .expect("a camera");
     let pixel = f64::from(camera.pixels_per_unit()) / 20.0;
     for i in 0..4 {
@@ -213,7 +208,7 @@ fn each_instance_is_told_apart() {
                     60.0 - (y + place[1] - 1.5) * pixel,
                 ];
                 let hit = stage
-                    .pick(&request.of(&scene, &settings), at)
+                    .pick(&request.of(&scene, &params), at)
                     .expect("a picture");
                 let hit = hit.unwrap_or_else(|| panic!("{object} at {at:?}"));
                 assert_eq!(
@@ -233,14 +228,14 @@ fn what_is_picked_is_what_the_picture_shows() {
         curve c(t) = (1.2 cos t, 1.2 sin t, 0.2 t), t : [-6, 6, 80];
         point p = (k, -1, 0.5); vector w = (0, 0, 1) @ (k, k, 0);
         metric h(x, y) = (1, 0, 1) / y^2, x : [-1, 1], y : [0.5, 1];";
-    let (scene, settings) = compiled(text);
+    let (scene, params) = compiled(text);
     let request = from([4.0, -5.0, 3.0], [0.0; 3]);
     let mut stage = Renderer::software();
     let mut drawn = |object: u32, colour: [u8; 3]| {
         let mut request = request.clone();
         request.colours = vec![(ObjectId(object), colour)];
         match stage
-            .draw(&request.of(&scene, &settings))
+            .draw(&request.of(&scene, &params))
             .expect("a picture")
             .image
         {
@@ -274,7 +269,7 @@ fn what_is_picked_is_what_the_picture_shows() {
         for x in 0..width {
             let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
             let hit = stage
-                .pick(&request.of(&scene, &settings), at)
+                .pick(&request.of(&scene, &params), at)
                 .expect("a picture");
             let glyphs: Vec<usize> = (2..5).filter(|&object| near(object, x, y)).collect();
             let here: Vec<usize> = (0..2).filter(|&object| visible(object, x, y)).collect();
@@ -299,14 +294,14 @@ fn what_is_picked_is_what_the_picture_shows() {
 
 #[test]
 fn a_place_outside_the_picture_and_a_geodesic_view_are_no_place_to_pick() {
-    let (scene, settings) = compiled("surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1];");
+    let (scene, params) = compiled("surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1];");
     for at in [[-1.0, 5.0], [5.0, 120.0], [f64::NAN, 1.0]] {
-        assert_eq!(pick(&scene, &settings, &Wanted::space(SIZE), at), None);
+        assert_eq!(pick(&scene, &params, &Wanted::space(SIZE), at), None);
     }
     let inside = Wanted::geodesic(ObjectId(0), SIZE);
     assert!(
         Renderer::software()
-            .pick(&inside.of(&scene, &settings), [1.0, 1.0])
+            .pick(&inside.of(&scene, &params), [1.0, 1.0])
             .is_err()
     );
 }

@@ -62,7 +62,7 @@ fn a_geodesic_view_builds_no_painter() {
 #[test]
 fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
     let scene = scene(&format!("{SURFACE} point p = (0,0,0);"));
-    let settings = ParamValues::initial(&scene);
+    let params = ParamValues::initial(&scene);
     let mut request = Wanted::geodesic(ObjectId(0), [64, 64]);
     let choose = |request: &mut Wanted, chosen| {
         request.inside().method = chosen;
@@ -77,7 +77,7 @@ fn a_geodesic_view_names_each_thing_that_it_leaves_out() {
     ];
     for method in [PictureMethod::Auto, PictureMethod::Rk4Pixel] {
         choose(&mut request, method);
-        let left_out = request.plan(&scene, &settings).left_out;
+        let left_out = request.plan(&scene, &params).left_out;
         assert_eq!(left_out.len(), parts.len(), "{left_out:?}");
         for (sentence, part) in left_out.iter().zip(parts) {
             assert!(sentence.starts_with(part), "{sentence}");

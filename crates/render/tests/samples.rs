@@ -11,10 +11,10 @@ use scenes::scene;
 
 fn samples(source: &str) -> (Bounds, Samples) {
     let scene = scene(source);
-    let settings = ParamValues::initial(&scene);
-    let bounds = Bounds::of(&scene, &settings);
+    let params = ParamValues::initial(&scene);
+    let bounds = Bounds::of(&scene, &params);
     let last = ObjectId(scene.objects.len() as u32 - 1);
-    let samples = sample(&scene, &settings, last, &bounds.placement);
+    let samples = sample(&scene, &params, last, &bounds.placement);
     (bounds, samples)
 }
 

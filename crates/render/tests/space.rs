@@ -277,14 +277,14 @@ fn things_beside_and_behind_the_camera_are_cut_off_cleanly() {
 #[test]
 fn wrong_requests_are_refused_with_a_sentence() {
     let scene = scene("point p = (0,0,0);");
-    let settings = ParamValues::initial(&scene);
+    let params = ParamValues::initial(&scene);
     let attempt = |request: Wanted| {
         let request = Wanted {
             backend: Backend::Software,
             ..request
         };
         request
-            .draw(&scene, &settings)
+            .draw(&scene, &params)
             .map(|_| ())
             .map_err(|error| error.to_string())
     };
@@ -297,7 +297,7 @@ fn wrong_requests_are_refused_with_a_sentence() {
     );
     let missing = Wanted::geodesic(ObjectId(9), [8, 8]);
     assert_eq!(
-        missing.draw(&scene, &settings).err(),
+        missing.draw(&scene, &params).err(),
         Some(RenderError::Manifold(ManifoldError::NoSurface {
             name: None
         }))

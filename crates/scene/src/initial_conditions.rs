@@ -156,28 +156,26 @@ mod tests {
     #[test]
     fn a_geodesic_starts_where_its_params_put_it() {
         let scene = scene(PROGRAM);
-        let mut settings = ParamValues::initial(&scene);
+        let mut params = ParamValues::initial(&scene);
         let mut evaluator =
             InitialConditionsEvaluator::new(&scene, ObjectId(1)).expect("a geodesic");
-        let mut evaluate = |settings: &ParamValues| {
-            evaluator.evaluate(&settings.first_instance(&scene, &scene.objects[1]))
+        let mut evaluate = |params: &ParamValues| {
+            evaluator.evaluate(&params.first_instance(&scene, &scene.objects[1]))
         };
         assert_eq!(
-            evaluate(&settings),
+            evaluate(&params),
             Err(InitialConditionsError::ZeroDirection)
         );
-        settings.set(&scene, "a", &[0.5]).expect("in range");
+        params.set(&scene, "a", &[0.5]).expect("in range");
         let domain = [(0.0, 1.0), (0.0, 2.0)].map(|(min, max)| Range { min, max });
         let start = [-1.0, 0.0];
         let outside = Err(InitialConditionsError::Outside { start, domain });
-        assert_eq!(evaluate(&settings), outside);
+        assert_eq!(evaluate(&params), outside);
         // A corner belongs to the domain.
-        settings
-            .set(&scene, "place", &[1.0, 2.0])
-            .expect("in range");
+        params.set(&scene, "place", &[1.0, 2.0]).expect("in range");
         let (start, direction) = ([1.0, 2.0], [0.5, 1.0]);
         assert_eq!(
-            evaluate(&settings),
+            evaluate(&params),
             Ok(InitialConditions { start, direction })
         );
         let sentence = InitialConditionsError::Outside { start, domain }.to_string();
@@ -186,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_geodesic_has_no_launcher() {
+    fn what_is_no_geodesic_has_no_initial_conditions() {
         let scene = scene(PROGRAM);
         assert!(InitialConditionsEvaluator::new(&scene, ObjectId(0)).is_none());
         assert!(InitialConditionsEvaluator::new(&scene, ObjectId(2)).is_none());

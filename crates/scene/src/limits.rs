@@ -1,5 +1,5 @@
-//! How large a scene may be. Each limit is there so that no text can take the machine down, and each ends in
-//! a diagnostic that names it.
+//! Limits on the size of a scene. Each limit is there so that no text can take the machine down, and each ends in a
+//! diagnostic that names it.
 
 /// The largest number of values of one axis of a grid.
 pub const MAX_AXIS: u32 = 1_000_000;

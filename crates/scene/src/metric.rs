@@ -275,8 +275,8 @@ mod tests {
             let body = metric.split(", u :").next().unwrap_or_default();
             let source = format!("metric h(u,v) = {metric};");
             let compilation = crate::geotrace::compile(&source);
-            let settings = ParamValues::initial(compilation.scene.as_ref().expect("a scene"));
-            let value = compilation.evaluate(&format!("h({u}, {v})"), &settings);
+            let params = ParamValues::initial(compilation.scene.as_ref().expect("a scene"));
+            let value = compilation.evaluate(&format!("h({u}, {v})"), &params);
             let value = value.expect("a value").outcome;
             let crate::Outcome::Single(crate::Value::Vector(form)) = value else {
                 panic!("{body} is no vector");

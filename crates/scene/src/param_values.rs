@@ -348,19 +348,19 @@ mod tests {
     #[test]
     fn params_open_with_their_value() {
         let scene = scene();
-        let settings = ParamValues::initial(&scene);
-        assert_eq!(settings.uniforms(), [1.5, 0.0, 5.0, 0.0, 10.0, 7.0]);
-        assert_eq!(settings.param(&scene.params[1]), [0.0, 5.0]);
+        let params = ParamValues::initial(&scene);
+        assert_eq!(params.uniforms(), [1.5, 0.0, 5.0, 0.0, 10.0, 7.0]);
+        assert_eq!(params.param(&scene.params[1]), [0.0, 5.0]);
     }
 
     #[test]
     fn instances_run_through_the_product_with_the_last_axis_fastest() {
         let mut scene = scene();
         let object = object(&mut scene);
-        let mut settings = ParamValues::initial(&scene);
-        assert_eq!(settings.instance_count(&scene, &object), 12);
+        let mut params = ParamValues::initial(&scene);
+        assert_eq!(params.instance_count(&scene, &object), 12);
         let mut seen = Vec::new();
-        settings.for_each_instance(&scene, &object, |uniforms| {
+        params.for_each_instance(&scene, &object, |uniforms| {
             seen.push(uniforms[3..].to_vec())
         });
         assert_eq!(seen.len(), 12);
@@ -369,57 +369,57 @@ mod tests {
         assert_eq!(seen[2], [0.0, 11.0, 7.0]);
         assert_eq!(seen[6], [1.0, 10.0, 7.0]);
         assert_eq!(seen[11], [1.0, 12.0, 8.0]);
-        assert_eq!(settings.instance(&scene, &object, 2)[3..], seen[2][..]);
+        assert_eq!(params.instance(&scene, &object, 2)[3..], seen[2][..]);
 
-        settings.set(&scene, "k", &[0.25, 11.5]).unwrap();
-        assert_eq!(settings.instance_count(&scene, &object), 2);
+        params.set(&scene, "k", &[0.25, 11.5]).unwrap();
+        assert_eq!(params.instance_count(&scene, &object), 2);
         assert_eq!(
-            settings.first_instance(&scene, &object)[3..],
+            params.first_instance(&scene, &object)[3..],
             [0.25, 11.5, 7.0]
         );
         assert_eq!(
-            settings.fixed_grid(&scene, GridId(0)),
+            params.fixed_grid(&scene, GridId(0)),
             Some(&[0.25, 11.5][..])
         );
-        assert_eq!(settings.fixed_grid(&scene, GridId(1)), None);
+        assert_eq!(params.fixed_grid(&scene, GridId(1)), None);
     }
 
     #[test]
     fn a_refused_value_changes_nothing_and_says_why() {
         let scene = scene();
-        let mut settings = ParamValues::initial(&scene);
-        let before = settings.clone();
+        let mut params = ParamValues::initial(&scene);
+        let before = params.clone();
         let sentence = |error: Result<(), SetError>| error.unwrap_err().to_string();
         assert_eq!(
-            sentence(settings.set(&scene, "alpha", &[3.0])),
+            sentence(params.set(&scene, "alpha", &[3.0])),
             "`alpha` = 3 lies outside its interval [1, 2]"
         );
         assert_eq!(
-            sentence(settings.set(&scene, "alpha", &[f64::NAN])),
+            sentence(params.set(&scene, "alpha", &[f64::NAN])),
             "`alpha` = NaN lies outside its interval [1, 2]"
         );
         assert_eq!(
-            sentence(settings.set(&scene, "b", &[0.5, -1.0])),
+            sentence(params.set(&scene, "b", &[0.5, -1.0])),
             "`b_2` = -1 lies outside its interval [5, 6]"
         );
         assert_eq!(
-            sentence(settings.set(&scene, "b", &[0.5])),
+            sentence(params.set(&scene, "b", &[0.5])),
             "`b` has 2 components, but 1 was given"
         );
         assert_eq!(
-            sentence(settings.set(&scene, "m", &[7.0, 8.0])),
+            sentence(params.set(&scene, "m", &[7.0, 8.0])),
             "`m` is one number, but 2 were given"
         );
         assert_eq!(
-            sentence(settings.set(&scene, "alhpa", &[1.0])),
+            sentence(params.set(&scene, "alhpa", &[1.0])),
             "no param or grid is named `alhpa`; did you mean `alpha`?"
         );
         assert_eq!(
-            sentence(settings.set(&scene, "zebra", &[1.0])),
+            sentence(params.set(&scene, "zebra", &[1.0])),
             "no param or grid is named `zebra`"
         );
-        assert_eq!(settings, before);
-        settings.set(&scene, "alpha", &[2.0]).unwrap();
-        assert_eq!(settings.uniforms()[0], 2.0);
+        assert_eq!(params, before);
+        params.set(&scene, "alpha", &[2.0]).unwrap();
+        assert_eq!(params.uniforms()[0], 2.0);
     }
 }

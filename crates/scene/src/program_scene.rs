@@ -1,4 +1,4 @@
-//! What can be shown of a program, with errors or without.
+//! The scene of a program, with errors or without.
 
 use std::sync::Arc;
 

@@ -29,7 +29,7 @@ impl Scene {
         self.objects.get(id.0 as usize)
     }
 
-    /// Whether the 3D view shows an object: all but metrics, and geodesics on a metric, lie in space.
+    /// Returns true if the 3D view shows an object: all but metrics, and geodesics on a metric, lie in space.
     pub fn is_in_space(&self, object: &Object) -> bool {
         match object.shape.geodesic() {
             Some((surface, _)) => self.get(surface).is_none_or(|on| !on.shape.is_metric()),
@@ -80,7 +80,7 @@ pub struct Sampling {
 }
 
 impl Range {
-    /// Whether a value lies in the interval, its ends included. NaN lies in none.
+    /// Returns true if a value lies in the interval, its ends included. NaN lies in none.
     pub fn contains(&self, value: f64) -> bool {
         (self.min..=self.max).contains(&value)
     }
@@ -215,22 +215,22 @@ impl Shape {
         }
     }
 
-    /// Whether it is a point.
+    /// Returns true if it is a point.
     pub fn is_point(&self) -> bool {
         matches!(self, Self::Point { .. })
     }
 
-    /// Whether it is a surface in space.
+    /// Returns true if it is a surface in space.
     pub fn is_surface(&self) -> bool {
         matches!(self, Self::Surface { .. })
     }
 
-    /// Whether it is a metric, which has no place in space.
+    /// Returns true if it is a metric, which has no place in space.
     pub fn is_metric(&self) -> bool {
         matches!(self, Self::Metric { .. })
     }
 
-    /// Whether it is a geodesic, whose points are integrated and have no expression.
+    /// Returns true if it is a geodesic, whose points are integrated and have no expression.
     pub fn is_geodesic(&self) -> bool {
         matches!(self, Self::Geodesic { .. })
     }

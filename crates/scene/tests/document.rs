@@ -20,10 +20,10 @@ fn check(document: &Document, text: &str) {
     let described = own.scene.as_ref().map(describe);
     assert_eq!(described, whole.scene.as_ref().map(describe), "{text}");
     if let Some(scene) = &whole.scene {
-        let settings = ParamValues::initial(scene);
+        let params = ParamValues::initial(scene);
         for name in ["a", "f(1)", "g(1, 2)", "b + c"] {
             let evaluate = |compilation: &scene::geotrace::Compilation| {
-                format!("{:?}", compilation.evaluate(name, &settings))
+                format!("{:?}", compilation.evaluate(name, &params))
             };
             assert_eq!(evaluate(own), evaluate(&whole), "{name} in {text}");
         }

@@ -17,8 +17,8 @@ fn sound(source: &str) -> Compilation {
 
 fn outcome(source: &str, expression: &str) -> Outcome {
     let compilation = sound(source);
-    let settings = ParamValues::initial(compilation.scene.as_ref().unwrap());
-    match compilation.evaluate(expression, &settings) {
+    let params = ParamValues::initial(compilation.scene.as_ref().unwrap());
+    match compilation.evaluate(expression, &params) {
         Ok(evaluation) => evaluation.outcome,
         Err(diagnostics) => panic!("{source} {expression}: {diagnostics:?}"),
     }
@@ -194,11 +194,11 @@ fn params_open_at_their_minimum_and_grids_give_instances() {
     );
 
     let compilation = sound(source);
-    let mut settings = ParamValues::initial(compilation.scene.as_ref().unwrap());
-    settings
+    let mut params = ParamValues::initial(compilation.scene.as_ref().unwrap());
+    params
         .set(compilation.scene.as_ref().unwrap(), "k", &[0.5])
         .unwrap();
-    let evaluation = compilation.evaluate("b", &settings).unwrap();
+    let evaluation = compilation.evaluate("b", &params).unwrap();
     assert_eq!(
         evaluation.outcome,
         Outcome::Single(Value::Number(Some(2.5)))
@@ -243,8 +243,8 @@ fn objects_know_what_they_depend_on_directly_or_not() {
     assert_eq!(parameters, &["u", "v2"]);
     assert_eq!((domain[0].range.max, domain[0].count), (1.0, 100));
     assert_eq!((domain[1].range.max, domain[1].count), (3.0, 7));
-    let settings = ParamValues::initial(scene);
-    assert_eq!(settings.instance_count(scene, &scene.objects[1]), 8);
+    let params = ParamValues::initial(scene);
+    assert_eq!(params.instance_count(scene, &scene.objects[1]), 8);
 }
 
 #[test]
@@ -628,9 +628,9 @@ fn a_long_chain_of_functions_needs_no_recursion() {
 #[test]
 fn mistakes_in_an_evaluated_expression_have_places_in_its_own_text() {
     let compilation = sound("\nfunction f(x) = x + (1,2);");
-    let settings = ParamValues::initial(compilation.scene.as_ref().unwrap());
+    let params = ParamValues::initial(compilation.scene.as_ref().unwrap());
     let text = "2 f 1";
-    let errors = compilation.evaluate(text, &settings).unwrap_err();
+    let errors = compilation.evaluate(text, &params).unwrap_err();
     assert_eq!(errors.len(), 1);
     assert_eq!(errors[0].span.text(text), "f 1");
     assert_eq!(errors[0].related, []);
@@ -639,9 +639,9 @@ fn mistakes_in_an_evaluated_expression_have_places_in_its_own_text() {
         Some("line 2 of the program: here, in the body of `f`")
     );
     for text in ["", "1 +", "1 2)", "foo", "(1,2)+(1,2,3)", "t"] {
-        assert!(compilation.evaluate(text, &settings).is_err(), "{text}");
+        assert!(compilation.evaluate(text, &params).is_err(), "{text}");
     }
-    let warned = compilation.evaluate("sin 2 pi", &settings).unwrap();
+    let warned = compilation.evaluate("sin 2 pi", &params).unwrap();
     assert!(
         warned
             .warnings
@@ -654,8 +654,8 @@ fn mistakes_in_an_evaluated_expression_have_places_in_its_own_text() {
 fn a_program_with_errors_has_no_scene_and_evaluates_nothing() {
     let compilation = compile("define a = 1 + (1,2); define b = 2;");
     assert!(compilation.scene.is_none());
-    let settings = ParamValues::initial(&scene::Scene::default());
-    let errors = compilation.evaluate("b", &settings).unwrap_err();
+    let params = ParamValues::initial(&scene::Scene::default());
+    let errors = compilation.evaluate("b", &params).unwrap_err();
     assert_eq!(errors[0].code.0, "program-has-errors");
 }
 

@@ -22,9 +22,9 @@ use tower_service::Service;
 use crate::frames::{self, Frame, FrameReader};
 use crate::raw_responses::{Message, RawSender};
 
-/// How many messages are worked on at once; a cancellation waits for a free place.
+/// The number of messages that are processed at once; a cancellation waits for a free place.
 const CONCURRENCY: usize = 64;
-/// How many requests may wait for a place.
+/// The number of requests that may wait for a place.
 const WAITING: usize = 100;
 
 /// JSON-RPC 2.0, section 5.1: what was read is no JSON, …
@@ -102,7 +102,7 @@ impl Connection {
                         }
                     }
                 }
-                // The responses of what is under way are still written, but nothing is asked of the editor any more.
+                // The responses of what is under way are still written, but no more requests are sent to the editor.
                 requests_end.abort();
             };
             join!(work, read);

@@ -1,8 +1,8 @@
 //! The open documents: one owner, changed in the order of the messages; readers take snapshots.
 //!
 //! A document is read and checked as it changes, declaration by declaration, so that what is wrong with it is known at
-//! once. What is asked of it (hover, rename, …) works on a snapshot, which shares with the document all that has been
-//! read, and is made when it is first asked for.
+//! once. A query (hover, rename, …) works on a snapshot, which shares with the document all that has been read, and is
+//! made on the first query.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -17,7 +17,7 @@ use syntax::span::Span;
 
 use crate::encoding::{Encoding, LineStarts, Place};
 
-/// Where spans of a text stand, as its editor counts.
+/// The positions of a text's spans, in its editor's units.
 pub(crate) trait Places {
     /// Both ends of a span.
     fn range(&self, span: Span) -> [Place; 2];
@@ -30,7 +30,7 @@ pub(crate) struct Snapshot {
     pub(crate) uri: String,
     /// The editor's version.
     pub(crate) version: i32,
-    /// How the editor counts columns.
+    /// The unit of the editor's columns.
     pub(crate) encoding: Encoding,
     analysis: Arc<dyn Analysis>,
     lines: Option<Arc<LineStarts>>,
@@ -134,9 +134,9 @@ impl Counted<'_> {
 /// A change of a document.
 #[derive(Clone, Debug)]
 pub(crate) struct ContentChange {
-    /// What is replaced; the whole text if `None`.
+    /// The range that is replaced; the whole text if `None`.
     pub(crate) range: Option<[Place; 2]>,
-    /// What takes its place.
+    /// The new text.
     pub(crate) text: String,
 }
 
@@ -145,7 +145,7 @@ pub(crate) struct ContentChange {
 pub(crate) struct Documents {
     /// The languages that documents may be in.
     pub(crate) languages: Languages,
-    /// How the editor counts columns.
+    /// The unit of the editor's columns.
     pub(crate) encoding: Encoding,
     open: HashMap<String, Open>,
     revision: u64,
@@ -157,13 +157,13 @@ pub(crate) struct Open {
     uri: String,
     /// The editor's version.
     pub(crate) version: i32,
-    /// Counts the changes of all documents: tells two states apart.
+    /// Counts the changes of all documents, so that two states differ by it.
     pub(crate) revision: u64,
     encoding: Encoding,
     program: Box<dyn Program>,
     lines: Option<Arc<LineStarts>>,
     snapshot: OnceLock<Arc<Snapshot>>,
-    /// The changes that led to this version, if they were asked for.
+    /// The changes that led to this version, if they are recorded.
     changes: Changes,
 }
 
@@ -189,7 +189,7 @@ impl Documents {
     /// Opens a document, or replaces it. `language` is the name that the editor gives its language.
     ///
     /// # Errors
-    /// Where the text is too large; the document is not open then.
+    /// If the text is too large; the document is not open then.
     pub(crate) fn open(
         &mut self,
         uri: &str,
@@ -217,7 +217,7 @@ impl Documents {
     /// returns them as [`Open::changes`].
     ///
     /// # Errors
-    /// Where a text would be too large; the changes before it have been made.
+    /// If a text would be too large; the changes before it have been made.
     pub(crate) fn change(
         &mut self,
         uri: &str,
@@ -254,7 +254,7 @@ impl Documents {
         all
     }
 
-    /// Whether a document is open and has not changed since a revision.
+    /// Returns true if a document is open and has not changed since a revision.
     pub(crate) fn is_current(&self, uri: &str, revision: u64) -> bool {
         self.open
             .get(uri)
@@ -277,7 +277,7 @@ impl Open {
         made.clone()
     }
 
-    /// What is wrong with it.
+    /// Returns the diagnostics.
     pub(crate) fn diagnostics(&self) -> Arc<[Diagnostic]> {
         self.program.diagnostics()
     }

@@ -3,7 +3,7 @@
 #[cfg(test)]
 use syntax::span::Span;
 
-/// What an editor's columns count.
+/// The unit of an editor's columns.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub(crate) enum Encoding {
     /// Bytes.
@@ -79,7 +79,7 @@ impl LineStarts {
         Self { starts }
     }
 
-    /// Where a line starts, and where the next does; `None` for a line past the last.
+    /// Returns the start of a line, and that of the next; `None` for a line past the last.
     pub(crate) fn bounds(&self, line: u32) -> Option<(u32, Option<u32>)> {
         let line = line as usize;
         let start = *self.starts.get(line)?;
@@ -93,7 +93,7 @@ impl LineStarts {
     }
 }
 
-/// Where lines start behind the ends of lines.
+/// Returns the starts of the lines that follow the ends of lines.
 fn ends(bytes: &[u8]) -> impl Iterator<Item = u32> + '_ {
     let all = bytes.iter().enumerate();
     all.filter_map(move |(k, byte)| {

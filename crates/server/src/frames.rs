@@ -12,7 +12,7 @@ const LONGEST: usize = 256 << 20;
 const LONGEST_HEADER: usize = 64 << 10;
 const LENGTH: &[u8] = b"Content-Length:";
 
-/// What was read.
+/// A message that was read.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Frame {
     /// A request or a notification of the editor.
@@ -76,7 +76,7 @@ impl<R: AsyncRead + Unpin> FrameReader<R> {
         ))
     }
 
-    /// Where the next body starts, and its length.
+    /// Returns the start of the next body, and its length.
     async fn header(&mut self) -> Option<Result<(usize, usize), String>> {
         self.buffer.drain(..self.used);
         self.used = 0;

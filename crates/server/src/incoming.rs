@@ -3,8 +3,8 @@
 //! ```text
 //! lifecycle   initialize, shutdown, and what both sides can do
 //! documents   opened, changed, closed; what is wrong with them
-//! places      what is asked at a place             ─┐
-//! ranges      what is asked of a range, or of all   ├─▶ work: on a worker, over a snapshot
+//! places      requests at a place                 ─┐
+//! ranges      requests for a range, or for all     ├─▶ work: on a worker, over a snapshot
 //! workspace   settings, folders, all programs       ─┘
 //! window      a document's preview window, from its start to its end
 //! ```
@@ -32,10 +32,10 @@ use crate::raw_responses::{self, RawSender};
 use crate::session::Session;
 pub(crate) use window::close_all;
 
-/// The notification by which an editor tells where its cursor stands, which the protocol has none for: its params are
-/// those of a hover.
+/// The notification by which an editor reports the place of its cursor, which the protocol lacks: its params are those
+/// of a hover.
 pub(crate) const CURSOR: &str = "geotrace/cursor";
-/// How many features are at work at once: more would only share the processors, and each needs its memory.
+/// The number of features that run at once: more would only share the processors, and each needs its memory.
 const MOST_AT_WORK: usize = 2;
 
 /// The server as the protocol sees it.
@@ -47,7 +47,7 @@ pub(crate) struct Backend {
     /// The places for features that are at work at once.
     places: Arc<Semaphore>,
     end: Arc<crate::End>,
-    /// Where messages go past the protocol.
+    /// The writer of messages that bypass the protocol.
     raw_sender: RawSender,
 }
 
@@ -97,7 +97,7 @@ impl Backend {
         self.point_at(&params);
     }
 
-    /// Remembers where the cursor stands in a document, and tells its window, if it has one.
+    /// Stores the place of the cursor in a document, and sends it to the document's window, if it has one.
     fn point_at(&self, at: &lsp::TextDocumentPositionParams) {
         let uri = at.text_document.uri.as_str();
         let mut session = self.session();

@@ -40,7 +40,7 @@ pub use preview::WindowProgram;
 use raw_responses::{RawResponses, RawSender};
 use session::Session;
 
-/// How a session came to its end.
+/// The end of a session.
 #[derive(Debug, Default)]
 pub(crate) struct End {
     asked_for: AtomicBool,
@@ -61,10 +61,10 @@ impl End {
 
 /// Serves one editor on standard input and output until it leaves. True if it left as it should: by `shutdown`, then
 /// `exit` or the end of its input. Documents are in one of the `languages`. `window` is what is started for a preview;
-/// without one the editor is told so.
+/// without one the editor gets a message.
 ///
 /// # Errors
-/// Where no threads or timers can be had from the system.
+/// If the system has no threads or timers left.
 pub fn run(languages: Languages, window: Option<WindowProgram>) -> std::io::Result<bool> {
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)

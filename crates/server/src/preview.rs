@@ -30,34 +30,34 @@ pub(crate) use sent::SentVersions;
 /// `{"view": "geodesic", "surface": NAME}`.
 pub(crate) const COMMAND: &str = "geotrace.preview";
 
-/// How a preview window is started: a program that speaks the messages of `protocol` on its standard streams.
+/// The command that starts a preview window: a program that speaks the messages of `protocol` on its standard streams.
 #[derive(Clone, Debug)]
 pub struct WindowProgram {
     /// The program.
     pub program: PathBuf,
     /// Its arguments.
     pub arguments: Vec<OsString>,
-    /// How long it may take to say its version.
-    pub patience: Duration,
+    /// The time that it may take to send its version.
+    pub version_timeout: Duration,
     /// For how long it outlives its document: an editor that reads a file anew closes it and opens it again.
     pub close_delay: Duration,
 }
 
 impl WindowProgram {
-    /// How long a window may take to say its version: it does so before it looks for a display.
-    pub const PATIENCE: Duration = Duration::from_secs(10);
+    /// The time that a window may take to send its version: it does so before it opens a display.
+    pub const VERSION_TIMEOUT: Duration = Duration::from_secs(10);
     /// For how long a window outlives its document.
     pub const CLOSE_DELAY: Duration = Duration::from_millis(500);
 
     /// This program itself, with these arguments.
     ///
     /// # Errors
-    /// Where the system does not tell which program runs.
+    /// If the system does not name the running program.
     pub fn own(arguments: impl IntoIterator<Item = impl Into<OsString>>) -> std::io::Result<Self> {
         Ok(Self {
             program: std::env::current_exe()?,
             arguments: arguments.into_iter().map(Into::into).collect(),
-            patience: Self::PATIENCE,
+            version_timeout: Self::VERSION_TIMEOUT,
             close_delay: Self::CLOSE_DELAY,
         })
     }
@@ -67,7 +67,7 @@ impl WindowProgram {
 #[derive(Debug, Default)]
 pub(crate) struct Previews {
     open: HashMap<String, Preview>,
-    /// Those that have been forgotten, but perhaps not been told yet to close.
+    /// Those that have been forgotten, but perhaps have not received the command to close.
     leaving: Vec<Arc<Process>>,
     counter: u64,
 }
@@ -104,7 +104,7 @@ pub(crate) struct Started {
 }
 
 impl Previews {
-    /// Whether a document has a window.
+    /// Returns true if a document has a window.
     pub(crate) fn has(&self, uri: &str) -> bool {
         self.open.contains_key(uri)
     }
@@ -128,7 +128,7 @@ impl Previews {
     /// Starts a document's window; `cursor` is where it stands in the text, if that is known.
     ///
     /// # Errors
-    /// Where the program cannot be started.
+    /// If the program cannot be started.
     pub(crate) fn start(
         &mut self,
         program: &WindowProgram,
@@ -227,8 +227,8 @@ impl Previews {
         }
     }
 
-    /// A window shows the text of a number; its version, if the editor still knows it. Where the cursor stands there is
-    /// told again, as it may not have been a place of a text that the window had read when it was told.
+    /// Records that a window shows the text of a number. Returns its version, if the editor still knows it. The place of
+    /// the cursor is sent again: the window may not have read a text with that place when it was sent first.
     pub(crate) fn shown(&mut self, uri: &str, id: u64, number: i32, ok: bool) -> Option<i32> {
         let preview = self.of(uri, id)?;
         preview.sent.shown(number, ok);
@@ -259,7 +259,7 @@ impl Previews {
         }
     }
 
-    /// Has all windows close; those that have not been told yet.
+    /// Sends the command to close to all windows that have not received it.
     pub(crate) fn close_all(&mut self) -> Vec<Arc<Process>> {
         let all: Vec<_> = self.open.drain().map(|(_, it)| it.process).collect();
         for process in all {

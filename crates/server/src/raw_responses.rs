@@ -1,9 +1,9 @@
 //! Large answers: written as text where they are made, and sent past the protocol's own way, which would first build a
 //! tree of all their values.
 //!
-//! What flows in: requests, and for some of them an answer that is JSON already. What flows out: whole messages for the
-//! writer, in their order, beside those that the protocol writes. State, cancellation and errors stay the protocol's
-//! business: a request is only given the name of a method that answers with text.
+//! Input: requests, and for some of them an answer that is JSON already. Output: whole messages for the writer, in
+//! their order, beside those that the protocol writes. State, cancellation and errors stay the protocol's business: a
+//! request is only given the name of a method that answers with text.
 
 use std::pin::Pin;
 use std::sync::Arc;
@@ -46,7 +46,7 @@ methods! {
     TOKENS_RANGE = "textDocument/semanticTokens/range";
 }
 
-/// How many large answers may wait for the editor to read them: while they do, their requests are not done.
+/// The number of large answers that may wait for the editor to read them: while they do, their requests are not done.
 const MOST_WAITING: usize = 8;
 
 /// An answer as JSON.

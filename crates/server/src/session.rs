@@ -1,4 +1,4 @@
-//! What the server remembers of a session: settings, documents, what was sent last.
+//! The state of a session: settings, documents, the last messages sent.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -11,28 +11,28 @@ use crate::preview::{Previews, WindowProgram};
 use crate::settings::Settings;
 use crate::tokens::Encoded;
 
-/// What the editor says that it understands.
+/// The capabilities of the editor.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Editor {
     /// Markdown in hovers.
     pub(crate) markdown: bool,
-    /// Whether the documentation of completions may be Markdown; none where it has to be a plain string.
+    /// True if the documentation of completions may be Markdown; none where it has to be a plain string.
     pub(crate) documentation: Option<bool>,
     /// Places to fill in in completions.
     pub(crate) snippets: bool,
     /// Edits of documents of a version.
     pub(crate) versioned_edits: bool,
-    /// Can be asked for settings.
+    /// Answers requests for settings.
     pub(crate) configuration: bool,
     /// Takes a declaration's outline as a tree.
     pub(crate) hierarchical_symbols: bool,
-    /// Can be told that hints have changed.
+    /// Refreshes hints on request.
     pub(crate) refreshes_hints: bool,
-    /// Can be told that lenses have changed.
+    /// Refreshes lenses on request.
     pub(crate) refreshes_lenses: bool,
-    /// Can be asked to show a place of a document.
+    /// Shows a place of a document on request.
     pub(crate) shows_documents: bool,
-    /// Takes edits that it has not asked for.
+    /// Applies edits that the server sends.
     pub(crate) applies_edits: bool,
     /// Wants to hear of each picture: `experimental.geotrace.shown`.
     pub(crate) hears_shown: bool,
@@ -45,15 +45,15 @@ pub(crate) struct Session {
     pub(crate) settings: Settings,
     pub(crate) documents: Documents,
     pub(crate) previews: Previews,
-    /// Where the cursor was last seen in each document: for the window that is opened next.
+    /// The last known place of the cursor in each document: for the window that is opened next.
     pub(crate) cursors: HashMap<String, Place>,
-    /// What is started for a preview; none in a build without it.
+    /// The command that starts a preview; `None` in a build without it.
     pub(crate) window: Option<Arc<WindowProgram>>,
     /// The folders of the workspace.
     pub(crate) folders: Vec<std::path::PathBuf>,
     /// The tokens sent last for each document, and under which name.
     pub(crate) tokens: HashMap<String, (String, Arc<[Encoded]>)>,
-    /// The documents whose diagnostics the editor asks for: they are not sent unasked.
+    /// The documents whose diagnostics the editor pulls: they are not pushed.
     pub(crate) pulled: HashSet<String>,
     pub(crate) counter: u64,
 }

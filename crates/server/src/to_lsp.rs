@@ -26,7 +26,7 @@ pub(crate) fn range(places: &impl Places, span: Span) -> lsp::Range {
     lsp::Range::new(start, end)
 }
 
-/// What the server can do.
+/// Returns the server's capabilities.
 pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
     let encoding = match encoding {
         Encoding::Utf8 => lsp::PositionEncodingKind::UTF8,
@@ -177,12 +177,12 @@ pub(crate) fn hover(snapshot: &Snapshot, offset: u32, markdown: bool) -> Option<
     })
 }
 
-/// What [`completion`] leaves for later, in the item's data.
+/// The part of a completion that is resolved later, in the item's data.
 pub(crate) fn later(uri: &str, offset: u32) -> serde_json::Value {
     serde_json::json!({ "uri": uri, "offset": offset })
 }
 
-/// A list that is not complete is asked for again when more has been written.
+/// The editor requests an incomplete list again when more has been written.
 pub(crate) fn completions(snapshot: &Snapshot, found: Completions) -> lsp::CompletionResponse {
     let list = found.list.into_iter();
     let items = list.map(|it| completion(snapshot, found.range, it));
@@ -223,7 +223,7 @@ fn completion(snapshot: &Snapshot, replaced: Span, completion: Completion) -> ls
     }
 }
 
-/// `markdown` is none where the editor takes strings alone.
+/// `markdown` is `None` where the editor takes strings alone.
 pub(crate) fn documentation(
     description: &ide::description::Description,
     markdown: Option<bool>,

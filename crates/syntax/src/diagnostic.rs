@@ -50,7 +50,7 @@ pub struct Diagnostic {
     pub span: Span,
     /// One sentence that says what is wrong, in the words of the language's users.
     pub message: String,
-    /// How to correct it, if that is known ("did you mean `cos`?").
+    /// A correction, if one is known ("did you mean `cos`?").
     pub hint: Option<String>,
     /// Other places that explain it.
     pub related: Vec<Related>,

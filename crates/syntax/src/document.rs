@@ -2,13 +2,13 @@
 //!
 //! ```text
 //! edit ──▶ edit.rs          the chunks that are cut anew, and those that are read again
-//!          grammar.rs       what a document asks of a language
+//!          grammar.rs       the interface of a language
 //!          chunk.rs         a piece of the text, with what reading it has given
 //!          sequence.rs      the chunks in order, with sums: offsets and lines in logarithmic time
 //!          names.rs         the meaning of a word at a place; the chunks that use a name
 //!          lookups.rs       the chunks that a new name would change
 //!          scope.rs         the names as a grammar sees them while it reads a chunk
-//!          diagnostics.rs   diagnostics, completed with lines and names of other places when they are asked for
+//!          diagnostics.rs   diagnostics, completed with lines and names of other places on request
 //!          surroundings.rs  the text around a chunk, for that
 //! ask  ──▶ snapshot.rs, index.rs   the text, its tokens, symbols and lines, at one version
 //!          chunk_set.rs     sets of chunks that snapshots share with the document

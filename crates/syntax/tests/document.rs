@@ -33,8 +33,8 @@ impl Actions for Transcript {
     fn act_advance(&mut self, token: Token) {
         self.tokens.push(token);
     }
-    fn act_declaration_start(&mut self, word: DeclarationKeyword, span: Span) {
-        self.events.push(ParseEvent::Open(word, span));
+    fn act_declaration_start(&mut self, keyword: DeclarationKeyword, span: Span) {
+        self.events.push(ParseEvent::Open(keyword, span));
     }
     fn act_operator(&mut self, operator: Operator, span: Span) {
         self.events.push(ParseEvent::Operator(operator, span));
@@ -43,7 +43,7 @@ impl Actions for Transcript {
         self.events.push(ParseEvent::Interval(interval));
     }
     fn act_declaration(&mut self, d: &Declaration<'_>) {
-        let mut line = format!("{:?} {:?} {} {:?}", d.word, d.span, d.name, d.name_span);
+        let mut line = format!("{:?} {:?} {} {:?}", d.keyword, d.span, d.name, d.name_span);
         let _ = write!(
             line,
             " {:?} {} {}",
@@ -65,11 +65,11 @@ fn describe(symbol: Option<&Symbol>, place: Option<Span>) -> String {
             let Symbol {
                 name,
                 kind,
-                word,
+                keyword,
                 faulty,
                 ..
             } = s;
-            format!("{name} {kind:?} {word:?} {place:?} {parameters:?} {faulty}")
+            format!("{name} {kind:?} {keyword:?} {place:?} {parameters:?} {faulty}")
         }
         None => "a symbol that is gone".to_owned(),
     }
@@ -150,7 +150,7 @@ fn check(document: &Document, text: &str) {
                 true => d.name_span,
                 false => d.name_span.moved(start),
             };
-            let mut line = format!("{:?} {:?}", d.word, d.span.moved(start));
+            let mut line = format!("{:?} {:?}", d.keyword, d.span.moved(start));
             let _ = write!(line, " {} {name_span:?} {parameters:?}", d.name);
             let _ = write!(line, " {} {}", d.faulty, d.symbol.is_some());
             line

@@ -115,7 +115,7 @@ fn assert_stack_is_balanced(recorder: &Recorder) {
     use syntax::geotrace::actions::IntervalKind;
     use syntax::geotrace::declarations::DeclarationKeyword as W;
     for declared in recorder.declared.iter().filter(|declared| !declared.faulty) {
-        let expressions = match declared.word {
+        let expressions = match declared.keyword {
             // The value that a param opens with may be left out.
             W::Param => {
                 let interval = declared.intervals[0].span;

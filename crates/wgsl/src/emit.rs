@@ -8,9 +8,9 @@ use expr::number::{LiteralError, wgsl_literal};
 use expr::ops::Wgsl;
 use expr::{Graph, Input, NodeId};
 
-/// How deep expressions nest before a `let` breaks them up: parsers recurse, so generated text must not be deep.
+/// The depth of nesting at which a `let` breaks an expression up: parsers recurse, so generated text must not be deep.
 const INLINE_DEPTH: u32 = 12;
-/// How long an inline expression grows before a `let` breaks it up, for readers.
+/// The length at which a `let` breaks an inline expression up, for readers.
 const INLINE_LENGTH: usize = 100;
 
 /// The body of a function: `let` lines, and one expression for each root.
@@ -21,7 +21,7 @@ pub(crate) struct Body {
     pub(crate) roots: Vec<String>,
 }
 
-/// How tightly a text binds; a looser operand stands in parentheses.
+/// The precedence of a text; a looser operand stands in parentheses.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 enum Binding {
     Sum,

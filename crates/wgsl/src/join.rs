@@ -19,7 +19,7 @@ impl Joined {
         &self.source
     }
 
-    /// What naga made of it.
+    /// The module that naga parsed.
     pub fn module(&self) -> &naga::Module {
         &self.module
     }
@@ -72,7 +72,7 @@ impl Joined {
 /// it can be looked at.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub struct InternalError {
-    /// What is wrong, with the piece and line in it where that is known.
+    /// The fault, with the piece and line in it where that is known.
     pub message: String,
     /// The whole text.
     pub source: String,
@@ -125,7 +125,7 @@ pub fn join(pieces: &[Piece<'_>]) -> Result<Joined, InternalError> {
     Ok(Joined { source, module })
 }
 
-/// What a marker line starts with.
+/// The start of a marker line.
 const MARKER: &str = "// ==== ";
 
 /// The message with the piece, and the line in it, that holds a line of the whole.

@@ -44,7 +44,7 @@ impl Kernel {
     pub fn uniforms(&self) -> &[u32] {
         &self.uniforms
     }
-    /// How many operations one evaluation of the generated functions runs, shared subexpressions once.
+    /// The number of operations of one evaluation of the generated functions, shared subexpressions once.
     pub fn operations(&self) -> usize {
         self.operations
     }
@@ -192,7 +192,7 @@ struct Function {
     result: ResultForm,
 }
 
-/// What becomes of the roots.
+/// The form in which generated functions return the values of the roots.
 enum ResultForm {
     /// Three roots are a vec3f.
     Vector,

@@ -6,7 +6,7 @@
 /// A piece of WGSL with the name that messages give for it.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Piece<'a> {
-    /// Where it comes from, e.g. `lib/number.wgsl`.
+    /// Its origin, e.g. `lib/number.wgsl`.
     pub origin: &'a str,
     /// Its text.
     pub text: &'a str,
@@ -39,13 +39,13 @@ pub const IMAGE: Piece<'static> = piece!("lib/image.wgsl");
 
 /// From what a pixel sees to its bytes.
 pub const PICTURE: Piece<'static> = piece!("lib/picture.wgsl");
-/// What stands where nothing is seen.
+/// The hatching of pixels that see nothing.
 pub const HATCHING: Piece<'static> = piece!("lib/hatching.wgsl");
-/// What hatching calls: whether anything is seen at a pixel.
+/// The function that hatching calls: whether anything is seen at a pixel.
 pub const CONTRACT_SEEN: Piece<'static> = piece!("contract/seen.wgsl");
-/// What generated functions call: a uniform's value.
+/// The function that generated functions call: a uniform's value.
 pub const CONTRACT_UNIFORMS: Piece<'static> = piece!("contract/uniforms.wgsl");
-/// What the generated `evaluate` calls: its inputs and outputs.
+/// The functions that the generated `evaluate` calls: its inputs and outputs.
 pub const CONTRACT_TABLE: Piece<'static> = piece!("contract/table.wgsl");
 /// A generated point.
 pub const CONTRACT_POINT: Piece<'static> = piece!("contract/point.wgsl");

@@ -152,7 +152,7 @@ async fn a_window_of_another_version_is_refused_with_a_sentence() {
 #[tokio::test]
 async fn a_window_that_says_nothing_is_ended() {
     let mut windows = Windows::new(FAKE, false).await;
-    windows.program.patience = Duration::from_millis(300);
+    windows.program.version_timeout = Duration::from_millis(300);
     let mut editor = started(Place::Here, "preview-silent", &windows).await;
     editor.open(URI, PROGRAM).await;
     command(&mut editor, URI, Value::Null).await;

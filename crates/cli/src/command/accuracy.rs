@@ -118,7 +118,7 @@ struct Growth {
 /// Measures all methods and prints the results.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
-    let settings = program.settings(&arguments.set)?;
+    let params = program.params(&arguments.set)?;
     let (id, object) = program.surface(arguments.surface.as_deref())?;
     let target = match &arguments.output {
         Some(path) => Some(OutputTarget::new(path)?),
@@ -130,7 +130,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         )));
     }
     let camera = GeodesicCamera::new(id);
-    let camera = PlacedCamera::new(program.scene(), &settings, &camera, arguments.size.0)
+    let camera = PlacedCamera::new(program.scene(), &params, &camera, arguments.size.0)
         .map_err(super::render::failure)?;
     let surface = camera.manifold().surface();
 

@@ -67,7 +67,7 @@ impl Arguments {
     pub(super) fn script(
         &self,
         program: &LoadedProgram,
-        settings: &ParamValues,
+        params: &ParamValues,
         has_camera: bool,
     ) -> Result<Script, Failure> {
         let scene = program.scene();
@@ -78,7 +78,7 @@ impl Arguments {
         for Animated { name, from, to } in &self.animate {
             let option = format!("--animate {name}");
             let values = |quantities: &[Quantity]| -> Result<Vec<f64>, Failure> {
-                let number = |q| program.number(&option, q, settings);
+                let number = |q| program.number(&option, q, params);
                 quantities.iter().map(number).collect()
             };
             let change = ParamChange {
@@ -87,7 +87,7 @@ impl Arguments {
                 to: values(to)?,
             };
             for end in [&change.from, &change.to] {
-                let set = settings.clone().set(scene, name, end);
+                let set = params.clone().set(scene, name, end);
                 set.map_err(|error| Failure::usage(format!("--animate: {error}")))?;
             }
             script.changes.push(change);
@@ -99,7 +99,7 @@ impl Arguments {
                     hint: Some("add `--view geodesic` or `--show-camera SURFACE`".into()),
                 });
             }
-            script.walk = Some(program.number("--walk", walk, settings)?);
+            script.walk = Some(program.number("--walk", walk, params)?);
         }
         Ok(script)
     }

@@ -63,9 +63,9 @@ enum JsonValue<'a> {
 /// Evaluates one expression.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
-    let settings = program.settings(&arguments.set)?;
+    let params = program.params(&arguments.set)?;
     let expression = SourceText::new("<expression>".into(), arguments.expression.clone());
-    let evaluation = match program.evaluate(&expression.text, &settings) {
+    let evaluation = match program.evaluate(&expression.text, &params) {
         Ok(evaluation) => evaluation,
         Err(diagnostics) => {
             program::report_diagnostics(&expression, &diagnostics, arguments.format)?;

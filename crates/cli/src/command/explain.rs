@@ -126,10 +126,10 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
 }
 
 fn document(scene: &Arc<Scene>, all: &Views) -> Explanation {
-    let settings = ParamValues::initial(scene);
+    let param_values = ParamValues::initial(scene);
     // The size of a picture changes nothing of what is built for it.
     let size = [512, 512];
-    let settings = Arc::new(settings);
+    let param_values = Arc::new(param_values);
     let mut views = Vec::new();
     for kind in all.iter() {
         let objects: Vec<Option<ObjectId>> = match kind.is_of_object() {
@@ -142,7 +142,7 @@ fn document(scene: &Arc<Scene>, all: &Views) -> Explanation {
         };
         for object in objects {
             let options = kind.options(object);
-            let request = PictureRequest::new(scene, settings.clone(), options, size);
+            let request = PictureRequest::new(scene, param_values.clone(), options, size);
             views.push(view(all, &request));
         }
     }
@@ -160,11 +160,11 @@ fn document(scene: &Arc<Scene>, all: &Views) -> Explanation {
         params: params.map(dial).collect(),
         grids: grids.map(dial).collect(),
         views,
-        intrinsic: intrinsic(scene, &settings),
+        intrinsic: intrinsic(scene, &param_values),
     }
 }
 
-fn intrinsic(scene: &Scene, settings: &ParamValues) -> Vec<IntrinsicEntry> {
+fn intrinsic(scene: &Scene, param_values: &ParamValues) -> Vec<IntrinsicEntry> {
     let entries = scene.objects.iter().filter_map(|object| {
         let (on, per_instance) = if object.shape.is_metric() {
             (None, None)
@@ -173,7 +173,7 @@ fn intrinsic(scene: &Scene, settings: &ParamValues) -> Vec<IntrinsicEntry> {
             let surface = scene.get(surface)?;
             (Some(surface.name.clone()), Some(u64::from(domain.count)))
         };
-        let instances = settings.instance_count(scene, object);
+        let instances = param_values.instance_count(scene, object);
         let (params, grids) = inputs(scene, object);
         Some(IntrinsicEntry {
             name: object.name.clone(),

@@ -68,11 +68,11 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let format = file_format(arguments)?;
     let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
     let scene = program.scene();
-    let settings = program.settings(&arguments.set)?;
+    let params = program.params(&arguments.set)?;
     let objects = objects(scene, &arguments.object, &program.source.name)?;
     let request = PictureRequest {
-        textures: textures(&arguments.texture, &program)?.at(scene, &settings)?,
-        ..PictureRequest::new(scene, settings, SpaceOptions::default(), [1, 1])
+        textures: textures(&arguments.texture, &program)?.at(scene, &params)?,
+        ..PictureRequest::new(scene, params, SpaceOptions::default(), [1, 1])
     };
     let target = OutputTarget::new(&arguments.output)?;
     let model = mesh::model(&request, objects.as_deref());

@@ -46,7 +46,7 @@ fn window(given: &[OsString]) -> Option<WindowProgram> {
         return Some(WindowProgram {
             program: program.into(),
             arguments: arguments.to_vec(),
-            patience: WindowProgram::PATIENCE,
+            version_timeout: WindowProgram::VERSION_TIMEOUT,
             close_delay: WindowProgram::CLOSE_DELAY,
         });
     }

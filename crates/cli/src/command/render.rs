@@ -160,10 +160,10 @@ pub(super) type Picture = RenderedImage<RgbaImage>;
 /// Draws one picture and writes it.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
-    let settings = program.settings(&arguments.set)?;
+    let params = program.params(&arguments.set)?;
     let images = textures(&arguments.texture, &program)?;
     let views = &context.registry.views;
-    let view = view(arguments, views, &program, &settings)?;
+    let view = view(arguments, views, &program, &params)?;
     let request = PictureRequest {
         overlays: Overlays {
             legend: arguments.legend,
@@ -174,11 +174,11 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             cut_locus: arguments.cut_locus,
             error: arguments.error,
         },
-        ..PictureRequest::new(program.scene(), settings.clone(), view, arguments.size.0)
+        ..PictureRequest::new(program.scene(), params.clone(), view, arguments.size.0)
     };
     let camera = request.view.camera();
     let moves = matches!(camera, ViewCamera::Geodesic(_)) || shows_camera(&request);
-    let script = arguments.motion.script(&program, &settings, moves)?;
+    let script = arguments.motion.script(&program, &params, moves)?;
     let animation = arguments.motion.animation(&arguments.output)?;
     let request = script.steady(&request).map_err(animation::failure)?;
     for note in idle_options(arguments, camera) {
@@ -188,7 +188,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         let mut request = script
             .frame_at(&request, share)
             .map_err(animation::failure)?;
-        request.textures = images.at(&request.scene, &request.settings)?;
+        request.textures = images.at(&request.scene, &request.params)?;
         let mut picture =
             render::render(views, &request, arguments.backend, progress).map_err(failure)?;
         picture.notes.extend(images.notes(&program, &request));
@@ -210,12 +210,12 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     Ok(())
 }
 
-/// The view that is asked for, with its camera and its options.
+/// Returns the requested view, with its camera and its options.
 fn view(
     arguments: &Arguments,
     views: &Views,
     program: &LoadedProgram,
-    settings: &ParamValues,
+    params: &ParamValues,
 ) -> Result<ViewPart, Failure> {
     let ViewName { kind, object } = &arguments.view;
     let view = views.get(kind);
@@ -226,7 +226,7 @@ fn view(
     };
     let mut view = view.options(object);
     let place = |option: &str, triple: &Option<Triple>| match triple {
-        Some(triple) => program.numbers(option, &triple.0, settings).map(Some),
+        Some(triple) => program.numbers(option, &triple.0, params).map(Some),
         None => Ok(None),
     };
     match view.camera() {
@@ -237,7 +237,7 @@ fn view(
             }));
         }
         ViewCamera::Geodesic(camera) => {
-            let camera = geodesic_camera(camera.surface, arguments, program, settings)?;
+            let camera = geodesic_camera(camera.surface, arguments, program, params)?;
             view.set_camera(ViewCamera::Geodesic(camera));
         }
         ViewCamera::Fixed => {}
@@ -249,7 +249,7 @@ fn view(
         options.background = arguments.background;
         if let Some(name) = &arguments.show_camera {
             let surface = program.surface(Some(name))?.0;
-            let camera = geodesic_camera(surface, arguments, program, settings)?;
+            let camera = geodesic_camera(surface, arguments, program, params)?;
             options.show_camera = Some(camera);
         }
     }
@@ -261,19 +261,19 @@ fn geodesic_camera(
     surface: ObjectId,
     arguments: &Arguments,
     program: &LoadedProgram,
-    settings: &ParamValues,
+    params: &ParamValues,
 ) -> Result<GeodesicCamera, Failure> {
     Ok(GeodesicCamera {
         surface,
         pose: Pose::At {
             at: match &arguments.at {
-                Some(at) => Some(program.numbers("--at", &at.0, settings)?),
+                Some(at) => Some(program.numbers("--at", &at.0, params)?),
                 None => None,
             },
             angle: arguments.angle.unwrap_or(0.0).to_radians(),
         },
         zoom: match &arguments.zoom {
-            Some(zoom) => Some(program.number("--zoom", zoom, settings)?),
+            Some(zoom) => Some(program.number("--zoom", zoom, params)?),
             None => None,
         },
     })
@@ -297,10 +297,10 @@ impl Images {
     pub(super) fn at(
         &self,
         scene: &Scene,
-        settings: &ParamValues,
+        params: &ParamValues,
     ) -> Result<Vec<(ObjectId, Shared<Texture>)>, Failure> {
         let curvature = |&surface: &ObjectId| {
-            let texture = Texture::curvature(scene, settings, surface).map_err(failure)?;
+            let texture = Texture::curvature(scene, params, surface).map_err(failure)?;
             Ok((surface, texture.into()))
         };
         let curved: Result<Vec<_>, Failure> = self.curved.iter().map(curvature).collect();

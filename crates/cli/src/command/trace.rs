@@ -107,12 +107,12 @@ struct TraceJson {
 /// Traces one geodesic.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
-    let settings = program.settings(&arguments.set)?;
+    let params = program.params(&arguments.set)?;
     let (id, _) = program.surface(arguments.surface.as_deref())?;
-    let manifold = program.manifold(id, &settings)?;
+    let manifold = program.manifold(id, &params)?;
     let surface = manifold.surface();
-    let from = program.numbers("--from", &arguments.from.0, &settings)?;
-    let length = program.number("--length", &arguments.length, &settings)?;
+    let from = program.numbers("--from", &arguments.from.0, &params)?;
+    let length = program.number("--length", &arguments.length, &params)?;
     if length < 0.0 {
         return Err(Failure::Usage {
             message: format!("--length: {} is negative", show(length)),
@@ -122,7 +122,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let options = options(arguments)?;
     let traced = match &arguments.direction {
         Some(direction) => {
-            let direction = program.numbers("--direction", &direction.0, &settings)?;
+            let direction = program.numbers("--direction", &direction.0, &params)?;
             trace::trace(surface, from, direction, length, &options)
         }
         None => {

@@ -18,7 +18,7 @@ pub(super) fn write(model: &Model, out: &mut dyn Write) -> io::Result<()> {
         || meshes().flat_map(|mesh| mesh.triangles.iter().filter_map(|&t| facet(mesh, t)));
     let count = triangles().count();
     let mut rest = triangles();
-    // The writer asks for the exact number of triangles before it writes the first.
+    // The writer requires the exact number of triangles before it writes the first.
     let counted = (0..count).map(|_| {
         rest.next().unwrap_or(Triangle {
             normal: Normal::new([0.0; 3]),

@@ -1,9 +1,9 @@
 //! From coefficients to code: what the roots need, in an order that keeps registers few, sums of products as one
 //! instruction, sine and cosine of one angle as one.
 //!
-//! What flows in: an [`Expansion`]. What flows out: [`StraightLineCode`] over registers: first the two variables, then fixed
-//! numbers, then what is computed. A register is used again as soon as its value has been used for the last time;
-//! those of fixed numbers never are, so that they stay filled from one evaluation to the next.
+//! Input: an [`Expansion`]. Output: [`StraightLineCode`] over registers: first the two variables, then fixed numbers,
+//! then what is computed. A register is used again as soon as its value has been used for the last time; those of fixed
+//! numbers never are, so that they stay filled from one evaluation to the next.
 
 use crate::jets::expand::Expansion;
 use crate::jets::terms::{Micro, Term};
@@ -47,12 +47,12 @@ pub(super) const FIRST_FIXED: usize = 2;
 pub(super) struct Instruction<R> {
     pub(super) op: Op,
     pub(super) out: R,
-    /// Where the second result goes, if there are two.
+    /// The register of the second result, if there are two.
     pub(super) second: R,
     pub(super) operands: [R; 4],
 }
 
-/// What is done with operands a, b, c, d.
+/// An operation on the operands a, b, c, d.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(super) enum Op {
     Add,
@@ -89,7 +89,7 @@ pub(super) enum Op {
 /// No coefficient, or no register.
 const NOWHERE: u32 = u32::MAX;
 
-/// What is computed for a coefficient.
+/// The computation of a coefficient.
 #[derive(Clone, Copy, Debug)]
 struct Plan {
     op: Op,
@@ -113,7 +113,7 @@ pub(super) fn assemble(expansion: &Expansion, coefficients: usize) -> StraightLi
         for (place, &operand) in operands.iter_mut().zip(&plan.operands[..plan.count]) {
             *place = registers.take(operand);
         }
-        // A pair's results are the sine and the cosine; one that nobody wants frees its register at once.
+        // A pair's results are the sine and the cosine; one without uses frees its register at once.
         let pair = partners[id as usize];
         let results = match expansion.micros[id as usize] {
             Micro::Unary(Unary::Sin | Unary::Sinh, _) => vec![id, pair],
@@ -177,7 +177,7 @@ impl Instructions {
 }
 
 impl<R: Copy> Steps<R> {
-    /// The same with other names.
+    /// Returns the steps with other names of registers.
     fn named<S>(self, name: impl Fn(R) -> S) -> Steps<S> {
         let instructions = self.instructions.into_iter().map(|i| Instruction {
             op: i.op,
@@ -193,7 +193,7 @@ impl<R: Copy> Steps<R> {
     }
 }
 
-/// How often each coefficient is used by what the roots need; what they do not need has no uses.
+/// Returns the number of uses of each coefficient in what the roots need; what they do not need has no uses.
 fn count_uses(expansion: &Expansion) -> Vec<u32> {
     let mut uses = vec![0u32; expansion.micros.len()];
     for root in &expansion.roots {
@@ -240,7 +240,7 @@ impl Plans<'_> {
             }
         };
         match self.expansion.micros[id as usize] {
-            // Leaves have no plan; they are not asked for.
+            // Leaves have no plan; they are not requested.
             Micro::Constant(_) | Micro::Uniform(_) | Micro::Variable(_) => plan(Op::Neg, &[id]),
             Micro::Neg(a) => plan(Op::Neg, &[a]),
             Micro::Unary(op, a) => plan(unary_op(op), &[a]),
@@ -268,8 +268,8 @@ impl Plans<'_> {
             .unwrap_or(id)
     }
 
-    /// What is computed, operands first, each as late as possible; and for sines and cosines, circular or
-    /// hyperbolic, the other one that comes with it if it is wanted.
+    /// The computations, operands first, each as late as possible; and for sines and cosines, circular or hyperbolic,
+    /// the other one that comes with it if it is wanted.
     fn schedule(&self) -> (Vec<u32>, Vec<u32>) {
         let count = self.expansion.micros.len();
         let partners = self.partners();
@@ -364,7 +364,7 @@ fn binary_op(op: Binary) -> Op {
 struct Allocation {
     /// The register of each coefficient that has one.
     places: Vec<u32>,
-    /// How often each is still to be read; [`u32::MAX`] for one that stays.
+    /// The number of reads of each that are still to come; [`u32::MAX`] for one that stays.
     reads: Vec<u32>,
     free: Vec<u32>,
     fixed: Vec<u32>,

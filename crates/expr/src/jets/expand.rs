@@ -1,7 +1,7 @@
 //! From roots to coefficients: truncated Taylor arithmetic, unrolled.
 //!
-//! What flows in: nodes of a graph. What flows out: a list of operations on coefficients, in which equal ones are one
-//! and constants are folded (`terms.rs`).
+//! Input: nodes of a graph. Output: a list of operations on coefficients, in which equal ones are one and constants are
+//! folded (`terms.rs`).
 //!
 //! The rules are those of symbolic derivatives ([`crate::ops`]), also at kinks and where something is undefined: what
 //! is zero everywhere annihilates, what is zero at a point does not.
@@ -13,7 +13,7 @@ use crate::jets::Order;
 use crate::jets::terms::{Micro, Term, TermBuilder, ZERO};
 use crate::ops::{Arithmetic, Binary, Unary};
 
-/// What the roots need, and more.
+/// The coefficients that the roots need, and more.
 #[derive(Clone, Debug)]
 pub(super) struct Expansion {
     pub(super) micros: Vec<Micro>,
@@ -111,7 +111,7 @@ impl Expansion {
                 values[id] = match self.micros[id] {
                     Micro::Constant(bits) => f64::from_bits(bits),
                     Micro::Uniform(position) => uniforms[position as usize],
-                    // Not asked for.
+                    // Not requested.
                     Micro::Variable(_) => f64::NAN,
                     Micro::Neg(a) => -value(a),
                     Micro::Unary(op, a) => op.eval(value(a)),

@@ -1,9 +1,8 @@
 //! From code to numbers: an interpreter over lanes.
 //!
-//! What flows in: code, fixed numbers, points. What flows out: coefficients. An instruction is decoded once for all
-//! lanes; lanes are worked on in lines of eight numbers, which is what one processor's vectors hold, one line of
-//! another's cache. All arithmetic is that of [`crate::ops`] and [`crate::elementary`], the same for any number of
-//! lanes.
+//! Input: code, fixed numbers, points. Output: coefficients. An instruction is decoded once for all lanes; lanes are
+//! worked on in lines of eight numbers, which is what one processor's vectors hold, one line of another's cache. All
+//! arithmetic is that of [`crate::ops`] and [`crate::elementary`], the same for any number of lanes.
 
 use crate::arithmetic::{power, sign, zmul};
 use crate::elementary;
@@ -16,7 +15,7 @@ use crate::processor::{Processor, Work};
 #[derive(Clone, Debug, Default)]
 pub struct JetRegisters {
     numbers: Vec<f64>,
-    /// Whose fixed numbers stand in the registers, and in how many lanes; 0 for nobody's.
+    /// The owner of the fixed numbers in the registers, and the number of lanes; 0 for no owner.
     filled: (u64, usize),
     processor: Processor,
 }
@@ -115,7 +114,7 @@ impl<const N: usize> Work for SixtyFour<'_, N> {
     }
 }
 
-/// What names a register.
+/// The name of a register.
 trait Name: Copy {
     fn index(self) -> usize;
 }

@@ -1,9 +1,9 @@
 //! Coefficients: what the arithmetic of expansion makes.
 //!
-//! What flows in: operations on [`Term`]s. What flows out: a list of [`Micro`] operations in which equal ones are one
-//! and constants are folded. A term has a sign, and a factor that is the same at every point: neither negation nor
-//! scaling is an operation as long as only products and equally scaled sums follow. So all derivatives of a sine of 2πu
-//! are the same two numbers. Factors that are gathered round in another order than they were written in.
+//! Input: operations on [`Term`]s. Output: a list of [`Micro`] operations in which equal ones are one and constants are
+//! folded. A term has a sign, and a factor that is the same at every point: neither negation nor scaling is an
+//! operation as long as only products and equally scaled sums follow. So all derivatives of a sine of 2πu are the same
+//! two numbers. Factors that are gathered round in another order than they were written in.
 
 use rustc_hash::{FxBuildHasher, FxHashMap};
 
@@ -18,7 +18,7 @@ pub(super) struct Term {
     pub(super) negative: bool,
 }
 
-/// How a coefficient is computed from others, which come before it.
+/// The computation of a coefficient from others, which come before it.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(super) enum Micro {
     /// Its bits. Never negative.
@@ -27,7 +27,7 @@ pub(super) enum Micro {
     Uniform(u32),
     /// The first or the second variable.
     Variable(u32),
-    /// Where a sign cannot be carried along.
+    /// A negation, where a sign cannot be carried along.
     Neg(u32),
     /// Any other operation on one number.
     Unary(Unary, u32),

@@ -1,6 +1,6 @@
 //! The rows of operations on two numbers.
 //!
-//! What flows in: nothing, or operands. What flows out: the enum [`Binary`], and each column as a function.
+//! Input: nothing, or operands. Output: the enum [`Binary`], and each column as a function.
 
 use crate::arithmetic::{power, zmul};
 use crate::ops::lanes::{Lanes, each_pair};
@@ -29,7 +29,7 @@ macro_rules! binary_operations {
                 match self { $(Self::$variant => $name,)+ }
             }
 
-            /// What it is, for readers.
+            /// Its description, for readers.
             pub fn doc(self) -> &'static str {
                 match self { $(Self::$variant => concat!($($doc),+).trim_ascii(),)+ }
             }

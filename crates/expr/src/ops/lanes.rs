@@ -1,13 +1,13 @@
 //! One operation in all lanes of a block.
 //!
-//! What flows in: operands, a number for each lane or one for all. What flows out: a number for each lane.
+//! Input: operands, a number for each lane or one for all. Output: a number for each lane.
 
 /// An operand of a block operation.
 #[derive(Clone, Copy, Debug)]
 pub enum Lanes<'a, const N: usize> {
     /// A number for each lane.
     Each(&'a [f64; N]),
-    /// The same number in all lanes.
+    /// One number for all lanes.
     Same(f64),
 }
 

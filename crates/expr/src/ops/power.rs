@@ -1,7 +1,7 @@
 //! The derivative rules of powers.
 //!
-//! What flows in: base, exponent and their derivatives. What flows out: the terms of the power's derivative,
-//! written so that a factor that is zero annihilates what is undefined.
+//! Input: base, exponent and their derivatives. Output: the terms of the power's derivative, written so that a factor
+//! that is zero annihilates what is undefined.
 
 use crate::ops::{ExpressionBuilder, Unary};
 

@@ -2,7 +2,7 @@
 
 use crate::ops::{Binary, Unary};
 
-/// What a rule can do with numbers.
+/// The arithmetic that a rule is written in.
 pub trait Arithmetic {
     /// A number, or what stands for one.
     type Number: Copy;

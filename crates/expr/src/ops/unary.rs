@@ -1,6 +1,6 @@
 //! The rows of operations on one number.
 //!
-//! What flows in: nothing, or an operand. What flows out: the enum [`Unary`], and each column as a function.
+//! Input: nothing, or an operand. Output: the enum [`Unary`], and each column as a function.
 
 use crate::arithmetic::sign;
 use crate::ops::lanes::each;
@@ -33,7 +33,7 @@ macro_rules! unary_operations {
                 match self { $(Self::$variant => $name,)+ }
             }
 
-            /// What it is, for readers.
+            /// Its description, for readers.
             pub fn doc(self) -> &'static str {
                 match self { $(Self::$variant => concat!($($doc),+).trim_ascii(),)+ }
             }

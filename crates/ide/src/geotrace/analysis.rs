@@ -5,9 +5,9 @@
 //! a document that is edited ───────┴─▶ its snapshot ──▶ GeotraceAnalysis ──▶ tokens, items, targets
 //! ```
 //!
-//! A reading of a document costs next to nothing to take, and what is asked of it costs what is asked: a token or
-//! a declaration is found in logarithmic time, the uses of a name in time proportional to them. What takes the
-//! whole text is made when it is first asked for: [`GeotraceAnalysis::text`], [`GeotraceAnalysis::compilation`].
+//! An analysis costs next to nothing to take, and each query costs only its own answer: a token or a declaration is
+//! found in logarithmic time, the uses of a name in time proportional to them. What takes the whole text is made on the
+//! first query: [`GeotraceAnalysis::text`], [`GeotraceAnalysis::compilation`].
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -31,22 +31,22 @@ pub struct GeotraceAnalysis {
     text: OnceLock<String>,
     found: OnceLock<Arc<[Diagnostic]>>,
     compilation: OnceLock<Compilation>,
-    /// Whether symbols read a param or a grid, as far as it has been asked.
+    /// True if symbols read a param or a grid, as far as it has been queried.
     dependent: Mutex<HashMap<SymbolId, bool>>,
 }
 
 /// A token with its text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lexeme<'r> {
-    /// What it is.
+    /// Its kind.
     pub kind: TokenKind,
-    /// Where it is.
+    /// Its range.
     pub span: Span,
-    /// How it is written.
+    /// Its text.
     pub text: &'r str,
 }
 
-/// What a token stands for.
+/// The meaning of a token.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub enum Target {
     /// A name that is declared or builtin.
@@ -85,7 +85,7 @@ impl GeotraceAnalysis {
         &self.document
     }
 
-    /// The whole text, put together when first asked for.
+    /// The whole text, put together on the first query.
     pub fn text(&self) -> &str {
         self.text.get_or_init(|| self.document.text())
     }
@@ -95,17 +95,17 @@ impl GeotraceAnalysis {
         self.document.len()
     }
 
-    /// Whether there is no text.
+    /// Returns true if there is no text.
     pub fn is_empty(&self) -> bool {
         self.document.is_empty()
     }
 
-    /// The text of a range; empty where that is none of the text's.
+    /// Returns the text of a range; empty if the range lies outside the text.
     pub fn slice(&self, span: Span) -> String {
         self.document.slice(span).unwrap_or_default()
     }
 
-    /// How many tokens there are, comments too.
+    /// The number of tokens, comments included.
     pub fn token_count(&self) -> usize {
         self.document.token_count() as usize
     }
@@ -145,7 +145,7 @@ impl GeotraceAnalysis {
         first..last.max(first)
     }
 
-    /// How many declarations there are.
+    /// The number of declarations.
     pub fn item_count(&self) -> usize {
         self.document.declaration_count() as usize
     }
@@ -191,18 +191,18 @@ impl GeotraceAnalysis {
         self.document.symbol(id)
     }
 
-    /// Where a symbol is declared by name; none for a builtin.
+    /// Returns the place of a symbol's declaration; `None` for a builtin.
     pub fn place(&self, id: SymbolId) -> Option<Span> {
         self.document.place(id)
     }
 
-    /// What the text compiles to; compiled when first asked for.
+    /// Returns the compilation of the text, which is made on the first call.
     pub fn compilation(&self) -> &Compilation {
         self.compilation
             .get_or_init(|| scene::geotrace::compile(self.text()))
     }
 
-    /// What is wrong with the text.
+    /// Returns the diagnostics of the text.
     pub fn diagnostics(&self) -> &Arc<[Diagnostic]> {
         self.found
             .get_or_init(|| self.compilation().diagnostics.as_slice().into())
@@ -261,7 +261,7 @@ impl GeotraceAnalysis {
         self.item(self.item_of(symbol)?)
     }
 
-    /// What a token stands for, at its declaration too.
+    /// Returns the meaning of a token, at its declaration too.
     pub fn target(&self, token: usize) -> Option<Target> {
         let (placed, index) = self
             .document
@@ -269,7 +269,7 @@ impl GeotraceAnalysis {
         self.target_in(placed, index)
     }
 
-    /// What a token of a piece stands for.
+    /// Returns the meaning of a token of a chunk.
     pub(crate) fn target_in(&self, placed: PlacedChunk<'_>, index: usize) -> Option<Target> {
         let Token { kind, span } = placed.tokens().get(index)?;
         match kind {
@@ -303,7 +303,7 @@ impl GeotraceAnalysis {
         }
     }
 
-    /// Whether a token introduces a name.
+    /// Returns true if a token introduces a name.
     pub fn introduces(&self, token: usize) -> bool {
         let found = u32::try_from(token).ok();
         let found = found.and_then(|token| self.document.placed_chunk_of_token(token));
@@ -364,7 +364,7 @@ impl GeotraceAnalysis {
         all.collect()
     }
 
-    /// Whether a symbol reads a param or a grid, directly or not.
+    /// Returns true if a symbol reads a param or a grid, directly or not.
     pub fn depends_on_settings(&self, symbol: SymbolId) -> bool {
         let mut known = self
             .dependent
@@ -382,7 +382,7 @@ impl GeotraceAnalysis {
             let Some(item) = self.item_of(id).and_then(|k| self.item(k)) else {
                 continue;
             };
-            found |= matches!(item.word.category(), Category::Slider | Category::Grid);
+            found |= matches!(item.keyword.category(), Category::Slider | Category::Grid);
             if found {
                 break;
             }
@@ -407,7 +407,7 @@ fn item_in(placed: PlacedChunk<'_>, offset: u32) -> Option<Item<'_>> {
     (offset <= read.span.end).then(|| Item::new(index, 0, read, events))
 }
 
-/// Whether a token of a piece introduces a name.
+/// Returns true if a token of a piece introduces a name.
 pub(crate) fn introduces_in(placed: PlacedChunk<'_>, index: usize) -> bool {
     let span = placed.tokens().span(index);
     span.is_some_and(|span| {

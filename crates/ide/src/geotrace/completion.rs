@@ -1,4 +1,4 @@
-//! What can be written at a place.
+//! Completion at a place of a program.
 
 use syntax::geotrace::declarations::{Category, DeclarationKeyword, DeclarationRow, Syntax, TABLE};
 use syntax::geotrace::symbols::{Symbol, SymbolKind};
@@ -13,10 +13,10 @@ use super::outline::parameters;
 use crate::completion::{Completion, CompletionKind, Completions};
 use crate::description::Description;
 
-/// Where more declarations stand above, the list holds so many of their names: those that go on from what is written.
+/// The most names of declarations that the list holds: where more stand above, those that go on from what is written.
 const MOST_NAMES: usize = 256;
 
-/// What can be written at a place.
+/// Returns the completions at a place.
 pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> Completions {
     let place = CompletionPlace::of(analysis, offset);
     let names = Names {
@@ -34,7 +34,7 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
             let all = names.list(analysis).into_iter();
             let is_surface = |symbol: &&Symbol| {
                 matches!(
-                    symbol.word.map(DeclarationKeyword::category),
+                    symbol.keyword.map(DeclarationKeyword::category),
                     Some(Category::Surface | Category::Metric)
                 )
             };
@@ -56,7 +56,7 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
     }
 }
 
-/// More about a completion, told when it is chosen from the list.
+/// The details of a completion, resolved when it is selected in the list.
 pub fn describe(analysis: &GeotraceAnalysis, offset: u32, label: &str) -> Option<Description> {
     if let Some(keyword) = DeclarationKeyword::from_text(label) {
         return Some(describe::keyword(keyword));
@@ -65,7 +65,7 @@ pub fn describe(analysis: &GeotraceAnalysis, offset: u32, label: &str) -> Option
     describe::of_symbol(analysis, id)
 }
 
-/// What fits at a place.
+/// The kind of text that fits at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Expected {
     Nothing,
@@ -120,7 +120,8 @@ impl CompletionPlace {
                     Expected::Operand(number)
                 }
                 TokenKind::Colon => {
-                    let geodesic = item.is_some_and(|it| it.word.row().syntax == Syntax::InSurface);
+                    let geodesic =
+                        item.is_some_and(|it| it.keyword.row().syntax == Syntax::InSurface);
                     let behind = at.checked_sub(1).and_then(|k| analysis.token(k));
                     let behind_list = behind.is_none_or(|t| {
                         let last = t.text.bytes().next_back();
@@ -142,8 +143,8 @@ impl CompletionPlace {
     }
 }
 
-/// Where the part of a word before a place begins that is being written: at the first seam of the word from which a
-/// name goes on as it is written, else at the last one. Of `2pive` that is `ve` where `vel` is defined.
+/// Returns the start of the part of a word that is being written before a place: the first seam of the word from which
+/// a name goes on as it is written, else at the last one. Of `2pive` that is `ve` where `vel` is defined.
 fn word_start(analysis: &GeotraceAnalysis, offset: u32) -> u32 {
     let mut start = analysis.document().word_start(offset);
     // Digits before the first letter are a number.
@@ -195,7 +196,7 @@ fn function_before(analysis: &GeotraceAnalysis, underscore: usize) -> Option<usi
     None
 }
 
-/// Whether behind this comma an interval's tag comes: the comma stands outside all brackets, behind the body.
+/// Returns true if behind this comma an interval's tag comes: the comma stands outside all brackets, behind the body.
 fn expects_tag(analysis: &GeotraceAnalysis, item: &Item<'_>, comma: usize) -> bool {
     let first = analysis.document().tokens_begun(item.span.start) as usize;
     let depth: i32 = analysis
@@ -206,7 +207,7 @@ fn expects_tag(analysis: &GeotraceAnalysis, item: &Item<'_>, comma: usize) -> bo
             _ => 0,
         })
         .sum();
-    item.word.has_domain() && depth == 0
+    item.keyword.has_domain() && depth == 0
 }
 
 fn own_parameters(analysis: &GeotraceAnalysis, item: usize) -> Vec<Completion> {
@@ -228,12 +229,12 @@ fn own_parameters(analysis: &GeotraceAnalysis, item: usize) -> Vec<Completion> {
 /// The names that can be written as operands.
 struct Names<'r> {
     visible: NamesInScope<'r>,
-    /// What is written of one.
+    /// The text that has been written of a name.
     written: String,
 }
 
 impl<'r> Names<'r> {
-    /// Whether all of them are listed.
+    /// Returns true if all of them are listed.
     fn are_few(&self) -> bool {
         self.visible.above() <= MOST_NAMES
     }
@@ -253,13 +254,16 @@ impl<'r> Names<'r> {
 }
 
 fn of_symbol(symbol: &Symbol) -> Completion {
-    let kind = match (symbol.word.map(DeclarationKeyword::category), symbol.kind) {
+    let kind = match (
+        symbol.keyword.map(DeclarationKeyword::category),
+        symbol.kind,
+    ) {
         (Some(Category::Surface | Category::Metric), _) => CompletionKind::Surface,
         (Some(Category::Curve), _) => CompletionKind::Curve,
         (_, SymbolKind::Function) => CompletionKind::Function,
         (_, SymbolKind::Constant) => CompletionKind::Constant,
     };
-    let word = symbol.word.map_or("builtin", DeclarationKeyword::text);
+    let word = symbol.keyword.map_or("builtin", DeclarationKeyword::text);
     let names = symbol.parameters.iter().map(|p| p.name.as_str());
     Completion {
         label: symbol.name.to_string(),

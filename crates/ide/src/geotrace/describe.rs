@@ -1,4 +1,4 @@
-//! What there is to say of a name: its signature, its value, its geometry.
+//! Descriptions of names: signature, value, geometry.
 
 use expr::ops;
 use scene::ParamValues;
@@ -45,7 +45,10 @@ pub fn describe(analysis: &GeotraceAnalysis, target: Target) -> Option<Descripti
             let item = analysis.item(item)?;
             let (parameter, _) = item.parameters().nth(position)?;
             let owner = format!("{}{}", item.name, signature(&item));
-            let mut text = vec![format!("a parameter of the {} `{owner}`", item.word.text())];
+            let mut text = vec![format!(
+                "a parameter of the {} `{owner}`",
+                item.keyword.text()
+            )];
             text.extend(interval_of(analysis, &item, parameter).map(|i| format!("over `{i}`")));
             Some(description(parameter, text))
         }
@@ -72,13 +75,13 @@ fn interval_of(analysis: &GeotraceAnalysis, item: &Item<'_>, name: &str) -> Opti
 }
 
 fn declared(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Description {
-    let code = format!("{} {}{}", item.word.text(), item.name, signature(item));
+    let code = format!("{} {}{}", item.keyword.text(), item.name, signature(item));
     let mut text = Vec::new();
     if item.faulty {
         text.push("This declaration holds an error.".to_owned());
         return description(code, text);
     }
-    match item.word.category() {
+    match item.keyword.category() {
         Category::Slider => {
             let intervals = written_intervals(analysis, item);
             text.push(format!(

@@ -1,7 +1,7 @@
 //! Values that a person has found with a slider, written into the text.
 //!
-//! What flows in: a param's name and a number for each of its components. What flows out: the edit after which the
-//! param opens with them, as in `param r = 0.3 : [0, 1];`.
+//! Input: a param's name and a number for each of its components. Output: the edit after which the param opens with
+//! them, as in `param r = 0.3 : [0, 1];`.
 
 use scene::Range;
 use syntax::geotrace::declarations::Category;
@@ -14,11 +14,11 @@ use crate::edit::Edit;
 use crate::edit_param::EditParamError;
 
 /// The edit after which a param opens with these values, one for each of its components. Each is written with as few
-/// digits as tell it from its neighbours on a slider of ten thousand places, and lies within its interval. Where the
-/// text says the same already, the edit changes nothing.
+/// digits as distinguish it from its neighbours on a slider of ten thousand places, and lies within its interval. Where
+/// the text says the same already, the edit changes nothing.
 ///
 /// # Errors
-/// Where there is no such param, the values are not its own, or a comment would be lost.
+/// If there is no such param, the values are not its own, or a comment would be lost.
 pub fn edit_param(
     analysis: &GeotraceAnalysis,
     param: &str,
@@ -65,13 +65,13 @@ pub fn edit_param(
     Ok(Edit::replace(span, text))
 }
 
-/// How many places of a slider are told apart: more than a screen has pixels. A value is written with no more digits
+/// The number of distinct places of a slider: more than a screen has pixels. A value is written with no more digits
 /// than say which of them it is at.
 const STEPS: f64 = 10_000.0;
 
 /// The value that a param opens with, where it is written.
 pub fn initial_value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Span> {
-    if item.word.category() != Category::Slider {
+    if item.keyword.category() != Category::Slider {
         return None;
     }
     let behind = Span::new(item.name_span.end, item.span.end);
@@ -86,7 +86,7 @@ pub fn initial_value(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Spa
 
 /// The intervals of a param, where nothing is wrong with it.
 fn ranges(analysis: &GeotraceAnalysis, item: &Item<'_>) -> Option<Vec<Range>> {
-    if item.word.category() != Category::Slider {
+    if item.keyword.category() != Category::Slider {
         return None;
     }
     let excerpt = analysis.excerpt([item.index]);

@@ -71,7 +71,7 @@ fn gaps(analysis: &GeotraceAnalysis, range: Option<Span>) -> Vec<Edit> {
     edits
 }
 
-/// What ends lines: what ends the first, so that a text of another system stays one.
+/// Returns the text's line ending: that of its first line, so that a text of another system stays one.
 fn new_line(analysis: &GeotraceAnalysis) -> &'static str {
     let document = analysis.document();
     let first = document.line_start(2);
@@ -95,7 +95,7 @@ fn whole_items(analysis: &GeotraceAnalysis, range: Span) -> Span {
         .unwrap_or(Span::new(range.start, range.start))
 }
 
-/// Whether a text has the same tokens, written alike.
+/// Returns true if a text has the same tokens, written alike.
 fn reads_alike(analysis: &GeotraceAnalysis, text: &str) -> bool {
     let again = GeotraceAnalysis::new(text);
     let all = |analysis: &GeotraceAnalysis| 0..analysis.token_count();
@@ -118,14 +118,14 @@ fn reading_tokens(
     tokens.map(move |token| (meanings.get(token.kind), token.text.trim_end()))
 }
 
-/// What has been passed on the way through the tokens.
+/// The state of the way through the tokens.
 #[derive(Default)]
 struct Layout {
     /// A declaration has begun and not ended.
     inside: bool,
     /// The last token was a sign before an operand rather than between two.
     after_sign: bool,
-    /// Whether the token before ends an operand.
+    /// True if the token before ends an operand.
     after_operand: bool,
 }
 

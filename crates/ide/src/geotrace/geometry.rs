@@ -59,7 +59,7 @@ fn first_form(surface: &dyn Surface, [u, v]: [&str; 2]) -> Option<String> {
     })
 }
 
-/// Where EG − F² vanishes, as far as a lattice of points tells.
+/// Returns the places where EG − F² vanishes, as far as a lattice of points shows.
 fn regularity(surface: &dyn Surface, names: [&str; 2]) -> Option<String> {
     let domain = surface.domain();
     let last = LATTICE - 1;
@@ -130,7 +130,7 @@ fn regularity(surface: &dyn Surface, names: [&str; 2]) -> Option<String> {
     Some(told)
 }
 
-/// What lies beyond the sides.
+/// Returns the kind of each side, in words.
 fn topology(surface: &dyn Surface, names: [&str; 2]) -> Option<String> {
     let sides = surface.sides();
     let mut told = Vec::new();

@@ -1,4 +1,4 @@
-//! What an editor writes between the letters: how words are split, and the values of constants.
+//! Inlay hints, which an editor writes between the letters: how words are split, and the values of constants.
 
 use scene::geotrace::Excerpt;
 use scene::{Outcome, ParamValues, Value};
@@ -55,7 +55,7 @@ fn splits(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
 /// `= 6.2832` behind a define that no param or grid changes.
 fn values(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
     let is_wanted = |item: &Item<'_>| {
-        item.word == DeclarationKeyword::Define
+        item.keyword == DeclarationKeyword::Define
             && !item.faulty
             && !is_literal(analysis, item.span)
             && item
@@ -78,7 +78,7 @@ fn values(analysis: &GeotraceAnalysis, range: Span) -> Vec<Hint> {
         .collect()
 }
 
-/// Whether a define is a number already: `define a = 2;`.
+/// Returns true if a define is a number already: `define a = 2;`.
 fn is_literal(analysis: &GeotraceAnalysis, span: Span) -> bool {
     let body = analysis
         .tokens(analysis.tokens_in(span))

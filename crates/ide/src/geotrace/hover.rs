@@ -1,4 +1,4 @@
-//! What stands under the cursor.
+//! Hover: a description of the word under the cursor.
 
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
@@ -7,7 +7,7 @@ use super::analysis::GeotraceAnalysis;
 use super::describe;
 use crate::description::Description;
 
-/// What there is to say of the word at a place, and where the word stands.
+/// Returns the description of the word at a place, and the word's range.
 pub fn hover(analysis: &GeotraceAnalysis, offset: u32) -> Option<(Span, Description)> {
     let k = analysis.token_at(offset)?;
     let token = analysis.token(k)?;

@@ -11,16 +11,16 @@ pub struct Item<'r> {
     /// Its number among the declarations, from 0.
     pub index: usize,
     /// The word that opens it.
-    pub word: DeclarationKeyword,
+    pub keyword: DeclarationKeyword,
     /// From the word to the `;`.
     pub span: Span,
     /// Its name; empty where none was read.
     pub name: &'r str,
-    /// Where the name stands.
+    /// The span of its name.
     pub name_span: Span,
-    /// What it declares, unless its name was not read or not free.
+    /// The symbol that it declares, unless its name was not read or not free.
     pub symbol: Option<SymbolId>,
-    /// Whether an error lies in it.
+    /// True if an error lies in it.
     pub faulty: bool,
     start: u32,
     parameters: Parameters<'r>,
@@ -28,7 +28,7 @@ pub struct Item<'r> {
 }
 
 impl<'r> Item<'r> {
-    /// What was read counts from `start`.
+    /// The declaration as it was read; its spans count from `start`.
     pub(crate) fn new(
         index: usize,
         start: u32,
@@ -37,7 +37,7 @@ impl<'r> Item<'r> {
     ) -> Self {
         Self {
             index,
-            word: read.word,
+            keyword: read.keyword,
             span: read.span.moved(start),
             name: read.name,
             name_span: read.name_span.moved(start),
@@ -56,7 +56,7 @@ impl<'r> Item<'r> {
             .map(move |(name, span)| (name, span.moved(start)))
     }
 
-    /// Whether a parameter stands at a place.
+    /// Returns true if a parameter stands at a place.
     pub(crate) fn has_parameter(&self, span: Span) -> bool {
         self.parameters().any(|(_, place)| place == span)
     }

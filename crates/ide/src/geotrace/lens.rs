@@ -17,7 +17,7 @@ pub fn lenses(analysis: &GeotraceAnalysis) -> Vec<Lens> {
         };
         let space = lens("3D", "3d", None);
         let inside = lens("inside view", "geodesic", Some(item.name.to_owned()));
-        match item.word.category() {
+        match item.keyword.category() {
             Category::Surface => vec![space, inside],
             Category::Metric => vec![inside],
             _ => Vec::new(),

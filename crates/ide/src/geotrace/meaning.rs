@@ -1,4 +1,4 @@
-//! What tokens mean, so that two texts can be compared: identifiers of symbols belong to one text alone.
+//! The meaning of tokens, for comparing two texts: identifiers of symbols belong to one text alone.
 
 use std::collections::HashMap;
 
@@ -8,7 +8,7 @@ use syntax::symbol::SymbolId;
 
 use super::analysis::GeotraceAnalysis;
 
-/// What a token means: the same in two texts that declare the same in the same order.
+/// The meaning of a token: equal in two texts that declare the same in the same order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Meaning {
     /// Anything but a name.
@@ -20,7 +20,7 @@ pub(crate) enum Meaning {
 }
 
 impl Meaning {
-    /// What a token of a document means, without going through all of it.
+    /// Returns the meaning of a token of a document, without going through all of it.
     pub(crate) fn of(document: &Snapshot, kind: TokenKind) -> Self {
         let (id, is_function) = match kind {
             TokenKind::Constant(id) => (id, false),

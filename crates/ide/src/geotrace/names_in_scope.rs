@@ -1,7 +1,7 @@
 //! Which names may be used at a place: the builtins and what is declared above it.
 //!
-//! What is asked at each key costs what it answers, however long the text is: names are looked up in the document's
-//! trie, and only then is it asked where they are declared.
+//! The cost of a query, one at each key, depends on its answer, not on the length of the text: names are looked up in
+//! the document's trie, and only then their declarations.
 
 use std::ops::{ControlFlow, Range};
 
@@ -14,9 +14,9 @@ use super::analysis::GeotraceAnalysis;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NamesInScope<'r> {
     analysis: &'r GeotraceAnalysis,
-    /// What is declared before this offset is known.
+    /// The offset before which declared names are visible.
     limit: u32,
-    /// How many declarations stand above.
+    /// The number of declarations above.
     above: usize,
 }
 
@@ -39,7 +39,7 @@ impl<'r> NamesInScope<'r> {
         }
     }
 
-    /// How many declarations stand above the place.
+    /// Returns the number of declarations above the place.
     pub(crate) fn above(self) -> usize {
         self.above
     }
@@ -51,7 +51,7 @@ impl<'r> NamesInScope<'r> {
         all.filter(|(_, symbol)| !symbol.name.is_empty())
     }
 
-    /// What the last `most` declarations above declare, in the order of the text.
+    /// Returns the symbols of the last `most` declarations above, in the order of the text.
     pub(crate) fn nearest(self, most: usize) -> impl Iterator<Item = (SymbolId, &'r Symbol)> {
         let numbers: Range<usize> = self.above.saturating_sub(most)..self.above;
         let items = self.analysis.items_from(numbers.start).take(numbers.len());
@@ -66,7 +66,7 @@ impl<'r> NamesInScope<'r> {
     pub(crate) fn beginning(self, prefix: &str, most: usize) -> Vec<SymbolId> {
         let mut found = Vec::new();
         self.analysis.document().each_named(prefix, |id, symbol| {
-            if symbol.word.is_some() && self.has(id) {
+            if symbol.keyword.is_some() && self.has(id) {
                 found.push(id);
             }
             match found.len() < most {
@@ -77,7 +77,7 @@ impl<'r> NamesInScope<'r> {
         found
     }
 
-    /// Whether a name, builtin or declared, begins so.
+    /// Returns true if a name, builtin or declared, begins so.
     pub(crate) fn begins(self, prefix: &str) -> bool {
         let mut found = false;
         self.analysis.document().each_named(prefix, |id, _| {
@@ -90,13 +90,13 @@ impl<'r> NamesInScope<'r> {
         found
     }
 
-    /// What a name stands for.
+    /// Returns the symbol of a name.
     pub(crate) fn named(self, name: &str) -> Option<SymbolId> {
         let id = self.analysis.document().named(name)?;
         self.has(id).then_some(id)
     }
 
-    /// Whether a symbol is builtin, or declared above.
+    /// Returns true if a symbol is builtin, or declared above.
     fn has(self, id: SymbolId) -> bool {
         let place = self.analysis.place(id);
         place.map_or(id.0 < scene::geotrace::builtin_count(), |place| {

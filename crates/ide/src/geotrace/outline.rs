@@ -14,8 +14,8 @@ pub fn outline(analysis: &GeotraceAnalysis) -> Vec<OutlineEntry> {
         .filter(|item| !item.name.is_empty())
         .map(|item| OutlineEntry {
             name: item.name.to_owned(),
-            kind: kind(item.word.category()),
-            keyword: item.word.text(),
+            kind: kind(item.keyword.category()),
+            keyword: item.keyword.text(),
             detail: parameters(item.parameters().map(|(name, _)| name)),
             span: item.span,
             name_span: item.name_span,
@@ -86,7 +86,7 @@ fn opens_line(text: &str, offset: u32) -> bool {
     line.trim().is_empty()
 }
 
-/// Whether two comments stand on lines that follow each other.
+/// Returns true if two comments stand on lines that follow each other.
 fn follows(text: &str, one: Span, other: Span) -> bool {
     let between = &text[one.end as usize..other.start as usize];
     between.matches('\n').count() == 1

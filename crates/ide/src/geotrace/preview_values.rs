@@ -17,7 +17,7 @@ pub fn preview_values(
 ) -> Vec<Hint> {
     analysis
         .items_in(range)
-        .filter(|item| item.word.category() == Category::Slider)
+        .filter(|item| item.keyword.category() == Category::Slider)
         .filter_map(|item| {
             let value = values.get(item.name)?;
             let numbers: Vec<String> = value.iter().map(|x| short(*x)).collect();

@@ -77,7 +77,7 @@ pub fn rename(
     }
 }
 
-/// Whether the name is one, and free.
+/// Returns true if the name is one, and free.
 fn check_name(analysis: &GeotraceAnalysis, target: Target, name: &str) -> Result<(), RenameError> {
     let mut letters = name.bytes();
     let well_formed = letters.next().is_some_and(|b| b.is_ascii_alphabetic())
@@ -129,7 +129,7 @@ fn edits(analysis: &GeotraceAnalysis, renamed: &[usize], blanks: &[u32], name: &
 /// A copy of a document with the edits of a renaming.
 struct Renamed {
     document: Document,
-    /// What was read again, in the order of the text.
+    /// The chunks that were read again, in the order of the text.
     read: Vec<ChunkId>,
 }
 
@@ -182,8 +182,8 @@ impl Renamed {
         })
     }
 
-    /// Whether the same errors are found: a name that was taken would be free where it is declared once more, and would
-    /// then mean something else there.
+    /// Returns true if the same errors are found: a name that was taken would be free where it is declared once more,
+    /// and would then mean something else there.
     fn keeps_errors(&self, old: &GeotraceAnalysis) -> Result<(), RenameError> {
         for &chunk in &self.read {
             let errors = old.document().errors(chunk);
@@ -210,7 +210,7 @@ impl Renamed {
     }
 }
 
-/// Whether a token is made of letters or digits.
+/// Returns true if a token is made of letters or digits.
 fn is_word(token: &Lexeme<'_>) -> bool {
     matches!(
         token.kind,

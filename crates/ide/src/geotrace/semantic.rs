@@ -60,7 +60,7 @@ fn token(
                     };
                     (
                         token_type,
-                        category_modifier(symbol.word.map(DeclarationKeyword::category)),
+                        category_modifier(symbol.keyword.map(DeclarationKeyword::category)),
                     )
                 }
             };

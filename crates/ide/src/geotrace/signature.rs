@@ -46,7 +46,7 @@ fn of_function_before(
             TokenKind::Prime | TokenKind::Underscore | TokenKind::Variable(_) => {}
             TokenKind::Function(id) => {
                 let symbol = analysis.symbol(id)?;
-                let names: Vec<&str> = match symbol.word {
+                let names: Vec<&str> = match symbol.keyword {
                     Some(_) => symbol.parameters.iter().map(|p| p.name.as_str()).collect(),
                     None => vec!["x"],
                 };
@@ -58,7 +58,7 @@ fn of_function_before(
                     place
                 });
                 let places = places.collect();
-                let what = match symbol.word {
+                let what = match symbol.keyword {
                     Some(word) => word.text().to_owned(),
                     None => "builtin function".to_owned(),
                 };

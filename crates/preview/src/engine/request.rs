@@ -146,7 +146,7 @@ pub(crate) fn differ_by_shown_camera(before: &PictureRequest, after: &PictureReq
 pub(crate) fn with_curvatures(mut request: PictureRequest) -> PictureRequest {
     for id in std::mem::take(&mut request.curved) {
         // A surface whose derivatives are too large shows what it would show otherwise.
-        if let Ok(texture) = Texture::curvature(&request.scene, &request.settings, id) {
+        if let Ok(texture) = Texture::curvature(&request.scene, &request.params, id) {
             request.textures.push((id, texture.into()));
         }
     }

@@ -23,7 +23,7 @@ use crate::sample::DEGENERATE;
 use crate::viewpoint::{GeodesicCamera, Pose};
 use geometry::{Manifold, ManifoldError};
 
-/// Where the camera first looks for a place, as shares of the domain: its middle, then others off every symmetry.
+/// The places where the camera is tried first, as shares of the domain: its middle, then others off every symmetry.
 const PLACES: [[f64; 2]; 7] = [
     [0.5, 0.5],
     [0.47, 0.53],
@@ -40,7 +40,7 @@ const RK4_STEPS: u32 = 128;
 
 /// The error allowed at a pixel, in pixels.
 pub const TOLERANCE: f64 = 0.1;
-/// The same in a picture of a view that moves.
+/// The error that is allowed in a picture of a view that moves.
 pub const MOVING_TOLERANCE: f64 = 0.5;
 /// The share of it that polynomials between the rays may add.
 const PATCHWORK_SHARE: f64 = 0.25;
@@ -57,7 +57,7 @@ pub struct PlacedCamera {
     pub zoom: f64,
     /// The uniforms of the surface's first instance.
     pub uniforms: Vec<f64>,
-    /// How geodesics are followed.
+    /// The method by which geodesics are integrated.
     pub method: PictureMethod,
     /// The error allowed at a pixel, in pixels.
     tolerance: f64,
@@ -72,11 +72,11 @@ impl PlacedCamera {
     /// [`RenderError::Manifold`], [`RenderError::CameraOutside`], [`RenderError::UndefinedCamera`].
     pub fn new(
         scene: &Scene,
-        settings: &ParamValues,
+        params: &ParamValues,
         camera: &GeodesicCamera,
         size: [u32; 2],
     ) -> Result<Self, RenderError> {
-        Self::on(scene, settings, camera, size, |surface, uniforms| {
+        Self::on(scene, params, camera, size, |surface, uniforms| {
             Ok(Arc::new(Manifold::new(scene, surface, uniforms)?))
         })
     }
@@ -87,7 +87,7 @@ impl PlacedCamera {
     /// As [`PlacedCamera::new`].
     pub(crate) fn on(
         scene: &Scene,
-        settings: &ParamValues,
+        params: &ParamValues,
         camera: &GeodesicCamera,
         size: [u32; 2],
         manifold: impl FnOnce(ObjectId, &[f64]) -> Result<Arc<Manifold>, RenderError>,
@@ -96,7 +96,7 @@ impl PlacedCamera {
             .objects
             .get(camera.surface.0 as usize)
             .ok_or(ManifoldError::NoSurface { name: None })?;
-        let uniforms = settings.first_instance(scene, object);
+        let uniforms = params.first_instance(scene, object);
         let manifold = manifold(camera.surface, &uniforms)?;
         let (frame, zoom) = place(manifold.surface(), &object.name, camera)?;
         Ok(Self {
@@ -116,7 +116,7 @@ impl PlacedCamera {
         self.manifold.surface().domain()
     }
 
-    /// What lies beyond each side of the domain.
+    /// Returns the kind of each side of the domain.
     pub fn sides(&self) -> Sides {
         self.manifold.surface().sides()
     }
@@ -232,13 +232,13 @@ impl PlacedCamera {
             .min(pixels.saturating_mul(map::MOST_FOR_PIXEL))
     }
 
-    /// The same camera, its geodesics followed by another method.
+    /// Returns the camera with another method for its geodesics.
     #[must_use]
     pub fn with_method(self, method: PictureMethod) -> Self {
         Self { method, ..self }
     }
 
-    /// The same camera, with the error that is allowed where a view moves.
+    /// Returns the camera with the error that is allowed where a view moves.
     #[must_use]
     pub fn moving(self) -> Self {
         Self {
@@ -317,7 +317,7 @@ fn first_place(surface: &dyn Surface) -> [f64; 2] {
     found.unwrap_or(places[0])
 }
 
-/// Whether σ is defined and σu, σv span a plane, each taken times its domain's width.
+/// Returns true if σ is defined and σu, σv span a plane, each taken times its domain's width.
 fn has_tangent_plane(surface: &dyn Surface, at: [f64; 2]) -> bool {
     let jet = surface.jet(at.into());
     let widths = surface.domain().map(|[low, high]| high - low);

@@ -1,7 +1,7 @@
 //! The ends of all pixels' geodesics, and the pictures that are made of them.
 //!
 //! Ends flow in, colours flow out, and over them what is laid on row by row while the ends are at hand ([`Layer`]): a
-//! table's polynomials are evaluated once for each pixel, whoever needs them.
+//! table's polynomials are evaluated once for each pixel, and all layers share the results.
 
 use std::borrow::Cow;
 
@@ -23,9 +23,9 @@ pub enum RayEnds {
     Patchwork {
         /// The ends.
         patchwork: Box<Patchwork>,
-        /// What it cost.
+        /// The work that it took.
         work: Work,
-        /// How exact it is.
+        /// Its estimated error.
         estimate: Estimate,
     },
     /// Pixel by pixel.
@@ -42,14 +42,14 @@ pub(crate) struct EndsOfRows<'a> {
     pub(crate) status: &'a [Status],
 }
 
-/// What is laid over what pixels show of the surface, and follows from their ends. It leaves other pixels alone.
+/// A layer over those pixels that show the surface; it follows from their ends. It leaves other pixels alone.
 pub(crate) trait Layer: Sync {
     /// Lays it over the RGBA of some whole rows.
     fn lay(&self, ends: EndsOfRows<'_>, pixels: &mut [u8]);
 }
 
 impl RayEnds {
-    /// What it cost.
+    /// Returns the work that it took.
     pub fn work(&self) -> Work {
         match self {
             Self::Patchwork { work, .. } => *work,
@@ -57,7 +57,7 @@ impl RayEnds {
         }
     }
 
-    /// How exact it is, as far as the method can tell.
+    /// Returns its estimated error, as far as the method knows it.
     pub fn estimate(&self) -> Option<Estimate> {
         match self {
             Self::Patchwork { estimate, .. } => Some(*estimate),

@@ -20,7 +20,7 @@ use crate::texture::{Footprint, Sampler, Texture};
 /// Pixels that go through each stage together.
 const STRIP: usize = 64;
 
-/// What a map is coloured with.
+/// The textures and colours that a map is coloured with.
 #[derive(Clone, Copy, Debug)]
 pub struct Paint<'a> {
     /// The surface's image.
@@ -31,9 +31,9 @@ pub struct Paint<'a> {
     pub domain: [[f64; 2]; 2],
     /// Beyond sides that wrap, the image goes on; beyond a flip it is mirrored. At other sides it ends.
     pub sides: Sides,
-    /// Whether the centre is marked by an open ring.
+    /// True if the centre is marked by an open ring.
     pub mark_centre: bool,
-    /// Whether a picture at once is worth more than a fine one: what is seen at a flat angle is then blurred.
+    /// True if a picture at once is worth more than a fine one: what is seen at a flat angle is then blurred.
     pub coarse: bool,
 }
 
@@ -172,7 +172,7 @@ fn hatch(image: &mut RgbaImage, status: &[Status]) {
 /// An image as it goes on beyond the domain's sides.
 pub(crate) struct Cover {
     pub(crate) texture: Arc<Texture>,
-    /// Where it repeats.
+    /// The sides at which it repeats.
     pub(crate) repeats: [bool; 2],
     /// The domain's minima.
     low: [f64; 2],
@@ -353,7 +353,7 @@ impl Hatching {
     }
 }
 
-/// Whether something of the surface is seen beside a pixel that shows nothing of it.
+/// Returns true if something of the surface is seen beside a pixel that shows nothing of it.
 fn is_border(size: [u32; 2], all: &[Status], [x, y]: [usize; 2]) -> bool {
     let [width, height] = size;
     let unit = style::pixel_unit(size).max(0.4);
@@ -388,7 +388,7 @@ struct Ring {
 }
 
 impl Ring {
-    /// The ring that is asked for. A picture of less than 32 pixels has no room for it.
+    /// The requested ring. A picture of less than 32 pixels has no room for it.
     fn of(paint: &Paint, size: [u32; 2]) -> Option<Self> {
         let unit = style::pixel_unit(size);
         (paint.mark_centre && size[0].min(size[1]) >= 32).then_some(Self {

@@ -127,7 +127,7 @@ impl Blitter {
 mod tests {
     use super::{Blitter, Canvas, Gpu};
 
-    /// What is on a target of that format after a canvas has been copied onto a rectangle of it.
+    /// Returns the pixels of a target of that format after a canvas has been copied onto a rectangle of it.
     fn copied(gpu: &Gpu, format: wgpu::TextureFormat, canvas: &Canvas, at: [f32; 4]) -> Vec<u8> {
         let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: None,

@@ -1,4 +1,4 @@
-//! Textures that pictures are drawn on: kept, handed out, and taken back when nobody looks at them any more.
+//! Textures that pictures are drawn on: kept, handed out, and taken back when no handle refers to them.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::gpu::device::Gpu;
 use crate::gpu::pipelines::COLOUR_FORMAT;
 use crate::gpu::space::straighten;
 
-/// Canvases that nobody looks at are kept up to this number: panes are drawn again at the size that they had.
+/// The number of unused canvases that are kept: panes are drawn again at the size that they had.
 const IDLE: usize = 4;
 
 /// The pixels of a picture, wherever they are.
@@ -109,7 +109,7 @@ impl Canvas {
         &self.0.bytes
     }
 
-    /// Whether two handles are the same canvas.
+    /// Returns true if two handles are the same canvas.
     pub fn is(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
@@ -138,7 +138,7 @@ impl Canvas {
         &self.0.texture
     }
 
-    /// What is drawn into, in linear light.
+    /// The attachment that is drawn into, in linear light.
     pub(crate) fn target(&self) -> &wgpu::TextureView {
         &self.0.target
     }
@@ -173,7 +173,7 @@ impl Canvas {
 pub(crate) struct Canvases(Vec<Canvas>);
 
 impl Canvases {
-    /// A canvas that nobody looks at.
+    /// Returns an unused canvas.
     pub(crate) fn take(&mut self, gpu: &Gpu, size: [u32; 2]) -> Canvas {
         let idle = |canvas: &Canvas| canvas.is_idle() && canvas.size() == size;
         if let Some(at) = self.0.iter().position(idle) {

@@ -15,7 +15,7 @@ pub struct Gpu {
     faults: Arc<Faults>,
 }
 
-/// What has happened to a device outside all scopes.
+/// Errors of a device outside all scopes.
 #[derive(Debug, Default)]
 struct Faults {
     /// The first error that has not been reported yet.
@@ -87,7 +87,7 @@ impl Gpu {
         self.faults.refuses.store(true, Ordering::Relaxed);
     }
 
-    /// Whether shaders of samples are to be refused.
+    /// Returns true if shaders of samples are to be refused.
     pub(crate) fn refuses_samples(&self) -> bool {
         self.faults.refuses.load(Ordering::Relaxed)
     }
@@ -119,7 +119,7 @@ impl Gpu {
         }
     }
 
-    /// The process's own device, opened when it is first asked for.
+    /// Returns the process's own device, opened on the first call.
     ///
     /// # Errors
     /// [`RenderError::NoGpu`] where there is no driver or no device; this is not tried again.
@@ -132,7 +132,7 @@ impl Gpu {
         &self.name
     }
 
-    /// Whether the device is gone for good: nothing can be drawn with it any more.
+    /// Returns true if the device is gone for good: nothing can be drawn with it any more.
     pub fn is_lost(&self) -> bool {
         self.faults.lost.load(Ordering::Acquire)
     }
@@ -169,7 +169,7 @@ impl Gpu {
         }
     }
 
-    /// Asks the device for something small: one that is gone says so only when it is asked.
+    /// Requests something small of the device: one that is gone reports so only on a request.
     ///
     /// # Errors
     /// [`RenderError::Gpu`] if it is gone.
@@ -344,7 +344,7 @@ impl Gpu {
         let slice = staging.slice(..);
         let (send, receive) = mpsc::channel();
         slice.map_async(wgpu::MapMode::Read, move |result| {
-            // The receiver waits below; if it is gone nobody wants the answer.
+            // The receiver waits below; if it is gone the answer is not needed.
             let _ = send.send(result);
         });
         self.wait()?;

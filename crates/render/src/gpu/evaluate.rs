@@ -1,4 +1,4 @@
-//! What the GPU computes of expressions, as numbers: for comparing it with f64.
+//! Values of expressions as the GPU computes them: for comparison with f64.
 
 use std::fmt;
 

@@ -25,10 +25,10 @@ use crate::texture::Texture;
 const KEPT: usize = 6;
 /// Pixels of one slab: 16 MB of colours.
 const SLAB_PIXELS: u32 = 1 << 22;
-/// How many statuses there are.
+/// The number of statuses.
 const STATUSES: usize = 6;
 
-/// What the pass keeps from one picture to the next.
+/// The state that the pass keeps from one picture to the next.
 #[derive(Debug, Default)]
 pub(crate) struct ResolvePass {
     pipeline: Option<wgpu::ComputePipeline>,
@@ -42,7 +42,7 @@ pub(crate) struct ResolvePass {
 struct DeviceEnds {
     ends: Arc<RayEnds>,
     words: wgpu::Buffer,
-    /// How many pixels have each status, once they have been counted.
+    /// The number of pixels of each status, once they have been counted.
     counts: Option<Vec<u32>>,
 }
 
@@ -58,14 +58,14 @@ pub(crate) struct ResolveTask<'a> {
     pub(crate) colour: [f32; 3],
     pub(crate) mark_centre: bool,
     pub(crate) size: [u32; 2],
-    /// Whether the picture is needed in memory.
+    /// True if the picture is needed in memory.
     pub(crate) in_memory: bool,
 }
 
 /// A picture that has been coloured.
 pub(crate) struct Resolved {
     pub(crate) pixels: Pixels,
-    /// How many pixels have each status, by its code.
+    /// The number of pixels of each status, by its code.
     pub(crate) counts: Vec<u32>,
 }
 
@@ -231,7 +231,7 @@ fn row_bytes(width: u32) -> u32 {
     (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
 }
 
-/// What the pass reads of a picture.
+/// The inputs of the pass for one picture.
 fn description(task: &ResolveTask, rows: [u32; 2], stride: u32) -> Resolve {
     let size = task.size;
     let cover = task.cover;
@@ -284,7 +284,7 @@ fn status_of(code: u32) -> Status {
     }
 }
 
-/// The entry that is looked for, made if there is none; it becomes the last one, and the first gives way.
+/// Returns the entry, made if it does not exist; it becomes the last one, and the first gives way.
 fn recent<T>(all: &mut Vec<T>, is: impl Fn(&T) -> bool, make: impl FnOnce() -> T) -> &mut T {
     let entry = match all.iter().position(is) {
         Some(at) => all.remove(at),

@@ -42,7 +42,7 @@ struct KernelState {
     kernel: Option<Arc<OnceLock<Made>>>,
 }
 
-/// How a kernel has turned out.
+/// The outcome of building a kernel.
 #[derive(Debug)]
 enum Made {
     Ready(Ready),
@@ -59,7 +59,7 @@ struct Ready {
     slots: Vec<usize>,
 }
 
-/// What there is for an object.
+/// The samples of an object, as far as kernels give them.
 pub(crate) enum ObjectSamples {
     /// Its samples, by a kernel.
     Samples(SampleBuffer),
@@ -70,11 +70,11 @@ pub(crate) enum ObjectSamples {
 /// An object of a scene.
 pub(crate) struct SampleRequest<'a> {
     pub(crate) scene: &'a Arc<Scene>,
-    pub(crate) settings: &'a ParamValues,
+    pub(crate) params: &'a ParamValues,
     pub(crate) object: ObjectId,
     pub(crate) structure: &'a Structure,
     pub(crate) placement: &'a Placement,
-    /// Whether the picture waits for its kernel.
+    /// True if the picture waits for its kernel.
     pub(crate) waits: bool,
 }
 
@@ -95,7 +95,7 @@ impl Kernels {
         self.pays = operations;
     }
 
-    /// Whether any is being made.
+    /// Returns true if any is being made.
     pub(crate) fn is_making(&self) -> bool {
         let begun = self.states.values().filter_map(|it| it.kernel.as_ref());
         begun.into_iter().any(|kernel| kernel.get().is_none())
@@ -113,8 +113,8 @@ impl Kernels {
         let SampleRequest {
             scene, structure, ..
         } = *wanted;
-        let samples = plan::samples(scene, wanted.settings, wanted.object);
-        // Where kernels are refused for a test, they are asked for at once.
+        let samples = plan::samples(scene, wanted.params, wanted.object);
+        // Where kernels are refused for a test, they are requested at once.
         let pays = if gpu.refuses_samples() { 1 } else { self.pays };
         // Nothing that a shader may hold would pay.
         if samples.saturating_mul(wgsl::kernel::OPERATION_LIMIT as u64) < pays {
@@ -155,7 +155,7 @@ impl Kernels {
                 samples::by_kernel(
                     gpu,
                     scene,
-                    wanted.settings,
+                    wanted.params,
                     object,
                     by,
                     wanted.placement,
@@ -166,7 +166,7 @@ impl Kernels {
         }
     }
 
-    /// What is to be told of an object whose kernel has been refused.
+    /// Returns the note on an object whose kernel has been refused.
     pub(crate) fn refusal(&self, structure: &Structure, name: &str) -> Option<String> {
         let kernel = self.states.get(structure.words())?.kernel.as_ref()?;
         match kernel.get()? {
@@ -175,7 +175,7 @@ impl Kernels {
         }
     }
 
-    /// How many have been built so far.
+    /// The number of kernels that have been built so far.
     pub(crate) fn built(&self) -> u64 {
         self.built.load(Ordering::Relaxed)
     }
@@ -205,10 +205,10 @@ fn begin(
     let place = Arc::new(OnceLock::new());
     let (gpu, built, result) = (gpu.clone(), built.clone(), place.clone());
     let scene = wanted.scene.clone();
-    let (settings, object) = (wanted.settings.clone(), wanted.object);
+    let (params, object) = (wanted.params.clone(), wanted.object);
     let (structure, placement) = (wanted.structure.clone(), *wanted.placement);
     let work = move || {
-        let made = make(&gpu, &scene, &settings, object, &structure, &placement);
+        let made = make(&gpu, &scene, &params, object, &structure, &placement);
         built.fetch_add(u64::from(matches!(made, Made::Ready(_))), Ordering::Relaxed);
         // Nobody else sets it.
         let _ = result.set(made);
@@ -227,7 +227,7 @@ fn begin(
 fn make(
     gpu: &Gpu,
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     object: ObjectId,
     structure: &Structure,
     placement: &Placement,
@@ -241,7 +241,7 @@ fn make(
     let made = gpu.guarded(|| {
         let pipeline = PipelineFactory::new(gpu).sample_kernel(&kernel);
         let by = (&pipeline, kernel.uniforms());
-        samples::by_kernel(gpu, scene, settings, object, by, placement, Some(FIRST))?;
+        samples::by_kernel(gpu, scene, params, object, by, placement, Some(FIRST))?;
         Ok(pipeline)
     });
     let slot = |uniform: &u32| {

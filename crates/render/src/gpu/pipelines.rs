@@ -1,4 +1,4 @@
-//! What one picture builds: pipelines, kernels, textures, samplers, all counted.
+//! The GPU objects that one picture builds: pipelines, kernels, textures, samplers, all counted.
 
 use wgsl::{Joined, Kernel};
 
@@ -18,7 +18,7 @@ const MAX_WORKGROUPS: u32 = 65_535;
 /// Builds for one picture, and counts.
 pub(crate) struct PipelineFactory<'a> {
     pub(crate) gpu: &'a Gpu,
-    /// What has been built.
+    /// The counts of all that has been built.
     pub(crate) built: Built,
 }
 

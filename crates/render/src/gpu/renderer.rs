@@ -50,7 +50,7 @@ pub(crate) struct GpuRenderer {
 #[derive(Clone, Debug)]
 struct Buffered {
     buffer: SampleBuffer,
-    /// Whether a kernel has computed them.
+    /// True if a kernel has computed them.
     by_kernel: bool,
 }
 
@@ -62,7 +62,7 @@ pub(crate) struct SpaceScene<'a> {
     pub(crate) camera: &'a Camera,
     /// The share of an object's colour that is emphasis; `None` for an object that is hidden.
     pub(crate) shown: &'a dyn Fn(ObjectId) -> Option<f32>,
-    /// What is drawn beside the scene's objects.
+    /// The objects that are drawn beside those of the scene.
     pub(crate) overlay: &'a Arc<[OverlayObject]>,
     /// Linear light and alpha.
     pub(crate) background: [f32; 4],
@@ -146,7 +146,7 @@ impl GpuRenderer {
         self.kernels.pay_from(operations);
     }
 
-    /// Whether kernels are being made.
+    /// Returns true if kernels are being made.
     pub(crate) fn is_building(&self) -> bool {
         self.kernels.is_making()
     }
@@ -157,7 +157,7 @@ impl GpuRenderer {
         u64::from(built.draw_pipelines + built.resolve_pipelines) + self.kernels.built()
     }
 
-    /// What has been built so far.
+    /// Returns the counts of all that has been built so far.
     pub(crate) fn built(&self) -> Built {
         Built {
             sample_kernels: self.kernels.built() as u32,
@@ -170,7 +170,7 @@ impl GpuRenderer {
         self.sampled
     }
 
-    /// What is to be drawn, ready, and what a reader should know of it.
+    /// Returns the draws, ready, and the notes for a reader of the picture.
     fn draws(
         &mut self,
         store: &mut SampleStore,
@@ -234,7 +234,7 @@ impl GpuRenderer {
         if known.is_none() {
             let wanted = SampleRequest {
                 scene: request.scene.arc(),
-                settings: &request.settings,
+                params: &request.params,
                 object: id,
                 structure,
                 placement,
@@ -250,7 +250,7 @@ impl GpuRenderer {
                 ObjectSamples::Blocks(note) => notes.extend(note),
             }
         }
-        let sampled = store.get(&request.scene, &request.settings, id, content, placement);
+        let sampled = store.get(&request.scene, &request.params, id, content, placement);
         notes.extend(sampled.notes(object));
         if let Some(known) = known {
             notes.extend(self.kernels.refusal(structure, &object.name));

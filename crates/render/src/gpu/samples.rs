@@ -22,12 +22,12 @@ pub(crate) struct SampleBuffer {
     pub(crate) count: [u32; 2],
     /// Samples of all instances.
     pub(crate) total: u32,
-    /// How many of them are undefined, if a kernel has computed them.
+    /// The number of undefined ones, if a kernel has computed them.
     pub(crate) undefined: usize,
 }
 
 impl SampleBuffer {
-    /// What a reader of the picture should know of the samples of this object, which a kernel has computed.
+    /// Returns the notes on the samples of this object, which a kernel has computed.
     pub(crate) fn note(&self, name: &str) -> Option<String> {
         sample::note(name, self.total as usize, self.undefined)
     }
@@ -38,7 +38,7 @@ impl SampleBuffer {
 pub(crate) fn computed(
     factory: &mut PipelineFactory<'_>,
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     id: ObjectId,
     placement: &Placement,
 ) -> Result<Option<Samples>, RenderError> {
@@ -47,7 +47,7 @@ pub(crate) fn computed(
         Ok(kernel) => kernel,
         Err(error) => return internal(error).map_or(Ok(None), Err),
     };
-    let filled = run(factory, scene, settings, object, &kernel, placement)?;
+    let filled = run(factory, scene, params, object, &kernel, placement)?;
     let total = u64::from(filled.total);
     let read = |size: usize| (&filled.buffer, total * size as u64);
     let gpu = factory.gpu;
@@ -122,7 +122,7 @@ pub(crate) fn kernel(scene: &Scene, shape: &Shape) -> Result<Kernel, GenerateErr
 fn run(
     factory: &mut PipelineFactory<'_>,
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     object: &Object,
     kernel: &Kernel,
     placement: &Placement,
@@ -133,7 +133,7 @@ fn run(
     by_kernel(
         gpu,
         scene,
-        settings,
+        params,
         object,
         (&pipeline, slots),
         placement,
@@ -141,7 +141,7 @@ fn run(
     )
 }
 
-/// Fills a buffer with an object's samples (with the first few of them, if so many are asked for) by a kernel; `slots`
+/// Fills a buffer with an object's samples (with the first few of them, if so many are requested) by a kernel; `slots`
 /// are the uniforms that it reads.
 ///
 /// # Errors
@@ -149,7 +149,7 @@ fn run(
 pub(crate) fn by_kernel(
     gpu: &Gpu,
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     object: &Object,
     (pipeline, slots): (&wgpu::ComputePipeline, &[u32]),
     placement: &Placement,
@@ -167,14 +167,14 @@ pub(crate) fn by_kernel(
         _ => size_of::<SurfaceSample>(),
     };
     let per_instance = u64::from(count[0]) * u64::from(count[1]);
-    let total = settings
+    let total = params
         .instance_count(scene, object)
         .saturating_mul(per_instance);
     let total = first.map_or(total, |first| first.min(total));
     let size = total.saturating_mul(bytes_per_sample as u64);
     let buffer = gpu.output("samples", size)?;
     let mut uniforms: Vec<f32> = Vec::new();
-    settings.for_each_instance(scene, object, |values| {
+    params.for_each_instance(scene, object, |values| {
         uniforms.extend(slots.iter().map(|&k| values[k as usize] as f32));
     });
     gpu.check_size("uniforms", 4 * uniforms.len() as u64)?;

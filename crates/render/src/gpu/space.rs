@@ -37,9 +37,9 @@ pub(crate) enum Vertices {
     Indexed {
         /// u32 indices.
         buffer: wgpu::Buffer,
-        /// How many.
+        /// The number of vertices.
         count: u32,
-        /// How many instances.
+        /// The number of instances.
         instances: u32,
     },
 }
@@ -149,7 +149,7 @@ impl Painters {
     }
 }
 
-/// What stands in the place, built now if nothing does.
+/// Returns the value in the place, built now if it is empty.
 fn built<T>(
     place: &mut Option<T>,
     build: impl FnOnce() -> Result<T, RenderError>,

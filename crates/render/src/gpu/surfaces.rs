@@ -15,7 +15,7 @@ pub(crate) struct Surfaces {
     pipeline: wgpu::RenderPipeline,
     sampler: wgpu::Sampler,
     images: Vec<(Arc<Texture>, wgpu::TextureView, bool)>,
-    /// Index buffers by the size of their grid. As with images, the last number tells whether the picture that is being
+    /// Index buffers by the size of their grid. As with images, the last number is true if the picture that is being
     /// made uses them.
     indices: Vec<([u32; 2], wgpu::Buffer, bool)>,
 }

@@ -33,13 +33,13 @@ pub(super) struct SurfaceCurve {
 
 /// All geodesics declared on a surface, of those instances that lie on the one that is seen.
 pub(super) fn lines(request: &PictureRequest, inside: &PlacedCamera) -> Vec<SurfaceCurve> {
-    let (scene, settings, seen) = (&*request.scene, &*request.settings, inside.surface);
+    let (scene, params, seen) = (&*request.scene, &*request.params, inside.surface);
     let mut all = Vec::new();
     for (id, object) in scene.geodesics_on(seen) {
         let Some((_, domain)) = object.shape.geodesic() else {
             continue;
         };
-        let Some(mut launcher) = InitialConditionsEvaluator::new(scene, id) else {
+        let Some(mut evaluator) = InitialConditionsEvaluator::new(scene, id) else {
             continue;
         };
         let lengths = [domain.range.min, domain.range.max];
@@ -51,23 +51,23 @@ pub(super) fn lines(request: &PictureRequest, inside: &PlacedCamera) -> Vec<Surf
             notes: Vec::new(),
             pieces: Vec::new(),
         };
-        let instances = settings
+        let instances = params
             .instance_count(scene, object)
             .min((MAX_POINTS / u64::from(pieces)).max(1));
         let mut fault = None;
         let mut lines = Vec::new();
         for instance in 0..instances {
-            let uniforms = settings.instance(scene, object, instance);
+            let uniforms = params.instance(scene, object, instance);
             if used
                 .iter()
                 .any(|&k| uniforms.get(k) != inside.uniforms.get(k))
             {
                 continue;
             }
-            match launcher.evaluate(&uniforms) {
-                Ok(launch) => lines.push(GeodesicSegment {
-                    start: launch.start,
-                    direction: launch.direction,
+            match evaluator.evaluate(&uniforms) {
+                Ok(initial) => lines.push(GeodesicSegment {
+                    start: initial.start,
+                    direction: initial.direction,
                     lengths,
                     pieces,
                 }),
@@ -90,7 +90,8 @@ pub(super) fn lines(request: &PictureRequest, inside: &PlacedCamera) -> Vec<Surf
     all
 }
 
-/// How many pieces a line has: some more than are needed, so that a camera that zooms needs others only now and then.
+/// Returns the number of pieces of a line: more than are needed, so that a camera that zooms needs others only now and
+/// then.
 fn piece_count(length: f64, samples: u32, inside: &PlacedCamera) -> u32 {
     let [width, height] = inside.size().map(f64::from);
     let pixel = 2.0 * inside.zoom / width.min(height).max(1.0);

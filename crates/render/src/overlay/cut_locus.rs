@@ -1,8 +1,8 @@
 //! The cut locus: beyond it, a place of the surface that a pixel shows is nearer by another pixel's way.
 //!
 //! Every pixel is entered into a table over the chart, of which a cell keeps the nearest to the centre. By its
-//! derivative, that pixel's part of the picture tells where in it, and so how far away, a place close by is seen. A
-//! pixel that is farther away than its cell's or a neighbouring cell's entry tells lies beyond. The line is their border.
+//! derivative, that pixel's part of the picture gives the distance of a place close by. A pixel that is farther away
+//! than its cell's or a neighbouring cell's entry says lies beyond. The line is their border.
 
 use geodesic::map::{Map, bring_back};
 use geodesic::point::Uv;
@@ -19,7 +19,7 @@ use crate::geodesic_view::PlacedCamera;
 const MOST_CELLS: usize = 1024;
 /// A pixel lies beyond if another way is shorter by so many pixels.
 const THRESHOLD: f64 = 1.0;
-/// An entry tells the distances of places up to so many pixels away.
+/// The distance in pixels up to which an entry gives the distances of places.
 const FARTHEST: f64 = 10.0;
 /// So near the centre, in pixels, there is no other way.
 const NEAR: f64 = 6.0;
@@ -122,7 +122,7 @@ fn beyond(map: &Map, inside: &PlacedCamera) -> Vec<bool> {
             f64::from(row) + 0.5 - 0.5 * f64::from(size[1]),
         ];
         // (u,v) = x (a,b) + y (c,d), solved for x and y. At conjugate points the determinant is 0: neighbouring
-        // geodesics meet there, and nothing can be told of places from (u,v).
+        // geodesics meet there, and (u,v) does not determine places.
         let by_uv = [
             [d, -b].map(|x| signs[0] * x / determinant),
             [-c, a].map(|x| signs[1] * x / determinant),

@@ -1,5 +1,5 @@
-//! What lies over a geodesic picture: declared geodesics and trails are laid on while it is coloured, what was asked for
-//! beyond that is drawn when it is whole.
+//! The overlays of a geodesic picture: declared geodesics and trails are drawn while it is coloured, everything else
+//! that a request selects is drawn when the picture is complete.
 //!
 //! A camera and what it sees flow in, a picture with lines and a key flows out.
 
@@ -14,7 +14,7 @@ use crate::geodesic_view::{Layer, PlacedCamera, RayEnds, UNSEEN};
 use crate::request::PictureRequest;
 use crate::trail::Trail;
 
-/// What lies over a geodesic picture.
+/// The overlays of a geodesic picture.
 pub(crate) struct GeodesicOverlay<'a> {
     request: &'a PictureRequest,
     inside: &'a PlacedCamera,
@@ -49,7 +49,7 @@ impl<'a> GeodesicOverlay<'a> {
         }
     }
 
-    /// What is to be laid over the pixels.
+    /// Returns the layer that is blended over the pixels.
     pub(crate) fn layer(&self) -> Option<&dyn Layer> {
         self.lines.as_ref().map(|lines| lines as &dyn Layer)
     }
@@ -69,7 +69,7 @@ impl<'a> GeodesicOverlay<'a> {
         self.finish(image, seen, None)
     }
 
-    /// Draws the rest over a picture with its lines; `status` tells why the pixels' geodesics end, where that is known.
+    /// Draws the rest over a picture with its lines; `status` holds why the pixels' geodesics end, where that is known.
     /// Gives what a reader should know, and the names of what was drawn.
     pub(crate) fn finish(
         self,
@@ -103,8 +103,8 @@ impl<'a> GeodesicOverlay<'a> {
         ([self.notes, notes].concat(), drawn)
     }
 
-    /// Draws what has been asked for and follows from the pixels' ends themselves. Gives what a reader should know, and
-    /// the names of what was drawn.
+    /// Draws the requested overlays that follow from the pixels' ends themselves. Returns notes for a reader, and the
+    /// names of what was drawn.
     fn measured(
         &self,
         image: &mut RgbaImage,
@@ -202,10 +202,10 @@ mod tests {
     /// The picture, its lines laid over each band of rows while it was coloured, or over the whole.
     fn drawn(source: &str, size: [u32; 2], banded: bool) -> RgbaImage {
         let scene = scene::geotrace::compile(source).scene.expect("no errors");
-        let settings = ParamValues::initial(&scene);
+        let params = ParamValues::initial(&scene);
         let camera = GeodesicCamera::new(ObjectId(0));
-        let inside = PlacedCamera::new(&scene, &settings, &camera, size).expect("a camera");
-        let request = PictureRequest::new(scene, settings, AnyView, size);
+        let inside = PlacedCamera::new(&scene, &params, &camera, size).expect("a camera");
+        let request = PictureRequest::new(scene, params, AnyView, size);
         let texture: Arc<Texture> = Texture::orientation();
         let paint = Paint {
             texture: &texture,

@@ -15,7 +15,7 @@ pub(super) struct Legend {
     entries: Vec<(Mark, String)>,
 }
 
-/// What stands before the words.
+/// The swatch before the words.
 #[derive(Clone, Copy, Debug)]
 enum Mark {
     Hatching(Status),
@@ -58,7 +58,7 @@ impl Legend {
         self.entries.push((Mark::Curvature(scale), words));
     }
 
-    /// Whether it has no entries.
+    /// Returns true if it has no entries.
     pub(super) fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }

@@ -15,7 +15,7 @@ pub(super) fn place_of(size: [u32; 2], index: usize) -> [u32; 2] {
     [(index % width) as u32, (index / width) as u32]
 }
 
-/// How far a pixel is from the centre on the surface, as a multiple of the zoom.
+/// Returns the distance of a pixel from the centre on the surface, as a multiple of the zoom.
 pub(super) fn reach(size: [u32; 2], index: usize) -> f64 {
     let [column, row] = place_of(size, index);
     let [x, y] = pixel_place(size, column, row).0;
@@ -40,7 +40,7 @@ pub(super) fn wavefronts(image: &mut RgbaImage, status: &[Status], zoom: f64, sp
     });
 }
 
-/// Where the derivative of the exponential map loses its rank.
+/// Draws the conjugate points, where the derivative of the exponential map loses its rank.
 pub(super) fn conjugate_points(image: &mut RgbaImage, map: &Map, inside: &PlacedCamera) {
     let [width, height] = map.size.map(|side| side as usize);
     let widths = inside.domain().map(|[low, high]| (high - low) as f32);

@@ -21,9 +21,9 @@ use crate::viewpoint::GeodesicCamera;
 /// Something to be drawn in space that is no object of the scene.
 #[derive(Clone, Debug)]
 pub(crate) struct OverlayObject {
-    /// What it belongs to: the camera, a trail.
+    /// The owner's name: the camera, a trail.
     pub(crate) name: &'static str,
-    /// What draws it.
+    /// The painter that draws it.
     pub(crate) painter: Painter,
     /// Its samples.
     pub(crate) samples: Arc<Samples>,
@@ -39,7 +39,7 @@ const DIRECTIONS: u32 = 180;
 const MOST_WAVES: f64 = 64.0;
 /// Arrows are no longer than this share of the scene's radius.
 const LONGEST_ARROW: f64 = 0.5;
-/// Directions are told from points so far apart, as a share of the zoom.
+/// The distance between the points that determine a direction, as a share of the zoom.
 const NUDGE: f64 = 1e-4;
 
 const X: [u8; 3] = [255, 80, 60];
@@ -47,12 +47,12 @@ const Y: [u8; 3] = [70, 220, 90];
 const AXES: [u8; 3] = [235, 235, 240];
 const BORDER: [u8; 3] = [255, 210, 60];
 
-/// What shows a request's trails.
+/// Returns the objects that show a request's trails.
 pub(crate) fn trail_objects(request: &PictureRequest, placement: &Placement) -> Vec<OverlayObject> {
     let lines = request
         .trails
         .iter()
-        .filter_map(|trail| crate::trail::in_space(&request.scene, &request.settings, trail));
+        .filter_map(|trail| crate::trail::in_space(&request.scene, &request.params, trail));
     lines
         .filter(|line| line.len() > 1)
         .map(|line| OverlayObject {
@@ -89,7 +89,7 @@ pub(super) fn key(
     Ok(())
 }
 
-/// What shows a geodesic camera: its frame as arrows, geodesics of its picture as curves.
+/// Returns the objects that show a geodesic camera: its frame as arrows, geodesics of its picture as curves.
 ///
 /// # Errors
 /// Those of the camera.
@@ -200,13 +200,13 @@ pub(crate) fn camera_objects(
 /// Puts the camera on its surface, as the geodesic view would.
 fn place(request: &PictureRequest, camera: &GeodesicCamera) -> Result<PlacedCamera, RenderError> {
     camera.check(&request.scene)?;
-    PlacedCamera::new(&request.scene, &request.settings, camera, request.size)
+    PlacedCamera::new(&request.scene, &request.params, camera, request.size)
 }
 
 /// The painters that the camera needs beside the scene's.
 pub(super) const PAINTERS: [Painter; 2] = [Painter::Vectors, Painter::Curves];
 
-/// Whether an object is a surface in space, whose camera can be shown there.
+/// Returns true if an object is a surface in space, whose camera can be shown there.
 pub(super) fn is_shown(scene: &Scene, object: ObjectId) -> bool {
     scene.get(object).is_some_and(|it| it.shape.is_surface())
 }
@@ -230,7 +230,7 @@ fn half_extent(size: [u32; 2]) -> [f64; 2] {
     size.map(|side| f64::from(side) / shorter)
 }
 
-/// How far the picture reaches in a direction.
+/// Returns the extent of the picture in a direction.
 fn reach_in(direction: [f64; 2], half: [f64; 2]) -> f64 {
     let [x, y] = [0, 1].map(|k| half[k] / direction[k].abs());
     x.min(y)

@@ -43,9 +43,9 @@ pub trait ViewOptions: Comparable {
     }
 }
 
-/// What every type of options has by its derived traits, for values whose type is not known.
+/// The derived traits that every type of options has, for values whose type is not known.
 pub trait Comparable: Any + fmt::Debug + Send + Sync {
-    /// Whether the other value has the same type and is equal.
+    /// Returns true if the other value has the same type and is equal.
     fn is_equal(&self, other: &dyn ViewOptions) -> bool;
     /// A copy.
     fn copy(&self) -> Box<dyn ViewOptions>;

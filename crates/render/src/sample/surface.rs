@@ -1,8 +1,8 @@
 //! Samples of surfaces: places with their normals.
 //!
-//! A surface and its settings flow in, samples flow out, in the order that [`super`] tells. Places and σu, σv come from
-//! jets of first order, a block of points at a time, each block within one instance, whose uniforms are fixed. Where
-//! instances are many and small, blocks would run half empty: there symbolic derivatives are evaluated, each lane
+//! A surface and the param values flow in, samples flow out, in the order that [`super`] defines. Places and σu, σv come
+//! from jets of first order, a block of points at a time, each block within one instance, whose uniforms are fixed.
+//! Where instances are many and small, blocks would run half empty: there symbolic derivatives are evaluated, each lane
 //! with its own uniforms.
 
 use std::cell::RefCell;
@@ -31,7 +31,7 @@ thread_local! {
 /// Evaluates all samples of a surface.
 pub(super) fn surface(
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     object: &Object,
     placement: &Placement,
     position: &[NodeId; 3],
@@ -40,13 +40,13 @@ pub(super) fn surface(
     let count = [domain[0].count, domain[1].count];
     let per_instance = count[0] as usize * count[1] as usize;
     let samples = if per_instance >= WORTHWHILE {
-        by_jets(scene, settings, object, placement, position, domain)
+        by_jets(scene, params, object, placement, position, domain)
     } else {
-        symbolically(scene, settings, object, placement, position, domain)
+        symbolically(scene, params, object, placement, position, domain)
     };
     // Without derivatives there are no normals; the shape can still be seen, lit from the eye alone.
     let samples = samples.unwrap_or_else(|| {
-        let sampler = Sampler::full(scene, settings, object, position);
+        let sampler = Sampler::full(scene, params, object, position);
         sampler.map(|_, out: &[f64; 3]| {
             let PositionSample { position, defined } = placed(placement, out);
             SurfaceSample {
@@ -62,7 +62,7 @@ pub(super) fn surface(
 /// `None` if the derivatives explode.
 fn by_jets(
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     object: &Object,
     placement: &Placement,
     position: &[NodeId; 3],
@@ -71,7 +71,7 @@ fn by_jets(
     let variables = [Input::Variable(0), Input::Variable(1)];
     let tape = JetTape::new(&scene.graph, position, variables, Order::First).ok()?;
     let mut instances = Vec::new();
-    settings.for_each_instance(scene, object, |values| {
+    params.for_each_instance(scene, object, |values| {
         let uniforms: Vec<f64> = tape
             .uniforms()
             .iter()
@@ -165,7 +165,7 @@ impl Jets<'_> {
         }
     }
 
-    /// The normal a little further inside; zero where there is none either.
+    /// Returns the normal a little further inside, or zero if it is undefined there too.
     fn beside(&self, fixed: &Fixed, at: [f64; 2]) -> [f32; 3] {
         let at = self.inside.nudged(at).map(|x| [x]);
         let mut out = [[[0.0]; 3]; 3];
@@ -181,7 +181,7 @@ impl Jets<'_> {
 /// As [`by_jets`], by symbolic derivatives.
 fn symbolically(
     scene: &Scene,
-    settings: &ParamValues,
+    params: &ParamValues,
     object: &Object,
     placement: &Placement,
     position: &[NodeId; 3],
@@ -189,7 +189,7 @@ fn symbolically(
 ) -> Option<Vec<SurfaceSample>> {
     let (graph, roots) = surface_roots(scene, position)?;
     let tape = Tape::new(&graph, &roots);
-    let sampler = Sampler::new(scene, settings, object, tape, Resolution::Full);
+    let sampler = Sampler::new(scene, params, object, tape, Resolution::Full);
     let inside = PlacedCamera::of(domain);
     let normal = |out: &[f64; 9]| {
         let [_, _, _, ux, uy, uz, vx, vy, vz] = *out;

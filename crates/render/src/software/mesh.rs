@@ -68,8 +68,8 @@ impl Eye {
         Vec4::new(at.x * self.zoom.x, at.y * self.zoom.y, depth, w)
     }
 
-    /// Where a view place in front of the eye is seen, as offsets from the picture's middle in units that are
-    /// equal in x and y.
+    /// Projects a place in view space in front of the eye: offsets from the picture's middle in units that are equal in
+    /// x and y.
     pub(super) fn project(&self, at: Vec3) -> Vec2 {
         at.truncate() / (-at.z).max(self.near)
     }

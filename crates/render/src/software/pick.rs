@@ -1,4 +1,4 @@
-//! What a pixel of the 3D view shows: the triangle that its samples see, found as the picture finds it, and from it the
+//! Picking in the 3D view: the triangle that a pixel's samples see, found as the picture finds it, and from it the
 //! object, its instance and the place on it.
 
 use glam::{Vec2, Vec3};
@@ -13,7 +13,7 @@ use crate::sample::{PositionSample, Samples};
 /// Points, vectors and curves are picked by a place that is so many pixels away from where they are seen.
 pub const NEAR: f64 = 4.0;
 
-/// What has been found.
+/// The result of picking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Picked {
     /// Which of the objects that were drawn.
@@ -37,8 +37,8 @@ struct Seen {
     depth: f32,
 }
 
-/// What is seen at a place of the picture, in pixels from its top left corner: a point, vector or curve if one is seen
-/// within [`NEAR`], else the surface there.
+/// Returns the object at a place of the picture, in pixels from its top left corner: a point, vector or curve within
+/// [`NEAR`], else the surface there.
 pub fn pick(camera: &Camera, objects: &[Drawable], at: [f64; 2]) -> Option<Picked> {
     let inside = |k: usize| at[k] >= 0.0 && at[k] < f64::from(camera.size[k]);
     if !inside(0) || !inside(1) {
@@ -110,7 +110,8 @@ impl PixelWindow {
         (y - self.first[1]) * (self.end[0] - self.first[0]) + x - self.first[0]
     }
 
-    /// What the samples of the pixels see. The tiles are those of the picture, so that depths are the same numbers.
+    /// Returns the triangles that the pixels' samples see. The tiles are those of the picture, so that depths are the
+    /// same numbers.
     fn look(&self, eye: &Eye, objects: &[Drawable], jobs: &[Job]) -> Vec<[Option<Seen>; 4]> {
         let mut all = vec![[None; 4]; self.pixels().count()];
         let tiles = |k: usize| self.first[k] / TILE..=(self.end[k] - 1) / TILE;
@@ -285,7 +286,7 @@ fn instance(eye: &Eye, objects: &[Drawable], job: &Job, seen: &Seen) -> usize {
     (job.range.end - 1) / per_instance
 }
 
-/// How far along a curve the place is that is seen nearest to a place of the picture, as a share of its samples.
+/// Returns the place along a curve that is nearest to a place of the picture, as a share of its samples.
 fn along(eye: &Eye, samples: &[PositionSample], at: Vec2) -> f64 {
     let seen = |sample: &PositionSample| {
         let view = eye.see(sample.position);

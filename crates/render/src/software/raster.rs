@@ -240,7 +240,8 @@ impl<'a> Batch<'a> {
         })
     }
 
-    /// Whether a triangle goes on where one of a surface ends: they have a corner in common, and the same side is seen.
+    /// Returns true if a triangle goes on where one of a surface ends: they have a corner in common, and the same side
+    /// is seen.
     #[inline(always)]
     fn goes_on(&self, from: &Facet, id: u32) -> bool {
         let mesh = &self.meshes[from.mesh as usize];
@@ -315,7 +316,7 @@ impl Work for Means<'_> {
     }
 }
 
-/// How many triangles are remembered while a batch is shaded, a power of two.
+/// The number of triangles that are remembered while a batch is shaded, a power of two.
 const FACETS: usize = 256;
 
 /// A triangle that is being shaded.
@@ -325,7 +326,7 @@ struct Facet {
     material: u32,
     /// In its mesh.
     corners: [u32; 3],
-    /// Whether it runs counterclockwise as seen.
+    /// True if it runs counterclockwise as seen.
     front: bool,
     /// Of a surface, and nowhere much narrower than a pixel: half a pixel beside it, it is still near.
     wide: bool,
@@ -346,7 +347,7 @@ impl Facets {
     }
 }
 
-/// What a thread needs to draw the tiles of one batch.
+/// The buffers with which a thread draws the tiles of one batch.
 struct Tools {
     layer: Layer,
     facets: Facets,
@@ -366,7 +367,7 @@ impl Tools {
     }
 }
 
-/// What a thread draws one tile after the other in.
+/// The buffers in which a thread draws one tile after the other.
 pub(super) struct Workspace {
     tile: Tile,
     tools: Tools,

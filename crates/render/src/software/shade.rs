@@ -1,8 +1,8 @@
 //! The colours of places on triangles.
 //!
-//! What flows in: triangles with what is interpolated on them ([`Planes`]), and where on them it is wanted. What flows
-//! out: light. Places wait until there are many ([`Fragments`]), so that whatever has no branches is computed for
-//! several of them at once.
+//! Input: triangles with what is interpolated on them ([`Planes`]), and where on them it is wanted. What flows out:
+//! light. Places wait until there are many ([`Fragments`]), so that whatever has no branches is computed for several of
+//! them at once.
 
 use glam::Vec3;
 
@@ -11,17 +11,17 @@ use super::raster::Edges;
 use crate::style;
 use crate::texture::{Footprint, Sampler};
 
-/// How triangles of one kind of one object look.
+/// The appearance of triangles of one kind of one object.
 #[derive(Clone, Debug)]
 pub(super) struct Material<'a> {
     pub kind: MaterialKind<'a>,
     /// In linear light.
     pub colour: [f32; 3],
-    /// How much of [`style::EMPHASIS_COLOUR`] is mixed in.
+    /// The share of [`style::EMPHASIS_COLOUR`] that is mixed in.
     pub emphasis: f32,
 }
 
-/// What triangles are lit as.
+/// The kind of lighting of triangles.
 #[derive(Clone, Debug)]
 pub(super) enum MaterialKind<'a> {
     /// A strip or disc that faces the eye: its texture coordinates are the place in the unit disc.
@@ -38,7 +38,7 @@ impl Material<'_> {
     }
 }
 
-/// What is interpolated on a triangle, over the distance: then all of it is affine over the picture.
+/// The quantities that are interpolated on a triangle, over the distance: then all of them are affine over the picture.
 pub(super) struct Planes {
     /// The picture's place, in pixels, that `here` belongs to.
     origin: [f32; 2],
@@ -102,12 +102,12 @@ struct Block {
     at: [[f32; LANES]; 2],
     /// Interpolated values.
     values: [[f32; LANES]; PLANES],
-    /// How the first three of them change to the right and down; after that, how u and v do.
+    /// The changes of the first three of them to the right and down; after that, those of u and v.
     slopes: [[f32; LANES]; 6],
     side: [f32; LANES],
     uv: [[f32; LANES]; 2],
     footprints: [Footprint; LANES],
-    /// What the colour is multiplied by, and the white that is added.
+    /// The factor of the colour, and the white that is added.
     lights: [[f32; LANES]; 2],
     light: [[f32; 3]; LANES],
     /// The caller's own words.
@@ -155,7 +155,7 @@ impl Fragments {
         self.count += 1;
     }
 
-    /// What was pushed with a fragment, and its light.
+    /// The data that was pushed with a fragment, and its light.
     #[inline(always)]
     pub(super) fn lit(&self, number: usize) -> ([u16; 2], [f32; 3]) {
         let block = &self.blocks[number / LANES % BLOCKS];

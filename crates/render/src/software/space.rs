@@ -35,7 +35,7 @@ pub struct Drawable {
     pub samples: Arc<Samples>,
     /// Its colour in linear light.
     pub colour: [f32; 3],
-    /// How much of [`style::EMPHASIS_COLOUR`] is mixed into it, from 0 to 1.
+    /// The share of [`style::EMPHASIS_COLOUR`] that is mixed into it, from 0 to 1.
     pub emphasis: f32,
     /// The image of a surface; other kinds have no use for it.
     pub texture: Option<Arc<Texture>>,
@@ -53,8 +53,8 @@ impl Drawable {
     }
 }
 
-/// Draws objects as a camera sees them, in front of a background (linear light and alpha). `progress` is told the share
-/// that is done.
+/// Draws objects as a camera sees them, in front of a background (linear light and alpha). `progress` receives the
+/// share that is done.
 pub fn draw(
     camera: &Camera,
     objects: &[Drawable],

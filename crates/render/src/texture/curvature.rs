@@ -26,7 +26,7 @@ const FLAT: f64 = 1e-9;
 /// The colour of what is undefined, sRGB: between white, which is flat, and everything else.
 const UNDEFINED: [u8; 3] = [128, 128, 128];
 
-/// What the colours of a texture say.
+/// The scale of the colours of a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvatureScale {
     /// The curvature of the last colour on either side of zero, in 1/length²; positive.
@@ -38,23 +38,23 @@ impl Texture {
     /// positive, grey where it is undefined. Of a surface that depends on grids, the first instance is taken. The scale
     /// is symmetric about zero and takes in almost all of the area: [`Texture::curvature_scale`].
     ///
-    /// It holds for these settings only.
+    /// It holds for these param values only.
     ///
     /// # Errors
     /// [`RenderError::Manifold`].
     pub fn curvature(
         scene: &Scene,
-        settings: &ParamValues,
+        params: &ParamValues,
         surface: ObjectId,
     ) -> Result<Arc<Self>, RenderError> {
         let object = scene.objects.get(surface.0 as usize);
         let object = object.ok_or(ManifoldError::NoSurface { name: None })?;
-        let uniforms = settings.first_instance(scene, object);
+        let uniforms = params.first_instance(scene, object);
         let ground = Manifold::new(scene, surface, &uniforms)?;
         Ok(Arc::new(of_surface(ground.surface())))
     }
 
-    /// What the colours mean, if this is a [`Texture::curvature`].
+    /// Returns the scale of the colours, if this is a [`Texture::curvature`].
     pub fn curvature_scale(&self) -> Option<CurvatureScale> {
         self.scale
     }

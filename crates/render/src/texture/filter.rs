@@ -6,9 +6,9 @@
 use super::{Level, Texture};
 use crate::style::decode;
 
-/// How many times a footprint may be longer than wide before it is blurred across.
+/// The ratio of length to width of a footprint from which on it is blurred across.
 const MAX_ANISOTROPY: f32 = 8.0;
-/// The same where time is short.
+/// This ratio where time is short.
 const COARSE_ANISOTROPY: f32 = 2.0;
 /// A footprint that is so many times longer than wide still has one probe, on a coarser level.
 const ROUND: f32 = 0.5;
@@ -18,8 +18,8 @@ const OVERLAP: f32 = 0.8;
 /// Levels blend into one another between this share of the way and as much before its end; outside of it one is enough.
 const BLEND_FROM: f32 = 0.25;
 
-/// Where time is short, of two levels that would be blended one is taken, by these thresholds over 4 × 4 pixels: the mean
-/// over them is the blend. (The recursive order of B. E. Bayer, 1973, in 32nds.)
+/// The thresholds over 4 × 4 pixels by which, where time is short, one of two levels is taken instead of a blend: the
+/// mean over them is the blend. (The recursive order of B. E. Bayer, 1973, in 32nds.)
 const THRESHOLDS: [[f32; 4]; 4] = {
     const ORDER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
     let mut thresholds = [[0.0; 4]; 4];
@@ -45,7 +45,7 @@ pub struct Sampler<'a> {
     last: f32,
     /// One over how many times a footprint may be longer than wide.
     narrowest: f32,
-    /// Whether levels are not blended but dithered.
+    /// True if levels are not blended but dithered.
     dithers: bool,
 }
 
@@ -61,12 +61,12 @@ struct LevelSampler<'a> {
     repeats: [bool; 2],
 }
 
-/// What a pixel's colour is averaged over: probes in a row.
+/// The footprint over which a pixel's colour is averaged: probes in a row.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Footprint {
     /// The level, between 0 and the last.
     level: f32,
-    /// How many, a whole number from 1 on.
+    /// The number of probes, a whole number from 1 on.
     probes: f32,
     /// From one to the next, in the offset's units.
     step: [f32; 2],
@@ -110,7 +110,7 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// The same, with fewer probes where a footprint is long, a little blurred there, and each on one level.
+    /// Returns the colour with fewer probes where a footprint is long, a little blurred there, and each on one level.
     pub(crate) fn coarse(self) -> Self {
         Self {
             narrowest: 1.0 / COARSE_ANISOTROPY,
@@ -142,8 +142,8 @@ impl<'a> Sampler<'a> {
         self.averaged(offset, self.footprint([a[0], a[1], b[0], b[1]]))
     }
 
-    /// What is to be fetched for a pixel with the derivatives (across, along). No branches, so that a loop over many
-    /// pixels is one over vectors of them.
+    /// Returns the probes for a pixel with the derivatives (across, along). It has no branches, so that a loop over
+    /// many pixels is one over vectors of them.
     #[inline(always)]
     pub(crate) fn footprint(&self, [ax, ay, bx, by]: [f32; 4]) -> Footprint {
         let [su, sv] = self.texels;

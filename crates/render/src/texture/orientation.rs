@@ -1,9 +1,9 @@
 //! The image that shows orientation: named cells, drawn in code.
 //!
-//! Left and right, up and down are told apart by the names, by the hue (it follows u and closes after one turn) and
-//! by the lightness (it follows v). Names are written for a reader who sees u grow to the right and v upwards: they
-//! read rightly in a geodesic view, and in space from the side that σu×σv points to; what has been turned over shows
-//! them mirrored. They are drawn from strokes with round ends, so they stay smooth when enlarged.
+//! Left and right, up and down differ by the names, by the hue (it follows u and closes after one turn) and by the
+//! lightness (it follows v). Names are written for a reader who sees u grow to the right and v upwards: they read
+//! rightly in a geodesic view, and in space from the side that σu×σv points to; what has been turned over shows them
+//! mirrored. They are drawn from strokes with round ends, so they stay smooth when enlarged.
 
 use image::RgbaImage;
 use rayon::prelude::*;
@@ -70,7 +70,7 @@ fn ink_colour(column: u32) -> [f32; 3] {
     oklch(0.24, 0.05, hue(column))
 }
 
-/// How much of a texel is grid line.
+/// Returns the share of a texel that is grid line.
 fn line(x: u32, y: u32) -> f32 {
     let along = |x: u32| {
         let side = (CELLS * CELL) as f32;
@@ -98,7 +98,7 @@ fn coverage(distance: f32) -> f32 {
     (0.5 - distance).clamp(0.0, 1.0)
 }
 
-/// How much of a place in a cell is ink.
+/// Returns the share of ink at a place in a cell.
 fn label(strokes: &[Segment], x: f32, y: f32) -> f32 {
     let width = ADVANCE + 4.0;
     let gx = (x - 0.5 * CELL as f32) / SCALE + 0.5 * width;

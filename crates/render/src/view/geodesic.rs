@@ -32,14 +32,14 @@ const FOLLOWING_SHARE: f32 = 0.9;
 #[derive(Clone, Copy, Debug)]
 pub struct GeodesicView;
 
-/// What a geodesic picture is asked for beyond what all pictures are.
+/// The options of a geodesic picture beyond those of all pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GeodesicOptions {
     /// The camera.
     pub camera: GeodesicCamera,
-    /// How the geodesics are followed.
+    /// The method by which the geodesics are integrated.
     pub method: PictureMethod,
-    /// Whether the centre is marked with an open ring.
+    /// True if the centre is marked with an open ring.
     pub mark_centre: bool,
 }
 
@@ -92,7 +92,7 @@ impl ViewOptions for GeodesicOptions {
     }
 }
 
-/// Whether the centre is marked.
+/// The mark of the centre as a setting.
 const MARK_CENTRE: Setting = Setting {
     name: "centre",
     title: "Mark of the centre",
@@ -165,7 +165,7 @@ const KEYS: &[Key] = &[
     Key::new("Double or Ctrl click", "show the declaration"),
 ];
 
-/// What is kept for geodesic views.
+/// The state that is kept for geodesic views.
 #[derive(Debug, Default)]
 struct GeodesicRenderer {
     maps: MapCache,

@@ -1,4 +1,4 @@
-//! What the views of one renderer share: the samples and the place of the scene, the GPU, the counts.
+//! The state that the views of one renderer share: the samples and the place of the scene, the GPU, the counts.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::gpu::{Gpu, Pixels};
 use crate::plan::Built;
 use crate::sample_store::SampleStore;
 
-/// What the views of one renderer share.
+/// The state that the views of one renderer share.
 #[derive(Debug, Default)]
 pub struct SharedState {
     pub(crate) structures: Structures,
@@ -23,9 +23,9 @@ pub struct SharedState {
     /// The number of geodesic views whose geodesics were followed.
     pub(crate) followed: u64,
     pub(crate) pixels: Arc<PixelCounters>,
-    /// What draws on a GPU; without it the software path does.
+    /// The GPU's part of the renderer; without it the software path draws.
     pub(crate) gpu: Option<Box<GpuRenderer>>,
-    /// Whether a single picture is drawn, for a file: it is made in memory, in parts where it is large, and waits for
+    /// True if a single picture is drawn, for a file: it is made in memory, in parts where it is large, and waits for
     /// its kernels.
     pub(crate) is_single: bool,
 }
@@ -45,7 +45,7 @@ impl SharedState {
             (Pixels::Image(image), _) => Ok(image),
             (Pixels::Texture(canvas), Some(gpu)) => canvas.read(gpu),
             (Pixels::Texture(_), None) => Err(RenderError::Gpu(
-                "the picture is another stage's".to_owned(),
+                "the picture belongs to another renderer".to_owned(),
             )),
         }
     }
@@ -65,7 +65,7 @@ impl SharedState {
         self.pixels.write(counters);
     }
 
-    /// What has been built on the GPU so far.
+    /// Returns the counts of all that has been built on the GPU so far.
     pub(crate) fn built(&self) -> Built {
         let gpu = self.gpu.as_ref();
         gpu.map_or_else(Built::default, |gpu| gpu.built())

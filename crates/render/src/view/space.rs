@@ -35,15 +35,14 @@ const SAMPLING_SHARE: f32 = 0.4;
 #[derive(Clone, Copy, Debug)]
 pub struct SpaceView;
 
-/// What a 3D picture is asked for beyond what all pictures are.
+/// The options of a 3D picture beyond those of all pictures.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SpaceOptions {
     /// The camera.
     pub camera: PerspectiveCamera,
     /// A geodesic camera to be shown: its frame, the axes and the border of its picture.
     pub show_camera: Option<GeodesicCamera>,
-    /// What lies behind the objects: sRGB and an alpha that is not multiplied into it; [`style::BACKGROUND`] if not
-    /// given.
+    /// The background: sRGB and an alpha that is not multiplied into it; [`style::BACKGROUND`] if not given.
     pub background: Option<[u8; 4]>,
     /// An object to be set off, by mixing [`style::EMPHASIS_COLOUR`] into it.
     pub highlight: Option<ObjectId>,
@@ -60,12 +59,12 @@ impl SpaceOptions {
         }
     }
 
-    /// Whether an object is drawn.
+    /// Returns true if an object is drawn.
     pub fn shows(&self, object: ObjectId) -> bool {
         !self.hidden.contains(&object)
     }
 
-    /// Whether there is room for an object: also for one that is hidden, where something lies on it.
+    /// Returns true if there is room for an object: also for one that is hidden, where something lies on it.
     fn leaves_room(&self, request: &PictureRequest, object: ObjectId) -> bool {
         let mut geodesics = request.scene.geodesics_on(object);
         self.shows(object)
@@ -84,7 +83,7 @@ impl SpaceOptions {
         [r, g, b, f32::from(alpha) / 255.0]
     }
 
-    /// How much of [`style::EMPHASIS_COLOUR`] an object has, from 0 to 1.
+    /// Returns the share of [`style::EMPHASIS_COLOUR`] in an object's colour, from 0 to 1.
     fn emphasis(&self, object: ObjectId) -> f32 {
         if self.highlight == Some(object) {
             style::EMPHASIS
@@ -117,7 +116,7 @@ impl ViewOptions for SpaceOptions {
 /// The bounds of what a 3D request leaves room for; those of the whole scene for another request.
 pub fn bounds(request: &PictureRequest) -> Bounds {
     let options = request.view.get::<SpaceOptions>();
-    Bounds::of_some(&request.scene, &request.settings, |id| {
+    Bounds::of_some(&request.scene, &request.params, |id| {
         options.is_none_or(|options| options.leaves_room(request, id))
     })
 }
@@ -164,7 +163,7 @@ impl View for SpaceView {
             if object.shape.is_surface() {
                 textured.push(id);
             }
-            let planned = object_plan(&request.scene, &request.settings, id, object, plan.gpu);
+            let planned = object_plan(&request.scene, &request.params, id, object, plan.gpu);
             plan.objects.extend(planned);
         }
         plan.count_textures(request, &textured);
@@ -207,14 +206,14 @@ const KEYS: &[Key] = &[
     Key::new("Double or Ctrl click", "show the declaration"),
 ];
 
-/// What is kept for the 3D view.
+/// The state that is kept for the 3D view.
 #[derive(Debug, Default)]
 struct SpaceRenderer {
-    /// What shows a geodesic camera.
+    /// The objects that show a geodesic camera.
     camera: Option<(ShownCamera, Arc<[OverlayObject]>)>,
 }
 
-/// What the picture of a geodesic camera in space depends on.
+/// The inputs of a geodesic camera's picture in space.
 #[derive(Clone, Debug, PartialEq)]
 struct ShownCamera {
     manifold: Option<Content>,
@@ -314,7 +313,7 @@ impl ViewRenderer for SpaceRenderer {
 }
 
 impl SpaceRenderer {
-    /// What is drawn beside the scene's objects: the geodesic camera that is shown, and trails.
+    /// Returns the objects that are drawn beside those of the scene: the geodesic camera that is shown, and trails.
     fn overlay(
         &mut self,
         request: &PictureRequest,
@@ -340,9 +339,9 @@ impl SpaceRenderer {
         structures: &[Structure],
         placement: &Placement,
     ) -> Result<Arc<[OverlayObject]>, RenderError> {
-        let (scene, settings) = (&request.scene, &request.settings);
+        let (scene, params) = (&request.scene, &request.params);
         let key = ShownCamera {
-            manifold: content::first_instance(scene, settings, structures, camera.surface),
+            manifold: content::first_instance(scene, params, structures, camera.surface),
             camera: *camera,
             overlays: request.overlays,
             size: request.size,
@@ -401,7 +400,7 @@ fn drawables(
             continue;
         }
         let samples = &mut shared.samples;
-        let sampled = samples.get(scene, &request.settings, id, content, &placement);
+        let sampled = samples.get(scene, &request.params, id, content, &placement);
         notes.extend(sampled.notes(object));
         let is_surface = object.shape.is_surface();
         drawables.push(Drawable {

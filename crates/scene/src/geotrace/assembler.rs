@@ -57,9 +57,9 @@ pub(crate) enum NamePlace {
 /// A declaration that has been assembled.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Assembled {
-    /// Whether it is drawn.
+    /// True if it is drawn.
     pub(crate) is_drawn: bool,
-    /// Whether it replaces another, or depends on one that does.
+    /// True if it replaces another, or depends on one that does.
     pub(crate) is_stale: bool,
 }
 
@@ -152,7 +152,7 @@ impl<'s> Assembler<'s> {
         (is_constant == matches!(operator, Operator::Constant(_))).then_some(named)
     }
 
-    /// Whether the graph has no room for more expressions; what has been found since is not reliable.
+    /// Returns true if the graph has no room for more expressions; what has been found since is not reliable.
     pub(crate) fn is_full(&self) -> bool {
         self.declarations.lowerer.graph.overflowed()
     }
@@ -167,7 +167,7 @@ pub(crate) fn moved(interval: actions::Interval, bytes: u32) -> actions::Interva
     }
 }
 
-/// Whether a declaration has a meaning and no error.
+/// Returns true if a declaration has a meaning and no error.
 fn is_understood(understood: &Understood) -> bool {
     let mut found = understood.diagnostics.iter();
     understood.meaning.is_some() && found.all(|found| found.severity != Severity::Error)

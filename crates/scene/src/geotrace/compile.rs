@@ -23,7 +23,7 @@ pub struct Compilation {
     scope: Option<Scope>,
 }
 
-/// Compiles a program: reads every declaration, reports every mistake, and builds the scene if there is none.
+/// Compiles a program: reads every declaration, reports every mistake, and builds the scene if there is no mistake.
 ///
 /// ```
 /// let compilation = scene::geotrace::compile("param r : [1, 2];  curve c(t) = r(cost, sint, 0), t : [0, 2pi];");
@@ -55,22 +55,22 @@ impl Compilation {
         }
     }
 
-    /// Whether a diagnostic is an error; there is no scene then.
+    /// Returns true if a diagnostic is an error; there is no scene then.
     pub fn has_errors(&self) -> bool {
         has_errors(&self.diagnostics)
     }
 
     /// The value of an expression, read with the names that stand at the program's end.
     ///
-    /// `settings` are those of the program's scene. It does not matter whether [`Compilation::scene`] has been
+    /// `params` are those of the program's scene. It does not matter whether [`Compilation::scene`] has been
     /// taken out.
     ///
     /// ```
     /// use scene::{Outcome, ParamValues, Value};
     ///
     /// let compilation = scene::geotrace::compile("function f(x) = x^3;");
-    /// let settings = ParamValues::initial(compilation.scene.as_ref().expect("no errors"));
-    /// let evaluation = compilation.evaluate("f'2", &settings).expect("no errors");
+    /// let params = ParamValues::initial(compilation.scene.as_ref().expect("no errors"));
+    /// let evaluation = compilation.evaluate("f'2", &params).expect("no errors");
     /// assert_eq!(evaluation.outcome, Outcome::Single(Value::Number(Some(12.0))));
     /// ```
     ///
@@ -80,10 +80,10 @@ impl Compilation {
     pub fn evaluate(
         &self,
         text: &str,
-        settings: &ParamValues,
+        params: &ParamValues,
     ) -> Result<Evaluation, Vec<Diagnostic>> {
         match &self.scope {
-            Some(scope) => scope.evaluate(text, settings),
+            Some(scope) => scope.evaluate(text, params),
             None => {
                 let span = Span::new(0, u32::try_from(text.len()).unwrap_or(u32::MAX));
                 let message = "the program has errors, so no expression has a value in it";

@@ -40,7 +40,7 @@ pub(crate) struct Declarations {
     manifolds: FxHashMap<SymbolId, Manifold>,
     /// The uniforms that the next param or grid takes if it has as many components, instead of fresh ones.
     pub(crate) kept: Option<Uniforms>,
-    /// Whether the limits on all declarations together are left to the caller.
+    /// True if the limits on all declarations together are left to the caller.
     pub(crate) is_checker: bool,
 }
 
@@ -71,7 +71,7 @@ pub(crate) struct Drawn {
 pub(crate) struct DeclaredSource {
     pub(crate) data: SourceData,
     pub(crate) uniforms: Uniforms,
-    /// Whether the uniforms are new.
+    /// True if the uniforms are new.
     pub(crate) is_fresh: bool,
 }
 
@@ -215,9 +215,9 @@ impl Declarations {
             self.scene.objects.push(drawn.object);
         }
         if let (Some(symbol), Some(meaning)) = (declaration.symbol, understood.meaning) {
-            let word = Some(declaration.word);
+            let keyword = Some(declaration.keyword);
             let symbols = &mut self.lowerer.symbols;
-            symbols.define(symbol, declaration.name, word, meaning);
+            symbols.define(symbol, declaration.name, keyword, meaning);
         }
         self.diagnostics.extend(understood.diagnostics);
     }
@@ -314,12 +314,12 @@ impl Declarations {
             let mut product: Vec<String> = counts
                 .iter()
                 .take(6)
-                .map(|(grid, count)| format!("`{grid}` has {} values", tally(*count)))
+                .map(|(grid, count)| format!("`{grid}` has {} values", count_in_words(*count)))
                 .collect();
             if counts.len() > product.len() {
                 product.push("…".to_owned());
             }
-            let times = tally(instances);
+            let times = count_in_words(instances);
             let error = SemanticError::new(
                 error::TOO_MANY_INSTANCES,
                 format!(
@@ -341,7 +341,7 @@ impl Declarations {
                 error::TOO_MANY_SAMPLES,
                 format!(
                     "`{name}` has {} samples{all}; the limit is {MAX_SAMPLES} in all",
-                    tally(samples)
+                    count_in_words(samples)
                 ),
             )
             .with_hint("give its intervals, or the grids it depends on, smaller counts");
@@ -392,7 +392,7 @@ pub(crate) fn constant(value: Value, dependencies: Dependencies) -> Meaning {
 }
 
 /// A count in words; a product that was too large to compute has no digits.
-fn tally(count: u64) -> String {
+fn count_in_words(count: u64) -> String {
     match count {
         u64::MAX => "too many".to_owned(),
         _ => count.to_string(),

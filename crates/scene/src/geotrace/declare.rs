@@ -20,7 +20,7 @@ impl Declarations {
         declaration: &Declaration<'_>,
         intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
-        match declaration.word {
+        match declaration.keyword {
             DeclarationKeyword::Param => self.param(declaration, intervals),
             DeclarationKeyword::Grid => self.grid(declaration, intervals),
             DeclarationKeyword::Define => {

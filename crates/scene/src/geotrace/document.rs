@@ -4,7 +4,7 @@
 //! edit ──▶ syntax::document   what was read again
 //!          checker.rs         diagnostics of each declaration, and the symbols whose meaning has changed
 //!          this file          the readers of those are checked in turn, down the text
-//!          compilation()      the scene, put together when it is asked for
+//!          compilation()      the scene, put together on request
 //!          last_good.rs       the scene of a text with errors
 //! ```
 //!
@@ -385,7 +385,7 @@ impl Document {
 
     /// The scene of the text as it is; of a text with errors, what can be shown of it, with what was last good in the
     /// place of what is faulty. It is put together at the first call after an edit. What is good is remembered once it
-    /// has been asked for.
+    /// has been requested.
     pub fn scene_with_last_good(&self) -> &ProgramScene {
         &self.shown().program
     }

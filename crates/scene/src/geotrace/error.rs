@@ -174,7 +174,7 @@ pub const CODES: &[(Code, &str)] = &[
     ),
 ];
 
-/// Whether any diagnostic is an error rather than a warning.
+/// Returns true if any diagnostic is an error rather than a warning.
 pub(crate) fn has_errors(diagnostics: &[Diagnostic]) -> bool {
     diagnostics
         .iter()

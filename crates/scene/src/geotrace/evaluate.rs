@@ -48,7 +48,7 @@ impl Scope {
     pub(crate) fn evaluate(
         &self,
         text: &str,
-        settings: &ParamValues,
+        params: &ParamValues,
     ) -> Result<Evaluation, Vec<Diagnostic>> {
         let program = &*self.0;
         let mut declarations = program.declarations.clone();
@@ -69,7 +69,7 @@ impl Scope {
         let Some(result) = lowered.value.filter(|_| !has_errors(&found)) else {
             return Err(found);
         };
-        match outcome(&declarations, &result, lowered.dependencies, settings) {
+        match outcome(&declarations, &result, lowered.dependencies, params) {
             Ok(outcome) => Ok(Evaluation {
                 outcome,
                 warnings: found,

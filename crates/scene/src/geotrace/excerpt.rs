@@ -58,7 +58,7 @@ impl Excerpt {
         &self.scene
     }
 
-    /// The value of one of the declarations that were asked for; `None` if it has errors, is a function, or has too many
+    /// Returns the value of one of the requested declarations; `None` if it has errors, is a function, or has too many
     /// values. `values` are those of [`Excerpt::scene`].
     pub fn value(&self, name: &str, values: &ParamValues) -> Option<Outcome> {
         let (_, meaning) = self.names.iter().find(|(named, _)| named == name)?;

@@ -139,7 +139,7 @@ fn constant(
 ) -> Result<Option<f64>, SemanticError> {
     let role = role.name();
     if let Some(symbol) = lowerer.dependencies.first(lowered.dependencies) {
-        let word = match lowerer.symbols.word(symbol) {
+        let word = match lowerer.symbols.keyword(symbol) {
             Some(DeclarationKeyword::Grid) => "grid",
             _ => "param",
         };

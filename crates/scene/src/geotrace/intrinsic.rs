@@ -156,7 +156,7 @@ impl Declarations {
     /// Describes a name that is not a surface or a metric; `None` if its declaration failed.
     fn what_else(&self, symbol: SymbolId) -> Option<&'static str> {
         let symbols = &self.lowerer.symbols;
-        match (symbols.meaning(symbol), symbols.word(symbol)) {
+        match (symbols.meaning(symbol), symbols.keyword(symbol)) {
             (Meaning::Poisoned, _)
             | (_, Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric)) => None,
             (Meaning::Builtin(_), _) => Some("a builtin function"),

@@ -100,12 +100,12 @@ impl Declarations {
     ) -> Result<Option<Vec<f64>>, SemanticError> {
         let lowerer = &self.lowerer;
         if let Some(symbol) = lowerer.dependencies.first(lowered.dependencies) {
-            let word = lowerer.symbols.word(symbol);
+            let keyword = lowerer.symbols.keyword(symbol);
             return Err(SemanticError::new(
                 error::INITIAL_NOT_CONSTANT,
                 format!(
                     "a param opens with a constant, but this depends on the {} `{}`",
-                    word.map_or("param", |word| word.text()),
+                    keyword.map_or("param", |keyword| keyword.text()),
                     lowerer.symbols.name(symbol)
                 ),
             ));

@@ -1,8 +1,8 @@
 //! The meanings of symbols.
 //!
-//! What flows in: declarations, as they have been understood. What flows out: the meaning of a name in the
-//! expressions below. A symbol that is never given a meaning is one whose declaration failed: its uses are
-//! silent, for the mistake has been reported.
+//! Input: declarations, as they have been understood. Output: the meaning of a name in the expressions below. A symbol
+//! that is never given a meaning is one whose declaration failed: its uses are silent, for the mistake has been
+//! reported.
 
 use expr::Graph;
 use expr::ops::CONSTANTS;
@@ -23,8 +23,8 @@ pub(crate) struct Symbols(Vec<Symbol>);
 #[derive(Clone, Debug)]
 struct Symbol {
     name: Box<str>,
-    /// The word that declares it; none for a builtin.
-    word: Option<DeclarationKeyword>,
+    /// The keyword that declares it; `None` for a builtin.
+    keyword: Option<DeclarationKeyword>,
     meaning: Meaning,
 }
 
@@ -82,20 +82,20 @@ impl Symbols {
         &mut self,
         symbol: SymbolId,
         name: &str,
-        word: Option<DeclarationKeyword>,
+        keyword: Option<DeclarationKeyword>,
         meaning: Meaning,
     ) {
         let index = symbol.0 as usize;
         while self.0.len() <= index {
             self.0.push(Symbol {
                 name: Box::default(),
-                word: None,
+                keyword: None,
                 meaning: Meaning::Poisoned,
             });
         }
         self.0[index] = Symbol {
             name: name.into(),
-            word,
+            keyword,
             meaning,
         };
     }
@@ -119,9 +119,9 @@ impl Symbols {
         }
     }
 
-    /// The word that declares a symbol.
-    pub(crate) fn word(&self, symbol: SymbolId) -> Option<DeclarationKeyword> {
-        self.0.get(symbol.0 as usize)?.word
+    /// Returns the keyword that declares a symbol.
+    pub(crate) fn keyword(&self, symbol: SymbolId) -> Option<DeclarationKeyword> {
+        self.0.get(symbol.0 as usize)?.keyword
     }
 
     /// The name of a function's parameter.

@@ -1,4 +1,4 @@
-//! Documents are opened, changed and closed; what is wrong with them is sent, or asked for.
+//! Documents are opened, changed and closed; their diagnostics are pushed or pulled.
 
 use tower_lsp::jsonrpc::Result;
 use tower_lsp::ls_types as lsp;
@@ -56,7 +56,7 @@ pub(super) async fn did_change(server: &Backend, params: lsp::DidChangeTextDocum
             .documents
             .change(uri.as_str(), version, changes.collect(), previewed);
         let changed = changed.map(|open| {
-            // Who asks for what is wrong is not told unasked.
+            // An editor that pulls diagnostics gets none pushed.
             open.map(|open| (!pulled).then(|| Findings::of(open, &uri)))
         });
         session.preview_edit(uri.as_str());
@@ -129,14 +129,14 @@ pub(super) async fn diagnostic(
     answer(&report)
 }
 
-/// Whether a document's preview opens by itself: not that of an older version which an editor shows beside it.
+/// Returns true if a document's preview opens by itself: not that of an older version which an editor shows beside it.
 pub(super) fn is_previewed(uri: &lsp::Uri) -> bool {
     ["file:", "untitled:"]
         .iter()
         .any(|scheme| uri.as_str().starts_with(scheme))
 }
 
-/// What is wrong with a document, at a revision of it.
+/// Publishes the diagnostics of a document, at a revision of it.
 struct Findings {
     revision: u64,
     version: i32,

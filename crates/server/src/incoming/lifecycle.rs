@@ -64,7 +64,7 @@ pub(super) async fn shutdown(server: &Backend) -> Result<()> {
     Ok(())
 }
 
-/// What the editor offers.
+/// Returns the capabilities of the editor.
 fn editor(capabilities: &lsp::ClientCapabilities) -> Editor {
     let text = capabilities.text_document.as_ref();
     let workspace = capabilities.workspace.as_ref();

@@ -1,4 +1,4 @@
-//! What is asked at a place of a document: hover, completion, definition, rename, …
+//! Requests at a place of a document: hover, completion, definition, rename, …
 
 use tower_lsp::jsonrpc::{ErrorCode, Result};
 use tower_lsp::ls_types as lsp;
@@ -48,7 +48,7 @@ pub(super) async fn completion_resolve(
         return Ok(item);
     };
     let format = server.session().editor.documentation;
-    // A document that has been closed meanwhile has nothing more to tell.
+    // A document that has been closed meanwhile has no details any more.
     let Some(snapshot) = server.session().documents.get(uri).map(Open::snapshot) else {
         return Ok(item);
     };

@@ -1,7 +1,7 @@
 //! A preview window, from its start to its end: what it says becomes requests to the editor.
 //!
-//! One task listens to each window. It never waits for the editor: what has to be asked there is asked by a second task,
-//! one thing after the other.
+//! One task listens to each window. It never waits for the editor: requests to it are sent by a second task, one thing
+//! after the other.
 
 mod requests;
 
@@ -19,13 +19,13 @@ use crate::preview::{Gone, Left, Process, Started, WindowOutput};
 use crate::session::Session;
 use requests::{WindowRequest, run_all};
 
-/// How long windows may take to hear that they are to close when the editor leaves.
-const PATIENCE_FAREWELL: Duration = Duration::from_millis(500);
-/// How long a window may take to close when it has been asked to.
-const PATIENCE_CLOSING: Duration = Duration::from_secs(5);
-/// How many things may wait to be asked: a user does not click faster than an editor jumps.
-const MOST_ASKED: usize = 16;
-/// Hints follow the sliders, but are not asked for more often than this.
+/// The time in which windows must have received the command to close when the editor leaves.
+const SHUTDOWN_TIMEOUT: Duration = Duration::from_millis(500);
+/// The time that a window may take to close after the command.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(5);
+/// The number of requests that may wait: a user does not click faster than an editor jumps.
+const MOST_WAITING: usize = 16;
+/// Hints follow the sliders, but are not refreshed more often than this.
 const HINTS_EVERY: Duration = Duration::from_millis(200);
 
 /// Opens a document's preview, or brings it to the front.
@@ -39,7 +39,7 @@ pub(super) fn open(
     let client = client.clone();
     match opened {
         Ok(None) => {}
-        Ok(Some((started, patience))) => {
+        Ok(Some((started, version_timeout))) => {
             let Started { id, process, heard } = started;
             let window = Arc::new(PreviewWindow {
                 uri: uri.clone(),
@@ -48,7 +48,7 @@ pub(super) fn open(
                 client,
                 session: session.clone(),
             });
-            tokio::spawn(run(window, heard, patience));
+            tokio::spawn(run(window, heard, version_timeout));
         }
         // Requests and notifications are never waited for within a handler.
         Err((kind, message)) => {
@@ -71,7 +71,7 @@ pub(super) fn close_later(session: &Arc<Mutex<Session>>, uri: &lsp::Uri, left: L
 /// Tells all windows to close; those that do not listen are ended.
 pub(crate) async fn close_all(session: &Arc<Mutex<Session>>) {
     let all = lock(session).previews.close_all();
-    let deadline = Instant::now() + PATIENCE_FAREWELL;
+    let deadline = Instant::now() + SHUTDOWN_TIMEOUT;
     for process in all {
         let told = tokio::time::timeout_at(deadline, process.told()).await;
         if told.is_err() {
@@ -88,7 +88,7 @@ struct PreviewWindow {
     session: Arc<Mutex<Session>>,
 }
 
-/// What an editor that wants to hear it is told of each picture: `geotrace/shown`.
+/// The notification of each picture, for editors that support it: `geotrace/shown`.
 enum Shown {}
 
 #[derive(serde::Deserialize, serde::Serialize)]
@@ -119,7 +119,7 @@ fn name(uri: &lsp::Uri) -> String {
     )
 }
 
-/// The window that was started, with its patience; `None` where there is one already.
+/// The window that was started, with its `version_timeout`; `None` where there is one already.
 fn start(
     session: &mut Session,
     uri: &lsp::Uri,
@@ -164,7 +164,7 @@ fn start(
         .previews
         .start(&program, &snapshot, path, view, cursor);
     match started {
-        Ok(started) => Ok(Some((started, program.patience))),
+        Ok(started) => Ok(Some((started, program.version_timeout))),
         Err(error) => {
             let program = program.program.display();
             let message = format!("The preview window, {program}, cannot be started: {error}");
@@ -174,8 +174,12 @@ fn start(
 }
 
 /// Listens to a window until it has ended.
-async fn run(window: Arc<PreviewWindow>, mut heard: Receiver<WindowOutput>, patience: Duration) {
-    match timeout(patience, window.greeted(&mut heard)).await {
+async fn run(
+    window: Arc<PreviewWindow>,
+    mut heard: Receiver<WindowOutput>,
+    version_timeout: Duration,
+) {
+    match timeout(version_timeout, window.greeted(&mut heard)).await {
         Ok(Ok(())) => {}
         Ok(Err(None)) => return,
         Ok(Err(Some(message))) => {
@@ -186,13 +190,13 @@ async fn run(window: Arc<PreviewWindow>, mut heard: Receiver<WindowOutput>, pati
             let message = format!(
                 "The preview window of {} has not answered for {} seconds and has been ended. The command opens it anew.",
                 name(&window.uri),
-                patience.as_secs_f64(),
+                version_timeout.as_secs_f64(),
             );
             window.give_up(message).await;
             return;
         }
     }
-    let (requests, to_ask) = mpsc::channel(MOST_ASKED);
+    let (requests, to_ask) = mpsc::channel(MOST_WAITING);
     tokio::spawn(run_all(window.clone(), to_ask));
     let mut hints: Option<Instant> = None;
     let mut last_hints: Option<Instant> = None;
@@ -202,12 +206,12 @@ async fn run(window: Arc<PreviewWindow>, mut heard: Receiver<WindowOutput>, pati
         let heard = tokio::select! {
             heard = heard.recv() => heard,
             () = window.process.closing(), if deadline.is_none() => {
-                deadline = Some(Instant::now() + PATIENCE_CLOSING);
+                deadline = Some(Instant::now() + CLOSE_TIMEOUT);
                 continue;
             }
             () = at(deadline), if deadline.is_some() => {
                 window.process.kill();
-                deadline = Some(Instant::now() + PATIENCE_CLOSING);
+                deadline = Some(Instant::now() + CLOSE_TIMEOUT);
                 continue;
             }
             () = at(hints), if hints.is_some() => {
@@ -245,7 +249,7 @@ async fn run(window: Arc<PreviewWindow>, mut heard: Receiver<WindowOutput>, pati
 }
 
 impl PreviewWindow {
-    /// Waits for the window's version. The error is what to tell the user, if anything.
+    /// Waits for the window's version. The error is a message for the user, if there is one.
     async fn greeted(&self, heard: &mut Receiver<WindowOutput>) -> Result<(), Option<String>> {
         loop {
             match heard.recv().await {
@@ -277,8 +281,8 @@ impl PreviewWindow {
         }
     }
 
-    /// The window has ended: it is forgotten, and if that was nobody's wish, the user is told. One that has never said a
-    /// word may not end silently, whatever its status.
+    /// The window has ended: it is removed, and if its end was not requested, the user gets a message. One that has
+    /// never said a word may not end silently, whatever its status.
     async fn gone(&self, gone: Gone, greeted: bool) {
         let known = lock(&self.session)
             .previews
@@ -349,7 +353,7 @@ impl PreviewWindow {
                 }
             }
             Event::Open { version, range } => {
-                // More than can be asked is not asked at all.
+                // Requests beyond the limit are dropped.
                 let _ = requests.try_send(WindowRequest::Open { version, range });
             }
             Event::Write { param, value, .. } => {

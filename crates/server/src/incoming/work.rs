@@ -1,4 +1,4 @@
-//! What is asked of a document runs on a worker, over the document as it was when it was asked.
+//! Requests that read a document run on a worker, over the document as it was when the request came.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ impl Backend {
         self.work(move || feature(&snapshot)).await
     }
 
-    /// The same, for a large answer: it is written on the worker too.
+    /// Runs a task with a large answer, which is written on the worker too.
     pub(super) async fn answer<T: Serialize>(
         &self,
         uri: &lsp::Uri,
@@ -52,7 +52,7 @@ impl Backend {
     }
 }
 
-/// A task on a worker that is given up when nobody waits for it any more.
+/// A task on a worker that is cancelled when its receiver is dropped.
 struct Worker<T>(tokio::task::JoinHandle<T>);
 
 impl<T> Worker<T> {

@@ -1,4 +1,4 @@
-//! What concerns no document alone: settings, folders, symbols of all programs, commands.
+//! Requests that concern no document alone: settings, folders, symbols of all programs, commands.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -190,7 +190,7 @@ impl<'o> Progress<'o> {
     }
 }
 
-/// Where the request is cancelled too.
+/// Ends the progress, also if the request is cancelled.
 impl Drop for Progress<'_> {
     fn drop(&mut self) {
         let end = lsp::WorkDoneProgressEnd::default();

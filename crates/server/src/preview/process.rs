@@ -21,36 +21,36 @@ use tokio::sync::{Notify, mpsc, watch};
 use super::WindowProgram;
 use crate::platform;
 
-/// How much may wait to be heard: behind that an event waits, and a line for the log is dropped.
+/// The number of outputs that may wait: beyond it an event waits, and a line for the log is dropped.
 const MOST_WAITING: usize = 64;
 /// The most lines for the log that are taken from one window.
 const MOST_LINES: usize = 1000;
 /// The longest of them, in bytes.
 const LONGEST_LINE: u64 = 4096;
-/// How many of the last lines are kept to find the reason of an end in.
+/// The number of last lines that are kept, to find the reason of an end in them.
 const LAST_LINES: usize = 20;
-/// How long a process may go on that has closed its standard output.
-const PATIENCE_SILENT: Duration = Duration::from_secs(2);
-/// How long the last lines of the standard error are waited for when the process has ended.
-const PATIENCE_LINES: Duration = Duration::from_millis(200);
+/// The time that a process may go on after it has closed its standard output.
+const SILENCE_LIMIT: Duration = Duration::from_secs(2);
+/// The time that the last lines of the standard error may take after the process has ended.
+const LINES_TIMEOUT: Duration = Duration::from_millis(200);
 
-/// What was heard of a window.
+/// An output of a window.
 #[derive(Debug)]
 pub(crate) enum WindowOutput {
     /// It has said something.
     Event(Event),
     /// A line for the log: of its standard error, or of what is no event.
     Line(String),
-    /// A sentence for the user: something could not be told to it.
+    /// A sentence for the user: a message could not be sent to it.
     NotSent(String),
     /// It has ended. The last that is heard.
     Gone(Gone),
 }
 
-/// How a window ended.
+/// The end of a window.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub(crate) struct Gone {
-    /// Whether its exit status is 0.
+    /// True if its exit status is 0.
     pub(crate) clean: bool,
     /// The exit status or the signal, in words.
     pub(crate) status: String,
@@ -65,15 +65,15 @@ pub(crate) struct Process {
     mailbox: Mailbox,
     /// It is to close.
     closing: Notify,
-    /// Everything that is to be told has been told.
+    /// Notified when all messages have been sent.
     told: watch::Sender<bool>,
 }
 
 impl Process {
-    /// Starts a window; it has nothing been told yet.
+    /// Starts a window without sending it anything.
     ///
     /// # Errors
-    /// Where the system does not start the program or a thread.
+    /// If the system does not start the program or a thread.
     pub(crate) fn start(
         program: &WindowProgram,
     ) -> std::io::Result<(Arc<Self>, mpsc::Receiver<WindowOutput>)> {
@@ -101,7 +101,7 @@ impl Process {
         Ok((process, receiver))
     }
 
-    /// Has something told to the window, without waiting; returns the versions of the text that it has overtaken.
+    /// Sends a message to the window, without waiting; returns the versions of the text that it has overtaken.
     pub(crate) fn tell(&self, command: Command) -> Vec<i32> {
         self.mailbox.put(command)
     }
@@ -122,18 +122,18 @@ impl Process {
         self.closing.notified().await;
     }
 
-    /// Waits until everything has been told that is to be told.
+    /// Waits until all messages have been sent.
     pub(crate) async fn told(&self) {
         // The sender lives as long as this process does.
         let _ = self.told.subscribe().wait_for(|told| *told).await;
     }
 
-    /// Whether everything has been told that is to be told.
+    /// Returns true if all messages have been sent.
     pub(crate) fn has_been_told(&self) -> bool {
         *self.told.borrow()
     }
 
-    /// Whether the process has ended, though its end may not have been heard yet.
+    /// Returns true if the process has ended, though its end may not have been heard yet.
     pub(crate) fn has_ended(&self) -> bool {
         !matches!(self.child().try_wait(), Ok(None))
     }
@@ -178,7 +178,7 @@ impl Process {
             listen(output, &heard);
             let status = self.wait();
             self.mailbox.close();
-            let _ = all_recorded.recv_timeout(PATIENCE_LINES);
+            let _ = all_recorded.recv_timeout(LINES_TIMEOUT);
             let lines = last.lock().unwrap_or_else(PoisonError::into_inner);
             let gone = Gone {
                 clean: status.is_some_and(|status| status.success()),
@@ -191,7 +191,7 @@ impl Process {
         Ok(())
     }
 
-    /// Writes what is to be told until nothing more is, or the window does not listen any more.
+    /// Writes messages until the mailbox is closed, or the window does not read any more.
     fn tell_all(&self, mut input: ChildStdin, heard: &mpsc::Sender<WindowOutput>) {
         while let Some(command) = self.mailbox.take() {
             match line::write(&mut input, &command) {
@@ -201,7 +201,7 @@ impl Process {
                     let _ = heard.blocking_send(WindowOutput::NotSent(message));
                 }
                 Err(WriteError::Stream(_)) => {
-                    // It has ended: the listener tells that.
+                    // It has ended: the listener reports that.
                     self.mailbox.close();
                     break;
                 }
@@ -214,7 +214,7 @@ impl Process {
     /// Waits for the end of a process that has closed its standard output.
     fn wait(&self) -> Option<std::process::ExitStatus> {
         const STEP: Duration = Duration::from_millis(10);
-        for _ in 0..PATIENCE_SILENT.as_millis() / STEP.as_millis() {
+        for _ in 0..SILENCE_LIMIT.as_millis() / STEP.as_millis() {
             match self.child().try_wait() {
                 Ok(None) => std::thread::sleep(STEP),
                 Ok(status) => return status,
@@ -279,7 +279,8 @@ fn record(error: ChildStderr, last: &Mutex<VecDeque<String>>, heard: &mpsc::Send
     }
 }
 
-/// The sentence among the last lines that tells why a program has ended: a panic's message, its error, else the last.
+/// Returns the sentence among the last lines that gives the reason of the end: a panic's message, its error, else the
+/// last.
 fn reason<'l>(lines: impl DoubleEndedIterator<Item = &'l String> + Clone) -> Option<String> {
     let error =
         |line: &&String| line.starts_with("error: ") || line.starts_with("internal error: ");

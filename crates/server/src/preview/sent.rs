@@ -22,7 +22,7 @@ pub(crate) struct SentVersions {
     numbers: Numbers,
 }
 
-/// How versions are numbered.
+/// The numbering of versions.
 #[derive(Debug, Default)]
 struct Numbers {
     last: Option<i32>,
@@ -98,7 +98,7 @@ impl SentVersions {
         }
     }
 
-    /// Where a range of a version is now; `None` for a version that is not known.
+    /// Returns the present place of a range of a version; `None` for a version that is not known.
     pub(crate) fn moved(&self, number: i32, mut range: [u32; 2]) -> Option<[u32; 2]> {
         let mut known = self.versions.iter();
         let first = match known.position(|(known, _)| *known == number) {

@@ -29,7 +29,7 @@ pub(super) struct Chunk<G: Grammar> {
     pub(super) text: Box<str>,
     pub(super) analysis: G::Analysis,
     pub(super) findings: Box<[Finding<G>]>,
-    /// The questions that reading it has asked about the names above.
+    /// The look-ups that reading it has made in the names above.
     pub(super) lookups: Box<[Lookup]>,
     pub(super) declared: Box<[Declared]>,
     /// The version of the document at which it was read.

@@ -20,7 +20,7 @@ type Signature<G> = <<G as Grammar>::Symbol as Definition>::Signature;
 /// The state of an edit in progress.
 #[derive(Debug)]
 pub(super) struct Pass<G: Grammar> {
-    /// What the chunks that are being read defined before, by name.
+    /// The earlier definitions of the chunks that are being read, by name.
     before: HashMap<NameId, (SymbolId, Signature<G>)>,
     /// The handles of the symbols that are not defined at the moment, by name.
     pub(super) pool: HashMap<Arc<str>, SymbolId>,
@@ -132,9 +132,9 @@ impl<G: Grammar> Document<G> {
 
     /// Replaces old chunks by chunks with new texts, and returns those that are to be read.
     ///
-    /// Chunks at either end whose text is the same stay as they are. Of the others, what they defined and asked is removed;
-    /// their handles go to the new texts from the end, because the last new text is most likely what the last old chunk has
-    /// become.
+    /// Chunks at either end whose text is unchanged stay as they are. The definitions and look-ups of the others are
+    /// removed; their handles go to the new texts from the end, because the last new text is most likely what the last
+    /// old chunk has become.
     pub(super) fn rearrange(
         &mut self,
         mut old: Vec<ChunkId>,
@@ -203,8 +203,8 @@ impl<G: Grammar> Document<G> {
         chunks
     }
 
-    /// Removes all that a chunk has defined and asked. Its symbols wait in the pool: defined again under the same names, they
-    /// keep their handles.
+    /// Removes all definitions and look-ups of a chunk. Its symbols wait in the pool: defined again under the same
+    /// names, they keep their handles.
     fn clear_reading(&mut self, id: ChunkId, pass: &mut Pass<G>) {
         let Some(chunk) = self.snapshot.chunks[id.0 as usize].clone() else {
             return;
@@ -239,7 +239,7 @@ impl<G: Grammar> Document<G> {
         chunks.set(id.0 as usize, Some(cleared), None);
     }
 
-    /// Reads a chunk with the names above it. All that it had defined and asked has been removed.
+    /// Reads a chunk with the names above it. Its earlier definitions and look-ups have been removed.
     pub(super) fn read(
         &mut self,
         id: ChunkId,

@@ -1,4 +1,4 @@
-//! What a document asks of a language.
+//! The interface of a language to a document.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -13,8 +13,8 @@ use super::surroundings::Surroundings;
 /// A language whose texts a [`Document`](super::Document) holds.
 ///
 /// The document cuts a text into chunks and reads each with the names that the chunks above it define. It reads a chunk
-/// again only if its text changes or a name that it has asked for. For an edited document to equal one that is made from the
-/// whole text, the language keeps two rules:
+/// again only if its text changes or a name that it has looked up. For an edited document to equal one that is made
+/// from the whole text, the language keeps two rules:
 ///
 /// - Where a chunk ends depends on the text from its start to its end only ([`cut`](Self::cut)).
 /// - What [`read`](Self::read) returns depends on its arguments only, and it records at the [`ScopeView`] each name that it
@@ -22,17 +22,17 @@ use super::surroundings::Surroundings;
 ///
 /// A language without such chunks cuts nothing; its texts are documents of one chunk.
 pub trait Grammar: Clone + Debug + Sized {
-    /// What [`cut`](Self::cut) knows between two calls, such as a comment that has not ended or the depth of nested
+    /// The state of [`cut`](Self::cut) between two calls, such as a comment that has not ended or the depth of nested
     /// blocks. The default is the state at the start of a chunk.
     type CutState: Copy + Default;
     /// The names that every text starts with.
     type Builtins: ?Sized;
     /// The meaning of a name.
     type Symbol: Definition;
-    /// What reading a chunk gives.
+    /// The result of reading a chunk.
     type Analysis: Analysis;
-    /// A part of a diagnostic that depends on other places of the text: it is completed when the diagnostic is asked for,
-    /// because it may change while the chunk does not.
+    /// A part of a diagnostic that depends on other places of the text: it is completed when the diagnostic is
+    /// requested, because it may change while the chunk does not.
     type Deferred: Clone + Debug;
 
     /// Appends to `ends` the offsets behind the chunks that end in `text[from..]`, and returns the state behind it. `state` is
@@ -79,7 +79,7 @@ pub trait Grammar: Clone + Debug + Sized {
 
 /// The meaning of a name, as far as a document looks at it.
 pub trait Definition: Clone + Debug {
-    /// What the text below notices of it: while this stays equal, nothing below is read again.
+    /// The part of it that the text below notices: while this stays equal, nothing below is read again.
     type Signature: Clone + Debug + Eq;
 
     /// The name.
@@ -91,11 +91,11 @@ pub trait Definition: Clone + Debug {
     /// The place where the text declares it, counted from its chunk's start. Builtins have none.
     fn name_span(&self) -> Option<Span>;
 
-    /// What the text below notices.
+    /// Returns the part that the text below notices.
     fn signature(&self) -> Self::Signature;
 }
 
-/// What reading a chunk gives, as far as a document looks at it. The default is that of a chunk that has not been read.
+/// The part of a chunk's analysis that a document reads. The default is that of a chunk that has not been read.
 ///
 /// The text of the chunk is handed to what may leave to the text what it says.
 pub trait Analysis: Clone + Debug + Default {
@@ -112,10 +112,10 @@ pub trait Analysis: Clone + Debug + Default {
     fn defined<'a>(&'a self, text: &'a str) -> impl Iterator<Item = SymbolId> + 'a;
 }
 
-/// What reading a chunk returns.
+/// The result of reading a chunk, with all that is found on the way.
 #[derive(Clone, Debug)]
 pub struct Reading<G: Grammar> {
-    /// What the document keeps.
+    /// The part that the document keeps.
     pub analysis: G::Analysis,
     /// The diagnostics, in the order in which they were found.
     pub diagnostics: Vec<Diagnostic>,

@@ -1,7 +1,6 @@
 //! Tokens and declarations by their number, in the order of the text.
 //!
-//! What flows in: a number, or an offset. What flows out: the chunk that holds it, with what reading it has given, in
-//! logarithmic time.
+//! Input: a number, or an offset. Output: the chunk that holds it, with what reading it has given, in logarithmic time.
 
 use crate::span::Span;
 
@@ -22,7 +21,7 @@ pub struct PlacedChunk<'d, G: Grammar> {
     pub first_declaration: u32,
     /// Its text.
     pub text: &'d str,
-    /// What reading it has given.
+    /// The analysis of its text.
     pub analysis: &'d G::Analysis,
 }
 

@@ -1,4 +1,4 @@
-//! What chunks have asked of the names above them, and the index of the words that a new name would change.
+//! The look-ups of chunks in the names above them, and the index of the words that a new name would change.
 
 use std::collections::BTreeMap;
 use std::ops::Bound;
@@ -7,7 +7,7 @@ use super::chunk_set::ChunkSet;
 use super::names::NameId;
 use super::sequence::ChunkId;
 
-/// A question that reading a chunk has asked about the names above it.
+/// A look-up that reading a chunk has made in the names above it.
 #[derive(Clone, Copy, Debug, Eq, Ord, PartialEq, PartialOrd)]
 pub(super) enum Lookup {
     /// A token is this name, which the text declares.

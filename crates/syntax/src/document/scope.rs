@@ -1,4 +1,4 @@
-//! The names as a grammar sees them while it reads a chunk, and the record of what it has asked of them.
+//! The names as a grammar sees them while it reads a chunk, and the record of its look-ups.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,9 +14,9 @@ use super::sequence::Sequence;
 
 /// The names above a chunk that is being read, and those that it has defined so far.
 ///
-/// The grammar says what it has asked: [`record_use`](Self::record_use) for a token that is a name,
-/// [`record_prefix_lookup`](Self::record_prefix_lookup) and [`record_name_lookup`](Self::record_name_lookup) for words that
-/// another name would change. The document reads the chunk again when one of these answers changes.
+/// The grammar records its look-ups: [`record_use`](Self::record_use) for a token that is a name,
+/// [`record_prefix_lookup`](Self::record_prefix_lookup) and [`record_name_lookup`](Self::record_name_lookup) for words
+/// that another name would change. The document reads the chunk again when one of these answers changes.
 #[derive(Debug)]
 pub struct ScopeView<'d, G: Grammar> {
     names: &'d Names<G>,
@@ -53,7 +53,7 @@ impl<'d, G: Grammar> ScopeView<'d, G> {
         }
     }
 
-    /// Returns the symbols that the chunk defines and what was asked.
+    /// Returns the symbols that the chunk defines and its look-ups.
     pub(super) fn finish(self) -> (Vec<(SymbolId, G::Symbol)>, Vec<Lookup>) {
         let Self {
             mut own,

@@ -1,9 +1,9 @@
 //! The chunks of a document in their order: a balanced tree that keeps sums.
 //!
-//! What flows in: a chunk's handle with its measure (bytes, lines, …), inserted behind another. What flows out:
-//! the chunk at an offset, the offset of a chunk, and which of two chunks comes first, each in logarithmic
-//! time. It is a B⁺-tree whose inner nodes hold the sums of their children; each chunk knows its leaf and each node
-//! its parent, so that a chunk's place is found from below.
+//! Input: a chunk's handle with its measure (bytes, lines, …), inserted behind another. Output: the chunk at an offset,
+//! the offset of a chunk, and which of two chunks comes first, each in logarithmic time. It is a B⁺-tree whose inner
+//! nodes hold the sums of their children; each chunk knows its leaf and each node its parent, so that a chunk's place
+//! is found from below.
 //!
 //! The trees of `crop` and `ropey` hold sums too, but keep the tree private and hold text: they do not find the place of an
 //! element from its handle, which every question about a chunk needs.

@@ -229,7 +229,7 @@ impl<G: Grammar> Snapshot<G> {
         name.into_iter().flat_map(|name| self.names.users(name))
     }
 
-    /// What reading a chunk has given. Places count from the chunk's start.
+    /// Returns the analysis of a chunk. Places count from the chunk's start.
     pub fn analysis(&self, chunk: ChunkId) -> &G::Analysis {
         &self.chunk(chunk).analysis
     }

@@ -87,7 +87,7 @@ pub struct Parameter {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Declaration<'a> {
     /// Its keyword.
-    pub word: DeclarationKeyword,
+    pub keyword: DeclarationKeyword,
     /// From the word to the `;`.
     pub span: Span,
     /// The symbol that it declares. `None` if its name was not read or not free.
@@ -112,8 +112,8 @@ pub trait Actions {
     }
 
     /// A declaration starts: its keyword has just been read.
-    fn act_declaration_start(&mut self, word: DeclarationKeyword, span: Span) {
-        let _ = (word, span);
+    fn act_declaration_start(&mut self, keyword: DeclarationKeyword, span: Span) {
+        let _ = (keyword, span);
     }
 
     /// One step of an expression. `span` covers the operator with its operands. No more come in a

@@ -97,7 +97,7 @@ macro_rules! declarations {
 
             /// The keyword that is written so.
             pub fn from_text(text: &str) -> Option<Self> {
-                // The lexer asks for every word of a text, so this compares literals and does not search the table.
+                // The lexer tries every word of a text, so this compares literals and does not search the table.
                 Some(match text {
                     $($text => Self::$name,)*
                     _ => return None,

@@ -38,7 +38,7 @@ pub type Snapshot = document::Snapshot<Geotrace>;
 /// A chunk of a program at its place.
 pub type PlacedChunk<'d> = document::PlacedChunk<'d, Geotrace>;
 
-/// What reading a chunk gives: its tokens and the calls of the hooks, packed.
+/// The analysis of a chunk: its tokens and the calls of the hooks, packed.
 #[derive(Clone, Debug, Default)]
 pub struct ChunkAnalysis {
     tokens: Records,
@@ -72,7 +72,7 @@ pub enum ParseEvent<'d> {
 #[derive(Clone, Copy, Debug)]
 pub struct ReadDeclaration<'d> {
     /// The word that opens it.
-    pub word: DeclarationKeyword,
+    pub keyword: DeclarationKeyword,
     /// From the word to the `;`.
     pub span: Span,
     /// The symbol that it declares. `None` if its name was not read or not free.
@@ -94,7 +94,7 @@ impl<'d> ReadDeclaration<'d> {
         'd: 'a,
     {
         Declaration {
-            word: self.word,
+            keyword: self.keyword,
             span: self.span,
             symbol: self.symbol,
             name: self.name,
@@ -191,7 +191,7 @@ impl Definition for Symbol {
     fn signature(&self) -> Signature {
         let parameters = self.parameters.iter();
         Signature {
-            keyword: self.word,
+            keyword: self.keyword,
             parameters: parameters.map(|parameter| parameter.name.clone()).collect(),
             faulty: self.faulty,
         }
@@ -305,8 +305,8 @@ impl Actions for Recorder {
         self.tokens.push(token);
     }
 
-    fn act_declaration_start(&mut self, word: DeclarationKeyword, span: Span) {
-        self.events.open(word, span);
+    fn act_declaration_start(&mut self, keyword: DeclarationKeyword, span: Span) {
+        self.events.open(keyword, span);
     }
 
     fn act_operator(&mut self, operator: Operator, span: Span) {

@@ -58,7 +58,7 @@ impl Actions for Highlighter {
 
     fn act_declaration(&mut self, declaration: &Declaration<'_>) {
         if declaration.symbol.is_some() {
-            let kind = match symbol_kind(declaration.word) {
+            let kind = match symbol_kind(declaration.keyword) {
                 SymbolKind::Constant => HighlightKind::Constant,
                 SymbolKind::Function => HighlightKind::Function,
             };
@@ -70,8 +70,8 @@ impl Actions for Highlighter {
     }
 }
 
-fn symbol_kind(word: DeclarationKeyword) -> SymbolKind {
-    if word.declares_function() {
+fn symbol_kind(keyword: DeclarationKeyword) -> SymbolKind {
+    if keyword.declares_function() {
         SymbolKind::Function
     } else {
         SymbolKind::Constant

@@ -112,8 +112,8 @@ struct Parser<'s, 'a, A, S> {
     current: Token,
     /// The token accepted last.
     previous: Token,
-    /// What was just passed (a bad character, a word that means nothing) has been reported: that the
-    /// current token does not fit is most likely its doing.
+    /// The text that was just passed (a bad character, a word that means nothing) has been reported: that the current
+    /// token does not fit is most likely its doing.
     flagged: bool,
     /// Tokens accepted so far, so that loops can assert progress.
     accepted: usize,
@@ -136,7 +136,7 @@ struct DeclarationState<'s> {
     /// Its steps are incomplete: no more are handed out.
     silent: bool,
     depth: u32,
-    word: Option<DeclarationKeyword>,
+    keyword: Option<DeclarationKeyword>,
     name: &'s str,
     name_span: Span,
     name_is_free: bool,
@@ -182,8 +182,8 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
         while self.current.kind != TokenKind::Eoi {
             let before = self.accepted;
             match self.current.kind {
-                TokenKind::Declare(word) => self.declaration(word),
-                _ => self.declaration_without_word(),
+                TokenKind::Declare(keyword) => self.declaration(keyword),
+                _ => self.declaration_without_keyword(),
             }
             assert!(self.accepted > before, "the parser stands still");
         }

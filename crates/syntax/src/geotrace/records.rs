@@ -1,8 +1,8 @@
 //! The tokens and hook calls of a chunk, packed: eight bytes for a token, and for a step of an expression.
 //!
-//! What flows in: tokens and events as the hooks get them, with places that count from the chunk's start. What flows out: the
-//! same tokens and events, by their number or in their order. The values of numbers and the names are not kept, but read from
-//! the text again. A chunk of 64 KiB or more, or with a number that does not fit, takes sixteen bytes for each.
+//! Input: tokens and events as the hooks get them, with places that count from the chunk's start. Output: the same
+//! tokens and events, by their number or in their order. The values of numbers and the names are not kept, but read
+//! from the text again. A chunk of 64 KiB or more, or with a number that does not fit, takes sixteen bytes for each.
 //!
 //! They are packed by hand because a program of 10,000 declarations has 230,000 tokens and 170,000 events. As enums with their
 //! spans they take 24 bytes each, 6.4 MB more in all: a fifth more than the whole server needs for that program.
@@ -14,7 +14,7 @@ use crate::span::Span;
 use crate::symbol::SymbolId;
 
 use super::document::{ParseEvent, ReadDeclaration};
-use tags::{STEPS_END, of_operator, of_token, operator, token_kind, word, word_index};
+use tags::{STEPS_END, keyword, keyword_index, of_operator, of_token, operator, token_kind};
 
 mod tags;
 
@@ -166,8 +166,8 @@ impl EventRecorder {
         self.0.push(Entry { span, tag, number });
     }
 
-    pub(crate) fn open(&mut self, word: DeclarationKeyword, span: Span) {
-        self.push(OPEN + word_index(word), span, 0);
+    pub(crate) fn open(&mut self, keyword: DeclarationKeyword, span: Span) {
+        self.push(OPEN + keyword_index(keyword), span, 0);
     }
 
     pub(crate) fn operator(&mut self, operator: Operator, span: Span) {
@@ -197,7 +197,7 @@ impl EventRecorder {
             true => FAULTY_DECLARATION,
             false => DECLARATION,
         };
-        let tag = tag + word_index(declaration.word);
+        let tag = tag + keyword_index(declaration.keyword);
         self.push(tag, declaration.span, parameters.len() as u32);
         match declaration.symbol {
             Some(symbol) => self.push(SOME, declaration.name_span, symbol.0),
@@ -263,7 +263,7 @@ impl<'d> Iterator for ParseEvents<'d> {
         let Entry { span, tag, number } = self.entry()?;
         Some(match tag {
             ..OPEN => ParseEvent::Operator(operator(tag, number, span.text(self.text)), span),
-            OPEN..INTERVAL => ParseEvent::Open(word(tag - OPEN), span),
+            OPEN..INTERVAL => ParseEvent::Open(keyword(tag - OPEN), span),
             INTERVAL..FINDING => {
                 let kind = match tag {
                     INTERVAL | TAGGED_INTERVAL => IntervalKind::Range,
@@ -292,7 +292,7 @@ impl<'d> Iterator for ParseEvents<'d> {
                 let parameters = self.next;
                 self.next += number as usize;
                 ParseEvent::Declaration(ReadDeclaration {
-                    word: word(tag - first),
+                    keyword: keyword(tag - first),
                     span,
                     symbol: (name.tag == SOME).then_some(SymbolId(name.number)),
                     name: name.span.text(self.text),
@@ -423,7 +423,7 @@ mod tests {
             };
             let parameters = [parameter(12), parameter(15)];
             let declared = |symbol, faulty, count: usize| Declaration {
-                word: DeclarationKeyword::Geodesic,
+                keyword: DeclarationKeyword::Geodesic,
                 span: Span::new(6, 30),
                 symbol,
                 name: span(10).text(&text),

@@ -36,7 +36,7 @@ pub struct Symbol {
     /// The way in which it is used.
     pub kind: SymbolKind,
     /// The keyword that declares it; `None` for a builtin.
-    pub word: Option<DeclarationKeyword>,
+    pub keyword: Option<DeclarationKeyword>,
     /// The place of the name in its declaration; `None` for a builtin.
     pub name_span: Option<Span>,
     /// The parameters of what is declared with parameters; empty for everything else.
@@ -101,7 +101,7 @@ impl Vocabulary {
         let builtins = constants.chain(functions).map(|(name, kind)| Symbol {
             name: Arc::from(*name),
             kind,
-            word: None,
+            keyword: None,
             name_span: None,
             parameters: Vec::new(),
             faulty: false,
@@ -145,13 +145,13 @@ impl Symbol {
     /// A symbol that a declaration introduces. `trie` holds its parameters by name, of equal ones the first.
     pub(crate) fn declared(
         name: &str,
-        word: DeclarationKeyword,
+        keyword: DeclarationKeyword,
         name_span: Span,
         parameters: Vec<Parameter>,
         trie: Trie<u32>,
         faulty: bool,
     ) -> Self {
-        let kind = match word.declares_function() {
+        let kind = match keyword.declares_function() {
             true => SymbolKind::Function,
             false => SymbolKind::Constant,
         };
@@ -159,7 +159,7 @@ impl Symbol {
         Self {
             name: name.into(),
             kind,
-            word: Some(word),
+            keyword: Some(keyword),
             name_span: Some(name_span),
             parameters,
             faulty,

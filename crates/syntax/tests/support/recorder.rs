@@ -14,7 +14,7 @@ use syntax::symbol::SymbolId;
 /// A declaration, as it was handed out.
 #[derive(Clone, Debug)]
 pub struct Declared {
-    pub word: DeclarationKeyword,
+    pub keyword: DeclarationKeyword,
     pub name: String,
     pub symbol: Option<SymbolId>,
     pub parameters: Vec<String>,
@@ -40,10 +40,10 @@ impl Actions for Recorder {
     fn act_advance(&mut self, token: Token) {
         self.tokens.push(token);
     }
-    fn act_declaration_start(&mut self, word: DeclarationKeyword, span: Span) {
+    fn act_declaration_start(&mut self, keyword: DeclarationKeyword, span: Span) {
         self.steps.clear();
         self.intervals.clear();
-        self.opened.push((word, span));
+        self.opened.push((keyword, span));
     }
     fn act_operator(&mut self, operator: Operator, span: Span) {
         self.steps.push((operator, span));
@@ -53,7 +53,7 @@ impl Actions for Recorder {
     }
     fn act_declaration(&mut self, declaration: &Declaration<'_>) {
         self.declared.push(Declared {
-            word: declaration.word,
+            keyword: declaration.keyword,
             name: declaration.name.to_owned(),
             symbol: declaration.symbol,
             parameters: declaration

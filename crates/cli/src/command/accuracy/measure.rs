@@ -16,7 +16,7 @@ use crate::failure::Failure;
 /// Methods that trace each pixel by itself are timed on every `n`th pixel along both axes, with this `n`.
 pub(super) const EVERY: u32 = 8;
 /// The time that the repetitions of one run may take together, after the first.
-const PATIENCE: Duration = Duration::from_millis(400);
+const TIME_LIMIT: Duration = Duration::from_millis(400);
 /// The most runs for one time.
 const RUNS: usize = 9;
 /// The number of pixels that the reference traces.
@@ -174,12 +174,12 @@ fn timed(make: impl Fn() -> Map) -> (Duration, Map) {
     let map = make();
     let first = start.elapsed();
     // The first run warms the caches; it counts only if it is the only one.
-    if first > PATIENCE {
+    if first > TIME_LIMIT {
         return (first, map);
     }
     let begun = Instant::now();
     let mut times = Vec::new();
-    while times.len() < RUNS && (times.is_empty() || begun.elapsed() + first < PATIENCE) {
+    while times.len() < RUNS && (times.is_empty() || begun.elapsed() + first < TIME_LIMIT) {
         let start = Instant::now();
         std::hint::black_box(make());
         times.push(start.elapsed());

@@ -199,11 +199,11 @@ impl Pictures {
         let at = self.script.frame_at(&self.base, share);
         let at = at.map_err(|error| failed(error.to_string()))?;
         let mut request = film.request.clone();
-        request.settings = at.settings;
+        request.params = at.params;
         if let Some((surface, start)) = film.camera {
             let subject = Subject {
                 scene: Arc::clone(request.scene.arc()),
-                settings: Arc::clone(&request.settings),
+                settings: Arc::clone(&request.params),
                 surface,
             };
             let before = self.camera.unwrap_or(start);

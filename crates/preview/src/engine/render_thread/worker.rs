@@ -145,7 +145,7 @@ impl Worker {
         let hidden = options.map_or(Vec::new(), |options| options.hidden.clone());
         if let Some(home) = &self.home
             && home.scene == request.scene
-            && home.settings == request.settings
+            && home.settings == request.params
             && home.size == request.size
             && home.hidden == hidden
         {
@@ -167,7 +167,7 @@ impl Worker {
         };
         self.home = Some(Home {
             scene: request.scene.clone(),
-            settings: Arc::clone(&request.settings),
+            settings: Arc::clone(&request.params),
             size: request.size,
             hidden,
             camera,

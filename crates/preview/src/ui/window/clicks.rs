@@ -123,7 +123,7 @@ impl Window {
         }
         let subject = Subject {
             scene: Arc::clone(request.scene.arc()),
-            settings: Arc::clone(&request.settings),
+            settings: Arc::clone(&request.params),
             surface: hit.object,
         };
         let zoom = self.model.view.inside.get(&name).map(|camera| camera.zoom);

@@ -18,9 +18,9 @@ use crate::geodesic_view::{EndsOfRows, Layer, PlacedCamera};
 
 /// Pixels that are measured together.
 const LANES: usize = BLOCK as usize;
-/// Where what is about a pixel covers more cells of the table, lines are thinner than can be seen.
+/// The most cells of the table that the neighbourhood of a pixel may cover: beyond it, lines are thinner than can be seen.
 const MOST_CELLS: f64 = 256.0;
-/// What is about a pixel lies within half a line's width of it, and so many pixels more.
+/// The neighbourhood of a pixel extends half a line's width around it, and this many pixels more.
 const ABOUT: f32 = 2.5;
 
 /// Lines that are laid over a picture, the first one undermost.
@@ -61,7 +61,7 @@ impl<'t> Lines<'t> {
         })
     }
 
-    /// Whether what is about a pixel covers few enough cells, where it reaches so far in (u,v) for each pixel.
+    /// Returns true if the neighbourhood of a pixel covers few enough cells, given its extent in (u,v) for each pixel.
     #[inline(always)]
     fn few_cells(&self, [u, v]: [f64; 2]) -> bool {
         let [across, down] = self.table.cells_per_unit();
@@ -99,11 +99,11 @@ impl Layer for Lines<'_> {
     }
 }
 
-/// What a band of pixels is measured with.
+/// The buffers with which a band of pixels is measured.
 #[derive(Debug, Default)]
 struct Scratch {
     found: FoundSegments,
-    /// What was found, as offsets from the camera.
+    /// The segments that were found, as offsets from the camera.
     near: Vec<Offset>,
     /// The squares of the lines' distances.
     squares: Vec<[f32; LANES]>,
@@ -127,11 +127,11 @@ struct Band<'a> {
     pixels: &'a mut [u8],
 }
 
-/// What is near some pixels.
+/// The neighbourhood of some pixels in the chart.
 struct Neighbourhood {
     /// A box in the chart within which it lies: lowest and highest (u,v).
     around: [[f64; 2]; 2],
-    /// Whether what is about each of them covers few enough cells.
+    /// True if the neighbourhood of each of them covers few enough cells.
     few_cells: bool,
 }
 
@@ -181,7 +181,8 @@ impl Work for Band<'_> {
 }
 
 impl Band<'_> {
-    /// What is near some pixels, so many from each of the first ones on; `None` where none of them shows the surface.
+    /// Returns the neighbourhood of a number of pixels from each of the first ones on; `None` if none of them shows the
+    /// surface.
     #[inline(always)]
     fn bounds(&self, firsts: impl Iterator<Item = usize>, count: usize) -> Option<Neighbourhood> {
         let EndsOfRows {

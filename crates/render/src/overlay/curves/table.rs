@@ -1,7 +1,7 @@
 //! The segments of all lines, found by where they are in the chart.
 //!
-//! Segments flow in, and then boxes of the chart; the segments that may go through a box flow out. Whether there are any, as
-//! there are not for most of a picture, is told by one sum.
+//! Segments flow in, and then boxes of the chart; the segments that may go through a box flow out. Whether there are
+//! any, as there are not for most of a picture, is known from one sum.
 
 use geodesic::surface::{Side, Sides};
 
@@ -28,11 +28,11 @@ pub(super) struct SegmentTable {
     wraps: [bool; 2],
     period: [f64; 2],
     segments: Vec<Segment>,
-    /// Where the segments of a cell begin in `numbers`, row by row; one more than there are cells.
+    /// The index in `numbers` of each cell's first segment, row by row; one more entry than there are cells.
     begins: Vec<u32>,
     /// Numbers of segments.
     numbers: Vec<u32>,
-    /// How many numbers stand in the cells below and to the left of each corner of a cell.
+    /// The number of entries in the cells below and to the left of each corner of a cell.
     sums: Vec<u32>,
 }
 
@@ -54,7 +54,7 @@ impl FoundSegments {
         self.search += 1;
     }
 
-    /// Whether this search comes upon a segment for the first time.
+    /// Returns true if this search comes upon a segment for the first time.
     #[inline(always)]
     fn is_new(&mut self, number: u32) -> bool {
         let last = &mut self.searches[number as usize];
@@ -210,7 +210,7 @@ impl SegmentTable {
         Some(turned)
     }
 
-    /// Whether any segment is entered in some columns and rows of cells.
+    /// Returns true if any segment is entered in some columns and rows of cells.
     #[inline(always)]
     fn any(&self, columns: &[[usize; 2]; 2], rows: &[[usize; 2]; 2]) -> bool {
         let sum = |i: usize, j: usize| self.sums[j * (CELLS + 1) + i];
@@ -251,7 +251,7 @@ impl SegmentTable {
         (x - self.domain[axis][0]) / self.period[axis] * CELLS as f64
     }
 
-    /// What is entered in some columns of a row, which stands together.
+    /// Returns the entries of some columns of a row, which are contiguous.
     #[inline(always)]
     fn in_row(&self, row: usize, &[from, to]: &[usize; 2]) -> &[u32] {
         let begin = |column: usize| self.begins[row * CELLS + column] as usize;

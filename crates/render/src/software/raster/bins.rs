@@ -5,7 +5,7 @@ use crate::software::mesh::{Mesh, SUBPIXEL};
 
 /// A mesh's triangles by tile.
 pub(super) struct Bins {
-    /// Where each tile's triangles begin; one more entry than there are tiles.
+    /// The index of each tile's first triangle; one more entry than there are tiles.
     starts: Vec<u32>,
     /// The triangles whose box touches the tile, in order.
     triangles: Vec<u32>,

@@ -53,19 +53,19 @@ impl Edges {
         })
     }
 
-    /// How the weights of the second and third corner change from pixel to pixel, to the right and down.
+    /// The changes of the weights of the second and third corner from pixel to pixel, to the right and down.
     pub(in crate::software) fn gradients(&self) -> [[f32; 2]; 2] {
         let scale = f64::from(SUBPIXEL) / self.area as f64;
         [&self.a, &self.b].map(|slope| [1, 2].map(|k| (slope[k] as f64 * scale) as f32))
     }
 
-    /// Whether the corners had to be taken in the opposite order: they run counterclockwise as seen, since pixels' y
-    /// runs down.
+    /// Returns true if the corners had to be taken in the opposite order: they run counterclockwise as seen, since
+    /// pixels' y runs down.
     pub(in crate::software) fn turned(&self) -> bool {
         self.turned
     }
 
-    /// Whether it is nowhere narrower than a pixel but at its corners.
+    /// Returns true if it is nowhere narrower than a pixel but at its corners.
     pub(super) fn is_wide(&self) -> bool {
         let square = |k: usize| (self.a[k] as f64).powi(2) + (self.b[k] as f64).powi(2);
         let longest = square(0).max(square(1)).max(square(2));

@@ -33,7 +33,7 @@ pub(in crate::software) struct Tile {
     rows: Rows,
     /// In linear light, with its alpha.
     background: [f32; 4],
-    /// What a pixel of it is.
+    /// The encoded colour of an empty pixel.
     empty: [u8; 4],
     encoder: Encoder,
 }
@@ -88,7 +88,7 @@ impl Tile {
         self.origin
     }
 
-    /// Where a pixel of the picture stands in the tile.
+    /// Returns the index in the tile of a pixel of the picture.
     pub(in crate::software) fn index(&self, [x, y]: [usize; 2]) -> Option<usize> {
         let [left, top] = self.origin;
         let inside = (left..left + TILE).contains(&x) && (top..top + TILE).contains(&y);
@@ -226,7 +226,7 @@ impl Layer {
         self.rows = Rows::none();
     }
 
-    /// What the samples of the group that begins with a pixel see.
+    /// Returns the triangles that the samples see of the group that begins with a pixel.
     #[inline(always)]
     pub(super) fn group(&self, index: usize) -> &[u32; GROUP] {
         const NOTHING: &[u32; GROUP] = &[NONE; GROUP];
@@ -234,14 +234,14 @@ impl Layer {
         group.unwrap_or(NOTHING)
     }
 
-    /// What a pixel's samples see.
+    /// Returns the triangles that a pixel's samples see.
     #[inline(always)]
     pub(in crate::software) fn seen(&self, index: usize) -> [u32; 4] {
         samples(&self.ids, index)
     }
 }
 
-/// What is known of a pixel's samples.
+/// Returns the values of a pixel's four samples.
 #[inline(always)]
 fn samples<T: Copy + Default>(of: &[T], index: usize) -> [T; 4] {
     let first = index / LANES * GROUP + index % LANES;

@@ -25,7 +25,7 @@ pub(super) struct CachedMap {
     pub(super) ends: Arc<RayEnds>,
 }
 
-/// What a map depends on.
+/// The inputs that a map depends on.
 #[derive(Clone, Debug, PartialEq)]
 struct MapKey {
     surface: Content,
@@ -67,7 +67,7 @@ impl MapCache {
     ) -> Result<Arc<CachedMap>, RenderError> {
         let structures = shared.structures.get(request.scene.arc());
         let id = options.camera.surface;
-        let surface = first_instance(&request.scene, &request.settings, &structures, id)
+        let surface = first_instance(&request.scene, &request.params, &structures, id)
             .ok_or(ManifoldError::NoSurface { name: None })?;
         let key = MapKey {
             surface,
@@ -107,7 +107,7 @@ impl MapCache {
         options: &GeodesicOptions,
         structures: &[Structure],
     ) -> Result<PlacedCamera, RenderError> {
-        let (scene, settings) = (&request.scene, &request.settings);
+        let (scene, params) = (&request.scene, &request.params);
         let surface = |id: ObjectId, uniforms: &[f64]| {
             let key = structures[id.0 as usize].instance(uniforms);
             if let Some(surface) = self.surfaces.get(&key) {
@@ -117,7 +117,7 @@ impl MapCache {
             self.surfaces.put(key, surface.clone(), 1);
             Ok(surface)
         };
-        let camera = PlacedCamera::on(scene, settings, &options.camera, request.size, surface)?;
+        let camera = PlacedCamera::on(scene, params, &options.camera, request.size, surface)?;
         let camera = camera.with_method(options.method);
         Ok(if request.moving {
             camera.moving()

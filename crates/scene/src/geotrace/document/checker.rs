@@ -53,7 +53,7 @@ pub(super) struct Checker {
 /// A symbol of the document.
 #[derive(Clone, Debug)]
 struct Known {
-    word: DeclarationKeyword,
+    keyword: DeclarationKeyword,
     /// The checker's symbol.
     own: SymbolId,
     chunk: ChunkId,
@@ -113,7 +113,7 @@ pub(super) struct Checked {
     pub(super) moved: Vec<SymbolId>,
     /// The params and grids on whose intervals or initial values the diagnostics depend.
     pub(super) watches: Vec<SymbolId>,
-    /// Whether the diagnostics may depend on every grid.
+    /// True if the diagnostics may depend on every grid.
     pub(super) watches_all: bool,
     /// The starts of the stretches in which the chunk's places lie.
     pub(super) bases: Vec<u32>,
@@ -123,7 +123,7 @@ pub(super) struct Checked {
     pub(super) components: u32,
     /// The number of declarations that were lowered.
     pub(super) lowered: u32,
-    /// Whether a limit has been reached that depends on all declarations above.
+    /// True if a limit has been reached that depends on all declarations above.
     pub(super) is_limited: bool,
 }
 
@@ -157,7 +157,7 @@ impl Checker {
         self.fresh = self.size();
     }
 
-    /// Whether it holds so much that is not in use that a new checker is worth its cost.
+    /// Returns true if it holds so much that is not in use that a new checker is worth its cost.
     pub(super) fn needs_compaction(&self) -> bool {
         let (now, fresh) = (self.size(), self.fresh);
         // The slack grows with the program, so that the cost of starting again, spread over the edits between, does not.
@@ -167,7 +167,7 @@ impl Checker {
             || exceeds(now.places / 64, fresh.places / 64, SLACK)
     }
 
-    /// Whether the graph has no room for more expressions; what has been found since is not reliable.
+    /// Returns true if the graph has no room for more expressions; what has been found since is not reliable.
     pub(super) fn is_full(&self) -> bool {
         self.declarations.lowerer.graph.overflowed() || self.next_base > u32::MAX / 2
     }
@@ -277,11 +277,11 @@ impl Checker {
         // A param that keeps its uniforms keeps its nodes: its readers' expressions stay what they are.
         declarations.kept = before
             .as_ref()
-            .filter(|before| before.word == read.word && before.chunk == chunk)
+            .filter(|before| before.keyword == read.keyword && before.chunk == chunk)
             .and_then(Known::uniforms);
         let parameters = read.parameters.moved(base);
         let declaration = Declaration {
-            word: read.word,
+            keyword: read.keyword,
             span: read.span.moved(base),
             symbol: read.symbol.map(|_| own),
             name: read.name,
@@ -324,7 +324,7 @@ impl Checker {
             })
         });
         let known = Known {
-            word: read.word,
+            keyword: read.keyword,
             own,
             chunk,
             base,
@@ -387,7 +387,7 @@ impl Checker {
     /// Returns `Some` if a symbol means what it meant before; for one with a body that has been kept, with the shift from the
     /// places of that body to offsets in the chunk.
     fn same(&self, before: &Known, now: &Known, checked: &Checked) -> Option<Option<i64>> {
-        if before.word != now.word {
+        if before.keyword != now.keyword {
             return None;
         }
         let symbols = &self.declarations.lowerer.symbols;

@@ -62,7 +62,7 @@ struct Good {
 #[derive(Clone, Debug)]
 pub(super) struct Shown {
     pub(super) program: ProgramScene,
-    /// Whether the text has no errors.
+    /// True if the text has no errors.
     is_whole: bool,
     /// The declarations that are shown as they stand, of a text with errors.
     own: Vec<(Box<str>, ChunkId)>,
@@ -176,7 +176,7 @@ struct Recovery<'a, 's> {
     declared: &'s HashSet<&'s str>,
     /// Candidates for which the graph has no room, or that have no meaning with all that is put back for them.
     rejected: &'a HashSet<Candidate<'s>>,
-    /// Whether no further attempt follows.
+    /// True if no further attempt follows.
     is_last: bool,
     assembler: Assembler<'s>,
     /// The readings that have a meaning, in order.
@@ -258,7 +258,7 @@ impl<'s> Recovery<'_, 's> {
                 continue;
             };
             if is_prepared {
-                // The last one is the one that was asked for.
+                // The last one is the requested one.
                 is_shown = self.add(reading, home, place)?;
                 continue;
             }

@@ -1,4 +1,4 @@
-//! What a window requests of the editor: that a declaration is shown, that a value is written into the text.
+//! Requests of a window to the editor: to show a declaration, to write a value into the text.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,10 +12,10 @@ use super::{PreviewWindow, lock, name};
 use crate::documents::{Open, Snapshot};
 use crate::to_lsp;
 
-/// How long the editor may take for one thing; the next is asked then.
-const PATIENCE_EDITOR: Duration = Duration::from_secs(30);
+/// The time that the editor may take for one request; the next is sent then.
+const EDITOR_TIMEOUT: Duration = Duration::from_secs(30);
 
-/// What is to be asked of the editor.
+/// A request to the editor.
 #[derive(Debug)]
 pub(super) enum WindowRequest {
     /// A declaration is to be shown: its range in the text of a version.
@@ -26,17 +26,17 @@ pub(super) enum WindowRequest {
 
 /// Asks the editor what a window requests, one thing after the other.
 pub(super) async fn run_all(window: Arc<PreviewWindow>, mut requests: Receiver<WindowRequest>) {
-    while let Some(wish) = requests.recv().await {
-        let asked = async {
-            match wish {
+    while let Some(request) = requests.recv().await {
+        let done = async {
+            match request {
                 WindowRequest::Open { version, range } => {
                     window.show_declaration(version, range).await
                 }
                 WindowRequest::Write { param, value } => window.write_value(&param, &value).await,
             }
         };
-        // An editor that asks its user first may take its time, but others are not kept waiting for ever.
-        let _ = timeout(PATIENCE_EDITOR, asked).await;
+        // An editor that asks its user first may take its time, but other requests do not wait for ever.
+        let _ = timeout(EDITOR_TIMEOUT, done).await;
     }
 }
 

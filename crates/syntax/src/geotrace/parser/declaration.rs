@@ -21,24 +21,24 @@ const GEODESIC: &str = "geodesic g(t) : s = (a, b) @ (u, v), t : [0, length];";
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// A declaration whose word is the current token. It depends only on the names defined above it, and
     /// leaves the parser at the token after it.
-    pub(super) fn declaration(&mut self, word: DeclarationKeyword) {
+    pub(super) fn declaration(&mut self, keyword: DeclarationKeyword) {
         self.state = DeclarationState::default();
-        self.declaration_with_word(word);
+        self.declaration_with_keyword(keyword);
     }
 
     /// The current token is the keyword, or a misspelt word that is taken for it.
-    fn declaration_with_word(&mut self, word: DeclarationKeyword) {
+    fn declaration_with_keyword(&mut self, keyword: DeclarationKeyword) {
         let start = self.current.span;
         self.accept();
-        self.actions.act_declaration_start(word, start);
+        self.actions.act_declaration_start(keyword, start);
         self.fetch(Mode::Name);
-        self.declaration_from_name(word, start);
+        self.declaration_from_name(keyword, start);
     }
 
     /// Reads a declaration whose first token is not a keyword. Guesses the keyword from a misspelt word, or from the token
     /// behind the name, so that the name is defined and its uses are not reported as well.
     #[cold]
-    pub(super) fn declaration_without_word(&mut self) {
+    pub(super) fn declaration_without_keyword(&mut self) {
         self.state = DeclarationState::default();
         let word = self.lexer.word();
         let is_word = word.start == self.current.span.start && word.end > word.start;
@@ -71,7 +71,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         };
         self.reject_opening(text, guess, unworded);
         match (guess, unworded) {
-            (Some(word), _) => self.declaration_with_word(word),
+            (Some(word), _) => self.declaration_with_keyword(word),
             (None, Some(word)) => {
                 let start = self.current.span;
                 self.actions.act_declaration_start(word, start);
@@ -87,8 +87,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     /// The rest of a declaration, from its name (the current token) to behind its `;`.
-    fn declaration_from_name(&mut self, word: DeclarationKeyword, start: Span) {
-        if self.decl(word).is_err() {
+    fn declaration_from_name(&mut self, keyword: DeclarationKeyword, start: Span) {
+        if self.decl(keyword).is_err() {
             self.state.faulty = true;
             self.recover();
         }
@@ -96,7 +96,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let ends = self.current.kind == TokenKind::Semicolon;
         let last = if ends { self.current } else { self.previous };
         // The name is defined before the parser looks at the token behind the `;`.
-        let symbol = self.define(word);
+        let symbol = self.define(keyword);
         if ends {
             self.accept();
         }
@@ -105,7 +105,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             None => &self.state.parameters,
         };
         self.actions.act_declaration(&Declaration {
-            word,
+            keyword,
             span: start.to(last.span),
             symbol,
             name: self.state.name,
@@ -120,13 +120,13 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     /// Defines the name that was read, where it is free.
-    fn define(&mut self, word: DeclarationKeyword) -> Option<SymbolId> {
+    fn define(&mut self, keyword: DeclarationKeyword) -> Option<SymbolId> {
         if !self.state.name_is_free {
             return None;
         }
         Some(self.parsed.define(Symbol::declared(
             self.state.name,
-            word,
+            keyword,
             self.state.name_span,
             std::mem::take(&mut self.state.parameters),
             std::mem::take(&mut self.state.parameter_trie),
@@ -135,37 +135,37 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     /// `DECL` after its word, up to its `;`.
-    fn decl(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
-        self.state.word = Some(word);
-        match word.row().syntax {
+    fn decl(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
+        self.state.keyword = Some(keyword);
+        match keyword.row().syntax {
             Syntax::Slider => {
-                self.new_name(word)?;
-                self.opening(word)?;
-                self.intervals(word)?;
+                self.new_name(keyword)?;
+                self.opening(keyword)?;
+                self.intervals(keyword)?;
             }
             Syntax::Grid => {
-                self.new_name(word)?;
-                self.after_name(word, TokenKind::Colon, "`:`")?;
-                self.intervals(word)?;
+                self.new_name(keyword)?;
+                self.after_name(keyword, TokenKind::Colon, "`:`")?;
+                self.intervals(keyword)?;
             }
             Syntax::Value => {
-                self.new_name(word)?;
-                self.after_name(word, TokenKind::Equals, "`=`")?;
+                self.new_name(keyword)?;
+                self.after_name(keyword, TokenKind::Equals, "`=`")?;
                 self.expression()?;
             }
             Syntax::Anchored => {
-                self.new_name(word)?;
-                self.after_name(word, TokenKind::Equals, "`=`")?;
+                self.new_name(keyword)?;
+                self.after_name(keyword, TokenKind::Equals, "`=`")?;
                 self.expression()?;
                 self.origin("the vector's origin", "vector v = direction @ origin;")?;
             }
-            Syntax::Function => self.fdecl(word)?,
+            Syntax::Function => self.fdecl(keyword)?,
             Syntax::Parametrized => {
-                self.fdecl(word)?;
+                self.fdecl(keyword)?;
                 self.tints()?;
             }
             Syntax::InSurface => {
-                self.head(word)?;
+                self.head(keyword)?;
                 self.surface()?;
                 self.expression()?;
                 self.origin("the parameters where the geodesic starts", GEODESIC)?;
@@ -174,14 +174,14 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         match self.current.kind {
             TokenKind::Semicolon => Ok(()),
-            _ => Err(self.expected_end(word)),
+            _ => Err(self.expected_end(keyword)),
         }
     }
 
     /// `OPENING ":"` of a param: the value that it opens with, if it has one.
-    fn opening(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
+    fn opening(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
         if self.current.kind != TokenKind::Equals {
-            return self.after_name(word, TokenKind::Colon, "`:`");
+            return self.after_name(keyword, TokenKind::Colon, "`:`");
         }
         self.advance(Mode::Expression);
         let value = self.expression()?;
@@ -206,7 +206,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// The token that stands after the name.
     fn after_name(
         &mut self,
-        word: DeclarationKeyword,
+        keyword: DeclarationKeyword,
         wanted: TokenKind,
         what: &str,
     ) -> Result<(), Stop> {
@@ -218,25 +218,27 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let diagnostic = self.expected_diagnostic(&format!("{what} after the name {name}"));
         let text = self.state.name;
         let hint = match self.current.kind {
-            TokenKind::Equals if word == DeclarationKeyword::Grid => Some(format!(
+            TokenKind::Equals if keyword == DeclarationKeyword::Grid => Some(format!(
                 "write `grid {text} : [a, b, n];`, or use `define` for a constant"
             )),
-            TokenKind::Equals if word == DeclarationKeyword::Function => {
+            TokenKind::Equals if keyword == DeclarationKeyword::Function => {
                 Some("a constant is declared by `define`".to_owned())
             }
-            TokenKind::Equals => Some(match word {
+            TokenKind::Equals => Some(match keyword {
                 DeclarationKeyword::Curve => format!("write `curve {text}(t) = …`"),
                 DeclarationKeyword::Geodesic => format!("write `{GEODESIC}`"),
-                word => format!("write `{} {text}(u, v) = …`", word.text()),
+                keyword => format!("write `{} {text}(u, v) = …`", keyword.text()),
             }),
-            TokenKind::Colon if word == DeclarationKeyword::Geodesic => {
+            TokenKind::Colon if keyword == DeclarationKeyword::Geodesic => {
                 Some(format!("write `{GEODESIC}`"))
             }
             TokenKind::ParenOpen => {
                 let words = DeclarationKeyword::ALL
                     .into_iter()
                     .filter(|w| w.declares_function());
-                let words: Vec<_> = words.map(|word| format!("`{}`", word.text())).collect();
+                let words: Vec<_> = words
+                    .map(|keyword| format!("`{}`", keyword.text()))
+                    .collect();
                 Some(format!("parameters belong to {}", words.join(", ")))
             }
             TokenKind::Colon => {
@@ -246,7 +248,9 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             | TokenKind::Prime
             | TokenKind::Undefined
             | TokenKind::Constant(_)
-            | TokenKind::Function(_) => Some("a name is one word of letters and digits".to_owned()),
+            | TokenKind::Function(_) => {
+                Some("a name is one keyword of letters and digits".to_owned())
+            }
             _ => None,
         };
         let diagnostic = match hint {
@@ -297,8 +301,8 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     /// `FDECL = HEAD "=" EXPR`
-    fn fdecl(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
-        self.head(word)?;
+    fn fdecl(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
+        self.head(keyword)?;
         if self.current.kind != TokenKind::Equals {
             return Err(self.expected("`=` after the parameters"));
         }
@@ -310,11 +314,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     /// `HEAD = id "(" IDS ")"`
-    fn head(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
-        self.new_name(word)?;
+    fn head(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
+        self.new_name(keyword)?;
         let opening = self.current.span;
         if self.current.kind != TokenKind::ParenOpen {
-            return self.after_name(word, TokenKind::ParenOpen, "`(`");
+            return self.after_name(keyword, TokenKind::ParenOpen, "`(`");
         }
         self.advance(Mode::Name);
         self.ids(opening)
@@ -335,11 +339,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     /// `INTS` of a param, `GRIDS` of a grid.
-    fn intervals(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
-        self.interval(word, None)?;
+    fn intervals(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
+        self.interval(keyword, None)?;
         while self.current.kind == TokenKind::Comma {
             self.advance(Mode::Expression);
-            self.interval(word, None)?;
+            self.interval(keyword, None)?;
         }
         Ok(())
     }
@@ -413,10 +417,10 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
 
     /// `INT = "[" EXPR "," EXPR "]"` of a param, `GRID = "[" EXPR "," EXPR "," EXPR "]"` of a grid, either
     /// of a curve or a surface.
-    fn interval(&mut self, word: DeclarationKeyword, tag: Tag) -> Result<(), Stop> {
+    fn interval(&mut self, keyword: DeclarationKeyword, tag: Tag) -> Result<(), Stop> {
         let opening = self.current.span;
         if self.current.kind != TokenKind::BracketOpen {
-            let form = match word {
+            let form = match keyword {
                 DeclarationKeyword::Grid => "an interval `[a, b, n]`",
                 _ => "an interval `[a, b]`",
             };
@@ -433,7 +437,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.advance(Mode::Expression);
         self.expression()?;
         let mut kind = IntervalKind::Range;
-        match (self.current.kind, word) {
+        match (self.current.kind, keyword) {
             (TokenKind::Comma, DeclarationKeyword::Param) => {
                 let diagnostic = self.expected_diagnostic("`]`").with_hint(
                     "a param's interval is `[min, max]`; one with a count belongs to a `grid`",
@@ -455,7 +459,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         let Token { kind: found, span } = self.current;
         if found != TokenKind::BracketClose {
-            let separator = match (kind, word) {
+            let separator = match (kind, keyword) {
                 (IntervalKind::Range, DeclarationKeyword::Curve) => "`,` or ",
                 _ => "",
             };

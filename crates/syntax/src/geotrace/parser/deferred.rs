@@ -82,7 +82,7 @@ impl Deferred {
         match self {
             Self::Taken(symbol) => {
                 if let Some((symbol, span, line)) = around.declaration(*symbol)
-                    && let Some(word) = symbol.word
+                    && let Some(word) = symbol.keyword
                 {
                     let (name, word) = (quote(&symbol.name), word.text());
                     diagnostic.message =

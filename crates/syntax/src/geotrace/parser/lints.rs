@@ -14,7 +14,7 @@ use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-/// What the lints remember of the text that has been read.
+/// The state of the lints between declarations.
 #[derive(Default)]
 pub(super) struct LintState {
     /// The last bracket that opens right behind a function. The operand that begins with it takes it.

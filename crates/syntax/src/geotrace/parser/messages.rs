@@ -237,7 +237,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     }
 
     /// Rejects the current token in the place of the `;` that ends a declaration.
-    pub(super) fn expected_end(&mut self, word: DeclarationKeyword) -> Stop {
+    pub(super) fn expected_end(&mut self, keyword: DeclarationKeyword) -> Stop {
         let end = self.previous.span.end;
         let found = self.found();
         let diagnostic = match self.current.kind {
@@ -259,7 +259,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 codes::UNEXPECTED_TOKEN,
                 format!("expected `;`, found {found}, which closes no bracket"),
             ),
-            TokenKind::Comma if word == DeclarationKeyword::Function => self
+            TokenKind::Comma if keyword == DeclarationKeyword::Function => self
                 .expected_diagnostic("`;`")
                 .with_hint("a function has no intervals: a `curve` or a `surface` has"),
             TokenKind::Comma => self

@@ -72,8 +72,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
     }
 
     /// Reads the name that a declaration introduces. One that is not free is reported and passed.
-    pub(super) fn new_name(&mut self, word: DeclarationKeyword) -> Result<(), Stop> {
-        let free = self.free_name(&format!("a name after `{}`", word.text()))?;
+    pub(super) fn new_name(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
+        let free = self.free_name(&format!("a name after `{}`", keyword.text()))?;
         self.state.name = self.current.span.text(self.source);
         self.state.name_span = self.current.span;
         self.state.name_is_free = free;
@@ -259,11 +259,13 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         }
         if !self.state.in_body && self.state.parameter_trie.get(word).is_some() {
             let name = quote(word);
-            return Some(if self.state.word == Some(DeclarationKeyword::Geodesic) {
-                format!("{name} is the length along the geodesic: nothing else depends on it")
-            } else {
-                format!("{name} is a parameter: an interval's ends are constants")
-            });
+            return Some(
+                if self.state.keyword == Some(DeclarationKeyword::Geodesic) {
+                    format!("{name} is the length along the geodesic: nothing else depends on it")
+                } else {
+                    format!("{name} is a parameter: an interval's ends are constants")
+                },
+            );
         }
         let after_number = matches!(self.previous.kind, TokenKind::Number(_));
         let touches = self.previous.span.end == self.current.span.start;
@@ -292,7 +294,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         let name = &symbol.name;
         let is_word = self.current.kind == TokenKind::Undefined;
         let found = self.found();
-        let diagnostic = if symbol.word.is_none() {
+        let diagnostic = if symbol.keyword.is_none() {
             let message = format!("a builtin function has no named parameters, found {found}");
             let hint = format!("use `{name}'` for the derivative");
             self.here(codes::NO_PARAMETERS, message).with_hint(hint)

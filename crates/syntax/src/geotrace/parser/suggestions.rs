@@ -1,5 +1,4 @@
-//! What a word that means nothing may have been meant to be: a name that is declared further down, or a misspelt
-//! declaration keyword.
+//! Suggestions for a word that means nothing: a name that is declared further down, or a misspelt declaration keyword.
 
 use std::collections::HashMap;
 

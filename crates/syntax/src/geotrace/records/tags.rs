@@ -8,16 +8,16 @@ use crate::geotrace::lexer::literal;
 use crate::geotrace::token::TokenKind;
 use crate::symbol::SymbolId;
 
-pub(super) fn word_index(word: DeclarationKeyword) -> u8 {
+pub(super) fn keyword_index(keyword: DeclarationKeyword) -> u8 {
     let index = DeclarationKeyword::ALL
         .iter()
-        .position(|other| *other == word);
+        .position(|other| *other == keyword);
     index.unwrap_or_default() as u8
 }
 
-pub(super) fn word(index: u8) -> DeclarationKeyword {
-    let word = DeclarationKeyword::ALL.get(usize::from(index)).copied();
-    word.unwrap_or(DeclarationKeyword::Define)
+pub(super) fn keyword(index: u8) -> DeclarationKeyword {
+    let keyword = DeclarationKeyword::ALL.get(usize::from(index)).copied();
+    keyword.unwrap_or(DeclarationKeyword::Define)
 }
 
 /// The kinds of token that are nothing but themselves; a tag is a position.
@@ -56,7 +56,7 @@ const VARIABLE: u8 = 26;
 pub(super) fn of_token(kind: TokenKind) -> (u8, u32) {
     match kind {
         TokenKind::Number(_) => (NUMBER, 0),
-        TokenKind::Declare(word) => (DECLARE, u32::from(word_index(word))),
+        TokenKind::Declare(keyword) => (DECLARE, u32::from(keyword_index(keyword))),
         TokenKind::Constant(id) => (CONSTANT, id.0),
         TokenKind::Function(id) => (FUNCTION, id.0),
         TokenKind::Variable(position) => (VARIABLE, position),
@@ -71,7 +71,7 @@ pub(super) fn of_token(kind: TokenKind) -> (u8, u32) {
 pub(super) fn token_kind(tag: u8, number: u32, text: &str) -> TokenKind {
     match tag {
         NUMBER => TokenKind::Number(literal(text)),
-        DECLARE => TokenKind::Declare(word(number as u8)),
+        DECLARE => TokenKind::Declare(keyword(number as u8)),
         CONSTANT => TokenKind::Constant(SymbolId(number)),
         FUNCTION => TokenKind::Function(SymbolId(number)),
         VARIABLE => TokenKind::Variable(number),
