@@ -219,6 +219,40 @@ test("the health check finds the server", function()
   assert(report:find("OK", 1, true) and not report:find("ERROR", 1, true), report)
 end)
 
+test("the tree-sitter grammar parses every example, and its queries hold", function()
+  local folder = scratch .. "/tree-sitter"
+  vim.fn.mkdir(folder .. "/parser", "p")
+  local source = root .. "/editors/tree-sitter"
+  local built = vim.system({ "cc", "-shared", "-fPIC", "-O1", "-I", source .. "/src", source .. "/src/parser.c",
+    "-o", folder .. "/parser/geotrace.so" }):wait()
+  equal(built.code, 0, built.stderr)
+  vim.treesitter.language.add("geotrace", { path = folder .. "/parser/geotrace.so" })
+  local examples = vim.fn.glob(root .. "/examples/*.gtr", true, true)
+  assert(#examples > 20)
+  local highlights = table.concat(vim.fn.readfile(source .. "/queries/highlights.scm"), "\n")
+  highlights = vim.treesitter.query.parse("geotrace", highlights)
+  vim.treesitter.query.parse("geotrace", table.concat(vim.fn.readfile(source .. "/queries/folds.scm"), "\n"))
+  for _, path in ipairs(examples) do
+    local program = table.concat(vim.fn.readfile(path), "\n") .. "\n"
+    local tree = vim.treesitter.get_string_parser(program, "geotrace"):parse()[1]
+    assert(not tree:root():has_error(), path .. ": " .. tree:root():sexpr())
+  end
+  -- The structure, by one declaration with every level of the operators.
+  local program = "define x = -a b*c + sin^2 t'/y_1 (2, .5e3);"
+  local root_node = vim.treesitter.get_string_parser(program, "geotrace"):parse()[1]:root()
+  local left = "(juxtaposition (unary (word)) (product (word) (word)))"
+  local called = "(call function: (component (word) (number)) (tuple (number) (number)))"
+  local right = "(juxtaposition (power (word) (number)) (product (derivative (word)) " .. called .. "))"
+  local wanted = "(program (define name: (word) value: (sum " .. left .. " " .. right .. ")))"
+  equal(root_node:sexpr(), wanted, "the tree")
+  local found = {}
+  for id, node in highlights:iter_captures(root_node, program) do
+    found[vim.treesitter.get_node_text(node, program)] = highlights.captures[id]
+  end
+  equal({ found.define, found.x, found.sin, found["2"] }, { "keyword", "constant", "function.builtin", "number" })
+  assert(vim.treesitter.get_string_parser("define x = ;", "geotrace"):parse()[1]:root():has_error())
+end)
+
 test(":help geotrace opens the manual, and its links lead somewhere", function()
   local folder = scratch .. "/manual"
   vim.fn.mkdir(folder .. "/doc", "p")

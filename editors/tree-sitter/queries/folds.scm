@@ -1,0 +1,1 @@
+[(param) (grid) (define) (function) (curve) (surface) (point) (vector) (metric) (geodesic)] @fold
