@@ -428,16 +428,8 @@ pub fn limits(files: &[File]) -> Vec<Limit<'_>> {
     let views = merged([
         naming(
             files,
-            &[
-                "View",
-                "ViewKind",
-                "PaneKey",
-                "Pane",
-                "Look",
-                "LensView",
-                "ViewCamera",
-            ],
-            &["Space", "Geodesic", "Inside", "Perspective"],
+            &["View", "Pane", "SavedPane"],
+            &["Space", "Geodesic", "Inside"],
         ),
         using(
             files,
@@ -477,7 +469,7 @@ pub fn limits(files: &[File]) -> Vec<Limit<'_>> {
         Limit {
             what: "files that name a view",
             files: views,
-            most: 29,
+            most: 10,
         },
         Limit {
             what: "files that name a variant of a shape",

@@ -8,7 +8,7 @@ use render::gpu::Pixels;
 use render::request::{ViewOptions, ViewPart};
 use render::view::{Setting, SharedState, View, ViewRenderer};
 use render::{PictureRequest, RenderError, RenderedImage};
-use scene::{Object, ObjectId};
+use scene::{Object, ObjectId, Scene};
 
 /// The view's name.
 const NAME: &str = "bands";
@@ -51,11 +51,7 @@ impl View for BandsView {
         "the objects as bands, one below the other"
     }
 
-    fn is_of_object(&self) -> bool {
-        false
-    }
-
-    fn shows(&self, _object: &Object) -> bool {
+    fn shows(&self, _scene: &Scene, _object: &Object) -> bool {
         true
     }
 

@@ -6,12 +6,12 @@ use image::RgbaImage;
 use render::geodesic_view::PlacedCamera;
 use render::gpu::Gpu;
 use render::plan::{Built, Plan};
+use render::request::part::SpaceOptions;
 use render::request::{Overlays, ViewPart};
 use render::shared::Shared;
 use render::texture::Texture;
 use render::trail::Trail;
 use render::view::geodesic::GeodesicOptions;
-use render::view::space::SpaceOptions;
 use render::{Backend, PictureRequest, RenderError, RenderedImage, Renderer, Views};
 use scene::{ObjectId, ParamValues, Scene};
 

@@ -62,7 +62,9 @@ fn a_renderer_draws_it_beside_the_others_and_keeps_each() {
     let mut renderer = Renderer::software().with_views(views.clone());
     let mut draw = |name: &str, upside_down: bool| {
         let view = views.get(name).expect("it is registered");
-        let surface = scene.numbered().find(|(_, object)| view.shows(object));
+        let surface = scene
+            .numbered()
+            .find(|(_, object)| view.shows(&scene, object));
         let mut part = view.options(surface.map(|(id, _)| id).filter(|_| view.is_of_object()));
         assert_eq!(part.set("upside-down", upside_down), name == "bands");
         let request = PictureRequest::new(scene.clone(), settings.clone(), part, [24, 24]);

@@ -8,7 +8,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use render::MAX_SIDE;
 
 use crate::number;
-use render::view::{View, Views};
+use render::view::{View, ViewId, Views};
 
 /// The format of a result: for people or for programs.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
@@ -68,15 +68,6 @@ pub(crate) struct Animated {
     pub(crate) from: Vec<Quantity>,
     /// The last value, with as many components.
     pub(crate) to: Vec<Quantity>,
-}
-
-/// `3d`, `geodesic` or `geodesic:SURFACE`: the name of a view, and of the object that it is of.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct ViewName {
-    /// The view's name.
-    pub(crate) kind: &'static str,
-    /// The object; the program's only or first one unless named.
-    pub(crate) object: Option<String>,
 }
 
 /// A word of the command line that names a value of another crate.
@@ -248,18 +239,16 @@ pub(crate) fn texture(text: &str) -> Result<TextureFile, String> {
 }
 
 /// Parses the name of a view, and that of its object if it is of one: `3d`, `geodesic` or `geodesic:SURFACE`.
-pub(crate) fn view(text: &str, views: &Views) -> Result<ViewName, String> {
-    let (kind, object) = match text.split_once(':') {
-        Some((kind, object)) => (kind, Some(object.trim().to_owned())),
-        None => (text, None),
-    };
+pub(crate) fn view(text: &str, views: &Views) -> Result<ViewId, String> {
+    let ViewId { kind, object } = text.into();
+    let object = object.map(|name| name.trim().to_owned());
     let named = |view: &&dyn View| {
-        let named = view.name().eq_ignore_ascii_case(kind);
+        let named = view.name().eq_ignore_ascii_case(&kind);
         named && object.is_none() | view.is_of_object()
     };
     match views.iter().find(named) {
-        Some(view) if object.as_deref() != Some("") => Ok(ViewName {
-            kind: view.name(),
+        Some(view) if object.as_deref() != Some("") => Ok(ViewId {
+            kind: view.name().to_owned(),
             object,
         }),
         _ => Err(format!("expected {}", forms(views))),
@@ -268,7 +257,7 @@ pub(crate) fn view(text: &str, views: &Views) -> Result<ViewName, String> {
 
 /// Parses the name of a view of this program. [`view_help`] and [`view`] take the place of this parser and its help, with
 /// the views of a registry.
-pub(crate) fn standard_view(text: &str) -> Result<ViewName, String> {
+pub(crate) fn standard_view(text: &str) -> Result<ViewId, String> {
     view(text, &Views::standard())
 }
 
@@ -454,9 +443,9 @@ mod tests {
 
     #[test]
     fn views_are_named() {
-        let named = |kind, object: Option<&str>| {
-            Ok(ViewName {
-                kind,
+        let named = |kind: &str, object: Option<&str>| {
+            Ok(ViewId {
+                kind: String::from(kind),
                 object: object.map(str::to_owned),
             })
         };

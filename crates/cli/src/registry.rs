@@ -43,11 +43,31 @@ impl Context {
     /// # Errors
     /// [`Failure::Usage`] if there is no language of the given name.
     pub(crate) fn language(&self, path: &Path) -> Result<&Arc<dyn Language>, Failure> {
+        match self.named()? {
+            Some(language) => Ok(language),
+            None => Ok(self.registry.languages.for_path(path)),
+        }
+    }
+
+    /// The languages of a window: all of them, or the one that was given.
+    ///
+    /// # Errors
+    /// As [`Context::language`].
+    #[cfg(feature = "window")]
+    pub(crate) fn languages(&self) -> Result<Languages, Failure> {
+        Ok(match self.named()? {
+            Some(language) => Languages::only(Arc::clone(language)),
+            None => self.registry.languages.clone(),
+        })
+    }
+
+    /// The language of the given name, if one was given.
+    fn named(&self) -> Result<Option<&Arc<dyn Language>>, Failure> {
         let languages = &self.registry.languages;
         let Some(name) = &self.language else {
-            return Ok(languages.for_path(path));
+            return Ok(None);
         };
-        languages.named(name).ok_or_else(|| {
+        languages.named(name).map(Some).ok_or_else(|| {
             let known = languages.all().map(|known| format!("`{}`", known.name()));
             Failure::Usage {
                 message: format!("--language: there is no language `{name}`"),

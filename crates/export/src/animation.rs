@@ -19,8 +19,8 @@ use render::bounds::Bounds;
 use render::camera::Camera;
 use render::geodesic_view::PlacedCamera;
 use render::trail::Trail;
-use render::view::space::{self, SpaceOptions};
-use render::viewpoint::{PerspectiveCamera, ViewCamera};
+use render::view::space;
+use render::viewpoint::PerspectiveCamera;
 use render::{PictureRequest, RenderError};
 use scene::SetError;
 
@@ -106,7 +106,7 @@ impl Script {
     /// See [`ScriptError`].
     pub fn steady(&self, request: &PictureRequest) -> Result<PictureRequest, ScriptError> {
         let mut request = request.clone();
-        let ViewCamera::Perspective(camera) = request.view.camera() else {
+        let Some(camera) = request.view.space().map(|space| space.camera) else {
             return Ok(request);
         };
         if camera.eye.is_some() && camera.target.is_some() || self.changes.is_empty() {
@@ -132,8 +132,9 @@ impl Script {
         let ahead = camera.eye - camera.axes[2];
         let [eye, target] =
             [camera.eye, ahead].map(|place| bounds.placement.world(place.to_array()));
-        let camera = PerspectiveCamera::new(eye, target);
-        request.view.set_camera(ViewCamera::Perspective(camera));
+        if let Some(space) = request.view.space_mut() {
+            space.camera = PerspectiveCamera::new(eye, target);
+        }
         Ok(request)
     }
 
@@ -143,11 +144,8 @@ impl Script {
     }
 
     fn move_camera(&self, request: &mut PictureRequest, length: f64) -> Result<(), RenderError> {
-        let shown = request.view.get::<SpaceOptions>();
-        let shown = shown.and_then(|options| options.show_camera);
-        let camera = match (request.view.camera(), shown) {
-            (ViewCamera::Geodesic(camera), _) | (_, Some(camera)) => camera,
-            _ => return Ok(()),
+        let Some(camera) = request.view.shown_camera().copied() else {
+            return Ok(());
         };
         camera.check(&request.scene)?;
         let placed = PlacedCamera::new(&request.scene, &request.params, &camera, request.size)?;
@@ -158,11 +156,7 @@ impl Script {
             .map_err(|error| {
                 RenderError::Camera(format!("the camera cannot walk there: {error}"))
             })?;
-        let camera = camera.with_frame(moved);
-        request.view.set_camera(ViewCamera::Geodesic(camera));
-        if let Some(options) = request.view.get_mut::<SpaceOptions>() {
-            options.show_camera = Some(camera);
-        }
+        request.view.show_camera(camera.with_frame(moved));
         if self.trail {
             request.trails.push(trail.into());
         }

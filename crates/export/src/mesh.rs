@@ -28,7 +28,6 @@ use render::bounds::Bounds;
 use render::placement::Placement;
 use render::sample::{Samples, positions, sample_with_notes};
 use render::texture::Texture;
-use render::view::space::SpaceOptions;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
 
@@ -147,7 +146,7 @@ impl MeshFormat {
 /// request also gives their colours and textures.
 pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
     let (scene, params) = (&*request.scene, &*request.params);
-    let options = request.view.get::<SpaceOptions>();
+    let options = request.view.space();
     let is_shown = |id| options.is_none_or(|options| options.shows(id));
     let placement = Bounds::of(scene, params).placement;
     let mut model = Model::default();

@@ -13,7 +13,7 @@ use render::PictureRequest;
 use render::bounds::Bounds;
 use render::camera::Camera;
 use render::geodesic_view::PlacedCamera;
-use render::viewpoint::{Pose, ViewCamera};
+use render::viewpoint::Pose;
 use scene::ObjectId;
 use scene::ParamValues;
 use scenes::{Wanted, scene};
@@ -170,9 +170,7 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
         ..Script::default()
     };
     let steady = script.steady(&request).expect("a camera");
-    let ViewCamera::Perspective(camera) = steady.view.camera() else {
-        panic!("{:?}", steady.view)
-    };
+    let camera = steady.view.space().expect("a view in space").camera;
     let (Some(eye), Some(target)) = (camera.eye, camera.target) else {
         panic!("{camera:?}")
     };
@@ -205,10 +203,8 @@ fn a_walk_round_a_great_circle_comes_back_with_its_length() {
         ..Script::default()
     };
     let frame = |request: &PictureRequest| {
-        let ViewCamera::Geodesic(camera) = request.view.camera() else {
-            panic!("{:?}", request.view)
-        };
-        let placed = PlacedCamera::new(&scene, &params, &camera, request.size);
+        let camera = request.view.geodesic_camera().expect("a geodesic view");
+        let placed = PlacedCamera::new(&scene, &params, camera, request.size);
         placed.expect("a camera").frame
     };
     let start = frame(&request);

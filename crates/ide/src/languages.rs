@@ -29,12 +29,20 @@ impl Languages {
         self
     }
 
+    /// One language for all files, whatever their extensions.
+    pub fn only(language: Arc<dyn Language>) -> Self {
+        Self {
+            standard: language,
+            others: Vec::new(),
+        }
+    }
+
     /// All languages, in the order in which they were added.
     pub fn all(&self) -> impl Iterator<Item = &Arc<dyn Language>> {
         std::iter::once(&self.standard).chain(&self.others)
     }
 
-    /// The language of texts that do not say theirs, as those of standard input: Geotrace.
+    /// The language of texts that do not say theirs, as those of standard input.
     pub fn default_language(&self) -> &Arc<dyn Language> {
         &self.standard
     }

@@ -20,6 +20,7 @@ fn main() -> ExitCode {
             file => Source::File(file.into()),
         },
         languages: ide::Languages::standard(),
+        views: render::Views::standard(),
         backend: match given(2) {
             Some("gpu") => Backend::Gpu,
             Some("software") => Backend::Software,

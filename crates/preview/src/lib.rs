@@ -1,4 +1,4 @@
-//! The live preview window: the 3D view and the geodesic views of a program while it is written.
+//! The live preview window: views of a program while it is written.
 //!
 //! ```text
 //! io/: watch (a file), link (an editor) ──text──▶ engine/compiler ──scene, findings──▶ state/model
@@ -30,6 +30,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use ide::Languages;
+use render::Views;
 
 pub use io::report::Counters;
 pub use render::Backend;
@@ -43,6 +44,8 @@ pub struct Options {
     pub source: Source,
     /// The languages of programs; the extension of a file chooses one of them.
     pub languages: Languages,
+    /// The views that it offers.
+    pub views: Views,
     /// The backend that draws the pictures.
     pub backend: Backend,
     /// A file for counters, one JSON object a line for each frame of the window: for tests of the real

@@ -97,9 +97,6 @@ pub struct View {
 }
 
 impl View {
-    /// The name of the view of the whole scene in space, which every window has.
-    pub const SPACE: &'static str = "3d";
-
     /// A view of the whole scene.
     #[must_use]
     pub fn of_scene(view: impl Into<String>) -> Self {
@@ -116,6 +113,13 @@ impl View {
             view: view.into(),
             surface: Some(object.into()),
         }
+    }
+}
+
+/// The view that is shown unless another is named.
+impl Default for View {
+    fn default() -> Self {
+        Self::of_scene("3d")
     }
 }
 

@@ -228,7 +228,7 @@ mod tests {
             },
             Command::Show { view: None },
             Command::Show {
-                view: Some(View::of_scene(View::SPACE)),
+                view: Some(View::default()),
             },
             Command::Show {
                 view: Some(View::of_object("geodesic", "s")),

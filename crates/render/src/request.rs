@@ -1,7 +1,7 @@
 //! The picture request: a [`PictureRequest`] holds all that a picture depends on, as data that can be compared. It is
 //! the same from a pane of a window, or a command line, down to what draws.
 
-mod part;
+pub mod part;
 
 pub use part::{ViewOptions, ViewPart};
 

@@ -18,7 +18,7 @@ pub use shared_state::SharedState;
 use std::fmt;
 use std::sync::Arc;
 
-use scene::{Object, ObjectId};
+use scene::{Object, ObjectId, Scene};
 
 use crate::camera::Camera;
 use crate::error::RenderError;
@@ -37,12 +37,24 @@ pub trait View: fmt::Debug + Send + Sync {
     /// A line of help.
     fn purpose(&self) -> &'static str;
 
-    /// Returns true if it is of one object. Then there is a pane for each object that it shows, and a name may follow
-    /// the view's: `geodesic:s`.
-    fn is_of_object(&self) -> bool;
+    /// The objects that it is of, in words: "surface or metric"; `None` for a view of the whole scene. A view of an
+    /// object has a pane for each object that it shows, and a name may follow the view's: `geodesic:s`.
+    fn object_kind(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// Returns true if it is of one object.
+    fn is_of_object(&self) -> bool {
+        self.object_kind().is_some()
+    }
 
     /// Returns true if it can be of this object, or whether this object is seen in it.
-    fn shows(&self, object: &Object) -> bool;
+    fn shows(&self, scene: &Scene, object: &Object) -> bool;
+
+    /// A sentence about a scene of which it shows no object.
+    fn nothing(&self) -> &'static str {
+        "Nothing to show"
+    }
 
     /// The options of a first picture: of this object, if it is of one. A view of an object that is given none takes one
     /// that does not exist, and its pictures are refused.
@@ -145,7 +157,7 @@ pub struct Setting {
     pub default: bool,
 }
 
-/// One view of a scene: the 3D view, or the geodesic view of one surface.
+/// One view of a scene: a view of all of it, or of one object.
 #[derive(Clone, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct ViewId {
     /// The view's name.
@@ -182,6 +194,16 @@ impl ViewId {
     }
 }
 
+/// From the command line's form: `3d`, `geodesic:s`.
+impl From<&str> for ViewId {
+    fn from(text: &str) -> Self {
+        match text.split_once(':') {
+            Some((kind, object)) => Self::of_object(kind, object),
+            None => Self::of_scene(text),
+        }
+    }
+}
+
 /// As the command line has it: `3d`, `geodesic:s`.
 impl fmt::Display for ViewId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -211,6 +233,45 @@ impl Views {
         self.0.retain(|known| known.name() != view.name());
         self.0.push(Arc::new(view));
         self
+    }
+
+    /// The view that is shown unless another is asked for.
+    pub fn first(&self) -> &dyn View {
+        &*self.0[0]
+    }
+
+    /// The views that a scene has: those of the whole scene, and of each object those that show it.
+    pub fn of_scene(&self, scene: Option<&Scene>) -> Vec<ViewId> {
+        let mut ids = Vec::new();
+        for view in self.iter() {
+            if !view.is_of_object() {
+                ids.push(ViewId::of_scene(view.name()));
+            } else if let Some(scene) = scene {
+                let shown = scene.objects.iter();
+                let shown = shown.filter(|object| view.shows(scene, object));
+                ids.extend(shown.map(|object| ViewId::of_object(view.name(), &object.name)));
+            }
+        }
+        ids
+    }
+
+    /// The options of a first picture of a view; `None` if there is no such view of this scene.
+    pub fn options(&self, id: &ViewId, scene: &Scene) -> Option<ViewPart> {
+        let view = self.get(&id.kind)?;
+        let object = match &id.object {
+            Some(name) => Some(scene.object(name)?.0),
+            None => None,
+        };
+        (object.is_some() == view.is_of_object()).then(|| view.options(object))
+    }
+
+    /// The title of a view, and behind `between` the name of the object that it is of: "Geodesic view of s".
+    pub fn title(&self, id: &ViewId, between: &str) -> String {
+        let title = self.get(&id.kind).map_or(&*id.kind, |view| view.title());
+        match &id.object {
+            Some(object) => format!("{title}{between}{object}"),
+            None => title.to_owned(),
+        }
     }
 
     /// The view of a name.

@@ -6,17 +6,6 @@ use scene::{ObjectId, Scene};
 
 use crate::error::RenderError;
 
-/// The camera of a view.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ViewCamera {
-    /// A camera in space.
-    Perspective(PerspectiveCamera),
-    /// A camera on a surface or a metric.
-    Geodesic(GeodesicCamera),
-    /// The view has no camera that can be moved.
-    Fixed,
-}
-
 /// A camera in space, in the scene's units. Coordinates that are not given are chosen so that the scene fills the
 /// picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

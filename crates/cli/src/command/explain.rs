@@ -131,17 +131,8 @@ fn document(scene: &Arc<Scene>, all: &Views) -> Explanation {
     let size = [512, 512];
     let param_values = Arc::new(param_values);
     let mut views = Vec::new();
-    for kind in all.iter() {
-        let objects: Vec<Option<ObjectId>> = match kind.is_of_object() {
-            true => scene
-                .numbered()
-                .filter(|(_, object)| kind.shows(object))
-                .map(|(id, _)| Some(id))
-                .collect(),
-            false => vec![None],
-        };
-        for object in objects {
-            let options = kind.options(object);
+    for id in all.of_scene(Some(scene)) {
+        if let Some(options) = all.options(&id, scene) {
             let request = PictureRequest::new(scene, param_values.clone(), options, size);
             views.push(view(all, &request));
         }

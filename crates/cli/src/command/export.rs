@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use export::mesh::{self, ExportError, MeshFormat};
 use render::PictureRequest;
-use render::view::space::SpaceOptions;
 use scene::{ObjectId, Scene};
 
 use super::render::textures;
@@ -72,7 +71,12 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let objects = objects(scene, &arguments.object, &program.source.name)?;
     let request = PictureRequest {
         textures: textures(&arguments.texture, &program)?.at(scene, &params)?,
-        ..PictureRequest::new(scene, params, SpaceOptions::default(), [1, 1])
+        ..PictureRequest::new(
+            scene,
+            params,
+            context.registry.views.first().options(None),
+            [1, 1],
+        )
     };
     let target = OutputTarget::new(&arguments.output)?;
     let model = mesh::model(&request, objects.as_deref());

@@ -100,7 +100,8 @@ fn open(arguments: &Arguments, context: &Context) -> Result<(), NoWindow> {
     };
     let options = Options {
         source,
-        languages: context.registry.languages.clone(),
+        languages: context.languages().map_err(NoWindow::Other)?,
+        views: context.registry.views.clone(),
         backend: arguments.backend,
         report: arguments.report.clone(),
     };

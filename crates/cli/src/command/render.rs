@@ -11,15 +11,14 @@ use render::request::{Overlays, Spacing, ViewPart};
 use render::shared::Shared;
 use render::texture::{Texture, TextureError};
 use render::view::geodesic::GeodesicOptions;
-use render::view::space::SpaceOptions;
-use render::viewpoint::{GeodesicCamera, PerspectiveCamera, Pose, ViewCamera};
+use render::viewpoint::{GeodesicCamera, PerspectiveCamera, Pose};
 use render::{Backend, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
 use super::animation;
 use crate::argument::{
-    self, Assignment, Choice, Format, Pair, Quantity, Size, TextureFile, Triple, ViewName,
+    self, Assignment, Choice, Format, Pair, Quantity, Size, TextureFile, Triple,
 };
 use crate::failure::Failure;
 use crate::number;
@@ -58,7 +57,7 @@ pub(super) struct Arguments {
     output: PathBuf,
     /// 3d, or geodesic, or geodesic:SURFACE; without a name, the program's first surface
     #[arg(long, value_name = "VIEW", default_value = "3d", value_parser = argument::standard_view)]
-    view: ViewName,
+    view: ViewId,
     /// The picture's size in pixels
     #[arg(long, value_name = "WxH", default_value = "800x800", value_parser = argument::size, allow_hyphen_values = true)]
     size: Size,
@@ -176,12 +175,11 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
         },
         ..PictureRequest::new(program.scene(), params.clone(), view, arguments.size.0)
     };
-    let camera = request.view.camera();
-    let moves = matches!(camera, ViewCamera::Geodesic(_)) || shows_camera(&request);
+    let moves = request.view.shown_camera().is_some();
     let script = arguments.motion.script(&program, &params, moves)?;
     let animation = arguments.motion.animation(&arguments.output)?;
     let request = script.steady(&request).map_err(animation::failure)?;
-    for note in idle_options(arguments, camera) {
+    for note in idle_options(arguments, &request.view) {
         output::print_error(&format!("note: {note}\n"));
     }
     let draw = |share: f64, progress: &(dyn Fn(f32) + Sync)| -> Result<Picture, Failure> {
@@ -217,7 +215,7 @@ fn view(
     program: &LoadedProgram,
     params: &ParamValues,
 ) -> Result<ViewPart, Failure> {
-    let ViewName { kind, object } = &arguments.view;
+    let ViewId { kind, object } = &arguments.view;
     let view = views.get(kind);
     let view = view.ok_or_else(|| Failure::usage(format!("there is no view `{kind}`")))?;
     let object = match view.is_of_object() {
@@ -229,29 +227,23 @@ fn view(
         Some(triple) => program.numbers(option, &triple.0, params).map(Some),
         None => Ok(None),
     };
-    match view.camera() {
-        ViewCamera::Perspective(_) => {
-            view.set_camera(ViewCamera::Perspective(PerspectiveCamera {
-                eye: place("--eye", &arguments.eye)?,
-                target: place("--target", &arguments.target)?,
-            }));
-        }
-        ViewCamera::Geodesic(camera) => {
-            let camera = geodesic_camera(camera.surface, arguments, program, params)?;
-            view.set_camera(ViewCamera::Geodesic(camera));
-        }
-        ViewCamera::Fixed => {}
-    }
     if let Some(options) = view.get_mut::<GeodesicOptions>() {
         options.method = arguments.method.unwrap_or_default();
     }
-    if let Some(options) = view.get_mut::<SpaceOptions>() {
-        options.background = arguments.background;
-        if let Some(name) = &arguments.show_camera {
-            let surface = program.surface(Some(name))?.0;
-            let camera = geodesic_camera(surface, arguments, program, params)?;
-            options.show_camera = Some(camera);
-        }
+    if let Some(space) = view.space_mut() {
+        space.camera = PerspectiveCamera {
+            eye: place("--eye", &arguments.eye)?,
+            target: place("--target", &arguments.target)?,
+        };
+        space.background = arguments.background;
+    }
+    let shown = match (&arguments.show_camera, view.geodesic_camera()) {
+        (_, Some(own)) => Some(own.surface),
+        (Some(name), None) if view.space().is_some() => Some(program.surface(Some(name))?.0),
+        _ => None,
+    };
+    if let Some(surface) = shown {
+        view.show_camera(geodesic_camera(surface, arguments, program, params)?);
     }
     Ok(view)
 }
@@ -277,12 +269,6 @@ fn geodesic_camera(
             None => None,
         },
     })
-}
-
-/// Whether a geodesic camera is shown in space.
-fn shows_camera(request: &PictureRequest) -> bool {
-    let options = request.view.get::<SpaceOptions>();
-    options.is_some_and(|options| options.show_camera.is_some())
 }
 
 /// The images of the surfaces.
@@ -348,7 +334,7 @@ pub(super) fn textures(files: &[TextureFile], program: &LoadedProgram) -> Result
 }
 
 /// Notes on options that the chosen view does not use.
-fn idle_options(arguments: &Arguments, camera: ViewCamera) -> Vec<String> {
+fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String> {
     let placed = [
         ("--at", arguments.at.is_some()),
         ("--angle", arguments.angle.is_some()),
@@ -370,8 +356,8 @@ fn idle_options(arguments: &Arguments, camera: ViewCamera) -> Vec<String> {
         ("--show-camera", arguments.show_camera.is_some()),
     ];
     let geodesic = "the geodesic view: add `--view geodesic`";
-    let (idle, other) = match (camera, &arguments.show_camera) {
-        (ViewCamera::Geodesic(_), _) => (space.to_vec(), "the 3D view"),
+    let (idle, other) = match (view.geodesic_camera(), &arguments.show_camera) {
+        (Some(_), _) => (space.to_vec(), "the 3D view"),
         (_, None) => ([&placed[..], &around, &inside].concat(), geodesic),
         (_, Some(_)) => (inside.to_vec(), geodesic),
     };

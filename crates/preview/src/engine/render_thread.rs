@@ -10,12 +10,11 @@ use std::time::Duration;
 use render::counters::WorkCounters;
 use render::rendered::RenderedImage;
 use render::view::Hit;
-use render::{PictureRequest, Renderer};
+use render::{PictureRequest, Renderer, ViewId};
 
 use crate::channel::EventSender;
 use crate::queue::LatestQueue;
 use crate::state::SpaceCamera;
-use crate::state::pane::PaneKey;
 use worker::Worker;
 
 /// An event of the render thread.
@@ -23,15 +22,15 @@ use worker::Worker;
 pub(crate) enum RenderEvent {
     /// A picture was drawn, or failed with a sentence.
     Drawn {
-        pane: PaneKey,
+        pane: ViewId,
         /// The picture; it took the time from the request to pixels that can be shown.
         picture: Result<Box<RenderedImage>, String>,
-        /// The camera that the 3D view is seen from.
+        /// The camera that a view in space is seen from, where its request leaves that open.
         space_camera: Option<SpaceCamera>,
         request: Box<VersionedRequest>,
         counters: WorkCounters,
     },
-    /// An object was found under a place of the 3D view, or none.
+    /// An object was found under a place of a picture, or none.
     Picked {
         request: Box<PictureRequest>,
         hit: Option<Hit>,
@@ -76,7 +75,7 @@ pub(crate) struct RenderThread {
 enum JobKey {
     Renderer,
     Question(u64),
-    Pane(PaneKey),
+    Pane(ViewId),
 }
 
 /// The rank of a job: those of a lower rank are done first.
@@ -120,17 +119,17 @@ impl RenderThread {
     }
 
     /// Asks for a picture, in the place of one of the same pane that has not been begun.
-    pub(crate) fn draw(&self, pane: PaneKey, request: VersionedRequest) {
+    pub(crate) fn draw(&self, pane: ViewId, request: VersionedRequest) {
         let job = Job::Draw(Box::new(request));
         self.queue.push(Rank::Draw as u8, JobKey::Pane(pane), job);
     }
 
     /// Drops the request of a pane that has not been begun.
-    pub(crate) fn forget(&self, pane: &PaneKey) {
+    pub(crate) fn forget(&self, pane: &ViewId) {
         self.queue.remove(&JobKey::Pane(pane.clone()));
     }
 
-    /// Asks what is under a pixel of the 3D view that a request describes.
+    /// Asks what is under a pixel of the picture that a request describes.
     pub(crate) fn pick(&mut self, request: PictureRequest, at: [f64; 2], purpose: Purpose) {
         self.ask(Rank::Pick, Job::Pick(Box::new(request), at, purpose));
     }
@@ -179,7 +178,7 @@ fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, ren
             (Ok(Some(event)), ..) => event,
             (Ok(None), ..) => continue,
             (Err(_), JobKey::Pane(pane), Job::Draw(request)) => {
-                worker.move_to(Renderer::software());
+                worker.leave_gpu();
                 RenderEvent::Drawn {
                     pane,
                     picture: Err("internal error: the picture could not be drawn".to_owned()),
@@ -189,7 +188,7 @@ fn work(queue: &LatestQueue<JobKey, Job>, events: &EventSender<RenderEvent>, ren
                 }
             }
             (Err(_), ..) => {
-                worker.move_to(Renderer::software());
+                worker.leave_gpu();
                 continue;
             }
         };

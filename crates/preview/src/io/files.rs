@@ -10,8 +10,12 @@ use render::{Backend, PictureRequest, Views};
 ///
 /// # Errors
 /// A sentence; nothing is written.
-pub(crate) fn save_picture(path: &Path, request: &PictureRequest) -> Result<String, String> {
-    let picture = render::render(&Views::standard(), request, Backend::Auto, &|_| {});
+pub(crate) fn save_picture(
+    path: &Path,
+    views: &Views,
+    request: &PictureRequest,
+) -> Result<String, String> {
+    let picture = render::render(views, request, Backend::Auto, &|_| {});
     let image = picture.map_err(|error| error.to_string())?.image;
     let bytes = png(&image)?;
     write_whole(path, &bytes)

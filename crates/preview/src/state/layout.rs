@@ -81,9 +81,9 @@ impl Layout {
             Arrangement::Column => Self::Column(even(each)),
             Arrangement::Tabs => tabs(views),
             Arrangement::First => {
-                let (space, inside): (Vec<Pane>, Vec<Pane>) =
-                    views.iter().cloned().partition(|pane| *pane == Pane::Space);
-                Self::Row(even(vec![tabs(&space), tabs(&inside)]))
+                let views = views.iter().cloned();
+                let (objects, scene): (Vec<Pane>, _) = views.partition(Pane::is_of_object);
+                Self::Row(even(vec![tabs(&scene), tabs(&objects)]))
             }
         };
         let width = match arrangement {

@@ -127,35 +127,40 @@ impl Model {
         !self.ok && self.read
     }
 
-    /// Returns whether the 3D view shows something that the text no longer has in this form, or lacks something of it.
-    pub fn is_stale_in_space(&self) -> bool {
-        let objects = self.scene.iter().flat_map(|scene| &scene.objects);
-        let mut stale = objects.filter(|it| self.stale.contains(&it.name));
-        let is_shown = |it: &Object| self.has_place(it) && !self.view.look(&it.name).hidden;
-        self.is_stale() && (self.lacks || stale.any(is_shown))
+    /// Returns whether a view of the whole scene shows something that the text no longer has in this form, or lacks
+    /// something of it.
+    pub fn is_stale_in(&self, view: &dyn render::view::View) -> bool {
+        self.is_stale()
+            && (self.lacks
+                || self
+                    .shown_in(view)
+                    .any(|it| self.stale.contains(&it.name) && !self.view.look(&it.name).hidden))
     }
 
-    /// Returns whether the geodesic view of a surface shows it, or a geodesic on it, in a form that the text no
-    /// longer has.
-    pub fn is_stale_inside(&self, surface: &str) -> bool {
+    /// Returns whether a view of an object shows it, or a geodesic on it, in a form that the text no longer has.
+    pub fn is_stale_on(&self, object: &str) -> bool {
         if !self.is_stale() {
             return false;
         }
-        let id = self.object(surface).map(|(id, _)| id);
+        let id = self.object(object).map(|(id, _)| id);
         let objects = self.scene.iter().flat_map(|scene| &scene.objects);
         let mut on_it = objects.filter(|object| {
             let geodesic = object.shape.geodesic();
             geodesic.is_some_and(|(surface, _)| Some(surface) == id)
         });
-        id.is_none()
-            || self.stale.contains(surface)
-            || on_it.any(|it| self.stale.contains(&it.name))
+        id.is_none() || self.stale.contains(object) || on_it.any(|it| self.stale.contains(&it.name))
     }
 
-    /// Returns whether an object has a place in space: a metric has none, nor have geodesics on it.
-    fn has_place(&self, object: &Object) -> bool {
-        let scene = self.scene.as_ref();
-        scene.is_none_or(|scene| scene.is_in_space(object))
+    /// The objects that a view shows.
+    fn shown_in<'m>(
+        &'m self,
+        view: &'m dyn render::view::View,
+    ) -> impl Iterator<Item = &'m Object> {
+        let scenes = self.scene.iter();
+        scenes.flat_map(move |scene| {
+            let objects = scene.objects.iter();
+            objects.filter(move |object| view.shows(scene, object))
+        })
     }
 
     /// Does a step that can be undone.
@@ -245,10 +250,10 @@ impl Model {
         self.scene.as_ref()?.object(name)
     }
 
-    /// Returns whether there are objects, and none of them has a place in space: metrics and geodesics on them.
-    pub fn has_only_metrics(&self) -> bool {
-        let objects = self.scene.as_ref().map_or(&[][..], |scene| &scene.objects);
-        !objects.is_empty() && !objects.iter().any(|object| self.has_place(object))
+    /// Returns whether there are objects, and a view shows none of them.
+    pub fn is_unseen_in(&self, view: &dyn render::view::View) -> bool {
+        let has_objects = self.scene.as_ref().is_some_and(|it| !it.objects.is_empty());
+        has_objects && self.shown_in(view).next().is_none()
     }
 
     /// The names of the surfaces and metrics, in the order of the text.

@@ -5,10 +5,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
+use render::view::Setting;
 use scene::{Param, Range};
 use serde::{Deserialize, Serialize};
 
 use super::camera::{InsideCamera, SpaceCamera};
+use super::pane::saved_views;
 
 /// Everything that is chosen.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
@@ -22,11 +24,11 @@ pub struct View {
     pub openings: BTreeMap<String, Vec<Opening>>,
     /// The animated params.
     pub animations: BTreeMap<String, Animation>,
-    /// The camera of the 3D view; if it is missing, everything is seen.
+    /// The camera of the views in space; if it is missing, everything is seen.
     pub space: Option<SpaceCamera>,
     /// The cameras of the geodesic views, by their surfaces' names.
     pub inside: BTreeMap<String, InsideCamera>,
-    /// The surfaces whose geodesic view was closed.
+    /// The views of objects that were closed, by their names: `geodesic:s`.
     pub closed: BTreeSet<String>,
     /// Image files that surfaces may show, in the order in which they were opened.
     pub textures: Vec<PathBuf>,
@@ -128,7 +130,7 @@ pub enum Theme {
 }
 
 /// The overlays of pictures.
-#[derive(Clone, Copy, Debug, Deserialize, Eq, PartialEq, Serialize)]
+#[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Marks {
     /// A key to lines and hatchings.
@@ -141,12 +143,21 @@ pub struct Marks {
     pub cut_locus: bool,
     /// The estimated error.
     pub error: bool,
-    /// A ring at the centre of a geodesic view.
-    pub centre: bool,
-    /// The geodesic cameras in the 3D view.
+    /// The geodesic cameras in the views in space.
     pub cameras: bool,
-    /// The paths that geodesic cameras have walked, in both views.
+    /// The paths that geodesic cameras have walked.
     pub trail: bool,
+    /// The settings of views that were chosen, by their names.
+    #[serde(flatten)]
+    pub of_views: BTreeMap<String, bool>,
+}
+
+impl Marks {
+    /// Returns whether a setting of a view is on.
+    pub fn is_on(&self, setting: &Setting) -> bool {
+        let chosen = self.of_views.get(setting.name);
+        chosen.copied().unwrap_or(setting.default)
+    }
 }
 
 impl Default for Marks {
@@ -157,9 +168,9 @@ impl Default for Marks {
             conjugate: false,
             cut_locus: false,
             error: false,
-            centre: true,
             cameras: true,
             trail: false,
+            of_views: BTreeMap::new(),
         }
     }
 }
@@ -176,13 +187,13 @@ pub const SCALES: [f32; 5] = [0.8, 1.0, 1.25, 1.5, 2.0];
 pub struct Preferences {
     /// The speed of cameras, 1 by default.
     pub camera_speed: f64,
-    /// Behind everything in the 3D view, sRGB; that of the pictures where none is chosen.
+    /// Behind everything in the views in space, sRGB; that of the pictures where none is chosen.
     pub background: Option<[u8; 3]>,
     /// Light or dark.
     pub theme: Theme,
-    /// The side of the 3D view's picture in pixels; that of its pane where none is chosen.
+    /// The side of pictures of the whole scene in pixels; that of their panes where none is chosen.
     pub space_size: Option<u32>,
-    /// The side of the geodesic views' pictures in pixels; that of their panes where none is chosen.
+    /// The side of pictures of one object in pixels; that of their panes where none is chosen.
     pub inside_size: Option<u32>,
     /// The overlays of pictures.
     pub marks: Marks,
@@ -261,6 +272,7 @@ impl View {
         for animation in self.animations.values_mut() {
             animation.speed = clamp(animation.speed, -1e6, 1e6, 1.0);
         }
+        self.closed = saved_views(self.closed);
         self.space = self.space.filter(SpaceCamera::is_sane);
         self.inside.retain(|_, camera| camera.is_sane());
         for values in self.params.values_mut() {

@@ -214,10 +214,14 @@ impl Preview {
 /// The window as it is opened.
 fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> {
     let mut window = match &options.source {
-        Source::File(path) => Window::of_file(context, &options.languages, path.clone(), true)?,
+        Source::File(path) => {
+            let views = options.views.clone();
+            Window::of_file(context, &options.languages, views, path.clone(), true)?
+        }
         Source::Attached => Window::attached(
             context,
             options.languages.clone(),
+            options.views.clone(),
             std::io::stdin(),
             std::io::stdout(),
         ),
@@ -308,6 +312,7 @@ mod tests {
         let window = Window::of_file(
             &egui::Context::default(),
             &ide::Languages::standard(),
+            render::Views::standard(),
             path,
             false,
         );

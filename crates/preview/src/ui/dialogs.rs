@@ -5,7 +5,8 @@ pub(crate) mod record;
 
 use std::path::Path;
 
-use egui::{Grid, Key, Ui};
+use egui::{Grid, Ui};
+use render::view::{Key, View};
 
 use crate::engine::recording::Recording;
 use crate::ui::window::Window;
@@ -87,58 +88,45 @@ fn leaving(window: &mut Window, ui: &Ui) {
     }
 }
 
-/// Keys and the pointer, and what they do in the 3D view and in a geodesic view.
-const KEYS: [(&str, &str, &str); 21] = [
-    ("W S", "forward, back", "along Y, against it"),
-    ("A D", "left, right", "against X, along it"),
-    (
-        "Q E",
-        "up, down in the world",
-        "turn anticlockwise, clockwise",
-    ),
-    ("Z X", "", "zoom in, out"),
-    ("Arrows", "turn", "move"),
-    ("Alt and arrows", "around the target", ""),
-    ("Shift and arrows", "sideways", ""),
-    ("+ −", "nearer, farther", "zoom in, out"),
-    ("F", "frame everything", ""),
-    ("R, Home", "reset", "reset"),
-    (
-        "Enter",
-        "put the geodesic camera to the middle of the picture",
-        "",
-    ),
-    (
-        "Ctrl+Enter",
-        "show the declaration in the middle of the picture",
-        "show the declaration",
-    ),
-    ("Drag", "turn", "move"),
-    ("Alt or right drag", "around the target", ""),
-    ("Shift or middle drag", "sideways", ""),
-    ("Wheel", "nearer, farther", "zoom"),
-    (
-        "Click",
-        "put the geodesic camera there; of what has none, show the declaration",
-        "",
-    ),
-    (
-        "Double or Ctrl click",
-        "show the declaration",
-        "show the declaration",
-    ),
-    ("F6, Shift+F6", "the next view, the one before", ""),
-    ("Ctrl+Z, Ctrl+Y", "undo, redo a change of the view", ""),
-    ("Ctrl+ + − 0", "size of the controls", ""),
+/// The keys that are the same in all views.
+const KEYS: [Key; 3] = [
+    Key::new("F6, Shift+F6", "the next view, the one before"),
+    Key::new("Ctrl+Z, Ctrl+Y", "undo, redo a change of the view"),
+    Key::new("Ctrl+ + − 0", "size of the controls"),
 ];
+
+/// Returns a row for each key of some views, with its effect in each view.
+fn rows(views: &[&dyn View]) -> Vec<(&'static str, Vec<&'static str>)> {
+    let mut rows: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (column, view) in views.iter().enumerate() {
+        let mut next = 0;
+        for Key { keys, action } in view.keys() {
+            let known = rows.iter().position(|(known, _)| known == keys);
+            let at = known.unwrap_or_else(|| {
+                // A key that the views before do not have follows the one that it follows here.
+                rows.insert(next, (keys, vec![""; views.len()]));
+                next
+            });
+            rows[at].1[column] = action;
+            next = at + 1;
+        }
+    }
+    let own = KEYS.iter().map(|key| (key.keys, vec![key.action]));
+    rows.into_iter().chain(own).collect()
+}
 
 fn shortcuts(window: &mut Window, ui: &Ui) {
     let escape =
-        |input: &mut egui::InputState| input.consume_key(egui::Modifiers::NONE, Key::Escape);
+        |input: &mut egui::InputState| input.consume_key(egui::Modifiers::NONE, egui::Key::Escape);
     if !window.dialogs.is_open() && ui.input_mut(escape) {
         window.dialogs.shortcuts = false;
         return;
     }
+    let views: Vec<&dyn View> = window.views.iter().collect();
+    let views: Vec<_> = views
+        .into_iter()
+        .filter(|view| !view.keys().is_empty())
+        .collect();
     let screen = ui.ctx().content_rect();
     // Its title, its margins, and something of what is behind it.
     let room = screen.size() - egui::vec2(48.0, 96.0);
@@ -152,18 +140,20 @@ fn shortcuts(window: &mut Window, ui: &Ui) {
         .max_size(room)
         .show(ui.ctx(), |ui| {
             Grid::new("keys")
-                .num_columns(3)
+                .num_columns(views.len() + 1)
                 .striped(true)
                 .spacing([16.0, 4.0])
                 .show(ui, |ui| {
                     ui.strong("");
-                    ui.strong("3D view");
-                    ui.strong("Geodesic view");
+                    for view in &views {
+                        ui.strong(view.title());
+                    }
                     ui.end_row();
-                    for (key, space, inside) in KEYS {
-                        ui.strong(key);
-                        ui.label(space);
-                        ui.label(inside);
+                    for (keys, actions) in rows(&views) {
+                        ui.strong(keys);
+                        for action in actions {
+                            ui.label(action);
+                        }
                         ui.end_row();
                     }
                 });

@@ -1,10 +1,11 @@
 //! The menu bar.
 
 use egui::{Key, MenuBar, Panel, Ui};
+use render::view::View;
 
 use crate::state::layout::Arrangement;
-use crate::state::pane::{Pane, PaneKey};
-use crate::state::{Marks, Step, WAVEFRONTS};
+use crate::state::pane::Pane;
+use crate::state::{Step, WAVEFRONTS};
 use crate::ui::dialogs::{picture, record};
 use crate::ui::window::{TextSource, Window};
 
@@ -104,28 +105,21 @@ fn edit(window: &mut Window, ui: &mut Ui) {
 }
 
 fn view(window: &mut Window, ui: &mut Ui) {
-    let mut panes = vec![(Pane::Space, "3D view".to_owned())];
-    for name in window.model.surfaces() {
-        let title = format!("Geodesic view of {name}");
-        panes.push((Pane::Inside(name), title));
-    }
-    panes.push((Pane::Settings, "Settings".to_owned()));
-    panes.push((Pane::Program, "Program".to_owned()));
-    for (pane, title) in panes {
+    let views = window.offered().into_iter().map(Pane::View);
+    for pane in views.chain([Pane::Settings, Pane::Program]) {
+        let title = match &pane {
+            Pane::View(id) => window.views.title(id, " of "),
+            Pane::Settings => "Settings".to_owned(),
+            Pane::Program => "Program".to_owned(),
+        };
         let mut open = window.panes.is_open(&pane);
         if ui.checkbox(&mut open, title).changed() {
             window.panes.arranged = true;
-            match (&pane, open) {
-                (Pane::Inside(name), true) => window.open_inside(name),
-                (_, true) => window.bring_forward(&pane),
-                (_, false) => {
-                    window.panes.close(&pane);
-                    if let Pane::Inside(name) = pane {
-                        window.model.adjust(|view| {
-                            view.closed.insert(name);
-                        });
-                    }
-                }
+            if open {
+                window.bring_forward(&pane);
+            } else {
+                window.panes.close(&pane);
+                window.note_closed(&pane);
             }
         }
     }
@@ -151,41 +145,31 @@ fn view(window: &mut Window, ui: &mut Ui) {
         window.frame_all();
     }
     if entry(ui, true, "Reset the camera", "R") {
-        match window.active.clone() {
-            PaneKey::Space => window.reset_space(),
-            PaneKey::Inside(name) => window.reset_inside(&name),
-        }
+        let id = window.active.clone();
+        window.control(&id).reset(window, &id);
     }
 }
 
 fn overlays(window: &mut Window, ui: &mut Ui) {
-    let mut marks = window.model.view.preferences.marks;
-    let before = marks;
-    let entries: [(&mut bool, &str); 8] = {
-        let Marks {
-            legend,
-            wavefronts,
-            conjugate,
-            cut_locus,
-            error,
-            centre,
-            cameras,
-            trail,
-        } = &mut marks;
-        [
-            (wavefronts, WAVEFRONTS),
-            (conjugate, "Conjugate points"),
-            (cut_locus, "Cut locus"),
-            (error, "Estimated error"),
-            (legend, "Legend"),
-            (centre, "Ring at the centre"),
-            (cameras, "Geodesic camera in the 3D view"),
-            (trail, "Trail of the walk"),
-        ]
-    };
-    for (on, title) in entries {
+    let mut marks = window.model.view.preferences.marks.clone();
+    let before = marks.clone();
+    for (on, title) in [
+        (&mut marks.wavefronts, WAVEFRONTS),
+        (&mut marks.conjugate, "Conjugate points"),
+        (&mut marks.cut_locus, "Cut locus"),
+        (&mut marks.error, "Estimated error"),
+        (&mut marks.legend, "Legend"),
+    ] {
         ui.checkbox(on, title);
     }
+    for setting in window.views.iter().flat_map(View::settings) {
+        let mut on = marks.is_on(setting);
+        if ui.checkbox(&mut on, setting.title).changed() {
+            marks.of_views.insert(setting.name.to_owned(), on);
+        }
+    }
+    ui.checkbox(&mut marks.cameras, "Geodesic camera in the 3D view");
+    ui.checkbox(&mut marks.trail, "Trail of the walk");
     let mut paths = window.model.paths.values();
     let any = paths.any(|path| path.trail.points.len() > 1);
     let clear = egui::Button::new("Clear the trail");

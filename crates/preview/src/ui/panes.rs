@@ -1,11 +1,9 @@
 //! The panes: docked side by side or in tabs, moved by dragging their titles.
 
-mod geodesic;
 mod handles;
 pub(crate) mod picture;
 mod program;
 mod settings;
-mod space;
 mod tiles;
 
 use std::collections::BTreeSet;
@@ -15,14 +13,15 @@ use egui_tiles::{
     Behavior, Container, EditAction, Linear, LinearDir, SimplificationOptions, TabState, Tile,
     TileId, Tiles, Tree, UiResponse,
 };
+use render::ViewId;
 
 use crate::state::layout::{Arrangement, Layout};
-use crate::state::pane::{Pane, PaneKey};
+use crate::state::pane::Pane;
 use crate::ui::window::Window;
 
 /// The width of what is written beside that of a picture.
 const SIDE: f32 = 0.8;
-/// The number of geodesic views that are opened without a request.
+/// The number of views of objects that are opened without a request.
 const OPENED: usize = 8;
 
 /// The panes that are open, and where.
@@ -31,17 +30,20 @@ pub(crate) struct Panes {
     tree: Tree<Pane>,
     /// The user has arranged them.
     pub(crate) arranged: bool,
-    /// The 3D view was left out, since nothing had a place in it.
-    without_space: bool,
+    /// The first view, which is open unless the user closes it, or nothing is seen in it.
+    first: Pane,
+    /// The first view was left out, since nothing is seen in it.
+    without_first: bool,
 }
 
 impl Panes {
     /// The first layout.
-    pub(crate) fn new(with_program: bool) -> Self {
+    pub(crate) fn new(first: ViewId, with_program: bool) -> Self {
+        let first = Pane::View(first);
         let mut tiles = Tiles::default();
-        let space = tiles.insert_pane(Pane::Space);
+        let view = tiles.insert_pane(first.clone());
         let settings = tiles.insert_pane(Pane::Settings);
-        let views = tabs(&mut tiles, space);
+        let views = tabs(&mut tiles, view);
         let settings = tabs(&mut tiles, settings);
         let side = if with_program {
             let program = tiles.insert_pane(Pane::Program);
@@ -58,7 +60,8 @@ impl Panes {
         Self {
             tree: Tree::new(egui::Id::unique("panes"), root, tiles),
             arranged: false,
-            without_space: false,
+            first,
+            without_first: false,
         }
     }
 
@@ -85,8 +88,8 @@ impl Panes {
             Tile::Container(_) => None,
         });
         let (mut views, mut written): (Vec<Pane>, Vec<Pane>) =
-            panes.partition(|pane| pane.picture().is_some());
-        views.sort_by_key(Pane::picture);
+            panes.partition(|pane| pane.view().is_some());
+        views.sort_by_key(|pane| (pane.is_of_object(), pane.view().cloned()));
         written.sort_by_key(|pane| *pane == Pane::Settings);
         let layout = Layout::set_out(&written, &views, arrangement, SIDE);
         if let Some(tree) = tiles::tree(&layout, self.tree.id()) {
@@ -114,19 +117,24 @@ impl Panes {
         }
     }
 
-    /// Leaves the 3D view out of the first layout, until something has a place in it.
-    pub(crate) fn leave_out_space(&mut self) {
-        if !self.arranged && self.is_open(&Pane::Space) {
-            self.close(&Pane::Space);
-            self.without_space = true;
+    /// Leaves the first view out of the first layout, until something is seen in it.
+    pub(crate) fn leave_out_first(&mut self) {
+        if !self.arranged && self.is_open(&self.first) {
+            self.close(&self.first.clone());
+            self.without_first = true;
         }
     }
 
-    /// Opens the 3D view where it was left out.
-    pub(crate) fn bring_back_space(&mut self) {
-        if std::mem::take(&mut self.without_space) && !self.arranged {
-            self.open(&Pane::Space);
+    /// Opens the first view where it was left out.
+    pub(crate) fn bring_back_first(&mut self) {
+        if std::mem::take(&mut self.without_first) && !self.arranged {
+            self.open(&self.first.clone());
         }
+    }
+
+    /// Returns whether the first view is open.
+    pub(crate) fn has_first(&self) -> bool {
+        self.is_open(&self.first)
     }
 
     /// Returns whether a pane is open.
@@ -135,10 +143,10 @@ impl Panes {
     }
 
     /// The views that can be seen: open, and behind no other tab.
-    pub(crate) fn in_front(&self) -> Vec<PaneKey> {
+    pub(crate) fn in_front(&self) -> Vec<ViewId> {
         let tiles = self.tree.active_tiles().into_iter();
         let panes = tiles.filter_map(|tile| self.tree.tiles.get_pane(&tile));
-        panes.filter_map(Pane::picture).collect()
+        panes.filter_map(Pane::view).cloned().collect()
     }
 
     /// Shows a pane, wherever it is.
@@ -156,7 +164,7 @@ impl Panes {
             return;
         }
         let alike = self.tree.tiles.iter().find_map(|(tile, it)| match it {
-            Tile::Pane(Pane::Inside(_)) if matches!(pane, Pane::Inside(_)) => Some(*tile),
+            Tile::Pane(it) if it.is_of_object() && pane.is_of_object() => Some(*tile),
             _ => None,
         });
         let new = self.tree.tiles.insert_pane(pane.clone());
@@ -168,9 +176,9 @@ impl Panes {
             return;
         }
         let new = tabs(&mut self.tree.tiles, new);
-        // Behind the 3D view, if that is in a row; else at the end of the root.
-        let space = self.tree.tiles.find_pane(&Pane::Space);
-        let group = space.and_then(|tile| self.tree.tiles.parent_of(tile));
+        // Behind the first view, if that is in a row; else at the end of the root.
+        let first = self.tree.tiles.find_pane(&self.first);
+        let group = first.and_then(|tile| self.tree.tiles.parent_of(tile));
         let row = group.and_then(|tile| self.tree.tiles.parent_of(tile));
         if let (Some(group), Some(row)) = (group, row)
             && let Some(Tile::Container(Container::Linear(row))) = self.tree.tiles.get_mut(row)
@@ -203,15 +211,15 @@ impl Panes {
         }
     }
 
-    /// Opens the views of new surfaces, and closes those of surfaces that are no more; a text with errors may only miss
-    /// them.
-    pub(crate) fn follow(&mut self, surfaces: &[String], closed: &BTreeSet<String>, ok: bool) {
+    /// Opens the views of new objects, but for those that were closed, and closes views that the scene does not have; a
+    /// text with errors may only miss them.
+    pub(crate) fn follow(&mut self, views: &[ViewId], closed: &BTreeSet<String>, ok: bool) {
         let gone: Vec<Pane> = self
             .tree
             .tiles
             .tiles()
             .filter_map(|tile| match tile {
-                Tile::Pane(pane @ Pane::Inside(name)) if ok && !surfaces.contains(name) => {
+                Tile::Pane(pane @ Pane::View(id)) if ok && !views.contains(id) => {
                     Some(pane.clone())
                 }
                 _ => None,
@@ -220,9 +228,10 @@ impl Panes {
         for pane in gone {
             self.close(&pane);
         }
-        let wanted = surfaces.iter().filter(|name| !closed.contains(*name));
-        for name in wanted.take(OPENED) {
-            self.open(&Pane::Inside(name.clone()));
+        let of_objects = views.iter().filter(|id| id.object.is_some());
+        let wanted = of_objects.filter(|id| !closed.contains(&id.to_string()));
+        for id in wanted.take(OPENED) {
+            self.open(&Pane::View(id.clone()));
         }
     }
 }
@@ -256,11 +265,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
         }
     }
     for pane in closed {
-        if let Pane::Inside(name) = pane {
-            window.model.adjust(|view| {
-                view.closed.insert(name);
-            });
-        }
+        window.note_closed(&pane);
     }
 }
 
@@ -280,8 +285,7 @@ struct Drawer<'a> {
 impl Behavior<Pane> for Drawer<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _tile: TileId, pane: &mut Pane) -> UiResponse {
         match pane {
-            Pane::Space => space::show(self.window, ui),
-            Pane::Inside(name) => geodesic::show(self.window, ui, name),
+            Pane::View(id) => picture::show(self.window, ui, id),
             Pane::Settings => written(self.window, ui, settings::show),
             Pane::Program => written(self.window, ui, program::show),
         }
@@ -290,8 +294,7 @@ impl Behavior<Pane> for Drawer<'_> {
 
     fn tab_title_for_pane(&mut self, pane: &Pane) -> WidgetText {
         match pane {
-            Pane::Space => "3D view".into(),
-            Pane::Inside(name) => format!("Geodesic view – {name}").into(),
+            Pane::View(id) => self.window.views.title(id, " – ").into(),
             Pane::Settings => "Settings".into(),
             Pane::Program => "Program".into(),
         }
@@ -320,8 +323,8 @@ impl Behavior<Pane> for Drawer<'_> {
     ) -> Response {
         if button.clicked() {
             self.window.panes.arranged = true;
-            if let Some(picture) = tiles.get_pane(&tile).and_then(Pane::picture) {
-                self.window.activate(&picture);
+            if let Some(id) = tiles.get_pane(&tile).and_then(Pane::view) {
+                self.window.activate(id);
             }
         }
         self.tabs.push(button.clone());

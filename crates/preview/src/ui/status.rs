@@ -4,7 +4,6 @@ use egui::{Panel, RichText, Ui};
 
 use crate::io::link::DisconnectReason;
 use crate::state::StatusMessage;
-use crate::state::pane::PaneKey;
 use crate::ui::window::{TextSource, Window};
 
 /// Shows a banner above the panes when the server is gone.
@@ -80,7 +79,7 @@ fn numbers(window: &Window, ui: &mut Ui) {
     ui.label(format!(
         "picture {picture_took:.1} ms, frame {frame_took:.1} ms"
     ));
-    if let (Some((work, estimate)), PaneKey::Inside(_)) = (picture.geodesics, &window.active) {
+    if let Some((work, estimate)) = picture.geodesics {
         ui.separator();
         let error = estimate.map_or(String::new(), |it| format!(", error ≤ {:.2} px", it.max));
         ui.label(format!(
@@ -88,10 +87,8 @@ fn numbers(window: &Window, ui: &mut Ui) {
             work.steps, work.evaluations
         ));
     }
-    let surface = match &window.active {
-        PaneKey::Inside(name) => Some(name),
-        PaneKey::Space => window.active_surface.as_ref(),
-    };
+    let surface = window.active.object.as_ref();
+    let surface = surface.or(window.active_surface.as_ref());
     let leaves = window.model.view.preferences.marks.trail;
     let path = surface.and_then(|name| window.model.paths.get(name));
     if let Some(path) = path.filter(|_| leaves) {
@@ -105,7 +102,7 @@ fn numbers(window: &Window, ui: &mut Ui) {
 fn notes(window: &Window, ui: &mut Ui) {
     let mut notes: Vec<&str> = Vec::new();
     for picture in window
-        .views
+        .pane_views
         .values()
         .filter_map(|view| view.picture.as_ref())
     {

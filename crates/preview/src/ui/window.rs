@@ -27,7 +27,7 @@ use std::sync::mpsc::Receiver;
 
 use egui::Ui;
 use ide::Languages;
-use render::Renderer;
+use render::{Renderer, ViewId, Views};
 
 use crate::channel::EventSender;
 use crate::engine::compiler::Compiler;
@@ -40,9 +40,8 @@ use crate::io::persistence::ViewStore;
 use crate::io::report::{Counters, Report};
 use crate::io::watch::Watch;
 use crate::state::layout::Layout;
-use crate::state::pane::PaneKey;
 use crate::state::{Model, StatusMessage};
-use crate::ui::camera_input;
+use crate::ui::camera_control::Held;
 use crate::ui::dialogs::Dialogs;
 use crate::ui::gpu_surface::GpuSurface;
 use crate::ui::highlighting;
@@ -57,6 +56,8 @@ use server_events::ServerReports;
 /// Everything that the window is.
 pub struct Window {
     pub(crate) model: Model,
+    /// The views that it offers.
+    pub(crate) views: Views,
     sender: EventSender<WindowEvent>,
     events: Receiver<WindowEvent>,
     compiler: Compiler,
@@ -65,11 +66,11 @@ pub struct Window {
     pub(crate) source: TextSource,
     pub(crate) panes: Panes,
     /// The pane that keys move.
-    pub(crate) active: PaneKey,
+    pub(crate) active: ViewId,
     /// The surface whose camera is shown in 3D.
     pub(crate) active_surface: Option<String>,
     /// The panes with pictures that have been on the screen.
-    pub(crate) views: BTreeMap<PaneKey, PaneView>,
+    pub(crate) pane_views: BTreeMap<ViewId, PaneView>,
     pub(crate) clock: FrameClock,
     pub(crate) display: Display,
     pub(crate) status_message: Option<StatusMessage>,
@@ -111,6 +112,7 @@ impl Window {
     pub fn of_file(
         context: &egui::Context,
         languages: &Languages,
+        views: Views,
         path: PathBuf,
         watched: bool,
     ) -> Result<Self, crate::Failure> {
@@ -141,7 +143,7 @@ impl Window {
             _watch: watch,
         };
         let compiler = Compiler::start(sender.for_part(WindowEvent::Compiled));
-        let mut window = Self::new(sender, events, compiler, source);
+        let mut window = Self::new(views, sender, events, compiler, source);
         window.remember(path);
         window.status_message = message.or(window.status_message);
         window.compile(text.into());
@@ -152,6 +154,7 @@ impl Window {
     pub fn attached(
         context: &egui::Context,
         languages: Languages,
+        views: Views,
         input: impl std::io::Read + Send + 'static,
         output: impl std::io::Write + Send + 'static,
     ) -> Self {
@@ -170,28 +173,31 @@ impl Window {
             path: None,
             disconnected: None,
         };
-        Self::new(sender, events, compiler, source)
+        Self::new(views, sender, events, compiler, source)
     }
 
     fn new(
+        views: Views,
         sender: EventSender<WindowEvent>,
         events: Receiver<WindowEvent>,
         compiler: Compiler,
         source: TextSource,
     ) -> Self {
         let edits = matches!(source, TextSource::File { .. });
+        let first = ViewId::of_scene(views.first().name());
         Self {
             model: Model::default(),
             compiler,
             render_thread: RenderThread::start(
                 sender.for_part(|event| WindowEvent::Render(Box::new(event))),
-                Renderer::software(),
+                Renderer::software().with_views(views.clone()),
             ),
             library: Library::new(sender.for_part(WindowEvent::Texture)),
-            panes: Panes::new(edits),
-            active: PaneKey::Space,
+            panes: Panes::new(first.clone(), edits),
+            active: first,
+            views,
             active_surface: None,
-            views: BTreeMap::new(),
+            pane_views: BTreeMap::new(),
             clock: FrameClock::default(),
             display: Display::default(),
             status_message: None,
@@ -242,12 +248,13 @@ impl Window {
         self.sender.readdress(context.clone());
         self.clock.restart();
         self.forget_click();
-        for view in self.views.values_mut() {
+        for view in self.pane_views.values_mut() {
             view.forget_request();
             view.picture = None;
         }
         let (renderer, words) = screen.renderer(backend);
         self.set_frame_wait_budget(screen.frame_wait_budget());
+        let renderer = renderer.with_views(self.views.clone());
         self.render_thread.set_renderer(renderer);
         self.display.replace(screen, words);
     }
@@ -331,7 +338,7 @@ impl Window {
         crate::ui::menu::bar(self, ui);
         crate::ui::status::banners(self, ui);
         crate::ui::status::line(self, ui);
-        for view in self.views.values_mut() {
+        for view in self.pane_views.values_mut() {
             view.on_screen = false;
         }
         crate::ui::panes::show(self, ui);
@@ -345,7 +352,7 @@ impl Window {
 
     /// Does the work behind a frame: drops requests of panes that are not on the screen, saves the view, reports.
     fn after(&mut self, ui: &Ui) {
-        for (pane, view) in &mut self.views {
+        for (pane, view) in &mut self.pane_views {
             if view.on_screen || view.request.is_none() {
                 continue;
             }
@@ -356,7 +363,7 @@ impl Window {
         }
         let arrows = self.has_arrows(ui);
         let rests = ui.input(|input| {
-            let held = input.pointer.any_down() || camera_input::Held::new(input, arrows).any();
+            let held = input.pointer.any_down() || Held::new(input, arrows).any();
             !held && input.time >= self.clock.gesture_until
         });
         if rests {

@@ -33,6 +33,7 @@ impl Desk {
         window.replace(Window::attached(
             &context,
             ide::Languages::standard(),
+            render::Views::standard(),
             input,
             output,
         ));
@@ -226,7 +227,12 @@ fn show_opens_the_view_that_is_named() {
     desk.harness.run_steps(3);
     desk.harness.key_press(Key::Escape);
     desk.until("it is closed", |desk| {
-        desk.harness.state().model().view.closed.contains("s")
+        desk.harness
+            .state()
+            .model()
+            .view
+            .closed
+            .contains("geodesic:s")
     });
     desk.show_inside("s");
     desk.until("it is open", |desk| desk.shows("Geodesic view of s from"));
@@ -354,8 +360,13 @@ fn another_version_of_the_messages_is_told_in_a_sentence() {
         }),
     );
     let context = egui::Context::default();
-    *desk.harness.state_mut() =
-        Window::attached(&context, ide::Languages::standard(), input, output);
+    *desk.harness.state_mut() = Window::attached(
+        &context,
+        ide::Languages::standard(),
+        render::Views::standard(),
+        input,
+        output,
+    );
     desk.until("it is told", |desk| {
         desk.shows(
             "The language server (geotrace 9.9) speaks version 9999 of the preview's messages",

@@ -352,7 +352,7 @@ fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_h
     hand.settle();
     let before = hand.window().model().view.clone();
     let trail = hand.window().model().paths["s"].trail.length;
-    assert!(before.closed.contains("s") && trail > 0.0);
+    assert!(before.closed.contains("geodesic:s") && trail > 0.0);
     let last = hand.window().model().history.last();
     let at = hand.space().center() + vec2(30.0, -20.0);
     for times in [2, 3] {
@@ -372,9 +372,9 @@ fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_h
     hand.until("the camera is placed", |hand| {
         hand.camera("s").at != before.inside["s"].at
     });
-    assert!(hand.window().model().view.closed.contains("s"));
+    assert!(hand.window().model().view.closed.contains("geodesic:s"));
     hand.settle();
-    assert!(!hand.window().model().view.closed.contains("s"));
+    assert!(!hand.window().model().view.closed.contains("geodesic:s"));
     assert_eq!(
         hand.window().model().history.last(),
         Some("Place the geodesic camera")
@@ -564,7 +564,7 @@ fn what_the_text_or_another_hand_has_replaced_no_undo_brings_back() {
         hand.window().model().view.params.is_empty(),
         "r is what the text says"
     );
-    assert!(hand.window().model().view.closed.contains("s"));
+    assert!(hand.window().model().view.closed.contains("geodesic:s"));
     assert!(
         !hand.shows("Geodesic view of s from"),
         "what was closed stays closed"
@@ -597,7 +597,7 @@ fn a_click_that_is_undone_at_once_opens_nothing_and_can_be_made_again() {
     hand.settle();
     hand.harness.run_steps(60);
     assert_eq!(hand.camera("s").at, before.at);
-    assert!(hand.window().model().view.closed.contains("s"));
+    assert!(hand.window().model().view.closed.contains("geodesic:s"));
     hand.press(Modifiers::COMMAND, Key::Y);
     hand.settle();
     assert_eq!(hand.camera("s").at, placed);

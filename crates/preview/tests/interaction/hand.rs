@@ -67,8 +67,14 @@ impl Hand {
             move |ui, window: &mut Option<Window>| {
                 let window = window.get_or_insert_with(|| {
                     let languages = ide::Languages::standard();
-                    Window::of_file(ui.ctx(), &languages, file.clone(), watched)
-                        .expect("the file is there")
+                    Window::of_file(
+                        ui.ctx(),
+                        &languages,
+                        render::Views::standard(),
+                        file.clone(),
+                        watched,
+                    )
+                    .expect("the file is there")
                 });
                 window.show(ui);
             },

@@ -4,6 +4,8 @@ use egui::{Key, Modifiers, PointerButton, vec2};
 
 use egui::accesskit::Role;
 
+use egui_kittest::kittest::{NodeT, Queryable};
+
 use crate::hand::{Hand, SPHERE};
 
 #[test]
@@ -159,4 +161,63 @@ fn a_layout_that_makes_no_sense_is_told_and_the_view_is_kept() {
         assert!(hand.window().model().view.look("p").hidden);
         assert!(hand.shows("3D view of") && hand.shows("Camera speed"));
     }
+}
+
+/// What version 0.1 remembered of a window whose panes had been moved: a pane is `space` or `inside`, a view that was
+/// closed is the name of its surface, and the ring at the centre stands with the overlays of all views.
+const OF_VERSION_0_1: &str = r#"{
+  "format": 1,
+  "view": {
+    "looks": { "p": { "hidden": true } },
+    "closed": ["t"],
+    "preferences": { "spaceSize": 300, "marks": { "centre": false, "legend": true } }
+  },
+  "layouts": { "alone": { "row": [
+    { "share": 2.0, "content": { "tabs": { "children": [{ "pane": { "inside": "s" } }], "active": 0 } } },
+    { "share": 1.0, "content": { "column": [
+      { "share": 1.0, "content": { "pane": "space" } },
+      { "share": 1.0, "content": { "pane": "program" } }
+    ] } }
+  ] } }
+}"#;
+
+#[test]
+fn a_file_of_version_0_1_is_read_and_written_anew_and_nothing_is_lost() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("program.gtr");
+    let beside = folder.path().join(".program.gtr.geotrace.json");
+    let two = format!("{SPHERE}surface t(u,v) = (u, v, 2), u : [0, 1], v : [0, 1];\n");
+    std::fs::write(&path, two).expect("written");
+    std::fs::write(&beside, OF_VERSION_0_1).expect("written");
+    let as_remembered = |hand: &Hand| {
+        assert!(hand.inside("s").right() < hand.space().left());
+        assert!(hand.inside("s").width() > 1.5 * hand.space().width());
+        let closed = ["Geodesic view of t from", "Camera speed", "make no sense"];
+        assert!(closed.iter().all(|part| !hand.shows(part)));
+        let view = &hand.window().model().view;
+        assert!(view.look("p").hidden && view.preferences.marks.legend);
+        assert_eq!(view.preferences.space_size, Some(300));
+    };
+    let is_ringed = |hand: &mut Hand| {
+        hand.click("Overlays");
+        let ring = hand
+            .harness
+            .get_by_role_and_label(Role::CheckBox, "Ring at the centre");
+        let is_on = ring.accesskit_node().toggled() == Some(egui::accesskit::Toggled::True);
+        hand.press(Modifiers::NONE, Key::Escape);
+        is_on
+    };
+    let mut hand = Hand::opened(path, folder);
+    as_remembered(&hand);
+    assert!(!is_ringed(&mut hand));
+    hand.click("Overlays");
+    hand.click("Cut locus");
+    let mut hand = hand.again();
+    let text = std::fs::read_to_string(&beside).expect("written");
+    assert!(
+        text.contains("\"geodesic:s\"") && !text.contains("inside\": \"s\""),
+        "{text}"
+    );
+    as_remembered(&hand);
+    assert!(!is_ringed(&mut hand));
 }

@@ -160,7 +160,7 @@ fn the_menus_do_what_their_entries_say() {
     hand.click("Geodesic view of s");
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
-    assert!(hand.window().model().view.closed.contains("s"));
+    assert!(hand.window().model().view.closed.contains("geodesic:s"));
     hand.hold(Key::W, 5);
     assert_eq!(
         hand.window().counters().looks,
@@ -171,7 +171,7 @@ fn the_menus_do_what_their_entries_say() {
     hand.click("Geodesic view of s");
     hand.press(Modifiers::NONE, Key::Escape);
     hand.settle();
-    assert!(!hand.window().model().view.closed.contains("s"));
+    assert!(!hand.window().model().view.closed.contains("geodesic:s"));
 
     // What was opened has the keys, and what was clicked on.
     hand.hold(Key::W, 5);

@@ -8,8 +8,10 @@ use std::fmt;
 
 use scene::{ObjectId, Scene};
 
+use super::PictureRequest;
 use crate::error::RenderError;
-use crate::viewpoint::ViewCamera;
+use crate::style;
+use crate::viewpoint::{GeodesicCamera, PerspectiveCamera};
 
 /// The options of a view.
 pub trait ViewOptions: Comparable {
@@ -18,16 +20,28 @@ pub trait ViewOptions: Comparable {
 
     /// The object that the view is of; `None` for a view of the whole scene.
     fn object(&self) -> Option<ObjectId> {
+        self.geodesic_camera().map(|camera| camera.surface)
+    }
+
+    /// The options that all views in space have; `None` for another view.
+    fn space(&self) -> Option<&SpaceOptions> {
         None
     }
 
-    /// The camera.
-    fn camera(&self) -> ViewCamera {
-        ViewCamera::Fixed
+    /// As [`ViewOptions::space`], to be changed.
+    fn space_mut(&mut self) -> Option<&mut SpaceOptions> {
+        None
     }
 
-    /// Puts another camera in place; one of another kind is ignored.
-    fn set_camera(&mut self, _camera: ViewCamera) {}
+    /// The camera of a view that is seen from a surface or a metric; `None` for another view.
+    fn geodesic_camera(&self) -> Option<&GeodesicCamera> {
+        None
+    }
+
+    /// As [`ViewOptions::geodesic_camera`], to be changed.
+    fn geodesic_camera_mut(&mut self) -> Option<&mut GeodesicCamera> {
+        None
+    }
 
     /// Turns one of the view's [settings](crate::view::Setting) on or off; returns whether the view has it.
     fn set(&mut self, _setting: &str, _on: bool) -> bool {
@@ -40,6 +54,65 @@ pub trait ViewOptions: Comparable {
     /// [`RenderError::Camera`], [`RenderError::Manifold`].
     fn check(&self, _scene: &Scene) -> Result<(), RenderError> {
         Ok(())
+    }
+}
+
+/// The options that all views in space have: the camera, and what is drawn.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SpaceOptions {
+    /// The camera.
+    pub camera: PerspectiveCamera,
+    /// A geodesic camera to be shown: its frame, the axes and the border of its picture.
+    pub show_camera: Option<GeodesicCamera>,
+    /// The colour behind the objects: sRGB and an alpha that is not multiplied into it; [`style::BACKGROUND`] if not
+    /// given.
+    pub background: Option<[u8; 4]>,
+    /// An object to be set off, by mixing [`style::EMPHASIS_COLOUR`] into it.
+    pub highlight: Option<ObjectId>,
+    /// Objects to be left out. What lies on them is drawn, and they are seen from inside as ever.
+    pub hidden: Vec<ObjectId>,
+}
+
+impl SpaceOptions {
+    /// A picture from a place, towards a target.
+    pub fn seen_from(eye: [f64; 3], target: [f64; 3]) -> Self {
+        Self {
+            camera: PerspectiveCamera::new(eye, target),
+            ..Self::default()
+        }
+    }
+
+    /// Returns true if an object is drawn.
+    pub fn shows(&self, object: ObjectId) -> bool {
+        !self.hidden.contains(&object)
+    }
+
+    /// Returns true if there is room for an object: also for one that is hidden, where something lies on it.
+    pub(crate) fn leaves_room(&self, request: &PictureRequest, object: ObjectId) -> bool {
+        let mut geodesics = request.scene.geodesics_on(object);
+        self.shows(object)
+            || geodesics.any(|(id, _)| self.shows(id))
+            || self
+                .show_camera
+                .is_some_and(|camera| camera.surface == object)
+            || request.trails.iter().any(|trail| trail.surface == object)
+    }
+
+    /// The background in linear light, and its alpha.
+    pub(crate) fn background_light(&self) -> [f32; 4] {
+        let [red, green, blue] = style::BACKGROUND;
+        let [r, g, b, alpha] = self.background.unwrap_or([red, green, blue, 255]);
+        let [r, g, b] = style::linear([r, g, b]);
+        [r, g, b, f32::from(alpha) / 255.0]
+    }
+
+    /// The share of [`style::EMPHASIS_COLOUR`] that an object has, from 0 to 1.
+    pub(crate) fn emphasis(&self, object: ObjectId) -> f32 {
+        if self.highlight == Some(object) {
+            style::EMPHASIS
+        } else {
+            0.0
+        }
     }
 }
 
@@ -87,14 +160,34 @@ impl ViewPart {
         self.0.object()
     }
 
-    /// The camera.
-    pub fn camera(&self) -> ViewCamera {
-        self.0.camera()
+    /// The options that all views in space have; `None` for another view.
+    pub fn space(&self) -> Option<&SpaceOptions> {
+        self.0.space()
     }
 
-    /// Puts another camera in place; one of another kind is ignored.
-    pub fn set_camera(&mut self, camera: ViewCamera) {
-        self.0.set_camera(camera);
+    /// As [`ViewPart::space`], to be changed.
+    pub fn space_mut(&mut self) -> Option<&mut SpaceOptions> {
+        self.0.space_mut()
+    }
+
+    /// The camera of a view that is seen from a surface or a metric; `None` for another view.
+    pub fn geodesic_camera(&self) -> Option<&GeodesicCamera> {
+        self.0.geodesic_camera()
+    }
+
+    /// The geodesic camera that the picture is seen by, or that it shows in space.
+    pub fn shown_camera(&self) -> Option<&GeodesicCamera> {
+        let in_space = || self.space().and_then(|space| space.show_camera.as_ref());
+        self.geodesic_camera().or_else(in_space)
+    }
+
+    /// Puts a geodesic camera in place: the one that the picture is seen by, or that it shows in space.
+    pub fn show_camera(&mut self, camera: GeodesicCamera) {
+        if let Some(own) = self.0.geodesic_camera_mut() {
+            *own = camera;
+        } else if let Some(space) = self.space_mut() {
+            space.show_camera = Some(camera);
+        }
     }
 
     /// Turns one of the view's settings on or off; returns whether the view has it.

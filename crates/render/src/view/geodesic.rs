@@ -19,7 +19,7 @@ use crate::overlay::{self, GeodesicOverlay};
 use crate::plan::{GeodesicPlan, Plan, derivative_operations};
 use crate::rendered::RenderedImage;
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
-use crate::viewpoint::{GeodesicCamera, ViewCamera};
+use crate::viewpoint::GeodesicCamera;
 use cache::{CachedMap, MapCache};
 
 /// The view's name.
@@ -65,18 +65,12 @@ impl ViewOptions for GeodesicOptions {
         NAME
     }
 
-    fn object(&self) -> Option<ObjectId> {
-        Some(self.camera.surface)
+    fn geodesic_camera(&self) -> Option<&GeodesicCamera> {
+        Some(&self.camera)
     }
 
-    fn camera(&self) -> ViewCamera {
-        ViewCamera::Geodesic(self.camera)
-    }
-
-    fn set_camera(&mut self, camera: ViewCamera) {
-        if let ViewCamera::Geodesic(camera) = camera {
-            self.camera = camera;
-        }
+    fn geodesic_camera_mut(&mut self) -> Option<&mut GeodesicCamera> {
+        Some(&mut self.camera)
     }
 
     fn set(&mut self, setting: &str, on: bool) -> bool {
@@ -95,7 +89,7 @@ impl ViewOptions for GeodesicOptions {
 /// The mark of the centre as a setting.
 const MARK_CENTRE: Setting = Setting {
     name: "centre",
-    title: "Mark of the centre",
+    title: "Ring at the centre",
     default: true,
 };
 
@@ -112,11 +106,11 @@ impl View for GeodesicView {
         "a surface from inside: from the camera in the centre, each pixel looks along a geodesic"
     }
 
-    fn is_of_object(&self) -> bool {
-        true
+    fn object_kind(&self) -> Option<&'static str> {
+        Some("surface or metric")
     }
 
-    fn shows(&self, object: &Object) -> bool {
+    fn shows(&self, _scene: &Scene, object: &Object) -> bool {
         object.shape.manifold().is_some()
     }
 

@@ -20,10 +20,10 @@ use crate::overlay::{self, OverlayObject};
 use crate::placement::Placement;
 use crate::plan::{Plan, object_plan};
 use crate::rendered::RenderedImage;
+use crate::request::part::SpaceOptions;
 use crate::request::{Overlays, PictureRequest, ViewOptions, ViewPart};
 use crate::software::{self, Drawable};
-use crate::style;
-use crate::viewpoint::{GeodesicCamera, PerspectiveCamera, ViewCamera};
+use crate::viewpoint::GeodesicCamera;
 
 /// The view's name.
 pub const NAME: &str = "3d";
@@ -35,77 +35,17 @@ const SAMPLING_SHARE: f32 = 0.4;
 #[derive(Clone, Copy, Debug)]
 pub struct SpaceView;
 
-/// The options of a 3D picture beyond those of all pictures.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct SpaceOptions {
-    /// The camera.
-    pub camera: PerspectiveCamera,
-    /// A geodesic camera to be shown: its frame, the axes and the border of its picture.
-    pub show_camera: Option<GeodesicCamera>,
-    /// The background: sRGB and an alpha that is not multiplied into it; [`style::BACKGROUND`] if not given.
-    pub background: Option<[u8; 4]>,
-    /// An object to be set off, by mixing [`style::EMPHASIS_COLOUR`] into it.
-    pub highlight: Option<ObjectId>,
-    /// Objects to be left out. What lies on them is drawn, and they are seen from inside as ever.
-    pub hidden: Vec<ObjectId>,
-}
-
-impl SpaceOptions {
-    /// A picture from a place, towards a target.
-    pub fn seen_from(eye: [f64; 3], target: [f64; 3]) -> Self {
-        Self {
-            camera: PerspectiveCamera::new(eye, target),
-            ..Self::default()
-        }
-    }
-
-    /// Returns true if an object is drawn.
-    pub fn shows(&self, object: ObjectId) -> bool {
-        !self.hidden.contains(&object)
-    }
-
-    /// Returns true if there is room for an object: also for one that is hidden, where something lies on it.
-    fn leaves_room(&self, request: &PictureRequest, object: ObjectId) -> bool {
-        let mut geodesics = request.scene.geodesics_on(object);
-        self.shows(object)
-            || geodesics.any(|(id, _)| self.shows(id))
-            || self
-                .show_camera
-                .is_some_and(|camera| camera.surface == object)
-            || request.trails.iter().any(|trail| trail.surface == object)
-    }
-
-    /// The background in linear light, and its alpha.
-    fn background_light(&self) -> [f32; 4] {
-        let [red, green, blue] = style::BACKGROUND;
-        let [r, g, b, alpha] = self.background.unwrap_or([red, green, blue, 255]);
-        let [r, g, b] = style::linear([r, g, b]);
-        [r, g, b, f32::from(alpha) / 255.0]
-    }
-
-    /// Returns the share of [`style::EMPHASIS_COLOUR`] in an object's colour, from 0 to 1.
-    fn emphasis(&self, object: ObjectId) -> f32 {
-        if self.highlight == Some(object) {
-            style::EMPHASIS
-        } else {
-            0.0
-        }
-    }
-}
-
 impl ViewOptions for SpaceOptions {
     fn view(&self) -> &'static str {
         NAME
     }
 
-    fn camera(&self) -> ViewCamera {
-        ViewCamera::Perspective(self.camera)
+    fn space(&self) -> Option<&SpaceOptions> {
+        Some(self)
     }
 
-    fn set_camera(&mut self, camera: ViewCamera) {
-        if let ViewCamera::Perspective(camera) = camera {
-            self.camera = camera;
-        }
+    fn space_mut(&mut self) -> Option<&mut SpaceOptions> {
+        Some(self)
     }
 
     fn check(&self, _scene: &Scene) -> Result<(), RenderError> {
@@ -113,9 +53,9 @@ impl ViewOptions for SpaceOptions {
     }
 }
 
-/// The bounds of what a 3D request leaves room for; those of the whole scene for another request.
+/// The bounds of what a request of a view in space leaves room for; those of the whole scene for another request.
 pub fn bounds(request: &PictureRequest) -> Bounds {
-    let options = request.view.get::<SpaceOptions>();
+    let options = request.view.space();
     Bounds::of_some(&request.scene, &request.params, |id| {
         options.is_none_or(|options| options.leaves_room(request, id))
     })
@@ -134,12 +74,12 @@ impl View for SpaceView {
         "all objects in space, by a perspective camera"
     }
 
-    fn is_of_object(&self) -> bool {
-        false
+    fn shows(&self, scene: &Scene, object: &Object) -> bool {
+        scene.is_in_space(object)
     }
 
-    fn shows(&self, object: &Object) -> bool {
-        !object.shape.is_metric()
+    fn nothing(&self) -> &'static str {
+        "A metric has no place in space: see its geodesic view"
     }
 
     fn options(&self, _object: Option<ObjectId>) -> ViewPart {

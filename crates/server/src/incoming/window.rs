@@ -141,7 +141,7 @@ fn start(
                 view,
                 surface: Some(surface),
             }) => format!(" --view {view}:{surface}"),
-            Some(View { view, .. }) if view != View::SPACE => format!(" --view {view}"),
+            Some(other) if *other != View::default() => format!(" --view {}", other.view),
             _ => String::new(),
         };
         let file = name(uri);

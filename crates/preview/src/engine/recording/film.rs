@@ -14,9 +14,7 @@ use export::animation::{self, Clip, ParamChange, Recorder, Script};
 use export::whole_file::{FileSeries, write_whole_with};
 use image::RgbaImage;
 use render::shared::Shared;
-use render::view::space::SpaceOptions;
-use render::viewpoint::ViewCamera;
-use render::{PictureRequest, Renderer};
+use render::{PictureRequest, Renderer, Views};
 use scene::ObjectId;
 
 use crate::engine::request::camera_on;
@@ -31,7 +29,9 @@ use crate::state::path::{CameraPath, between};
 pub(crate) struct Film {
     /// The picture of the view as it is.
     pub(crate) request: PictureRequest,
-    /// The geodesic camera that is looked through, or that the 3D view shows.
+    /// The views that can be drawn.
+    pub(crate) views: Views,
+    /// The geodesic camera that is looked through, or that a view in space shows.
     pub(crate) camera: Option<(ObjectId, InsideCamera)>,
     /// A param that runs from one value to another.
     pub(crate) change: Option<ParamChange>,
@@ -181,13 +181,13 @@ impl Pictures {
             .steady(&request)
             .map_err(|error| Ended::Failed(error.to_string()))?;
         Ok(Self {
+            renderer: Renderer::software().with_views(film.views.clone()),
             film,
             script,
             base,
             controller: CameraController::default(),
             camera: None,
             path: None,
-            renderer: Renderer::software(),
             done: 0.0,
         })
     }
@@ -224,22 +224,16 @@ impl Pictures {
             }
             self.done = share;
             self.camera = Some(camera);
-            let camera = camera_on(surface, &camera);
-            match request.view.get_mut::<SpaceOptions>() {
-                Some(options) => options.show_camera = Some(camera),
-                None => request.view.set_camera(ViewCamera::Geodesic(camera)),
-            }
-        }
-        if let ViewCamera::Perspective(_) = request.view.camera() {
-            request.view.set_camera(self.base.view.camera());
+            request.view.show_camera(camera_on(surface, &camera));
         }
         request.size = film.clip.size;
         let trail = self.path.iter().map(|path| Shared::from(&path.trail));
         request.trails = trail.collect();
-        if let Some(options) = request.view.get_mut::<SpaceOptions>()
-            && film.transparent
-        {
-            options.background = Some([0; 4]);
+        if let (Some(space), Some(base)) = (request.view.space_mut(), self.base.view.space()) {
+            space.camera = base.camera;
+            if film.transparent {
+                space.background = Some([0; 4]);
+            }
         }
         let drawn = self.renderer.draw(&request);
         let image = drawn.and_then(|drawn| self.renderer.read(drawn.image));

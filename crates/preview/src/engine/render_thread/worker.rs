@@ -10,14 +10,13 @@ use render::counters::WorkCounters;
 use render::gpu::Pixels;
 use render::rendered::RenderedImage;
 use render::shared::Shared;
-use render::view::space::{self, SpaceOptions};
+use render::view::space;
 use render::viewpoint::PerspectiveCamera;
-use render::{PictureRequest, RenderError, Renderer};
+use render::{PictureRequest, RenderError, Renderer, ViewId};
 use scene::{ObjectId, ParamValues, Scene};
 
 use super::{Purpose, RenderEvent, VersionedRequest};
 use crate::state::SpaceCamera;
-use crate::state::pane::PaneKey;
 
 /// The state of the render thread between two pictures.
 pub(super) struct Worker {
@@ -27,7 +26,7 @@ pub(super) struct Worker {
     /// The camera that sees everything.
     home: Option<Home>,
     /// The time that the last picture of each pane took.
-    took: BTreeMap<PaneKey, Duration>,
+    took: BTreeMap<ViewId, Duration>,
 }
 
 /// The camera that sees everything, and all that it depends on.
@@ -56,8 +55,14 @@ impl Worker {
         self.renderer = renderer;
     }
 
+    /// Draws by the processor, which is never lost, from now on.
+    pub(super) fn leave_gpu(&mut self) {
+        let views = self.renderer.views().clone();
+        self.move_to(Renderer::software().with_views(views));
+    }
+
     /// Returns the time that the last picture of a pane took.
-    pub(super) fn took(&self, pane: &PaneKey) -> Option<Duration> {
+    pub(super) fn took(&self, pane: &ViewId) -> Option<Duration> {
         self.took.get(pane).copied()
     }
 
@@ -67,12 +72,11 @@ impl Worker {
     }
 
     /// Draws a pane's picture.
-    pub(super) fn draw(&mut self, pane: &PaneKey, request: &VersionedRequest) -> RenderEvent {
+    pub(super) fn draw(&mut self, pane: &ViewId, request: &VersionedRequest) -> RenderEvent {
         let start = Instant::now();
         let mut drawn = self.picture(&request.picture, start);
         if drawn.is_err() && self.renderer.is_lost() {
-            // The processor is never lost.
-            self.move_to(Renderer::software());
+            self.leave_gpu();
             drawn = self.picture(&request.picture, start);
         }
         self.took.insert(pane.clone(), start.elapsed());
@@ -107,8 +111,7 @@ impl Worker {
     /// Finds the camera that sees everything.
     pub(super) fn frame(&mut self, request: &PictureRequest) -> Option<RenderEvent> {
         let mut request = request.clone();
-        let options = request.view.get_mut::<SpaceOptions>()?;
-        options.camera = PerspectiveCamera::default();
+        request.view.space_mut()?.camera = PerspectiveCamera::default();
         Some(RenderEvent::Framed(self.home(&request).ok()?))
     }
 
@@ -119,15 +122,15 @@ impl Worker {
         start: Instant,
     ) -> Result<(RenderedImage, Option<SpaceCamera>), RenderError> {
         let mut request = request.clone();
-        let options = request.view.get::<SpaceOptions>();
-        let is_open = options.is_some_and(|options| options.camera.eye.is_none());
+        let space = request.view.space();
+        let is_open = space.is_some_and(|space| space.camera.eye.is_none());
         let home = if is_open {
             Some(self.home(&request)?)
         } else {
             None
         };
-        if let (Some(home), Some(options)) = (home, request.view.get_mut::<SpaceOptions>()) {
-            options.camera = PerspectiveCamera::new(home.eye, home.target);
+        if let (Some(home), Some(space)) = (home, request.view.space_mut()) {
+            space.camera = PerspectiveCamera::new(home.eye, home.target);
         }
         let mut drawn = self.renderer.draw(&request)?;
         let pixels = match drawn.image {
@@ -139,10 +142,10 @@ impl Worker {
         Ok((drawn, home))
     }
 
-    /// Returns the camera that sees everything that a request of the 3D view shows.
+    /// Returns the camera that sees everything that a request of a view in space shows.
     fn home(&mut self, request: &PictureRequest) -> Result<SpaceCamera, RenderError> {
-        let options = request.view.get::<SpaceOptions>();
-        let hidden = options.map_or(Vec::new(), |options| options.hidden.clone());
+        let space = request.view.space();
+        let hidden = space.map_or(Vec::new(), |space| space.hidden.clone());
         if let Some(home) = &self.home
             && home.scene == request.scene
             && home.settings == request.params

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use render::view::space::SpaceView;
 use scene::ObjectId;
 
 use super::{Animation, Model, Step, View, advanced};
@@ -411,8 +412,8 @@ fn marks(texts: &[&str], surfaces: [&str; 2]) -> (bool, [bool; 2]) {
     for text in texts {
         model.take(read(&mut reader, text));
     }
-    let inside = surfaces.map(|name| model.is_stale_inside(name));
-    (model.is_stale_in_space(), inside)
+    let inside = surfaces.map(|name| model.is_stale_on(name));
+    (model.is_stale_in(&SpaceView), inside)
 }
 
 #[test]
@@ -454,7 +455,7 @@ fn what_is_hidden_marks_no_view() {
     model.take(read(&mut reader, good));
     model.adjust(|view| view.looks.entry("p".into()).or_default().hidden = true);
     model.take(read(&mut reader, &good.replace("2, 3)", "2, ")));
-    assert!(model.is_stale() && !model.is_stale_in_space());
+    assert!(model.is_stale() && !model.is_stale_in(&SpaceView));
 }
 
 #[test]

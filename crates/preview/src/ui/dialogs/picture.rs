@@ -5,21 +5,20 @@ use std::path::{Path, PathBuf};
 use egui::{DragValue, Grid, Ui};
 use export::mesh::{self, MeshFormat};
 use export::whole_file::write_whole;
-use render::view::space::SpaceOptions;
-use render::{Backend, PictureRequest, Views};
+use render::{Backend, PictureRequest, ViewId};
 
 use crate::channel::report_when_done;
 use crate::engine::request::with_curvatures;
 use crate::io::files;
-use crate::state::pane::PaneKey;
 use crate::ui::window::Window;
 
 /// The fields of the dialog for a picture.
 #[derive(Clone, Debug)]
 pub(crate) struct PictureDialog {
-    pane: PaneKey,
+    pane: ViewId,
     size: [u32; 2],
-    transparent: bool,
+    /// Whether the background is transparent, of a view that has one.
+    transparent: Option<bool>,
     pub(crate) path: String,
 }
 
@@ -37,21 +36,22 @@ pub(crate) fn ask_for_picture(window: &mut Window) {
     let Some(request) = window.kept(&window.active) else {
         return;
     };
-    let name = match &window.active {
-        PaneKey::Space => "3d.png".to_owned(),
-        PaneKey::Inside(name) => format!("{name}.png"),
-    };
     window.dialogs.picture = Some(PictureDialog {
         pane: window.active.clone(),
         size: request.size,
-        transparent: false,
-        path: in_folder(window, &name),
+        transparent: request.view.space().map(|_| false),
+        path: in_folder(window, &file_name(&window.active, "png")),
     });
 }
 
 /// Opens the dialog for a mesh.
 pub(crate) fn ask_for_mesh(window: &mut Window) {
     window.dialogs.mesh = Some(in_folder(window, "scene.glb"));
+}
+
+/// The first name of a file for a picture of a view.
+pub(crate) fn file_name(id: &ViewId, extension: &str) -> String {
+    format!("{}.{extension}", id.object.as_ref().unwrap_or(&id.kind))
 }
 
 /// A name in the program's folder.
@@ -65,9 +65,9 @@ pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
     let Some(request) = window.kept(&window.active) else {
         return;
     };
-    let context = ui.ctx().clone();
+    let (context, views) = (ui.ctx().clone(), window.views.clone());
     report_when_done(window.status_sender(), move || {
-        let picture = render::render(&Views::standard(), &request, Backend::Auto, &|_| {});
+        let picture = render::render(&views, &request, Backend::Auto, &|_| {});
         let image = picture.map_err(|error| error.to_string())?.image;
         let size = [image.width() as usize, image.height() as usize];
         let image = egui::ColorImage::from_rgba_unmultiplied(size, image.as_raw());
@@ -118,9 +118,7 @@ fn picture(dialog: &mut PictureDialog, ui: &Ui) -> Decision {
             }
             choose = file(ui, &mut dialog.path);
         });
-        if dialog.pane == PaneKey::Space {
-            ui.checkbox(&mut dialog.transparent, "Transparent background");
-        }
+        transparency(&mut dialog.transparent, ui);
         replaced(ui, Path::new(&dialog.path));
         choose
     })
@@ -136,6 +134,13 @@ fn mesh(path: &mut String, ui: &Ui) -> Decision {
         replaced(ui, Path::new(path));
         choose
     })
+}
+
+/// A box for a transparent background, of a view that has one.
+pub(crate) fn transparency(transparent: &mut Option<bool>, ui: &mut Ui) {
+    if let Some(transparent) = transparent {
+        ui.checkbox(transparent, "Transparent background");
+    }
 }
 
 /// A field for a file; whether it is to be chosen in the desktop's dialog.
@@ -211,21 +216,21 @@ fn write_picture(window: &Window, dialog: &PictureDialog) {
         return;
     };
     request.size = dialog.size;
-    if let Some(options) = request.view.get_mut::<SpaceOptions>()
-        && dialog.transparent
+    if let Some(space) = request.view.space_mut()
+        && dialog.transparent == Some(true)
     {
-        options.background = Some([0; 4]);
+        space.background = Some([0; 4]);
     }
-    let path = PathBuf::from(&dialog.path);
+    let (path, views) = (PathBuf::from(&dialog.path), window.views.clone());
     report_when_done(window.status_sender(), move || {
-        files::save_picture(&path, &request)
+        files::save_picture(&path, &views, &request)
     });
 }
 
 fn write_mesh(window: &Window, path: &str) {
-    // Colours and textures are the 3D view's.
+    // Colours and textures are those of the first view.
     let request = window
-        .sent(&PaneKey::Space)
+        .sent(&ViewId::of_scene(window.views.first().name()))
         .or_else(|| window.sent(&window.active));
     let Some(request) = request.cloned() else {
         return;

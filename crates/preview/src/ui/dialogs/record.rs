@@ -4,20 +4,19 @@ use std::path::{Path, PathBuf};
 
 use egui::{Align2, ComboBox, DragValue, Grid, ProgressBar, Ui};
 use export::animation::{self, Clip, ParamChange};
-use render::view::space::SpaceOptions;
+use render::ViewId;
 
 use super::picture::{self, Decision};
 use crate::engine::recording::Recording;
 use crate::engine::recording::film::{Film, RecordingFormat};
 use crate::state::motion::Motion;
-use crate::state::pane::PaneKey;
 use crate::state::{InsideCamera, StatusMessage};
 use crate::ui::window::Window;
 
 /// The fields of the dialog for a recording.
 #[derive(Clone, Debug)]
 pub(crate) struct RecordDialog {
-    pane: PaneKey,
+    pane: ViewId,
     /// The choices of what moves, and the chosen one.
     moves: Vec<Moves>,
     chosen: usize,
@@ -26,7 +25,8 @@ pub(crate) struct RecordDialog {
     /// The arc length of its walk, in the surface's units; backwards if negative.
     length: f64,
     trail: bool,
-    transparent: bool,
+    /// Whether the background is transparent, of a view that has one.
+    transparent: Option<bool>,
     clip: Clip,
     pub(crate) path: String,
 }
@@ -55,7 +55,7 @@ impl Moves {
 /// Opens the dialog for a recording of the active view.
 pub(crate) fn ask(window: &mut Window) {
     let pane = window.active.clone();
-    let Some(size) = window.kept(&pane).map(|request| request.size) else {
+    let Some(request) = window.kept(&pane) else {
         return;
     };
     let mut moves = Vec::new();
@@ -65,10 +65,8 @@ pub(crate) fn ask(window: &mut Window) {
         let name = param.name.clone();
         moves.push(Moves::Param(ParamChange { name, from, to }));
     }
-    let surface = match &pane {
-        PaneKey::Inside(name) => Some(name.clone()),
-        PaneKey::Space => window.active_surface.clone(),
-    };
+    let surface = pane.object.clone();
+    let surface = surface.or_else(|| window.active_surface.clone());
     let view = &window.model.view;
     let camera = surface.and_then(|name| Some((name.clone(), *view.inside.get(&name)?)));
     if let Some((name, _)) = &camera {
@@ -78,10 +76,7 @@ pub(crate) fn ask(window: &mut Window) {
         moves.push(Moves::Walk("forward", [0.0, 1.0]));
         moves.push(Moves::Walk("to the right", [1.0, 0.0]));
     }
-    let name = match &pane {
-        PaneKey::Space => "3d.gif".to_owned(),
-        PaneKey::Inside(name) => format!("{name}.gif"),
-    };
+    let path = picture::in_folder(window, &picture::file_name(&pane, "gif"));
     window.dialogs.record = Some(RecordDialog {
         // Twice as far as what is seen.
         length: camera
@@ -92,13 +87,13 @@ pub(crate) fn ask(window: &mut Window) {
         moves,
         chosen: 0,
         trail: true,
-        transparent: false,
+        transparent: request.view.space().map(|_| false),
         clip: Clip {
             frames: animation::FRAMES,
-            size,
+            size: request.size,
             rate: animation::RATE,
         },
-        path: picture::in_folder(window, &name),
+        path,
     });
 }
 
@@ -220,9 +215,7 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
     if !matches!(dialog.moves[dialog.chosen], Moves::Param(_)) {
         ui.checkbox(&mut dialog.trail, "Draw the trail");
     }
-    if dialog.pane == PaneKey::Space {
-        ui.checkbox(&mut dialog.transparent, "Transparent background");
-    }
+    picture::transparency(&mut dialog.transparent, ui);
     let path = Path::new(&dialog.path);
     let first = match RecordingFormat::of(path) {
         Some(RecordingFormat::Series) => animation::numbered(path, 0, dialog.clip.frames),
@@ -269,17 +262,17 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
         return;
     }
     // A param is recorded with what the view shows, a walk with the camera that walks.
-    let options = request.view.get::<SpaceOptions>();
-    if change.is_some() && options.is_some_and(|options| options.show_camera.is_none()) {
+    if change.is_some() && request.view.shown_camera().is_none() {
         camera = None;
     }
     let film = Film {
         request,
+        views: window.views.clone(),
         camera,
         trail: dialog.trail && change.is_none(),
         change,
         motions,
-        transparent: dialog.transparent,
+        transparent: dialog.transparent == Some(true),
         clip: dialog.clip,
     };
     let path = PathBuf::from(&dialog.path);

@@ -1,21 +1,20 @@
-//! The part that both views share: a picture that fills its pane, with focus, a name, and a mark when it is stale.
+//! The pane of a view: a picture that fills it, with focus, a name, and a mark when it is stale.
 
 use egui::{
-    Align2, Color32, EventFilter, FontId, Id, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui,
-    WidgetInfo,
+    Align2, Color32, EventFilter, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo,
 };
+use render::ViewId;
 
-use crate::state::pane::PaneKey;
 use crate::ui::gpu_surface::TextureBinding;
 use crate::ui::window::Window;
 
 /// The picture of a pane among all that can have the focus.
-pub(crate) fn id(pane: &PaneKey) -> Id {
+pub(crate) fn id(pane: &ViewId) -> Id {
     Id::unique(("picture", pane))
 }
 
-/// Draws a pane's newest picture, and says for which one it has room.
-pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &PaneKey) -> Response {
+/// Draws a view's newest picture, says for which one it has room, and moves the view's camera by the pointer.
+pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
     let room = ui.available_size().max(egui::vec2(16.0, 16.0));
     let (_, rect) = ui.allocate_space(room);
     let response = ui.interact(rect, id(pane), Sense::click_and_drag());
@@ -49,22 +48,19 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &PaneKey) -> Response
         ui.painter()
             .rect_stroke(rect.shrink(2.0), 0.0, stroke, StrokeKind::Inside);
     }
-    let key = match pane {
-        PaneKey::Space => "3d".to_owned(),
-        PaneKey::Inside(name) => format!("geodesic:{name}"),
-    };
     let place = [rect.left(), rect.top(), rect.width(), rect.height()];
-    window.counters.panes.insert(key, place.map(|x| x * scale));
-    response
+    let place = place.map(|x| x * scale);
+    window.counters.panes.insert(pane.to_string(), place);
+    window.control(pane).pointer(window, ui, pane, &response);
 }
 
-fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
+fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
     let painter = ui.painter_at(rect);
     let stale = is_stale(window, pane);
     let lines = window.model.errors().count();
     let mut error = None;
     let mut covered = false;
-    let view = window.views.get_mut(pane);
+    let view = window.pane_views.get_mut(pane);
     if let Some(picture) = view.and_then(|view| view.picture.as_mut()) {
         if let Some(painted) = picture.fresh.take() {
             let before = picture.binding.take();
@@ -103,32 +99,29 @@ fn paint(window: &mut Window, ui: &Ui, pane: &PaneKey, rect: Rect) {
     }
 }
 
-/// Returns whether the view as a whole shows the object that is declared at the cursor. The 3D view highlights the
-/// object.
-fn is_set_off(window: &Window, pane: &PaneKey) -> bool {
-    match (pane, &window.model.highlighted) {
-        (PaneKey::Inside(name), Some(declared)) => name == declared,
-        _ => false,
-    }
+/// Returns whether the view is of the object that is declared at the cursor. Views of the scene highlight the object.
+fn is_set_off(window: &Window, pane: &ViewId) -> bool {
+    pane.object.is_some() && pane.object == window.model.highlighted
 }
 
 /// Returns whether a view shows something as it is no more in the text.
-fn is_stale(window: &Window, pane: &PaneKey) -> bool {
-    match pane {
-        PaneKey::Space => window.model.is_stale_in_space(),
-        PaneKey::Inside(name) => window.model.is_stale_inside(name),
+fn is_stale(window: &Window, pane: &ViewId) -> bool {
+    match (&pane.object, window.views.get(&pane.kind)) {
+        (Some(name), _) => window.model.is_stale_on(name),
+        (None, Some(view)) => window.model.is_stale_in(view),
+        (None, None) => false,
     }
 }
 
 /// Returns the reason why a view is empty, if it is.
-fn nothing(window: &Window, pane: &PaneKey) -> Option<&'static str> {
+fn nothing(window: &Window, pane: &ViewId) -> Option<&'static str> {
     let model = &window.model;
     let scene = model.scene.as_ref();
     if model.read && scene.is_none_or(|scene| scene.objects.is_empty()) {
         return Some("Nothing to show");
     }
-    let only = *pane == PaneKey::Space && model.has_only_metrics();
-    only.then_some("A metric has no place in space: see its geodesic view")
+    let view = window.views.get(&pane.kind)?;
+    (!view.is_of_object() && model.is_unseen_in(view)).then(|| view.nothing())
 }
 
 /// A sentence on a plate, readable over any picture.
@@ -149,37 +142,15 @@ fn badge(painter: &egui::Painter, at: egui::Pos2, text: &str, colour: Color32) {
 }
 
 /// The picture in words.
-fn words(window: &Window, pane: &PaneKey) -> String {
-    let mut words = match pane {
-        PaneKey::Space => {
-            let objects = window
-                .model
-                .scene
-                .as_ref()
-                .map_or(0, |scene| scene.objects.len());
-            let eye = window.model.view.space.map(|camera| camera.eye);
-            let place = eye.map_or(String::new(), |[x, y, z]| {
-                format!(", seen from ({x:.2}, {y:.2}, {z:.2})")
-            });
-            let some = if objects == 1 { "object" } else { "objects" };
-            format!("3D view of {objects} {some}{place}")
-        }
-        PaneKey::Inside(name) => {
-            let place = window
-                .model
-                .view
-                .inside
-                .get(name)
-                .map_or(String::new(), |it| {
-                    let [u, v] = it.at;
-                    format!(
-                        " from (u, v) = ({u:.3}, {v:.3}), {:.3} from centre to edge",
-                        it.zoom
-                    )
-                });
-            format!("Geodesic view of {name}{place}")
-        }
-    };
+fn words(window: &Window, pane: &ViewId) -> String {
+    let mut words = window.views.title(pane, " of ");
+    if pane.object.is_none() {
+        let scene = window.model.scene.as_ref();
+        let objects = scene.map_or(0, |scene| scene.objects.len());
+        let some = if objects == 1 { "object" } else { "objects" };
+        words.push_str(&format!(" of {objects} {some}"));
+    }
+    words.extend(window.control(pane).place(&window.model, pane));
     if is_set_off(window, pane) {
         words.push_str("; declared at the cursor");
     }

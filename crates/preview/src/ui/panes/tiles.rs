@@ -116,8 +116,8 @@ mod tests {
     use crate::state::layout::{Layout, Share};
     use crate::state::pane::Pane;
 
-    fn inside(name: &str) -> Layout {
-        Layout::Pane(Pane::Inside(name.to_owned()))
+    fn view(name: &str) -> Layout {
+        Layout::Pane(Pane::View(name.into()))
     }
 
     fn part(share: f32, content: Layout) -> Share {
@@ -136,11 +136,11 @@ mod tests {
             part(
                 2.0,
                 Layout::Column(vec![
-                    part(1.0, Layout::Pane(Pane::Space)),
+                    part(1.0, view("3d")),
                     part(
                         0.5,
                         Layout::Tabs {
-                            children: vec![inside("a"), inside("b")],
+                            children: vec![view("geodesic:a"), view("geodesic:b")],
                             active: 1,
                         },
                     ),
@@ -155,9 +155,9 @@ mod tests {
     #[test]
     fn what_makes_no_sense_is_left_out() {
         let layout = Layout::Row(vec![
-            part(f32::NAN, Layout::Pane(Pane::Space)),
+            part(f32::NAN, view("3d")),
             part(-3.0, Layout::Pane(Pane::Settings)),
-            part(1.0, Layout::Pane(Pane::Space)),
+            part(1.0, view("3d")),
             part(
                 1.0,
                 Layout::Tabs {
@@ -167,7 +167,7 @@ mod tests {
             ),
         ]);
         let left = Layout::Row(vec![
-            part(1.0, Layout::Pane(Pane::Space)),
+            part(1.0, view("3d")),
             part(1e-3, Layout::Pane(Pane::Settings)),
         ]);
         assert_eq!(again(&layout), Some(left));

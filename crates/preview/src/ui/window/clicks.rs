@@ -1,4 +1,4 @@
-//! Clicks on the 3D view: one puts a geodesic camera somewhere, where there can be one; else it shows a declaration,
+//! Clicks on views in space: one puts a geodesic camera somewhere, where there can be one; else it shows a declaration,
 //! and so
 //! do two.
 //!
@@ -40,7 +40,7 @@ struct Open {
 }
 
 impl Window {
-    /// A click on a pixel of a 3D picture. One by a key is never the first half of two.
+    /// A click on a pixel of a picture of a view in space. One by a key is never the first half of two.
     pub(crate) fn click(&mut self, request: PictureRequest, at: [f64; 2], by_key: bool, ui: &Ui) {
         self.end_click();
         self.input.clicks.count += 1;
@@ -94,7 +94,7 @@ impl Window {
     fn end_click(&mut self) {
         self.model.keep_placement();
         if let Some(surface) = self.input.clicks.open.take().and_then(|it| it.surface) {
-            self.show_inside(&surface);
+            self.reveal_object(&surface);
         }
     }
 
@@ -136,7 +136,7 @@ impl Window {
             Some(open) if number == self.input.clicks.count => open.surface = Some(name),
             _ => {
                 self.model.keep_placement();
-                self.show_inside(&name);
+                self.reveal_object(&name);
             }
         }
     }

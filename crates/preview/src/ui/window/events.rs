@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use protocol::{Command, Event, View};
+use render::ViewId;
 
 use super::event::WindowEvent;
 use super::{TextSource, Window};
@@ -10,7 +11,7 @@ use crate::engine::render_thread::RenderEvent;
 use crate::io::file_dialogs::{self, FileChoice};
 use crate::io::link::LinkEvent;
 use crate::io::watch::Unreadable;
-use crate::state::pane::{Pane, PaneKey};
+use crate::state::pane::Pane;
 use crate::state::{Compiled, StatusMessage, Step};
 
 impl Window {
@@ -82,24 +83,24 @@ impl Window {
         let surfaces = self.model.surfaces();
         let known = |name: &String| surfaces.contains(name);
         if !self.active_surface.as_ref().is_some_and(known) {
-            self.active_surface = surfaces.first().cloned();
+            self.active_surface = surfaces.into_iter().next();
         }
-        if let PaneKey::Inside(name) = &self.active
-            && !surfaces.contains(name)
-        {
-            self.active = PaneKey::Space;
+        let offered = self.offered();
+        if !offered.contains(&self.active) {
+            self.active = ViewId::of_scene(self.views.first().name());
         }
         let (closed, ok) = (&self.model.view.closed, self.model.ok);
-        self.panes.follow(&surfaces, closed, ok);
-        if !self.model.has_only_metrics() {
-            self.panes.bring_back_space();
+        self.panes.follow(&offered, closed, ok);
+        if !self.model.is_unseen_in(self.views.first()) {
+            self.panes.bring_back_first();
         } else if first {
             // What a scene does not need is not shown.
-            self.panes.leave_out_space();
-            if let Some(name) = surfaces.into_iter().next()
-                && !self.panes.is_open(&Pane::Space)
+            self.panes.leave_out_first();
+            let mut of_objects = offered.iter().filter(|id| id.object.is_some());
+            if let Some(id) = of_objects.next()
+                && !self.panes.has_first()
             {
-                self.activate(&PaneKey::Inside(name));
+                self.activate(id);
             }
         }
     }
@@ -183,40 +184,51 @@ impl Window {
     /// A view is to be seen of the text of a version.
     fn show_view(&mut self, view: Option<View>, version: Option<i32>) {
         self.raise = true;
-        match view {
-            Some(View {
-                view,
-                surface: Some(surface),
-            }) if view == "geodesic" => {
-                self.reports.wanted_view = Some((surface, version));
+        let first = ViewId::of_scene(self.views.first().name());
+        let Some(View { view, surface }) = view else {
+            // A scene of which it shows nothing is shown without it.
+            if self.panes.has_first() {
+                self.bring_forward(&Pane::View(first));
+            }
+            return;
+        };
+        let known = self.views.get(&view);
+        match known.map(|known| (known.is_of_object(), surface)) {
+            Some((true, Some(name))) => {
+                let wanted = ViewId::of_object(&view, &name);
+                self.reports.wanted_view = Some((wanted, version));
                 self.open_wanted();
             }
-            // A scene of metrics alone is shown without it.
-            None if !self.panes.is_open(&Pane::Space) => {}
-            _ => self.bring_forward(&Pane::Space),
+            Some((false, _)) => self.bring_forward(&Pane::View(ViewId::of_scene(&view))),
+            _ => self.bring_forward(&Pane::View(first)),
         }
     }
 
-    /// Opens the view of a surface that was asked for by name, once the text that may declare it has been read.
+    /// Opens the view of an object that was requested by name, once the text that may declare it has been read.
     fn open_wanted(&mut self) {
         let (read, version) = (self.model.read, self.model.version);
-        let is_read = |wanted: &mut (String, Option<i32>)| {
+        let is_read = |wanted: &mut (ViewId, Option<i32>)| {
             read && wanted.1.is_none_or(|wanted| wanted <= version)
         };
-        let Some((surface, _)) = self.reports.wanted_view.take_if(is_read) else {
+        let Some((wanted, _)) = self.reports.wanted_view.take_if(is_read) else {
             return;
         };
-        let surfaces = self.model.surfaces();
-        if surfaces.contains(&surface) {
-            self.open_inside(&surface);
+        let mut offered = self.offered();
+        if offered.contains(&wanted) {
+            self.bring_forward(&Pane::View(wanted));
             return;
         }
-        let known = match surfaces.len() {
+        offered.retain(|id| id.kind == wanted.kind);
+        let names: Vec<String> = offered.into_iter().filter_map(|id| id.object).collect();
+        let known = match names.len() {
             0 => "the program has none".to_owned(),
-            _ => format!("the program has {}", surfaces.join(", ")),
+            _ => format!("the program has {}", names.join(", ")),
         };
         let errors = if self.model.ok { "" } else { ", and errors" };
-        let text = format!("There is no surface or metric `{surface}`: {known}{errors}.");
+        let view = self.views.get(&wanted.kind);
+        let kind = view.and_then(render::view::View::object_kind);
+        let (kind, name) = (kind.unwrap_or("object"), wanted.object.unwrap_or_default());
+        let text = format!("There is no {kind} `{name}`: {known}{errors}.");
         self.status_message = Some(StatusMessage::error(text.clone()));
         self.say(Event::Message { error: true, text });
     }

@@ -9,9 +9,9 @@ use super::Window;
 use super::clicks::Clicks;
 use crate::state::StatusMessage;
 use crate::state::motion::Motion;
-use crate::state::pane::{Pane, PaneKey};
+use crate::state::pane::Pane;
 use crate::state::{Choice, SpaceCamera, Step};
-use crate::ui::camera_input::{self, Held};
+use crate::ui::camera_control::Held;
 use crate::ui::panes::picture;
 
 /// The state of the user's input between two frames.
@@ -85,35 +85,13 @@ impl Window {
         if !has_keys || ui.ctx().text_edit_focused() || self.dialogs.is_open() {
             return;
         }
-        let speed = self.model.view.preferences.camera_speed;
         let arrows = self.has_arrows(ui);
-        match self.active.clone() {
-            PaneKey::Space => {
-                self.space_shortcuts(ui);
-                let Some(camera) = self.model.view.space else {
-                    return;
-                };
-                let next = ui.input(|input| {
-                    let held = Held::new(input, arrows);
-                    camera_input::space_keys(held, camera, speed)
-                });
-                if next != camera {
-                    self.move_space("keys", next, ui);
-                }
-            }
-            PaneKey::Inside(name) => {
-                if ui.input(|input| input.key_pressed(Key::R) && input.modifiers.is_none())
-                    || ui.input(|input| input.key_pressed(Key::Home))
-                {
-                    self.reset_inside(&name);
-                }
-                let motions =
-                    ui.input(|input| camera_input::inside_keys(Held::new(input, arrows), speed));
-                for motion in motions {
-                    self.walk(&name, motion, ui);
-                }
-            }
+        let (id, control) = (self.active.clone(), self.control(&self.active));
+        let pressed = |key| ui.input(|input| input.key_pressed(key) && input.modifiers.is_none());
+        if pressed(Key::R) || pressed(Key::Home) {
+            control.reset(self, &id);
         }
+        control.keys(self, ui, &id, arrows);
         if ui.input(|input| Held::new(input, arrows).any()) {
             ui.ctx().request_repaint();
         }
@@ -123,16 +101,6 @@ impl Window {
     pub(super) fn has_arrows(&self, ui: &Ui) -> bool {
         let focused = ui.memory(egui::Memory::focused);
         focused.is_none_or(|id| id == picture::id(&self.active))
-    }
-
-    fn space_shortcuts(&mut self, ui: &Ui) {
-        let pressed = |key| ui.input(|input| input.key_pressed(key) && input.modifiers.is_none());
-        if pressed(Key::R) || pressed(Key::Home) {
-            self.reset_space();
-        }
-        if pressed(Key::F) {
-            self.frame_all();
-        }
     }
 
     /// Moves the 3D camera, as one step with what else `hand` does in one go.
@@ -155,16 +123,14 @@ impl Window {
         self.model.history.settle();
     }
 
-    /// Puts the 3D camera where everything is seen, from where it looks now: the artist knows how far that is.
+    /// Puts the camera in space where everything is seen, from where it looks now: the render thread knows how far that
+    /// is.
     pub(crate) fn frame_all(&mut self) {
-        if let Some(request) = self.sent(&PaneKey::Space).cloned() {
-            self.render_thread.frame(request);
+        let sent = self.pane_views.values();
+        let mut sent = sent.filter_map(|view| view.request.as_ref());
+        if let Some(request) = sent.find(|request| request.view.space().is_some()) {
+            self.render_thread.frame(request.clone());
         }
-    }
-
-    /// Puts a geodesic camera at its first place.
-    pub(crate) fn reset_inside(&mut self, surface: &str) {
-        self.model.reset(surface);
     }
 
     pub(super) fn shortcuts(&mut self, ui: &Ui) {
@@ -223,13 +189,14 @@ impl Window {
 
     /// Gives the keys to the next view that is open, or to the one before.
     pub(crate) fn next_view(&mut self, ui: &Ui, back: bool) {
-        let inside = self.model.surfaces().into_iter().map(Pane::Inside);
-        let views = std::iter::once(Pane::Space).chain(inside);
+        let views = self.offered().into_iter().map(Pane::View);
         let views: Vec<Pane> = views.filter(|pane| self.panes.is_open(pane)).collect();
         if views.is_empty() {
             return;
         }
-        let now = views.iter().position(|pane| *pane == self.active.pane());
+        let now = views
+            .iter()
+            .position(|pane| pane.view() == Some(&self.active));
         let next = match now {
             Some(at) if back => (at + views.len() - 1) % views.len(),
             Some(at) => (at + 1) % views.len(),
@@ -243,7 +210,7 @@ impl Window {
     /// Gives the active view more room beside its neighbours, or less.
     pub(crate) fn resize_active(&mut self, larger: bool) {
         let factor = if larger { 1.25 } else { 0.8 };
-        self.panes.resize(&self.active.pane(), factor);
+        self.panes.resize(&Pane::View(self.active.clone()), factor);
     }
 
     /// Takes the last change of the view back.

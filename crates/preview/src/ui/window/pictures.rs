@@ -3,16 +3,15 @@
 use std::time::{Duration, Instant};
 
 use egui::Ui;
-use render::PictureRequest;
 use render::rendered::RenderedImage;
-use render::viewpoint::{PerspectiveCamera, ViewCamera};
+use render::viewpoint::PerspectiveCamera;
+use render::{PictureRequest, ViewId};
 
 use super::Window;
 use super::pane_view::{PaneView, Picture, Waiting};
 use crate::engine::render_thread::VersionedRequest;
 use crate::engine::request::{at_rest, picture_request};
 use crate::state::SpaceCamera;
-use crate::state::pane::PaneKey;
 
 /// The time that a picture of a moving view should take, in seconds.
 const MOVING_PICTURE: f64 = 0.022;
@@ -25,10 +24,12 @@ impl Window {
     }
 
     /// Notes that a pane is on the screen, and has room for so many pixels.
-    pub(crate) fn make_room(&mut self, pane: &PaneKey, pixels: [u32; 2]) {
-        let view = self.views.entry(pane.clone()).or_default();
+    pub(crate) fn make_room(&mut self, pane: &ViewId, pixels: [u32; 2]) {
+        let view = self.pane_views.entry(pane.clone()).or_default();
         view.on_screen = true;
-        if view.room.replace(pixels) != Some(pixels) && *pane == PaneKey::Space {
+        let has_changed = view.room.replace(pixels) != Some(pixels);
+        let options = self.views.get(&pane.kind).map(|view| view.options(None));
+        if has_changed && options.is_some_and(|options| options.space().is_some()) {
             // A camera that the user has not moved shows everything in a pane of another shape too.
             self.model.reframe();
         }
@@ -39,14 +40,14 @@ impl Window {
     pub(super) fn request_pictures(&mut self, ui: &Ui) {
         let moving = ui.input(|input| input.time) < self.clock.moving_until;
         let again = ui.ctx().current_pass_index() > 0;
-        let seen = self.views.iter().filter(|(_, view)| view.on_screen);
-        let seen: Vec<PaneKey> = seen.map(|(pane, _)| pane.clone()).collect();
+        let seen = self.pane_views.iter().filter(|(_, view)| view.on_screen);
+        let seen: Vec<ViewId> = seen.map(|(pane, _)| pane.clone()).collect();
         let mut following = Vec::new();
         for pane in seen {
             let Some(picture) = self.wanted_picture(&pane, moving, again) else {
                 continue;
             };
-            let view = self.views.entry(pane.clone()).or_default();
+            let view = self.pane_views.entry(pane.clone()).or_default();
             view.send(&picture);
             let version = self.model.version;
             let request = VersionedRequest { picture, version };
@@ -63,32 +64,33 @@ impl Window {
     /// Returns the request for a pane's picture, where it is another one than that which was sent last.
     fn wanted_picture(
         &mut self,
-        pane: &PaneKey,
+        pane: &ViewId,
         moving: bool,
         again: bool,
     ) -> Option<PictureRequest> {
-        let view = self.views.get(pane)?;
+        let view = self.pane_views.get(pane)?;
         let size = match &view.request {
             // A picture that has just come is not replaced by one of a size that would have been quicker.
             Some(sent) if moving && again => sent.size,
             _ => self.picture_size(pane, view.room?, moving),
         };
         let active = self.active_surface.clone();
-        let (model, library) = (&mut self.model, &mut self.library);
-        let request = picture_request(model, library, pane, size, active.as_deref(), moving)?;
+        let (model, library, views) = (&mut self.model, &mut self.library, &self.views);
+        let active = active.as_deref();
+        let request = picture_request(model, library, views, pane, size, active, moving)?;
         (self.sent(pane) != Some(&request)).then_some(request)
     }
 
     /// Returns whether any picture is on its way.
     pub(super) fn is_waiting(&self) -> bool {
-        let mut views = self.views.values();
+        let mut views = self.pane_views.values();
         views.any(|view| view.waiting != Waiting::No)
     }
 
     /// Returns the time in which the pictures are expected that a frame may wait for; nothing if it waits for none, or
     /// one is the first of its pane.
     fn expected(&self) -> Option<Duration> {
-        let views = self.views.values();
+        let views = self.pane_views.values();
         let mut waiting = views
             .filter(|view| view.waiting == Waiting::ForFrame)
             .peekable();
@@ -129,11 +131,11 @@ impl Window {
     }
 
     /// The size of the picture for a pane: coarser while it moves, if pictures take long.
-    fn picture_size(&self, pane: &PaneKey, pixels: [u32; 2], moving: bool) -> [u32; 2] {
+    fn picture_size(&self, pane: &ViewId, pixels: [u32; 2], moving: bool) -> [u32; 2] {
         let preferences = &self.model.view.preferences;
-        let wanted = match pane {
-            PaneKey::Space => preferences.space_size,
-            PaneKey::Inside(_) => preferences.inside_size,
+        let wanted = match pane.object {
+            None => preferences.space_size,
+            Some(_) => preferences.inside_size,
         };
         let shorter = f64::from(pixels[0].min(pixels[1]).max(1));
         let mut scale = wanted.map_or(1.0, |side| f64::from(side) / shorter);
@@ -147,33 +149,33 @@ impl Window {
     }
 
     /// Returns the request that was sent last for a pane's picture.
-    pub(crate) fn sent(&self, pane: &PaneKey) -> Option<&PictureRequest> {
-        self.views.get(pane)?.request.as_ref()
+    pub(crate) fn sent(&self, pane: &ViewId) -> Option<&PictureRequest> {
+        self.pane_views.get(pane)?.request.as_ref()
     }
 
     /// Returns the picture that a pane shows.
-    pub(crate) fn shown_picture(&self, pane: &PaneKey) -> Option<&Picture> {
-        self.views.get(pane)?.picture.as_ref()
+    pub(crate) fn shown_picture(&self, pane: &ViewId) -> Option<&Picture> {
+        self.pane_views.get(pane)?.picture.as_ref()
     }
 
     /// Returns the request for a picture that is kept: as its pane shows it at rest, though it may move.
-    pub(crate) fn kept(&self, pane: &PaneKey) -> Option<PictureRequest> {
-        let view = self.views.get(pane)?;
+    pub(crate) fn kept(&self, pane: &ViewId) -> Option<PictureRequest> {
+        let view = self.pane_views.get(pane)?;
         let request = view.request.clone()?;
         let room = view.room.filter(|_| view.on_screen);
         let size = room.map_or(request.size, |room| self.picture_size(pane, room, false));
         Some(at_rest(request, size))
     }
 
-    /// Takes over a pane's picture, or the sentence that says why there is none, and the camera of the 3D view.
+    /// Takes over a pane's picture, or the sentence that says why there is none, and the camera of the views in space.
     pub(super) fn take_picture(
         &mut self,
-        pane: &PaneKey,
+        pane: &ViewId,
         picture: Result<Box<RenderedImage>, String>,
         space_camera: Option<SpaceCamera>,
         request: &VersionedRequest,
     ) {
-        let view = self.views.entry(pane.clone()).or_default();
+        let view = self.pane_views.entry(pane.clone()).or_default();
         if view.request.as_ref() == Some(&request.picture) {
             view.waiting = Waiting::No;
         }
@@ -189,11 +191,11 @@ impl Window {
 
     /// Takes over the camera that sees everything, for a scene that has none: from then on it stays, whatever the params
     /// do. It is ignored if the scene or the pane's size has changed since the request.
-    fn take_space_camera(&mut self, pane: &PaneKey, first: SpaceCamera, request: &PictureRequest) {
+    fn take_space_camera(&mut self, pane: &ViewId, first: SpaceCamera, request: &PictureRequest) {
         if self.model.view.space.is_some() {
             return;
         }
-        let view = self.views.get_mut(pane);
+        let view = self.pane_views.get_mut(pane);
         let Some(sent) = view.and_then(|view: &mut PaneView| view.request.as_mut()) else {
             return;
         };
@@ -202,8 +204,9 @@ impl Window {
         }
         if sent == request {
             // The same picture would be drawn with it.
-            let camera = PerspectiveCamera::new(first.eye, first.target);
-            sent.view.set_camera(ViewCamera::Perspective(camera));
+            if let Some(space) = sent.view.space_mut() {
+                space.camera = PerspectiveCamera::new(first.eye, first.target);
+            }
         }
         self.model.adjust(|view| view.space = Some(first));
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use protocol::Event;
+use render::ViewId;
 use syntax::span::Span;
 
 use super::pane_view::{PaneView, Waiting};
@@ -19,8 +20,8 @@ pub(super) struct ServerReports {
     unshown: Option<ShownText>,
     /// The params' values that were reported last.
     values: BTreeMap<String, Vec<f64>>,
-    /// A surface whose view is opened when the text of this version has been read.
-    pub(super) wanted_view: Option<(String, Option<i32>)>,
+    /// A view of an object, which is opened when the text of this version has been read.
+    pub(super) wanted_view: Option<(ViewId, Option<i32>)>,
 }
 
 /// A compiled text.
@@ -56,7 +57,7 @@ impl Window {
             ok,
             arrived,
         }) = self.reports.unshown
-            && (!ok || self.views.values().all(|view| shows(view, version)))
+            && (!ok || self.pane_views.values().all(|view| shows(view, version)))
         {
             self.reports.unshown = None;
             self.counters.version = version;

@@ -1,0 +1,89 @@
+//! The camera of a geodesic view: it walks on its surface, turns and zooms.
+
+use egui::{Key, Response, Ui};
+use render::ViewId;
+
+use super::{CameraControl, Held, TURN_SPEED, ZOOM_SPEED, nearing};
+use crate::state::Model;
+use crate::state::motion::Motion;
+use crate::ui::window::Window;
+
+/// Lengths of X a second.
+const WALK_SPEED: f64 = 0.8;
+
+/// The control of the camera of a geodesic view.
+pub(super) struct GeodesicControl;
+
+impl CameraControl for GeodesicControl {
+    fn keys(&self, window: &mut Window, ui: &Ui, id: &ViewId, arrows: bool) {
+        let speed = window.model.view.preferences.camera_speed;
+        for motion in ui.input(|input| motions_of_keys(Held::new(input, arrows), speed)) {
+            window.walk(surface(id), motion, ui);
+        }
+    }
+
+    fn pointer(&self, window: &mut Window, ui: &Ui, id: &ViewId, response: &Response) {
+        let side = response.rect.width().min(response.rect.height());
+        let by = response.drag_delta();
+        if response.dragged() && by != egui::Vec2::ZERO {
+            window.walk(surface(id), dragged(by, side), ui);
+        }
+        if response.hovered()
+            && let Some(factor) = ui.input(nearing)
+        {
+            window.walk(surface(id), Motion::Zoom(factor), ui);
+        }
+        let command = ui.input(|input| input.modifiers.command);
+        if response.double_clicked() || response.clicked() && command {
+            window.open_declaration(surface(id));
+        }
+    }
+
+    fn reset(&self, window: &mut Window, id: &ViewId) {
+        window.model.reset(surface(id));
+    }
+
+    fn place(&self, model: &Model, id: &ViewId) -> Option<String> {
+        let camera = model.view.inside.get(surface(id))?;
+        let ([u, v], zoom) = (camera.at, camera.zoom);
+        Some(format!(
+            " from (u, v) = ({u:.3}, {v:.3}), {zoom:.3} from centre to edge"
+        ))
+    }
+}
+
+/// The name of the surface that a view is seen from.
+fn surface(id: &ViewId) -> &str {
+    id.object.as_deref().unwrap_or_default()
+}
+
+/// Returns the motions of a geodesic camera for the held keys.
+fn motions_of_keys(held: Held<'_>, speed: f64) -> Vec<Motion> {
+    let mut motions = Vec::new();
+    if !held.any() {
+        return motions;
+    }
+    let step = held.seconds() * speed;
+    let [right, up] = held.arrows();
+    let x = (held.letters(Key::D, Key::A) + right).clamp(-1.0, 1.0);
+    let y = (held.letters(Key::W, Key::S) + up).clamp(-1.0, 1.0);
+    if x != 0.0 || y != 0.0 {
+        let length = x.hypot(y);
+        motions.push(Motion::Walk([x, y].map(|k| k / length * step * WALK_SPEED)));
+    }
+    let turn = held.letters(Key::Q, Key::E);
+    if turn != 0.0 {
+        motions.push(Motion::Turn(turn * step * TURN_SPEED));
+    }
+    let out = (held.letters(Key::X, Key::Z) - held.nearer()).clamp(-1.0, 1.0);
+    if out != 0.0 {
+        motions.push(Motion::Zoom((out * step * ZOOM_SPEED).exp()));
+    }
+    motions
+}
+
+/// Returns the motion of a geodesic camera for a drag in points: the surface under the pointer goes with it.
+fn dragged(by: egui::Vec2, side: f32) -> Motion {
+    let half = f64::from(0.5 * side.max(1.0));
+    Motion::Walk([-f64::from(by.x) / half, f64::from(by.y) / half])
+}

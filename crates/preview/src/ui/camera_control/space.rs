@@ -1,0 +1,163 @@
+//! The camera in space: it goes, looks, and is carried around its target; clicks find what is under them.
+
+use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Response, Ui};
+use glam::DVec2;
+use render::ViewId;
+
+use super::{CameraControl, Held, TURN_SPEED, ZOOM_SPEED, nearing};
+use crate::engine::render_thread::Purpose;
+use crate::state::{Model, SpaceCamera};
+use crate::ui::window::Window;
+
+/// Radii of the scene a second, at the camera speed 1.
+const SPEED: f64 = 1.0;
+/// Distances to the target a second.
+const PAN_SPEED: f64 = 0.8;
+/// Radians for a drag across a picture's shorter side.
+const TURN_DRAG: f64 = 1.2;
+/// Radians around the target for a drag across a picture's shorter side.
+const ORBIT_DRAG: f64 = 3.2;
+
+/// The control of the camera in space.
+pub(super) struct SpaceControl;
+
+impl CameraControl for SpaceControl {
+    fn keys(&self, window: &mut Window, ui: &Ui, _id: &ViewId, arrows: bool) {
+        if ui.input(|input| input.key_pressed(Key::F) && input.modifiers.is_none()) {
+            window.frame_all();
+        }
+        let Some(camera) = window.model.view.space else {
+            return;
+        };
+        let speed = window.model.view.preferences.camera_speed;
+        let next = ui.input(|input| moved_by_keys(Held::new(input, arrows), camera, speed));
+        if next != camera {
+            window.move_space("keys", next, ui);
+        }
+    }
+
+    fn pointer(&self, window: &mut Window, ui: &Ui, id: &ViewId, response: &Response) {
+        let side = response.rect.width().min(response.rect.height());
+        if let Some(camera) = window.model.view.space {
+            let by = response.drag_delta();
+            if let Some(grip) = grip(ui, response)
+                && by != egui::Vec2::ZERO
+            {
+                window.move_space("drag", dragged(camera, grip, by, side), ui);
+            }
+            if response.hovered()
+                && let Some(factor) = ui.input(nearing)
+            {
+                window.move_space("wheel", camera.neared(factor), ui);
+            }
+        }
+        if response.clicked()
+            && let Some(request) = window.sent(id).cloned()
+        {
+            let pointed = response.interact_pointer_pos();
+            // A key presses what has the focus, in its middle.
+            let at = pointed.unwrap_or_else(|| response.rect.center());
+            let share = (at - response.rect.min) / response.rect.size();
+            let [width, height] = request.size.map(f64::from);
+            let pixel = [f64::from(share.x) * width, f64::from(share.y) * height];
+            if response.double_clicked() {
+                window.double_click(request, pixel);
+            } else if ui.input(|input| input.modifiers.command) {
+                window.render_thread.pick(request, pixel, Purpose::Open);
+            } else if !response.triple_clicked() {
+                // The third of three clicks means nothing by itself.
+                window.click(request, pixel, pointed.is_none(), ui);
+            }
+        }
+        if response.has_focus() && window.input.by_keys {
+            aim(ui, response.rect.center());
+        }
+    }
+
+    fn reset(&self, window: &mut Window, _id: &ViewId) {
+        window.reset_space();
+    }
+
+    fn place(&self, model: &Model, _id: &ViewId) -> Option<String> {
+        let [x, y, z] = model.view.space?.eye;
+        Some(format!(", seen from ({x:.2}, {y:.2}, {z:.2})"))
+    }
+}
+
+/// Returns what a drag does.
+fn grip(ui: &Ui, response: &Response) -> Option<Grip> {
+    let Modifiers { shift, alt, .. } = ui.input(|input| input.modifiers);
+    let primary = response.dragged_by(PointerButton::Primary);
+    if response.dragged_by(PointerButton::Middle) || primary && shift {
+        Some(Grip::Pan)
+    } else if response.dragged_by(PointerButton::Secondary) || primary && alt {
+        Some(Grip::Orbit)
+    } else {
+        primary.then_some(Grip::Turn)
+    }
+}
+
+/// Moves the camera by the held keys: it goes, or looks, in the direction of the letters and arrows.
+fn moved_by_keys(held: Held<'_>, mut camera: SpaceCamera, speed: f64) -> SpaceCamera {
+    if !held.any() {
+        return camera;
+    }
+    let step = held.seconds() * speed;
+    let Modifiers { alt, shift, .. } = held.input.modifiers;
+    let way = [
+        held.letters(Key::D, Key::A),
+        held.letters(Key::W, Key::S),
+        held.letters(Key::Q, Key::E),
+    ];
+    if way != [0.0; 3] {
+        camera = camera.moved(way.map(|x| x * step * SPEED));
+    }
+    let [x, y] = held.arrows().map(|x| x * step);
+    if [x, y] != [0.0; 2] {
+        camera = if alt {
+            camera.orbited(-x * TURN_SPEED, -y * TURN_SPEED)
+        } else if shift {
+            camera.panned(DVec2::new(-x, -y) * PAN_SPEED)
+        } else {
+            camera.turned(x * TURN_SPEED, y * TURN_SPEED)
+        };
+    }
+    let nearer = held.nearer();
+    if nearer != 0.0 {
+        camera = camera.neared((-nearer * step * ZOOM_SPEED).exp());
+    }
+    camera
+}
+
+/// A use of the pointer on a view in space.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Grip {
+    /// The camera turns where it stands.
+    Turn,
+    /// The camera is carried around its target.
+    Orbit,
+    /// The camera is moved in the picture's plane.
+    Pan,
+}
+
+/// Moves the camera by a drag in points; `side` is the picture's shorter side in points.
+fn dragged(camera: SpaceCamera, grip: Grip, by: egui::Vec2, side: f32) -> SpaceCamera {
+    let side = f64::from(side.max(1.0));
+    let [x, y] = [f64::from(by.x) / side, f64::from(by.y) / side];
+    match grip {
+        // As the thesis has it: the camera looks where the pointer goes.
+        Grip::Turn => camera.turned(x * TURN_DRAG, -y * TURN_DRAG),
+        Grip::Orbit => camera.orbited(x * ORBIT_DRAG, -y * ORBIT_DRAG),
+        Grip::Pan => {
+            let tangent = 2.0 * (0.5 * render::style::FIELD_OF_VIEW).tan();
+            camera.panned(DVec2::new(x, -y) * tangent)
+        }
+    }
+}
+
+/// A ring about the place that Enter means.
+fn aim(ui: &Ui, at: Pos2) {
+    for (width, colour) in [(3.0, Color32::BLACK), (1.5, Color32::WHITE)] {
+        ui.painter().circle_stroke(at, 6.0, (width, colour));
+    }
+}
