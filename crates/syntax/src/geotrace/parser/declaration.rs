@@ -249,7 +249,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             | TokenKind::Undefined
             | TokenKind::Constant(_)
             | TokenKind::Function(_) => {
-                Some("a name is one keyword of letters and digits".to_owned())
+                Some("a name is one word of letters and digits".to_owned())
             }
             _ => None,
         };
