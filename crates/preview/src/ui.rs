@@ -1,7 +1,7 @@
 //! The window as it is seen and used: panes, menu, dialogs, input, and the GPU that it is shown by.
 
 pub(crate) mod app;
-pub(crate) mod camera_control;
+pub(crate) mod camera_input;
 pub(crate) mod dialogs;
 pub(crate) mod event_splitter;
 pub(crate) mod gpu_surface;

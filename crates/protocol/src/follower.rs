@@ -5,7 +5,7 @@
 pub struct Follower {
     /// The version that the reader has; `None` before the first text and after a gap.
     version: Option<i32>,
-    /// The text has been asked for.
+    /// The text has been requested.
     waits: bool,
 }
 
@@ -43,7 +43,7 @@ impl Follower {
         Err(Gap { ask })
     }
 
-    /// The reader has no text and has asked for it: edits do not apply until it comes.
+    /// The reader has no text and has requested it: edits do not apply until it comes.
     pub fn wait(&mut self) {
         self.version = None;
         self.waits = true;

@@ -15,7 +15,7 @@ pub enum Side {
 
 /// A message that may be the first.
 pub trait Greeting {
-    /// Who says it.
+    /// The side that says it.
     const SIDE: Side;
 
     /// The greeting, if it is one.
@@ -27,14 +27,14 @@ pub trait Greeting {
 pub enum HandshakeError {
     /// The first message is not [`Hello`].
     NoHello {
-        /// Who said it.
+        /// The side that said it.
         from: Side,
     },
     /// The other side speaks another version.
     OtherVersion {
-        /// Who.
+        /// The side.
         from: Side,
-        /// What it said.
+        /// Its message.
         theirs: Hello,
     },
 }

@@ -33,7 +33,7 @@ use crate::changes::Changes;
 /// The version of the messages. Raised whenever a message changes its meaning.
 pub const VERSION: u32 = 2;
 
-/// What each side says first.
+/// The first message of each side.
 #[derive(Clone, Debug, Deserialize, Eq, PartialEq, Serialize)]
 pub struct Hello {
     /// The version of the messages: [`VERSION`].
@@ -42,7 +42,7 @@ pub struct Hello {
     pub program: String,
 }
 
-/// What the server tells a window.
+/// A message from the server to a window.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "camelCase")]
 #[non_exhaustive]
@@ -53,7 +53,7 @@ pub enum Command {
     Text {
         /// The document, as the editor names it.
         uri: String,
-        /// Where it lies on disk, if it does: what the window remembers is kept beside it.
+        /// Its place on disk, if it has one: the window keeps its memory beside it.
         path: Option<String>,
         /// A number for this text, greater than those of all texts before: the editor's, unless that counts anew when it
         /// reads the document anew.
@@ -72,10 +72,10 @@ pub enum Command {
     },
     /// A view is to be seen: opened if it is not, and brought to the front.
     Show {
-        /// Which; the 3D view where none is named.
+        /// The view; the first view of the scene where none is named.
         view: Option<View>,
     },
-    /// Where the cursor stands in the text of this version; what is declared there is highlighted.
+    /// The cursor is at a place of the text of this version; what is declared there is highlighted.
     Cursor {
         /// The text's version.
         version: i32,
@@ -123,7 +123,7 @@ impl Default for View {
     }
 }
 
-/// What a window tells the server.
+/// A message from a window to the server.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "camelCase")]
 #[non_exhaustive]
@@ -134,19 +134,19 @@ pub enum Event {
     Shown {
         /// The text's version.
         version: i32,
-        /// Whether it compiled.
+        /// Set if it has no errors.
         ok: bool,
         /// From reading the text to the layout of the frame that shows it, in milliseconds.
         milliseconds: f64,
-        /// What laying out the frame before this one and handing it to the driver took, in milliseconds: what this one
-        /// still has before it when it is told.
+        /// The time that laying out the frame before this one and handing it to the driver took, in milliseconds: what
+        /// this one still has before it when the event is sent.
         painting: f64,
     },
     /// A declaration is to be shown in the editor.
     Open {
         /// The text's version: that in which the range is meant, which need not be the last.
         version: i32,
-        /// Where its name begins and ends.
+        /// The beginning and the end of its name.
         range: [u32; 2],
     },
     /// The user wants a param's value in the text, as one step that can be undone.
@@ -167,12 +167,13 @@ pub enum Event {
     },
     /// A sentence for the user.
     Message {
-        /// Whether it is an error.
+        /// Set if it is about an error.
         error: bool,
         /// The sentence.
         text: String,
     },
-    /// The window lacks the text that an edit applies to: the server sends the whole text.
+    /// The window lacks the text that an edit applies to: the server sends the whole text. A window whose compiler has
+    /// failed still has its text, and opens it anew.
     TextWanted,
     /// The window is closing, by the user's hand.
     Closed,

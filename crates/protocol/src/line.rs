@@ -1,6 +1,6 @@
 //! Messages on a stream: one JSON object a line, in UTF-8, ended by a line feed.
 //!
-//! What is read may be anything: a line that is no message, one that is too long, one that the stream's end has cut. Each
+//! Any bytes may be read: a line that is no message, one that is too long, one that the stream's end has cut. Each
 //! is an error of its own, and reading goes on at the next line.
 
 use std::fmt;
@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 /// be drawn.
 pub const LONGEST: usize = 64 << 20;
 
-/// How much of a line that is no message is repeated in an error, in characters.
+/// The number of characters that an error repeats of a line that is no message.
 const EXCERPT: usize = 80;
 
 /// Reads messages of one kind from a stream.
@@ -34,14 +34,14 @@ pub enum ReadError {
     TooLong,
     /// The stream ended within the line.
     Cut {
-        /// How the line begins.
+        /// The beginning of the line.
         excerpt: String,
     },
     /// The line is no message of this kind.
     Invalid {
-        /// How the line begins.
+        /// The beginning of the line.
         excerpt: String,
-        /// What is wrong with it, in the JSON reader's words.
+        /// The fault, in the JSON reader's words.
         reason: String,
     },
 }
@@ -53,7 +53,7 @@ pub enum WriteError {
     Stream(io::Error),
     /// The message's line would have more than [`LONGEST`] bytes; nothing has been written.
     TooLong {
-        /// How many bytes.
+        /// The number of bytes.
         length: usize,
     },
 }

@@ -1,18 +1,21 @@
-//! What waits to be told to a window: never more than is worth telling, whether the window reads or not.
+//! The commands that wait for a window: never more than are of use, even if the window does not read.
+//!
+//! This is no queue in which the latest value of a key wins: commands are composed, and an edit stays behind its text and
+//! before the views that are shown of it.
 
 use std::collections::VecDeque;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use crate::Command;
 
-/// The most views that wait to be shown. Nobody looks at more, but an editor can ask for any number.
+/// The greatest number of views that wait to be shown. An editor can request any number.
 const MOST_VIEWS: usize = 32;
 
 /// Commands between a thread that must not wait and one that writes (or reads) a pipe.
 ///
 /// A text takes the place of one that still waits, and of the edits of it; an edit is composed with one that still waits.
-/// Cursors in texts that have been overtaken are dropped. A cursor takes the place of a cursor, and a view is asked for
-/// once. Else the order stays.
+/// Cursors in texts that have been overtaken are dropped. A cursor takes the place of a cursor, and a view is
+/// requested once. Else the order stays.
 #[derive(Debug, Default)]
 pub struct Mailbox {
     state: Mutex<State>,
@@ -33,8 +36,8 @@ impl Mailbox {
     }
 
     /// Puts a command in, without waiting; returns the versions of the texts that will not be read because it has taken
-    /// their place. In a mailbox that is closed it is dropped. Behind [`Command::Close`] nothing is worth telling: it
-    /// closes the mailbox, and of what waits only the greeting is still told.
+    /// their place. In a mailbox that is closed it is dropped. Nothing follows [`Command::Close`]: it closes the
+    /// mailbox, and only a waiting greeting stays.
     pub fn put(&self, command: Command) -> Vec<i32> {
         let mut state = self.lock();
         if state.closed {
@@ -87,19 +90,19 @@ impl Mailbox {
         self.news.notify_all();
     }
 
-    /// Whether nothing more comes in.
+    /// Returns whether nothing more comes in.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.lock().closed
     }
 
-    /// How many commands wait.
+    /// The number of waiting commands.
     #[must_use]
     pub fn len(&self) -> usize {
         self.lock().waiting.len()
     }
 
-    /// Whether no command waits.
+    /// Returns whether no command waits.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

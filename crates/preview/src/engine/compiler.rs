@@ -119,7 +119,8 @@ fn work(
     let mut reader = Reader::default();
     while let Some(((), order)) = queue.take() {
         let start = Instant::now();
-        // A panic must not end the thread: it becomes a sentence, and what it has touched is dropped.
+        // A panic must not end the thread: it becomes a sentence, and what it has touched is dropped. The next text comes
+        // whole beside its changes, and is opened anew.
         let source = SourceText {
             language: &*order.language,
             text: &order.text,

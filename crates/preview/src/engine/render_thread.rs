@@ -64,7 +64,7 @@ const TOGETHER: Duration = Duration::from_millis(16);
 pub(crate) struct RenderThread {
     queue: LatestQueue<JobKey, Job>,
     /// The number of requests that are no pictures: each has a key of its own.
-    asked: u64,
+    questions: u64,
     thread: Option<JoinHandle<()>>,
     /// Set once the thread has had a renderer on a GPU.
     has_used_gpu: bool,
@@ -105,7 +105,7 @@ impl RenderThread {
         let thread = std::thread::spawn(move || work(&own, &events, renderer));
         Self {
             queue,
-            asked: 0,
+            questions: 0,
             thread: Some(thread),
             has_used_gpu,
         }
@@ -140,9 +140,9 @@ impl RenderThread {
     }
 
     fn ask(&mut self, rank: Rank, job: Job) {
-        self.asked += 1;
+        self.questions += 1;
         self.queue
-            .push(rank as u8, JobKey::Question(self.asked), job);
+            .push(rank as u8, JobKey::Question(self.questions), job);
     }
 }
 

@@ -1,6 +1,6 @@
 //! The editor's side: the server's commands flow in over standard input, events flow out over standard output.
 //!
-//! Reading and writing have a thread each, so that the window waits for neither. What is not told for a reader that
+//! Reading and writing have a thread each, so that the window waits for neither. What waits for a reader that
 //! does not read is bounded: of values and of texts that were shown only the latest is kept.
 
 use std::io::{BufReader, Read, Write};
@@ -22,7 +22,7 @@ pub(crate) enum LinkEvent {
     Command(Command),
     /// A view is to be shown of the text of a version.
     Show {
-        /// The view; the 3D view where none is named.
+        /// The view; the first view of the scene where none is named.
         view: Option<protocol::View>,
         /// The version of the last text that came before, if one did.
         version: Option<i32>,
@@ -167,7 +167,7 @@ fn read(
             text,
         } = &command
         {
-            // Compiled without waiting for the window, which is told only of a document that is another one.
+            // Compiled without waiting for the window, which learns only of a document that is another one.
             let (version, text) = (*version, text.clone());
             // A text that is in no file has its kind at the end of its name.
             place = PathBuf::from(path.as_ref().unwrap_or(uri));

@@ -31,9 +31,9 @@ pub struct Counters {
     pub compiled: u64,
     /// The text's version that is on the screen.
     pub version: i32,
-    /// Whether what is on the screen is marked as stale.
+    /// Set if what is on the screen is marked as stale.
     pub stale: bool,
-    /// Whether every view on the screen shows its newest picture.
+    /// Set if every view on the screen shows its newest picture.
     pub settled: bool,
     /// The status line's first part.
     pub status: String,
@@ -73,7 +73,7 @@ impl Report {
         })
     }
 
-    /// Tells from now on where everything is that has a name.
+    /// Reports from now on the place of everything that has a name.
     pub(crate) fn tell_places(&self, context: &Context) {
         context.enable_accesskit();
         context.add_plugin(Places {

@@ -15,7 +15,7 @@ pub(crate) struct Compiled {
     pub(crate) version: i32,
     /// The text.
     pub(crate) text: Arc<str>,
-    /// Whether the text has no errors.
+    /// Set if the text has no errors.
     pub(crate) ok: bool,
     /// The diagnostics, sorted by place.
     pub(crate) findings: Vec<Finding>,
@@ -24,7 +24,7 @@ pub(crate) struct Compiled {
     pub(crate) scene: Option<Arc<Scene>>,
     /// The objects of the scene that are shown as they last were, and those that read such an object.
     pub(crate) stale: Vec<String>,
-    /// Whether a part of the text is not shown at all.
+    /// Set if a part of the text is not shown at all.
     pub(crate) lacks: bool,
     /// The declarations of the text, in its order.
     pub(crate) declared: Vec<DeclarationRange>,

@@ -62,7 +62,7 @@ fn open(options: Options, faults: &Faults) -> Result<(), Failure> {
             .as_ref()
             .and_then(|window| window.display.size);
         let run = || eframe::run_native("geotrace", native(size), Box::new(create));
-        // Whoever draws the controls may meet the loss first, and gives up: the window does not.
+        // The code that draws the controls may meet the loss first, and gives up: the window does not.
         let ended = catch_unwind(AssertUnwindSafe(run));
         let mut window = slot.borrow_mut();
         let lost = window.as_mut().is_some_and(Window::has_lost_its_screen);
@@ -92,7 +92,7 @@ enum Ended {
 fn on_screens(slot: &Slot, mut show: impl FnMut(u32, &Slot) -> Ended) -> Result<(), Failure> {
     let rescued = || {
         let window = slot.borrow();
-        window.as_ref().and_then(Window::rescue)
+        window.as_ref().and_then(|window| window.text.rescue())
     };
     for screen in 0..=REVIVALS {
         match show(screen, slot) {
@@ -256,7 +256,7 @@ impl App for Preview {
         }
         let painting = f64::from(frame.info().cpu_usage.unwrap_or_default());
         let painting = Duration::try_from_secs_f64(painting).unwrap_or_default();
-        let clock = &mut window.clock;
+        let clock = &mut window.display.clock;
         clock.painting = painting.saturating_sub(clock.waited);
         let room = ui.input(|input| input.viewport().inner_rect);
         window.display.size = room.map(|room| room.size() * context.zoom_factor());
@@ -266,16 +266,16 @@ impl App for Preview {
             self.title.clone_from(&title);
             context.send_viewport_cmd(ViewportCommand::Title(title));
         }
-        if std::mem::take(&mut window.raise) {
+        if std::mem::take(&mut window.display.raise) {
             context.send_viewport_cmd(ViewportCommand::Minimized(false));
             context.send_viewport_cmd(ViewportCommand::Focus);
         }
         let asked = ui.input(|input| input.viewport().close_requested());
-        if asked && !window.closing && window.has_unsaved() {
+        if asked && !window.display.closing && window.text.has_unsaved() {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
             window.dialogs.leaving = true;
             context.request_repaint();
-        } else if window.closing && !asked {
+        } else if window.display.closing && !asked {
             context.send_viewport_cmd(ViewportCommand::Close);
         }
     }
@@ -288,10 +288,10 @@ impl App for Preview {
     fn on_exit(&mut self) {
         let mut slot = self.slot.borrow_mut();
         if let Some(window) = &mut *slot
-            && !window.closing
+            && !window.display.closing
             && !window.has_lost_its_screen()
         {
-            window.say(protocol::Event::Closed);
+            window.text.say(protocol::Event::Closed);
         }
     }
 }

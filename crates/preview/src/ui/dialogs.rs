@@ -26,7 +26,7 @@ pub(crate) struct Dialogs {
     pub(crate) record: Option<RecordDialog>,
     /// An animation is being recorded.
     pub(crate) recording: Option<Recording>,
-    /// The window was asked to close with a text that is not saved.
+    /// The window is to close with a text that is not saved.
     pub(crate) leaving: bool,
     /// The text of the field for a texture's file.
     pub(crate) texture_path: String,
@@ -71,11 +71,11 @@ fn leaving(window: &mut Window, ui: &Ui) {
         ui.horizontal(|ui| {
             if ui.button("Save and close").clicked() {
                 window.save_text();
-                window.closing = !window.has_unsaved();
+                window.display.closing = !window.text.has_unsaved();
                 window.dialogs.leaving = false;
             }
             if ui.button("Close without saving").clicked() {
-                window.closing = true;
+                window.display.closing = true;
                 window.dialogs.leaving = false;
             }
             if ui.button("Stay").clicked() {
@@ -159,4 +159,22 @@ fn shortcuts(window: &mut Window, ui: &Ui) {
                 });
             ui.label("A view that was clicked on, or reached with Tab, has the keys.");
         });
+}
+
+#[cfg(test)]
+mod tests {
+    use render::Views;
+    use render::view::View;
+
+    #[test]
+    fn the_keys_of_all_views_are_listed_once_in_their_order() {
+        let views = Views::standard();
+        let views: Vec<&dyn View> = views.iter().collect();
+        let rows = super::rows(&views);
+        let keys: Vec<&str> = rows.iter().map(|(keys, _)| *keys).collect();
+        assert_eq!(keys[..5], ["W S", "A D", "Q E", "Z X", "Arrows"]);
+        assert_eq!(keys.len(), 21);
+        assert_eq!(rows[3].1, ["", "zoom in, out"]);
+        assert_eq!(rows[4].1, ["turn", "move"]);
+    }
 }

@@ -1,11 +1,12 @@
 //! The menu bar.
 
 use egui::{Key, MenuBar, Panel, Ui};
+use render::Views;
 use render::view::View;
 
 use crate::state::layout::Arrangement;
 use crate::state::pane::Pane;
-use crate::state::{Step, WAVEFRONTS};
+use crate::state::{Model, Step, WAVEFRONTS};
 use crate::ui::dialogs::{picture, record};
 use crate::ui::window::{TextSource, Window};
 
@@ -17,7 +18,9 @@ pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
             ui.menu_button("File", |ui| file(window, ui));
             ui.menu_button("Edit", |ui| edit(window, ui));
             ui.menu_button("View", |ui| view(window, ui));
-            ui.menu_button("Overlays", |ui| overlays(window, ui));
+            ui.menu_button("Overlays", |ui| {
+                overlays(&mut window.model, &window.views, ui);
+            });
             ui.menu_button("Help", |ui| {
                 if entry(ui, true, "Keys and pointer", "F1") {
                     window.dialogs.shortcuts = true;
@@ -35,7 +38,7 @@ fn entry(ui: &mut Ui, enabled: bool, title: &str, keys: &str) -> bool {
 }
 
 fn file(window: &mut Window, ui: &mut Ui) {
-    if let TextSource::File { editor, .. } = &window.source {
+    if let TextSource::File { editor, .. } = &window.text.source {
         let changed = editor.is_changed();
         if entry(ui, changed, "Save program", "Ctrl+S") {
             window.save_text();
@@ -45,7 +48,7 @@ fn file(window: &mut Window, ui: &mut Ui) {
         choose_textures(window);
     }
     ui.separator();
-    let has_picture = window.sent(&window.active).is_some();
+    let has_picture = window.pictures.sent(&window.focus.view).is_some();
     if entry(ui, has_picture, "Save picture…", "Ctrl+E") {
         picture::ask_for_picture(window);
     }
@@ -62,7 +65,7 @@ fn file(window: &mut Window, ui: &mut Ui) {
 }
 
 fn choose_textures(window: &Window) {
-    crate::io::file_dialogs::choose_images(window.file_choices(), window.folder());
+    crate::io::file_dialogs::choose_images(window.events.file_choices(), window.text.folder());
 }
 
 /// Handles the keys of the menu *File*, where they do not belong to a control.
@@ -80,7 +83,7 @@ pub(crate) fn file_keys(window: &mut Window, ui: &Ui) {
     if pressed(Key::R) && window.dialogs.recording.is_none() {
         record::ask(window);
     }
-    if pressed(Key::M) && window.sent(&window.active).is_some() {
+    if pressed(Key::M) && window.pictures.sent(&window.focus.view).is_some() {
         picture::ask_for_mesh(window);
     }
     // A text that is marked is copied rather than the picture.
@@ -145,13 +148,13 @@ fn view(window: &mut Window, ui: &mut Ui) {
         window.frame_all();
     }
     if entry(ui, true, "Reset the camera", "R") {
-        let id = window.active.clone();
-        window.control(&id).reset(window, &id);
+        let id = window.focus.view.clone();
+        window.camera_input(&id).reset(window, &id);
     }
 }
 
-fn overlays(window: &mut Window, ui: &mut Ui) {
-    let mut marks = window.model.view.preferences.marks.clone();
+fn overlays(model: &mut Model, views: &Views, ui: &mut Ui) {
+    let mut marks = model.view.preferences.marks.clone();
     let before = marks.clone();
     for (on, title) in [
         (&mut marks.wavefronts, WAVEFRONTS),
@@ -162,7 +165,7 @@ fn overlays(window: &mut Window, ui: &mut Ui) {
     ] {
         ui.checkbox(on, title);
     }
-    for setting in window.views.iter().flat_map(View::settings) {
+    for setting in views.iter().flat_map(View::settings) {
         let mut on = marks.is_on(setting);
         if ui.checkbox(&mut on, setting.title).changed() {
             marks.of_views.insert(setting.name.to_owned(), on);
@@ -170,17 +173,15 @@ fn overlays(window: &mut Window, ui: &mut Ui) {
     }
     ui.checkbox(&mut marks.cameras, "Geodesic camera in the 3D view");
     ui.checkbox(&mut marks.trail, "Trail of the walk");
-    let mut paths = window.model.paths.values();
+    let mut paths = model.paths.values();
     let any = paths.any(|path| path.trail.points.len() > 1);
     let clear = egui::Button::new("Clear the trail");
     if ui.add_enabled(any, clear).clicked() {
-        window.model.clear_trails();
+        model.clear_trails();
     }
     if marks != before {
         let step = Step::new("Change the overlays", "");
-        window
-            .model
-            .change(step, |view| view.preferences.marks = marks);
-        window.model.history.settle();
+        model.change(step, |view| view.preferences.marks = marks);
+        model.history.settle();
     }
 }

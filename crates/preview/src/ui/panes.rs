@@ -257,9 +257,9 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
         let tabs = drawer.tabs;
         handles::pass_on(ui, &tabs);
     });
-    // What was asked for while the panes were drawn went to the empty tree's place.
-    let asked = std::mem::replace(&mut window.panes.tree, tree);
-    for tile in asked.tiles.tiles() {
+    // The panes that were opened while the panes were drawn went to the empty tree's place.
+    let opened = std::mem::replace(&mut window.panes.tree, tree);
+    for tile in opened.tiles.tiles() {
         if let Tile::Pane(pane) = tile {
             window.bring_forward(pane);
         }

@@ -4,14 +4,14 @@ use egui::{Panel, RichText, Ui};
 
 use crate::io::link::DisconnectReason;
 use crate::state::StatusMessage;
-use crate::ui::window::{TextSource, Window};
+use crate::ui::window::{Pictures, TextSource, Window};
 
 /// Shows a banner above the panes when the server is gone.
 pub(crate) fn banners(window: &mut Window, ui: &mut Ui) {
     let TextSource::Attached {
         disconnected: Some(reason),
         ..
-    } = &window.source
+    } = &window.text.source
     else {
         return;
     };
@@ -56,7 +56,7 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
             ui.separator();
             numbers(window, ui);
             ui.label(&window.display.backend);
-            notes(window, ui);
+            notes(&window.pictures, ui);
             if let Some(StatusMessage { is_error, text }) = &window.status_message {
                 ui.separator();
                 if *is_error {
@@ -71,11 +71,11 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
 
 /// Shows the cost of the active pane's picture, and of the window's last frame without it.
 fn numbers(window: &Window, ui: &mut Ui) {
-    let Some(picture) = window.shown_picture(&window.active) else {
+    let Some(picture) = window.pictures.shown(&window.focus.view) else {
         return;
     };
     let [picture_took, frame_took] =
-        [picture.took, window.clock.painting].map(|time| time.as_secs_f64() * 1e3);
+        [picture.took, window.display.clock.painting].map(|time| time.as_secs_f64() * 1e3);
     ui.label(format!(
         "picture {picture_took:.1} ms, frame {frame_took:.1} ms"
     ));
@@ -87,8 +87,8 @@ fn numbers(window: &Window, ui: &mut Ui) {
             work.steps, work.evaluations
         ));
     }
-    let surface = window.active.object.as_ref();
-    let surface = surface.or(window.active_surface.as_ref());
+    let surface = window.focus.view.object.as_ref();
+    let surface = surface.or(window.focus.surface.as_ref());
     let leaves = window.model.view.preferences.marks.trail;
     let path = surface.and_then(|name| window.model.paths.get(name));
     if let Some(path) = path.filter(|_| leaves) {
@@ -99,10 +99,10 @@ fn numbers(window: &Window, ui: &mut Ui) {
 }
 
 /// Shows the notes of the pictures.
-fn notes(window: &Window, ui: &mut Ui) {
+fn notes(pictures: &Pictures, ui: &mut Ui) {
     let mut notes: Vec<&str> = Vec::new();
-    for picture in window
-        .pane_views
+    for picture in pictures
+        .of_views
         .values()
         .filter_map(|view| view.picture.as_ref())
     {

@@ -406,7 +406,7 @@ fn the_space_camera_keeps_its_distance_while_it_turns_orbits_and_moves() {
     }
 }
 
-/// What a geodesic view has a mark of, and whether the 3D view has one, after texts one behind the other.
+/// The marks of geodesic views, and that of the 3D view, after texts one behind the other.
 fn marks(texts: &[&str], surfaces: [&str; 2]) -> (bool, [bool; 2]) {
     let (mut reader, mut model) = (Reader::default(), Model::default());
     for text in texts {

@@ -1,4 +1,4 @@
-//! Pictures and meshes for other programs: what is asked before they are written.
+//! Pictures and meshes for other programs: the dialogs before they are written.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,7 @@ use crate::ui::window::Window;
 pub(crate) struct PictureDialog {
     pane: ViewId,
     size: [u32; 2],
-    /// Whether the background is transparent, of a view that has one.
+    /// Set to true for a transparent background; none of a view without a background.
     transparent: Option<bool>,
     pub(crate) path: String,
 }
@@ -33,14 +33,14 @@ pub(crate) enum Decision {
 
 /// Opens the dialog for a picture of the active view.
 pub(crate) fn ask_for_picture(window: &mut Window) {
-    let Some(request) = window.kept(&window.active) else {
+    let Some(request) = window.kept(&window.focus.view) else {
         return;
     };
     window.dialogs.picture = Some(PictureDialog {
-        pane: window.active.clone(),
+        pane: window.focus.view.clone(),
         size: request.size,
         transparent: request.view.space().map(|_| false),
-        path: in_folder(window, &file_name(&window.active, "png")),
+        path: in_folder(window, &file_name(&window.focus.view, "png")),
     });
 }
 
@@ -56,17 +56,17 @@ pub(crate) fn file_name(id: &ViewId, extension: &str) -> String {
 
 /// A name in the program's folder.
 pub(crate) fn in_folder(window: &Window, name: &str) -> String {
-    let folder = window.folder().unwrap_or_default();
+    let folder = window.text.folder().unwrap_or_default();
     folder.join(name).display().to_string()
 }
 
 /// Copies the active view's picture.
 pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
-    let Some(request) = window.kept(&window.active) else {
+    let Some(request) = window.kept(&window.focus.view) else {
         return;
     };
     let (context, views) = (ui.ctx().clone(), window.views.clone());
-    report_when_done(window.status_sender(), move || {
+    report_when_done(window.events.status(), move || {
         let picture = render::render(&views, &request, Backend::Auto, &|_| {});
         let image = picture.map_err(|error| error.to_string())?.image;
         let size = [image.width() as usize, image.height() as usize];
@@ -205,7 +205,7 @@ pub(crate) fn modal(
 /// Lets the user choose the file in the desktop's dialog.
 pub(crate) fn choose(window: &Window, title: &str, path: &str) {
     crate::io::file_dialogs::choose_target(
-        window.file_choices(),
+        window.events.file_choices(),
         title.to_owned(),
         PathBuf::from(path),
     );
@@ -222,21 +222,23 @@ fn write_picture(window: &Window, dialog: &PictureDialog) {
         space.background = Some([0; 4]);
     }
     let (path, views) = (PathBuf::from(&dialog.path), window.views.clone());
-    report_when_done(window.status_sender(), move || {
+    report_when_done(window.events.status(), move || {
         files::save_picture(&path, &views, &request)
     });
 }
 
 fn write_mesh(window: &Window, path: &str) {
     // Colours and textures are those of the first view.
+    let first = ViewId::of_scene(window.views.first().name());
     let request = window
-        .sent(&ViewId::of_scene(window.views.first().name()))
-        .or_else(|| window.sent(&window.active));
+        .pictures
+        .sent(&first)
+        .or_else(|| window.pictures.sent(&window.focus.view));
     let Some(request) = request.cloned() else {
         return;
     };
     let path = PathBuf::from(path);
-    report_when_done(window.status_sender(), move || {
+    report_when_done(window.events.status(), move || {
         save_mesh(&path, &with_curvatures(request))
     });
 }

@@ -1,4 +1,4 @@
-//! Animations for papers and lectures: what is asked before one is recorded, and how far it has come.
+//! Animations for papers and lectures: the dialog before one is recorded, and its progress.
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,7 @@ pub(crate) struct RecordDialog {
     /// The arc length of its walk, in the surface's units; backwards if negative.
     length: f64,
     trail: bool,
-    /// Whether the background is transparent, of a view that has one.
+    /// Set to true for a transparent background; none of a view without a background.
     transparent: Option<bool>,
     clip: Clip,
     pub(crate) path: String,
@@ -54,7 +54,7 @@ impl Moves {
 
 /// Opens the dialog for a recording of the active view.
 pub(crate) fn ask(window: &mut Window) {
-    let pane = window.active.clone();
+    let pane = window.focus.view.clone();
     let Some(request) = window.kept(&pane) else {
         return;
     };
@@ -66,7 +66,7 @@ pub(crate) fn ask(window: &mut Window) {
         moves.push(Moves::Param(ParamChange { name, from, to }));
     }
     let surface = pane.object.clone();
-    let surface = surface.or_else(|| window.active_surface.clone());
+    let surface = surface.or_else(|| window.focus.surface.clone());
     let view = &window.model.view;
     let camera = surface.and_then(|name| Some((name.clone(), *view.inside.get(&name)?)));
     if let Some((name, _)) = &camera {
@@ -276,7 +276,7 @@ fn begin(window: &mut Window, dialog: &RecordDialog) {
         clip: dialog.clip,
     };
     let path = PathBuf::from(&dialog.path);
-    window.dialogs.recording = Some(Recording::start(window.status_sender(), film, path));
+    window.dialogs.recording = Some(Recording::start(window.events.status(), film, path));
 }
 
 /// Shows the progress of a recording, and the button that cancels it.

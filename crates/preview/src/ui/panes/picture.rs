@@ -3,8 +3,9 @@
 use egui::{
     Align2, Color32, EventFilter, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo,
 };
-use render::ViewId;
+use render::{ViewId, Views};
 
+use crate::state::Model;
 use crate::ui::gpu_surface::TextureBinding;
 use crate::ui::window::Window;
 
@@ -42,7 +43,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
         ui.painter()
             .rect_stroke(rect.shrink(1.0), 0.0, stroke, StrokeKind::Inside);
     }
-    if is_set_off(window, pane) {
+    if is_set_off(&window.model, pane) {
         let [r, g, b] = render::style::EMPHASIS_COLOUR;
         let stroke = Stroke::new(3.0, Color32::from_rgb(r, g, b));
         ui.painter()
@@ -50,17 +51,23 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
     }
     let place = [rect.left(), rect.top(), rect.width(), rect.height()];
     let place = place.map(|x| x * scale);
-    window.counters.panes.insert(pane.to_string(), place);
-    window.control(pane).pointer(window, ui, pane, &response);
+    window
+        .records
+        .counters
+        .panes
+        .insert(pane.to_string(), place);
+    window
+        .camera_input(pane)
+        .pointer(window, ui, pane, &response);
 }
 
 fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
     let painter = ui.painter_at(rect);
-    let stale = is_stale(window, pane);
+    let stale = is_stale(&window.model, &window.views, pane);
     let lines = window.model.errors().count();
     let mut error = None;
     let mut covered = false;
-    let view = window.pane_views.get_mut(pane);
+    let view = window.pictures.of_views.get_mut(pane);
     if let Some(picture) = view.and_then(|view| view.picture.as_mut()) {
         if let Some(painted) = picture.fresh.take() {
             let before = picture.binding.take();
@@ -89,7 +96,7 @@ fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
             &text,
             Color32::from_rgb(176, 32, 24),
         );
-    } else if let Some(words) = nothing(window, pane) {
+    } else if let Some(words) = nothing(&window.model, &window.views, pane) {
         let place = rect.left_top() + egui::vec2(8.0, 8.0);
         badge(&painter, place, words, Color32::from_gray(70));
     }
@@ -100,27 +107,26 @@ fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
 }
 
 /// Returns whether the view is of the object that is declared at the cursor. Views of the scene highlight the object.
-fn is_set_off(window: &Window, pane: &ViewId) -> bool {
-    pane.object.is_some() && pane.object == window.model.highlighted
+fn is_set_off(model: &Model, pane: &ViewId) -> bool {
+    pane.object.is_some() && pane.object == model.highlighted
 }
 
 /// Returns whether a view shows something as it is no more in the text.
-fn is_stale(window: &Window, pane: &ViewId) -> bool {
-    match (&pane.object, window.views.get(&pane.kind)) {
-        (Some(name), _) => window.model.is_stale_on(name),
-        (None, Some(view)) => window.model.is_stale_in(view),
+fn is_stale(model: &Model, views: &Views, pane: &ViewId) -> bool {
+    match (&pane.object, views.get(&pane.kind)) {
+        (Some(name), _) => model.is_stale_on(name),
+        (None, Some(view)) => model.is_stale_in(view),
         (None, None) => false,
     }
 }
 
 /// Returns the reason why a view is empty, if it is.
-fn nothing(window: &Window, pane: &ViewId) -> Option<&'static str> {
-    let model = &window.model;
+fn nothing(model: &Model, views: &Views, pane: &ViewId) -> Option<&'static str> {
     let scene = model.scene.as_ref();
     if model.read && scene.is_none_or(|scene| scene.objects.is_empty()) {
         return Some("Nothing to show");
     }
-    let view = window.views.get(&pane.kind)?;
+    let view = views.get(&pane.kind)?;
     (!view.is_of_object() && model.is_unseen_in(view)).then(|| view.nothing())
 }
 
@@ -150,18 +156,18 @@ fn words(window: &Window, pane: &ViewId) -> String {
         let some = if objects == 1 { "object" } else { "objects" };
         words.push_str(&format!(" of {objects} {some}"));
     }
-    words.extend(window.control(pane).place(&window.model, pane));
-    if is_set_off(window, pane) {
+    words.extend(window.camera_input(pane).place(&window.model, pane));
+    if is_set_off(&window.model, pane) {
         words.push_str("; declared at the cursor");
     }
-    if let Some(nothing) = nothing(window, pane) {
+    if let Some(nothing) = nothing(&window.model, &window.views, pane) {
         words.push_str("; ");
         words.push_str(nothing);
     }
-    if is_stale(window, pane) {
+    if is_stale(&window.model, &window.views, pane) {
         words.push_str("; stale: the program has errors");
     }
-    if let Some(error) = window.shown_picture(pane).and_then(|it| it.error.as_ref()) {
+    if let Some(error) = window.pictures.shown(pane).and_then(|it| it.error.as_ref()) {
         words.push_str("; ");
         words.push_str(error);
     }

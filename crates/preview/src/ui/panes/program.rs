@@ -14,7 +14,7 @@ use crate::ui::window::{TextSource, Window};
 pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     let margin = egui::Frame::new().inner_margin(6.0);
     margin.show(ui, |ui| {
-        if matches!(window.source, TextSource::File { .. }) {
+        if matches!(window.text.source, TextSource::File { .. }) {
             let changed = bar(window, ui);
             let room = (ui.available_height() - 110.0).max(60.0);
             let edited = ScrollArea::vertical()
@@ -25,7 +25,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
                 .show(ui, |ui| text(window, ui))
                 .inner;
             if edited || changed {
-                window.compile_own();
+                window.text.compile();
             }
         }
         findings(window, ui);
@@ -35,7 +35,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
 /// The file and what can be done with it; whether the text was replaced.
 fn bar(window: &mut Window, ui: &mut Ui) -> bool {
     let mut changed = false;
-    let TextSource::File { editor, .. } = &mut window.source else {
+    let TextSource::File { editor, .. } = &mut window.text.source else {
         return false;
     };
     if editor.conflict.is_some() {
@@ -78,14 +78,14 @@ fn bar(window: &mut Window, ui: &mut Ui) -> bool {
 
 /// The text with line numbers; whether it was edited.
 fn text(window: &mut Window, ui: &mut Ui) -> bool {
-    let TextSource::File { editor, .. } = &mut window.source else {
+    let TextSource::File { editor, .. } = &mut window.text.source else {
         return false;
     };
     let font = egui::TextStyle::Monospace.resolve(ui.style());
     let lines = editor.text.matches('\n').count() + 1;
     let digits = lines.to_string().len().max(2);
     let width = font.size * 0.65 * digits as f32 + 8.0;
-    let painter = &mut window.painter;
+    let painter = &mut window.text.painter;
     let language = Arc::clone(&editor.language);
     let edited = ui
         .horizontal_top(|ui| {

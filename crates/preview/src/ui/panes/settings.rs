@@ -1,11 +1,11 @@
 //! The settings: params, how objects look, textures, cameras and pictures.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use egui::{ComboBox, DragValue, Grid, ScrollArea, Slider, Ui};
 use scene::{Object, Param};
 
-use crate::state::{Choice, SCALES, Step, Theme};
+use crate::state::{Choice, Model, SCALES, Step, Theme};
 use crate::ui::window::Window;
 
 /// The width of the box that animates a param, with its word.
@@ -20,12 +20,16 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
         margin.show(ui, |ui| {
             // What has no room in one part makes no other part wider.
             let room = ui.available_width();
-            for part in [params, objects, textures, views] {
+            for part in [params, objects, textures] {
                 ui.scope(|ui| {
                     ui.set_max_width(room);
                     part(window, ui);
                 });
             }
+            ui.scope(|ui| {
+                ui.set_max_width(room);
+                views(&mut window.model, ui);
+            });
             write_released(window, ui);
         });
     });
@@ -95,7 +99,7 @@ fn slider(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, values: &[f
     let room = ui.available_width() - beside - if is_wide { ANIMATE } else { 0.0 };
     ui.spacing_mut().slider_width = room.clamp(SLIDER[0], SLIDER[1]);
     let mut both = |ui: &mut Ui| {
-        animated(window, ui, param, k, &name);
+        animated(&mut window.model, ui, param, k, &name);
         // Only what is written is rounded: a slider of few decimals would round the value itself, in each frame.
         let decimals = decimals(range.max - range.min);
         let slider = Slider::new(&mut value, range.min..=range.max)
@@ -131,12 +135,12 @@ fn slider(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, values: &[f
 }
 
 /// The box that animates a component of a param.
-fn animated(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, name: &str) {
-    let animation = window.model.view.animations.get(&param.name);
+fn animated(model: &mut Model, ui: &mut Ui, param: &Param, k: usize, name: &str) {
+    let animation = model.view.animations.get(&param.name);
     let mut on = animation.is_some_and(|it| it.on.get(k).copied().unwrap_or(false));
     let animate = ui.checkbox(&mut on, "Animate");
     if animate.accessible_name(format!("Animate {name}")).changed() {
-        window.model.change(Step::new("Animate", name), |view| {
+        model.change(Step::new("Animate", name), |view| {
             view.animate(&param.name, k, on);
         });
     }
@@ -224,7 +228,7 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
     if object.shape.manifold().is_some() {
         let mut texture = look.texture.clone();
         if choose(
-            window,
+            &window.model.view.textures,
             ui,
             &format!("Texture of {name}"),
             &mut texture,
@@ -242,7 +246,13 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
 }
 
 /// A list of all textures; whether another one was chosen.
-fn choose(window: &Window, ui: &mut Ui, label: &str, choice: &mut Choice, of_object: bool) -> bool {
+fn choose(
+    images: &[PathBuf],
+    ui: &mut Ui,
+    label: &str,
+    choice: &mut Choice,
+    of_object: bool,
+) -> bool {
     let before = choice.clone();
     let combo = ComboBox::from_id_salt(label)
         .selected_text(title(choice, of_object))
@@ -256,7 +266,7 @@ fn choose(window: &Window, ui: &mut Ui, label: &str, choice: &mut Choice, of_obj
             option(Choice::Default);
             option(Choice::Plain);
             option(Choice::Curvature);
-            for path in &window.model.view.textures {
+            for path in images {
                 option(Choice::Image(path.clone()));
             }
         });
@@ -289,15 +299,21 @@ fn textures(window: &mut Window, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         ui.label("Default");
         let mut choice = window.model.view.default_texture.clone();
-        if choose(window, ui, "Default texture", &mut choice, false) {
+        if choose(
+            &window.model.view.textures,
+            ui,
+            "Default texture",
+            &mut choice,
+            false,
+        ) {
             let step = Step::new("Choose the default texture", "");
             window
                 .model
                 .change(step, |view| view.default_texture = choice);
         }
         if ui.button("Open Texture…").clicked() {
-            let folder = window.folder();
-            crate::io::file_dialogs::choose_images(window.file_choices(), folder);
+            let folder = window.text.folder();
+            crate::io::file_dialogs::choose_images(window.events.file_choices(), folder);
         }
     });
     ui.horizontal(|ui| {
@@ -314,7 +330,7 @@ fn textures(window: &mut Window, ui: &mut Ui) {
         if ui.button("Add").clicked() || entered {
             let given = std::mem::take(&mut window.dialogs.texture_path);
             if !given.trim().is_empty() {
-                let folder = window.folder().unwrap_or_default();
+                let folder = window.text.folder().unwrap_or_default();
                 window.open_images(vec![folder.join(given.trim())]);
             }
         }
@@ -323,7 +339,7 @@ fn textures(window: &mut Window, ui: &mut Ui) {
     for path in &window.model.view.textures {
         ui.horizontal(|ui| {
             let name = file_name(path);
-            match window.library.trouble(path) {
+            match window.pictures.library.trouble(path) {
                 Some(trouble) => {
                     ui.colored_label(ui.visuals().error_fg_color, &name)
                         .on_hover_text(trouble);
@@ -351,11 +367,11 @@ fn textures(window: &mut Window, ui: &mut Ui) {
     ui.separator();
 }
 
-fn views(window: &mut Window, ui: &mut Ui) {
+fn views(model: &mut Model, ui: &mut Ui) {
     ui.heading("Views");
     // Beside the slider stand its name and its number.
     ui.spacing_mut().slider_width = (ui.available_width() - 165.0).clamp(SLIDER[0], SLIDER[1]);
-    let mut preferences = window.model.view.preferences.clone();
+    let mut preferences = model.view.preferences.clone();
     let before = preferences.clone();
     Grid::new("views")
         .num_columns(2)
@@ -416,9 +432,7 @@ fn views(window: &mut Window, ui: &mut Ui) {
         });
     if preferences != before {
         let step = Step::new("Change a setting", "views");
-        window
-            .model
-            .change(step, |view| view.preferences = preferences);
+        model.change(step, |view| view.preferences = preferences);
     }
 }
 

@@ -5,12 +5,21 @@ use render::ViewId;
 
 use super::Window;
 use crate::state::pane::Pane;
-use crate::ui::camera_control::{CameraControl, control_of};
+use crate::ui::camera_input::{CameraInput, input_of};
+
+/// The view that the user is busy with.
+#[derive(Debug)]
+pub(crate) struct Focus {
+    /// The view that keys move.
+    pub(crate) view: ViewId,
+    /// The surface whose camera is shown in space.
+    pub(crate) surface: Option<String>,
+}
 
 impl Window {
     /// Returns what moves a view's camera.
-    pub(crate) fn control(&self, id: &ViewId) -> &'static dyn CameraControl {
-        control_of(self.views.get(&id.kind))
+    pub(crate) fn camera_input(&self, id: &ViewId) -> &'static dyn CameraInput {
+        input_of(self.views.get(&id.kind))
     }
 
     /// Returns the views of the scene that is shown.
@@ -20,7 +29,7 @@ impl Window {
 
     /// Keys move this view's camera from now on.
     pub(crate) fn activate(&mut self, id: &ViewId) {
-        self.active = id.clone();
+        self.focus.view = id.clone();
         self.note_surface(id);
     }
 
@@ -28,7 +37,7 @@ impl Window {
     fn note_surface(&mut self, id: &ViewId) {
         let options = self.views.get(&id.kind).map(|view| view.options(None));
         if options.is_some_and(|options| options.geodesic_camera().is_some()) {
-            self.active_surface.clone_from(&id.object);
+            self.focus.surface.clone_from(&id.object);
         }
     }
 
@@ -77,11 +86,11 @@ impl Window {
     /// them.
     pub(super) fn has_keys(&mut self) -> bool {
         let seen = self.panes.in_front();
-        if seen.contains(&self.active) {
+        if seen.contains(&self.focus.view) {
             return true;
         }
         // Likely the view of the active surface, else one of the whole scene.
-        let surface = &self.active_surface;
+        let surface = &self.focus.surface;
         let next = seen.into_iter().min_by_key(|id| {
             let is_of_surface = id.object.is_some() && id.object == *surface;
             (!is_of_surface, id.object.is_some(), id.clone())

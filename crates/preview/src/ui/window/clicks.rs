@@ -47,10 +47,10 @@ impl Window {
         self.input.clicks.open = (!by_key).then(|| Open {
             until: ui.input(|input| input.time) + DOUBLE_CLICK,
             surface: None,
-            shown: self.active_surface.clone(),
+            shown: self.focus.surface.clone(),
         });
         let purpose = Purpose::Place(self.input.clicks.count);
-        self.render_thread.pick(request, at, purpose);
+        self.pictures.render_thread.pick(request, at, purpose);
     }
 
     /// A double click there, whose first half has been taken for a click.
@@ -59,10 +59,10 @@ impl Window {
             self.input.clicks.withdrawn = Some(self.input.clicks.count);
             self.model.withdraw_placement();
             if open.surface.is_some() {
-                self.active_surface = open.shown;
+                self.focus.surface = open.shown;
             }
         }
-        self.render_thread.pick(request, at, Purpose::Open);
+        self.pictures.render_thread.pick(request, at, Purpose::Open);
     }
 
     /// Ends the last click: it has no further effect.
@@ -117,7 +117,7 @@ impl Window {
         };
         self.status_message = Some(StatusMessage::info(sentence));
         if object.shape.manifold().is_none() {
-            // It has no camera to be put there, and nothing else to be asked for.
+            // It has no camera to be put there.
             self.show_declaration(&name);
             return;
         }
@@ -131,7 +131,7 @@ impl Window {
             return;
         };
         self.model.place(&name, camera);
-        self.active_surface = Some(name.clone());
+        self.focus.surface = Some(name.clone());
         match &mut self.input.clicks.open {
             Some(open) if number == self.input.clicks.count => open.surface = Some(name),
             _ => {

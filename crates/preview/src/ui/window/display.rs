@@ -3,6 +3,7 @@
 use egui::{Color32, Ui, Vec2};
 
 use super::clicks::DOUBLE_CLICK;
+use super::frame_clock::FrameClock;
 use crate::state::{Preferences, Theme};
 use crate::ui::event_splitter::EventSplitter;
 use crate::ui::gpu_surface::GpuSurface;
@@ -15,6 +16,12 @@ pub(crate) struct Display {
     pub(crate) backend: String,
     /// The size of the window in the display's points.
     pub(crate) size: Option<Vec2>,
+    /// The times of its frames.
+    pub(crate) clock: FrameClock,
+    /// The window is to come to the front.
+    pub(crate) raise: bool,
+    /// The window is to close.
+    pub(crate) closing: bool,
     /// The theme and the scale that the context has.
     style: Option<(Theme, f32)>,
 }
@@ -25,6 +32,9 @@ impl Default for Display {
             surface: None,
             backend: "software".to_owned(),
             size: None,
+            clock: FrameClock::default(),
+            raise: false,
+            closing: false,
             style: None,
         }
     }

@@ -1,5 +1,8 @@
-//! The events of the window: one variant for each part that sends events.
+//! The events of the window: one variant for each part that sends events, and the channel that they come by.
 
+use std::sync::mpsc::Receiver;
+
+use crate::channel::EventSender;
 use crate::engine::render_thread::RenderEvent;
 use crate::engine::textures::TextureRead;
 use crate::io::file_dialogs::FileChoice;
@@ -24,4 +27,28 @@ pub(crate) enum WindowEvent {
     FileChoice(FileChoice),
     /// A sentence for the status line.
     Status(StatusMessage),
+}
+
+/// The channel of a window's events.
+pub(crate) struct WindowEvents {
+    pub(super) sender: EventSender<WindowEvent>,
+    pub(super) receiver: Receiver<WindowEvent>,
+}
+
+impl WindowEvents {
+    /// Makes the channel of a window.
+    pub(super) fn new(context: egui::Context) -> Self {
+        let (sender, receiver) = EventSender::new(context);
+        Self { sender, receiver }
+    }
+
+    /// Returns a sender of sentences for the status line.
+    pub(crate) fn status(&self) -> EventSender<StatusMessage> {
+        self.sender.for_part(WindowEvent::Status)
+    }
+
+    /// Returns a sender of what the user chooses in the desktop's dialogs.
+    pub(crate) fn file_choices(&self) -> EventSender<FileChoice> {
+        self.sender.for_part(WindowEvent::FileChoice)
+    }
 }

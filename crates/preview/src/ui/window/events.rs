@@ -18,7 +18,7 @@ impl Window {
     /// Takes over all events that have come; returns whether there were any.
     pub(super) fn handle_events(&mut self) -> bool {
         let mut any = false;
-        while let Ok(event) = self.events.try_recv() {
+        while let Ok(event) = self.events.receiver.try_recv() {
             self.handle_event(event);
             any = true;
         }
@@ -35,7 +35,7 @@ impl Window {
             WindowEvent::File(text) => self.take_changed(text),
             WindowEvent::Link(event) => self.take_link_event(event),
             WindowEvent::Texture(read) => {
-                if let Some(sentence) = self.library.take(read) {
+                if let Some(sentence) = self.pictures.library.take(read) {
                     self.status_message = Some(StatusMessage::error(sentence));
                 }
             }
@@ -49,7 +49,7 @@ impl Window {
             LinkEvent::Command(command) => self.obey(command),
             LinkEvent::Show { view, version } => self.show_view(view, version),
             LinkEvent::Disconnected(reason) => {
-                if let TextSource::Attached { disconnected, .. } = &mut self.source {
+                if let TextSource::Attached { disconnected, .. } = &mut self.text.source {
                     *disconnected = Some(reason);
                 }
             }
@@ -69,9 +69,9 @@ impl Window {
     }
 
     fn take_compiled(&mut self, compiled: Compiled) {
-        self.counters.compiled += 1;
-        self.painter.mark(&compiled.findings);
-        self.reports.note_compiled(&compiled);
+        self.records.counters.compiled += 1;
+        self.text.painter.mark(&compiled.findings);
+        self.text.reports.note_compiled(&compiled);
         let fresh = compiled.scene.is_some();
         let first = self.model.scene.is_none();
         self.model.take(compiled);
@@ -82,12 +82,12 @@ impl Window {
         self.model.reframe();
         let surfaces = self.model.surfaces();
         let known = |name: &String| surfaces.contains(name);
-        if !self.active_surface.as_ref().is_some_and(known) {
-            self.active_surface = surfaces.into_iter().next();
+        if !self.focus.surface.as_ref().is_some_and(known) {
+            self.focus.surface = surfaces.into_iter().next();
         }
         let offered = self.offered();
-        if !offered.contains(&self.active) {
-            self.active = ViewId::of_scene(self.views.first().name());
+        if !offered.contains(&self.focus.view) {
+            self.focus.view = ViewId::of_scene(self.views.first().name());
         }
         let (closed, ok) = (&self.model.view.closed, self.model.ok);
         self.panes.follow(&offered, closed, ok);
@@ -114,11 +114,11 @@ impl Window {
                 request,
                 counters,
             } => {
-                self.counters.pictures += 1;
-                self.counters.drawn = counters.pictures;
-                self.counters.sampled = counters.sampled;
-                self.counters.pipelines = counters.pipelines;
-                self.counters.looks = counters.looks;
+                self.records.counters.pictures += 1;
+                self.records.counters.drawn = counters.pictures;
+                self.records.counters.sampled = counters.sampled;
+                self.records.counters.pipelines = counters.pipelines;
+                self.records.counters.looks = counters.looks;
                 self.take_picture(&pane, picture, space_camera, &request);
             }
             RenderEvent::Picked {
@@ -139,13 +139,13 @@ impl Window {
     }
 
     fn take_changed(&mut self, text: Result<String, Unreadable>) {
-        let TextSource::File { editor, .. } = &mut self.source else {
+        let TextSource::File { editor, .. } = &mut self.text.source else {
             return;
         };
         match text {
             Ok(text) => {
                 if editor.take_changed(text) {
-                    self.compile_own();
+                    self.text.compile();
                 }
             }
             Err(reason) => {
@@ -162,7 +162,7 @@ impl Window {
                 path: place,
                 ..
             } => {
-                let TextSource::Attached { uri, path, .. } = &mut self.source else {
+                let TextSource::Attached { uri, path, .. } = &mut self.text.source else {
                     return;
                 };
                 if *uri != new {
@@ -176,14 +176,14 @@ impl Window {
             Command::Cursor { version, offset } if version == self.model.version => {
                 self.model.highlighted = self.model.declared_at(offset).map(str::to_owned);
             }
-            Command::Close => self.closing = true,
+            Command::Close => self.display.closing = true,
             _ => {}
         }
     }
 
     /// A view is to be seen of the text of a version.
     fn show_view(&mut self, view: Option<View>, version: Option<i32>) {
-        self.raise = true;
+        self.display.raise = true;
         let first = ViewId::of_scene(self.views.first().name());
         let Some(View { view, surface }) = view else {
             // A scene of which it shows nothing is shown without it.
@@ -196,7 +196,7 @@ impl Window {
         match known.map(|known| (known.is_of_object(), surface)) {
             Some((true, Some(name))) => {
                 let wanted = ViewId::of_object(&view, &name);
-                self.reports.wanted_view = Some((wanted, version));
+                self.text.reports.wanted_view = Some((wanted, version));
                 self.open_wanted();
             }
             Some((false, _)) => self.bring_forward(&Pane::View(ViewId::of_scene(&view))),
@@ -210,7 +210,7 @@ impl Window {
         let is_read = |wanted: &mut (ViewId, Option<i32>)| {
             read && wanted.1.is_none_or(|wanted| wanted <= version)
         };
-        let Some((wanted, _)) = self.reports.wanted_view.take_if(is_read) else {
+        let Some((wanted, _)) = self.text.reports.wanted_view.take_if(is_read) else {
             return;
         };
         let mut offered = self.offered();
@@ -230,6 +230,6 @@ impl Window {
         let (kind, name) = (kind.unwrap_or("object"), wanted.object.unwrap_or_default());
         let text = format!("There is no {kind} `{name}`: {known}{errors}.");
         self.status_message = Some(StatusMessage::error(text.clone()));
-        self.say(Event::Message { error: true, text });
+        self.text.say(Event::Message { error: true, text });
     }
 }

@@ -11,7 +11,7 @@ use crate::state::StatusMessage;
 use crate::state::motion::Motion;
 use crate::state::pane::Pane;
 use crate::state::{Choice, SpaceCamera, Step};
-use crate::ui::camera_control::Held;
+use crate::ui::camera_input::Held;
 use crate::ui::panes::picture;
 
 /// The state of the user's input between two frames.
@@ -57,20 +57,22 @@ impl Window {
             .input(|input| f64::from(input.unstable_dt))
             .clamp(0.0, 0.1);
         self.model.animate(seconds);
-        self.clock.note_motion(ui.input(|input| input.time));
+        self.display.clock.note_motion(ui.input(|input| input.time));
         ui.ctx().request_repaint();
     }
 
     /// Notes that the user has moved a view or a param.
     pub(crate) fn has_moved(&mut self, ui: &Ui) {
-        self.clock.note_gesture(ui.input(|input| input.time));
+        self.display
+            .clock
+            .note_gesture(ui.input(|input| input.time));
     }
 
     /// Requests a repaint for when a motion has come to rest and a click can be no double click any more. A frame
     /// that comes sooner cancels the request, so each frame requests it anew.
     pub(super) fn wake_in_time(&self, ui: &Ui) {
         let now = ui.input(|input| input.time);
-        let times = [Some(self.clock.moving_until), self.clicked_until()];
+        let times = [Some(self.display.clock.moving_until), self.clicked_until()];
         let next = times.into_iter().flatten().filter(|time| *time > now);
         if let Some(time) = next.min_by(f64::total_cmp) {
             let pause = Duration::from_secs_f64(time - now + 0.01);
@@ -86,12 +88,12 @@ impl Window {
             return;
         }
         let arrows = self.has_arrows(ui);
-        let (id, control) = (self.active.clone(), self.control(&self.active));
+        let (id, camera) = (self.focus.view.clone(), self.camera_input(&self.focus.view));
         let pressed = |key| ui.input(|input| input.key_pressed(key) && input.modifiers.is_none());
         if pressed(Key::R) || pressed(Key::Home) {
-            control.reset(self, &id);
+            camera.reset(self, &id);
         }
-        control.keys(self, ui, &id, arrows);
+        camera.keys(self, ui, &id, arrows);
         if ui.input(|input| Held::new(input, arrows).any()) {
             ui.ctx().request_repaint();
         }
@@ -100,7 +102,7 @@ impl Window {
     /// Returns whether the arrows belong to the active view: no control has the focus.
     pub(super) fn has_arrows(&self, ui: &Ui) -> bool {
         let focused = ui.memory(egui::Memory::focused);
-        focused.is_none_or(|id| id == picture::id(&self.active))
+        focused.is_none_or(|id| id == picture::id(&self.focus.view))
     }
 
     /// Moves the 3D camera, as one step with what else `hand` does in one go.
@@ -126,10 +128,10 @@ impl Window {
     /// Puts the camera in space where everything is seen, from where it looks now: the render thread knows how far that
     /// is.
     pub(crate) fn frame_all(&mut self) {
-        let sent = self.pane_views.values();
+        let sent = self.pictures.of_views.values();
         let mut sent = sent.filter_map(|view| view.request.as_ref());
         if let Some(request) = sent.find(|request| request.view.space().is_some()) {
-            self.render_thread.frame(request.clone());
+            self.pictures.render_thread.frame(request.clone());
         }
     }
 
@@ -196,21 +198,22 @@ impl Window {
         }
         let now = views
             .iter()
-            .position(|pane| pane.view() == Some(&self.active));
+            .position(|pane| pane.view() == Some(&self.focus.view));
         let next = match now {
             Some(at) if back => (at + views.len() - 1) % views.len(),
             Some(at) => (at + 1) % views.len(),
             None => 0,
         };
         self.bring_forward(&views[next]);
-        let active = picture::id(&self.active);
+        let active = picture::id(&self.focus.view);
         ui.memory_mut(|memory| memory.request_focus(active));
     }
 
     /// Gives the active view more room beside its neighbours, or less.
     pub(crate) fn resize_active(&mut self, larger: bool) {
         let factor = if larger { 1.25 } else { 0.8 };
-        self.panes.resize(&Pane::View(self.active.clone()), factor);
+        self.panes
+            .resize(&Pane::View(self.focus.view.clone()), factor);
     }
 
     /// Takes the last change of the view back.
@@ -244,7 +247,7 @@ impl Window {
 
     /// Shows an image that was dropped on the active surface: the desktop does not report where it was dropped.
     fn lay_over(&mut self, image: PathBuf) {
-        let Some(surface) = self.active_surface.clone() else {
+        let Some(surface) = self.focus.surface.clone() else {
             return;
         };
         let file = image.file_name().unwrap_or(image.as_os_str());
@@ -258,7 +261,7 @@ impl Window {
     /// Adds image files to the list of textures.
     pub(crate) fn open_images(&mut self, paths: Vec<PathBuf>) {
         for path in &paths {
-            self.library.read(path.clone());
+            self.pictures.library.read(path.clone());
         }
         self.model.change(Step::new(OPEN_TEXTURES, ""), |view| {
             for path in paths {

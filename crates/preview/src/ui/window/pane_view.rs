@@ -56,8 +56,7 @@ pub(crate) struct Picture {
 }
 
 impl PaneView {
-    /// Notes a request that is sent now. A picture that differs from the one before only by another view's camera is
-    /// one
+    /// Notes a request that is sent now. A picture that differs from the one before only by another view's camera is one
     /// that follows.
     pub(super) fn send(&mut self, request: &PictureRequest) {
         let before = self.request.as_ref();
@@ -69,7 +68,7 @@ impl PaneView {
         self.request = Some(request.clone());
     }
 
-    /// Forgets the request, whose answer nobody needs.
+    /// Forgets the request, whose answer is not needed.
     pub(super) fn forget_request(&mut self) {
         self.request = None;
         self.waiting = Waiting::No;

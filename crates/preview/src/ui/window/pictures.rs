@@ -1,31 +1,127 @@
 //! The panes' pictures: requested where they differ from those that are there, taken over when they come.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use egui::Ui;
 use render::rendered::RenderedImage;
 use render::viewpoint::PerspectiveCamera;
-use render::{PictureRequest, ViewId};
+use render::{PictureRequest, Renderer, ViewId};
 
 use super::Window;
 use super::pane_view::{PaneView, Picture, Waiting};
-use crate::engine::render_thread::VersionedRequest;
+use crate::engine::render_thread::{RenderThread, VersionedRequest};
 use crate::engine::request::{at_rest, picture_request};
-use crate::state::SpaceCamera;
+use crate::engine::textures::Library;
+use crate::state::{Preferences, SpaceCamera};
 
 /// The time that a picture of a moving view should take, in seconds.
 const MOVING_PICTURE: f64 = 0.022;
+
+/// The pictures of a window, and what draws them.
+pub(crate) struct Pictures {
+    pub(crate) render_thread: RenderThread,
+    pub(crate) library: Library,
+    /// The views that have been on the screen.
+    pub(crate) of_views: BTreeMap<ViewId, PaneView>,
+}
+
+impl Pictures {
+    /// Returns whether any picture is on its way.
+    pub(super) fn is_waiting(&self) -> bool {
+        let mut views = self.of_views.values();
+        views.any(|view| view.waiting != Waiting::No)
+    }
+
+    /// Returns the time in which the pictures are expected that a frame may wait for; nothing if it waits for none, or
+    /// one is the first of its pane.
+    fn expected(&self) -> Option<Duration> {
+        let views = self.of_views.values();
+        let mut waiting = views
+            .filter(|view| view.waiting == Waiting::ForFrame)
+            .peekable();
+        waiting.peek()?;
+        let took = waiting.map(|view| view.picture.as_ref().map(|it| it.took));
+        took.sum()
+    }
+
+    /// The size of the picture for a pane: coarser while it moves, if pictures take long.
+    fn size(
+        &self,
+        preferences: &Preferences,
+        pane: &ViewId,
+        pixels: [u32; 2],
+        moving: bool,
+    ) -> [u32; 2] {
+        let wanted = match pane.object {
+            None => preferences.space_size,
+            Some(_) => preferences.inside_size,
+        };
+        let shorter = f64::from(pixels[0].min(pixels[1]).max(1));
+        let mut scale = wanted.map_or(1.0, |side| f64::from(side) / shorter);
+        if moving && let Some(picture) = self.shown(pane) {
+            let all = f64::from(pixels[0]) * f64::from(pixels[1]) * scale * scale;
+            let share = (MOVING_PICTURE / (picture.rate * all).max(1e-9)).sqrt();
+            // In steps, so that the size does not change with every picture.
+            scale *= ((share * 8.0).floor() / 8.0).clamp(0.25, 1.0);
+        }
+        pixels.map(|side| ((f64::from(side) * scale).round() as u32).clamp(16, 4096))
+    }
+
+    /// Returns the request that was sent last for a pane's picture.
+    pub(crate) fn sent(&self, pane: &ViewId) -> Option<&PictureRequest> {
+        self.of_views.get(pane)?.request.as_ref()
+    }
+
+    /// Returns the picture that a pane shows.
+    pub(crate) fn shown(&self, pane: &ViewId) -> Option<&Picture> {
+        self.of_views.get(pane)?.picture.as_ref()
+    }
+
+    /// Returns the request for a picture that is kept: as its pane shows it at rest, though it may move.
+    pub(crate) fn kept(&self, preferences: &Preferences, pane: &ViewId) -> Option<PictureRequest> {
+        let view = self.of_views.get(pane)?;
+        let request = view.request.clone()?;
+        let room = view.room.filter(|_| view.on_screen);
+        let size = room.map_or(request.size, |room| {
+            self.size(preferences, pane, room, false)
+        });
+        Some(at_rest(request, size))
+    }
+
+    /// Requests all pictures anew, from another renderer.
+    pub(super) fn draw_by(&mut self, renderer: Renderer) {
+        for view in self.of_views.values_mut() {
+            view.forget_request();
+            view.picture = None;
+        }
+        self.render_thread.set_renderer(renderer);
+    }
+
+    /// Drops the requests of panes that are not on the screen; returns whether there were any.
+    pub(super) fn forget_hidden(&mut self) -> bool {
+        let mut any = false;
+        for (pane, view) in &mut self.of_views {
+            if !view.on_screen && view.request.is_some() {
+                self.render_thread.forget(pane);
+                view.forget_request();
+                any = true;
+            }
+        }
+        any
+    }
+}
 
 impl Window {
     /// Sets the longest time that a frame waits for the pictures that it requests, where they are expected within that
     /// time. It is zero at first; a display knows the right one.
     pub fn set_frame_wait_budget(&mut self, budget: Duration) {
-        self.clock.wait_budget = budget;
+        self.display.clock.wait_budget = budget;
     }
 
     /// Notes that a pane is on the screen, and has room for so many pixels.
     pub(crate) fn make_room(&mut self, pane: &ViewId, pixels: [u32; 2]) {
-        let view = self.pane_views.entry(pane.clone()).or_default();
+        let view = self.pictures.of_views.entry(pane.clone()).or_default();
         view.on_screen = true;
         let has_changed = view.room.replace(pixels) != Some(pixels);
         let options = self.views.get(&pane.kind).map(|view| view.options(None));
@@ -38,26 +134,30 @@ impl Window {
     /// Requests the pictures that the panes on the screen have room for, as far as they are not on their way. Pictures
     /// that follow the camera of another view come last.
     pub(super) fn request_pictures(&mut self, ui: &Ui) {
-        let moving = ui.input(|input| input.time) < self.clock.moving_until;
+        let moving = ui.input(|input| input.time) < self.display.clock.moving_until;
         let again = ui.ctx().current_pass_index() > 0;
-        let seen = self.pane_views.iter().filter(|(_, view)| view.on_screen);
+        let seen = self
+            .pictures
+            .of_views
+            .iter()
+            .filter(|(_, view)| view.on_screen);
         let seen: Vec<ViewId> = seen.map(|(pane, _)| pane.clone()).collect();
         let mut following = Vec::new();
         for pane in seen {
             let Some(picture) = self.wanted_picture(&pane, moving, again) else {
                 continue;
             };
-            let view = self.pane_views.entry(pane.clone()).or_default();
+            let view = self.pictures.of_views.entry(pane.clone()).or_default();
             view.send(&picture);
             let version = self.model.version;
             let request = VersionedRequest { picture, version };
             match view.waiting {
                 Waiting::Following => following.push((pane, request)),
-                _ => self.render_thread.draw(pane, request),
+                _ => self.pictures.render_thread.draw(pane, request),
             }
         }
         for (pane, request) in following {
-            self.render_thread.draw(pane, request);
+            self.pictures.render_thread.draw(pane, request);
         }
     }
 
@@ -68,103 +168,55 @@ impl Window {
         moving: bool,
         again: bool,
     ) -> Option<PictureRequest> {
-        let view = self.pane_views.get(pane)?;
+        let view = self.pictures.of_views.get(pane)?;
         let size = match &view.request {
             // A picture that has just come is not replaced by one of a size that would have been quicker.
             Some(sent) if moving && again => sent.size,
-            _ => self.picture_size(pane, view.room?, moving),
+            _ => {
+                let preferences = &self.model.view.preferences;
+                self.pictures.size(preferences, pane, view.room?, moving)
+            }
         };
-        let active = self.active_surface.clone();
-        let (model, library, views) = (&mut self.model, &mut self.library, &self.views);
+        let active = self.focus.surface.clone();
+        let (model, library, views) = (&mut self.model, &mut self.pictures.library, &self.views);
         let active = active.as_deref();
         let request = picture_request(model, library, views, pane, size, active, moving)?;
-        (self.sent(pane) != Some(&request)).then_some(request)
-    }
-
-    /// Returns whether any picture is on its way.
-    pub(super) fn is_waiting(&self) -> bool {
-        let mut views = self.pane_views.values();
-        views.any(|view| view.waiting != Waiting::No)
-    }
-
-    /// Returns the time in which the pictures are expected that a frame may wait for; nothing if it waits for none, or
-    /// one is the first of its pane.
-    fn expected(&self) -> Option<Duration> {
-        let views = self.pane_views.values();
-        let mut waiting = views
-            .filter(|view| view.waiting == Waiting::ForFrame)
-            .peekable();
-        waiting.peek()?;
-        let took = waiting.map(|view| view.picture.as_ref().map(|it| it.took));
-        took.sum()
+        (self.pictures.sent(pane) != Some(&request)).then_some(request)
     }
 
     /// Waits for the pictures that are on their way, if they are expected soon: then they are part of this frame, and
     /// no frame is drawn without them.
     pub(super) fn await_pictures(&mut self, context: &egui::Context) {
-        self.clock.waited = Duration::ZERO;
+        self.display.clock.waited = Duration::ZERO;
         if context.current_pass_index() > 0 {
             return;
         }
-        let expected = self.expected();
-        if expected.is_none_or(|expected| expected > self.clock.wait_budget) {
+        let expected = self.pictures.expected();
+        if expected.is_none_or(|expected| expected > self.display.clock.wait_budget) {
             return;
         }
         let start = Instant::now();
-        self.sender.listen(true);
+        self.events.sender.listen(true);
         let mut came = false;
-        while self.expected().is_some() {
-            let left = self.clock.wait_budget.saturating_sub(start.elapsed());
-            let Ok(event) = self.events.recv_timeout(left) else {
+        while self.pictures.expected().is_some() {
+            let left = self
+                .display
+                .clock
+                .wait_budget
+                .saturating_sub(start.elapsed());
+            let Ok(event) = self.events.receiver.recv_timeout(left) else {
                 break;
             };
             self.handle_event(event);
             came = true;
         }
-        self.sender.listen(false);
+        self.events.sender.listen(false);
         // An event that came between the last look and now has not woken the window.
         came |= self.handle_events();
-        self.clock.waited = start.elapsed();
+        self.display.clock.waited = start.elapsed();
         if came {
             context.request_discard("pictures have come");
         }
-    }
-
-    /// The size of the picture for a pane: coarser while it moves, if pictures take long.
-    fn picture_size(&self, pane: &ViewId, pixels: [u32; 2], moving: bool) -> [u32; 2] {
-        let preferences = &self.model.view.preferences;
-        let wanted = match pane.object {
-            None => preferences.space_size,
-            Some(_) => preferences.inside_size,
-        };
-        let shorter = f64::from(pixels[0].min(pixels[1]).max(1));
-        let mut scale = wanted.map_or(1.0, |side| f64::from(side) / shorter);
-        if moving && let Some(picture) = self.shown_picture(pane) {
-            let all = f64::from(pixels[0]) * f64::from(pixels[1]) * scale * scale;
-            let share = (MOVING_PICTURE / (picture.rate * all).max(1e-9)).sqrt();
-            // In steps, so that the size does not change with every picture.
-            scale *= ((share * 8.0).floor() / 8.0).clamp(0.25, 1.0);
-        }
-        pixels.map(|side| ((f64::from(side) * scale).round() as u32).clamp(16, 4096))
-    }
-
-    /// Returns the request that was sent last for a pane's picture.
-    pub(crate) fn sent(&self, pane: &ViewId) -> Option<&PictureRequest> {
-        self.pane_views.get(pane)?.request.as_ref()
-    }
-
-    /// Returns the picture that a pane shows.
-    pub(crate) fn shown_picture(&self, pane: &ViewId) -> Option<&Picture> {
-        self.pane_views.get(pane)?.picture.as_ref()
-    }
-
-    /// Returns the request for a picture that is kept: as its pane shows it at rest, though it may move.
-    pub(crate) fn kept(&self, pane: &ViewId) -> Option<PictureRequest> {
-        let view = self.pane_views.get(pane)?;
-        let request = view.request.clone()?;
-        let room = view.room.filter(|_| view.on_screen);
-        let size = room.map_or(request.size, |room| self.picture_size(pane, room, false));
-        Some(at_rest(request, size))
     }
 
     /// Takes over a pane's picture, or the sentence that says why there is none, and the camera of the views in space.
@@ -175,7 +227,7 @@ impl Window {
         space_camera: Option<SpaceCamera>,
         request: &VersionedRequest,
     ) {
-        let view = self.pane_views.entry(pane.clone()).or_default();
+        let view = self.pictures.of_views.entry(pane.clone()).or_default();
         if view.request.as_ref() == Some(&request.picture) {
             view.waiting = Waiting::No;
         }
@@ -195,7 +247,7 @@ impl Window {
         if self.model.view.space.is_some() {
             return;
         }
-        let view = self.pane_views.get_mut(pane);
+        let view = self.pictures.of_views.get_mut(pane);
         let Some(sent) = view.and_then(|view: &mut PaneView| view.request.as_mut()) else {
             return;
         };
@@ -209,5 +261,10 @@ impl Window {
             }
         }
         self.model.adjust(|view| view.space = Some(first));
+    }
+
+    /// Returns the request for a picture of a view that is kept.
+    pub(crate) fn kept(&self, id: &ViewId) -> Option<PictureRequest> {
+        self.pictures.kept(&self.model.view.preferences, id)
     }
 }

@@ -7,8 +7,9 @@ use protocol::Event;
 use render::ViewId;
 use syntax::span::Span;
 
+use super::Window;
 use super::pane_view::{PaneView, Waiting};
-use super::{TextSource, Window};
+use super::text::TextSource;
 use crate::engine::editor::Jump;
 use crate::state::pane::Pane;
 use crate::state::{Compiled, StatusMessage};
@@ -56,44 +57,37 @@ impl Window {
             version,
             ok,
             arrived,
-        }) = self.reports.unshown
-            && (!ok || self.pane_views.values().all(|view| shows(view, version)))
+        }) = self.text.reports.unshown
+            && (!ok
+                || self
+                    .pictures
+                    .of_views
+                    .values()
+                    .all(|view| shows(view, version)))
         {
-            self.reports.unshown = None;
-            self.counters.version = version;
-            self.say(Event::Shown {
+            self.text.reports.unshown = None;
+            self.records.counters.version = version;
+            self.text.say(Event::Shown {
                 version,
                 ok,
                 milliseconds: arrived.elapsed().as_secs_f64() * 1e3,
-                painting: self.clock.painting.as_secs_f64() * 1e3,
+                painting: self.display.clock.painting.as_secs_f64() * 1e3,
             });
         }
-        if matches!(self.source, TextSource::Attached { .. })
+        if !self.text.is_own()
             && let (Some(scene), Some(settings)) = (self.model.scene.clone(), self.model.settings())
         {
             let params = scene.params.iter();
             let values: BTreeMap<String, Vec<f64>> = params
                 .map(|param| (param.name.clone(), settings.param(param).to_vec()))
                 .collect();
-            if values != self.reports.values {
-                self.reports.values.clone_from(&values);
-                self.say(Event::Values {
+            if values != self.text.reports.values {
+                self.text.reports.values.clone_from(&values);
+                self.text.say(Event::Values {
                     version: self.model.version,
                     values,
                 });
             }
-        }
-    }
-
-    /// Sends an event to the server, if there is one.
-    pub(crate) fn say(&self, event: Event) {
-        if let TextSource::Attached {
-            link,
-            disconnected: None,
-            ..
-        } = &self.source
-        {
-            link.say(event);
         }
     }
 
@@ -107,14 +101,14 @@ impl Window {
             return;
         };
         let value = settings.param(param).to_vec();
-        match &mut self.source {
-            TextSource::Attached { .. } => self.say(Event::Write {
+        match &mut self.text.source {
+            TextSource::Attached { .. } => self.text.say(Event::Write {
                 version: self.model.version,
                 param: name.to_owned(),
                 value,
             }),
             TextSource::File { editor, .. } => match editor.write_param(name, &value) {
-                Ok(true) => self.compile_own(),
+                Ok(true) => self.text.compile(),
                 Ok(false) => {}
                 Err(sentence) => self.status_message = Some(StatusMessage::error(sentence)),
             },
@@ -135,8 +129,7 @@ impl Window {
             return;
         };
         self.model.highlighted = Some(name.to_owned());
-        if matches!(self.source, TextSource::Attached { .. }) || self.panes.is_open(&Pane::Program)
-        {
+        if !self.text.is_own() || self.panes.is_open(&Pane::Program) {
             self.open(place, false);
         }
     }
@@ -147,8 +140,8 @@ impl Window {
     }
 
     fn open(&mut self, place: Span, takes_keys: bool) {
-        match &mut self.source {
-            TextSource::Attached { .. } => self.say(Event::Open {
+        match &mut self.text.source {
+            TextSource::Attached { .. } => self.text.say(Event::Open {
                 version: self.model.version,
                 range: [place.start, place.end],
             }),

@@ -1,63 +1,97 @@
-//! The text: the own pane's, which is compiled, saved and rescued, and what the window is called after it.
+//! The text of the window: its source, the compiler, and what the window is called after it.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::{TextSource, Window};
-use crate::engine::editor::Saved;
-use crate::state::StatusMessage;
+use protocol::Event;
 
-impl Window {
+use super::Window;
+use super::server_events::ServerReports;
+use crate::engine::compiler::Compiler;
+use crate::engine::editor::{Editor, Saved};
+use crate::io::link::{DisconnectReason, Link};
+use crate::io::watch::Watch;
+use crate::state::StatusMessage;
+use crate::ui::highlighting;
+
+/// The text of a window, and what compiles it.
+pub(crate) struct WindowText {
+    pub(crate) source: TextSource,
+    pub(super) compiler: Compiler,
+    /// Colours the text of the window's own pane.
+    pub(crate) painter: highlighting::Painter,
+    pub(super) reports: ServerReports,
+}
+
+/// The source of the text.
+pub(crate) enum TextSource {
+    /// A file with a pane to edit it.
+    File {
+        editor: Box<Editor>,
+        _watch: Option<Watch>,
+    },
+    /// An editor elsewhere.
+    Attached {
+        link: Link,
+        uri: String,
+        path: Option<PathBuf>,
+        /// Nothing more comes from there.
+        disconnected: Option<DisconnectReason>,
+    },
+}
+
+impl WindowText {
+    /// A text from a source, which hands it to the compiler.
+    pub(super) fn new(source: TextSource, compiler: Compiler) -> Self {
+        Self {
+            source,
+            compiler,
+            painter: highlighting::Painter::default(),
+            reports: ServerReports::default(),
+        }
+    }
+
     /// The text of the window's own pane.
-    pub fn text(&self) -> Option<&str> {
+    pub(super) fn text(&self) -> Option<&str> {
         match &self.source {
             TextSource::File { editor, .. } => Some(&editor.text),
             TextSource::Attached { .. } => None,
         }
     }
 
-    /// Puts another text into the window's own pane, as though it had been typed.
-    pub fn set_text(&mut self, text: String) {
-        if let TextSource::File { editor, .. } = &mut self.source {
-            editor.text = text;
-        }
-        self.compile_own();
+    /// Returns whether the text is that of the window's own pane.
+    pub(super) fn is_own(&self) -> bool {
+        matches!(self.source, TextSource::File { .. })
     }
 
-    pub(crate) fn compile_own(&mut self) {
-        if let TextSource::File { editor, .. } = &self.source {
-            let text: Arc<str> = editor.text.as_str().into();
-            self.compile(text);
-        }
-    }
-
-    pub(super) fn compile(&mut self, text: Arc<str>) {
+    /// Compiles the text of the window's own pane.
+    pub(crate) fn compile(&mut self) {
         if let TextSource::File { editor, .. } = &mut self.source {
             editor.version += 1;
-            let language = Arc::clone(&editor.language);
+            let (language, text) = (Arc::clone(&editor.language), editor.text.as_str().into());
             self.compiler.compile(language, editor.version, text, None);
         }
     }
 
-    /// Writes the own text to its file.
-    pub(crate) fn save_text(&mut self) {
-        let TextSource::File { editor, .. } = &mut self.source else {
-            return;
-        };
-        let saved = editor.save();
-        self.status_message = Some(match &saved {
-            Ok(Saved::Written) => StatusMessage::info("Saved"),
-            Ok(Saved::Followed) => StatusMessage::info("The file had changed: this is its text"),
-            Err(sentence) => StatusMessage::error(sentence),
-        });
-        if saved == Ok(Saved::Followed) {
-            self.compile_own();
+    /// Returns whether a text of the window's own pane is newer than a version.
+    pub(super) fn is_ahead_of(&self, version: i32) -> bool {
+        matches!(&self.source, TextSource::File { editor, .. } if editor.version != version)
+    }
+
+    /// Sends an event to the server, if there is one.
+    pub(crate) fn say(&self, event: Event) {
+        if let TextSource::Attached {
+            link,
+            disconnected: None,
+            ..
+        } = &self.source
+        {
+            link.say(event);
         }
     }
 
     /// Writes a text that has not been saved where it takes no other file's place; a sentence that says where, or why
-    /// not.
-    /// Returns nothing if nothing would be lost.
+    /// not. Returns nothing if nothing would be lost.
     pub(crate) fn rescue(&self) -> Option<String> {
         match &self.source {
             TextSource::File { editor, .. } => editor.rescue(),
@@ -81,7 +115,7 @@ impl Window {
     }
 
     /// Returns the window's title.
-    pub fn title(&self) -> String {
+    pub(super) fn title(&self) -> String {
         match &self.source {
             TextSource::File { editor, .. } => {
                 let mark = if editor.is_changed() { "*" } else { "" };
@@ -100,6 +134,42 @@ impl Window {
                 let name = name.or_else(|| Some(uri.rsplit(['/', ':']).next()?.into()));
                 format!("{} – Geotrace", name.unwrap_or_default())
             }
+        }
+    }
+}
+
+impl Window {
+    /// The text of the window's own pane.
+    pub fn text(&self) -> Option<&str> {
+        self.text.text()
+    }
+
+    /// Puts another text into the window's own pane, as though it had been typed.
+    pub fn set_text(&mut self, text: String) {
+        if let TextSource::File { editor, .. } = &mut self.text.source {
+            editor.text = text;
+        }
+        self.text.compile();
+    }
+
+    /// Returns the window's title.
+    pub fn title(&self) -> String {
+        self.text.title()
+    }
+
+    /// Writes the own text to its file.
+    pub(crate) fn save_text(&mut self) {
+        let TextSource::File { editor, .. } = &mut self.text.source else {
+            return;
+        };
+        let saved = editor.save();
+        self.status_message = Some(match &saved {
+            Ok(Saved::Written) => StatusMessage::info("Saved"),
+            Ok(Saved::Followed) => StatusMessage::info("The file had changed: this is its text"),
+            Err(sentence) => StatusMessage::error(sentence),
+        });
+        if saved == Ok(Saved::Followed) {
+            self.text.compile();
         }
     }
 }

@@ -4,7 +4,7 @@ use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Response, Ui};
 use glam::DVec2;
 use render::ViewId;
 
-use super::{CameraControl, Held, TURN_SPEED, ZOOM_SPEED, nearing};
+use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, nearing};
 use crate::engine::render_thread::Purpose;
 use crate::state::{Model, SpaceCamera};
 use crate::ui::window::Window;
@@ -18,10 +18,10 @@ const TURN_DRAG: f64 = 1.2;
 /// Radians around the target for a drag across a picture's shorter side.
 const ORBIT_DRAG: f64 = 3.2;
 
-/// The control of the camera in space.
-pub(super) struct SpaceControl;
+/// Keys and pointer of the camera in space.
+pub(super) struct SpaceInput;
 
-impl CameraControl for SpaceControl {
+impl CameraInput for SpaceInput {
     fn keys(&self, window: &mut Window, ui: &Ui, _id: &ViewId, arrows: bool) {
         if ui.input(|input| input.key_pressed(Key::F) && input.modifiers.is_none()) {
             window.frame_all();
@@ -52,7 +52,7 @@ impl CameraControl for SpaceControl {
             }
         }
         if response.clicked()
-            && let Some(request) = window.sent(id).cloned()
+            && let Some(request) = window.pictures.sent(id).cloned()
         {
             let pointed = response.interact_pointer_pos();
             // A key presses what has the focus, in its middle.
@@ -63,7 +63,10 @@ impl CameraControl for SpaceControl {
             if response.double_clicked() {
                 window.double_click(request, pixel);
             } else if ui.input(|input| input.modifiers.command) {
-                window.render_thread.pick(request, pixel, Purpose::Open);
+                window
+                    .pictures
+                    .render_thread
+                    .pick(request, pixel, Purpose::Open);
             } else if !response.triple_clicked() {
                 // The third of three clicks means nothing by itself.
                 window.click(request, pixel, pointed.is_none(), ui);

@@ -1,6 +1,6 @@
-//! The control of cameras by held keys and the pointer.
+//! Cameras by held keys and the pointer.
 //!
-//! A view's options say which camera it has; [`control_of`] returns what moves it. A view without a camera has no keys of
+//! A view's options say which camera it has; [`input_of`] returns what moves it. A view without a camera has no keys of
 //! its own, and is shown all the same.
 
 mod geodesic;
@@ -14,7 +14,7 @@ use crate::state::Model;
 use crate::ui::window::Window;
 
 /// Moves the camera of a view.
-pub(crate) trait CameraControl {
+pub(crate) trait CameraInput {
     /// Moves the camera by the keys of a frame; the arrows are the view's where no control has the focus.
     fn keys(&self, _window: &mut Window, _ui: &Ui, _id: &ViewId, _arrows: bool) {}
 
@@ -30,17 +30,17 @@ pub(crate) trait CameraControl {
     }
 }
 
-/// The control of a view whose camera cannot be moved.
+/// A view whose camera cannot be moved.
 struct Fixed;
 
-impl CameraControl for Fixed {}
+impl CameraInput for Fixed {}
 
-/// Returns the control of a view's camera.
-pub(crate) fn control_of(view: Option<&dyn View>) -> &'static dyn CameraControl {
+/// Returns what moves the camera of a view.
+pub(crate) fn input_of(view: Option<&dyn View>) -> &'static dyn CameraInput {
     let options = view.map(|view| view.options(None));
     match options {
-        Some(options) if options.space().is_some() => &space::SpaceControl,
-        Some(options) if options.geodesic_camera().is_some() => &geodesic::GeodesicControl,
+        Some(options) if options.space().is_some() => &space::SpaceInput,
+        Some(options) if options.geodesic_camera().is_some() => &geodesic::GeodesicInput,
         _ => &Fixed,
     }
 }

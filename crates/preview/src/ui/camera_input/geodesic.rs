@@ -3,7 +3,7 @@
 use egui::{Key, Response, Ui};
 use render::ViewId;
 
-use super::{CameraControl, Held, TURN_SPEED, ZOOM_SPEED, nearing};
+use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, nearing};
 use crate::state::Model;
 use crate::state::motion::Motion;
 use crate::ui::window::Window;
@@ -11,10 +11,10 @@ use crate::ui::window::Window;
 /// Lengths of X a second.
 const WALK_SPEED: f64 = 0.8;
 
-/// The control of the camera of a geodesic view.
-pub(super) struct GeodesicControl;
+/// Keys and pointer of the camera of a geodesic view.
+pub(super) struct GeodesicInput;
 
-impl CameraControl for GeodesicControl {
+impl CameraInput for GeodesicInput {
     fn keys(&self, window: &mut Window, ui: &Ui, id: &ViewId, arrows: bool) {
         let speed = window.model.view.preferences.camera_speed;
         for motion in ui.input(|input| motions_of_keys(Held::new(input, arrows), speed)) {

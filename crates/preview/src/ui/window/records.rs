@@ -1,0 +1,44 @@
+//! The memory of a window between runs, and its counters.
+
+use crate::io::persistence::ViewStore;
+use crate::io::report::{Counters, Report};
+use crate::state::Model;
+
+/// The records of a window.
+#[derive(Default)]
+pub(crate) struct Records {
+    /// Remembers the view between runs.
+    pub(super) view_store: Option<ViewStore>,
+    pub(crate) counters: Counters,
+    /// Writes the counters after each frame.
+    pub(super) report: Option<Report>,
+}
+
+impl Records {
+    /// Counts a frame, after which the window is settled or not, and reports it.
+    pub(super) fn note_frame(&mut self, model: &mut Model, is_settled: bool) {
+        self.counters.frames += 1;
+        if let Some(report) = &self.report {
+            self.counters.settled = is_settled;
+            count(&mut self.counters, model);
+            report.write(&self.counters);
+        }
+    }
+}
+
+fn count(counters: &mut Counters, model: &mut Model) {
+    counters.stale = model.is_stale();
+    counters.status = model.status();
+    if let (Some(scene), Some(settings)) = (model.scene.clone(), model.settings()) {
+        let values = |param| settings.param(param).to_vec();
+        let params = scene.params.iter();
+        counters.params = params.map(|it| (it.name.clone(), values(it))).collect();
+    }
+    counters.eye = model.view.space.map(|camera| camera.eye);
+    let inside = model.view.inside.iter();
+    let paths = model.paths.iter();
+    counters.trails = paths
+        .map(|(name, path)| (name.clone(), path.trail.length))
+        .collect();
+    counters.inside = inside.map(|(name, it)| (name.clone(), it.at)).collect();
+}
