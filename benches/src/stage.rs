@@ -9,6 +9,7 @@ use geodesic::trace::Options;
 use render::Renderer;
 use render::gpu::Gpu;
 use render::gpu::Pixels;
+use render::point::DrawingPoint;
 use render::viewpoint::PerspectiveCamera;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
@@ -149,8 +150,8 @@ fn turning(stage: &mut Renderer, scene: &Arc<Scene>) -> Option<Times> {
         let eye = [away * angle.cos(), away * angle.sin(), z];
         let mut request = Wanted::space(SIZE);
         request.in_space().camera = PerspectiveCamera::new(
-            camera.placement.world(eye),
-            camera.placement.world([0.0; 3]),
+            camera.placement.world(DrawingPoint(eye)),
+            camera.placement.world(DrawingPoint([0.0; 3])),
         );
         Some((settings.clone(), request))
     })

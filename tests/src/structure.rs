@@ -479,7 +479,7 @@ pub fn limits(files: &[File]) -> Vec<Limit<'_>> {
         Limit {
             what: "files that name a declaration's keyword or an operator outside the language's own modules",
             files: outside,
-            most: 6,
+            most: 4,
         },
     ]
 }

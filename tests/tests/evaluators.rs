@@ -5,6 +5,7 @@ use expr::conformance::{Operation, cases};
 use expr::tape::{Block, LANES, Registers, Tape};
 use expr::{Graph, Input, NodeId};
 use render::bounds::Bounds;
+use render::point::WorldPoint;
 use render::sample::{Samples, sample};
 use scene::{ObjectId, Scene, Shape};
 use testing::close::{assert_close, close};
@@ -262,7 +263,7 @@ fn the_samples_that_are_drawn_are_the_values_of_the_tape() {
                 }
                 _ => panic!("{}: samples of another kind", object.name),
             };
-            let expected = placement.local([out[0], out[1], out[2]]);
+            let expected = placement.local(WorldPoint([out[0], out[1], out[2]])).0;
             for (value, expected) in position.iter().zip(expected) {
                 let what = format!("{}, {}", example.name, object.name);
                 assert_close(&what, f64::from(*value), expected, 1e-6);

@@ -18,6 +18,7 @@ use image::RgbaImage;
 use render::bounds::Bounds;
 use render::camera::Camera;
 use render::geodesic_view::PlacedCamera;
+use render::point::DrawingPoint;
 use render::trail::Trail;
 use render::view::space;
 use render::viewpoint::PerspectiveCamera;
@@ -124,14 +125,14 @@ impl Script {
         for step in 0..LOOKS {
             let bounds = space::bounds(&params.frame_at(&plain, Self::share(step, LOOKS))?);
             let places = bounds.cloud.iter();
-            cloud.extend(places.map(|&place| bounds.placement.world(place)));
+            cloud.extend(places.map(|&place| bounds.placement.world(DrawingPoint(place)).0));
         }
         let bounds = Bounds::around(cloud);
         let camera = Camera::new(&bounds, camera.eye, camera.target, request.size)
             .map_err(ScriptError::Camera)?;
         let ahead = camera.eye - camera.axes[2];
         let [eye, target] =
-            [camera.eye, ahead].map(|place| bounds.placement.world(place.to_array()));
+            [camera.eye, ahead].map(|place| bounds.placement.world(DrawingPoint(place.to_array())));
         if let Some(space) = request.view.space_mut() {
             space.camera = PerspectiveCamera::new(eye, target);
         }

@@ -13,6 +13,7 @@ use render::PictureRequest;
 use render::bounds::Bounds;
 use render::camera::Camera;
 use render::geodesic_view::PlacedCamera;
+use render::point::DrawingPoint;
 use render::viewpoint::Pose;
 use scene::ObjectId;
 use scene::ParamValues;
@@ -178,10 +179,15 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
     params.set(&scene, "r", &[3.0]).expect("in range");
     let bounds = Bounds::of(&scene, &params);
     let camera = Camera::new(&bounds, None, None, [64, 64]).expect("a camera");
-    let wanted = DVec3::from(bounds.placement.world(camera.eye.to_array()));
-    let eye = DVec3::from(eye);
+    let wanted = DVec3::from(
+        bounds
+            .placement
+            .world(DrawingPoint(camera.eye.to_array()))
+            .0,
+    );
+    let eye = DVec3::from(eye.0);
     assert!((eye - wanted).length() < 0.01 * wanted.length(), "{eye}");
-    let ahead = (DVec3::from(target) - eye).normalize();
+    let ahead = (DVec3::from(target.0) - eye).normalize();
     assert!(ahead.dot(-eye.normalize()) > 0.9999, "{ahead}");
     let told = Script::default().steady(&request).expect("a camera");
     assert_eq!(told.view, request.view);

@@ -9,6 +9,7 @@ use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
 
 use crate::placement::Placement;
+use crate::point::WorldPoint;
 use crate::sample::{Resolution, Sampler};
 
 /// Coarse samples of one object.
@@ -82,7 +83,7 @@ impl Bounds {
         let radius = radius.min(f64::MAX / 4.0);
         let placement = Placement { centre, radius };
         for point in &mut cloud {
-            *point = placement.local(*point);
+            *point = placement.local(WorldPoint(*point)).0;
         }
         Self {
             placement,

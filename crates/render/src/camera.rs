@@ -8,6 +8,7 @@ use glam::{DMat4, DVec3, Mat4, Vec3};
 use crate::bounds::Bounds;
 use crate::error::RenderError;
 use crate::placement::Placement;
+use crate::point::WorldPoint;
 use crate::style;
 
 /// A perspective camera without a far plane. Places are in drawing units.
@@ -26,7 +27,7 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera that shows the whole scene, or one with the given eye and target (world places).
+    /// A camera that shows the whole scene, or one with the given eye and target.
     ///
     /// By default it looks from azimuth [`style::AZIMUTH`] and elevation [`style::ELEVATION`], as near as the scene's
     /// points allow; a scene that lies in a coordinate plane is seen face on.
@@ -35,12 +36,12 @@ impl Camera {
     /// [`RenderError::Camera`] if eye and target coincide at the scene's size.
     pub fn new(
         bounds: &Bounds,
-        eye: Option<[f64; 3]>,
-        target: Option<[f64; 3]>,
+        eye: Option<WorldPoint>,
+        target: Option<WorldPoint>,
         size: [u32; 2],
     ) -> Result<Self, RenderError> {
         let placement = bounds.placement;
-        let local = |place: [f64; 3]| DVec3::from(placement.local(place));
+        let local = |place: WorldPoint| DVec3::from(placement.local(place).0);
         let mut camera = Self {
             placement,
             eye: DVec3::ZERO,

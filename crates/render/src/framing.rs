@@ -11,6 +11,7 @@ use crate::bounds::{Bounds, object_cloud};
 use crate::camera::Camera;
 use crate::content::{Content, Structure};
 use crate::error::RenderError;
+use crate::point::WorldPoint;
 use crate::request::PictureRequest;
 use crate::viewpoint::PerspectiveCamera;
 
@@ -94,7 +95,9 @@ impl Framing {
         let cloud = if bounds.placement == now.placement {
             now.cloud
         } else {
-            all().map(|point| bounds.placement.local(point)).collect()
+            all()
+                .map(|point| bounds.placement.local(WorldPoint(point)).0)
+                .collect()
         };
         let placed = Framed {
             contents,

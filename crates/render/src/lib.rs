@@ -22,6 +22,7 @@ pub mod gpu;
 mod overlay;
 pub mod placement;
 pub mod plan;
+pub mod point;
 pub mod rendered;
 pub mod renderer;
 pub mod request;

@@ -1,5 +1,7 @@
 //! The drawing units: the scale of a scene, taken out in f64 before anything becomes f32.
 
+use crate::point::{DrawingPoint, WorldPoint};
+
 /// From the scene's units to drawing units, in which the scene's centre is 0 and its radius 1. The difference is
 /// taken in f64: f32 samples keep their precision however far from 0 the scene lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,12 +14,12 @@ pub struct Placement {
 
 impl Placement {
     /// A place in drawing units.
-    pub fn local(&self, world: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| (world[k] - self.centre[k]) / self.radius)
+    pub fn local(&self, WorldPoint(world): WorldPoint) -> DrawingPoint {
+        DrawingPoint([0, 1, 2].map(|k| (world[k] - self.centre[k]) / self.radius))
     }
 
     /// A place in the scene's units.
-    pub fn world(&self, local: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|k| self.centre[k] + local[k] * self.radius)
+    pub fn world(&self, DrawingPoint(local): DrawingPoint) -> WorldPoint {
+        WorldPoint([0, 1, 2].map(|k| self.centre[k] + local[k] * self.radius))
     }
 }

@@ -102,7 +102,7 @@ pub(crate) fn complete(plan: &mut Plan) {
         plan.left_out
             .push("no texture and no sampler: nothing in the picture has one".to_owned());
     }
-    let inside = plan.geodesic.is_some();
+    let is_geodesic = plan.geodesic.is_some();
     let painters = plan.painters();
     for (painter, kind) in [
         (Painter::Points, "point"),
@@ -111,7 +111,7 @@ pub(crate) fn complete(plan: &mut Plan) {
         (Painter::Surfaces, "surface"),
     ] {
         if !painters.contains(&painter) {
-            let reason = if inside {
+            let reason = if is_geodesic {
                 "the picture is a geodesic view".to_owned()
             } else {
                 format!("the scene has no {kind}")
@@ -124,14 +124,14 @@ pub(crate) fn complete(plan: &mut Plan) {
         .iter()
         .all(|object| object.source == SampleSource::Blocks)
     {
-        let reason = if inside {
+        let reason = if is_geodesic {
             "a geodesic view has no samples"
         } else {
             "the samples come from f64 blocks"
         };
         plan.left_out.push(format!("no sampling kernel: {reason}"));
     }
-    if inside {
+    if is_geodesic {
         plan.left_out
             .push("no geodesic kernel: the geodesics are followed in f64".to_owned());
     }

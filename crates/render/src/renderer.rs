@@ -26,6 +26,7 @@ use crate::error::RenderError;
 use crate::gpu::renderer::GpuRenderer;
 use crate::gpu::{Gpu, Pixels};
 use crate::plan::Built;
+use crate::point::Pixel;
 use crate::rendered::RenderedImage;
 use crate::request::{Backend, PictureRequest};
 use crate::shared::Shared;
@@ -315,15 +316,15 @@ impl Renderer {
         self.shared.read(pixels)
     }
 
-    /// Returns the object and place that a view shows at (x, y), in pixels from its top left corner; `None` where it
-    /// shows nothing, or does not support picking.
+    /// Returns the object and place that a view shows at a pixel; `None` where it shows nothing, or does not support
+    /// picking.
     ///
     /// # Errors
     /// As [`Renderer::draw`].
     pub fn pick(
         &mut self,
         request: &PictureRequest,
-        at: [f64; 2],
+        at: Pixel,
     ) -> Result<Option<Hit>, RenderError> {
         request.check()?;
         let (renderer, shared) = self.renderer(request)?;

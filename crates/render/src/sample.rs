@@ -14,6 +14,7 @@ use scene::ParamValues;
 use scene::{Object, ObjectId, Sampling, Scene, Shape};
 
 use crate::placement::Placement;
+use crate::point::{DrawingPoint, WorldPoint};
 use geometry::{FollowedGeodesic, Knot, follow_declared, lies_in_space};
 
 mod surface;
@@ -272,7 +273,7 @@ pub fn surface_roots(scene: &Scene, position: &[NodeId; 3]) -> Option<(Graph, [N
 }
 
 pub(crate) fn placed(placement: &Placement, out: &[f64; 3]) -> PositionSample {
-    let local = placement.local(*out);
+    let DrawingPoint(local) = placement.local(WorldPoint(*out));
     if local.iter().all(|x| x.abs() <= HORIZON) {
         PositionSample {
             position: local.map(|x| x as f32),
@@ -284,7 +285,7 @@ pub(crate) fn placed(placement: &Placement, out: &[f64; 3]) -> PositionSample {
 }
 
 pub(crate) fn vector(placement: &Placement, origin: [f64; 3], direction: [f64; 3]) -> VectorSample {
-    let origin = placement.local(origin);
+    let DrawingPoint(origin) = placement.local(WorldPoint(origin));
     let direction = direction.map(|x| x / placement.radius);
     if origin.iter().chain(&direction).all(|x| x.abs() <= HORIZON) {
         let [origin, direction] = [origin, direction].map(|a| a.map(|x| x as f32));

@@ -23,6 +23,7 @@ use scene::{Object, ObjectId, Scene};
 use crate::camera::Camera;
 use crate::error::RenderError;
 use crate::plan::{self, Plan};
+use crate::point::{Pixel, WorldPoint};
 use crate::rendered::RenderedImage;
 use crate::request::{Backend, PictureRequest, ViewPart};
 
@@ -91,7 +92,7 @@ pub trait ViewRenderer: fmt::Debug + Send {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError>;
 
-    /// Finds what is under the place (x, y) of the picture, in pixels from its top left corner.
+    /// Finds the object and the place under a pixel.
     ///
     /// # Errors
     /// As [`ViewRenderer::draw`].
@@ -99,7 +100,7 @@ pub trait ViewRenderer: fmt::Debug + Send {
         &mut self,
         _shared: &mut SharedState,
         _request: &PictureRequest,
-        _at: [f64; 2],
+        _at: Pixel,
     ) -> Result<Option<Hit>, RenderError> {
         Ok(None)
     }
@@ -122,8 +123,8 @@ pub trait ViewRenderer: fmt::Debug + Send {
 pub struct Hit {
     /// The object.
     pub object: ObjectId,
-    /// The place, in the scene's units.
-    pub position: [f64; 3],
+    /// The place.
+    pub position: WorldPoint,
     /// (u, v) of a surface, (t, 0) of a curve, zero otherwise.
     pub parameters: [f64; 2],
     /// Which of the object's instances, counted from 0.

@@ -5,15 +5,16 @@ use geometry::ManifoldError;
 use scene::{ObjectId, Scene};
 
 use crate::error::RenderError;
+use crate::point::WorldPoint;
 
 /// A camera in space, in the scene's units. Coordinates that are not given are chosen so that the scene fills the
 /// picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PerspectiveCamera {
     /// The place of the eye.
-    pub eye: Option<[f64; 3]>,
+    pub eye: Option<WorldPoint>,
     /// The place that it looks at.
-    pub target: Option<[f64; 3]>,
+    pub target: Option<WorldPoint>,
 }
 
 /// A camera on a surface or a metric.
@@ -48,10 +49,10 @@ const ZOOMS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 
 impl PerspectiveCamera {
     /// A camera at a place, with a target.
-    pub fn new(eye: [f64; 3], target: [f64; 3]) -> Self {
+    pub fn new(eye: impl Into<WorldPoint>, target: impl Into<WorldPoint>) -> Self {
         Self {
-            eye: Some(eye),
-            target: Some(target),
+            eye: Some(eye.into()),
+            target: Some(target.into()),
         }
     }
 
@@ -61,7 +62,7 @@ impl PerspectiveCamera {
     /// [`RenderError::Camera`].
     pub fn check(&self) -> Result<(), RenderError> {
         let finite =
-            |place: &Option<[f64; 3]>| place.is_none_or(|p| p.iter().all(|x| x.is_finite()));
+            |place: &Option<WorldPoint>| place.is_none_or(|p| p.0.iter().all(|x| x.is_finite()));
         if !finite(&self.eye) || !finite(&self.target) {
             return Err(RenderError::Camera(
                 "the camera's place and target must be finite".into(),

@@ -220,7 +220,7 @@ fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent(
     let draw = |space: bool, trails: Vec<Arc<Trail>>| {
         let base = if space {
             Wanted::space([128, 128])
-                .with_space(|options| options.camera.eye = Some([4.0, 0.5, 0.0]))
+                .with_space(|options| options.camera.eye = Some([4.0, 0.5, 0.0].into()))
         } else {
             Wanted::geodesic(ObjectId(0), [128, 128]).with_inside(|options| {
                 options.mark_centre = false;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use render::Renderer;
 use render::gpu::Pixels;
+use render::point::{DrawingPoint, Pixel};
 use render::view::Hit;
 use render::viewpoint::PerspectiveCamera;
 use scene::ParamValues;
@@ -28,7 +29,7 @@ fn from(eye: [f64; 3], target: [f64; 3]) -> Wanted {
 
 fn pick(scene: &Arc<Scene>, params: &ParamValues, request: &Wanted, at: [f64; 2]) -> Option<Hit> {
     Renderer::software()
-        .pick(&request.of(scene, params), at)
+        .pick(&request.of(scene, params), Pixel(at))
         .expect("a picture")
 }
 
@@ -43,7 +44,10 @@ fn ray(scene: &Arc<Scene>, params: &ParamValues, request: &Wanted, at: [f64; 2])
     let [right, up, back] = camera.axes;
     let direction = right * x + up * y - back;
     [
-        camera.placement.world(camera.eye.to_array()),
+        camera
+            .placement
+            .world(DrawingPoint(camera.eye.to_array()))
+            .0,
         direction.to_array(),
     ]
 }
@@ -72,7 +76,7 @@ fn a_plane_is_hit_where_the_ray_meets_it() {
                 off.iter().all(|off| off.abs() < 2e-3),
                 "{at:?}: {hit:?}, not {u} {v}"
             );
-            let off = (0..3).map(|n| (hit.position[n] - place[n]).abs());
+            let off = (0..3).map(|n| (hit.position.0[n] - place[n]).abs());
             assert!(
                 off.fold(0.0, f64::max) < 4e-3,
                 "{at:?}: {hit:?}, not {place:?}"
@@ -115,7 +119,7 @@ fn a_sphere_is_hit_on_its_near_side() {
             du.abs() * v.cos() < 4e-3 && dv.abs() < 4e-3,
             "{at:?}: {hit:?}, not {u} {v}"
         );
-        assert!((dot(hit.position, hit.position).sqrt() - 2.0).abs() < 5e-3);
+        assert!((dot(hit.position.0, hit.position.0).sqrt() - 2.0).abs() < 5e-3);
         hits += 1;
     }
     assert!(hits > 25, "{hits}");
@@ -136,7 +140,7 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
     let at = |x: f64, y: f64| [80.0 + x * pixel, 60.0 - y * pixel];
     let mut pick = |[x, y]: [f64; 2]| {
         stage
-            .pick(&request.of(&scene, &params), [x, y])
+            .pick(&request.of(&scene, &params), Pixel([x, y]))
             .expect("a picture")
     };
     let [x, y] = at(0.5, 0.0);
@@ -145,7 +149,7 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
         assert_eq!(hit.object, ObjectId(0));
         assert!((hit.parameters[0] - 0.5).abs() < 0.03, "{hit:?}");
         assert!(
-            hit.position[0].abs() < 0.6 && hit.position[1].abs() < 0.05,
+            hit.position.0[0].abs() < 0.6 && hit.position.0[1].abs() < 0.05,
             "{hit:?}"
         );
     }
@@ -155,13 +159,14 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
     assert_eq!(hit.object, ObjectId(1));
     assert!(
         hit.position
+            .0
             .iter()
             .zip([0.0, 1.0, 0.0])
             .all(|(a, b)| (a - b).abs() < 1e-6)
     );
     let hit = pick(at(-0.6, -1.0)).expect("the vector");
     assert_eq!(hit.object, ObjectId(2));
-    assert!((hit.position[0] + 0.6).abs() < 0.03, "{hit:?}");
+    assert!((hit.position.0[0] + 0.6).abs() < 0.03, "{hit:?}");
 }
 
 #[test]
@@ -174,11 +179,11 @@ fn perspective_does_not_bend_a_curves_parameter() {
         for j in (0..120).step_by(7) {
             let at = [f64::from(k) + 0.5, f64::from(j) + 0.5];
             let hit = stage
-                .pick(&request.of(&scene, &params), at)
+                .pick(&request.of(&scene, &params), Pixel(at))
                 .expect("a picture");
             if let Some(hit) = hit.filter(|hit| hit.object == ObjectId(0)) {
                 assert!(
-                    (hit.parameters[0] - hit.position[1]).abs() < 0.12,
+                    (hit.parameters[0] - hit.position.0[1]).abs() < 0.12,
                     "{at:?}: {hit:?}"
                 );
             }
@@ -208,7 +213,7 @@ fn each_instance_is_told_apart() {
                     60.0 - (y + place[1] - 1.5) * pixel,
                 ];
                 let hit = stage
-                    .pick(&request.of(&scene, &params), at)
+                    .pick(&request.of(&scene, &params), Pixel(at))
                     .expect("a picture");
                 let hit = hit.unwrap_or_else(|| panic!("{object} at {at:?}"));
                 assert_eq!(
@@ -269,7 +274,7 @@ fn what_is_picked_is_what_the_picture_shows() {
         for x in 0..width {
             let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
             let hit = stage
-                .pick(&request.of(&scene, &params), at)
+                .pick(&request.of(&scene, &params), Pixel(at))
                 .expect("a picture");
             let glyphs: Vec<usize> = (2..5).filter(|&object| near(object, x, y)).collect();
             let here: Vec<usize> = (0..2).filter(|&object| visible(object, x, y)).collect();
@@ -301,7 +306,7 @@ fn a_place_outside_the_picture_and_a_geodesic_view_are_no_place_to_pick() {
     let inside = Wanted::geodesic(ObjectId(0), SIZE);
     assert!(
         Renderer::software()
-            .pick(&inside.of(&scene, &params), [1.0, 1.0])
+            .pick(&inside.of(&scene, &params), Pixel([1.0, 1.0]))
             .is_err()
     );
 }

@@ -4,6 +4,7 @@ mod scenes;
 
 use glam::Vec3;
 use render::bounds::Bounds;
+use render::point::WorldPoint;
 use render::sample::{Samples, sample};
 use scene::ObjectId;
 use scene::ParamValues;
@@ -56,7 +57,8 @@ fn samples_run_instance_by_instance_u_fastest_with_both_ends() {
         let (i, j, k) = (index % 3, index / 3 % 4, index / 12);
         let expected = bounds
             .placement
-            .local([i as f64, j as f64, 10.0 * k as f64])
+            .local(WorldPoint([i as f64, j as f64, 10.0 * k as f64]))
+            .0
             .map(|x| x as f32);
         assert_eq!(sample.position, expected);
     }

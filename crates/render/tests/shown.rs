@@ -8,6 +8,7 @@ use std::sync::Arc;
 use image::RgbaImage;
 use render::gpu::Gpu;
 use render::gpu::Pixels;
+use render::point::{Pixel, WorldPoint};
 use render::viewpoint::{GeodesicCamera, PerspectiveCamera};
 use render::{Backend, Renderer, style};
 use scene::ParamValues;
@@ -17,8 +18,8 @@ use scenes::Wanted;
 const SIZE: [u32; 2] = [120, 90];
 /// From above, x to the right and y up.
 const ABOVE: PerspectiveCamera = PerspectiveCamera {
-    eye: Some([0.0, -0.01, 8.0]),
-    target: Some([0.0; 3]),
+    eye: Some(WorldPoint([0.0, -0.01, 8.0])),
+    target: Some(WorldPoint([0.0; 3])),
 };
 /// A floor, a way across it, and a point far from both.
 const FLOOR: &str = "surface s(u, v) = (u, v, 0), u : [-1, 1, 9], v : [-1, 1, 9];
@@ -79,7 +80,7 @@ fn a_surface_is_hidden_while_its_geodesics_and_cameras_are_seen() {
         // Objects keep their numbers, and what is not seen is not found.
         let at = |y: u32| [60.5, f64::from(y) + 0.5];
         let mut found = |request: &Wanted, y| {
-            let hit = stage.pick(&request.of(&scene, &params), at(y));
+            let hit = stage.pick(&request.of(&scene, &params), Pixel(at(y)));
             hit.expect("a view of space").map(|hit| hit.object)
         };
         assert_eq!(found(&bare, middle), Some(ObjectId(1)));

@@ -389,16 +389,16 @@ pub(crate) fn hint(snapshot: &Snapshot, hint: &Hint) -> lsp::InlayHint {
 }
 
 pub(crate) fn lens(snapshot: &Snapshot, lens: &Lens) -> lsp::CodeLens {
-    let view = match &lens.object {
-        None => serde_json::json!({ "view": lens.view }),
-        Some(object) => serde_json::json!({ "view": lens.view, "surface": object }),
+    let view = protocol::View {
+        view: lens.view.to_owned(),
+        surface: lens.object.clone(),
     };
     lsp::CodeLens {
         range: range(snapshot, lens.span),
         command: Some(lsp::Command {
             title: lens.title.to_owned(),
             command: preview::COMMAND.to_owned(),
-            arguments: Some(vec![snapshot.uri.clone().into(), view]),
+            arguments: Some(vec![snapshot.uri.clone().into(), serde_json::json!(view)]),
         }),
         data: None,
     }

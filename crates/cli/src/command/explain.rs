@@ -199,10 +199,6 @@ fn inputs(scene: &Scene, object: &Object) -> (Vec<String>, Vec<String>) {
 fn view(views: &Views, request: &PictureRequest) -> ViewEntry {
     let scene = &request.scene;
     let plan = views.plan(request, Backend::Auto);
-    let name = |id: ObjectId| match scene.objects.get(id.0 as usize) {
-        Some(object) => object.name.clone(),
-        None => String::new(),
-    };
     let objects = plan.objects.iter().filter_map(|planned| {
         let object = scene.get(planned.object)?;
         Some(object_entry(scene, object, planned))
@@ -212,14 +208,14 @@ fn view(views: &Views, request: &PictureRequest) -> ViewEntry {
         objects: objects.collect(),
         built: built(&plan),
         painters: plan.painters().into_iter().map(painter).collect(),
-        geodesic: plan.geodesic.as_ref().map(|geodesic| GeodesicEntry {
-            surface: name(geodesic.surface),
-            kind: match scene.get(geodesic.surface) {
-                Some(object) => object.shape.kind(),
-                None => "surface",
-            },
-            source: source(SampleSource::Blocks),
-            derivative_operations: geodesic.derivative_operations,
+        geodesic: plan.geodesic.as_ref().and_then(|geodesic| {
+            let object = scene.get(geodesic.surface)?;
+            Some(GeodesicEntry {
+                surface: object.name.clone(),
+                kind: object.shape.kind(),
+                source: source(SampleSource::Blocks),
+                derivative_operations: geodesic.derivative_operations,
+            })
         }),
         left_out: plan.left_out,
     }

@@ -7,6 +7,7 @@ use clap::Args;
 use export::whole_file::phrase;
 use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
+use render::point::WorldPoint;
 use render::request::{Overlays, Spacing, ViewPart};
 use render::shared::Shared;
 use render::texture::{Texture, TextureError};
@@ -224,7 +225,10 @@ fn view(
     };
     let mut view = view.options(object);
     let place = |option: &str, triple: &Option<Triple>| match triple {
-        Some(triple) => program.numbers(option, &triple.0, params).map(Some),
+        Some(triple) => {
+            let numbers: [f64; 3] = program.numbers(option, &triple.0, params)?;
+            Ok(Some(WorldPoint(numbers)))
+        }
         None => Ok(None),
     };
     if let Some(options) = view.get_mut::<GeodesicOptions>() {

@@ -46,8 +46,8 @@ pub(crate) fn picture_request(
         let background = model.view.preferences.background;
         let [r, g, b] = background.unwrap_or(render::style::BACKGROUND);
         space.camera = PerspectiveCamera {
-            eye: camera.map(|it| it.eye),
-            target: camera.map(|it| it.target),
+            eye: camera.map(|it| it.eye.into()),
+            target: camera.map(|it| it.target.into()),
         };
         space.background = Some([r, g, b, 255]);
         let highlighted = model.highlighted.as_deref();

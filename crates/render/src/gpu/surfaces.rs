@@ -120,7 +120,7 @@ impl Surfaces {
             .flat_map(|at| [at, at + 1, at + u + 1, at, at + u + 1, at + u])
             .collect();
         let buffer = factory.gpu.buffer(
-            "grid",
+            "triangles of a grid",
             wgpu::BufferUsages::INDEX,
             bytemuck::cast_slice(&indices),
         );

@@ -32,8 +32,8 @@ pub(super) struct SurfaceCurve {
 }
 
 /// All geodesics declared on a surface, of those instances that lie on the one that is seen.
-pub(super) fn lines(request: &PictureRequest, inside: &PlacedCamera) -> Vec<SurfaceCurve> {
-    let (scene, params, seen) = (&*request.scene, &*request.params, inside.surface);
+pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<SurfaceCurve> {
+    let (scene, params, seen) = (&*request.scene, &*request.params, camera.surface);
     let mut all = Vec::new();
     for (id, object) in scene.geodesics_on(seen) {
         let Some((_, domain)) = object.shape.geodesic() else {
@@ -43,8 +43,8 @@ pub(super) fn lines(request: &PictureRequest, inside: &PlacedCamera) -> Vec<Surf
             continue;
         };
         let lengths = [domain.range.min, domain.range.max];
-        let pieces = piece_count(lengths[1] - lengths[0], domain.count, inside);
-        let used = inside.uniforms_used(scene, seen);
+        let pieces = piece_count(lengths[1] - lengths[0], domain.count, camera);
+        let used = camera.uniforms_used(scene, seen);
         let mut curve = SurfaceCurve {
             name: object.name.clone(),
             colour: request.srgb(id, &object.shape),
@@ -60,7 +60,7 @@ pub(super) fn lines(request: &PictureRequest, inside: &PlacedCamera) -> Vec<Surf
             let uniforms = params.instance(scene, object, instance);
             if used
                 .iter()
-                .any(|&k| uniforms.get(k) != inside.uniforms.get(k))
+                .any(|&k| uniforms.get(k) != camera.uniforms.get(k))
             {
                 continue;
             }
@@ -74,8 +74,8 @@ pub(super) fn lines(request: &PictureRequest, inside: &PlacedCamera) -> Vec<Surf
                 Err(error) => fault = Some(error),
             }
         }
-        for points in inside.manifold().polylines(&lines) {
-            curve.add(&points, inside);
+        for points in camera.manifold().polylines(&lines) {
+            curve.add(&points, camera);
         }
         if let Some(fault) = fault {
             let name = &curve.name;
@@ -92,9 +92,9 @@ pub(super) fn lines(request: &PictureRequest, inside: &PlacedCamera) -> Vec<Surf
 
 /// Returns the number of pieces of a line: more than are needed, so that a camera that zooms needs others only now and
 /// then.
-fn piece_count(length: f64, samples: u32, inside: &PlacedCamera) -> u32 {
-    let [width, height] = inside.size().map(f64::from);
-    let pixel = 2.0 * inside.zoom / width.min(height).max(1.0);
+fn piece_count(length: f64, samples: u32, camera: &PlacedCamera) -> u32 {
+    let [width, height] = camera.size().map(f64::from);
+    let pixel = 2.0 * camera.zoom / width.min(height).max(1.0);
     let needed = (length / (STRAIGHT * pixel)).ceil();
     let needed = needed.clamp(1.0, f64::from(MOST_PIECES)) as u32;
     let samples = samples.clamp(1, MOST_PIECES);
@@ -102,7 +102,7 @@ fn piece_count(length: f64, samples: u32, inside: &PlacedCamera) -> u32 {
 }
 
 /// A trail on the surface that is seen.
-pub(super) fn trail(trail: &Trail, inside: &PlacedCamera) -> SurfaceCurve {
+pub(super) fn trail(trail: &Trail, camera: &PlacedCamera) -> SurfaceCurve {
     let mut curve = SurfaceCurve {
         name: String::new(),
         colour: ink::TRAIL,
@@ -110,14 +110,14 @@ pub(super) fn trail(trail: &Trail, inside: &PlacedCamera) -> SurfaceCurve {
         pieces: Vec::new(),
     };
     let points: Vec<_> = trail.points.iter().copied().map(Some).collect();
-    curve.add(&points, inside);
+    curve.add(&points, camera);
     curve
 }
 
 impl SurfaceCurve {
     /// Takes a polyline apart; at seams a piece is continued on both sides.
-    fn add(&mut self, points: &[Option<[f64; 2]>], inside: &PlacedCamera) {
-        let (domain, sides) = (inside.domain(), inside.sides());
+    fn add(&mut self, points: &[Option<[f64; 2]>], camera: &PlacedCamera) {
+        let (domain, sides) = (camera.domain(), camera.sides());
         for pair in points.windows(2) {
             let [Some(from), Some(to)] = [pair[0], pair[1]] else {
                 continue;

@@ -37,11 +37,11 @@ struct PixelEnd {
 }
 
 /// Draws the line; gives the share of the pixels that lie beyond.
-pub(super) fn draw(image: &mut RgbaImage, map: &Map, inside: &PlacedCamera) -> f64 {
+pub(super) fn draw(image: &mut RgbaImage, map: &Map, camera: &PlacedCamera) -> f64 {
     let size = map.size;
     // A lone pixel is a doubt, not a border: the majority of its neighbourhood counts. What lies behind a pixel that
     // lies beyond does so too.
-    let flags: Vec<f32> = beyond(map, inside)
+    let flags: Vec<f32> = beyond(map, camera)
         .into_iter()
         .map(|flag| f32::from(u8::from(flag)))
         .collect();
@@ -106,8 +106,8 @@ fn mean_around(size: [u32; 2], values: &[f32]) -> Vec<f32> {
 /// these ways. Comparing all pairs would take the square of the number of pixels. Instead each cell of a grid over the
 /// chart keeps the nearest pixel that ends in it, and a pixel is compared with those of its own and the eight cells
 /// around: no other can be nearer by as much as a picture shows.
-fn beyond(map: &Map, inside: &PlacedCamera) -> Vec<bool> {
-    let (domain, sides) = (inside.domain(), inside.sides());
+fn beyond(map: &Map, camera: &PlacedCamera) -> Vec<bool> {
+    let (domain, sides) = (camera.domain(), camera.sides());
     let size = map.size;
     let entry = |index: usize| -> Option<PixelEnd> {
         if map.status[index] != Status::Complete || map.by_pixel.is_empty() {

@@ -17,7 +17,7 @@ use crate::trail::Trail;
 /// The overlays of a geodesic picture.
 pub(crate) struct GeodesicOverlay<'a> {
     request: &'a PictureRequest,
-    inside: &'a PlacedCamera,
+    camera: &'a PlacedCamera,
     counters: &'a PixelCounters,
     lines: Option<curves::Lines<'a>>,
     /// The colours and names of the geodesics.
@@ -29,20 +29,20 @@ pub(crate) struct GeodesicOverlay<'a> {
 impl<'a> GeodesicOverlay<'a> {
     pub(crate) fn new(
         request: &'a PictureRequest,
-        inside: &'a PlacedCamera,
+        camera: &'a PlacedCamera,
         counters: &'a PixelCounters,
     ) -> Self {
-        let mut curve = curves::lines(request, inside);
+        let mut curve = curves::lines(request, camera);
         let geodesics = curve.iter().map(|line| (line.colour, line.name.clone()));
         let geodesics = geodesics.collect();
         let notes = curve.iter().flat_map(|line| line.notes.clone()).collect();
-        let trails: Vec<&Trail> = request.trails_on(inside.surface).collect();
-        curve.extend(trails.iter().map(|trail| curves::trail(trail, inside)));
+        let trails: Vec<&Trail> = request.trails_on(camera.surface).collect();
+        curve.extend(trails.iter().map(|trail| curves::trail(trail, camera)));
         Self {
             request,
-            inside,
+            camera,
             counters,
-            lines: curves::Lines::new(&curve, inside, counters),
+            lines: curves::Lines::new(&curve, camera, counters),
             geodesics,
             trails,
             notes,
@@ -113,7 +113,7 @@ impl<'a> GeodesicOverlay<'a> {
         key: &mut legend::Legend,
     ) -> (Vec<String>, Vec<&'static str>) {
         let Self {
-            request, inside, ..
+            request, camera, ..
         } = self;
         let overlays = &request.overlays;
         let (mut notes, mut drawn) = (Vec::new(), Vec::new());
@@ -129,7 +129,7 @@ impl<'a> GeodesicOverlay<'a> {
         };
         if overlays.error {
             drawn.push("error");
-            match lines::error(image, inside) {
+            match lines::error(image, camera) {
                 true => key.error(),
                 false => {
                     notes.push("the error is painted only for the fan's pictures".to_owned());
@@ -138,15 +138,15 @@ impl<'a> GeodesicOverlay<'a> {
         }
         if let Some(spacing) = overlays.wavefronts {
             drawn.push("wavefronts");
-            let distance = spacing.distance(inside.zoom);
-            lines::wavefronts(image, &status, inside.zoom, distance);
+            let distance = spacing.distance(camera.zoom);
+            lines::wavefronts(image, &status, camera.zoom, distance);
             key.line(ink::WAVE, &wave_words(distance));
         }
         if let Some(map) = &map
             && overlays.cut_locus
         {
             drawn.push("cut locus");
-            let share = cut_locus::draw(image, map, inside);
+            let share = cut_locus::draw(image, map, camera);
             notes.push(format!(
                 "{:.2} % of the pixels lie beyond the cut locus",
                 100.0 * share
@@ -157,13 +157,13 @@ impl<'a> GeodesicOverlay<'a> {
             && overlays.conjugate_points
         {
             drawn.push("conjugate points");
-            lines::conjugate_points(image, map, inside);
+            lines::conjugate_points(image, map, camera);
             key.line(ink::CONJUGATE, "conjugate points");
         }
         if overlays.legend {
             drawn.push("legend");
-            if let Some(scale) = request.texture(inside.surface).curvature_scale() {
-                let surface = request.scene.objects.get(inside.surface.0 as usize);
+            if let Some(scale) = request.texture(camera.surface).curvature_scale() {
+                let surface = request.scene.objects.get(camera.surface.0 as usize);
                 let name = surface.map_or("", |object| object.name.as_str());
                 key.curvature(name, scale);
             }
@@ -204,21 +204,21 @@ mod tests {
         let scene = scene::geotrace::compile(source).scene.expect("no errors");
         let params = ParamValues::initial(&scene);
         let camera = GeodesicCamera::new(ObjectId(0));
-        let inside = PlacedCamera::new(&scene, &params, &camera, size).expect("a camera");
+        let placed = PlacedCamera::new(&scene, &params, &camera, size).expect("a camera");
         let request = PictureRequest::new(scene, params, AnyView, size);
         let texture: Arc<Texture> = Texture::orientation();
         let paint = Paint {
             texture: &texture,
             colour: [1.0; 3],
-            domain: inside.domain(),
-            sides: inside.sides(),
+            domain: placed.domain(),
+            sides: placed.sides(),
             mark_centre: true,
             coarse: false,
         };
-        let seen = inside.ends(&|_| {});
+        let seen = placed.ends(&|_| {});
         assert!(matches!(seen, RayEnds::Patchwork { .. }));
         let counters = PixelCounters::default();
-        let over = GeodesicOverlay::new(&request, &inside, &counters);
+        let over = GeodesicOverlay::new(&request, &placed, &counters);
         let layer = over.layer().expect("lines");
         if banded {
             return seen.resolve_under(&paint, Some(layer), &counters).0;

@@ -41,9 +41,9 @@ pub(super) fn wavefronts(image: &mut RgbaImage, status: &[Status], zoom: f64, sp
 }
 
 /// Draws the conjugate points, where the derivative of the exponential map loses its rank.
-pub(super) fn conjugate_points(image: &mut RgbaImage, map: &Map, inside: &PlacedCamera) {
+pub(super) fn conjugate_points(image: &mut RgbaImage, map: &Map, camera: &PlacedCamera) {
     let [width, height] = map.size.map(|side| side as usize);
-    let widths = inside.domain().map(|[low, high]| (high - low) as f32);
+    let widths = camera.domain().map(|[low, high]| (high - low) as f32);
     // The determinant over the sum of squares: between −½ and ½, smooth, with the sign of the Jacobi field.
     let signed: Vec<f32> = map
         .by_pixel
@@ -91,9 +91,9 @@ pub(super) fn conjugate_points(image: &mut RgbaImage, map: &Map, inside: &Placed
 }
 
 /// Tints the picture by its estimated error. Gives false where the method has none for a pixel.
-pub(super) fn error(image: &mut RgbaImage, inside: &PlacedCamera) -> bool {
+pub(super) fn error(image: &mut RgbaImage, camera: &PlacedCamera) -> bool {
     let size = [image.width(), image.height()];
-    let Some(errors) = inside.errors(STEP) else {
+    let Some(errors) = camera.errors(STEP) else {
         return false;
     };
     let columns = size[0].div_ceil(STEP) as usize;

@@ -98,12 +98,12 @@ pub(crate) fn camera_objects(
     camera: &GeodesicCamera,
     placement: &Placement,
 ) -> Result<Vec<OverlayObject>, RenderError> {
-    let inside = place(request, camera)?;
-    let (surface, frame) = (inside.manifold().surface(), &inside.frame);
+    let placed = place(request, camera)?;
+    let (surface, frame) = (placed.manifold().surface(), &placed.frame);
     if !surface.is_embedded() {
         return Ok(Vec::new());
     }
-    let zoom = inside.zoom;
+    let zoom = placed.zoom;
     let at = |place: [f64; 2]| -> Option<[f64; 3]> {
         let length = zoom * place[0].hypot(place[1]);
         let trace = frame.trace(surface, place, length, &Options::default());

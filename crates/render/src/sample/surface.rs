@@ -90,7 +90,7 @@ fn by_jets(
     let jets = Jets {
         tape: &tape,
         axes: &axes,
-        inside: PlacedCamera::of(domain),
+        domain: NormalDomain::of(domain),
         placement,
     };
     let per_instance = axes[0].len() * axes[1].len();
@@ -113,7 +113,7 @@ fn by_jets(
 struct Jets<'a> {
     tape: &'a JetTape,
     axes: &'a [Vec<f64>; 2],
-    inside: PlacedCamera,
+    domain: NormalDomain,
     placement: &'a Placement,
 }
 
@@ -153,7 +153,7 @@ impl Jets<'_> {
                 *sample = SurfaceSample {
                     position: place,
                     defined,
-                    normal: self.inside.normal(of(du), of(dv)).unwrap_or_default(),
+                    normal: self.domain.normal(of(du), of(dv)).unwrap_or_default(),
                     padding: 0.0,
                 };
             }
@@ -167,14 +167,14 @@ impl Jets<'_> {
 
     /// Returns the normal a little further inside, or zero if it is undefined there too.
     fn beside(&self, fixed: &Fixed, at: [f64; 2]) -> [f32; 3] {
-        let at = self.inside.nudged(at).map(|x| [x]);
+        let at = self.domain.nudged(at).map(|x| [x]);
         let mut out = [[[0.0]; 3]; 3];
         // Registers of its own: those of the blocks keep their constants.
         let mut registers = JetRegisters::default();
         self.tape
             .eval(&mut registers, fixed, &at, out.as_flattened_mut());
         let [_, du, dv] = out.map(|vector| vector.map(|[x]| x));
-        self.inside.normal(du, dv).unwrap_or_default()
+        self.domain.normal(du, dv).unwrap_or_default()
     }
 }
 
@@ -190,10 +190,10 @@ fn symbolically(
     let (graph, roots) = surface_roots(scene, position)?;
     let tape = Tape::new(&graph, &roots);
     let sampler = Sampler::new(scene, params, object, tape, Resolution::Full);
-    let inside = PlacedCamera::of(domain);
+    let domain = NormalDomain::of(domain);
     let normal = |out: &[f64; 9]| {
         let [_, _, _, ux, uy, uz, vx, vy, vz] = *out;
-        inside
+        domain
             .normal([ux, uy, uz], [vx, vy, vz])
             .unwrap_or_default()
     };
@@ -214,7 +214,7 @@ fn symbolically(
             }
             let (_, at) = sampler.locate(index);
             let mut out = [0.0; 9];
-            sampler.eval(registers, index, inside.nudged(at), &mut out);
+            sampler.eval(registers, index, domain.nudged(at), &mut out);
             sample.normal = normal(&out);
         },
     );
@@ -222,12 +222,12 @@ fn symbolically(
 }
 
 /// The domain, as far as normals need it.
-struct PlacedCamera {
+struct NormalDomain {
     middles: [f64; 2],
     widths: [f64; 2],
 }
 
-impl PlacedCamera {
+impl NormalDomain {
     fn of(domain: &[Sampling; 2]) -> Self {
         let ranges = domain.each_ref().map(|axis| axis.range);
         Self {

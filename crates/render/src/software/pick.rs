@@ -8,6 +8,7 @@ use super::mesh::{Corner, Eye, Mesh, SUBPIXEL};
 use super::raster::{self, Edges, Layer, SAMPLES, TILE, Tile};
 use super::space::{Drawable, Job, batches, jobs, meshes};
 use crate::camera::Camera;
+use crate::point::{DrawingPoint, Pixel};
 use crate::sample::{PositionSample, Samples};
 
 /// Points, vectors and curves are picked by a place that is so many pixels away from where they are seen.
@@ -20,8 +21,8 @@ pub struct Picked {
     pub object: usize,
     /// Which of its instances.
     pub instance: u64,
-    /// The place in drawing units.
-    pub position: [f64; 3],
+    /// The place.
+    pub position: DrawingPoint,
     /// Shares of the domain, from 0 to 1: of a surface along u and v, of a curve along t; zero otherwise.
     pub shares: [f64; 2],
 }
@@ -37,9 +38,9 @@ struct Seen {
     depth: f32,
 }
 
-/// Returns the object at a place of the picture, in pixels from its top left corner: a point, vector or curve within
+/// Returns the object at a pixel: a point, vector or curve within
 /// [`NEAR`], else the surface there.
-pub fn pick(camera: &Camera, objects: &[Drawable], at: [f64; 2]) -> Option<Picked> {
+pub fn pick(camera: &Camera, objects: &[Drawable], Pixel(at): Pixel) -> Option<Picked> {
     let inside = |k: usize| at[k] >= 0.0 && at[k] < f64::from(camera.size[k]);
     if !inside(0) || !inside(1) {
         return None;
@@ -225,7 +226,7 @@ fn found(
             [along(eye, own, at), 0.0]
         }
         Samples::Points(samples) => {
-            position = samples[instance].position.map(f64::from);
+            position = DrawingPoint(samples[instance].position.map(f64::from));
             [0.0; 2]
         }
         Samples::Vectors(_) => [0.0; 2],
@@ -252,10 +253,10 @@ fn view_place(eye: &Eye, at: Vec2, w: f32) -> Vec3 {
     (ndc / eye.zoom * w).extend(-w)
 }
 
-fn from_view(camera: &Camera, at: Vec3) -> [f64; 3] {
+fn from_view(camera: &Camera, at: Vec3) -> DrawingPoint {
     let [right, up, back] = camera.axes;
     let [x, y, z] = at.to_array().map(f64::from);
-    (camera.eye + right * x + up * y + back * z).to_array()
+    DrawingPoint((camera.eye + right * x + up * y + back * z).to_array())
 }
 
 /// Which instance a triangle belongs to: a job's triangles are those of its instances, one after the other.

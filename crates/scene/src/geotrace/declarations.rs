@@ -37,7 +37,7 @@ pub(crate) struct Declarations {
     /// The number of samples of all objects together.
     pub(crate) samples: u64,
     /// The surfaces and metrics, for the geodesics that lie on them.
-    manifolds: FxHashMap<SymbolId, Manifold>,
+    manifolds: FxHashMap<SymbolId, DeclaredManifold>,
     /// The uniforms that the next param or grid takes if it has as many components, instead of fresh ones.
     pub(crate) kept: Option<Uniforms>,
     /// True if the limits on all declarations together are left to the caller.
@@ -106,7 +106,7 @@ impl Understood {
 
 /// The part of a surface or a metric that geodesics on it need.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Manifold {
+pub(crate) struct DeclaredManifold {
     pub(crate) object: ObjectId,
     pub(crate) domain: [Range; 2],
     pub(crate) dependencies: Dependencies,
@@ -204,7 +204,7 @@ impl Declarations {
             if let (Some(symbol), Some(domain)) =
                 (declaration.symbol, drawn.object.shape.manifold())
             {
-                let manifold = Manifold {
+                let manifold = DeclaredManifold {
                     object,
                     domain: domain.map(|axis| axis.range),
                     dependencies: drawn.dependencies,
@@ -223,7 +223,7 @@ impl Declarations {
     }
 
     /// The surface or metric of this symbol; `None` if it could not be added.
-    pub(crate) fn manifold_of(&self, symbol: SymbolId) -> Option<Manifold> {
+    pub(crate) fn manifold_of(&self, symbol: SymbolId) -> Option<DeclaredManifold> {
         self.manifolds.get(&symbol).copied()
     }
 

@@ -11,7 +11,7 @@ use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
 use crate::geotrace::code::Expression;
-use crate::geotrace::declarations::{Declarations, Drawn, Manifold, Understood, kind_of};
+use crate::geotrace::declarations::{Declarations, DeclaredManifold, Drawn, Understood, kind_of};
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};
 use crate::geotrace::interval::{DeclaredInterval, number};
@@ -140,7 +140,7 @@ impl Declarations {
     }
 
     /// The surface or metric that a geodesic names; `None` if the name means something else or its declaration failed.
-    fn surface_of(&mut self, named: Expression) -> Option<Manifold> {
+    fn surface_of(&mut self, named: Expression) -> Option<DeclaredManifold> {
         let (symbol, span) = self.lowerer.code.functions(named).next()?;
         if let Some(manifold) = self.manifold_of(symbol) {
             return Some(manifold);
@@ -172,7 +172,7 @@ impl Declarations {
         declaration: &Declaration<'_>,
         direction: &[NodeId; 2],
         start: &[NodeId; 2],
-        manifold: &Manifold,
+        manifold: &DeclaredManifold,
         place: Span,
     ) -> Option<Diagnostic> {
         let mut evaluator = InitialConditionsEvaluator::from_nodes(

@@ -3,40 +3,46 @@
 //! it on random texts, and hold it to the productions as the language's page states them.
 
 use crate::geotrace::declarations::DeclarationKeyword;
-use crate::geotrace::token::TokenKind;
+use crate::geotrace::token::{TokenKind, with_symbols};
 
-/// A token as the productions see it.
-#[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
-#[allow(missing_docs)]
-pub enum Terminal {
-    /// A keyword that opens a declaration.
-    Keyword(DeclarationKeyword),
-    /// A new name, or an interval's tag.
-    Id,
-    Const,
-    /// A function's name.
-    Func,
-    Var,
-    Num,
-    Plus,
-    Minus,
-    Star,
-    Slash,
-    Caret,
-    Underscore,
-    Prime,
-    ParenOpen,
-    ParenClose,
-    BracketOpen,
-    BracketClose,
-    BraceOpen,
-    BraceClose,
-    Comma,
-    Semicolon,
-    Colon,
-    Equals,
-    At,
+macro_rules! terminals {
+    ($($symbol:ident $byte:literal)*) => {
+        /// A token as the productions see it.
+        #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
+        #[allow(missing_docs)]
+        pub enum Terminal {
+            /// A keyword that opens a declaration.
+            Keyword(DeclarationKeyword),
+            /// A new name, or an interval's tag.
+            Id,
+            Const,
+            /// A function's name.
+            Func,
+            Var,
+            Num,
+            $($symbol,)*
+        }
+
+        impl Terminal {
+            /// The terminal of a token; `None` for comments, errors and the end of input. An undefined word is a name,
+            /// which expressions do not contain.
+            pub fn from_token(kind: TokenKind) -> Option<Self> {
+                Some(match kind {
+                    TokenKind::Declare(keyword) => Self::Keyword(keyword),
+                    TokenKind::Undefined => Self::Id,
+                    TokenKind::Constant(_) => Self::Const,
+                    TokenKind::Function(_) => Self::Func,
+                    TokenKind::Variable(_) => Self::Var,
+                    TokenKind::Number(_) => Self::Num,
+                    $(TokenKind::$symbol => Self::$symbol,)*
+                    TokenKind::Comment | TokenKind::Error | TokenKind::Eoi => return None,
+                })
+            }
+        }
+    };
 }
+
+with_symbols!(terminals);
 
 /// A nonterminal. A `…Tail` is the rest of a list or a chain of operators behind the first operand.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
@@ -99,40 +105,6 @@ pub struct Production {
     pub left: Nonterminal,
     /// The steps that it derives.
     pub right: &'static [Item],
-}
-
-impl Terminal {
-    /// The terminal of a token; `None` for comments, errors and the end of input. An undefined word is a name, which
-    /// expressions do not contain.
-    pub fn from_token(kind: TokenKind) -> Option<Self> {
-        Some(match kind {
-            TokenKind::Declare(keyword) => Self::Keyword(keyword),
-            TokenKind::Undefined => Self::Id,
-            TokenKind::Constant(_) => Self::Const,
-            TokenKind::Function(_) => Self::Func,
-            TokenKind::Variable(_) => Self::Var,
-            TokenKind::Number(_) => Self::Num,
-            TokenKind::Plus => Self::Plus,
-            TokenKind::Minus => Self::Minus,
-            TokenKind::Star => Self::Star,
-            TokenKind::Slash => Self::Slash,
-            TokenKind::Caret => Self::Caret,
-            TokenKind::Underscore => Self::Underscore,
-            TokenKind::Prime => Self::Prime,
-            TokenKind::ParenOpen => Self::ParenOpen,
-            TokenKind::ParenClose => Self::ParenClose,
-            TokenKind::BracketOpen => Self::BracketOpen,
-            TokenKind::BracketClose => Self::BracketClose,
-            TokenKind::BraceOpen => Self::BraceOpen,
-            TokenKind::BraceClose => Self::BraceClose,
-            TokenKind::Comma => Self::Comma,
-            TokenKind::Semicolon => Self::Semicolon,
-            TokenKind::Colon => Self::Colon,
-            TokenKind::Equals => Self::Equals,
-            TokenKind::At => Self::At,
-            TokenKind::Comment | TokenKind::Error | TokenKind::Eoi => return None,
-        })
-    }
 }
 
 /// In a production `K(Param)` is a keyword, `T(Id)` another terminal and `N(Expr)` a nonterminal.

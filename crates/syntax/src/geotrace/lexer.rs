@@ -130,30 +130,15 @@ impl<'s> Lexer<'s> {
                 }
             }
             b'#' => (line_length(&bytes[start..]), TokenKind::Comment),
-            b'+' => (1, TokenKind::Plus),
-            b'-' => (1, TokenKind::Minus),
-            b'*' => (1, TokenKind::Star),
-            b'/' => (1, TokenKind::Slash),
-            b'^' => (1, TokenKind::Caret),
-            b'_' => (1, TokenKind::Underscore),
-            b'\'' => (1, TokenKind::Prime),
-            b'(' => (1, TokenKind::ParenOpen),
-            b')' => (1, TokenKind::ParenClose),
-            b'[' => (1, TokenKind::BracketOpen),
-            b']' => (1, TokenKind::BracketClose),
-            b'{' => (1, TokenKind::BraceOpen),
-            b'}' => (1, TokenKind::BraceClose),
-            b',' => (1, TokenKind::Comma),
-            b';' => (1, TokenKind::Semicolon),
-            b':' => (1, TokenKind::Colon),
-            b'=' => (1, TokenKind::Equals),
-            b'@' => (1, TokenKind::At),
-            _ => {
-                let character = self.source[start..].chars().next();
-                let character = character.unwrap_or(char::REPLACEMENT_CHARACTER);
-                fault = Some(Fault::Character(character));
-                (character.len_utf8(), TokenKind::Error)
-            }
+            _ => match TokenKind::from_byte(first) {
+                Some(symbol) => (1, symbol),
+                None => {
+                    let character = self.source[start..].chars().next();
+                    let character = character.unwrap_or(char::REPLACEMENT_CHARACTER);
+                    fault = Some(Fault::Character(character));
+                    (character.len_utf8(), TokenKind::Error)
+                }
+            },
         };
         self.position = start + length;
         self.lexeme(start, kind, fault)

@@ -354,7 +354,7 @@ const SOME: u8 = 1;
 #[cfg(test)]
 mod tests {
     use super::ParseEvent;
-    use super::tags::{PLAIN, STEPS};
+    use super::tags::STEPS;
     use super::{Entry, EventRecorder, ParseEvents, Records, Tokens};
     use crate::geotrace::actions::{Declaration, Interval, IntervalKind, Operator, Parameter};
     use crate::geotrace::declarations::DeclarationKeyword;
@@ -372,7 +372,7 @@ mod tests {
         for (length, id) in [(300, 7), (300, 1 << 24), (70_000, 7)] {
             let text = text(length);
             let span = |k: usize| Span::new(k as u32, length as u32);
-            let mut kinds = PLAIN.to_vec();
+            let mut kinds = TokenKind::PLAIN.to_vec();
             kinds.extend(DeclarationKeyword::ALL.map(TokenKind::Declare));
             kinds.push(TokenKind::Constant(SymbolId(id)));
             kinds.push(TokenKind::Function(SymbolId(id)));

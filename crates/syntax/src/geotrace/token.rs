@@ -4,43 +4,59 @@ use super::declarations::DeclarationKeyword;
 use crate::span::Span;
 use crate::symbol::SymbolId;
 
-/// The kind of a token, for the parser.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)]
-pub enum TokenKind {
-    Comment,
-    /// The value as read: finite, or the token is [`TokenKind::Error`].
-    Number(f64),
-    Declare(DeclarationKeyword),
-    Constant(SymbolId),
-    Function(SymbolId),
-    /// A parameter of the body that is being read, by its position.
-    Variable(u32),
-    /// A word that is not defined.
-    Undefined,
-    Plus,
-    Minus,
-    Star,
-    Slash,
-    Caret,
-    Underscore,
-    Prime,
-    ParenOpen,
-    ParenClose,
-    BracketOpen,
-    BracketClose,
-    BraceOpen,
-    BraceClose,
-    Comma,
-    Semicolon,
-    Colon,
-    Equals,
-    At,
-    /// Any other character, or a malformed number.
-    Error,
-    /// End of input.
-    Eoi,
+/// Hands a macro the one table of the symbols: the name of each token and the byte that it is written as, those that
+/// programs use most first.
+macro_rules! with_symbols {
+    ($macro:ident) => {
+        $macro! {
+            Comma b',' ParenOpen b'(' ParenClose b')' Plus b'+' Minus b'-' Slash b'/' Semicolon b';' Equals b'='
+            BracketOpen b'[' BracketClose b']' Colon b':' Caret b'^' Underscore b'_' Prime b'\'' Star b'*' At b'@'
+            BraceOpen b'{' BraceClose b'}'
+        }
+    };
 }
+pub(crate) use with_symbols;
+
+macro_rules! token_kinds {
+    ($($symbol:ident $byte:literal)*) => {
+        /// The kind of a token, for the parser.
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[allow(missing_docs)]
+        pub enum TokenKind {
+            Comment,
+            /// The value as read: finite, or the token is [`TokenKind::Error`].
+            Number(f64),
+            Declare(DeclarationKeyword),
+            Constant(SymbolId),
+            Function(SymbolId),
+            /// A parameter of the body that is being read, by its position.
+            Variable(u32),
+            /// A word that is not defined.
+            Undefined,
+            $($symbol,)*
+            /// Any other character, or a malformed number.
+            Error,
+            /// End of input.
+            Eoi,
+        }
+
+        impl TokenKind {
+            /// The kinds without a value.
+            pub(crate) const PLAIN: [Self; 22] =
+                [$(Self::$symbol,)* Self::Comment, Self::Undefined, Self::Error, Self::Eoi];
+
+            /// The symbol that a byte is.
+            pub(crate) fn from_byte(byte: u8) -> Option<Self> {
+                Some(match byte {
+                    $($byte => Self::$symbol,)*
+                    _ => return None,
+                })
+            }
+        }
+    };
+}
+
+with_symbols!(token_kinds);
 
 /// One token and its place.
 #[derive(Clone, Copy, Debug, PartialEq)]

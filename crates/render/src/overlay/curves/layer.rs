@@ -40,15 +40,15 @@ impl<'t> Lines<'t> {
     /// None where there is nothing to be laid.
     pub(in crate::overlay) fn new(
         lines: &[SurfaceCurve],
-        inside: &PlacedCamera,
+        camera: &PlacedCamera,
         counters: &'t PixelCounters,
     ) -> Option<Self> {
         if lines.iter().all(|line| line.pieces.is_empty()) {
             return None;
         }
-        let size = inside.size();
+        let size = camera.size();
         Some(Self {
-            table: SegmentTable::new(lines, inside),
+            table: SegmentTable::new(lines, camera),
             inks: lines
                 .iter()
                 .map(|line| StrokeColour::new(line.colour))

@@ -76,8 +76,8 @@ pub(super) enum Near {
 }
 
 impl SegmentTable {
-    pub(super) fn new(lines: &[SurfaceCurve], inside: &PlacedCamera) -> Self {
-        let (domain, sides) = (inside.domain(), inside.sides());
+    pub(super) fn new(lines: &[SurfaceCurve], camera: &PlacedCamera) -> Self {
+        let (domain, sides) = (camera.domain(), camera.sides());
         let segments = |(line, curve): (usize, &SurfaceCurve)| {
             let segment = move |&[from, to]: &[[f64; 2]; 2]| Segment {
                 line,

@@ -20,32 +20,7 @@ pub(super) fn keyword(index: u8) -> DeclarationKeyword {
     keyword.unwrap_or(DeclarationKeyword::Define)
 }
 
-/// The kinds of token that are nothing but themselves; a tag is a position.
-pub(super) const PLAIN: [TokenKind; 22] = [
-    TokenKind::Comma,
-    TokenKind::ParenOpen,
-    TokenKind::ParenClose,
-    TokenKind::Plus,
-    TokenKind::Minus,
-    TokenKind::Slash,
-    TokenKind::Semicolon,
-    TokenKind::Equals,
-    TokenKind::BracketOpen,
-    TokenKind::BracketClose,
-    TokenKind::Colon,
-    TokenKind::Caret,
-    TokenKind::Underscore,
-    TokenKind::Prime,
-    TokenKind::Star,
-    TokenKind::At,
-    TokenKind::Comment,
-    TokenKind::Undefined,
-    TokenKind::BraceOpen,
-    TokenKind::BraceClose,
-    TokenKind::Error,
-    TokenKind::Eoi,
-];
-// The tags of the others.
+// A kind without a value has its place in `TokenKind::PLAIN` as its tag.
 const NUMBER: u8 = 22;
 const DECLARE: u8 = 23;
 const CONSTANT: u8 = 24;
@@ -61,7 +36,7 @@ pub(super) fn of_token(kind: TokenKind) -> (u8, u32) {
         TokenKind::Function(id) => (FUNCTION, id.0),
         TokenKind::Variable(position) => (VARIABLE, position),
         kind => {
-            let tag = PLAIN.iter().position(|plain| *plain == kind);
+            let tag = TokenKind::PLAIN.iter().position(|plain| *plain == kind);
             (tag.unwrap_or_default() as u8, 0)
         }
     }
@@ -75,7 +50,7 @@ pub(super) fn token_kind(tag: u8, number: u32, text: &str) -> TokenKind {
         CONSTANT => TokenKind::Constant(SymbolId(number)),
         FUNCTION => TokenKind::Function(SymbolId(number)),
         VARIABLE => TokenKind::Variable(number),
-        plain => PLAIN[usize::from(plain)],
+        plain => TokenKind::PLAIN[usize::from(plain)],
     }
 }
 
