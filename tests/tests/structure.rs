@@ -78,7 +78,9 @@ fn retired_words_are_not_used_for_names() {
 const EXEMPT: &[&str] = &["geodesic", "preview", "protocol"];
 
 /// Words that make a relative clause of a sentence, where documentation says what an item is or does.
-const FRAGMENTS: &[&str] = &["How", "What", "Where", "Whether", "Who"];
+const FRAGMENTS: &[&str] = &[
+    "How", "What", "Where", "Whether", "Which", "Who", "Whose", "Why",
+];
 
 #[test]
 fn documentation_begins_with_a_subject_or_a_verb() {

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use crate::style::TextColours;
 
-/// Why a command failed.
+/// The reason for which a command failed.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// The program has errors; they have been printed already.

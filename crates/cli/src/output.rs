@@ -79,7 +79,7 @@ pub(crate) struct OutputTarget {
     path: Option<PathBuf>,
 }
 
-/// Why a file was not written.
+/// The reason for which a file was not written.
 #[derive(Debug)]
 pub(crate) enum WriteError {
     /// The system refused.

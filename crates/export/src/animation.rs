@@ -56,7 +56,7 @@ pub struct ParamChange {
     pub to: Vec<f64>,
 }
 
-/// Why a frame cannot be drawn.
+/// The reason for which a frame cannot be drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ScriptError {
     /// A param or grid cannot have that value.
@@ -206,7 +206,7 @@ pub struct Clip {
     pub rate: f64,
 }
 
-/// Why an animation could not be written.
+/// The reason for which an animation could not be written.
 #[derive(Debug)]
 pub enum RecordError {
     /// The writer failed.

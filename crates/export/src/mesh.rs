@@ -89,7 +89,7 @@ pub struct Polylines {
     pub strips: Vec<Vec<u32>>,
 }
 
-/// Why a file could not be made.
+/// The reason for which a file could not be made.
 #[derive(Debug)]
 pub enum ExportError {
     /// The format holds none of the objects.

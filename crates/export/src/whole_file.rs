@@ -64,7 +64,7 @@ pub fn write_new(folder: &Path, name: impl Fn(u32) -> String, bytes: &[u8]) -> i
     Ok(path)
 }
 
-/// Why a file cannot be written, as far as that shows beforehand. Displayed as a phrase.
+/// The reason for which a file cannot be written, as far as it is known beforehand. Displayed as a phrase.
 #[derive(Debug)]
 pub enum TargetError {
     /// The path is that of a directory.

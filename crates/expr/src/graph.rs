@@ -54,7 +54,7 @@ pub struct TooLarge;
 #[derive(Clone, Debug)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// For each node the inputs that it may depend on.
+    /// The inputs that each node may depend on.
     dependencies: Vec<InputSet>,
     ids: FxHashMap<Key, NodeId>,
     pub(crate) derivatives: FxHashMap<Input, FxHashMap<NodeId, NodeId>>,

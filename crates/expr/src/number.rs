@@ -16,7 +16,7 @@ pub fn text(value: f64) -> String {
     }
 }
 
-/// Why a number has no WGSL literal: the language has none for what is not finite in f32.
+/// A number that has no WGSL literal, since it is not finite in f32.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum LiteralError {
     /// The number is NaN.

@@ -1,4 +1,4 @@
-//! Which vector instructions this processor has, found at run time.
+//! The vector instructions of this processor, found at run time.
 //!
 //! Input: work over arrays of numbers, written as plain loops. Output: its result, from a copy of the work that was
 //! compiled for the widest vectors at hand (on x86-64: 128 bits everywhere, 256 with AVX2, 512 with AVX-512). Nothing

@@ -82,19 +82,19 @@ pub enum DimensionError {
     },
     /// `a_n` for a number.
     ComponentOfNumber {
-        /// Which component, from 1.
+        /// The number of the component, from 1.
         index: u32,
     },
     /// `a_n` past the last component.
     Component {
-        /// Which component, from 1.
+        /// The number of the component, from 1.
         index: u32,
         /// The vector's dimension.
         dimension: usize,
     },
     /// A vector inside a tuple.
     Nested {
-        /// Which component of the tuple, from 1.
+        /// The number of the tuple's component, from 1.
         position: usize,
         /// The vector's dimension.
         dimension: usize,

@@ -28,7 +28,7 @@ enum ManifoldKind {
     Metric(Box<MetricSurface>),
 }
 
-/// Why an object is no [`Manifold`].
+/// The reason for which an object is no [`Manifold`].
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum ManifoldError {
     /// The object is neither a surface nor a metric, or the scene has no such object.

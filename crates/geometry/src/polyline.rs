@@ -12,7 +12,7 @@ use geodesic::trace::{Options, Status, Trace, TraceError, trace};
 pub struct Knot {
     /// (u, v), brought back into the domain.
     pub uv: [f64; 2],
-    /// In space; `None` on a metric.
+    /// The place in space; `None` on a metric.
     pub position: Option<[f64; 3]>,
 }
 

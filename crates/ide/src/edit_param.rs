@@ -1,8 +1,8 @@
-//! Why the value of a param cannot be written into the text.
+//! The errors of writing the value of a param into the text.
 
 use std::fmt;
 
-/// Why a value is not written.
+/// The reason for which a value is not written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EditParamError {
     /// No param of this name is declared without errors.

@@ -44,7 +44,7 @@ pub enum OutlineKind {
 /// A range that an editor can fold away.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub struct Fold {
-    /// From the first to the last character.
+    /// The range from the first to the last character.
     pub span: Span,
     /// True for a run of comments, false for a declaration.
     pub comment: bool,

@@ -1,6 +1,6 @@
-//! Why a name cannot be changed.
+//! The errors of renaming.
 
-/// Why a name cannot be changed; [`std::fmt::Display`] gives the sentence.
+/// The reason for which a name cannot be changed; [`std::fmt::Display`] gives the sentence.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum RenameError {
     /// There is no name at the place.
@@ -22,7 +22,7 @@ pub enum RenameError {
     ReadOtherwise {
         /// The word as it is written now.
         word: String,
-        /// In which line, from 1.
+        /// The number of the line, from 1.
         line: u32,
     },
 }

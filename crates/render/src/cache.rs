@@ -42,7 +42,7 @@ impl<K: Clone + Eq + Hash, V: Clone> Cache<K, V> {
         self.entries.insert(key, Entry { value, bytes, used });
     }
 
-    /// Gives a value up.
+    /// Removes a value.
     pub(crate) fn remove(&mut self, key: &K) {
         self.entries.remove(key);
     }

@@ -83,12 +83,12 @@ impl Camera {
         };
     }
 
-    /// From drawing units to view space.
+    /// Returns the matrix from drawing units to view space.
     pub fn view_from_world(&self) -> Mat4 {
         self.view().as_mat4()
     }
 
-    /// From drawing units to clip space.
+    /// Returns the matrix from drawing units to clip space.
     pub fn clip_from_world(&self) -> Mat4 {
         let [x, y] = self.half_tangents();
         // Columns; depth is near / w and needs no far plane (reversed, infinite).

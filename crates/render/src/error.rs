@@ -1,4 +1,4 @@
-//! Why there is no picture, as sentences for its reader.
+//! The errors of rendering, as sentences for a reader.
 
 use std::fmt;
 
@@ -7,7 +7,7 @@ use geometry::ManifoldError;
 /// The longest side of a picture in pixels.
 pub const MAX_SIDE: u32 = 16_384;
 
-/// Why there is no picture.
+/// The reason for which there is no picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RenderError {
     /// No GPU can be used; `reason` completes "because …".

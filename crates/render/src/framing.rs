@@ -33,7 +33,7 @@ pub(crate) struct Framing {
 #[derive(Clone, Debug)]
 pub(crate) struct Framed {
     contents: Arc<[Content]>,
-    /// Which of them the view leaves room for.
+    /// True for those that the view leaves room for.
     counts: Arc<[bool]>,
     /// The bounds that are kept.
     pub(crate) bounds: Arc<Bounds>,
@@ -127,7 +127,7 @@ impl Framed {
         &self.contents
     }
 
-    /// As [`Camera::new`].
+    /// Places a camera as [`Camera::new`] does.
     ///
     /// # Errors
     /// As [`Camera::new`].

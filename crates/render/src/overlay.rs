@@ -135,7 +135,7 @@ struct StrokeStyle {
 #[derive(Clone, Copy, Debug)]
 struct StrokeColour {
     srgb: [u8; 3],
-    /// In linear light.
+    /// The colour in linear light.
     light: [f32; 3],
 }
 

@@ -33,7 +33,7 @@ pub struct Plan {
     pub overlays: &'static [Painter],
     /// Distinct images.
     pub textures: u32,
-    /// Why the rest is not there: a sentence for each thing left out.
+    /// A sentence for each thing that is left out, with the reason.
     pub left_out: Vec<String>,
 }
 

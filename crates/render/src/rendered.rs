@@ -20,9 +20,9 @@ pub struct RenderedImage<P = Pixels> {
     /// The names of what has been drawn over it: nothing unless the request has overlays, or the scene declares
     /// geodesics on the surface that is seen from inside.
     pub overlays: Vec<&'static str>,
-    /// Of a geodesic view: what following its geodesics has cost, and how far off they are at most, in pixels.
+    /// The work that a geodesic view took, and the greatest estimated error of its geodesics, in pixels.
     pub geodesics: Option<(Work, Option<Estimate>)>,
-    /// From the request to the picture (on a GPU: until it was handed over).
+    /// The time from the request to the picture (on a GPU: until it was handed over).
     pub took: Duration,
 }
 

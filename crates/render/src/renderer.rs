@@ -222,7 +222,7 @@ impl Renderer {
         self.draw_counted(request, progress).map(|(image, _)| image)
     }
 
-    /// As [`Renderer::draw_once`], with what was built for it.
+    /// Draws as [`Renderer::draw_once`] does, and returns the counts of what was built too.
     ///
     /// # Errors
     /// As [`render`].

@@ -31,7 +31,7 @@ pub const HORIZON: f64 = 1e6;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct PositionSample {
-    /// In drawing units; zero where undefined.
+    /// The place in drawing units; zero where undefined.
     pub position: [f32; 3],
     /// 1 where defined, else 0.
     pub defined: f32,
@@ -45,7 +45,7 @@ pub struct VectorSample {
     pub origin: [f32; 3],
     /// 1 where origin and direction are defined, else 0.
     pub defined: f32,
-    /// From its start to its tip.
+    /// The vector from its start to its tip.
     pub direction: [f32; 3],
     /// Makes the size a multiple of 16 bytes.
     pub padding: f32,
@@ -56,7 +56,7 @@ pub struct VectorSample {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct SurfaceSample {
-    /// In drawing units; zero where undefined.
+    /// The place in drawing units; zero where undefined.
     pub position: [f32; 3],
     /// 1 where defined, else 0.
     pub defined: f32,
@@ -305,7 +305,7 @@ pub(crate) fn vector(placement: &Placement, origin: [f64; 3], direction: [f64; 3
 pub(crate) enum Resolution {
     /// All.
     Full,
-    /// At most about this many, spread evenly, the ends of the domains among them.
+    /// At most about this many samples, spread evenly, the ends of the domains among them.
     Coarse(usize),
 }
 
@@ -313,7 +313,7 @@ pub(crate) enum Resolution {
 pub(crate) struct Sampler {
     tape: Tape,
     columns: Vec<Column>,
-    /// For each instance the uniforms that the tape takes.
+    /// The uniforms that the tape takes for each instance.
     uniforms: Vec<f64>,
     uniforms_per_instance: usize,
     instances: usize,
@@ -475,7 +475,7 @@ fn is_surface(object: &Object) -> bool {
     matches!(object.shape, Shape::Surface { .. })
 }
 
-/// At most `cap` indices from 0 to `count` − 1, evenly spread, both ends included.
+/// Returns at most `cap` indices from 0 to `count` − 1, evenly spread, both ends included.
 fn pick(count: usize, cap: usize) -> Vec<usize> {
     if count <= cap {
         return (0..count).collect();

@@ -79,7 +79,7 @@ impl SampleStore {
         sampled
     }
 
-    /// Gives up the samples of an object.
+    /// Removes the samples of an object.
     pub(crate) fn forget(&mut self, content: &Content, placement: &Placement) {
         self.kept.remove(&content.placed(placement));
     }

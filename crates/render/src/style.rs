@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 
 use scene::Shape;
 
-/// Behind everything, sRGB.
+/// The background, sRGB.
 pub const BACKGROUND: [u8; 3] = [18, 20, 26];
 /// Points, sRGB.
 pub const POINT_COLOUR: [u8; 3] = [255, 225, 30];
@@ -77,9 +77,9 @@ pub const JOIN_LIFT: f32 = 1.4;
 
 /// The field of view along the picture's shorter side, in radians.
 pub const FIELD_OF_VIEW: f64 = 0.6;
-/// From where the scene is seen at first: azimuth from the x axis towards y, radians.
+/// The azimuth of the first camera, from the x axis towards y, in radians.
 pub const AZIMUTH: f64 = -std::f64::consts::FRAC_PI_3;
-/// From where the scene is seen at first: elevation above the xy plane, radians.
+/// The elevation of the first camera above the xy plane, in radians.
 pub const ELEVATION: f64 = 0.45;
 /// The share of the picture's shorter half that stays free around the scene.
 pub const MARGIN: f64 = 0.08;

@@ -54,7 +54,7 @@ pub struct Level {
     pub texels: Vec<[u8; 4]>,
 }
 
-/// Why a file gave no texture.
+/// The reason for which a file gave no texture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TextureError {
     /// The file cannot be read.

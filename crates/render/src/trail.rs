@@ -68,7 +68,7 @@ impl Trail {
         Ok((moved, trace))
     }
 
-    /// Gives up every other point, but neither the first nor the last.
+    /// Removes every other point, but neither the first nor the last.
     fn thin_out(&mut self) {
         let last = self.points.len() - 1;
         let mut index = 0;

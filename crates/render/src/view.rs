@@ -127,7 +127,7 @@ pub struct Hit {
     pub position: WorldPoint,
     /// (u, v) of a surface, (t, 0) of a curve, zero otherwise.
     pub parameters: [f64; 2],
-    /// Which of the object's instances, counted from 0.
+    /// The number of the object's instance, from 0.
     pub instance: u64,
 }
 
@@ -195,7 +195,7 @@ impl ViewId {
     }
 }
 
-/// From the command line's form: `3d`, `geodesic:s`.
+/// Reads the command line's form: `3d`, `geodesic:s`.
 impl From<&str> for ViewId {
     fn from(text: &str) -> Self {
         match text.split_once(':') {
@@ -205,7 +205,7 @@ impl From<&str> for ViewId {
     }
 }
 
-/// As the command line has it: `3d`, `geodesic:s`.
+/// Writes the view as the command line takes it: `3d`, `geodesic:s`.
 impl fmt::Display for ViewId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.object {

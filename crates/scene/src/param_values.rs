@@ -41,7 +41,7 @@ pub enum SetError {
     OutOfRange {
         /// The param or grid.
         name: String,
-        /// Which of its components, from 0.
+        /// The index of the component, from 0.
         component: usize,
         /// The number of its components.
         components: usize,

@@ -18,9 +18,9 @@ pub(crate) enum Encoding {
 /// A place as an editor names it.
 #[derive(Clone, Copy, Debug, Default, Eq, Ord, PartialEq, PartialOrd)]
 pub(crate) struct Place {
-    /// From 0.
+    /// The line, from 0.
     pub(crate) line: u32,
-    /// From 0, in code units of the encoding.
+    /// The column, from 0, in code units of the encoding.
     pub(crate) column: u32,
 }
 

@@ -39,14 +39,14 @@ pub struct WindowProgram {
     pub arguments: Vec<OsString>,
     /// The time that it may take to send its version.
     pub version_timeout: Duration,
-    /// For how long it outlives its document: an editor that reads a file anew closes it and opens it again.
+    /// The time for which it outlives its document: an editor that reads a file anew closes it and opens it again.
     pub close_delay: Duration,
 }
 
 impl WindowProgram {
     /// The time that a window may take to send its version: it does so before it opens a display.
     pub const VERSION_TIMEOUT: Duration = Duration::from_secs(10);
-    /// For how long a window outlives its document.
+    /// The time for which a window outlives its document.
     pub const CLOSE_DELAY: Duration = Duration::from_millis(500);
 
     /// This program itself, with these arguments.
@@ -75,7 +75,7 @@ pub(crate) struct Previews {
 /// A window, as the session knows it.
 #[derive(Debug)]
 pub(crate) struct Preview {
-    /// Tells it apart from an earlier one of the same document.
+    /// The number by which it differs from an earlier one of the same document.
     id: u64,
     path: Option<String>,
     process: Arc<Process>,
@@ -216,7 +216,7 @@ impl Previews {
         }
     }
 
-    /// Tells a document's window, if it has one, where the cursor stands in the text of the editor's version.
+    /// Sends a document's window, if it has one, the place of the cursor in the text of the editor's version.
     pub(crate) fn cursor(&mut self, uri: &str, version: i32, offset: u32) {
         let Some(preview) = self.open.get_mut(uri) else {
             return;
@@ -249,7 +249,7 @@ impl Previews {
         preview.left
     }
 
-    /// Has the window close of a document that was closed, and has not been opened since; it is forgotten.
+    /// Closes the window of a document that was closed and has not been opened since, and removes it.
     pub(crate) fn close(&mut self, uri: &str, left: Left) {
         let is_left = |preview: &Preview| preview.left == Some(left);
         if self.open.get(uri).is_some_and(is_left)

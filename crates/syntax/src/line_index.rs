@@ -6,9 +6,9 @@
 /// A place as people count: the first character of a text is at line 1, column 1.
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct Position {
-    /// From 1.
+    /// The line, from 1.
     pub line: u32,
-    /// From 1, in Unicode scalar values.
+    /// The column, from 1, in Unicode scalar values.
     pub column: u32,
 }
 

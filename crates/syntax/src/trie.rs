@@ -161,7 +161,7 @@ struct TrieNode<V> {
     value: Option<V>,
     /// Bit `k` is set where a child's label begins with the k-th letter of the alphabet.
     present: u64,
-    /// In the order of the bits.
+    /// The children, in the order of the bits.
     children: Vec<Arc<TrieNode<V>>>,
 }
 

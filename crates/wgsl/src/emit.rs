@@ -69,7 +69,7 @@ pub(crate) fn body(graph: &Graph, roots: &[NodeId], input: &dyn Fn(Input) -> Str
     Body { lets, roots }
 }
 
-/// For each node that the roots need, how often it is used.
+/// Returns the number of uses of each node that the roots need.
 fn uses(graph: &Graph, roots: &[NodeId]) -> HashMap<NodeId, u32> {
     let mut uses: HashMap<NodeId, u32> = HashMap::new();
     let mut stack: Vec<NodeId> = roots.to_vec();

@@ -50,7 +50,7 @@ impl Kernel {
     }
 }
 
-/// Why there is no kernel.
+/// The reason for which there is no kernel.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum GenerateError {
     /// The expression, or its derivatives, are too large for a shader; they can still be evaluated in f64.

@@ -37,7 +37,7 @@ pub const GLYPH: Piece<'static> = piece!("lib/glyph.wgsl");
 /// Images on surfaces, filtered over a footprint.
 pub const IMAGE: Piece<'static> = piece!("lib/image.wgsl");
 
-/// From what a pixel sees to its bytes.
+/// The step from the light that a pixel sees to its bytes.
 pub const PICTURE: Piece<'static> = piece!("lib/picture.wgsl");
 /// The hatching of pixels that see nothing.
 pub const HATCHING: Piece<'static> = piece!("lib/hatching.wgsl");
@@ -78,5 +78,5 @@ pub const PASS_DRAW_VECTORS: Piece<'static> = piece!("pass/draw_vectors.wgsl");
 pub const PASS_DRAW_CURVES: Piece<'static> = piece!("pass/draw_curves.wgsl");
 /// Painter of surfaces.
 pub const PASS_DRAW_SURFACES: Piece<'static> = piece!("pass/draw_surfaces.wgsl");
-/// From a table of polynomials to colours.
+/// The pass from a table of polynomials to colours.
 pub const PASS_RESOLVE_PATCHWORK: Piece<'static> = piece!("pass/resolve_patchwork.wgsl");

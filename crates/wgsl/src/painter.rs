@@ -29,7 +29,7 @@ pub fn surfaces() -> Result<Joined, InternalError> {
     ])
 }
 
-/// From a table of polynomials to colours.
+/// The pass from a table of polynomials to colours.
 pub fn resolve_patchwork() -> Result<Joined, InternalError> {
     let pass = library::PASS_RESOLVE_PATCHWORK;
     fulfils(&pass, &library::CONTRACT_SEEN)?;

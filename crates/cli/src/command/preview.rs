@@ -44,7 +44,7 @@ const BACKENDS: [Choice<Backend>; 3] = [
     ),
 ];
 
-/// Why no window was opened.
+/// The reason for which no window was opened.
 #[derive(Debug)]
 pub(super) enum NoWindow {
     /// No window is possible here; a sentence without its full stop.

@@ -143,7 +143,7 @@ struct SampleGrid<'a> {
     defined: Vec<bool>,
     /// Columns (samples along u) and rows.
     size: [usize; 2],
-    /// For each sample the first of those that coincide with it.
+    /// The first of the samples that coincide with each sample.
     class: Vec<u32>,
 }
 

@@ -13,9 +13,9 @@ use crate::ops::{Binary, Unary};
 #[derive(Clone, Debug)]
 pub(super) struct StraightLineCode {
     pub(super) program: Instructions,
-    /// Which coefficients the registers from [`FIRST_FIXED`] on hold.
+    /// The coefficients that the registers from [`FIRST_FIXED`] on hold.
     pub(super) fixed: Vec<u32>,
-    /// For each place of the program the coefficient that is its factor, and whether that is negated.
+    /// The coefficient that is the factor of each place of the program, and true if that is negated.
     pub(super) factors: Vec<(u32, bool)>,
     pub(super) register_count: usize,
 }
@@ -35,7 +35,7 @@ pub(super) const FEW: usize = 256;
 #[derive(Clone, Debug)]
 pub(super) struct Steps<R> {
     pub(super) instructions: Vec<Instruction<R>>,
-    /// For each coefficient and root its register, before its factor; all values first.
+    /// The register of each coefficient and root, before its factor; all values first.
     pub(super) places: Vec<R>,
 }
 

@@ -1,4 +1,5 @@
-//! From roots to coefficients: truncated Taylor arithmetic, unrolled.
+//! From roots to coefficients: truncated Taylor arithmetic (A. Griewank, A. Walther, *Evaluating Derivatives*, 2008,
+//! chapter 13), unrolled.
 //!
 //! Input: nodes of a graph. Output: a list of operations on coefficients, in which equal ones are one and constants are
 //! folded (`terms.rs`).
@@ -17,7 +18,7 @@ use crate::ops::{Arithmetic, Binary, Unary};
 #[derive(Clone, Debug)]
 pub(super) struct Expansion {
     pub(super) micros: Vec<Micro>,
-    /// For each whether it depends on a variable.
+    /// True for those that depend on a variable.
     pub(super) varying: Vec<bool>,
     /// The coefficients of each root, root by root.
     pub(super) roots: Vec<Term>,
@@ -27,7 +28,7 @@ pub(super) struct Expansion {
 /// Value, ∂u, ∂v, ∂uu, ∂uv, ∂vv of a node.
 type Coefficients = [Term; 6];
 
-/// For each second derivative its position, and those of the two first derivatives that it comes from.
+/// The position of each second derivative, and those of the two first derivatives that it comes from.
 const SECOND: [(usize, usize, usize); 3] = [(3, 1, 1), (4, 1, 2), (5, 2, 2)];
 
 /// Expands the roots.

@@ -83,7 +83,7 @@ impl JetRegisters {
 /// An evaluation.
 struct Run<'a, const N: usize> {
     code: &'a StraightLineCode,
-    /// Of the results.
+    /// The factors of the results.
     factors: &'a [f64],
     registers: &'a mut [f64],
     at: &'a [[f64; N]; 2],
@@ -151,7 +151,7 @@ impl<const W: usize> Lines<W> for [[f64; W]] {
     }
 }
 
-/// So many lines that a byte cannot name one outside: the compiler leaves out the checks of bounds.
+/// A byte cannot name a line outside of these many, so that the compiler leaves out the checks of bounds.
 impl<const W: usize, const ALL: usize> Lines<W> for [[f64; W]; ALL] {
     #[inline(always)]
     fn get(&self, line: usize) -> [f64; W] {

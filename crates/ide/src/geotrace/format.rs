@@ -82,7 +82,7 @@ fn new_line(analysis: &GeotraceAnalysis) -> &'static str {
     }
 }
 
-/// From the first token of the first declaration that touches the range to the end of the last.
+/// Returns the range from the first token of the first declaration that touches the range to the end of the last.
 fn whole_items(analysis: &GeotraceAnalysis, range: Span) -> Span {
     // The one before may end where the range starts.
     let first = analysis.document().declarations_begun(range.start) as usize;

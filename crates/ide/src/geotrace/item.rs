@@ -12,7 +12,7 @@ pub struct Item<'r> {
     pub index: usize,
     /// The word that opens it.
     pub keyword: DeclarationKeyword,
-    /// From the word to the `;`.
+    /// The span from the keyword to the `;`.
     pub span: Span,
     /// Its name; empty where none was read.
     pub name: &'r str,

@@ -1,4 +1,4 @@
-//! Which names may be used at a place: the builtins and what is declared above it.
+//! The names that may be used at a place: the builtins and what is declared above it.
 //!
 //! The cost of a query, one at each key, depends on its answer, not on the length of the text: names are looked up in
 //! the document's trie, and only then their declarations.

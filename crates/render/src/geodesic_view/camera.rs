@@ -81,7 +81,8 @@ impl PlacedCamera {
         })
     }
 
-    /// As [`PlacedCamera::new`], on a manifold that may have been made before: the surface's, with the given uniforms.
+    /// Places a camera as [`PlacedCamera::new`] does, on a manifold that may have been made before: the surface's, with
+    /// the given uniforms.
     ///
     /// # Errors
     /// As [`PlacedCamera::new`].

@@ -19,7 +19,7 @@ use crate::counters::PixelCounters;
 /// The ends of the geodesics of all pixels.
 #[derive(Clone, Debug)]
 pub enum RayEnds {
-    /// By polynomials between rays that the pixels share.
+    /// Polynomials between rays that the pixels share.
     Patchwork {
         /// The ends.
         patchwork: Box<Patchwork>,
@@ -77,7 +77,7 @@ impl RayEnds {
         }
     }
 
-    /// Why all pixels' geodesics end.
+    /// Returns the statuses of all pixels' geodesics.
     pub(crate) fn statuses(&self, counters: &PixelCounters) -> Cow<'_, [Status]> {
         match self {
             Self::Patchwork { patchwork, .. } => {

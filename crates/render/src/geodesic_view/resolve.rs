@@ -209,7 +209,7 @@ impl Cover {
 
 /// One row of some rows of the picture. What is not seen is left as it is.
 struct ImageRow<'a> {
-    /// Of the rows given.
+    /// The width of the given rows.
     width: usize,
     height: usize,
     /// As in [`Map`].
@@ -219,7 +219,7 @@ struct ImageRow<'a> {
     tint: [f32; 3],
     cover: &'a Cover,
     sampler: &'a Sampler<'a>,
-    /// Which row.
+    /// The index of the row.
     y: usize,
     pixels: &'a mut [u8],
 }

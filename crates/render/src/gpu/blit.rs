@@ -33,7 +33,7 @@ impl Blit {
 }
 
 impl Blitter {
-    /// For targets of a format, which have one sample a pixel and no depth.
+    /// A pass for targets of a format, which have one sample a pixel and no depth.
     ///
     /// # Errors
     /// [`RenderError::Gpu`], [`RenderError::Internal`].

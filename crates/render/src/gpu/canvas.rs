@@ -17,7 +17,7 @@ const IDLE: usize = 4;
 pub enum Pixels {
     /// sRGB, top row first, in memory: drawn by the software path, or for a file.
     Image(RgbaImage),
-    /// On the renderer's device.
+    /// The texture on the renderer's device.
     Texture(Canvas),
 }
 
@@ -66,7 +66,8 @@ impl Canvas {
         }))
     }
 
-    /// With the pixels of a picture in memory, RGBA in rows from the top, sRGB with their alpha multiplied into them.
+    /// A canvas with the pixels of a picture in memory, RGBA in rows from the top, sRGB with their alpha multiplied
+    /// into them.
     ///
     /// # Errors
     /// [`RenderError::Gpu`].

@@ -77,12 +77,12 @@ impl Gpu {
         Self::find().map_err(|reason| RenderError::NoGpu { reason })
     }
 
-    /// Gives the device up, for everybody who uses it: as if it were lost.
+    /// Destroys the device for all of its users, as if it were lost.
     pub fn destroy(&self) {
         self.device.destroy();
     }
 
-    /// From now on its driver refuses the shaders of samples: for tests of what happens then.
+    /// Makes its driver refuse the shaders of samples from now on, for tests.
     pub fn refuse_samples(&self) {
         self.faults.refuses.store(true, Ordering::Relaxed);
     }

@@ -10,7 +10,7 @@ use crate::gpu::device;
 use crate::gpu::layout::Table;
 use crate::gpu::pipelines::{PipelineFactory, dispatch_flat};
 
-/// Why expressions could not be evaluated.
+/// The reason for which expressions could not be evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EvaluateError {
     /// No GPU, or it failed.

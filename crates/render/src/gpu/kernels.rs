@@ -31,7 +31,7 @@ pub(crate) struct Kernels {
     built: Arc<AtomicU64>,
     /// The threads that build kernels.
     threads: Vec<JoinHandle<()>>,
-    /// From so many operations on, an object has one.
+    /// The number of operations from which on an object has one.
     pays: u64,
 }
 
@@ -55,7 +55,7 @@ enum Made {
 #[derive(Debug)]
 struct Ready {
     pipeline: wgpu::ComputePipeline,
-    /// For each number of a row of uniforms, which of the structure's uniforms it is.
+    /// The index among the structure's uniforms of each number of a row of uniforms.
     slots: Vec<usize>,
 }
 
@@ -90,7 +90,7 @@ impl Default for Kernels {
 }
 
 impl Kernels {
-    /// From so many operations on, an object has a kernel.
+    /// Sets the number of operations from which on an object has a kernel.
     pub(crate) fn pay_from(&mut self, operations: u64) {
         self.pays = operations;
     }

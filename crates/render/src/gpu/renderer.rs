@@ -141,7 +141,7 @@ impl GpuRenderer {
         resolved
     }
 
-    /// From this number of operations on, an object's samples are computed by a kernel.
+    /// Sets the number of operations from which on a kernel computes an object's samples.
     pub(crate) fn kernels_pay_from(&mut self, operations: u64) {
         self.kernels.pay_from(operations);
     }

@@ -29,11 +29,11 @@ pub(crate) struct Draw {
     pub(crate) vertices: Vertices,
 }
 
-/// Which vertices are drawn.
+/// The vertices that are drawn.
 pub(crate) enum Vertices {
-    /// So many.
+    /// A number of vertices.
     Plain(u32),
-    /// By indices, so many instances.
+    /// The vertices of an index buffer, for a number of instances.
     Indexed {
         /// u32 indices.
         buffer: wgpu::Buffer,
@@ -86,7 +86,7 @@ pub(crate) fn draw_tiles(
     Ok(picture)
 }
 
-/// From colours that their alpha is multiplied into, as targets hold them, to colours beside their alpha.
+/// Turns colours that their alpha is multiplied into, as targets hold them, into colours beside their alpha.
 pub(crate) fn straighten(picture: &mut RgbaImage) {
     picture
         .as_flat_samples_mut()

@@ -21,14 +21,14 @@ const MOST_CELLS: usize = 1024;
 const THRESHOLD: f64 = 1.0;
 /// The distance in pixels up to which an entry gives the distances of places.
 const FARTHEST: f64 = 10.0;
-/// So near the centre, in pixels, there is no other way.
+/// The distance from the centre, in pixels, within which no other geodesic is shorter.
 const NEAR: f64 = 6.0;
 
 /// A pixel's end.
 #[derive(Clone, Copy)]
 struct PixelEnd {
     uv: [f64; 2],
-    /// From the picture's centre, in pixels: right, down.
+    /// The offset from the picture's centre, in pixels: right, down.
     place: [f64; 2],
     /// Its length.
     distance: f64,
@@ -99,7 +99,7 @@ fn mean_around(size: [u32; 2], values: &[f32]) -> Vec<f32> {
         .collect()
 }
 
-/// Tells of each pixel whether it lies beyond the cut locus: whether a shorter geodesic from the camera leads to its
+/// Returns for each pixel whether it lies beyond the cut locus: whether a shorter geodesic from the camera leads to its
 /// point of the surface.
 ///
 /// Two pixels that end at one point are two ways to it, and their distances from the picture's centre are the lengths of

@@ -70,7 +70,7 @@ impl<'a> GeodesicOverlay<'a> {
     }
 
     /// Draws the rest over a picture with its lines; `status` holds why the pixels' geodesics end, where that is known.
-    /// Gives what a reader should know, and the names of what was drawn.
+    /// Returns notes for a reader, and the names of what was drawn.
     pub(crate) fn finish(
         self,
         image: &mut RgbaImage,

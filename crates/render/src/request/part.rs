@@ -122,9 +122,9 @@ pub trait Comparable: Any + fmt::Debug + Send + Sync {
     fn is_equal(&self, other: &dyn ViewOptions) -> bool;
     /// A copy.
     fn copy(&self) -> Box<dyn ViewOptions>;
-    /// As a value of any type.
+    /// Returns the options as a value of any type.
     fn any(&self) -> &dyn Any;
-    /// As a value of any type, to be changed.
+    /// Returns the options as a mutable value of any type.
     fn any_mut(&mut self) -> &mut dyn Any;
 }
 

@@ -20,7 +20,7 @@ use super::{
 };
 use crate::placement::Placement;
 
-/// From so many samples on, an instance is worth blocks of its own.
+/// The number of samples from which on an instance is worth blocks of its own.
 const WORTHWHILE: usize = 4 * LANES;
 
 thread_local! {
@@ -178,7 +178,7 @@ impl Jets<'_> {
     }
 }
 
-/// As [`by_jets`], by symbolic derivatives.
+/// Samples as [`by_jets`] does, by symbolic derivatives.
 fn symbolically(
     scene: &Scene,
     params: &ParamValues,

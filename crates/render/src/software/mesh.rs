@@ -13,7 +13,7 @@ const GUARD: f32 = 3.0;
 /// The camera as painters need it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Eye {
-    /// From drawing units to view space.
+    /// The matrix from drawing units to view space.
     pub view: Mat4,
     /// 1 over the tangents of half the field of view.
     pub zoom: Vec2,
@@ -78,9 +78,9 @@ impl Eye {
 /// A corner of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
-    /// In clip space; depth is z / w, and w is the distance.
+    /// The place in clip space; depth is z / w, and w is the distance.
     pub clip: Vec4,
-    /// In view space, any length; for surfaces and cones.
+    /// The normal in view space, of any length; for surfaces and cones.
     pub normal: Vec3,
     /// Texture coordinates of surfaces; the place in the unit disc of glyphs.
     pub uv: Vec2,
@@ -89,7 +89,7 @@ pub(super) struct Vertex {
 /// A projected corner.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
-    /// In pixels × [`SUBPIXEL`] from the picture's top left.
+    /// The place in pixels × [`SUBPIXEL`] from the picture's top left.
     pub at: [i32; 2],
     pub depth: f32,
     pub inv_w: f32,
@@ -114,7 +114,7 @@ pub(super) struct VertexId(u32);
 pub(super) struct MeshBuilder<'a> {
     eye: &'a Eye,
     vertices: Vec<Vertex>,
-    /// For each vertex its corner, if it lies in the guarded view.
+    /// The corner of each vertex that lies in the guarded view.
     corner_of: Vec<Option<u32>>,
     mesh: Mesh,
 }

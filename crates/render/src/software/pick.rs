@@ -17,9 +17,9 @@ pub const NEAR: f64 = 4.0;
 /// The result of picking.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Picked {
-    /// Which of the objects that were drawn.
+    /// The index among the objects that were drawn.
     pub object: usize,
-    /// Which of its instances.
+    /// The number of its instance.
     pub instance: u64,
     /// The place.
     pub position: DrawingPoint,
@@ -259,7 +259,7 @@ fn from_view(camera: &Camera, at: Vec3) -> DrawingPoint {
     DrawingPoint((camera.eye + right * x + up * y + back * z).to_array())
 }
 
-/// Which instance a triangle belongs to: a job's triangles are those of its instances, one after the other.
+/// Returns the instance that a triangle belongs to: a job's triangles are those of its instances, one after the other.
 fn instance(eye: &Eye, objects: &[Drawable], job: &Job, seen: &Seen) -> usize {
     let per_instance = match objects[job.object].samples.as_ref() {
         Samples::Surfaces { count, .. } => (count[1] - 1) as usize,

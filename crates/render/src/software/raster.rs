@@ -33,7 +33,7 @@ pub(super) struct Batch<'a> {
     eye: &'a Eye,
     materials: &'a [Material<'a>],
     meshes: &'a [Mesh],
-    /// For each mesh the number of its first triangle.
+    /// The number of each mesh's first triangle.
     bases: Vec<u32>,
     bins: Vec<Bins>,
     processor: Processor,
@@ -328,7 +328,8 @@ struct Facet {
     corners: [u32; 3],
     /// True if it runs counterclockwise as seen.
     front: bool,
-    /// Of a surface, and nowhere much narrower than a pixel: half a pixel beside it, it is still near.
+    /// True for a surface's triangle that is nowhere much narrower than a pixel: half a pixel beside it, it is still
+    /// near.
     wide: bool,
     planes: Planes,
 }
@@ -376,7 +377,7 @@ pub(super) struct Workspace {
 }
 
 impl Workspace {
-    /// For tiles that lie `across` to a row, from the picture's row `top` on.
+    /// Buffers for tiles that lie `across` to a row, from the picture's row `top` on.
     pub(super) fn new(background: [f32; 4], across: usize, top: usize) -> Self {
         Self {
             tile: Tile::new([0; 2], background),
@@ -394,7 +395,7 @@ fn mask(samples: [bool; 4]) -> u8 {
     a | b << 1 | c << 2 | d << 3
 }
 
-/// Of the samples in `open`, the first one that sees what most of them see.
+/// Returns the first of the samples in `open` that sees what most of them see.
 #[inline(always)]
 fn dominant(ids: [u32; 4], open: u8) -> usize {
     let mut best = (0, 0);
@@ -407,7 +408,7 @@ fn dominant(ids: [u32; 4], open: u8) -> usize {
     best.1
 }
 
-/// For each set of samples their middle, in pixels from the pixel's top left.
+/// The middle of each set of samples, in pixels from the pixel's top left.
 const MIDDLES: [[f32; 2]; 16] = {
     let mut middles = [[0.5; 2]; 16];
     let mut set = 1;

@@ -15,7 +15,7 @@ use crate::texture::{Footprint, Sampler};
 #[derive(Clone, Debug)]
 pub(super) struct Material<'a> {
     pub kind: MaterialKind<'a>,
-    /// In linear light.
+    /// The colour in linear light.
     pub colour: [f32; 3],
     /// The share of [`style::EMPHASIS_COLOUR`] that is mixed in.
     pub emphasis: f32,
@@ -43,7 +43,7 @@ pub(super) struct Planes {
     /// The picture's place, in pixels, that `here` belongs to.
     origin: [f32; 2],
     here: [f32; PLANES],
-    /// From pixel to pixel, to the right and down.
+    /// The changes from pixel to pixel, to the right and down.
     slopes: [[f32; PLANES]; 2],
     /// 1 if the front is seen, else −1.
     side: f32,

@@ -1,8 +1,8 @@
 //! The texture of a surface's Gaussian curvature: exact second derivatives in, colours over the domain out.
 //!
 //! The curvature is evaluated in f64 at the middle of each texel, by (LN − M²)/(EG − F²) for a surface in space and by
-//! Gauss's equation for a metric. The colours are straight lines in a perceptual space, equally bright on both sides of
-//! zero.
+//! Gauss's equation for a metric (M. do Carmo, *Differential Geometry of Curves and Surfaces*, 1976, sections 3-3 and
+//! 4-3). The colours are straight lines in a perceptual space, equally bright on both sides of zero.
 
 use std::sync::Arc;
 
@@ -19,7 +19,8 @@ use geometry::{Manifold, ManifoldError};
 
 /// Texels along u and along v; a multiple of [`LANES`].
 const SIDE: u32 = 512;
-/// So much of the surface's area has a colour of its own; where it is more curved, it has that of the scale's end.
+/// The share of the surface's area that has a colour of its own; where it is more curved, it has that of the scale's
+/// end.
 const COVERED: f64 = 0.98;
 /// Curvature is rounding where the surface, as large as it is, would turn by less than about the root of this.
 const FLAT: f64 = 1e-9;

@@ -1,7 +1,8 @@
 //! Filtering: a place in an image and a pixel's footprint there in, a colour out.
 //!
 //! Texels are fetched in linear light from the level of the mip chain on which the footprint is one texel wide, by up
-//! to eight trilinear probes along its longer axis.
+//! to eight trilinear probes along its longer axis (J. McCormack et al., "Feline: fast elliptical lines for anisotropic
+//! texture mapping", 1999).
 
 use super::{Level, Texture};
 use crate::style::decode;
@@ -68,7 +69,7 @@ pub(crate) struct Footprint {
     level: f32,
     /// The number of probes, a whole number from 1 on.
     probes: f32,
-    /// From one to the next, in the offset's units.
+    /// The step from one to the next, in the offset's units.
     step: [f32; 2],
 }
 

@@ -24,7 +24,7 @@ const TICK: f32 = 11.0;
 const SCALE: f32 = 8.0;
 /// Half the width of a stroke, in units of a glyph's box.
 const STROKE: f32 = 0.5;
-/// From one letter's left to the next one's, in units of a glyph's box.
+/// The distance from one letter's left to the next one's, in units of a glyph's box.
 const ADVANCE: f32 = 5.7;
 
 /// The image: `CELLS·CELL` texels a side.

@@ -211,7 +211,7 @@ impl Declarations {
     }
 }
 
-/// From the first parameter to the last.
+/// Returns the span from the first parameter to the last.
 fn list_span(parameters: &[Parameter], name: Span) -> Span {
     match parameters {
         [] => name,

@@ -20,7 +20,7 @@ pub(crate) struct DeclaredInterval {
     count: Option<Expression>,
 }
 
-/// Whose interval it is: that decides how large its count may be.
+/// The owner of an interval, which decides how large its count may be.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum Purpose {
     Axis,

@@ -70,7 +70,7 @@ pub(crate) enum Effect {
     Run(BodyKey, Expression, Vec<Value>),
 }
 
-/// Which body: that of a function for these dimensions of its arguments (1 for a number).
+/// The key of a body: that of a function for these dimensions of its arguments (1 for a number).
 #[derive(Clone, Debug, Eq, Hash, PartialEq)]
 pub(crate) struct BodyKey {
     pub(crate) symbol: SymbolId,

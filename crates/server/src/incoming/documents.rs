@@ -173,7 +173,7 @@ impl Backend {
         }
     }
 
-    /// Tells the user that a document is too large to be read.
+    /// Shows the user that a document is too large to be read.
     async fn refuse(&self, uri: &lsp::Uri, error: ide::language::EditError) {
         let message = format!("{}: {error}", uri.as_str());
         self.client

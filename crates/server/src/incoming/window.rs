@@ -68,7 +68,7 @@ pub(super) fn close_later(session: &Arc<Mutex<Session>>, uri: &lsp::Uri, left: L
     });
 }
 
-/// Tells all windows to close; those that do not listen are ended.
+/// Sends all windows the command to close; those that do not respond are ended.
 pub(crate) async fn close_all(session: &Arc<Mutex<Session>>) {
     let all = lock(session).previews.close_all();
     let deadline = Instant::now() + SHUTDOWN_TIMEOUT;

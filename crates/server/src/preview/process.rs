@@ -111,7 +111,7 @@ impl Process {
         self.mailbox.waiting_edits()
     }
 
-    /// Has the window close.
+    /// Sends the command to close.
     pub(crate) fn close(&self) {
         self.mailbox.put(Command::Close);
         self.closing.notify_one();

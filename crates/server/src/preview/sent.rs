@@ -26,7 +26,7 @@ pub(crate) struct SentVersions {
 #[derive(Debug, Default)]
 struct Numbers {
     last: Option<i32>,
-    /// By how much the numbers are above the editor's versions, …
+    /// The difference between the numbers and the editor's versions, …
     above: i64,
     /// … since this one.
     since: i32,

@@ -119,7 +119,7 @@ pub struct Reading<G: Grammar> {
     pub analysis: G::Analysis,
     /// The diagnostics, in the order in which they were found.
     pub diagnostics: Vec<Diagnostic>,
-    /// By the index of a diagnostic, in ascending order, the part that is still to be completed.
+    /// The parts of diagnostics that are still to be completed, by the index of the diagnostic, in ascending order.
     pub deferred: Vec<(usize, G::Deferred)>,
     /// The offset from which on each defined symbol is known, for suggestions.
     pub known_from: Vec<(SymbolId, u32)>,

@@ -24,7 +24,7 @@ pub(super) struct NameId(u32);
 pub(super) struct Names<G: Grammar> {
     pub(super) trie: Trie<NameId>,
     entries: PersistentVector<Arc<NameEntry>>,
-    /// By [`SymbolId`], the builtins first.
+    /// The symbols by [`SymbolId`], the builtins first.
     symbols: PersistentVector<Option<Arc<Defined<G>>>>,
     free: Vec<SymbolId>,
     builtins: usize,

@@ -64,9 +64,9 @@ pub enum IntervalKind {
 /// An interval; its ends (and count) are the last values on the stack.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// With or without a count.
+    /// The kind: with or without a count.
     pub kind: IntervalKind,
-    /// From `[` to `]`.
+    /// The span from `[` to `]`.
     pub span: Span,
     /// For what has parameters: the position of the parameter that the tag names, where it names one,
     /// and the tag's own place. A tag that is missing, or names no parameter, has been reported.
@@ -88,7 +88,7 @@ pub struct Parameter {
 pub struct Declaration<'a> {
     /// Its keyword.
     pub keyword: DeclarationKeyword,
-    /// From the word to the `;`.
+    /// The span from the keyword to the `;`.
     pub span: Span,
     /// The symbol that it declares. `None` if its name was not read or not free.
     pub symbol: Option<SymbolId>,

@@ -73,7 +73,7 @@ pub enum ParseEvent<'d> {
 pub struct ReadDeclaration<'d> {
     /// The word that opens it.
     pub keyword: DeclarationKeyword,
-    /// From the word to the `;`.
+    /// The span from the keyword to the `;`.
     pub span: Span,
     /// The symbol that it declares. `None` if its name was not read or not free.
     pub symbol: Option<SymbolId>,
@@ -88,7 +88,7 @@ pub struct ReadDeclaration<'d> {
 }
 
 impl<'d> ReadDeclaration<'d> {
-    /// As the hooks take it, with its parameters as they take those.
+    /// Returns the declaration as the hooks take it, with its parameters.
     pub fn as_declaration<'a>(&self, parameters: &'a [Parameter]) -> Declaration<'a>
     where
         'd: 'a,

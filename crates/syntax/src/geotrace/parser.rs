@@ -122,7 +122,7 @@ struct Parser<'s, 'a, A, S> {
     lints: lints::LintState,
     /// The number of undefined words reported so far.
     searches: usize,
-    /// By the index of its diagnostic, each deferred cross-reference of a chunk.
+    /// The deferred cross-references of a chunk, by the index of their diagnostics.
     deferred: Vec<(usize, Deferred)>,
     lines: OnceCell<LineIndex<'s>>,
     declared_below: OnceCell<suggestions::DeclaredNames<'s>>,

@@ -330,7 +330,7 @@ impl<'d> Iterator for Parameters<'d> {
 impl ExactSizeIterator for Parameters<'_> {}
 
 impl Parameters<'_> {
-    /// As the hooks take them, so many bytes further down.
+    /// Returns the parameters as the hooks take them, moved by a number of bytes.
     pub fn moved(self, bytes: u32) -> Vec<Parameter> {
         self.map(|(name, span)| Parameter {
             name: name.to_owned(),

@@ -31,13 +31,13 @@ pub(in crate::overlay) struct Lines<'t> {
     /// The picture's.
     width: usize,
     processor: Processor,
-    /// Of bands that are done, for others.
+    /// The buffers of bands that are done, for others.
     scratches: Mutex<Vec<Scratch>>,
     counters: &'t PixelCounters,
 }
 
 impl<'t> Lines<'t> {
-    /// None where there is nothing to be laid.
+    /// Returns `None` if there are no lines.
     pub(in crate::overlay) fn new(
         lines: &[SurfaceCurve],
         camera: &PlacedCamera,
@@ -347,7 +347,7 @@ impl Extent {
         }
     }
 
-    /// Of all columns: lowest and highest offsets, largest derivatives.
+    /// The extent of all columns: lowest and highest offsets, largest derivatives.
     #[inline(always)]
     fn of_all(&self) -> ([f32; 2], [f32; 2], [f32; 4]) {
         let (mut low, mut high, mut slopes) = (self.low[0], self.high[0], self.slopes[0]);

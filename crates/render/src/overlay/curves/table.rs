@@ -40,7 +40,7 @@ pub(super) struct SegmentTable {
 #[derive(Debug, Default)]
 pub(super) struct FoundSegments {
     pub(super) segments: Vec<Segment>,
-    /// For each segment of the table, the number of the search that came upon it last.
+    /// The number of the last search that came upon each segment of the table.
     searches: Vec<u32>,
     search: u32,
 }

@@ -1,4 +1,4 @@
-//! Which triangles touch which tile.
+//! The triangles that touch each tile.
 
 use super::tile::TILE;
 use crate::software::mesh::{Mesh, SUBPIXEL};
@@ -12,7 +12,7 @@ pub(super) struct Bins {
 }
 
 impl Bins {
-    /// For `across` by `down` tiles, of which the first begins at the picture's row `top`.
+    /// Bins for `across` by `down` tiles, of which the first begins at the picture's row `top`.
     pub(super) fn new(mesh: &Mesh, across: usize, down: usize, top: usize) -> Self {
         let side = TILE as i32 * SUBPIXEL;
         let top = top as i32 * SUBPIXEL;

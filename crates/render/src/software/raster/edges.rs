@@ -1,4 +1,5 @@
-//! Which samples a triangle covers: exact edge functions, walked over a tile eight pixels at a time.
+//! The samples that a triangle covers: exact edge functions (J. Pineda, "A parallel algorithm for polygon
+//! rasterization", 1988), walked over a tile eight pixels at a time.
 
 use std::ops::{Add, BitOr, Mul};
 
@@ -20,7 +21,7 @@ pub(in crate::software) struct Edges {
 }
 
 impl Edges {
-    /// None for a triangle without an area.
+    /// Returns `None` for a triangle without an area.
     #[inline(always)]
     pub(in crate::software) fn new(corners: [[i32; 2]; 3]) -> Option<Self> {
         let p = corners.map(|at| at.map(i64::from));
@@ -178,11 +179,11 @@ struct Edge {
 
 /// Depths over the picture.
 struct Plane {
-    /// At the top left of the pixels in question.
+    /// The value at the top left of the pixels in question.
     start: f64,
-    /// From pixel to pixel, to the right and down.
+    /// The change from pixel to pixel, to the right and down.
     slope: [f64; 2],
-    /// From the top left of a group of pixels to each of its samples.
+    /// The change from the top left of a group of pixels to each of its samples.
     samples: [f32; GROUP],
     /// Rounding leads nowhere beyond these.
     low: f32,
@@ -192,13 +193,13 @@ struct Plane {
 /// Edge functions as they are stepped through, in numbers that hold them.
 struct Run<I> {
     start: [I; 3],
-    /// From one pixel to the next one down.
+    /// The change from one pixel to the next one down.
     down: [I; 3],
-    /// From one group of pixels to the next one to the right.
+    /// The change from one group of pixels to the next one to the right.
     along: [I; 3],
-    /// From the top left of a group to each of its samples.
+    /// The change from the top left of a group to each of its samples.
     samples: [[I; GROUP]; 3],
-    /// From the top left of a group to where the edge function is greatest in it.
+    /// The change from the top left of a group to the place where the edge function is greatest in it.
     reach: [I; 3],
 }
 
@@ -223,7 +224,7 @@ impl Whole for i64 {
     }
 }
 
-/// For each sample of a group its place, in subpixels from the group's top left.
+/// The place of each sample of a group, in subpixels from the group's top left.
 const PLACES: [[i32; GROUP]; 2] = {
     let mut places = [[0; GROUP]; 2];
     let mut k = 0;

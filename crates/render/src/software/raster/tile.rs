@@ -14,39 +14,39 @@ pub(super) const GROUP: usize = 4 * LANES;
 pub(super) const NONE: u32 = u32::MAX;
 /// All samples of the pixel see something, and have one light.
 const WHOLE: u16 = u16::MAX;
-/// None of them sees anything.
+/// The mark of a pixel whose samples see nothing.
 const EMPTY: u16 = WHOLE - 1;
 
 /// One tile's samples.
 pub(in crate::software) struct Tile {
-    /// Of the top left pixel.
+    /// The place of the top left pixel.
     origin: [usize; 2],
-    /// By groups; 0 where nothing but the background is seen.
+    /// The depths by groups; 0 where nothing but the background is seen.
     pub(super) depth: Vec<f32>,
     /// For each pixel its light, linear, or what its samples had in common before they were split; means nothing where
     /// nothing has been seen.
     light: Vec<[f32; 3]>,
-    /// For each pixel [`WHOLE`], [`EMPTY`], or where in `splits` the light of its samples is.
+    /// [`WHOLE`] or [`EMPTY`] for each pixel, or the index in `splits` of the light of its samples.
     split: Vec<u16>,
     splits: Vec<[[f32; 3]; 4]>,
     /// The pixels that may see anything.
     rows: Rows,
-    /// In linear light, with its alpha.
+    /// The background in linear light, with its alpha.
     background: [f32; 4],
     /// The encoded colour of an empty pixel.
     empty: [u8; 4],
     encoder: Encoder,
 }
 
-/// Which triangles of a batch a tile's samples see.
+/// The triangles of a batch that a tile's samples see.
 pub(in crate::software) struct Layer {
-    /// By groups.
+    /// The numbers of the triangles, by groups.
     pub(super) ids: Vec<u32>,
     /// The pixels that may see any.
     pub(super) rows: Rows,
 }
 
-/// In each row of a tile, the first pixel that matters and the one after the last, by whole groups.
+/// The first pixel that matters and the one after the last in each row of a tile, by whole groups.
 #[derive(Clone, Copy)]
 pub(super) struct Rows([[u8; 2]; TILE]);
 
@@ -134,7 +134,7 @@ impl Tile {
         }
     }
 
-    /// Gives up splits that no pixel has any more.
+    /// Removes splits that no pixel has any more.
     #[cold]
     fn gather(&mut self) {
         let mut kept = Vec::with_capacity(AREA);
@@ -217,7 +217,7 @@ impl Layer {
         }
     }
 
-    /// As if new.
+    /// Resets the tile.
     pub(super) fn clear(&mut self) {
         for (y, row) in self.rows.each() {
             let first = y * TILE;

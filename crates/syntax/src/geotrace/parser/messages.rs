@@ -123,7 +123,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.reject_deferred(diagnostic, None)
     }
 
-    /// As [`reject`](Self::reject), for a diagnostic that may have a deferred part.
+    /// Rejects as [`reject`](Self::reject) does, with a diagnostic that may have a deferred part.
     pub(super) fn reject_deferred(
         &mut self,
         diagnostic: Diagnostic,
