@@ -175,6 +175,7 @@ pub trait Program: Debug + Send {
 }
 
 /// An immutable state of a program, and the features that an editor offers on it.
+#[expect(unused_variables, reason = "a default uses no argument")]
 pub trait Analysis: Debug + Send + Sync {
     /// The text.
     fn text(&self) -> &dyn Text;
@@ -184,7 +185,6 @@ pub trait Analysis: Debug + Send + Sync {
 
     /// Returns the coloured tokens that touch a range, in the order of the text and without overlap.
     fn semantic_tokens(&self, range: Span) -> Vec<SemanticToken> {
-        let _ = range;
         Vec::new()
     }
 
@@ -200,43 +200,36 @@ pub trait Analysis: Debug + Send + Sync {
 
     /// Returns the ranges around a place, from the smallest to the whole text, each of which holds the one before.
     fn selection(&self, offset: u32) -> Vec<Span> {
-        let _ = offset;
         vec![Span::new(0, self.text().len())]
     }
 
     /// Returns the description of the word at a place, and the range of the word.
     fn hover(&self, offset: u32) -> Option<(Span, Description)> {
-        let _ = offset;
         None
     }
 
     /// Returns the signature of the function around a place.
     fn signature(&self, offset: u32) -> Option<Signature> {
-        let _ = offset;
         None
     }
 
     /// Returns what can be written at a place, with places to fill in if the editor knows `snippets`.
     fn completions(&self, offset: u32, snippets: bool) -> Completions {
-        let _ = snippets;
         Completions::empty(offset)
     }
 
     /// Returns the description of a completion by its label.
     fn describe_completion(&self, offset: u32, label: &str) -> Option<Description> {
-        let _ = (offset, label);
         None
     }
 
     /// Returns the range of the name at a place, and the range where the name is introduced.
     fn definition(&self, offset: u32) -> Option<(Span, Span)> {
-        let _ = offset;
         None
     }
 
     /// Returns every occurrence of the name at a place, in the order of the text.
     fn occurrences(&self, offset: u32) -> Vec<Occurrence> {
-        let _ = offset;
         Vec::new()
     }
 
@@ -245,7 +238,6 @@ pub trait Analysis: Debug + Send + Sync {
     /// # Errors
     /// [`RenameError`] with the reason why it cannot.
     fn prepare_rename(&self, offset: u32) -> Result<(Span, String), RenameError> {
-        let _ = offset;
         Err(RenameError::NoName)
     }
 
@@ -254,7 +246,6 @@ pub trait Analysis: Debug + Send + Sync {
     /// # Errors
     /// [`RenameError`] with the reason.
     fn rename(&self, offset: u32, name: &str) -> Result<Vec<Edit>, RenameError> {
-        let _ = (offset, name);
         Err(RenameError::NoName)
     }
 
@@ -265,26 +256,22 @@ pub trait Analysis: Debug + Send + Sync {
 
     /// Returns the edits that bring the text, or the declarations that touch a range, into the canonical layout.
     fn format(&self, range: Option<Span>) -> Vec<Edit> {
-        let _ = range;
         Vec::new()
     }
 
     /// Returns the edits that lay out the declaration that ends before a place, or `None` if none ends there.
     fn format_on_type(&self, offset: u32) -> Option<Vec<Edit>> {
-        let _ = offset;
         None
     }
 
     /// Returns the hints in a range, in the order of the text.
     fn hints(&self, range: Span) -> Vec<Hint> {
-        let _ = range;
         Vec::new()
     }
 
     /// Returns hints with the values that the params in a range have in a preview. `values` are by name, one number for
     /// each component.
     fn preview_values(&self, range: Span, values: &BTreeMap<String, Vec<f64>>) -> Vec<Hint> {
-        let _ = (range, values);
         Vec::new()
     }
 
@@ -298,7 +285,6 @@ pub trait Analysis: Debug + Send + Sync {
     /// # Errors
     /// [`EditParamError`] with the reason.
     fn edit_param(&self, param: &str, values: &[f64]) -> Result<Edit, EditParamError> {
-        let _ = values;
         let name = param.to_owned();
         Err(EditParamError::NoParam { name })
     }

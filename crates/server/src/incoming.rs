@@ -115,112 +115,40 @@ impl Backend {
     }
 }
 
+/// The requests and notifications that a module handles: a method of the protocol's trait for each row.
+macro_rules! handlers {
+    ($($module:ident::$name:ident($params:ty) $(-> $result:ty)?;)*) => {
+        $(async fn $name(&self, params: $params) $(-> $result)? {
+            $module::$name(self, params).await
+        })*
+    };
+}
+
 impl LanguageServer for Backend {
-    async fn initialize(&self, params: lsp::InitializeParams) -> Result<lsp::InitializeResult> {
-        lifecycle::initialize(self, params).await
-    }
-
-    async fn initialized(&self, params: lsp::InitializedParams) {
-        lifecycle::initialized(self, params).await
-    }
-
     async fn shutdown(&self) -> Result<()> {
         lifecycle::shutdown(self).await
     }
 
-    async fn did_open(&self, params: lsp::DidOpenTextDocumentParams) {
-        documents::did_open(self, params).await
-    }
-
-    async fn did_change(&self, params: lsp::DidChangeTextDocumentParams) {
-        documents::did_change(self, params).await
-    }
-
-    async fn did_close(&self, params: lsp::DidCloseTextDocumentParams) {
-        documents::did_close(self, params).await
-    }
-
-    async fn did_change_configuration(&self, params: lsp::DidChangeConfigurationParams) {
-        workspace::did_change_configuration(self, params).await
-    }
-
-    async fn did_change_workspace_folders(&self, params: lsp::DidChangeWorkspaceFoldersParams) {
-        workspace::did_change_workspace_folders(self, params).await
-    }
-
-    async fn hover(&self, params: lsp::HoverParams) -> Result<Option<lsp::Hover>> {
-        places::hover(self, params).await
-    }
-
-    async fn completion_resolve(&self, item: lsp::CompletionItem) -> Result<lsp::CompletionItem> {
-        places::completion_resolve(self, item).await
-    }
-
-    async fn signature_help(
-        &self,
-        params: lsp::SignatureHelpParams,
-    ) -> Result<Option<lsp::SignatureHelp>> {
-        places::signature_help(self, params).await
-    }
-
-    async fn goto_definition(
-        &self,
-        params: lsp::GotoDefinitionParams,
-    ) -> Result<Option<lsp::GotoDefinitionResponse>> {
-        places::goto_definition(self, params).await
-    }
-
-    async fn document_highlight(
-        &self,
-        params: lsp::DocumentHighlightParams,
-    ) -> Result<Option<Vec<lsp::DocumentHighlight>>> {
-        places::document_highlight(self, params).await
-    }
-
-    async fn prepare_rename(
-        &self,
-        params: lsp::TextDocumentPositionParams,
-    ) -> Result<Option<lsp::PrepareRenameResponse>> {
-        places::prepare_rename(self, params).await
-    }
-
-    async fn rename(&self, params: lsp::RenameParams) -> Result<Option<lsp::WorkspaceEdit>> {
-        places::rename(self, params).await
-    }
-
-    async fn selection_range(
-        &self,
-        params: lsp::SelectionRangeParams,
-    ) -> Result<Option<Vec<lsp::SelectionRange>>> {
-        places::selection_range(self, params).await
-    }
-
-    async fn code_action(
-        &self,
-        params: lsp::CodeActionParams,
-    ) -> Result<Option<lsp::CodeActionResponse>> {
-        ranges::code_action(self, params).await
-    }
-
-    async fn range_formatting(
-        &self,
-        params: lsp::DocumentRangeFormattingParams,
-    ) -> Result<Option<Vec<lsp::TextEdit>>> {
-        ranges::range_formatting(self, params).await
-    }
-
-    async fn on_type_formatting(
-        &self,
-        params: lsp::DocumentOnTypeFormattingParams,
-    ) -> Result<Option<Vec<lsp::TextEdit>>> {
-        places::on_type_formatting(self, params).await
-    }
-
-    async fn execute_command(
-        &self,
-        params: lsp::ExecuteCommandParams,
-    ) -> Result<Option<lsp::LSPAny>> {
-        workspace::execute_command(self, params).await
+    handlers! {
+        lifecycle::initialize(lsp::InitializeParams) -> Result<lsp::InitializeResult>;
+        lifecycle::initialized(lsp::InitializedParams);
+        documents::did_open(lsp::DidOpenTextDocumentParams);
+        documents::did_change(lsp::DidChangeTextDocumentParams);
+        documents::did_close(lsp::DidCloseTextDocumentParams);
+        workspace::did_change_configuration(lsp::DidChangeConfigurationParams);
+        workspace::did_change_workspace_folders(lsp::DidChangeWorkspaceFoldersParams);
+        places::hover(lsp::HoverParams) -> Result<Option<lsp::Hover>>;
+        places::completion_resolve(lsp::CompletionItem) -> Result<lsp::CompletionItem>;
+        places::signature_help(lsp::SignatureHelpParams) -> Result<Option<lsp::SignatureHelp>>;
+        places::goto_definition(lsp::GotoDefinitionParams) -> Result<Option<lsp::GotoDefinitionResponse>>;
+        places::document_highlight(lsp::DocumentHighlightParams) -> Result<Option<Vec<lsp::DocumentHighlight>>>;
+        places::prepare_rename(lsp::TextDocumentPositionParams) -> Result<Option<lsp::PrepareRenameResponse>>;
+        places::rename(lsp::RenameParams) -> Result<Option<lsp::WorkspaceEdit>>;
+        places::selection_range(lsp::SelectionRangeParams) -> Result<Option<Vec<lsp::SelectionRange>>>;
+        ranges::code_action(lsp::CodeActionParams) -> Result<Option<lsp::CodeActionResponse>>;
+        ranges::range_formatting(lsp::DocumentRangeFormattingParams) -> Result<Option<Vec<lsp::TextEdit>>>;
+        places::on_type_formatting(lsp::DocumentOnTypeFormattingParams) -> Result<Option<Vec<lsp::TextEdit>>>;
+        workspace::execute_command(lsp::ExecuteCommandParams) -> Result<Option<lsp::LSPAny>>;
     }
 }
 

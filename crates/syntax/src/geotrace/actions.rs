@@ -104,36 +104,25 @@ pub struct Declaration<'a> {
 }
 
 /// The hooks that the parser calls. All do nothing unless implemented.
+#[expect(unused_variables, reason = "a default uses no argument")]
 pub trait Actions {
     /// The parser moved past a token. Comes for every token, comments and tokens skipped by recovery too,
     /// in the order of the text and without gaps but for white space; the end of input is not reported.
-    fn act_advance(&mut self, token: Token) {
-        let _ = token;
-    }
+    fn act_advance(&mut self, token: Token) {}
 
     /// A declaration starts: its keyword has just been read.
-    fn act_declaration_start(&mut self, keyword: DeclarationKeyword, span: Span) {
-        let _ = (keyword, span);
-    }
+    fn act_declaration_start(&mut self, keyword: DeclarationKeyword, span: Span) {}
 
     /// One step of an expression. `span` covers the operator with its operands. No more come in a
     /// declaration once an error has made them incomplete.
-    fn act_operator(&mut self, operator: Operator, span: Span) {
-        let _ = (operator, span);
-    }
+    fn act_operator(&mut self, operator: Operator, span: Span) {}
 
     /// An interval has been read.
-    fn act_interval(&mut self, interval: Interval) {
-        let _ = interval;
-    }
+    fn act_interval(&mut self, interval: Interval) {}
 
     /// A declaration has been read.
-    fn act_declaration(&mut self, declaration: &Declaration<'_>) {
-        let _ = declaration;
-    }
+    fn act_declaration(&mut self, declaration: &Declaration<'_>) {}
 
     /// An error, a warning or a hint.
-    fn act_error(&mut self, diagnostic: Diagnostic) {
-        let _ = diagnostic;
-    }
+    fn act_error(&mut self, diagnostic: Diagnostic) {}
 }
