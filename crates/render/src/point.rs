@@ -5,7 +5,7 @@
 
 /// A place in a picture, in pixels from its top left corner: right, down.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pixel(pub [f64; 2]);
+pub struct PixelPoint(pub [f64; 2]);
 
 /// A place in space, in the scene's units.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -26,7 +26,7 @@ use crate::error::RenderError;
 use crate::gpu::renderer::GpuRenderer;
 use crate::gpu::{Gpu, Pixels};
 use crate::plan::Built;
-use crate::point::Pixel;
+use crate::point::PixelPoint;
 use crate::rendered::RenderedImage;
 use crate::request::{Backend, PictureRequest};
 use crate::shared::Shared;
@@ -324,7 +324,7 @@ impl Renderer {
     pub fn pick(
         &mut self,
         request: &PictureRequest,
-        at: Pixel,
+        at: PixelPoint,
     ) -> Result<Option<Hit>, RenderError> {
         request.check()?;
         let (renderer, shared) = self.renderer(request)?;

@@ -23,7 +23,7 @@ use scene::{Object, ObjectId, Scene};
 use crate::camera::Camera;
 use crate::error::RenderError;
 use crate::plan::{self, Plan};
-use crate::point::{Pixel, WorldPoint};
+use crate::point::{PixelPoint, WorldPoint};
 use crate::rendered::RenderedImage;
 use crate::request::{Backend, PictureRequest, ViewPart};
 
@@ -100,7 +100,7 @@ pub trait ViewRenderer: fmt::Debug + Send {
         &mut self,
         _shared: &mut SharedState,
         _request: &PictureRequest,
-        _at: Pixel,
+        _at: PixelPoint,
     ) -> Result<Option<Hit>, RenderError> {
         Ok(None)
     }

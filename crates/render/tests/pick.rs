@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use render::Renderer;
 use render::gpu::Pixels;
-use render::point::{DrawingPoint, Pixel};
+use render::point::{DrawingPoint, PixelPoint};
 use render::view::Hit;
 use render::viewpoint::PerspectiveCamera;
 use scene::ParamValues;
@@ -29,7 +29,7 @@ fn from(eye: [f64; 3], target: [f64; 3]) -> Wanted {
 
 fn pick(scene: &Arc<Scene>, params: &ParamValues, request: &Wanted, at: [f64; 2]) -> Option<Hit> {
     Renderer::software()
-        .pick(&request.of(scene, params), Pixel(at))
+        .pick(&request.of(scene, params), PixelPoint(at))
         .expect("a picture")
 }
 
@@ -140,7 +140,7 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
     let at = |x: f64, y: f64| [80.0 + x * pixel, 60.0 - y * pixel];
     let mut pick = |[x, y]: [f64; 2]| {
         stage
-            .pick(&request.of(&scene, &params), Pixel([x, y]))
+            .pick(&request.of(&scene, &params), PixelPoint([x, y]))
             .expect("a picture")
     };
     let [x, y] = at(0.5, 0.0);
@@ -179,7 +179,7 @@ fn perspective_does_not_bend_a_curves_parameter() {
         for j in (0..120).step_by(7) {
             let at = [f64::from(k) + 0.5, f64::from(j) + 0.5];
             let hit = stage
-                .pick(&request.of(&scene, &params), Pixel(at))
+                .pick(&request.of(&scene, &params), PixelPoint(at))
                 .expect("a picture");
             if let Some(hit) = hit.filter(|hit| hit.object == ObjectId(0)) {
                 assert!(
@@ -213,7 +213,7 @@ fn each_instance_is_told_apart() {
                     60.0 - (y + place[1] - 1.5) * pixel,
                 ];
                 let hit = stage
-                    .pick(&request.of(&scene, &params), Pixel(at))
+                    .pick(&request.of(&scene, &params), PixelPoint(at))
                     .expect("a picture");
                 let hit = hit.unwrap_or_else(|| panic!("{object} at {at:?}"));
                 assert_eq!(
@@ -274,7 +274,7 @@ fn what_is_picked_is_what_the_picture_shows() {
         for x in 0..width {
             let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
             let hit = stage
-                .pick(&request.of(&scene, &params), Pixel(at))
+                .pick(&request.of(&scene, &params), PixelPoint(at))
                 .expect("a picture");
             let glyphs: Vec<usize> = (2..5).filter(|&object| near(object, x, y)).collect();
             let here: Vec<usize> = (0..2).filter(|&object| visible(object, x, y)).collect();
@@ -306,7 +306,7 @@ fn a_place_outside_the_picture_and_a_geodesic_view_are_no_place_to_pick() {
     let inside = Wanted::geodesic(ObjectId(0), SIZE);
     assert!(
         Renderer::software()
-            .pick(&inside.of(&scene, &params), Pixel([1.0, 1.0]))
+            .pick(&inside.of(&scene, &params), PixelPoint([1.0, 1.0]))
             .is_err()
     );
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use image::RgbaImage;
 use render::gpu::Gpu;
 use render::gpu::Pixels;
-use render::point::{Pixel, WorldPoint};
+use render::point::{PixelPoint, WorldPoint};
 use render::viewpoint::{GeodesicCamera, PerspectiveCamera};
 use render::{Backend, Renderer, style};
 use scene::ParamValues;
@@ -80,7 +80,7 @@ fn a_surface_is_hidden_while_its_geodesics_and_cameras_are_seen() {
         // Objects keep their numbers, and what is not seen is not found.
         let at = |y: u32| [60.5, f64::from(y) + 0.5];
         let mut found = |request: &Wanted, y| {
-            let hit = stage.pick(&request.of(&scene, &params), Pixel(at(y)));
+            let hit = stage.pick(&request.of(&scene, &params), PixelPoint(at(y)));
             hit.expect("a view of space").map(|hit| hit.object)
         };
         assert_eq!(found(&bare, middle), Some(ObjectId(1)));

@@ -8,7 +8,7 @@ use clap::Args;
 use render::plan::{ObjectPlan, Painter, Plan, SampleSource};
 use render::{Backend, PictureRequest, ViewId, Views};
 use scene::ParamValues;
-use scene::{Object, ObjectId, Scene};
+use scene::{Object, Scene};
 use serde::Serialize;
 
 use crate::argument::Format;

@@ -10,6 +10,7 @@ use scene::{ObjectId, Scene};
 
 use super::PictureRequest;
 use crate::error::RenderError;
+use crate::point::WorldPoint;
 use crate::style;
 use crate::viewpoint::{GeodesicCamera, PerspectiveCamera};
 
@@ -75,7 +76,7 @@ pub struct SpaceOptions {
 
 impl SpaceOptions {
     /// A picture from a place, towards a target.
-    pub fn seen_from(eye: [f64; 3], target: [f64; 3]) -> Self {
+    pub fn seen_from(eye: impl Into<WorldPoint>, target: impl Into<WorldPoint>) -> Self {
         Self {
             camera: PerspectiveCamera::new(eye, target),
             ..Self::default()

@@ -8,7 +8,7 @@ use super::mesh::{Corner, Eye, Mesh, SUBPIXEL};
 use super::raster::{self, Edges, Layer, SAMPLES, TILE, Tile};
 use super::space::{Drawable, Job, batches, jobs, meshes};
 use crate::camera::Camera;
-use crate::point::{DrawingPoint, Pixel};
+use crate::point::{DrawingPoint, PixelPoint};
 use crate::sample::{PositionSample, Samples};
 
 /// Points, vectors and curves are picked by a place that is so many pixels away from where they are seen.
@@ -40,7 +40,7 @@ struct Seen {
 
 /// Returns the object at a pixel: a point, vector or curve within
 /// [`NEAR`], else the surface there.
-pub fn pick(camera: &Camera, objects: &[Drawable], Pixel(at): Pixel) -> Option<Picked> {
+pub fn pick(camera: &Camera, objects: &[Drawable], PixelPoint(at): PixelPoint) -> Option<Picked> {
     let inside = |k: usize| at[k] >= 0.0 && at[k] < f64::from(camera.size[k]);
     if !inside(0) || !inside(1) {
         return None;

@@ -17,7 +17,7 @@ use crate::gpu::Pixels;
 use crate::gpu::geodesic::ResolveTask;
 use crate::overlay::{self, GeodesicOverlay};
 use crate::plan::{GeodesicPlan, Plan, derivative_operations};
-use crate::point::Pixel;
+use crate::point::PixelPoint;
 use crate::rendered::RenderedImage;
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
 use crate::viewpoint::GeodesicCamera;
@@ -197,7 +197,7 @@ impl ViewRenderer for GeodesicRenderer {
         &mut self,
         _shared: &mut SharedState,
         _request: &PictureRequest,
-        _at: Pixel,
+        _at: PixelPoint,
     ) -> Result<Option<Hit>, RenderError> {
         let sentence = "a geodesic view has no camera in space";
         Err(RenderError::Camera(sentence.to_owned()))

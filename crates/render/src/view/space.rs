@@ -19,7 +19,7 @@ use crate::gpu::renderer::SpaceScene;
 use crate::overlay::{self, OverlayObject};
 use crate::placement::Placement;
 use crate::plan::{Plan, object_plan};
-use crate::point::{Pixel, WorldPoint};
+use crate::point::PixelPoint;
 use crate::rendered::RenderedImage;
 use crate::request::part::SpaceOptions;
 use crate::request::{Overlays, PictureRequest, ViewOptions, ViewPart};
@@ -225,7 +225,7 @@ impl ViewRenderer for SpaceRenderer {
         &mut self,
         shared: &mut SharedState,
         request: &PictureRequest,
-        at: Pixel,
+        at: PixelPoint,
     ) -> Result<Option<Hit>, RenderError> {
         let options = options(request)?;
         let structures = shared.structures.get(request.scene.arc());

@@ -8,7 +8,7 @@ use glam::DVec3;
 use render::camera::Camera;
 use render::counters::WorkCounters;
 use render::gpu::Pixels;
-use render::point::Pixel;
+use render::point::PixelPoint;
 use render::rendered::RenderedImage;
 use render::shared::Shared;
 use render::view::space;
@@ -101,7 +101,7 @@ impl Worker {
         at: [f64; 2],
         purpose: Purpose,
     ) -> RenderEvent {
-        let hit = self.renderer.pick(request, Pixel(at));
+        let hit = self.renderer.pick(request, PixelPoint(at));
         RenderEvent::Picked {
             request: Box::new(request.clone()),
             hit: hit.ok().flatten(),

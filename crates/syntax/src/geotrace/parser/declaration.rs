@@ -248,9 +248,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             | TokenKind::Prime
             | TokenKind::Undefined
             | TokenKind::Constant(_)
-            | TokenKind::Function(_) => {
-                Some("a name is one word of letters and digits".to_owned())
-            }
+            | TokenKind::Function(_) => Some("a name is one word of letters and digits".to_owned()),
             _ => None,
         };
         let diagnostic = match hint {
