@@ -1,8 +1,10 @@
 //! README and docs tell the truth: their commands, files and tables are checked.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use expr::ops::{CONSTANTS, Unary};
+use syntax::geotrace::declarations::{DeclarationKeyword, TABLE};
 use testing::binary::geotrace;
 use testing::draw::scene;
 use testing::examples::repository;
@@ -145,6 +147,67 @@ fn the_commands_of_the_tutorial_run() {
     }
 }
 
+/// The words of a text between two others.
+fn words_between<'t>(path: &str, text: &'t str, start: &str, end: &str) -> BTreeSet<&'t str> {
+    let (_, rest) = text
+        .split_once(start)
+        .unwrap_or_else(|| panic!("{path} has no `{start}`"));
+    let list = rest.split_once(end).map_or(rest, |(list, _)| list);
+    list.split(|c: char| !c.is_alphanumeric())
+        .filter(|word| !word.is_empty())
+        .collect()
+}
+
+#[test]
+fn every_list_of_words_is_that_of_the_language() {
+    let constants: BTreeSet<&str> = CONSTANTS.iter().map(|(name, ..)| *name).collect();
+    // The identity is no operation on numbers: it takes vectors too.
+    let functions = Unary::ALL.into_iter().filter_map(Unary::builtin);
+    let functions: BTreeSet<&str> = functions.chain(["id"]).collect();
+    let keywords: BTreeSet<&str> = TABLE.iter().map(|row| row.text).collect();
+    let vim = "editors/neovim/syntax/geotrace.vim";
+    let vscode = "editors/vscode/syntaxes/geotrace.tmLanguage.json";
+    let tree_sitter = "editors/tree-sitter/queries/highlights.scm";
+    for (path, start, end, expected) in [
+        ("README.md", "functions are `", "`", &functions),
+        ("docs/language.md", "functions are `", "`", &functions),
+        ("docs/language.md", "longer word:\n", ".\n", &keywords),
+        (vim, "geotraceFunction ", "\n", &functions),
+        (vim, "geotraceConstant ", "\n", &constants),
+        (vim, "geotraceKeyword ", "\n", &keywords),
+        (
+            vscode,
+            r#"support.function.geotrace",
+          "match": "\\b("#,
+            ")",
+            &functions,
+        ),
+        (
+            vscode,
+            r#"support.constant.geotrace", "match": "\\b("#,
+            ")",
+            &constants,
+        ),
+        (
+            vscode,
+            r#""keyword": {
+      "match": "\\b("#,
+            ")",
+            &keywords,
+        ),
+        (tree_sitter, "any-of? @function.builtin", ")", &functions),
+        (tree_sitter, "any-of? @constant.builtin", ")", &constants),
+        (tree_sitter, "[", "]", &keywords),
+    ] {
+        let text = read(path);
+        assert_eq!(
+            words_between(path, &text, start, end),
+            *expected,
+            "{path}: {start}"
+        );
+    }
+}
+
 #[test]
 fn the_gallery_shows_every_example() {
     let text = read("README.md");
@@ -210,7 +273,8 @@ fn every_declaration_of_the_readmes_table_compiles() {
             program.push('\n');
         }
     }
-    assert_eq!(program.lines().count(), 10, "{program}");
+    let count = DeclarationKeyword::ALL.len();
+    assert_eq!(program.lines().count(), count, "{program}");
     scene(&program);
 }
 

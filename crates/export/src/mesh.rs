@@ -112,32 +112,42 @@ impl MeshFormat {
     /// All formats.
     pub const ALL: [Self; 5] = [Self::Obj, Self::Ply, Self::Stl, Self::Gltf, Self::Glb];
 
-    /// The format of a file name's extension, without its dot, in any case of letters.
-    pub fn of_extension(extension: &str) -> Option<Self> {
+    /// Returns the format of a file name's extension, without its dot, in any case of letters.
+    pub fn from_extension(extension: &str) -> Option<Self> {
         let wanted = extension.to_lowercase();
         Self::ALL
             .into_iter()
             .find(|format| format.extension() == wanted)
     }
 
-    /// The extension of its files.
-    pub fn extension(self) -> &'static str {
-        match self {
-            Self::Obj => "obj",
-            Self::Ply => "ply",
-            Self::Stl => "stl",
-            Self::Gltf => "gltf",
-            Self::Glb => "glb",
-        }
+    /// Returns the extension of its files.
+    pub const fn extension(self) -> &'static str {
+        self.names().0
     }
 
-    /// The usual name, for sentences.
-    pub fn name(self) -> &'static str {
+    /// Returns its usual name, for sentences.
+    pub const fn name(self) -> &'static str {
+        self.names().1
+    }
+
+    /// Returns its whole name, for lists of formats.
+    pub const fn title(self) -> &'static str {
+        self.names().2
+    }
+
+    /// True if it holds triangles only: no lines, no points and no vertices that triangles share.
+    pub const fn has_only_triangles(self) -> bool {
+        matches!(self, Self::Stl)
+    }
+
+    /// Returns the extension, the usual name and the whole name.
+    const fn names(self) -> (&'static str, &'static str, &'static str) {
         match self {
-            Self::Obj => "OBJ",
-            Self::Ply => "PLY",
-            Self::Stl => "STL",
-            Self::Gltf | Self::Glb => "glTF",
+            Self::Obj => ("obj", "OBJ", "Wavefront OBJ"),
+            Self::Ply => ("ply", "PLY", "Stanford PLY"),
+            Self::Stl => ("stl", "STL", "STL"),
+            Self::Gltf => ("gltf", "glTF", "glTF 2.0, one JSON file"),
+            Self::Glb => ("glb", "glTF", "glTF 2.0, binary"),
         }
     }
 }
@@ -177,7 +187,7 @@ impl Model {
         format: MeshFormat,
         out: &mut dyn Write,
     ) -> Result<Vec<String>, ExportError> {
-        let fits = |part: &&Part| format != MeshFormat::Stl || part.triangles() > 0;
+        let fits = |part: &&Part| !format.has_only_triangles() || part.triangles() > 0;
         let left_out: Vec<String> = self
             .parts
             .iter()

@@ -21,7 +21,7 @@ fn original_text() -> String {
     block.expect("a grammar in docs/language.md").to_owned()
 }
 
-const TERMINALS: [(&str, Terminal); 33] = [
+const TERMINALS: &[(&str, Terminal)] = &[
     ("\"param\"", Terminal::Keyword(DeclarationKeyword::Param)),
     ("\"grid\"", Terminal::Keyword(DeclarationKeyword::Grid)),
     ("\"define\"", Terminal::Keyword(DeclarationKeyword::Define)),
@@ -294,12 +294,12 @@ impl Grammar {
             .collect();
         let symbol = |word: &str| match TERMINALS.iter().find(|(text, _)| *text == word) {
             Some((_, terminal)) => Symbol::T(*terminal),
-            None => Symbol::N(
-                lines
-                    .iter()
-                    .position(|(left, _)| *left == word)
-                    .expect("defined"),
-            ),
+            None => {
+                let defined = lines.iter().position(|(left, _)| *left == word);
+                Symbol::N(defined.unwrap_or_else(|| {
+                    panic!("{word} in docs/language.md is neither defined there nor in TERMINALS")
+                }))
+            }
         };
         let alternative = |text: &str| text.split_whitespace().map(symbol).collect();
         // No terminal of the language is a bar.

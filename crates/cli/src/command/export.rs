@@ -54,13 +54,17 @@ pub(super) struct Arguments {
     texture: Vec<TextureFile>,
 }
 
-const FORMATS: [Choice<MeshFormat>; 5] = [
-    Choice::new("obj", "Wavefront OBJ", MeshFormat::Obj),
-    Choice::new("ply", "Stanford PLY", MeshFormat::Ply),
-    Choice::new("stl", "STL", MeshFormat::Stl),
-    Choice::new("gltf", "glTF 2.0, one JSON file", MeshFormat::Gltf),
-    Choice::new("glb", "glTF 2.0, binary", MeshFormat::Glb),
-];
+/// Every format, by its extension.
+const FORMATS: [Choice<MeshFormat>; MeshFormat::ALL.len()] = {
+    let mut choices = [Choice::new("", "", MeshFormat::Obj); MeshFormat::ALL.len()];
+    let mut k = 0;
+    while k < choices.len() {
+        let format = MeshFormat::ALL[k];
+        choices[k] = Choice::new(format.extension(), format.title(), format);
+        k += 1;
+    }
+    choices
+};
 
 /// Builds the meshes and writes the file.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
@@ -101,8 +105,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     let triangles: usize = model.parts.iter().map(|part| part.triangles()).sum();
     let vertices: usize = model.parts.iter().map(|part| part.vertices()).sum();
     let mut size = number::count(triangles, "triangle");
-    // STL has no vertices, and leaves out what has no triangles.
-    if format != MeshFormat::Stl {
+    if !format.has_only_triangles() {
         size = format!("{} vertices, {size}", number::grouped(vertices as u64));
     }
     output::print_error(&format!("{}: {}, {size}\n", target.name(), format.name()));
@@ -117,7 +120,7 @@ fn file_format(arguments: &Arguments) -> Result<MeshFormat, Failure> {
     let extension = path
         .extension()
         .map(|extension| extension.to_string_lossy());
-    let found = extension.as_deref().and_then(MeshFormat::of_extension);
+    let found = extension.as_deref().and_then(MeshFormat::from_extension);
     found.ok_or_else(|| {
         let known = MeshFormat::ALL.map(|format| format!(".{}", format.extension()));
         let name = path.display();

@@ -245,7 +245,7 @@ fn write_mesh(window: &Window, path: &str) {
 
 fn save_mesh(path: &Path, request: &PictureRequest) -> Result<String, String> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
-    let format = MeshFormat::of_extension(&extension).ok_or_else(|| {
+    let format = MeshFormat::from_extension(&extension).ok_or_else(|| {
         let known = MeshFormat::ALL.map(MeshFormat::extension).join(", ");
         format!("`{}` does not end in one of {known}", path.display())
     })?;
