@@ -1,6 +1,6 @@
 //! Runs the binary `geotrace` itself: arguments and bytes in, status, output and peak memory out.
 //!
-//! The binary is `$GEOTRACE_BIN` where that is set (the repository's `./test` sets it), else it is built by
+//! The binary is `$GEOTRACE_BIN` where that is set (`tests/run` sets it), else it is built by
 //! `cargo build -p geotrace` in the profile of the tests, so that it is never a stale one.
 
 use std::ffi::{OsStr, OsString};

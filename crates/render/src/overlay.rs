@@ -1,10 +1,10 @@
 //! Overlays: drawn over a picture on request, and computed only then.
 //!
 //! ```text
-//! geodesic view: rows of ends ──curve.rs: declared geodesics, trails─────────────┐
-//! (inside.rs)    map of ends ──lines.rs: wavefronts, conjugate points, error────┼──▶ picture ──legend.rs──▶ picture
-//!                            ──cut.rs: the cut locus────────────────────────────┘
-//! 3D view:       a geodesic camera, trails ──space.rs──▶ arrows and curves, drawn as such; legend.rs over them
+//! geodesic view:  rows of ends ──curves.rs: declared geodesics, trails────────────┐
+//! (geodesic.rs)   map of ends ──lines.rs: wavefronts, conjugate points, error────┼──▶ picture ──legend.rs──▶ picture
+//!                             ──cut_locus.rs: the cut locus──────────────────────┘
+//! 3D view:        a geodesic camera, trails ──space.rs──▶ arrows and curves, drawn as such; legend.rs over them
 //! ```
 //!
 //! Declared geodesics are objects of the scene: they are drawn whenever their surface is looked at.
