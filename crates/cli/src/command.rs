@@ -8,6 +8,7 @@ mod explain;
 mod export;
 mod format;
 mod lsp;
+mod measure;
 mod preview;
 mod render;
 mod show;
@@ -101,6 +102,7 @@ enum Command {
     Render(Box<render::Arguments>),
     Export(export::Arguments),
     Trace(Box<trace::Arguments>),
+    Measure(Box<measure::Arguments>),
     Eval(eval::Arguments),
     Explain(explain::Arguments),
     Accuracy(accuracy::Arguments),
@@ -121,6 +123,7 @@ pub(crate) fn run(arguments: Arguments, registry: &Registry) -> Result<(), Failu
         Command::Render(arguments) => render::run(&arguments, &context),
         Command::Export(arguments) => export::run(&arguments, &context),
         Command::Trace(arguments) => trace::run(&arguments, &context),
+        Command::Measure(arguments) => measure::run(&arguments, &context),
         Command::Eval(arguments) => eval::run(&arguments, &context),
         Command::Explain(arguments) => explain::run(&arguments, &context),
         Command::Accuracy(arguments) => accuracy::run(&arguments, &context),
@@ -151,6 +154,7 @@ And with a surface s:
   geotrace render torus.gtr -o inside.png --view geodesic:s    seen from inside
   geotrace export torus.gtr -o torus.glb           a mesh for other programs; also .obj, .ply, .stl, .gltf
   geotrace trace torus.gtr --surface s --from 0,0 --heading 30 --length 2
+  geotrace measure torus.gtr --between 0,0 1,2     distance, curvature, circles, triangles
   geotrace explain torus.gtr                       what is built for it, and what is left out
   geotrace accuracy torus.gtr                      every method of following geodesics: error against run time
 

@@ -9,6 +9,7 @@ mod event;
 mod ray;
 
 use crate::chart::{ApexChart, Atlas, Chart, Local, State};
+use crate::field::FieldKnot;
 use crate::runge_kutta::{StepParameter, Tableau};
 use crate::status::Status;
 use crate::surface::{Side, Surface};
@@ -73,6 +74,8 @@ pub(crate) struct RayEnd {
     pub(crate) field_rate: f64,
     /// The arc lengths at which m = 0, if they were asked for.
     pub(crate) conjugates: Vec<f64>,
+    /// The Jacobi field after each step, if it was asked for.
+    pub(crate) fields: Vec<FieldKnot>,
 }
 
 impl RayEnd {
@@ -98,6 +101,7 @@ impl RayEnd {
             field: 0.0,
             field_rate: 1.0,
             conjugates: Vec::new(),
+            fields: Vec::new(),
         }
     }
 }
@@ -119,6 +123,8 @@ pub(crate) struct Observed {
     pub(crate) fields: bool,
     /// True if conjugate points are looked for.
     pub(crate) conjugates: bool,
+    /// True if the Jacobi field is kept after each step, and steps are short beside 1/√|K|.
+    pub(crate) knots: bool,
 }
 
 /// Integrates the geodesic from `start` and observes more on the way.
@@ -154,6 +160,7 @@ pub(crate) fn integrate_observed<S: Surface + ?Sized>(
             fields: observed.fields,
             conjugates: observed.conjugates.then(Vec::new),
             path: plan.keep_path.then(Vec::new),
+            knots: observed.knots.then(Vec::new),
         },
     };
     run(ray, length)
@@ -236,6 +243,7 @@ fn run<S: Surface + ?Sized>(mut ray: Ray<'_, '_, S>, length: f64) -> RayEnd {
         field: ray.field[0],
         field_rate: ray.field[1],
         conjugates: ray.observers.conjugates.unwrap_or_default(),
+        fields: ray.observers.knots.unwrap_or_default(),
     }
 }
 

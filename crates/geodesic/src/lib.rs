@@ -12,6 +12,8 @@
 //!                                                     reference.rs: how far they are off
 //! ```
 //!
+//! What is measured along geodesics (distances, circles, triangles, holonomy) stands in `measure.rs`, above all of it.
+//!
 //! Beside them stands `moved.rs`, coordinates that count from the camera, for deep zooms.
 //!
 //! No GPU, no syntax. Lengths are in the surface's own units, angles in radians, `u`, `v` in the chart's units.
@@ -19,11 +21,13 @@
 mod chart;
 pub mod ends;
 pub mod fan;
+pub mod field;
 pub mod frame;
 mod integrate;
 pub mod intrinsic;
 pub mod jet;
 pub mod map;
+pub mod measure;
 pub mod metric;
 pub mod moved;
 pub mod patchwork;

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::chart::{Atlas, Chart, State};
+use crate::field::FieldKnot;
 use crate::integrate::{self, IntegrationPlan, Observed, RayEnd, Start};
 use crate::metric::{norm, speed};
 use crate::point::{TangentVector, Uv};
@@ -44,6 +45,8 @@ pub struct Options {
     /// True if conjugate points are looked for: [`Trace::conjugates`]. Steps are then short enough for
     /// [`Trace::jacobi`] to be as exact as the end.
     pub conjugates: bool,
+    /// True if [`Trace::fields`] is kept. Steps are then short enough for it, and for [`Trace::jacobi`].
+    pub keep_fields: bool,
 }
 
 impl Default for Options {
@@ -55,6 +58,7 @@ impl Default for Options {
             compare: false,
             keep_path: false,
             conjugates: false,
+            keep_fields: false,
         }
     }
 }
@@ -97,6 +101,8 @@ pub struct Trace {
     pub conjugates: Vec<f64>,
     /// (u, v) after each step, the start first, if it was asked for; else empty.
     pub path: Vec<Uv>,
+    /// The Jacobi field after each step, the start first, if it was asked for; else empty.
+    pub fields: Vec<FieldKnot>,
 }
 
 /// Why a geodesic cannot be begun.
@@ -223,8 +229,9 @@ pub(crate) fn trace_from<S: Surface + ?Sized>(
 ) -> (Trace, (Chart, State)) {
     let tolerance = options.tolerance;
     let noting = Observed {
-        fields: options.conjugates,
+        fields: options.conjugates || options.keep_fields,
         conjugates: options.conjugates,
+        knots: options.keep_fields,
     };
     let common = IntegrationPlan {
         tableau: &DOP853,
@@ -425,5 +432,6 @@ fn finish<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, end: RayEnd) -> Trace {
         jacobi: [end.field, end.field_rate],
         conjugates: end.conjugates,
         path: end.path.into_iter().map(Uv).collect(),
+        fields: end.fields,
     }
 }

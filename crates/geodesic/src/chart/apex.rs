@@ -209,6 +209,11 @@ impl ApexChart {
         self.root(rho)
     }
 
+    /// The radius within which [`Self::is_inner`] holds.
+    pub(crate) fn inner_radius(&self) -> f64 {
+        self.inner()
+    }
+
     /// Returns whether a point lies where the chain rule from (u,v) has lost digits.
     pub(crate) fn is_inner(&self, at: [f64; 2]) -> bool {
         self.apex.smooth && at[0].hypot(at[1]) < self.inner()

@@ -5,6 +5,7 @@
 
 use super::{IntegrationPlan, stalled_at};
 use crate::chart::{Atlas, Chart, Local, REACH, State, rotated};
+use crate::field::{self, FieldKnot};
 use crate::metric::{combine, norm};
 use crate::runge_kutta::{self, Step, StepParameter};
 use crate::status::Status;
@@ -66,6 +67,8 @@ pub(super) struct Observers {
     pub(super) conjugates: Option<Vec<f64>>,
     /// The places of the steps' ends in (u,v), where they are asked for.
     pub(super) path: Option<Vec<[f64; 2]>>,
+    /// The Jacobi field after each step, where it is asked for.
+    pub(super) knots: Option<Vec<FieldKnot>>,
 }
 
 /// The choice of each step's length from the errors of the steps before it.
@@ -162,8 +165,17 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         state
     }
 
-    /// Notes where the ray is, if its path is asked for.
+    /// Notes where the ray is and its field, if they are asked for.
     pub(super) fn note_place(&mut self) {
+        if let Some(knots) = &mut self.observers.knots {
+            let [m, rate] = self.field;
+            knots.push(FieldKnot {
+                length: self.s,
+                m,
+                rate,
+                curvature: self.local.curvature,
+            });
+        }
         if self.observers.path.is_some() {
             let at = self.plain().at;
             self.observers.path.get_or_insert_default().push(at);
@@ -172,12 +184,16 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
 
     /// The longest step that the chart allows.
     pub(super) fn longest(&self) -> f64 {
-        match &self.chart {
+        let by_chart = match &self.chart {
             Chart::Plain => f64::INFINITY,
             Chart::Apex(chart) => {
                 let [x, y] = self.state.velocity;
                 chart.longest(self.state) / x.hypot(y)
             }
+        };
+        match self.observers.knots {
+            Some(_) => by_chart.min(field::longest_step(self.local.curvature)),
+            None => by_chart,
         }
     }
 

@@ -228,7 +228,7 @@ impl<S: Surface + ?Sized> Line<'_, '_, S> {
         // Jacobi fields tell of the curvature between a step's stages what the point alone does not.
         let noting = Observed {
             fields: true,
-            conjugates: false,
+            ..Observed::default()
         };
         let mut end = integrate::integrate_observed(self.atlas, pixel.start, length, plan, noting);
         end.error *= CAUTION;

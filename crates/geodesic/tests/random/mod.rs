@@ -19,6 +19,7 @@ impl Random {
     }
 
     /// A number whose logarithm is uniform.
+    #[allow(dead_code)]
     pub(crate) fn size(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }

@@ -104,6 +104,14 @@ pub(crate) fn cylinder() -> ParametricSurface {
     m.done(p, [[0.0, TAU], [-100.0, 100.0]])
 }
 
+/// The plane, in a rectangle.
+#[allow(dead_code)]
+pub(crate) fn plane() -> ParametricSurface {
+    let mut m = Maker::new();
+    let (u, v, zero) = (m.u, m.v, m.c(0.0));
+    m.done([u, v, zero], [[-4.0, 4.0], [-3.0, 3.0]])
+}
+
 /// The Möbius strip with its seam at u = `low`.
 #[allow(dead_code)]
 pub(crate) fn moebius(low: f64) -> ParametricSurface {

@@ -1,0 +1,362 @@
+//! `geotrace measure`: curvatures, circles, distances and triangles on a surface or a metric.
+
+mod text;
+
+use std::path::PathBuf;
+
+use clap::{ArgGroup, Args};
+use geodesic::measure::{
+    self, Circle, Connection, Connections, MeasureError, PlaceMeasures, RayStop,
+};
+use geodesic::status::Status;
+use geodesic::surface::Surface;
+use scene::ParamValues;
+use serde::Serialize;
+
+use crate::argument::{self, Assignment, Format, Pair, Quantity};
+use crate::failure::Failure;
+use crate::number::{show, show_all};
+use crate::output;
+use crate::program::LoadedProgram;
+use crate::registry::Context;
+
+/// Measure a surface or a metric: curvature at a place, a circle, geodesics between two places, a triangle.
+///
+/// All that is measured lies in the surface: distances run along its geodesics, angles are those of its tangent
+/// planes, areas are its own.
+#[derive(Args, Debug)]
+#[command(
+    group = ArgGroup::new("what").required(true).args(["at", "between", "triangle"]),
+    after_help = "\
+Examples:
+  geotrace measure torus.gtr --at 0,0                        K, H, E, F and G at a place
+  geotrace measure torus.gtr --at 0,0 --circle 0.5           a circle's circumference and area
+  geotrace measure torus.gtr --between 0,0 1,2               distance, and all geodesics up to twice as long
+  geotrace measure torus.gtr --between 0,0 1,2 --within 9    all geodesics that are no longer than 9
+  geotrace measure torus.gtr --triangle 0,0 1,0 0,1          sides, angles, area, angle excess and ∫K
+
+A number may be an expression in the program's names, such as pi/2.
+
+  K, H      Gaussian and mean curvature; H is for the normal σu × σv, and a metric has none
+  E, F, G   the first fundamental form E du² + 2F du dv + G dv²
+  circle    the wavefront of this radius: ∫|m| dθ and ∬|m|, where m is the Jacobi field, so that what is swept
+            twice counts twice; it overlaps where the radius is larger than the distance to the cut locus
+  between   the shortest geodesic first, at most 32. Of a family of geodesics of one length, such as the
+            meridians between a sphere's poles, one is listed, and marked as conjugate
+  triangle  the sides are shortest geodesics, side k lies opposite corner k, angles are in radians. The area is
+            that of the region that geodesics from the first corner sweep; ∫K has the deficit of a tip inside"
+)]
+pub(super) struct Arguments {
+    /// The program; `-` is standard input
+    file: PathBuf,
+    /// The surface's (or metric's) name; without it, the program's first
+    #[arg(long, value_name = "S")]
+    surface: Option<String>,
+    /// A place, in the surface's parameters
+    #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true)]
+    at: Option<Pair>,
+    /// The radius of a circle around the place
+    #[arg(long, value_name = "R", value_parser = argument::quantity, allow_hyphen_values = true, requires = "at")]
+    circle: Option<Quantity>,
+    /// Two places
+    #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, num_args = 2)]
+    between: Option<Vec<Pair>>,
+    /// No longer geodesics are looked for; twice the shortest unless given
+    #[arg(long, value_name = "L", value_parser = argument::quantity, allow_hyphen_values = true, requires = "between")]
+    within: Option<Quantity>,
+    /// Three places
+    #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, num_args = 3)]
+    triangle: Option<Vec<Pair>>,
+    /// A value for a param or a grid; without one a param is at its minimum and a grid at its first value
+    #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
+    set: Vec<Assignment>,
+    /// For people, or one JSON document
+    #[arg(long, value_enum, default_value_t, value_name = "FORMAT")]
+    format: Format,
+}
+
+/// The JSON document of a place; numbers that do not exist are null.
+#[derive(Serialize)]
+struct PlaceJson {
+    #[serde(rename = "K")]
+    gaussian: Option<f64>,
+    #[serde(rename = "H")]
+    mean: Option<f64>,
+    #[serde(rename = "E")]
+    e: f64,
+    #[serde(rename = "F")]
+    f: f64,
+    #[serde(rename = "G")]
+    g: f64,
+}
+
+/// The JSON document of a circle; null where rays end.
+#[derive(Serialize)]
+struct CircleJson {
+    circumference: Option<f64>,
+    area: Option<f64>,
+    overlaps: Option<bool>,
+    error_estimate: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
+}
+
+/// The JSON document of the geodesics between two places.
+#[derive(Serialize)]
+struct ConnectionsJson {
+    geodesics: Vec<ConnectionJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
+}
+
+#[derive(Serialize)]
+struct ConnectionJson {
+    length: f64,
+    direction: [f64; 2],
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    conjugate: bool,
+    /// Where it starts, unless that is the place given: at a pole, on another meridian.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    from: Option<[f64; 2]>,
+}
+
+/// The JSON document of a triangle; null where a side or the region is none.
+#[derive(Serialize)]
+struct TriangleJson {
+    sides: [Option<f64>; 3],
+    angles: [Option<f64>; 3],
+    area: Option<f64>,
+    excess: Option<f64>,
+    #[serde(rename = "integral_K")]
+    curvature: Option<f64>,
+    error_estimate: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
+}
+
+/// Measures what the arguments name.
+pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
+    let program = LoadedProgram::load(context, &arguments.file, arguments.format)?;
+    let params = program.params(&arguments.set)?;
+    let (id, _) = program.surface(arguments.surface.as_deref())?;
+    let manifold = program.manifold(id, &params)?;
+    let measuring = Measuring {
+        surface: manifold.surface(),
+        program: &program,
+        params: &params,
+        format: arguments.format,
+    };
+    match (&arguments.at, &arguments.between, &arguments.triangle) {
+        (Some(at), _, _) => match &arguments.circle {
+            None => measuring.place(at),
+            Some(radius) => measuring.circle(at, radius),
+        },
+        (_, Some(places), _) => measuring.between(places, arguments.within.as_ref()),
+        (_, _, Some(corners)) => measuring.triangle(corners),
+        (None, None, None) => Err(Failure::usage(
+            "one of --at, --between and --triangle is needed",
+        )),
+    }
+}
+
+/// A surface with what the numbers of the arguments mean, and the format of the answer.
+struct Measuring<'a> {
+    surface: &'a dyn Surface,
+    program: &'a LoadedProgram,
+    params: &'a ParamValues,
+    format: Format,
+}
+
+impl Measuring<'_> {
+    fn print(&self, document: &impl Serialize, text: &str) -> Result<(), Failure> {
+        match self.format {
+            Format::Json => output::print_json(document),
+            Format::Human => output::print(text),
+        }
+    }
+
+    fn pair(&self, option: &str, pair: &Pair) -> Result<[f64; 2], Failure> {
+        self.program.numbers(option, &pair.0, self.params)
+    }
+
+    fn pairs<const N: usize>(
+        &self,
+        option: &str,
+        pairs: &[Pair],
+    ) -> Result<[[f64; 2]; N], Failure> {
+        let mut places = [[0.0; 2]; N];
+        for (place, pair) in places.iter_mut().zip(pairs) {
+            *place = self.pair(option, pair)?;
+        }
+        Ok(places)
+    }
+
+    fn length(&self, option: &str, quantity: &Quantity) -> Result<f64, Failure> {
+        let length = self.program.number(option, quantity, self.params)?;
+        if length > 0.0 && length.is_finite() {
+            return Ok(length);
+        }
+        Err(Failure::usage(format!(
+            "{option}: {} is not greater than 0",
+            show(length)
+        )))
+    }
+
+    fn place(&self, at: &Pair) -> Result<(), Failure> {
+        let at = self.pair("--at", at)?;
+        let found = measure::place(self.surface, at).map_err(|error| refused("--at", &error))?;
+        let PlaceMeasures {
+            form: [e, f, g],
+            gaussian,
+            mean,
+            ..
+        } = found;
+        let document = PlaceJson {
+            gaussian,
+            mean,
+            e,
+            f,
+            g,
+        };
+        self.print(&document, &text::place(&found, self.surface.is_embedded()))
+    }
+
+    fn circle(&self, at: &Pair, radius: &Quantity) -> Result<(), Failure> {
+        let at = self.pair("--at", at)?;
+        let radius = self.length("--circle", radius)?;
+        let found = measure::circle(self.surface, at, radius);
+        let found = found.map_err(|error| refused("--at", &error))?;
+        let document = match found {
+            Ok(Circle {
+                circumference,
+                area,
+                overlaps,
+                error_estimate,
+            }) => CircleJson {
+                circumference: Some(circumference),
+                area: Some(area),
+                overlaps: Some(overlaps),
+                error_estimate: Some(error_estimate),
+                note: None,
+            },
+            Err(stop) => CircleJson {
+                circumference: None,
+                area: None,
+                overlaps: None,
+                error_estimate: None,
+                note: Some(stopped(&stop)),
+            },
+        };
+        let text = match &found {
+            Ok(circle) => text::circle(circle, radius),
+            Err(stop) => format!(
+                "There is no whole circle of this radius: {}.\n",
+                stopped(stop)
+            ),
+        };
+        self.print(&document, &text)
+    }
+
+    fn between(&self, places: &[Pair], within: Option<&Quantity>) -> Result<(), Failure> {
+        let [from, to] = self.pairs("--between", places)?;
+        let within = within
+            .map(|within| self.length("--within", within))
+            .transpose()?;
+        let found = measure::between(self.surface, from, to, within);
+        let found = found.map_err(|error| refused("--between", &error))?;
+        let document = ConnectionsJson {
+            geodesics: found.found.iter().map(|it| connection(it, from)).collect(),
+            note: note(&found),
+        };
+        let mut text = text::between(&found);
+        if let Some(note) = &document.note {
+            text.push_str(&format!("{note}\n"));
+        }
+        self.print(&document, &text)
+    }
+
+    fn triangle(&self, corners: &[Pair]) -> Result<(), Failure> {
+        let corners: [[f64; 2]; 3] = self.pairs("--triangle", corners)?;
+        let found = measure::triangle(self.surface, corners);
+        let found = found.map_err(|error| refused("--triangle", &error))?;
+        let region = found.region.ok();
+        let document = TriangleJson {
+            sides: found.sides.map(|side| Some(side?.length)),
+            angles: found.angles,
+            area: region.map(|region| region.area),
+            excess: found.excess(),
+            curvature: region.map(|region| region.curvature),
+            error_estimate: region.map(|region| region.error_estimate),
+            note: found.region.err().map(|error| error.to_string()),
+        };
+        self.print(&document, &text::triangle(&found))
+    }
+}
+
+fn connection(it: &Connection, from: [f64; 2]) -> ConnectionJson {
+    // At a pole all meridians begin.
+    let moved = (0..2).any(|k| (it.from[k] - from[k]).abs() > 1e-9 * from[k].abs().max(1.0));
+    let at_pole = moved && it.direction.is_finite();
+    ConnectionJson {
+        length: it.length,
+        direction: it.direction.0,
+        conjugate: it.conjugate,
+        from: at_pole.then_some(it.from.0),
+    }
+}
+
+/// What the list of geodesics leaves open.
+fn note(found: &Connections) -> Option<String> {
+    let within = show(found.within);
+    if found.found.is_empty() {
+        return Some(if found.complete {
+            format!("no geodesic no longer than {within} joins the two places")
+        } else {
+            format!(
+                "no geodesic was found; the search went as far as {within}, and may have missed some"
+            )
+        });
+    }
+    (!found.complete).then(|| {
+        format!(
+            "there may be more geodesics no longer than {within}: only the first found are listed"
+        )
+    })
+}
+
+fn stopped(stop: &RayStop) -> String {
+    let degrees = stop.angle.to_degrees().rem_euclid(360.0);
+    let reason = match stop.status {
+        Status::LeftDomain => "leaves the domain",
+        Status::ConePoint => "runs into the tip of a cone",
+        Status::Degenerate => "comes to where σu and σv are parallel",
+        Status::Undefined => "comes to where the surface is undefined",
+        Status::Complete | Status::WorkLimit => "uses up its evaluations",
+    };
+    format!(
+        "the ray {degrees:.0}° from σu towards σv {reason} after {}",
+        show(stop.length)
+    )
+}
+
+fn refused(option: &str, error: &MeasureError) -> Failure {
+    let message = format!("{option}: {error}");
+    match error {
+        MeasureError::Undefined { .. } | MeasureError::Degenerate { .. } => Failure::Input {
+            message,
+            hint: None,
+        },
+        MeasureError::NotFinite | MeasureError::Outside { .. } | MeasureError::BadLength { .. } => {
+            Failure::usage(message)
+        }
+    }
+}
+
+/// Several numbers in brackets, and `none` where one does not exist.
+fn pair_text(values: [f64; 2]) -> String {
+    if values.iter().all(|x| x.is_finite()) {
+        show_all(&values)
+    } else {
+        "none".into()
+    }
+}

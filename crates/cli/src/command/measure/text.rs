@@ -1,0 +1,107 @@
+//! The answers of `geotrace measure` for people.
+
+use std::f64::consts::{PI, TAU};
+
+use geodesic::measure::{Circle, Connections, PlaceMeasures, Triangle};
+
+use super::pair_text;
+use crate::number::{count, show, show_all};
+
+pub(super) fn place(found: &PlaceMeasures, embedded: bool) -> String {
+    let curvature = |value: Option<f64>| value.map_or_else(|| "undefined".into(), show);
+    let mean = match (found.mean, embedded) {
+        (None, false) => "none: a metric bends in no space".into(),
+        (mean, _) => format!("{}  for the normal σu × σv", curvature(mean)),
+    };
+    let [e, f, g] = found.form.map(show);
+    format!(
+        "\
+at (u, v) = {}
+  Gaussian curvature  K = {}
+  mean curvature      H = {mean}
+  first form          E = {e}, F = {f}, G = {g}
+",
+        pair_text(found.uv.0),
+        curvature(found.gaussian),
+    )
+}
+
+pub(super) fn circle(found: &Circle, radius: f64) -> String {
+    let ratio =
+        |value: f64, flat: f64| format!("{:.6} of the flat one's {}", value / flat, show(flat));
+    let overlap = if found.overlaps {
+        "it overlaps itself: what is swept twice counts twice"
+    } else {
+        "it does not overlap itself"
+    };
+    format!(
+        "\
+circle of radius {}
+  circumference  {}, {}
+  area           {}, {}
+  trust          error estimate {:.1e}
+  {overlap}
+",
+        show(radius),
+        show(found.circumference),
+        ratio(found.circumference, TAU * radius),
+        show(found.area),
+        ratio(found.area, PI * radius * radius),
+        found.error_estimate,
+    )
+}
+
+pub(super) fn between(found: &Connections) -> String {
+    let Some(first) = found.found.first() else {
+        return String::new();
+    };
+    let mut text = format!(
+        "distance {}; {} no longer than {}\n",
+        show(first.length),
+        count(found.found.len(), "geodesic"),
+        show(found.within)
+    );
+    for it in &found.found {
+        let family = if it.conjugate {
+            ", one of a family: the ends are conjugate"
+        } else {
+            ""
+        };
+        text.push_str(&format!(
+            "  length {:<20} direction {} in (u, v){family}\n",
+            show(it.length),
+            show_all(&it.direction.0)
+        ));
+    }
+    text
+}
+
+pub(super) fn triangle(found: &Triangle) -> String {
+    let number = |value: Option<f64>| value.map_or_else(|| "none".into(), show);
+    let mut text = String::from("triangle of shortest geodesics\n");
+    for (k, (side, angle)) in found.sides.iter().zip(found.angles).enumerate() {
+        let degrees = angle.map_or_else(String::new, |angle| {
+            format!(" ({:.6}°)", angle.to_degrees())
+        });
+        text.push_str(&format!(
+            "  corner {}      angle {}{degrees}, opposite side {}\n",
+            k + 1,
+            number(angle),
+            number(side.map(|side| side.length)),
+        ));
+    }
+    text.push_str(&format!("  angle excess  {}\n", number(found.excess())));
+    match &found.region {
+        Ok(region) => text.push_str(&format!(
+            "  ∫K            {}
+  area          {}
+  trust         error estimate {:.1e}
+",
+            show(region.curvature),
+            show(region.area),
+            region.error_estimate,
+        )),
+        Err(error) => text.push_str(&format!("  no region: {error}\n")),
+    }
+    text
+}

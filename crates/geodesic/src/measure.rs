@@ -1,0 +1,105 @@
+//! What is measured on a surface: curvatures at a place, circles, geodesics between two places, triangles, walks.
+//!
+//! ```text
+//! surface, (u, v) ──place.rs──▶ E, F, G, K, H
+//! surface, (u, v) ──source.rs──▶ rays by their angle ──circle.rs (quadrature.rs)──▶ circumference and area
+//! fan of a source, target ──search.rs──▶ candidates ──shoot.rs (gap.rs)──▶ connections ──between.rs──▶ the shortest ones
+//! connections of three corners ──triangle.rs──▶ sides, angles, area, ∫K
+//! curve, frames ──walk.rs──▶ length and holonomy
+//! ```
+//!
+//! The fan only finds candidates; every length and angle that is returned is that of a ray followed by itself. All work is
+//! limited, and what was not found says so.
+
+mod between;
+mod circle;
+mod gap;
+mod place;
+mod quadrature;
+mod search;
+mod shoot;
+mod source;
+mod triangle;
+mod walk;
+
+use std::fmt;
+
+use crate::trace::TraceError;
+
+pub use between::{Connection, Connections, MOST_CONNECTIONS, between};
+pub use circle::{Circle, RayStop, circle};
+pub use place::{PlaceMeasures, place};
+pub use triangle::{NoRegion, Triangle, TriangleRegion, triangle};
+pub use walk::{Closing, Transport, closing, transport};
+
+/// Why nothing can be measured at a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MeasureError {
+    /// A coordinate is no finite number.
+    NotFinite,
+    /// The place lies outside the domain, beyond a side that does not wrap.
+    Outside {
+        /// The place.
+        at: [f64; 2],
+        /// The domain.
+        domain: [[f64; 2]; 2],
+    },
+    /// The surface is undefined there.
+    Undefined {
+        /// The place.
+        at: [f64; 2],
+    },
+    /// The surface has no tangent plane there.
+    Degenerate {
+        /// The place.
+        at: [f64; 2],
+    },
+    /// A length is negative or no finite number.
+    BadLength {
+        /// The length.
+        length: f64,
+    },
+}
+
+impl From<TraceError> for MeasureError {
+    fn from(error: TraceError) -> Self {
+        match error {
+            TraceError::OutsideDomain { at, domain } => Self::Outside { at, domain },
+            TraceError::UndefinedStart { at } => Self::Undefined { at },
+            TraceError::DegenerateStart { at } => Self::Degenerate { at },
+            TraceError::BadLength { length } | TraceError::BadTolerance { tolerance: length } => {
+                Self::BadLength { length }
+            }
+            TraceError::StartNotFinite
+            | TraceError::DirectionNotFinite
+            | TraceError::ZeroDirection => Self::NotFinite,
+        }
+    }
+}
+
+impl fmt::Display for MeasureError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NotFinite => f.write_str("the place is not a pair of numbers"),
+            Self::Outside {
+                at: [u, v],
+                domain: [[u0, u1], [v0, v1]],
+            } => write!(
+                f,
+                "the place ({u}, {v}) lies outside the domain [{u0}, {u1}] × [{v0}, {v1}]"
+            ),
+            Self::Undefined { at: [u, v] } => {
+                write!(f, "the surface is undefined at the place ({u}, {v})")
+            }
+            Self::Degenerate { at: [u, v] } => write!(
+                f,
+                "the surface has no tangent plane at the place ({u}, {v}): σu and σv are parallel"
+            ),
+            Self::BadLength { length } => {
+                write!(f, "the length {length} is not a number of at least 0")
+            }
+        }
+    }
+}
+
+impl std::error::Error for MeasureError {}

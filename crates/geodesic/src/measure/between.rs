@@ -1,0 +1,211 @@
+//! The geodesics between two places, the shortest first.
+
+use std::f64::consts::TAU;
+
+use super::MeasureError;
+use super::gap::AimedPlace;
+use super::search::{self, Guesses};
+use super::shoot::{self, Hit, PolarVector};
+use super::source::RaySource;
+use crate::point::{TangentVector, Uv};
+use crate::surface::Surface;
+
+/// A geodesic from one place to another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Connection {
+    /// Its length, within some 10⁻¹⁰ of itself or of the surface's size.
+    pub length: f64,
+    /// Where it starts; at a pole on the meridian that it runs along.
+    pub from: Uv,
+    /// (u', v') there, at unit speed.
+    pub direction: TangentVector,
+    /// Where it ends.
+    pub to: Uv,
+    /// (u', v') there.
+    pub arrival: TangentVector,
+    /// The Jacobi field at its end: a change dθ of its direction moves the end by m dθ.
+    pub m: f64,
+    /// True if m = 0: both places are conjugate, and it may be one of a family of geodesics of the same length.
+    pub conjugate: bool,
+    /// Its angle at the start.
+    pub(super) angle: f64,
+}
+
+/// The geodesics that were found.
+#[derive(Clone, Debug, Default)]
+pub struct Connections {
+    /// The shortest first.
+    pub found: Vec<Connection>,
+    /// No longer ones were looked for.
+    pub within: f64,
+    /// False if there may be more: work was left undone, or there are more than [`MOST_CONNECTIONS`].
+    pub complete: bool,
+}
+
+/// The most geodesics that are returned.
+pub const MOST_CONNECTIONS: usize = 32;
+
+/// Lengths that differ by no more, relative to the longer, are one.
+const SAME_LENGTH: f64 = 1e-7;
+/// Angles that differ by no more are one, …
+const SAME_ANGLE: f64 = 1e-6;
+/// … and those whose rays end no farther apart, in units of the size.
+const SAME_PLACE: f64 = 1e-9;
+/// The search for the shortest begins at this share of a way that is known to be long enough, …
+const BEGIN: f64 = 0.02;
+/// … and grows by this factor: where geodesics diverge, the work grows with the exponential of the length.
+const GROW: f64 = 1.6;
+/// A search goes a little farther than it has to.
+const MORE: f64 = 1.02;
+
+/// Finds the geodesics from one place to another that are no longer than `within`; without it, than twice the shortest.
+/// Between a place and itself they are loops.
+///
+/// # Errors
+/// [`MeasureError`] where a place lies outside the domain, the surface is undefined or degenerate there, or `within` is no
+/// length.
+pub fn between(
+    surface: &dyn Surface,
+    from: impl Into<Uv>,
+    to: impl Into<Uv>,
+    within: Option<f64>,
+) -> Result<Connections, MeasureError> {
+    if let Some(length) = within
+        && !(length.is_finite() && length >= 0.0)
+    {
+        return Err(MeasureError::BadLength { length });
+    }
+    let source = RaySource::at(surface, from.into())?;
+    let target = AimedPlace::new(surface, to.into())?;
+    let nearest = shortest(&source, &target);
+    let wanted = within.or_else(|| Some(2.0 * nearest.found.first()?.length));
+    let Some(wanted) = wanted else {
+        return Ok(nearest);
+    };
+    let within = wanted * (1.0 + SAME_LENGTH);
+    let mut all = if within <= nearest.within {
+        nearest
+    } else {
+        // Where geodesics diverge, so wide a search may be too much, and find less.
+        let mut all = all_within(&source, &target, within);
+        for it in nearest.found {
+            if !all.found.iter().any(|other| other.is_same(&it)) {
+                all.found.push(it);
+            }
+        }
+        all
+    };
+    all.found.retain(|it| it.length <= within);
+    all.found.sort_by(|a, b| a.length.total_cmp(&b.length));
+    all.complete &= all.found.len() <= MOST_CONNECTIONS;
+    all.found.truncate(MOST_CONNECTIONS);
+    all.within = wanted;
+    Ok(all)
+}
+
+impl Connection {
+    fn is_same(&self, other: &Self) -> bool {
+        let turn = (self.angle - other.angle) / TAU;
+        let one_angle = (turn - turn.round()).abs() * TAU < SAME_ANGLE;
+        let longer = self.length.max(other.length);
+        (self.length - other.length).abs() < SAME_LENGTH * longer
+            && (one_angle || self.conjugate && other.conjugate)
+    }
+}
+
+/// Looks for the shortest geodesic, and finds others on the way: those within the length that was looked at.
+pub(super) fn shortest(source: &RaySource<'_>, target: &AimedPlace<'_>) -> Connections {
+    let size = source.surface.scale().size;
+    let straight = target.straight_length(source.start(0.0));
+    // Around an edge a geodesic may be longer than the straight line of the chart, which is none.
+    let most = if straight.is_finite() {
+        2.0 * straight * MORE
+    } else {
+        8.0 * size
+    };
+    let mut reach = target.near_distance(source).max(BEGIN * most);
+    reach = MORE * reach.min(most);
+    loop {
+        let all = all_within(source, target, reach);
+        if !all.found.is_empty() || reach >= most || !all.complete {
+            return all;
+        }
+        reach = (GROW * reach).min(most);
+    }
+}
+
+/// All geodesics within a length, the shortest first.
+pub(super) fn all_within(
+    source: &RaySource<'_>,
+    target: &AimedPlace<'_>,
+    reach: f64,
+) -> Connections {
+    let size = source.surface.scale().size;
+    let Guesses { found, complete } = search::guesses(source, target, MORE * reach);
+    let mut hits: Vec<Hit> = Vec::new();
+    let mut all = Connections {
+        found: Vec::new(),
+        within: reach,
+        complete,
+    };
+    for guess in found {
+        if hits.len() >= MOST_CONNECTIONS {
+            all.complete = false;
+            break;
+        }
+        if in_known_family(source, target, &hits, guess, size) {
+            continue;
+        }
+        let Some(hit) = shoot::hit(source, target, guess) else {
+            continue;
+        };
+        let known = hits.iter().any(|other| is_same(other, &hit, size));
+        if !known && hit.at.length <= reach && hit.at.length > 1e-9 * size {
+            hits.push(hit);
+        }
+    }
+    hits.sort_by(|a, b| a.at.length.total_cmp(&b.at.length));
+    let connection = |hit: &Hit| Connection {
+        length: hit.at.length,
+        from: source.start(hit.at.angle),
+        direction: source.direction(hit.at.angle),
+        to: hit.end.at,
+        arrival: hit.end.along,
+        m: hit.end.m,
+        conjugate: shoot::is_conjugate(hit, size),
+        angle: hit.at.angle,
+    };
+    all.found = hits.iter().map(connection).collect();
+    all
+}
+
+/// Returns whether a guess belongs to a family of geodesics of one length, of which one is known.
+fn in_known_family(
+    source: &RaySource<'_>,
+    target: &AimedPlace<'_>,
+    hits: &[Hit],
+    guess: PolarVector,
+    size: f64,
+) -> bool {
+    const NEAR: f64 = 1e-2;
+    hits.iter().any(|hit| {
+        let near = (hit.at.length - guess.length).abs() < NEAR * hit.at.length.max(size);
+        near && shoot::is_conjugate(hit, size) && {
+            let end = source.follow(guess.angle, hit.at.length, false);
+            end.is_ok_and(|(end, _)| {
+                let way = target.way_from(&end);
+                way.is_some_and(|[x, y]| x.hypot(y) < SAME_LENGTH * size.max(hit.at.length))
+            })
+        }
+    })
+}
+
+fn is_same(a: &Hit, b: &Hit, size: f64) -> bool {
+    let longer = a.at.length.max(b.at.length).max(size);
+    let turn = (a.at.angle - b.at.angle) / TAU;
+    let turn = (turn - turn.round()).abs() * TAU;
+    let apart = turn * a.end.m.abs().min(b.end.m.abs());
+    let one_angle = turn < SAME_ANGLE || apart < SAME_PLACE * longer;
+    let conjugate = shoot::is_conjugate(a, size) && shoot::is_conjugate(b, size);
+    (a.at.length - b.at.length).abs() < SAME_LENGTH * longer && (one_angle || conjugate)
+}

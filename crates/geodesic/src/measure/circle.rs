@@ -1,0 +1,132 @@
+//! A circle about a place, the wavefront: its length ∫|m|dθ and the area ∬|m| that its rays sweep.
+
+use std::f64::consts::TAU;
+
+use super::MeasureError;
+use super::between::all_within;
+use super::gap::AimedPlace;
+use super::quadrature;
+use super::source::RaySource;
+use crate::field::absolute_integral;
+use crate::point::Uv;
+use crate::status::Status;
+use crate::surface::Surface;
+
+/// A circle about a place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Circle {
+    /// The wavefront's length.
+    pub circumference: f64,
+    /// The area that its rays sweep, counted as often as they do.
+    pub area: f64,
+    /// True if some of the area is swept more than once: the radius is larger than the distance to the cut locus.
+    pub overlaps: bool,
+    /// The larger of the estimated errors of the circumference and of the area.
+    pub error_estimate: f64,
+}
+
+/// A ray that ends before it has the circle's radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RayStop {
+    /// Its direction: radians from σu towards σv.
+    pub angle: f64,
+    /// As far as it came.
+    pub length: f64,
+    /// Why it ended.
+    pub status: Status,
+}
+
+/// The rest that the quadrature may leave, and the error of the rays themselves, relative.
+const TOLERANCE: f64 = 1e-10;
+const OF_RAYS: f64 = 2e-10;
+/// The intervals of the quadrature, to begin with and at most.
+const FIRST: u32 = 4;
+const MOST: usize = 120;
+
+enum CircleStop {
+    Ray(RayStop),
+    Fault(MeasureError),
+}
+
+/// Measures the circle of a radius about a place; the ray that ends before, if there is one.
+///
+/// # Errors
+/// [`MeasureError`] where no ray can start, or the radius is no length.
+pub fn circle(
+    surface: &dyn Surface,
+    uv: impl Into<Uv>,
+    radius: f64,
+) -> Result<Result<Circle, RayStop>, MeasureError> {
+    if !(radius.is_finite() && radius >= 0.0) {
+        return Err(MeasureError::BadLength { length: radius });
+    }
+    let uv = uv.into();
+    let source = RaySource::at(surface, uv)?;
+    let mut passes_conjugate = false;
+    let mut ray = |angle: f64| {
+        let (end, trace) = source
+            .follow(angle, radius, true)
+            .map_err(CircleStop::Fault)?;
+        if end.status != Status::Complete {
+            return Err(CircleStop::Ray(RayStop {
+                angle,
+                length: end.length,
+                status: end.status,
+            }));
+        }
+        passes_conjugate |= trace.conjugates.iter().any(|s| *s < radius * (1.0 - 1e-9));
+        Ok([end.m.abs(), absolute_integral(&trace.fields)])
+    };
+    let breaks: Vec<f64> = (0..=FIRST)
+        .map(|n| TAU * f64::from(n) / f64::from(FIRST))
+        .collect();
+    let found = match quadrature::integrate(&breaks, TOLERANCE, MOST, &mut ray) {
+        Ok(found) => found,
+        Err(CircleStop::Ray(stop)) => return Ok(Err(stop)),
+        Err(CircleStop::Fault(error)) => return Err(error),
+    };
+    let [circumference, area] = found.values;
+    let error = |k: usize| found.errors[k] + OF_RAYS * found.values[k];
+    Ok(Ok(Circle {
+        circumference,
+        area,
+        overlaps: passes_conjugate || meets_itself(&source, uv, radius)?,
+        error_estimate: error(0).max(error(1)),
+    }))
+}
+
+/// Returns whether two rays of a length meet, none of which has a conjugate point before: where they first do, both form a
+/// loop (Klingenberg's lemma: do Carmo, *Riemannian Geometry*, 1992, chapter 13, proposition 2.12). Behind the tip of a
+/// cone that is less than a full turn they do too.
+fn meets_itself(source: &RaySource<'_>, uv: Uv, radius: f64) -> Result<bool, MeasureError> {
+    let surface = source.surface;
+    let target = AimedPlace::new(surface, uv)?;
+    let loops = all_within(source, &target, 2.0 * radius);
+    if loops
+        .found
+        .iter()
+        .any(|it| it.length < 2.0 * radius * (1.0 - 1e-9))
+    {
+        return Ok(true);
+    }
+    for axis in 0..2 {
+        for end in 0..2 {
+            let domain = surface.domain();
+            let Some(apex) = surface.apex(axis, end).filter(|apex| !apex.smooth) else {
+                continue;
+            };
+            let turn = apex.rate.abs() * (domain[1 - axis][1] - domain[1 - axis][0]);
+            let mut tip = uv;
+            tip[axis] = domain[axis][end];
+            if turn < TAU
+                && let Ok(tip) = AimedPlace::new(surface, tip)
+                && !all_within(source, &tip, radius * (1.0 - 1e-9))
+                    .found
+                    .is_empty()
+            {
+                return Ok(true);
+            }
+        }
+    }
+    Ok(false)
+}

@@ -1,0 +1,252 @@
+//! The way from a ray's end to a target near by, along and across the ray.
+//!
+//! A target has several copies in the coordinates about an end: beyond each side that wraps, and, about an apex, in the
+//! coordinates in which the metric is regular there.
+
+use super::MeasureError;
+use super::source::{Arrival, RaySource};
+use crate::frame::Frame;
+use crate::metric::{Metric, combine, gaussian_curvature, norm, speed};
+use crate::point::{TangentVector, Uv};
+use crate::status::Status;
+use crate::surface::{Side, Surface};
+use crate::trace::TraceError;
+
+/// A place that geodesics are to reach.
+#[derive(Clone)]
+pub(super) struct AimedPlace<'s> {
+    surface: &'s dyn Surface,
+    pub(super) uv: Uv,
+    /// In space, where there is one.
+    position: Option<[f64; 3]>,
+    /// Where it lies in coordinates that go on beyond the sides.
+    copies: Vec<Uv>,
+}
+
+/// About an apex within this share of its chart's reach, its own coordinates are used.
+const NEAR_APEX: f64 = 0.3;
+/// A place nearer to the tip of a cone than this share of the domain's width is the tip.
+const AT_TIP: f64 = 1e-12;
+
+impl<'s> AimedPlace<'s> {
+    pub(super) fn new(surface: &'s dyn Surface, given: Uv) -> Result<Self, MeasureError> {
+        let domain = surface.domain();
+        let mut at = given.0;
+        surface.sides().bring_back(domain, &mut at);
+        let tip = tip_at(surface, at);
+        match Frame::new(surface, given, 0.0, 1.0) {
+            Err(TraceError::DegenerateStart { .. }) if tip.is_some() => {}
+            Err(error) => return Err(error.into()),
+            Ok(_) => {}
+        }
+        for (x, [low, high]) in at.iter_mut().zip(domain) {
+            *x = x.clamp(low, high);
+        }
+        let uv = Uv(at);
+        let position = surface.is_embedded().then(|| surface.jet(uv).position);
+        Ok(Self {
+            surface,
+            uv,
+            position,
+            copies: copies(surface, uv),
+        })
+    }
+
+    /// The way from an end: its components along the ray and across it.
+    pub(super) fn way_from(&self, end: &Arrival) -> Option<[f64; 2]> {
+        let near_apex = self.about_apex(end);
+        if near_apex.is_some() {
+            return near_apex;
+        }
+        let ways = self
+            .copies
+            .iter()
+            .filter_map(|&copy| components(end.along, end.left, copy - end.at));
+        ways.min_by(|a, b| a[0].hypot(a[1]).total_cmp(&b[0].hypot(b[1])))
+    }
+
+    /// No more than the distance from an end, roughly: in space exactly, else as a good half of the way in the
+    /// coordinates.
+    pub(super) fn distance_at_least(&self, end: &Arrival) -> f64 {
+        if let Some(position) = self.position {
+            let other = self.surface.jet(end.at).position;
+            return norm(combine(1.0, position, -1.0, other));
+        }
+        let jet = self.surface.jet(self.uv);
+        let here = self.way_from(end).map_or(0.0, |[x, y]| x.hypot(y));
+        if self.about_apex(end).is_some() {
+            return 0.5 * here;
+        }
+        let there = self
+            .copies
+            .iter()
+            .map(|&copy| speed(&jet, copy - end.at))
+            .fold(f64::INFINITY, f64::min);
+        0.5 * if there.is_finite() {
+            here.min(there)
+        } else {
+            here
+        }
+    }
+
+    /// The distance from a place near by, by the metric at the target.
+    pub(super) fn distance_from(&self, at: Uv) -> Option<f64> {
+        let jet = self.surface.jet(self.uv);
+        let e = TangentVector([1.0, 0.0]);
+        let metric = Metric::of(&jet);
+        let along = e.map(|x| x / metric.e.sqrt());
+        let end = Arrival {
+            at: self.uv,
+            along,
+            left: metric.turn_left(along),
+            m: 0.0,
+            length: 0.0,
+            status: Status::Complete,
+        };
+        let other = Self {
+            uv: at,
+            copies: copies(self.surface, at),
+            ..self.clone()
+        };
+        // At a pole σu has no direction: there the distance in space will do, or the one along a meridian.
+        let way = other.way_from(&end).map(|[x, y]| x.hypot(y));
+        way.or_else(|| {
+            let position = self.position?;
+            let here = self.surface.jet(at).position;
+            Some(norm(combine(1.0, position, -1.0, here)))
+        })
+    }
+
+    /// Not much more than the distance from a source: in space exactly no more; else the hyperbolic distance that the way in
+    /// the coordinates of a half-plane with the curvature here would mean, less a third.
+    pub(super) fn near_distance(&self, source: &RaySource<'_>) -> f64 {
+        let Ok((start, _)) = source.follow(0.0, 0.0, false) else {
+            return 0.0;
+        };
+        if self.position.is_some() {
+            return self.distance_at_least(&start);
+        }
+        let curvature = |at: Uv| gaussian_curvature(&self.surface.jet(at)).abs();
+        let root = curvature(self.uv).max(curvature(start.at)).sqrt();
+        let way = self.way_from(&start).map_or(0.0, |[x, y]| x.hypot(y));
+        let bent = 0.5 * way * root;
+        if bent > 1e-3 && bent.is_finite() {
+            2.0 / 3.0 * way * (bent.asinh() / bent)
+        } else {
+            2.0 / 3.0 * way
+        }
+    }
+
+    /// The lengths of the straight lines of the chart from a place to each copy; infinite where one leaves the surface.
+    pub(super) fn straight_length(&self, from: Uv) -> f64 {
+        const PIECES: u32 = 64;
+        let sides = self.surface.sides();
+        let domain = self.surface.domain();
+        let line = |copy: &Uv| {
+            let way = *copy - from;
+            let length: f64 = (0..PIECES)
+                .map(|n| {
+                    let share = (f64::from(n) + 0.5) / f64::from(PIECES);
+                    let mut at = (from + share * way).0;
+                    let signs = sides.bring_back(domain, &mut at).signs;
+                    let way = TangentVector([signs[0] * way[0], signs[1] * way[1]]);
+                    speed(&self.surface.jet(Uv(at)), way) / f64::from(PIECES)
+                })
+                .sum();
+            if length.is_nan() {
+                f64::INFINITY
+            } else {
+                length
+            }
+        };
+        let lengths = self.copies.iter().map(line).filter(|length| *length > 0.0);
+        lengths.fold(f64::INFINITY, f64::min)
+    }
+
+    /// The way in the coordinates about an apex that both are near.
+    fn about_apex(&self, end: &Arrival) -> Option<[f64; 2]> {
+        let domain = self.surface.domain();
+        for axis in 0..2 {
+            for side in 0..2 {
+                let Some(apex) = self.surface.apex(axis, side).filter(|apex| apex.regular) else {
+                    continue;
+                };
+                let sign = if side == 0 { 1.0 } else { -1.0 };
+                let reach = NEAR_APEX * apex.reach * (domain[axis][1] - domain[axis][0]);
+                let rho = |at: Uv| (sign * (at[axis] - domain[axis][side])).max(0.0);
+                let [here, there] = [rho(end.at), rho(self.uv)];
+                if here > reach || there > reach || here == 0.0 {
+                    continue;
+                }
+                let root = 1.0 / apex.power;
+                let [r, s] = [here, there].map(|rho| rho.powf(root));
+                let period = domain[1 - axis][1] - domain[1 - axis][0];
+                let turn = self.uv[1 - axis] - end.at[1 - axis];
+                let angle = apex.rate * (turn - period * (turn / period).round());
+                if !apex.smooth && there > 0.0 && angle.abs() >= std::f64::consts::PI {
+                    // The tip lies between.
+                    continue;
+                }
+                // The end lies on the a-axis.
+                let vector = |v: TangentVector| {
+                    let radial = sign * v[axis] * root * here.powf(root - 1.0);
+                    TangentVector([radial, r * apex.rate * v[1 - axis]])
+                };
+                let way = TangentVector([s * angle.cos() - r, s * angle.sin()]);
+                return components(vector(end.along), vector(end.left), way);
+            }
+        }
+        None
+    }
+}
+
+/// The components of a vector along two others; `None` where they span no plane.
+pub(super) fn components(
+    a: TangentVector,
+    b: TangentVector,
+    way: TangentVector,
+) -> Option<[f64; 2]> {
+    let determinant = a[0] * b[1] - a[1] * b[0];
+    let found = [
+        (way[0] * b[1] - way[1] * b[0]) / determinant,
+        (a[0] * way[1] - a[1] * way[0]) / determinant,
+    ];
+    found.iter().all(|x| x.is_finite()).then_some(found)
+}
+
+/// The cone whose tip a place is.
+fn tip_at(surface: &dyn Surface, at: [f64; 2]) -> Option<(usize, usize)> {
+    let domain = surface.domain();
+    let mut ends = (0..2).flat_map(|axis| [(axis, 0), (axis, 1)]);
+    ends.find(|&(axis, end)| {
+        let off = (at[axis] - domain[axis][end]).abs();
+        let apex = surface.apex(axis, end);
+        apex.is_some_and(|apex| apex.regular && !apex.smooth)
+            && off <= AT_TIP * (domain[axis][1] - domain[axis][0])
+    })
+}
+
+/// A place and its repetitions beyond each side that wraps.
+fn copies(surface: &dyn Surface, uv: Uv) -> Vec<Uv> {
+    let domain = surface.domain();
+    let mut copies = vec![uv];
+    for axis in 0..2 {
+        let side = surface.sides().of(axis)[0];
+        let width = domain[axis][1] - domain[axis][0];
+        let [low, high] = domain[1 - axis];
+        let before = copies.clone();
+        for shift in [-width, width] {
+            for copy in &before {
+                let mut copy = *copy;
+                match side {
+                    Side::Wrap => {}
+                    Side::WrapFlip => copy[1 - axis] = low + high - copy[1 - axis],
+                    Side::Edge | Side::Pole => continue,
+                }
+                copy[axis] += shift;
+                copies.push(copy);
+            }
+        }
+    }
+    copies
+}

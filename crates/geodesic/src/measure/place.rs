@@ -1,0 +1,99 @@
+//! The curvatures and the first fundamental form at a place: a surface and (u, v) in, numbers out.
+
+use super::MeasureError;
+use crate::chart::Atlas;
+use crate::frame::Frame;
+use crate::jet::Jet;
+use crate::metric::{cross, dot, gaussian_curvature, norm};
+use crate::point::Uv;
+use crate::surface::Surface;
+use crate::trace::TraceError;
+
+/// What is measured at one place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlaceMeasures {
+    /// (u, v), brought back into the domain.
+    pub uv: Uv,
+    /// E, F, G: the coefficients of the first fundamental form.
+    pub form: [f64; 3],
+    /// The Gaussian curvature K; `None` where the surface has no tangent plane.
+    pub gaussian: Option<f64>,
+    /// The mean curvature H = (eG − 2fF + gE)/2(EG − F²) for the normal σu × σv; `None` on a metric, which bends in no
+    /// space, and where the surface has no tangent plane.
+    pub mean: Option<f64>,
+}
+
+/// Measures at one place. At a smooth pole, where the formulas say 0/0, K and H are interpolated from points beside it.
+///
+/// # Errors
+/// [`MeasureError`] where the place lies outside the domain, or the surface is undefined.
+pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, MeasureError> {
+    let given = uv.into();
+    match Frame::new(surface, given, 0.0, 1.0) {
+        // The tip of a cone has E, F and G.
+        Ok(_) | Err(TraceError::DegenerateStart { .. }) => {}
+        Err(error) => return Err(error.into()),
+    }
+    let mut at = given.0;
+    surface.sides().bring_back(surface.domain(), &mut at);
+    let [[u0, u1], [v0, v1]] = surface.domain();
+    let uv = Uv([at[0].clamp(u0, u1), at[1].clamp(v0, v1)]);
+    let jet = surface.jet(uv);
+    let form = [
+        dot(jet.du, jet.du),
+        dot(jet.du, jet.dv),
+        dot(jet.dv, jet.dv),
+    ];
+    let [gaussian, mean] = curvatures_near(surface, uv);
+    let finite = |x: f64| x.is_finite().then_some(x);
+    Ok(PlaceMeasures {
+        uv,
+        form,
+        gaussian: finite(gaussian),
+        mean: finite(mean).filter(|_| surface.is_embedded()),
+    })
+}
+
+/// K and H, in the chart about a pole where (u,v) has lost too many digits.
+fn curvatures_near(surface: &dyn Surface, uv: Uv) -> [f64; 2] {
+    let atlas = Atlas::new(surface);
+    let chart = atlas
+        .pole_near(uv.0)
+        .and_then(|(axis, end)| atlas.pole_chart(axis, end));
+    let Some(chart) = chart else {
+        return curvatures(&surface.jet(uv));
+    };
+    // As the acceleration of a ray there: Lagrange's interpolation at the middle of ±1, ±2, ±3 steps along a line.
+    let [a, b] = chart.point(uv.0);
+    let r = a.hypot(b);
+    let along = if r > 0.0 { [a / r, b / r] } else { [1.0, 0.0] };
+    let mut sum = [0.0; 2];
+    for (n, weight) in (1..).zip([0.75, -0.3, 0.05]) {
+        for side in [-1.0, 1.0] {
+            let offset = side * 2.0 * chart.inner_radius() * f64::from(n);
+            let mut at = chart.plain_point([a + offset * along[0], b + offset * along[1]]);
+            surface.sides().bring_back(surface.domain(), &mut at);
+            let values = curvatures(&surface.jet(Uv(at)));
+            for (sum, value) in sum.iter_mut().zip(values) {
+                *sum += weight * value;
+            }
+        }
+    }
+    sum
+}
+
+/// K and H (do Carmo, *Differential Geometry of Curves and Surfaces*, 1976, section 3-3). Each quotient is taken before
+/// the product, which might overflow.
+fn curvatures(jet: &Jet) -> [f64; 2] {
+    let normal = cross(jet.du, jet.dv);
+    let length = norm(normal);
+    let second = |w: [f64; 3]| dot(w, normal) / length / length;
+    let (l, m, n) = (second(jet.duu), second(jet.duv), second(jet.dvv));
+    let (e, f, g) = (
+        dot(jet.du, jet.du) / length,
+        dot(jet.du, jet.dv) / length,
+        dot(jet.dv, jet.dv) / length,
+    );
+    let mean = 0.5 * (l * g - 2.0 * m * f + n * e);
+    [gaussian_curvature(jet), mean]
+}

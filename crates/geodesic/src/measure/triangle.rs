@@ -1,0 +1,358 @@
+//! Triangles of shortest geodesics: three corners in, sides, angles, the area and ∫K of the region inside out.
+//!
+//! The region is swept by the geodesics from a corner, or from the tip of a cone inside, to the points of the sides. With t
+//! the arc length along a side, θ the angle of the geodesic that meets it there and m its Jacobi field, dθ/dt is the
+//! component of the side's direction across that geodesic over m; the geodesic sweeps ∫m ds dθ of area and, as m'' = −K m,
+//! (1 − m') dθ of curvature.
+
+use std::f64::consts::{PI, TAU};
+use std::fmt;
+
+use super::MeasureError;
+use super::between::{Connection, all_within, shortest};
+use super::gap::{AimedPlace, components};
+use super::quadrature;
+use super::shoot::{self, PolarVector};
+use super::source::RaySource;
+use crate::field::integral;
+use crate::point::{TangentVector, Uv};
+use crate::surface::Surface;
+
+/// A triangle of shortest geodesics.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Triangle {
+    /// The sides, the k-th opposite the k-th corner; `None` where no geodesic was found.
+    pub sides: [Option<Connection>; 3],
+    /// The angles at the corners, in radians; `None` where a side is missing.
+    pub angles: [Option<f64>; 3],
+    /// The region inside.
+    pub region: Result<TriangleRegion, NoRegion>,
+}
+
+impl Triangle {
+    /// The sum of the angles less π; `None` where a side is missing.
+    pub fn excess(&self) -> Option<f64> {
+        let [a, b, c] = self.angles;
+        Some(a? + b? + c? - PI)
+    }
+}
+
+/// The region inside a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleRegion {
+    /// Its area.
+    pub area: f64,
+    /// The integral of the Gaussian curvature over it, with the deficit of the tip of a cone inside.
+    pub curvature: f64,
+    /// The larger of the estimated errors of both.
+    pub error_estimate: f64,
+}
+
+/// Why a triangle has no region.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum NoRegion {
+    /// Two corners are not joined by a geodesic that was found.
+    NoSide {
+        /// The numbers of the corners, from 0.
+        corners: [usize; 2],
+    },
+    /// The geodesics from the first corner to the opposite side sweep no region between the other sides: the triangle runs
+    /// around a handle, a hole or more than one tip, or geodesics meet inside it.
+    NotSwept,
+}
+
+impl fmt::Display for NoRegion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSide { corners: [a, b] } => {
+                let (a, b) = (a + 1, b + 1);
+                write!(f, "no geodesic was found that joins the corners {a} and {b}")
+            }
+            Self::NotSwept => f.write_str(
+                "the geodesics from the first corner to the opposite side sweep no region between the other two sides: \
+                 the triangle runs around a handle or a hole, or geodesics meet inside it",
+            ),
+        }
+    }
+}
+
+/// The rest that the quadrature may leave, and the error of rays and corners, relative to the largest side's square.
+const TOLERANCE: f64 = 1e-10;
+const OF_RAYS: f64 = 1e-9;
+/// The most intervals of the quadrature along a side.
+const MOST: usize = 24;
+/// A side is first followed in about so many strides, …
+const STRIDES: f64 = 6.0;
+/// … none of them shorter than this share of it.
+const SHORTEST: f64 = 1e-3;
+/// A ray may turn by no more from one point of a side to the next, beyond what is expected.
+const LEAP: f64 = 0.3;
+/// By how much the angles that are swept may differ from those at the corner.
+const SAME_ANGLE: f64 = 1e-6;
+
+/// Measures the triangle of three corners.
+///
+/// # Errors
+/// [`MeasureError`] where a corner lies outside the domain, or the surface is undefined or degenerate there.
+pub fn triangle<P: Into<Uv>>(
+    surface: &dyn Surface,
+    corners: [P; 3],
+) -> Result<Triangle, MeasureError> {
+    let corners = corners.map(Into::into);
+    let mut sources = Vec::new();
+    let mut targets = Vec::new();
+    for corner in corners {
+        sources.push(RaySource::at(surface, corner)?);
+        targets.push(AimedPlace::new(surface, corner)?);
+    }
+    let side = |from: usize, to: usize| {
+        let all = shortest(&sources[from], &targets[to]);
+        all.found.into_iter().next()
+    };
+    let (ab, ac, bc) = (side(0, 1), side(0, 2), side(1, 2));
+    let leaving = |side: &Option<Connection>| side.map(|side| side.angle);
+    let arriving = |at: usize, side: &Option<Connection>| {
+        side.and_then(|side| sources[at].angle_of(side.to, -side.arrival))
+    };
+    let between = |one: Option<f64>, other: Option<f64>| {
+        let turn = (one? - other?) / TAU;
+        Some(((turn - turn.round()) * TAU).abs())
+    };
+    let angles = [
+        between(leaving(&ab), leaving(&ac)),
+        between(arriving(1, &ab), leaving(&bc)),
+        between(arriving(2, &ac), arriving(2, &bc)),
+    ];
+    let region = match (ab, ac, bc) {
+        (None, _, _) => Err(NoRegion::NoSide { corners: [0, 1] }),
+        (_, None, _) => Err(NoRegion::NoSide { corners: [0, 2] }),
+        (_, _, None) => Err(NoRegion::NoSide { corners: [1, 2] }),
+        (Some(ab), Some(ac), Some(bc)) => {
+            let sides = [
+                SidePath::new(&sources[0], &ab, false),
+                SidePath::new(&sources[1], &bc, false),
+                SidePath::new(&sources[0], &ac, true),
+            ];
+            region(surface, &sources[0], &targets[0], &sides)
+        }
+    };
+    Ok(Triangle {
+        sides: [bc, ac, ab],
+        angles,
+        region,
+    })
+}
+
+/// A side, walked in the order of the corners.
+struct SidePath<'a, 's> {
+    source: &'a RaySource<'s>,
+    side: Connection,
+    /// True if it was found from its end to its start.
+    backward: bool,
+}
+
+impl<'a, 's> SidePath<'a, 's> {
+    fn new(source: &'a RaySource<'s>, side: &Connection, backward: bool) -> Self {
+        Self {
+            source,
+            side: *side,
+            backward,
+        }
+    }
+
+    /// The place at an arc length and the direction there.
+    fn at(&self, t: f64) -> Option<(Uv, TangentVector)> {
+        let length = if self.backward {
+            self.side.length - t
+        } else {
+            t
+        };
+        let (end, _) = self.source.follow(self.side.angle, length, false).ok()?;
+        let along = if self.backward { -end.along } else { end.along };
+        Some((end.at, along))
+    }
+}
+
+/// What a sweep along a side amounts to.
+#[derive(Clone, Copy, Default)]
+struct Sweep {
+    /// Area, curvature, angle.
+    values: [f64; 3],
+    errors: [f64; 3],
+    /// The ray to the side's end.
+    last: Option<PolarVector>,
+}
+
+fn region(
+    surface: &dyn Surface,
+    corner: &RaySource<'_>,
+    first: &AimedPlace<'_>,
+    sides: &[SidePath<'_, '_>; 3],
+) -> Result<TriangleRegion, NoRegion> {
+    let [ab, bc, ca] = sides;
+    for (axis, end) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        if let Some(tip) = RaySource::tip(surface, axis, end)
+            && let Some(found) = around_tip(surface, &tip, (axis, end), corner, first, sides)
+        {
+            return Ok(found);
+        }
+    }
+    let start = PolarVector {
+        angle: ab.side.angle,
+        length: ab.side.length,
+    };
+    let swept = sweep(corner, bc, start).ok_or(NoRegion::NotSwept)?;
+    let turn = (ca.side.angle - ab.side.angle) / TAU;
+    let expected = (turn - turn.round()) * TAU;
+    let [area, curvature, angle] = swept.values;
+    let reached = swept
+        .last
+        .is_some_and(|last| (last.length - ca.side.length).abs() <= SAME_ANGLE * ca.side.length);
+    // (A flat triangle's area is nothing, and either side of it will do.)
+    if !reached || (angle - expected).abs() > SAME_ANGLE {
+        return Err(NoRegion::NotSwept);
+    }
+    Ok(measured(
+        [area, curvature],
+        &swept.errors,
+        angle.signum(),
+        sides,
+        0.0,
+    ))
+}
+
+fn measured(
+    [area, curvature]: [f64; 2],
+    errors: &[f64; 3],
+    sign: f64,
+    sides: &[SidePath<'_, '_>; 3],
+    deficit: f64,
+) -> TriangleRegion {
+    let longest = sides
+        .iter()
+        .map(|path| path.side.length)
+        .fold(0.0, f64::max);
+    let of_rays = [area, curvature]
+        .iter()
+        .map(|x| OF_RAYS * x.abs())
+        .fold(OF_RAYS * longest * longest, f64::max);
+    TriangleRegion {
+        area: sign * area,
+        curvature: sign * curvature + deficit,
+        error_estimate: errors[0].max(errors[1]) + of_rays,
+    }
+}
+
+/// The region about the tip of a cone, if the triangle runs around it once: all three sides as seen from the tip.
+fn around_tip(
+    surface: &dyn Surface,
+    tip: &RaySource<'_>,
+    (axis, end): (usize, usize),
+    corner: &RaySource<'_>,
+    first: &AimedPlace<'_>,
+    sides: &[SidePath<'_, '_>; 3],
+) -> Option<TriangleRegion> {
+    let mut place = first.uv;
+    place[axis] = surface.domain()[axis][end];
+    let target = AimedPlace::new(surface, place).ok()?;
+    let longest: f64 = sides.iter().map(|path| path.side.length).sum();
+    // A tip inside is nearer to each corner than half of the way around.
+    let to_tip = all_within(corner, &target, longest);
+    let to_tip = to_tip.found.first()?;
+    // Just before the tip the ray is on the meridian that it arrives by.
+    let (near, _) = corner
+        .follow(to_tip.angle, 0.98 * to_tip.length, false)
+        .ok()?;
+    let guess = PolarVector {
+        angle: tip.angle_towards(near.at)?,
+        length: to_tip.length,
+    };
+    let mut at = shoot::hit(tip, first, guess)?.at;
+    let (mut values, mut errors) = ([0.0; 3], [0.0; 3]);
+    for side in sides {
+        let swept = sweep(tip, side, at)?;
+        at = swept.last?;
+        for k in 0..3 {
+            values[k] += swept.values[k];
+            errors[k] += swept.errors[k];
+        }
+    }
+    let [area, curvature, angle] = values;
+    let inside = (angle.abs() - tip.turn()).abs() <= SAME_ANGLE;
+    inside.then(|| {
+        let deficit = TAU - tip.turn();
+        measured([area, curvature], &errors, angle.signum(), sides, deficit)
+    })
+}
+
+/// The ray from a source to a point of a side.
+#[derive(Clone, Copy)]
+struct KnownRay {
+    t: f64,
+    at: PolarVector,
+    /// The derivatives by t.
+    rate: PolarVector,
+}
+
+/// Sweeps the rays from a source along a side, from the ray to its start. `None` where one is not found, or is behind a
+/// conjugate point.
+fn sweep(source: &RaySource<'_>, side: &SidePath<'_, '_>, start: PolarVector) -> Option<Sweep> {
+    let length = side.side.length;
+    let mut known: Vec<KnownRay> = Vec::new();
+    let mut look = |t: f64| -> Option<[f64; 3]> {
+        let (place, direction) = side.at(t)?;
+        let target = AimedPlace::new(source.surface, place).ok()?;
+        let before = known
+            .iter()
+            .min_by(|a, b| (a.t - t).abs().total_cmp(&(b.t - t).abs()));
+        let guess = before.map_or(start, |before| PolarVector {
+            angle: before.at.angle + before.rate.angle * (t - before.t),
+            length: before.at.length + before.rate.length * (t - before.t),
+        });
+        let hit = shoot::hit(source, &target, guess)?;
+        if (hit.at.angle - guess.angle).abs() > LEAP || hit.end.m <= 0.0 {
+            return None;
+        }
+        let (end, trace) = source.follow(hit.at.angle, hit.at.length, true).ok()?;
+        let [along, across] = components(end.along, end.left, direction)?;
+        let rate = PolarVector {
+            angle: across / end.m,
+            length: along,
+        };
+        known.push(KnownRay {
+            t,
+            at: hit.at,
+            rate,
+        });
+        let [_, slope] = trace.jacobi;
+        let area = integral(&trace.fields);
+        Some([area, 1.0 - slope, 1.0].map(|x| x * rate.angle))
+    };
+    look(0.0)?;
+    let (mut t, mut stride) = (0.0, length / STRIDES);
+    while t < length {
+        let next = if t + 1.01 * stride > length {
+            length
+        } else {
+            t + stride
+        };
+        if look(next).is_some() {
+            t = next;
+            stride *= 1.5;
+        } else {
+            stride *= 0.4;
+            if stride < SHORTEST * length {
+                return None;
+            }
+        }
+    }
+    let breaks = [0.0, 0.5 * length, length];
+    let mut function = |t: f64| look(t).ok_or(());
+    let found = quadrature::integrate(&breaks, TOLERANCE, MOST, &mut function).ok()?;
+    let last = known.iter().max_by(|a, b| a.t.total_cmp(&b.t));
+    Some(Sweep {
+        values: found.values,
+        errors: found.errors,
+        last: last.map(|last| last.at),
+    })
+}

@@ -1,0 +1,107 @@
+//! The holonomy of walks: a frame carried along a closed walk in, the angle by which it comes back turned out.
+//!
+//! By Gauss and Bonnet's theorem that angle is ∫K over what the walk runs around, but for whole turns (do Carmo, *Differential
+//! Geometry of Curves and Surfaces*, 1976, section 4-4).
+
+use std::f64::consts::TAU;
+
+use super::gap::AimedPlace;
+use super::quadrature;
+use super::source::RaySource;
+use crate::frame::Frame;
+use crate::metric::{Metric, christoffel, speed};
+use crate::point::{TangentVector, Uv};
+use crate::surface::Surface;
+
+/// The end of a walk beside its start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Closing {
+    /// The distance from the end to the start, where they are near each other.
+    pub gap: f64,
+    /// The angle in (−π, π] by which parallel transport along the walk has turned the frame; `None` where the walk has not
+    /// come back, or has come back mirrored.
+    pub holonomy: Option<f64>,
+    /// True if left and right have changed places.
+    pub mirrored: bool,
+}
+
+/// Compares the frame at the end of a walk with the one at its start. The walk has closed if the end is no farther than
+/// `tolerance` from the start. `turned` is the sum of the angles by which the frame was turned on the way, from X
+/// towards Y, other than by parallel transport. `None` where the surface has no tangent plane at the start.
+pub fn closing(
+    surface: &dyn Surface,
+    start: &Frame,
+    end: &Frame,
+    turned: f64,
+    tolerance: f64,
+) -> Option<Closing> {
+    let source = RaySource::at(surface, start.uv).ok()?;
+    let target = AimedPlace::new(surface, start.uv).ok()?;
+    let [first, last] = [start, end].map(|frame| frame.plain(surface));
+    let gap = target.distance_from(last.uv)?;
+    let [before, after] = [start, end].map(|frame| frame.is_mirrored(surface));
+    let mirrored = before != after;
+    let closed = gap <= tolerance && !mirrored;
+    let angle = |frame: &Frame| source.angle_of(frame.uv, frame.x);
+    let hand = if before { -1.0 } else { 1.0 };
+    let holonomy = match (angle(&first), angle(&last)) {
+        (Some(first), Some(last)) if closed => Some(wrapped(last - first - hand * turned)),
+        _ => None,
+    };
+    Some(Closing {
+        gap,
+        holonomy,
+        mirrored,
+    })
+}
+
+/// What a curve of the chart is long, and what it does to a vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transport {
+    /// The curve's length.
+    pub length: f64,
+    /// The angle by which parallel transport turns a vector against σu; of a closed curve its holonomy, but for the turns of
+    /// σu itself around a pole.
+    pub angle: f64,
+    /// The larger of the estimated errors of both.
+    pub error_estimate: f64,
+}
+
+/// The accuracy that is aimed at, relative, and the most intervals of the quadrature.
+const TOLERANCE: f64 = 1e-11;
+const MOST: usize = 200;
+
+/// Transports a vector along a curve t ↦ (u, v), (u', v'), smooth between neighbouring `breaks`. `None` where σu has no
+/// direction, or the surface is undefined.
+pub fn transport(
+    surface: &dyn Surface,
+    curve: &dyn Fn(f64) -> (Uv, TangentVector),
+    breaks: &[f64],
+) -> Option<Transport> {
+    let mut rates = |t: f64| {
+        let (given, velocity) = curve(t);
+        let mut at = given.0;
+        let signs = surface.sides().bring_back(surface.domain(), &mut at).signs;
+        let [u, v] = [0, 1].map(|k| signs[k] * velocity[k]);
+        let jet = surface.jet(Uv(at));
+        let Metric { e, r, .. } = Metric::of(&jet);
+        // The connection form of the frame whose first vector lies along σu.
+        let [uu, uv, _] = christoffel(&jet)[1];
+        let turn = -r / e * (uu * u + uv * v) * signs[0] * signs[1];
+        let pace = speed(&jet, [u, v]);
+        let finite = turn.is_finite() && pace.is_finite();
+        finite.then_some([pace, turn]).ok_or(())
+    };
+    let found = quadrature::integrate(breaks, TOLERANCE, MOST, &mut rates).ok()?;
+    Some(Transport {
+        length: found.values[0],
+        angle: found.values[1],
+        error_estimate: found.errors[0].max(found.errors[1]),
+    })
+}
+
+/// An angle in (−π, π].
+fn wrapped(angle: f64) -> f64 {
+    let turns = angle / TAU;
+    (turns - (turns - 0.5).ceil()) * TAU
+}

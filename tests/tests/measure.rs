@@ -1,0 +1,302 @@
+//! `geotrace measure` by the binary: its documents against closed forms, its texts, its errors.
+
+use std::f64::consts::{PI, TAU};
+
+use serde_json::Value;
+use testing::binary::{Run, geotrace};
+use testing::close::assert_close;
+
+const SPHERE: &str =
+    "surface s(u,v) = (cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi/2];";
+const HALF_PLANE: &str = "metric h(x,y) = (1, 0, 1)/y^2, x : [-20, 20], y : [1/10, 10];";
+const TORUS: &str = "param r : [0.4, 1];
+surface s(u,v) = ((2 + r cos v) cos u, (2 + r cos v) sin u, r sin v), u : [0, 2pi], v : [0, 2pi];";
+
+fn measure(program: &str, arguments: &str) -> Run {
+    geotrace(["measure", "-"])
+        .arguments(&arguments.split_whitespace().collect::<Vec<_>>())
+        .input(program)
+        .run()
+}
+
+#[track_caller]
+fn document(program: &str, arguments: &str) -> Value {
+    let run = measure(program, &format!("{arguments} --format json"));
+    run.expect_status(0).json()
+}
+
+#[track_caller]
+fn number(document: &Value, key: &str) -> f64 {
+    document[key]
+        .as_f64()
+        .unwrap_or_else(|| panic!("no number `{key}` in {document}"))
+}
+
+fn keys(document: &Value) -> Vec<&String> {
+    document
+        .as_object()
+        .map(|object| object.keys().collect())
+        .unwrap_or_default()
+}
+
+#[test]
+fn a_place_has_its_curvatures_and_its_first_form() {
+    let found = document(TORUS, "--at 0,pi/3 --set r=1");
+    assert_eq!(keys(&found), ["E", "F", "G", "H", "K"]);
+    // K = cos v/(r(2 + r cos v)); the normal σu × σv points outwards.
+    assert_close("K", number(&found, "K"), 0.5 / 2.5, 1e-14);
+    assert_close(
+        "H",
+        number(&found, "H"),
+        -(2.0 + 2.0 * 0.5) / (2.0 * 2.5),
+        1e-14,
+    );
+    assert_close("E", number(&found, "E"), 6.25, 1e-14);
+    assert_close("F", number(&found, "F"), 0.0, 1e-14);
+    assert_close("G", number(&found, "G"), 1.0, 1e-14);
+    let metric = document(HALF_PLANE, "--at 0,2 --surface h");
+    assert_close("K", number(&metric, "K"), -1.0, 1e-13);
+    assert_eq!(metric["H"], Value::Null);
+    let pole = document(SPHERE, "--at 0,pi/2");
+    assert_close("K", number(&pole, "K"), 1.0, 1e-9);
+}
+
+#[test]
+fn a_circle_has_its_circumference_and_area() {
+    let found = document(SPHERE, "--at 1,0.5 --circle 1");
+    assert_eq!(
+        keys(&found),
+        ["area", "circumference", "error_estimate", "overlaps"]
+    );
+    let bound = number(&found, "error_estimate");
+    assert!(bound < 1e-8, "{found}");
+    assert_close(
+        "length",
+        number(&found, "circumference"),
+        TAU * 1.0_f64.sin(),
+        bound,
+    );
+    assert_close(
+        "area",
+        number(&found, "area"),
+        TAU * (1.0 - 1.0_f64.cos()),
+        bound,
+    );
+    assert_eq!(found["overlaps"], false);
+    assert_eq!(document(SPHERE, "--at 1,0.5 --circle 4")["overlaps"], true);
+    // Rays that end.
+    let ended = document(HALF_PLANE, "--at 0,1 --circle 5");
+    for key in ["area", "circumference", "error_estimate", "overlaps"] {
+        assert_eq!(ended[key], Value::Null, "{ended}");
+    }
+    let note = ended["note"].as_str().unwrap_or_default();
+    assert!(note.contains("leaves the domain"), "{ended}");
+}
+
+#[test]
+fn two_places_have_their_geodesics() {
+    let found = document(SPHERE, "--between 0,0 1,0 --within 2pi");
+    let geodesics = found["geodesics"].as_array().expect("a list");
+    assert_eq!(geodesics.len(), 2, "{found}");
+    assert_eq!(keys(&geodesics[0]), ["direction", "length"]);
+    assert_close("length", number(&geodesics[0], "length"), 1.0, 1e-9);
+    assert_close("length", number(&geodesics[1], "length"), TAU - 1.0, 1e-9);
+    let direction: Vec<f64> =
+        serde_json::from_value(geodesics[0]["direction"].clone()).expect("two");
+    assert_close("a", direction[0], 1.0, 1e-9);
+    assert_close("b", direction[1], 0.0, 1e-9);
+    // Twice the shortest, unless told otherwise.
+    let found = document(SPHERE, "--between 0,0 1,0");
+    assert_eq!(
+        found["geodesics"].as_array().map(Vec::len),
+        Some(1),
+        "{found}"
+    );
+    let family = document(SPHERE, "--between 0,0.3 pi,-0.3");
+    assert_eq!(
+        family["geodesics"].as_array().map(Vec::len),
+        Some(1),
+        "{family}"
+    );
+    assert_eq!(family["geodesics"][0]["conjugate"], true);
+    assert_close(
+        "length",
+        number(&family["geodesics"][0], "length"),
+        PI,
+        1e-8,
+    );
+    // A torus that lies flat, by its lattice.
+    let flat = "metric t(u,v) = (1, 0, 1), u : [0, 1], v : [0, 1];";
+    let found = document(flat, "--between 0.1,0.1 0.6,0.6 --within 1.6");
+    let lengths: Vec<f64> = found["geodesics"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|it| number(it, "length"))
+        .collect();
+    let [near, far] = [0.5_f64.sqrt(), 2.5_f64.sqrt()];
+    assert_eq!(lengths.len(), 12, "{lengths:?}");
+    for (n, length) in lengths.iter().enumerate() {
+        assert_close("length", *length, if n < 4 { near } else { far }, 1e-9);
+    }
+    let none = document(HALF_PLANE, "--between -19,0.2 19,0.2 --within 3");
+    assert_eq!(
+        none["geodesics"].as_array().map(Vec::len),
+        Some(0),
+        "{none}"
+    );
+    assert!(
+        none["note"]
+            .as_str()
+            .is_some_and(|it| it.contains("no geodesic")),
+        "{none}"
+    );
+}
+
+#[test]
+fn a_triangle_has_sides_angles_and_an_area() {
+    let found = document(SPHERE, "--triangle 0,pi/2 0,0 pi/2,0");
+    assert_eq!(
+        keys(&found),
+        [
+            "angles",
+            "area",
+            "error_estimate",
+            "excess",
+            "integral_K",
+            "sides"
+        ]
+    );
+    for k in 0..3 {
+        assert_close(
+            "side",
+            found["sides"][k].as_f64().expect("a side"),
+            PI / 2.0,
+            1e-9,
+        );
+        assert_close(
+            "angle",
+            found["angles"][k].as_f64().expect("an angle"),
+            PI / 2.0,
+            1e-9,
+        );
+    }
+    let bound = number(&found, "error_estimate");
+    assert!(bound < 1e-7, "{found}");
+    for key in ["area", "excess", "integral_K"] {
+        assert_close(key, number(&found, key), PI / 2.0, bound);
+    }
+    // Side k lies opposite corner k.
+    let plane = "surface s(u,v) = (u, v, 0), u : [-5, 5], v : [-5, 5];";
+    let found = document(plane, "--triangle 0,0 3,0 0,4");
+    for (k, side) in [5.0, 4.0, 3.0].into_iter().enumerate() {
+        assert_close(
+            "side",
+            found["sides"][k].as_f64().expect("a side"),
+            side,
+            1e-9,
+        );
+    }
+    assert_close("area", number(&found, "area"), 6.0, 1e-7);
+    let around = document(TORUS, "--triangle 0,0 0,2 0,4");
+    assert_eq!(around["area"], Value::Null, "{around}");
+    assert_eq!(around["integral_K"], Value::Null, "{around}");
+    assert!(
+        around["note"]
+            .as_str()
+            .is_some_and(|it| it.contains("handle")),
+        "{around}"
+    );
+}
+
+#[test]
+fn people_read_sentences() {
+    for (arguments, words) in [
+        ("--at 0,0", "Gaussian curvature  K = 1"),
+        ("--at 0,0 --circle 1", "it does not overlap itself"),
+        ("--between 0,0 1,0", "distance 1"),
+        ("--triangle 0,0 1,0 0,1", "angle excess"),
+    ] {
+        measure(SPHERE, arguments)
+            .expect_status(0)
+            .expect_text(words);
+    }
+    measure(HALF_PLANE, "--at 0,1").expect_text("a metric bends in no space");
+    measure(HALF_PLANE, "--at 0,1 --circle 5")
+        .expect_status(0)
+        .expect_text("no whole circle");
+}
+
+#[test]
+fn what_cannot_be_measured_is_said() {
+    for (program, arguments, status, words) in [
+        (HALF_PLANE, "--at 0,0", 2, "outside the domain"),
+        (HALF_PLANE, "--between 0,1 0,11", 2, "outside the domain"),
+        (
+            HALF_PLANE,
+            "--triangle 0,1 0,2 1,99",
+            2,
+            "outside the domain",
+        ),
+        (SPHERE, "--at 0,0 --surface q", 2, "declares no surface `q`"),
+        (
+            "curve c(t) = (t, 0, 0), t : [0, 1];",
+            "--at 0,0",
+            2,
+            "declares no surface",
+        ),
+        (
+            "curve c(t) = (t, 0, 0), t : [0, 1];",
+            "--at 0,0 --surface c",
+            2,
+            "not a surface",
+        ),
+        (SPHERE, "--at 0,0 --circle -1", 2, "not greater than 0"),
+        (SPHERE, "--circle 1", 2, "--at"),
+        (SPHERE, "--within 1 --at 0,0", 2, "--between"),
+        (
+            SPHERE,
+            "--at 0,0 --between 0,0 1,1",
+            2,
+            "cannot be used with",
+        ),
+        (SPHERE, "--between 0,0", 2, "2 values"),
+        (SPHERE, "", 2, "--at"),
+        (SPHERE, "--at 0,q", 2, "`q`"),
+        (
+            "surface s(u,v) = (sqrt u, v, 0), u : [-1, 1], v : [0, 1];",
+            "--at -1,0",
+            1,
+            "undefined",
+        ),
+    ] {
+        measure(program, arguments)
+            .expect_status(status)
+            .expect_text(words);
+    }
+}
+
+#[test]
+fn the_help_has_examples() {
+    let run = geotrace(["measure", "--help"]).run();
+    run.expect_status(0)
+        .expect_text("geotrace measure torus.gtr --between 0,0 1,2")
+        .expect_text("σu × σv");
+}
+
+#[test]
+fn the_commands_of_the_page_run() {
+    let root = testing::examples::repository();
+    let page = std::fs::read_to_string(root.join("docs/measuring.md")).expect("a page");
+    let commands = page
+        .lines()
+        .filter_map(|line| line.strip_prefix("geotrace "));
+    let mut count = 0;
+    for command in commands {
+        let run = geotrace(command.split_whitespace()).folder(&root).run();
+        run.expect_status(0);
+        assert!(!run.stdout.contains("none"), "{}", run.stdout);
+        count += 1;
+    }
+    assert_eq!(count, 7);
+}
