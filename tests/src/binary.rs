@@ -1,7 +1,6 @@
 //! Runs the binary `geotrace` itself: arguments and bytes in, status, output and peak memory out.
 //!
-//! The binary is `$GEOTRACE_BIN` where that is set (`tests/run` sets it), else it is built by
-//! `cargo build -p geotrace` in the profile of the tests, so that it is never a stale one.
+//! The binary is `$GEOTRACE_BIN` if that is set (`tests/run` sets it), else `src/bin/command-line.rs`.
 
 use std::ffi::{OsStr, OsString};
 use std::io::{Read, Write};
@@ -237,46 +236,24 @@ pub fn high_water_mark(status: &str) -> u64 {
     kilobytes.unwrap_or(0) * 1024
 }
 
-/// The binary's path.
+/// Returns the binary's path.
 ///
 /// # Panics
-/// When it cannot be built.
+/// If it does not exist.
 pub fn binary() -> &'static Path {
     static BINARY: OnceLock<PathBuf> = OnceLock::new();
     BINARY.get_or_init(|| {
-        if let Some(path) = std::env::var_os("GEOTRACE_BIN") {
-            let path = PathBuf::from(path);
-            assert!(
-                path.is_file(),
-                "GEOTRACE_BIN is no file: {}",
-                path.display()
-            );
-            return path;
-        }
-        build()
+        let given = std::env::var_os("GEOTRACE_BIN").map(PathBuf::from);
+        let path = given.unwrap_or_else(built_with_the_tests);
+        assert!(path.is_file(), "{} is no file", path.display());
+        path
     })
 }
 
-fn build() -> PathBuf {
-    let release = !cfg!(debug_assertions);
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut command = Command::new(cargo);
-    command
-        .args(["build", "--package", "geotrace", "--message-format", "json"])
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .stderr(Stdio::inherit());
-    if release {
-        command.arg("--release");
-    }
-    let output = command.output().expect("cargo starts");
-    assert!(output.status.success(), "cargo build -p geotrace fails");
-    let text = String::from_utf8_lossy(&output.stdout);
-    let executable = text.lines().rev().find_map(|line| {
-        let message: serde_json::Value = serde_json::from_str(line).ok()?;
-        if message.get("target")?.get("name")?.as_str()? != "geotrace" {
-            return None;
-        }
-        Some(PathBuf::from(message.get("executable")?.as_str()?))
-    });
-    executable.expect("cargo names the executable")
+/// Returns the path of `command-line`, which cargo builds with the tests of this package: it is never a stale one, and
+/// no other features are selected for it.
+fn built_with_the_tests() -> PathBuf {
+    let test = std::env::current_exe().expect("the path of the test");
+    let folder = test.ancestors().nth(2).expect("the folder above `deps`");
+    folder.join(format!("command-line{}", std::env::consts::EXE_SUFFIX))
 }

@@ -11,6 +11,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
@@ -61,12 +62,16 @@ impl Lexeme {
 ///
 /// # Panics
 /// If a file cannot be read, or is no Rust.
-pub fn files() -> Vec<File> {
-    let mut paths = Vec::new();
-    collect(&repository().join("crates"), &mut paths);
-    paths.sort();
-    assert!(paths.len() > 100, "only {} source files", paths.len());
-    paths.iter().filter_map(|path| read(path)).collect()
+pub fn files() -> &'static [File] {
+    // Every measure reads all of them.
+    static FILES: LazyLock<Vec<File>> = LazyLock::new(|| {
+        let mut paths = Vec::new();
+        collect(&repository().join("crates"), &mut paths);
+        paths.sort();
+        assert!(paths.len() > 100, "only {} source files", paths.len());
+        paths.iter().filter_map(|path| read(path)).collect()
+    });
+    &FILES
 }
 
 fn collect(folder: &Path, paths: &mut Vec<PathBuf>) {
