@@ -253,7 +253,8 @@ fn what_cannot_be_measured_is_said() {
         ),
         (SPHERE, "--at 0,0 --circle -1", 2, "not greater than 0"),
         (SPHERE, "--circle 1", 2, "--at"),
-        (SPHERE, "--within 1 --at 0,0", 2, "--between"),
+        (SPHERE, "--within 1 --at 0,0", 2, "cannot be used with"),
+        (SPHERE, "--within 1", 2, "--between"),
         (
             SPHERE,
             "--at 0,0 --between 0,0 1,1",

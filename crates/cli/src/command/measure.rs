@@ -62,7 +62,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, num_args = 2)]
     between: Option<Vec<Pair>>,
     /// No longer geodesics are looked for; twice the shortest unless given
-    #[arg(long, value_name = "L", value_parser = argument::quantity, allow_hyphen_values = true, requires = "between")]
+    #[arg(long, value_name = "L", value_parser = argument::quantity, allow_hyphen_values = true, requires = "between", conflicts_with_all = ["at", "triangle"])]
     within: Option<Quantity>,
     /// Three places
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, num_args = 3)]
