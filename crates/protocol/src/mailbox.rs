@@ -115,6 +115,7 @@ impl Mailbox {
 
 impl State {
     fn put(&mut self, command: Command) -> Vec<i32> {
+        // Each command says here which waiting ones it overtakes, and where it waits.
         match &command {
             Command::Text { .. } => {
                 let overtaken = self.waiting.iter().filter_map(version).collect();

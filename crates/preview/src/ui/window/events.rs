@@ -177,6 +177,7 @@ impl Window {
                 self.model.highlighted = self.model.declared_at(offset).map(str::to_owned);
             }
             Command::Close => self.display.closing = true,
+            // A cursor in a text that is no longer shown; and what is received where messages are read (`io/link.rs`).
             _ => {}
         }
     }
