@@ -318,9 +318,7 @@ fn note(found: &Connections) -> Option<String> {
         });
     }
     (!found.complete).then(|| {
-        format!(
-            "there may be more geodesics no longer than {within}: only the first found are listed"
-        )
+        format!("the list may lack geodesics no longer than {within}: the search reached its limit")
     })
 }
 
