@@ -79,6 +79,29 @@ class Controls(OnScreen):
         self.assertEqual(window.take()["eye"], eye)
         self.screen.keep("keys")
 
+    def test_a_plus_whose_shift_is_let_go_first_leaves_the_camera_at_rest(self):
+        window = self.open(SPHERE)
+        window.click_at(*window.middle("Image: 3D view"))
+        window.settle()
+
+        def strike():
+            for does, key in ("keydown", "shift"), ("keydown", "equal"), ("keyup", "shift"), ("keyup", "equal"):
+                window.does(does, key)
+
+        before = window.take()["eye"]
+        strike()
+        window.until("+ moves the 3D camera", lambda now: now["eye"] != before)
+        rest = window.settle()["eye"]
+        self.assertEqual(window.settle()["eye"], rest)
+        # Typed in the text, it moves no camera, not even when the view has the keys again.
+        window.click("Program text")
+        strike()
+        window.xdotool("key", "BackSpace")
+        x, y = window.middle("Image: 3D view")
+        window.click_at(x, y)
+        window.settle()
+        self.assertEqual(window.take()["eye"], rest)
+
     def test_drags_and_the_wheel_move_the_3d_view(self):
         window = self.open(SPHERE)
         middle = window.middle("Image: 3D view")

@@ -5,6 +5,7 @@ pub(crate) mod camera_input;
 pub(crate) mod dialogs;
 pub(crate) mod event_splitter;
 pub(crate) mod gpu_surface;
+pub(crate) mod held_keys;
 pub(crate) mod highlighting;
 pub(crate) mod menu;
 pub(crate) mod panes;

@@ -11,6 +11,7 @@ use render::ViewId;
 use render::view::View;
 
 use crate::state::Model;
+use crate::ui::held_keys::HeldKeys;
 use crate::ui::window::Window;
 
 /// Moves the camera of a view.
@@ -66,7 +67,7 @@ const LETTERS: [Key; 8] = [
     Key::X,
 ];
 /// The other keys that move cameras, unless a control has the focus, whose keys they may be.
-const ARROWS: [Key; 7] = [
+pub(crate) const ARROWS: [Key; 7] = [
     Key::ArrowLeft,
     Key::ArrowRight,
     Key::ArrowUp,
@@ -80,14 +81,19 @@ const ARROWS: [Key; 7] = [
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Held<'a> {
     input: &'a InputState,
+    keys: &'a HeldKeys,
     /// The view has the arrows too.
     arrows: bool,
 }
 
 impl<'a> Held<'a> {
     /// As the input has them; `arrows` where no control has the focus.
-    pub(crate) fn new(input: &'a InputState, arrows: bool) -> Self {
-        Self { input, arrows }
+    pub(crate) fn new(input: &'a InputState, keys: &'a HeldKeys, arrows: bool) -> Self {
+        Self {
+            input,
+            keys,
+            arrows,
+        }
     }
 
     /// Returns whether any is held.
@@ -96,7 +102,7 @@ impl<'a> Held<'a> {
             alt, ctrl, command, ..
         } = self.input.modifiers;
         // Shortcuts are not motions; with Alt the arrows have a meaning of their own.
-        let held = |keys: &[Key]| keys.iter().any(|key| self.input.key_down(*key));
+        let held = |keys: &[Key]| keys.iter().any(|key| self.keys.moves(*key));
         let letters = !alt && held(&LETTERS);
         !(ctrl || command) && (letters || self.arrows && held(&ARROWS))
     }
@@ -114,7 +120,7 @@ impl<'a> Held<'a> {
     }
 
     fn axis(self, plus: &[Key], minus: &[Key]) -> f64 {
-        let held = |keys: &[Key]| keys.iter().any(|key| self.input.key_down(*key));
+        let held = |keys: &[Key]| keys.iter().any(|key| self.keys.moves(*key));
         f64::from(u8::from(held(plus))) - f64::from(u8::from(held(minus)))
     }
 

@@ -266,6 +266,7 @@ impl Window {
                 self.model.history.settle();
             }
             self.end_old_click(ui);
+            self.hold_keys(ui);
             self.shortcuts(ui);
             self.take_drops(ui);
             self.animate(ui);
@@ -294,7 +295,7 @@ impl Window {
         }
         let arrows = self.has_arrows(ui);
         let rests = ui.input(|input| {
-            let held = input.pointer.any_down() || Held::new(input, arrows).any();
+            let held = input.pointer.any_down() || Held::new(input, &self.input.held, arrows).any();
             !held && input.time >= self.display.clock.gesture_until
         });
         if rests {

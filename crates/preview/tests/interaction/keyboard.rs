@@ -326,3 +326,104 @@ fn the_list_of_keys_comes_and_goes_by_keys_and_fits_a_small_window() {
         }
     }
 }
+
+/// A key of a place on the keyboard goes down or comes up under a name.
+fn strike(hand: &mut Hand, key: Key, place: Key, pressed: bool) {
+    hand.harness.event(Event::Key {
+        key,
+        physical_key: Some(place),
+        pressed,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    });
+    hand.harness.run_steps(2);
+}
+
+/// The names under which a key goes down and comes up, where Shift goes down or is let go in between, and its place.
+const STRIKES: [(Key, Key, Key); 6] = [
+    (Key::Plus, Key::Equals, Key::Equals),
+    (Key::Equals, Key::Plus, Key::Equals),
+    (Key::Plus, Key::Plus, Key::Equals),
+    (Key::Equals, Key::Equals, Key::Equals),
+    (Key::Minus, Key::Minus, Key::Minus),
+    // A layout on which − is written with Shift.
+    (Key::Minus, Key::Slash, Key::Slash),
+];
+
+/// The camera stands where it is, frame by frame: not only in the end, where there is a limit.
+fn rests(hand: &mut Hand, after: &str) {
+    hand.harness.run_steps(2);
+    let eye = hand.eye();
+    hand.harness.run_steps(5);
+    assert_eq!(hand.eye(), eye, "the camera moves after {after}");
+}
+
+#[test]
+fn a_key_that_comes_up_under_another_name_is_let_go() {
+    let mut hand = Hand::on(SPHERE);
+    for (down, up, place) in STRIKES {
+        let before = hand.eye();
+        strike(&mut hand, down, place, true);
+        assert_ne!(hand.eye(), before, "{down:?} moves the camera");
+        strike(&mut hand, up, place, false);
+        rests(&mut hand, &format!("{down:?}, {up:?}"));
+    }
+}
+
+#[test]
+fn what_is_typed_in_the_program_moves_no_camera_whatever_has_the_keys_then() {
+    let mut hand = Hand::on(SPHERE);
+    let (start, inside) = (hand.eye(), hand.camera("s"));
+    let editor = |hand: &mut Hand| {
+        hand.harness.get_by_role(Role::MultilineTextInput).focus();
+        hand.harness.run_steps(2);
+    };
+    let letters = [(Key::W, Key::W, Key::W), (Key::Z, Key::Z, Key::Y)];
+    for (down, up, place) in STRIKES.into_iter().chain(letters) {
+        for view in ["3D view of ", "Geodesic view of s from"] {
+            // The key comes up in the text, or in the view.
+            for in_view in [false, true] {
+                editor(&mut hand);
+                strike(&mut hand, down, place, true);
+                if !in_view {
+                    strike(&mut hand, up, place, false);
+                }
+                hand.like(view).focus();
+                hand.harness.run_steps(2);
+                // A key that is held repeats itself.
+                if in_view {
+                    strike(&mut hand, down, place, true);
+                    strike(&mut hand, up, place, false);
+                }
+                hand.harness.run_steps(5);
+                assert_eq!(hand.eye(), start, "{down:?} in the text, then {view}");
+                assert_eq!(
+                    hand.camera("s"),
+                    inside,
+                    "{down:?} in the text, then {view}"
+                );
+            }
+        }
+    }
+    // What a view has is let go where the text gets the keys.
+    hand.harness.get_by_label_contains("3D view of ").focus();
+    hand.harness.run_steps(2);
+    strike(&mut hand, Key::W, Key::W, true);
+    assert_ne!(hand.eye(), start);
+    editor(&mut hand);
+    rests(&mut hand, "the text has the keys");
+    hand.harness.get_by_label_contains("3D view of ").focus();
+    rests(&mut hand, "the view has them again");
+}
+
+#[test]
+fn a_window_that_another_one_covers_lets_its_keys_go() {
+    let mut hand = Hand::on(SPHERE);
+    let start = hand.eye();
+    strike(&mut hand, Key::W, Key::W, true);
+    assert_ne!(hand.eye(), start);
+    hand.harness.event(Event::WindowFocused(false));
+    rests(&mut hand, "the window has lost the keys");
+    hand.harness.event(Event::WindowFocused(true));
+    rests(&mut hand, "it has them again");
+}

@@ -17,7 +17,9 @@ pub(super) struct GeodesicInput;
 impl CameraInput for GeodesicInput {
     fn keys(&self, window: &mut Window, ui: &Ui, id: &ViewId, arrows: bool) {
         let speed = window.model.view.preferences.camera_speed;
-        for motion in ui.input(|input| motions_of_keys(Held::new(input, arrows), speed)) {
+        let keys = &window.input.held;
+        let motions = ui.input(|input| motions_of_keys(Held::new(input, keys, arrows), speed));
+        for motion in motions {
             window.walk(surface(id), motion, ui);
         }
     }

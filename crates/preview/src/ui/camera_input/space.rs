@@ -30,7 +30,8 @@ impl CameraInput for SpaceInput {
             return;
         };
         let speed = window.model.view.preferences.camera_speed;
-        let next = ui.input(|input| moved_by_keys(Held::new(input, arrows), camera, speed));
+        let keys = &window.input.held;
+        let next = ui.input(|input| moved_by_keys(Held::new(input, keys, arrows), camera, speed));
         if next != camera {
             window.move_space("keys", next, ui);
         }

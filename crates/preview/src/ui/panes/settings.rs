@@ -148,8 +148,7 @@ fn animated(model: &mut Model, ui: &mut Ui, param: &Param, k: usize, name: &str)
 
 /// Writes a value that keys have changed, once they are let go.
 fn write_released(window: &mut Window, ui: &Ui) {
-    let held = ui.input(|input| !input.keys_down.is_empty());
-    if !held
+    if !window.input.held.any()
         && !ui.ctx().text_edit_focused()
         && let Some(name) = window.input.unwritten_param.take()
     {

@@ -29,7 +29,10 @@ impl Window {
 
     /// Keys move this view's camera from now on.
     pub(crate) fn activate(&mut self, id: &ViewId) {
-        self.focus.view = id.clone();
+        if self.focus.view != *id {
+            self.input.held.release_views();
+            self.focus.view = id.clone();
+        }
         self.note_surface(id);
     }
 

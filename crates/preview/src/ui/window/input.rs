@@ -11,7 +11,8 @@ use crate::state::StatusMessage;
 use crate::state::motion::Motion;
 use crate::state::pane::Pane;
 use crate::state::{Choice, SpaceCamera, Step};
-use crate::ui::camera_input::Held;
+use crate::ui::camera_input::{ARROWS, Held};
+use crate::ui::held_keys::HeldKeys;
 use crate::ui::panes::picture;
 
 /// The state of the user's input between two frames.
@@ -22,6 +23,8 @@ pub(crate) struct InputState {
     pub(crate) unwritten_param: Option<String>,
     /// Set while the keys were used last, not the pointer.
     pub(crate) by_keys: bool,
+    /// The keys that are held.
+    pub(crate) held: HeldKeys,
 }
 
 /// The title of the step that adds textures.
@@ -80,6 +83,20 @@ impl Window {
         }
     }
 
+    /// Takes the keys that go down and come up. Those of a text or a dialog never move a camera.
+    pub(super) fn hold_keys(&mut self, ui: &Ui) {
+        let letters = !ui.ctx().text_edit_focused() && !self.dialogs.is_open();
+        let arrows = letters && self.has_arrows(ui);
+        let has_key = |key| {
+            if ARROWS.contains(&key) {
+                arrows
+            } else {
+                letters
+            }
+        };
+        ui.input(|input| self.input.held.update(&input.events, has_key));
+    }
+
     /// Held keys move the camera of the active pane, unless a text is being written.
     pub(super) fn keys(&mut self, ui: &Ui) {
         // It is known in any case: menus and dialogs are about it too.
@@ -94,7 +111,7 @@ impl Window {
             camera.reset(self, &id);
         }
         camera.keys(self, ui, &id, arrows);
-        if ui.input(|input| Held::new(input, arrows).any()) {
+        if ui.input(|input| Held::new(input, &self.input.held, arrows).any()) {
             ui.ctx().request_repaint();
         }
     }

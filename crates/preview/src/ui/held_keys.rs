@@ -1,0 +1,132 @@
+//! The keys that are held, by their places on the keyboard.
+//!
+//! A key may come up under another name than it went down with: that of Shift and = is +, and where Shift is let go first,
+//! what comes up is =. So a key is known by its place until it comes up. It moves a camera only where a view had the
+//! keys when it went down, and has had them since.
+
+use std::collections::BTreeMap;
+
+use egui::{Event, Key};
+
+/// The keys that are held.
+#[derive(Debug, Default)]
+pub(crate) struct HeldKeys {
+    /// By their places.
+    down: BTreeMap<Key, HeldKey>,
+}
+
+/// A key that is held.
+#[derive(Clone, Copy, Debug)]
+struct HeldKey {
+    /// Its name when it went down.
+    name: Key,
+    /// It belongs to a view.
+    moves: bool,
+}
+
+impl HeldKeys {
+    /// Takes the events of a frame. A key that goes down belongs to a view where `has_key` says that views have it.
+    pub(crate) fn update(&mut self, events: &[Event], has_key: impl Fn(Key) -> bool) {
+        for event in events {
+            match *event {
+                Event::Key {
+                    key,
+                    physical_key,
+                    pressed,
+                    ..
+                } => {
+                    let place = physical_key.unwrap_or(key);
+                    if pressed {
+                        // A held key repeats itself, maybe under another name.
+                        self.down.entry(place).or_insert(HeldKey {
+                            name: key,
+                            moves: true,
+                        });
+                    } else {
+                        self.down.remove(&place);
+                    }
+                }
+                // Of what comes up elsewhere nothing is heard.
+                Event::WindowFocused(false) => self.down.clear(),
+                _ => {}
+            }
+        }
+        for held in self.down.values_mut() {
+            held.moves &= has_key(held.name);
+        }
+    }
+
+    /// The keys that are held belong to no view any more: another one has the keys now.
+    pub(crate) fn release_views(&mut self) {
+        for held in self.down.values_mut() {
+            held.moves = false;
+        }
+    }
+
+    /// Returns whether a key is held and belongs to a view.
+    pub(crate) fn moves(&self, key: Key) -> bool {
+        self.down
+            .values()
+            .any(|held| held.moves && held.name == key)
+    }
+
+    /// Returns whether any key is held, whatever it belongs to.
+    pub(crate) fn any(&self) -> bool {
+        !self.down.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::HeldKeys;
+    use egui::{Event, Key, Modifiers};
+
+    fn event(key: Key, place: Option<Key>, pressed: bool) -> Event {
+        Event::Key {
+            key,
+            physical_key: place,
+            pressed,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        }
+    }
+
+    #[test]
+    fn a_key_comes_up_under_any_name() {
+        for (down, up, place) in [
+            (Key::Plus, Key::Equals, Key::Equals),
+            (Key::Equals, Key::Plus, Key::Equals),
+            (Key::Plus, Key::Plus, Key::Equals),
+            (Key::Minus, Key::Minus, Key::Minus),
+        ] {
+            let mut held = HeldKeys::default();
+            held.update(&[event(down, Some(place), true)], |_| true);
+            assert!(held.moves(down));
+            // It repeats itself under its other name.
+            held.update(&[event(up, Some(place), true)], |_| true);
+            assert!(held.moves(down));
+            held.update(&[event(up, Some(place), false)], |_| true);
+            assert!(!held.any(), "{held:?}");
+        }
+    }
+
+    #[test]
+    fn a_key_moves_only_while_a_view_has_had_the_keys_all_the_time() {
+        let mut held = HeldKeys::default();
+        let press = [event(Key::W, None, true)];
+        held.update(&press, |_| false);
+        held.update(&press, |_| true);
+        assert!(held.any() && !held.moves(Key::W), "it began in a text");
+        held.update(&[event(Key::W, None, false)], |_| true);
+        held.update(&press, |_| true);
+        assert!(held.moves(Key::W));
+        held.update(&[], |key| key != Key::W);
+        held.update(&press, |_| true);
+        assert!(!held.moves(Key::W), "a text had the keys in between");
+        held.update(&[Event::WindowFocused(false)], |_| true);
+        assert!(!held.any());
+        held.update(&press, |_| true);
+        held.release_views();
+        assert!(held.any() && !held.moves(Key::W));
+    }
+}
