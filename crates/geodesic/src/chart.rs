@@ -4,29 +4,23 @@
 //! beyond a side that wraps are brought back into the domain, so that nothing relies on the formula going on there.
 
 mod apex;
+mod layout;
 
-pub(crate) use apex::ApexChart;
+pub(crate) use apex::{ApexChart, rotated, turned};
+pub(crate) use layout::ChartLayout;
 
 use std::cell::Cell;
 
-use crate::metric::{combine, cross, dot, gaussian_curvature, minus_components, norm};
+use crate::metric::{
+    acceleration, combine, cross, dot, gaussian_curvature, minus_components, norm,
+};
 use crate::point::Uv;
 use crate::status::Status;
-use crate::surface::{Crossing, Jet, Scale, Side, Sides, Surface};
-use crate::topology::Apex;
+use crate::surface::{Jet, Side, Surface};
 
-/// An apex's chart is entered within this share of the chart's reach from the apex, …
-const ENTER: f64 = 0.25;
-/// … left beyond this one, so that a ray does not go back and forth, …
-const LEAVE: f64 = 0.3;
-/// … but farther out about a pole where the surface does not bend within that reach, …
-const ENTER_ROUND: f64 = 0.35;
-const LEAVE_ROUND: f64 = 0.42;
-/// … and never used beyond this one.
-pub(crate) const REACH: f64 = 0.5;
-/// The plain chart is not used nearer than this to an apex that has its own chart.
-pub(crate) const KEEP_OFF: f64 = 0.1;
-/// Where a ray stalls, a tangent vector this much shorter than usual, or an angle of this sine between both, is why.
+/// Nearer than this share of its radius to an apex, directions are those at this distance.
+const TINY: f64 = 1e-14;
+/// A tangent vector shorter than usual by this factor, or an angle of this sine between both, is the reason why a ray stalls.
 const THIN: f64 = 1e-3;
 
 /// The coordinates in use.
@@ -46,7 +40,7 @@ pub(crate) struct State {
 }
 
 /// The local data of the surface at a point.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Local {
     /// The second derivative of the coordinates.
     pub(crate) acceleration: [f64; 2],
@@ -59,13 +53,10 @@ pub(crate) struct Local {
     pub(crate) noise: f64,
 }
 
-/// A surface with what was found of it. It counts its evaluations.
+/// A surface with its charts. It counts its evaluations.
 pub(crate) struct Atlas<'s, S: Surface + ?Sized> {
     surface: &'s S,
-    pub(crate) domain: [[f64; 2]; 2],
-    pub(crate) sides: Sides,
-    pub(crate) apexes: [[Option<Apex>; 2]; 2],
-    pub(crate) scale: Scale,
+    pub(crate) layout: ChartLayout,
     /// True if vectors at different points may be compared.
     pub(crate) embedded: bool,
     evaluations: Cell<usize>,
@@ -75,10 +66,7 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
     pub(crate) fn new(surface: &'s S) -> Self {
         Self {
             surface,
-            domain: surface.domain(),
-            sides: surface.sides(),
-            apexes: [0, 1].map(|axis| [0, 1].map(|end| surface.apex(axis, end))),
-            scale: surface.scale(),
+            layout: ChartLayout::of(surface).for_one_ray(),
             embedded: surface.is_embedded(),
             evaluations: Cell::new(0),
         }
@@ -89,29 +77,12 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         self.evaluations.get()
     }
 
-    pub(crate) fn width(&self, axis: usize) -> f64 {
-        self.domain[axis][1] - self.domain[axis][0]
-    }
-
-    /// Brings a point back through the sides that wrap, and through poles.
-    pub(crate) fn bring_back(&self, at: &mut [f64; 2]) -> Crossing {
-        self.sides.bring_back(self.domain, at)
-    }
-
     /// The jet at a point that may lie beyond sides that wrap, in the coordinates that go on there.
     pub(crate) fn jet(&self, mut at: [f64; 2]) -> Jet {
         self.evaluations.set(self.evaluations.get() + 1);
-        let [s, t] = self.bring_back(&mut at).signs;
+        let crossing = self.layout.bring_back(&mut at);
         let mut jet = self.surface.jet(Uv(at));
-        if s < 0.0 {
-            jet.du = jet.du.map(|x| -x);
-        }
-        if t < 0.0 {
-            jet.dv = jet.dv.map(|x| -x);
-        }
-        if s * t < 0.0 {
-            jet.duv = jet.duv.map(|x| -x);
-        }
+        jet.reflect(crossing.signs);
         jet
     }
 
@@ -124,8 +95,8 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         }
         let difference = [0, 1].map(|axis| {
             let difference = b[axis] - a[axis];
-            let width = self.width(axis);
-            if self.sides.of(axis)[0] == Side::Wrap {
+            let width = self.layout.width(axis);
+            if self.layout.sides.of(axis)[0] == Side::Wrap {
                 difference - width * (difference / width).round()
             } else {
                 difference
@@ -134,13 +105,14 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         crate::metric::speed(&jet, difference)
     }
 
-    /// Why a ray cannot go on at a point of the domain.
+    /// Returns the reason why a ray cannot go on at a point of the domain.
     pub(crate) fn rank_at(&self, at: [f64; 2]) -> Status {
         let jet = self.jet(at);
         let vectors = [jet.position, jet.du, jet.dv, jet.duu, jet.duv, jet.dvv];
         let [su, sv] = [norm(jet.du), norm(jet.dv)];
         let sine = norm(cross(jet.du, jet.dv)) / (su * sv);
-        let short = su < THIN * self.scale.stretch[0] || sv < THIN * self.scale.stretch[1];
+        let short =
+            su < THIN * self.layout.scale.stretch[0] || sv < THIN * self.layout.scale.stretch[1];
         let infinite = vectors.iter().flatten().any(|x| x.is_infinite());
         if short || sine < THIN || infinite {
             Status::Degenerate
@@ -155,9 +127,8 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         match chart {
             Chart::Plain => {
                 let jet = self.jet(state.at);
-                let acceleration = crate::metric::acceleration(&jet, state.velocity).0;
                 checked(Local {
-                    acceleration,
+                    acceleration: acceleration(&jet, state.velocity).0,
                     curvature: gaussian_curvature(&jet),
                     tangents: [jet.du, jet.dv],
                     noise: f64::EPSILON * self.turning(&jet, state.at),
@@ -226,16 +197,16 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         })
     }
 
-    /// By the chain rule from the jet in (u,v).
+    /// By the chain rule from the jet in (u,v): along the velocity alone, which loses fewer digits than the whole jet that
+    /// several rays side by side have ([`ApexChart::radial_jet`]).
     fn about_apex(&self, chart: &ApexChart, state: State) -> Option<Local> {
         let [a, b] = state.at;
-        let tiny = 1e-14 * chart.radius();
+        let tiny = TINY * chart.radius;
         let (r, cos, sin) = match a.hypot(b) {
             r if r > tiny => (r, a / r, b / r),
             _ => (tiny, 1.0, 0.0),
         };
-        let at = chart.plain_point([r * cos, r * sin]);
-        let jet = self.jet(at);
+        let jet = self.jet(chart.plain_point([r * cos, r * sin]));
         let (power, rate) = (chart.apex.power, chart.apex.rate);
         // The radial parameter is base + sign r^power: its derivatives by r.
         let first = chart.slope(r);
@@ -274,51 +245,11 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         })
     }
 
-    /// The chart that suits a point in (u,v): that of an apex near by, else the plain one.
+    /// The chart that suits a point in (u,v): that of an apex near by, with the point on its a-axis, else the plain one.
     pub(crate) fn chart_for(&self, at: [f64; 2]) -> Chart {
-        for axis in 0..2 {
-            for end in 0..2 {
-                let Some(apex) = self.apexes[axis][end].filter(|apex| apex.regular) else {
-                    continue;
-                };
-                let chart = ApexChart {
-                    axis,
-                    base: self.domain[axis][end],
-                    sign: if end == 0 { 1.0 } else { -1.0 },
-                    reference: at[1 - axis],
-                    width: self.width(axis),
-                    apex,
-                };
-                let distance = chart.sign * (at[axis] - chart.base);
-                if (0.0..=chart.enters_within()).contains(&distance) {
-                    return Chart::Apex(chart);
-                }
-            }
-        }
-        Chart::Plain
-    }
-
-    /// The chart about a smooth pole in the coordinates that [`crate::ends::Coordinates`] has, which are everyone's
-    /// and not a ray's own; `None` where that end of the axis is none.
-    pub(crate) fn pole_chart(&self, axis: usize, end: usize) -> Option<ApexChart> {
-        let apex = self.apexes[axis][end].filter(|apex| apex.smooth)?;
-        Some(ApexChart {
-            axis,
-            base: self.domain[axis][end],
-            sign: if end == 0 { 1.0 } else { -1.0 },
-            reference: self.domain[1 - axis][0],
-            width: self.width(axis),
-            apex,
-        })
-    }
-
-    /// The smooth pole so near to a point in (u,v) that directions have a meaning only in its chart: axis and end.
-    pub(crate) fn pole_near(&self, at: [f64; 2]) -> Option<(usize, usize)> {
-        (0..2).find_map(|axis| {
-            (0..2).find_map(|end| {
-                let chart = self.pole_chart(axis, end)?;
-                chart.is_inner(chart.point(at)).then_some((axis, end))
-            })
+        let chart = self.layout.chart_near(at);
+        chart.map_or(Chart::Plain, |chart| {
+            Chart::Apex(chart.with_reference(at[1 - chart.axis]))
         })
     }
 
@@ -362,33 +293,6 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
         }
         left
     }
-
-    /// A point at a pole is moved off it by as little as tells the meridians apart, so that its σu and σv span the
-    /// tangent plane there. Gives the point otherwise as it is.
-    pub(crate) fn off_pole(&self, mut at: [f64; 2]) -> [f64; 2] {
-        if let Chart::Apex(chart) = self.chart_for(at)
-            && chart.apex.smooth
-        {
-            let nearest = chart.plain_point([chart.nearest(), 0.0])[chart.axis];
-            if (at[chart.axis] - chart.base).abs() < (nearest - chart.base).abs() {
-                at[chart.axis] = nearest;
-            }
-        }
-        at
-    }
-
-    /// Returns whether a point in (u,v) is too near an apex for the plain chart.
-    pub(crate) fn needs_apex_chart(&self, at: [f64; 2]) -> bool {
-        (0..2).any(|axis| {
-            (0..2).any(|end| {
-                let distance =
-                    (at[axis] - self.domain[axis][end]) * if end == 0 { 1.0 } else { -1.0 };
-                self.apexes[axis][end].is_some_and(|apex| {
-                    apex.regular && distance < KEEP_OFF * apex.reach * self.width(axis)
-                })
-            })
-        })
-    }
 }
 
 /// Two tangent vectors in the frame whose first vector lies along the first of them: without an embedding, the one
@@ -419,9 +323,4 @@ fn checked(local: Local) -> Option<Local> {
         },
         ..local
     })
-}
-
-/// A vector turned back by the rotation.
-pub(crate) fn rotated([cos, sin]: [f64; 2], [x, y]: [f64; 2]) -> [f64; 2] {
-    [cos * x + sin * y, cos * y - sin * x]
 }

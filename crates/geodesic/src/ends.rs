@@ -1,4 +1,4 @@
-//! Where geodesics end, as a function of the pixel: what every method gives and every picture is made of.
+//! The ends of geodesics as a function of the pixel: every method gives them, and every picture is made of them.
 //!
 //! An end has two coordinates in a chart, or three where geodesics run on a surface in space that has no chart: all that
 //! interpolates ends is generic over their number.
@@ -9,10 +9,10 @@ use crate::point::PicturePoint;
 use crate::status::Status;
 
 /// The coordinates that an [`Ends`] speaks in.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, Eq, Ord, PartialEq, PartialOrd)]
 pub enum Coordinates {
-    /// (u, v), going on beyond sides that wrap: a neighbouring pixel's are near by, whatever lies between. To be
-    /// brought back into the domain by who shows them.
+    /// (u, v), going on beyond sides that wrap: a neighbouring pixel's are near by, whatever lies between. A picture
+    /// brings them back into the domain.
     #[default]
     Plain,
     /// (a, b) = r (cos kt, sin kt) about the apex at an end of `axis` (0 u, 1 v; `end` 0 its minimum, 1 its maximum),
@@ -26,7 +26,7 @@ pub enum Coordinates {
     },
 }
 
-/// Where the geodesic of one place in the picture ends: a place with `N` coordinates.
+/// The end of the geodesic of one place in the picture: a place with `N` coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct End<const N: usize = 2> {
     /// The coordinates of `at`.
@@ -40,7 +40,7 @@ pub struct End<const N: usize = 2> {
     /// m/s, the Jacobi field over the arc length (1 at the centre): along the ray the surface is seen at its own
     /// scale, across it at this one, negative behind a conjugate point. NaN where it is not known.
     pub stretch: f64,
-    /// Why it ended. What stands above has a meaning for [`Status::Complete`], and where it is finite for
+    /// The reason of its end. The fields above have a meaning for [`Status::Complete`], and where it is finite for
     /// [`Status::LeftDomain`]: where the geodesic would be had the surface gone on.
     pub status: Status,
     /// The estimated error in pixels.
@@ -78,7 +78,7 @@ impl<const N: usize> End<N> {
     }
 }
 
-/// How the coordinates about an apex, (a, b) = r (cos kt, sin kt), become (u,v): the parameter along the axis is
+/// The change of the coordinates about an apex, (a, b) = r (cos kt, sin kt), into (u,v): the parameter along the axis is
 /// `base` + `sign` r^`power`, the other one `low` + t, where t = angle/`rate`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Polar {
@@ -96,7 +96,7 @@ pub struct Polar {
 
 /// The exponential map of a camera, by any method.
 pub trait Ends<const N: usize = 2>: Sync {
-    /// Where the geodesic of a place (x, y) of the picture ends; the coordinates are the method's choice.
+    /// Returns the end of the geodesic of a place (x, y) of the picture; the coordinates are the method's choice.
     fn end(&self, place: PicturePoint) -> End<N>;
     /// Appends the ends of several places: the same as [`Ends::end`] of each, for less.
     fn ends(&self, places: &[PicturePoint], out: &mut Vec<End<N>>) {
@@ -128,7 +128,7 @@ pub trait Ends<const N: usize = 2>: Sync {
 
 /// The work that a picture took.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
-pub struct Work {
+pub struct GeodesicWork {
     /// Rays of a fan.
     pub rays: u64,
     /// Steps taken, of all rays.

@@ -30,8 +30,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use expr::processor::{self, Processor};
 
-use crate::chart::{Atlas, State};
-use crate::ends::{Coordinates, End, Ends, Estimate, Polar, Work};
+use crate::chart::{Atlas, ChartLayout, State};
+use crate::ends::{Coordinates, End, Ends, Estimate, GeodesicWork, Polar};
 use crate::frame::Frame;
 use crate::integrate;
 use crate::metric::Metric;
@@ -41,14 +41,13 @@ use crate::status::Status;
 use crate::surface::Surface;
 use crate::trace;
 use cell::Found;
-use coordinates::{CoordinateKind, Space};
 use polar::{PLACES, polar};
 use sectors::{Sector, Sectors};
 use start::FanStart;
 
-/// How ends between two rays are interpolated.
+/// The interpolation of ends between two rays.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
-pub enum Across {
+pub enum Interpolation {
     /// By both rays' ends and their Jacobi fields.
     #[default]
     Hermite,
@@ -62,7 +61,7 @@ pub struct FanOptions {
     /// The error allowed at a pixel, in pixels.
     pub tolerance: f64,
     /// Between rays.
-    pub across: Across,
+    pub interpolation: Interpolation,
     /// The most evaluations of all rays together, with room kept for the pixels that have to be followed by themselves.
     /// Where they do not suffice, what is unknown says so: [`Status::WorkLimit`].
     pub max_evaluations: u64,
@@ -72,7 +71,7 @@ impl Default for FanOptions {
     fn default() -> Self {
         Self {
             tolerance: 0.1,
-            across: Across::Hermite,
+            interpolation: Interpolation::Hermite,
             max_evaluations: 40_000_000,
         }
     }
@@ -84,8 +83,8 @@ const ONE_PIXEL: usize = 20_000;
 /// Rays with what lies between them.
 pub struct Fan<'s, S: Surface + ?Sized> {
     surface: &'s S,
-    space: Space,
-    /// [`Space::periods`].
+    layout: ChartLayout,
+    /// [`ChartLayout::periods`].
     periods: [f64; 2],
     options: FanOptions,
     /// `None` where no ray can start.
@@ -102,10 +101,10 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
     /// Follows as many rays as the tolerance asks for, on all cores of the current rayon pool. The outcome does not
     /// depend on their number.
     pub fn build(surface: &'s S, frame: &Frame, size: [u32; 2], options: &FanOptions) -> Self {
-        let space = Space::of(surface);
-        let start = FanStart::of(surface, &space, frame, size);
+        let layout = ChartLayout::of(surface);
+        let start = FanStart::of(surface, &layout, frame, size);
         let sectors = match &start {
-            Some(start) => build::build(surface, &space, start, options),
+            Some(start) => build::build(surface, &layout, start, options),
             None => Sectors::default(),
         };
         let tolerance = start.as_ref().map_or(1e-6, |start| {
@@ -113,8 +112,8 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         });
         Self {
             surface,
-            periods: space.periods(),
-            space,
+            periods: layout.periods(),
+            layout,
             options: *options,
             start,
             sectors,
@@ -124,15 +123,15 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         }
     }
 
-    /// What it cost, with the pixels that have been followed one by one until now.
-    pub fn work(&self) -> Work {
+    /// Returns the work so far, with the pixels that have been followed one by one until now.
+    pub fn work(&self) -> GeodesicWork {
         let mut work = self.sectors.work;
         work.followed = self.followed.load(Ordering::Relaxed);
         work.evaluations += self.evaluations.load(Ordering::Relaxed);
         work
     }
 
-    /// How exact it is, by rays that took no part in it.
+    /// Returns its estimated errors, measured by rays that took no part in it.
     pub fn estimate(&self) -> Estimate {
         self.sectors.estimate
     }
@@ -142,7 +141,7 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
     fn look(&self, start: &FanStart, place: PicturePoint, angle: f64, distance: f64) -> End {
         let s = start.zoom * distance;
         if s == 0.0 {
-            return start.centre(&self.space);
+            return start.centre(&self.layout);
         }
         if !s.is_finite() {
             return self.ended(Status::Undefined);
@@ -152,11 +151,11 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
         };
         let rays = self.sectors.rays(sector);
         if s < sector.free_until
-            && self.options.across == Across::Hermite
+            && self.options.interpolation == Interpolation::Hermite
             && let Some(point) =
-                cell::look_free(&self.space, self.periods, rays, sector.width, t, s)
+                cell::look_free(&self.layout, self.periods, rays, sector.width, t, s)
         {
-            return point.end(&self.space, s, sector.error_at(s, start.reach));
+            return point.end(&self.layout, s, sector.error_at(s, start.reach));
         }
         self.look_closer(start, place, s, sector, t)
     }
@@ -179,12 +178,19 @@ impl<'s, S: Surface + ?Sized> Fan<'s, S> {
             }
             return self.follow(start, place, s);
         }
-        match cell::look(&self.space, self.options.across, rays, sector.width, t, s) {
-            Found::Point(point) => point.end(&self.space, s, sector.error_at(s, start.reach)),
+        match cell::look(
+            &self.layout,
+            self.options.interpolation,
+            rays,
+            sector.width,
+            t,
+            s,
+        ) {
+            Found::Point(point) => point.end(&self.layout, s, sector.error_at(s, start.reach)),
             Found::Ended(status) => self.ended(status),
             Found::Beyond(point) => End {
                 status: Status::LeftDomain,
-                ..point.end(&self.space, s, 0.0)
+                ..point.end(&self.layout, s, 0.0)
             },
             Found::Unknown => self.follow(start, place, s),
         }
@@ -317,27 +323,26 @@ impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
             return Some(*end);
         }
         let mut end = *end;
-        if let Coordinates::Apex { axis, end: side } = end.coordinates {
-            let tip = self.space.tip(CoordinateKind::Apex { axis, end: side })?;
-            let [along, across] = [end.along, end.across].map(|v| tip.plain_vector(end.at, v));
-            let at = tip.plain_point(end.at, tip.low);
+        if end.coordinates != Coordinates::Plain {
+            let chart = self.layout.apex_chart(end.coordinates)?;
+            let [along, across] = [end.along, end.across].map(|v| chart.plain_vector(end.at, v));
             end = End {
                 coordinates: Coordinates::Plain,
-                at,
+                at: chart.plain_point(end.at),
                 along,
                 across,
                 ..end
             };
         }
-        if let Coordinates::Apex { axis, end: side } = coordinates {
-            let tip = self.space.tip(CoordinateKind::Apex { axis, end: side })?;
-            if !(tip.apex.smooth && tip.holds(end.at)) {
+        if coordinates != Coordinates::Plain {
+            let chart = self.layout.pole_chart(coordinates)?;
+            if !chart.holds(end.at) {
                 return None;
             }
-            let [along, across] = [end.along, end.across].map(|v| tip.vector(end.at, tip.low, v));
+            let [along, across] = [end.along, end.across].map(|v| chart.vector(end.at, v));
             end = End {
                 coordinates,
-                at: tip.point(end.at, tip.low),
+                at: chart.point(end.at),
                 along,
                 across,
                 ..end
@@ -353,21 +358,21 @@ impl<S: Surface + ?Sized> Ends for Fan<'_, S> {
     }
 
     fn periods(&self) -> [f64; 2] {
-        self.space.periods()
+        self.layout.periods()
     }
 
     fn bounds(&self) -> [[f64; 2]; 2] {
-        self.space.bounds()
+        self.layout.bounds()
     }
 
     fn polar(&self, axis: u8, end: u8) -> Option<Polar> {
-        let tip = self.space.tip(CoordinateKind::Apex { axis, end })?;
-        tip.apex.smooth.then_some(Polar {
-            base: tip.base,
-            sign: tip.sign,
-            low: tip.low,
-            rate: tip.apex.rate,
-            power: tip.apex.power,
+        let chart = (self.layout).pole_chart(Coordinates::Apex { axis, end })?;
+        Some(Polar {
+            base: chart.base,
+            sign: chart.sign,
+            low: chart.reference,
+            rate: chart.apex.rate,
+            power: chart.apex.power,
         })
     }
 }

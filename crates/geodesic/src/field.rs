@@ -4,6 +4,8 @@
 //! Curves and Surfaces*, 1976, section 5-5). Between two knots it is the quintic with their values, slopes and second
 //! derivatives.
 
+use crate::interpolate::quintic;
+
 /// The field after a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FieldKnot {
@@ -57,21 +59,10 @@ struct Quintic {
 impl Quintic {
     fn between(a: &FieldKnot, b: &FieldKnot) -> Self {
         let h = b.length - a.length;
-        let second = |knot: &FieldKnot| -knot.curvature * knot.m * h * h;
-        let (c0, c1, c2) = (a.m, h * a.rate, 0.5 * second(a));
-        let x = b.m - c0 - c1 - c2;
-        let y = h * b.rate - c1 - 2.0 * c2;
-        let z = second(b) - 2.0 * c2;
+        let ends = |knot: &FieldKnot| [knot.m, knot.rate, -knot.curvature * knot.m];
         Self {
             length: h,
-            coefficients: [
-                c0,
-                c1,
-                c2,
-                10.0 * x - 4.0 * y + 0.5 * z,
-                -15.0 * x + 7.0 * y - z,
-                6.0 * x - 3.0 * y + 0.5 * z,
-            ],
+            coefficients: quintic(h, ends(a), ends(b)),
         }
     }
 

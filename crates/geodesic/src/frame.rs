@@ -17,7 +17,7 @@ use crate::trace::{self, Options, Trace, TraceError};
 pub struct Frame {
     /// The place, in (u,v).
     pub uv: Uv,
-    /// What the components of X and Y belong to: (u,v), or, at a smooth pole and so near by that (u,v) tells no
+    /// The coordinates of the components of X and Y: (u,v), or, at a smooth pole and so near by that (u,v) tells no
     /// directions apart, the coordinates (a,b) about it.
     pub coordinates: Coordinates,
     /// X in these coordinates.
@@ -67,13 +67,11 @@ impl Frame {
             x: TangentVector([1.0, 0.0]),
             y: TangentVector([0.0, 1.0]),
         };
-        if let Some((axis, end)) = atlas.pole_near(start.at)
-            && let Some(chart) = atlas.pole_chart(axis, end)
-        {
-            frame.coordinates = apex_coordinates(axis, end);
-            frame.x = TangentVector(along_u(&chart, start.at));
+        if let Some(chart) = atlas.layout.pole_near(start.at) {
+            frame.coordinates = chart.coordinates();
+            frame.x = TangentVector(along_u(chart, start.at));
             if chart.is_at(start.at) {
-                frame.uv[axis] = chart.base();
+                frame.uv[chart.axis] = chart.base;
                 if meridian == Meridian::First {
                     frame.x = TangentVector([1.0, 0.0]);
                 }
@@ -132,7 +130,7 @@ impl Frame {
         }
     }
 
-    /// The frame in (u,v), for what knows no other coordinates. At a pole it is moved off by as little as tells the
+    /// The frame in (u,v), for callers with no other coordinates. At a pole it is moved off by as little as tells the
     /// meridians apart, along X; its vectors are very long there.
     pub fn plain<S: Surface + ?Sized>(&self, surface: &S) -> Self {
         let atlas = Atlas::new(surface);
@@ -151,7 +149,7 @@ impl Frame {
             atlas.leave(&chart, state, tangents).velocity
         });
         let mut uv = chart.plain_point(at);
-        let signs = atlas.bring_back(&mut uv).signs;
+        let signs = atlas.layout.bring_back(&mut uv).signs;
         for k in 0..2 {
             x[k] *= signs[k];
             y[k] *= signs[k];
@@ -214,12 +212,11 @@ impl Frame {
         if let (Chart::Apex(chart), State { at, velocity }) = inside
             && chart.is_inner(at)
         {
-            let (axis, end) = (chart.axis, chart.end());
-            if let Some(pole) = atlas.pole_chart(axis, end) {
-                frame.coordinates = apex_coordinates(axis, end);
+            frame.coordinates = chart.coordinates();
+            if let Some(pole) = frame.chart(&atlas) {
                 frame.x = TangentVector(pole.vector_of(&chart, velocity));
                 if at[0].hypot(at[1]) <= chart.nearest() {
-                    frame.uv[axis] = chart.base();
+                    frame.uv[chart.axis] = chart.base;
                 }
             }
         }
@@ -239,7 +236,7 @@ impl Frame {
         Ok((frame, trace))
     }
 
-    /// Where the geodesic of a place (x, y) of the picture begins, at unit speed.
+    /// Returns the start at unit speed of the geodesic of a place (x, y) of the picture.
     pub(crate) fn start<S: Surface + ?Sized>(
         &self,
         atlas: &Atlas<'_, S>,
@@ -271,12 +268,7 @@ impl Frame {
 
     /// The chart about the pole that the frame is at or near.
     fn chart<S: Surface + ?Sized>(&self, atlas: &Atlas<'_, S>) -> Option<ApexChart> {
-        match self.coordinates {
-            Coordinates::Plain => None,
-            Coordinates::Apex { axis, end } => {
-                atlas.pole_chart(usize::from(axis.min(1)), usize::from(end.min(1)))
-            }
-        }
+        atlas.layout.pole_chart(self.coordinates).copied()
     }
 
     /// The tangent vectors of the frame's coordinates at its place; NaN where the surface is undefined.
@@ -333,7 +325,7 @@ pub fn trace_heading<S: Surface + ?Sized>(
     frame.trace(surface, [1.0, 0.0], length, options)
 }
 
-/// What X of angle 0 is at a pole.
+/// The direction of X with the angle 0 at a pole.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 enum Meridian {
     /// The a-axis.
@@ -342,18 +334,11 @@ enum Meridian {
     Given,
 }
 
-fn apex_coordinates(axis: usize, end: usize) -> Coordinates {
-    Coordinates::Apex {
-        axis: axis as u8,
-        end: end as u8,
-    }
-}
-
 /// The direction of σu near a pole, in the chart about it.
 fn along_u(chart: &ApexChart, at: [f64; 2]) -> [f64; 2] {
     let (sin, cos) = chart.angle(at).sin_cos();
     if chart.axis == 0 {
-        [cos, sin].map(|x| chart.outward() * x)
+        [cos, sin].map(|x| chart.sign * x)
     } else {
         [-sin, cos].map(|x| chart.apex.rate.signum() * x)
     }

@@ -7,13 +7,15 @@ mod conjugate;
 mod crease;
 mod event;
 mod ray;
+mod step;
 
 use crate::chart::{ApexChart, Atlas, Chart, Local, State};
 use crate::field::FieldKnot;
 use crate::runge_kutta::{StepParameter, Tableau};
 use crate::status::Status;
+use crate::step_control::{ErrorSum, StepControl, step_after, step_to_try};
 use crate::surface::{Side, Surface};
-use ray::{Attempt, Cost, ErrorSum, Observers, Ray, StepControl};
+use ray::{Attempt, Cost, Observers, Ray};
 
 /// A step shorter than this share of the ray's own scale is not worth taking.
 const SHORTEST: f64 = 1e-13;
@@ -26,7 +28,7 @@ pub(crate) struct IntegrationPlan {
     pub(crate) tolerance: Option<f64>,
     /// The first step's length; for steps of equal length, all of them.
     pub(crate) step: f64,
-    /// How far the atlas's count of evaluations may go.
+    /// The largest count of evaluations that the atlas may reach.
     pub(crate) limit: usize,
     /// True if apexes are passed in their own charts.
     pub(crate) charts: bool,
@@ -72,7 +74,7 @@ pub(crate) struct RayEnd {
     pub(crate) field: f64,
     /// m' there.
     pub(crate) field_rate: f64,
-    /// The arc lengths at which m = 0, if they were asked for.
+    /// The arc lengths at which m = 0, if they were requested.
     pub(crate) conjugates: Vec<f64>,
     /// The Jacobi field after each step, if it was asked for.
     pub(crate) fields: Vec<FieldKnot>,
@@ -116,7 +118,7 @@ pub(crate) fn integrate<S: Surface + ?Sized>(
     integrate_observed(atlas, start.into(), length, plan, Observed::default())
 }
 
-/// What is observed on the way beside the ray itself.
+/// The observations on the way beside the ray itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Observed {
     /// True if the Jacobi fields are to be as exact as the ray.
@@ -186,7 +188,13 @@ fn run<S: Surface + ?Sized>(mut ray: Ray<'_, '_, S>, length: f64) -> RayEnd {
             break Status::WorkLimit;
         }
         h = h.min(ray.longest());
-        let tried = step_to_try(h, remaining, adaptive);
+        let tried = if adaptive {
+            step_to_try(h, remaining)
+        } else if remaining - h < 1e-9 * h {
+            remaining
+        } else {
+            h
+        };
         // The last step, and steps of equal length, are to be of that length.
         let pace = if tried == remaining || !adaptive {
             StepParameter::Length
@@ -196,12 +204,7 @@ fn run<S: Surface + ?Sized>(mut ray: Ray<'_, '_, S>, length: f64) -> RayEnd {
         match ray.attempt(tried, pace, length) {
             Attempt::Accepted(next) => {
                 if let Some(next) = next {
-                    // A step cut short by the end says little about the next.
-                    h = if tried < h {
-                        next.max(h.min(2.0 * next))
-                    } else {
-                        next
-                    };
+                    h = step_after(h, tried, next);
                     chosen = h;
                 }
                 ray.note_place();
@@ -216,7 +219,7 @@ fn run<S: Surface + ?Sized>(mut ray: Ray<'_, '_, S>, length: f64) -> RayEnd {
             }
         }
         // Steps that shrink to nothing run into something that they will not pass.
-        let shortest = SHORTEST * length.min(atlas.scale.size).max(ray.s);
+        let shortest = SHORTEST * length.min(atlas.layout.scale.size).max(ray.s);
         if adaptive && h < shortest && length - ray.s > shortest {
             break stalled_at(atlas, ray.plain().at);
         }
@@ -247,20 +250,6 @@ fn run<S: Surface + ?Sized>(mut ray: Ray<'_, '_, S>, length: f64) -> RayEnd {
     }
 }
 
-/// The length to try where a step may be `h` long and so much of the way remains: an adaptive ray takes two steps of equal
-/// length rather than a long one and a sliver.
-fn step_to_try(h: f64, remaining: f64, adaptive: bool) -> f64 {
-    if h >= remaining {
-        remaining
-    } else if adaptive && 2.0 * h > remaining {
-        0.5 * remaining
-    } else if remaining - h < 1e-9 * h {
-        remaining
-    } else {
-        h
-    }
-}
-
 /// The chart for a start, the state in it, and its local data.
 fn begin<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
@@ -275,8 +264,7 @@ fn begin<S: Surface + ?Sized>(
                 return Some((Chart::Apex(chart), state, local));
             }
             let mut left = atlas.leave(&chart, state, local.tangents);
-            let signs = atlas.bring_back(&mut left.at).signs;
-            left.velocity = [0, 1].map(|k| signs[k] * left.velocity[k]);
+            atlas.layout.bring_state_back(&mut left);
             left
         }
     };
@@ -290,15 +278,15 @@ fn begin<S: Surface + ?Sized>(
     Some((Chart::Plain, start, local))
 }
 
-/// Why a ray cannot go on from a point where the steps have become too short, or an evaluation fails.
+/// Returns the reason why a ray cannot go on from a point where the steps have become too short, or an evaluation fails.
 fn stalled_at<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, at: [f64; 2]) -> Status {
     for (axis, x) in at.into_iter().enumerate() {
         for end in 0..2 {
-            let off = (x - atlas.domain[axis][end]).abs() / atlas.width(axis);
-            if off < 1e-6 && atlas.apexes[axis][end].is_some() {
+            let off = (x - atlas.layout.domain[axis][end]).abs() / atlas.layout.width(axis);
+            if off < 1e-6 && atlas.layout.apexes[axis][end].is_some() {
                 return Status::ConePoint;
             }
-            if off < 1e-9 && atlas.sides.of(axis)[end] == Side::Edge {
+            if off < 1e-9 && atlas.layout.sides.of(axis)[end] == Side::Edge {
                 return Status::LeftDomain;
             }
         }

@@ -37,7 +37,7 @@ pub struct MetricSurface {
     chart_data: ChartData,
 }
 
-/// Where an input of the tape comes from.
+/// The source of an input of the tape.
 #[derive(Clone, Copy, Debug)]
 enum Source {
     U,

@@ -1,5 +1,7 @@
 //! A surface's position with its derivatives at a point, and at several points side by side.
 
+#![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
+
 /// Position and partial derivatives up to order two at a point of the chart, in R³.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[allow(missing_docs)]
@@ -10,6 +12,16 @@ pub struct Jet {
     pub duu: [f64; 3],
     pub duv: [f64; 3],
     pub dvv: [f64; 3],
+}
+
+impl Jet {
+    /// Reverses u or v, or both, where the sign is −1.
+    #[inline(always)]
+    pub(crate) fn reflect(&mut self, [s, t]: [f64; 2]) {
+        self.du = self.du.map(|x| s * x);
+        self.dv = self.dv.map(|x| t * x);
+        self.duv = self.duv.map(|x| s * t * x);
+    }
 }
 
 /// The number of points that a [`JetBlock`] holds.
@@ -46,19 +58,41 @@ impl Default for JetBlock {
 }
 
 impl JetBlock {
+    /// Returns the jet of one lane's point.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Jet {
+        let of = |block: &[Lanes; 3]| [block[0][lane], block[1][lane], block[2][lane]];
+        Jet {
+            position: of(&self.position),
+            du: of(&self.du),
+            dv: of(&self.dv),
+            duu: of(&self.duu),
+            duv: of(&self.duv),
+            dvv: of(&self.dvv),
+        }
+    }
+
     /// Puts the jet of one lane's point.
+    #[inline(always)]
     pub fn set(&mut self, lane: usize, jet: &Jet) {
-        let parts = [
-            (&mut self.position, jet.position),
-            (&mut self.du, jet.du),
-            (&mut self.dv, jet.dv),
-            (&mut self.duu, jet.duu),
-            (&mut self.duv, jet.duv),
-            (&mut self.dvv, jet.dvv),
-        ];
-        for (block, vector) in parts {
-            for (lanes, component) in block.iter_mut().zip(vector) {
-                lanes[lane] = component;
+        for k in 0..3 {
+            self.position[k][lane] = jet.position[k];
+            self.du[k][lane] = jet.du[k];
+            self.dv[k][lane] = jet.dv[k];
+            self.duu[k][lane] = jet.duu[k];
+            self.duv[k][lane] = jet.duv[k];
+            self.dvv[k][lane] = jet.dvv[k];
+        }
+    }
+
+    /// Reverses u or v, or both, of each lane where the sign is −1.
+    #[inline(always)]
+    pub(crate) fn reflect(&mut self, [s, t]: &[Lanes; 2]) {
+        for k in 0..3 {
+            for lane in 0..LANES {
+                self.du[k][lane] *= s[lane];
+                self.dv[k][lane] *= t[lane];
+                self.duv[k][lane] *= s[lane] * t[lane];
             }
         }
     }

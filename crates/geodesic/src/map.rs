@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::ends::Estimate;
-use crate::fan::{Across, Fan, FanOptions};
+use crate::fan::{Fan, FanOptions, Interpolation};
 use crate::frame::Frame;
 use crate::moved::Moved;
 use crate::patchwork::Patchwork;
@@ -33,12 +33,12 @@ pub enum Method {
     /// Each pixel's geodesic by itself, with steps of equal length of the classical Runge–Kutta method in (u,v), as in
     /// the thesis (equations 4.2), for comparison.
     Rk4 {
-        /// How many steps; at least one is taken.
+        /// The number of steps; at least one is taken.
         steps: u32,
     },
 }
 
-/// What to do for accuracy, and at most.
+/// The accuracy of a map, and the limits on its work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapOptions {
     /// The method.
@@ -84,7 +84,7 @@ pub fn bring_back(domain: [[f64; 2]; 2], sides: Sides, uv: impl Into<Uv>) -> (Uv
     (Uv(at), crossing.signs)
 }
 
-/// The whole map, on all cores of the current rayon pool; it does not depend on how many they are. `progress` is told
+/// The whole map, on all cores of the current rayon pool; it does not depend on how many they are. `progress` receives
 /// the share that is done.
 pub fn exponential_map<S: Surface + ?Sized>(
     surface: &S,
@@ -110,13 +110,13 @@ fn by_method<S: Surface + ?Sized>(
     options: &MapOptions,
     progress: &(dyn Fn(f32) + Sync),
 ) -> Map {
-    let across = match options.method {
+    let interpolation = match options.method {
         // Without a length no geodesic needs to be followed, and there is nothing to share.
         _ if frame.zoom(surface) == 0.0 => {
             return pixel_by_pixel(surface, frame, size, options, progress);
         }
-        Method::Fan => Across::Hermite,
-        Method::FanLinear => Across::Linear,
+        Method::Fan => Interpolation::Hermite,
+        Method::FanLinear => Interpolation::Linear,
         Method::Adaptive | Method::Rk4 { .. } => {
             return pixel_by_pixel(surface, frame, size, options, progress);
         }
@@ -124,7 +124,7 @@ fn by_method<S: Surface + ?Sized>(
     let defaults = FanOptions::default();
     let fan_options = FanOptions {
         tolerance: options.tolerance,
-        across,
+        interpolation,
         max_evaluations: defaults.max_evaluations.min(options.max_evaluations),
     };
     let fan = Fan::build(surface, frame, size, &fan_options);

@@ -4,11 +4,13 @@ use crate::jet::{Jet, JetBlock, Lanes};
 use crate::point::TangentVector;
 
 /// The dot product.
+#[inline(always)]
 pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// The cross product.
+#[inline(always)]
 pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
@@ -18,19 +20,29 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// The length, without overflow or underflow where the result is in range.
+#[inline(always)]
 pub(crate) fn norm(a: [f64; 3]) -> f64 {
-    let largest = a.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
-    if !(largest > 1e-140 && largest < 1e140) {
-        if largest == 0.0 || !largest.is_finite() {
-            return a.iter().map(|x| x.abs()).sum();
-        }
-        let b = a.map(|x| x / largest);
-        return largest * dot(b, b).sqrt();
+    let square = dot(a, a);
+    if square > 1e-280 && square < 1e280 {
+        square.sqrt()
+    } else {
+        extreme_norm(a)
     }
-    dot(a, a).sqrt()
+}
+
+/// The same of a vector whose length's square may be out of range.
+#[cold]
+fn extreme_norm(a: [f64; 3]) -> f64 {
+    let largest = a.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    if largest == 0.0 || !largest.is_finite() {
+        return a.iter().map(|x| x.abs()).sum();
+    }
+    let b = a.map(|x| x / largest);
+    largest * dot(b, b).sqrt()
 }
 
 /// `s·a + t·b`.
+#[inline(always)]
 pub(crate) fn combine(s: f64, a: [f64; 3], t: f64, b: [f64; 3]) -> [f64; 3] {
     [
         s * a[0] + t * b[0],
@@ -122,34 +134,40 @@ pub fn speed(jet: &Jet, velocity: impl Into<TangentVector>) -> f64 {
 
 /// The second derivative (u'', v'') of the geodesic with this velocity: the tangential part of
 /// A = σuu u'² + 2σuv u'v' + σvv v'² taken away, `[E F; F G](u'',v'') = −(σu·A, σv·A)` (thesis, system 2.2).
+#[inline(always)]
 pub fn acceleration(jet: &Jet, velocity: impl Into<TangentVector>) -> TangentVector {
-    let TangentVector([a, b]) = velocity.into();
-    let mut second = combine(a * a, jet.duu, 2.0 * a * b, jet.duv);
-    second = combine(1.0, second, b * b, jet.dvv);
-    TangentVector(minus_components(jet.du, jet.dv, second))
+    let TangentVector(velocity) = velocity.into();
+    TangentVector(turned(jet, velocity, velocity))
+}
+
+/// The derivative of a vector's components as it is transported in parallel with this velocity.
+#[inline(always)]
+pub(crate) fn turned(jet: &Jet, velocity: [f64; 2], vector: [f64; 2]) -> [f64; 2] {
+    let ([a, b], [c, d]) = (velocity, vector);
+    let mut second = combine(a * c, jet.duu, a * d + b * c, jet.duv);
+    second = combine(1.0, second, b * d, jet.dvv);
+    minus_components(jet.du, jet.dv, second)
 }
 
 /// Minus the components of `w`'s tangential part along the two vectors, by orthogonalisation: the normal
 /// equations would square the condition of a sheared chart.
+#[inline(always)]
 pub(crate) fn minus_components(du: [f64; 3], dv: [f64; 3], w: [f64; 3]) -> [f64; 2] {
-    let e = dot(du, du);
-    let shear = dot(du, dv) / e;
+    let e = 1.0 / dot(du, du);
+    let shear = dot(du, dv) * e;
     let across = combine(1.0, dv, -shear, du);
     let second = -dot(across, w) / dot(across, across);
-    [-dot(du, w) / e - shear * second, second]
+    [-dot(du, w) * e - shear * second, second]
 }
 
 /// The Gaussian curvature (LN − M²)/(EG − F²), with L = σuu·n and so on (do Carmo, *Differential Geometry of Curves and
 /// Surfaces*, 1976, section 3-3). Each quotient is taken before the product, which might overflow.
+#[inline(always)]
 pub fn gaussian_curvature(jet: &Jet) -> f64 {
     let normal = cross(jet.du, jet.dv);
-    let square = dot(normal, normal);
-    let (l, m, n) = (
-        dot(jet.duu, normal),
-        dot(jet.duv, normal),
-        dot(jet.dvv, normal),
-    );
-    (l / square) * (n / square) - (m / square) * (m / square)
+    let share = 1.0 / dot(normal, normal);
+    let [l, m, n] = [jet.duu, jet.duv, jet.dvv].map(|second| dot(second, normal));
+    (l * share) * (n * share) - (m * share) * (m * share)
 }
 
 /// The Christoffel symbols of the second kind: `[k][0]` = Γᵏ_uu, `[k][1]` = Γᵏ_uv, `[k][2]` = Γᵏ_vv.

@@ -49,9 +49,9 @@ pub struct Patch<const N: usize = 2> {
     pub corner: [u32; 2],
     /// Pixels along each side: a power of two times [`BLOCK`]; it may reach beyond the picture.
     pub side: u32,
-    /// How many columns and rows of it are in the picture.
+    /// The numbers of its columns and rows that are in the picture.
     pub extent: [u32; 2],
-    /// What the polynomial's values mean.
+    /// The coordinates of the polynomial's values.
     pub coordinates: Coordinates,
     /// The value at the middle of its extent; the polynomials are offsets from it.
     pub centre: [f64; N],

@@ -1,6 +1,6 @@
 //! A picture's pixels: their places, and where the geodesic of each ends.
 
-use crate::ends::{Estimate, Work};
+use crate::ends::{Estimate, GeodesicWork};
 use crate::point::{PicturePoint, Uv};
 use crate::status::Status;
 
@@ -11,7 +11,7 @@ pub struct Map<const N: usize = 2> {
     pub size: [u32; 2],
     /// The camera's place, from which `offset` counts: its (u, v) in a chart.
     pub origin: [f64; N],
-    /// Where each pixel's geodesic ends, less `origin`. In a chart (u, v) goes on beyond sides that wrap;
+    /// The end of each pixel's geodesic, less `origin`. In a chart (u, v) goes on beyond sides that wrap;
     /// [`Sides::wrap`](crate::sides::Sides::wrap) takes it into the domain. Finite for every pixel, without a meaning
     /// where the status is not complete.
     pub offset: Vec<[f32; N]>,
@@ -21,8 +21,8 @@ pub struct Map<const N: usize = 2> {
     /// The reason why each pixel's geodesic ended.
     pub status: Vec<Status>,
     /// The work that it took.
-    pub work: Work,
-    /// How exact it is, as far as the method can tell.
+    pub work: GeodesicWork,
+    /// Its estimated errors, where the method has an estimate.
     pub estimate: Option<Estimate>,
 }
 
@@ -34,7 +34,7 @@ impl<const N: usize> Default for Map<N> {
             offset: Vec::new(),
             by_pixel: Vec::new(),
             status: Vec::new(),
-            work: Work::default(),
+            work: GeodesicWork::default(),
             estimate: None,
         }
     }

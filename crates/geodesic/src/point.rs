@@ -1,4 +1,4 @@
-//! What two numbers are: a point of the chart, a tangent vector there, a place in the picture.
+//! Types for pairs of numbers: a point of the chart, a tangent vector there, a place in the picture.
 //!
 //! Signatures between modules use these types, so that a point cannot be passed for a vector. Inner loops unwrap them
 //! once and work on arrays. Written by hand, since `glam` has one type for all three.

@@ -1,4 +1,4 @@
-//! How far a picture's ends are from the truth: a sample of its pixels traced again, far more exactly.
+//! The true errors of a picture's ends: a sample of its pixels is traced again, far more exactly.
 //!
 //! In: a surface, a frame, a picture's size; then what any method says of a pixel. Out: [`Errors`], in pixels. The
 //! sample is one pixel of each cell of a lattice, the same on every machine; from where it is worst the errors are
@@ -19,7 +19,7 @@ use crate::trace::Options;
 
 /// Within this share of the domain's width from a pole, points are compared in polar coordinates too.
 const NEAR_POLE: f64 = 0.1;
-/// What a reference ray's error may be at most, in pixels; where its own estimate is larger, no truth is known.
+/// The largest error of a reference ray, in pixels; where its own estimate is larger, no truth is known.
 const KNOWN: f64 = 0.01;
 /// From how many of the worst pixels of a sample the errors are followed uphill.
 const CLIMBS: usize = 12;
@@ -56,7 +56,7 @@ pub struct Reference<'s, S: Surface + ?Sized> {
     embedded: bool,
 }
 
-/// How far a picture's ends are from the truth.
+/// The distances of a picture's ends from the truth.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Errors {
     /// The errors of the sample's pixels that have an end, in pixels, in ascending order.
@@ -81,7 +81,7 @@ impl Errors {
         self.sample.get(index.min(last)).copied().unwrap_or(0.0)
     }
 
-    /// How many of the sample's pixels are off by more than this, or end otherwise than they should.
+    /// The number of the sample's pixels that are off by more than this, or end otherwise than they should.
     pub fn wrong(&self, pixels: f64) -> usize {
         self.unlike + self.sample.len() - self.sample.partition_point(|e| *e <= pixels)
     }
@@ -299,7 +299,7 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
     /// The distance on the surface from a true end to another point, exact where they are near.
     fn distance(&self, atlas: &Atlas<'_, S>, truth: &Truth, uv: Uv) -> f64 {
         let Uv(mut other) = uv;
-        atlas.bring_back(&mut other);
+        atlas.layout.bring_back(&mut other);
         if self.embedded {
             let position = self.surface.jet(Uv(other)).position;
             return norm(combine(1.0, truth.jet.position, -1.0, position));
@@ -317,12 +317,13 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
         }
         for axis in 0..2 {
             for end in 0..2 {
-                if let Some(apex) = atlas.apexes[axis][end]
+                if let Some(apex) = atlas.layout.apexes[axis][end]
                     && apex.smooth
                 {
-                    let base = atlas.domain[axis][end];
-                    let near =
-                        |uv: [f64; 2]| (uv[axis] - base).abs() < NEAR_POLE * atlas.width(axis);
+                    let base = atlas.layout.domain[axis][end];
+                    let near = |uv: [f64; 2]| {
+                        (uv[axis] - base).abs() < NEAR_POLE * atlas.layout.width(axis)
+                    };
                     if !near(other) || !near(truth.uv.0) {
                         continue;
                     }
@@ -334,7 +335,7 @@ impl<'s, S: Surface + ?Sized> Reference<'s, S> {
     }
 }
 
-/// What is said of one pixel.
+/// The result of one pixel's comparison.
 enum Verdict {
     Error(f64),
     Unlike,
@@ -383,16 +384,16 @@ fn neighbours([width, height]: [u32; 2], index: u32) -> impl Iterator<Item = u32
 fn repetitions<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, uv: [f64; 2]) -> Vec<[f64; 2]> {
     let mut all = vec![uv];
     for axis in 0..2 {
-        let side = atlas.sides.of(axis)[0];
+        let side = atlas.layout.sides.of(axis)[0];
         if !matches!(side, Side::Wrap | Side::WrapFlip) {
             continue;
         }
         for at in all.clone() {
             for turn in [-1.0, 1.0] {
                 let mut other = at;
-                other[axis] += turn * atlas.width(axis);
+                other[axis] += turn * atlas.layout.width(axis);
                 if side == Side::WrapFlip {
-                    let [low, high] = atlas.domain[1 - axis];
+                    let [low, high] = atlas.layout.domain[1 - axis];
                     other[1 - axis] = low + high - other[1 - axis];
                 }
                 all.push(other);

@@ -1,19 +1,43 @@
-//! One step of an explicit Runge–Kutta pair along a geodesic: state and step length in, state and error out.
+//! One step of an explicit Runge–Kutta pair along geodesics, of one ray or of several side by side: states and step length
+//! in, states and errors out.
 //!
-//! Beside the geodesic the step carries two Jacobi fields y'' = −K y, the fundamental solution over this step: how
+//! Beside each geodesic the step carries two Jacobi fields y'' = −K y, the fundamental solution over this step: how
 //! an error sideways, or one in direction, at its start becomes an error at its end. They cost no evaluation. The Jacobi
 //! equation: do Carmo, *Differential Geometry of Curves and Surfaces*, 1976, section 5-5.
+//!
+//! All loops run over the rays innermost, so that the compiler turns them into vector instructions where there are several.
+
+#![allow(clippy::needless_range_loop)] // Several arrays are walked together, ray by ray.
 
 mod tableau;
 
 pub(crate) use tableau::{DOP853, DOPRI5, RK4, Tableau};
 
-use crate::chart::{Atlas, Chart, Local, State};
-use crate::metric::{combine, norm};
-use crate::surface::Surface;
+/// A number of rays' states: point, velocity, and the fields (m, m'), (n, n') of y'' = −K y with m' = 1 and n = 1 at the
+/// step's start.
+pub(crate) type States<const N: usize> = [[f64; N]; 8];
 
-/// Point, velocity, the fields (m, m'), (n, n') with m(0) = 0, m'(0) = 1, n(0) = 1, n'(0) = 0, and the arc length.
-type StateVector = [f64; 9];
+/// The geodesic equation of `N` rays in common coordinates.
+pub(crate) trait GeodesicEquation<const N: usize> {
+    /// The local data of the surface at the rays' points.
+    type Local: RatesOfChange<N>;
+
+    /// The failure of an evaluation that no step goes on from. Rays side by side have none: one of them may be undefined.
+    type Undefined;
+
+    /// Evaluates the local data at the states' points.
+    fn evaluate(&self, states: &States<N>, local: &mut Self::Local) -> Result<(), Self::Undefined>;
+}
+
+/// The rates of change that a step needs of the local data.
+pub(crate) trait RatesOfChange<const N: usize>: Default {
+    /// The second derivatives of the coordinates.
+    fn acceleration(&self) -> [[f64; N]; 2];
+    /// The Gaussian curvatures.
+    fn curvature(&self) -> [f64; N];
+    /// The lengths of tangent vectors.
+    fn length(&self, vectors: [[f64; N]; 2]) -> [f64; N];
+}
 
 /// The parameter in which a step's size is measured.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
@@ -26,136 +50,169 @@ pub(crate) enum StepParameter {
     Coordinates,
 }
 
-const MOST_STAGES: usize = 13;
-
 /// The result of a step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Step {
-    /// Where it ends, in the same chart.
-    pub(crate) end: State,
-    /// The estimated error of the point, in the surface's units.
-    pub(crate) position_error: f64,
-    /// The estimated error of the unit velocity.
-    pub(crate) direction_error: f64,
-    /// [[n, m], [n', m']] over the step.
-    pub(crate) propagator: [[f64; 2]; 2],
-    /// Its arc length.
-    pub(crate) length: f64,
-    /// The estimated relative error of the Jacobi fields.
-    pub(crate) field_error: f64,
-    /// The local data at the end, where the pair evaluated them.
-    pub(crate) end_local: Option<Local>,
+pub(crate) struct Step<const N: usize, L> {
+    pub(crate) end: States<N>,
+    /// Its arc lengths.
+    pub(crate) length: [f64; N],
+    /// The estimated errors of the points, in the surface's units.
+    pub(crate) position_error: [f64; N],
+    /// The estimated errors of the unit velocities.
+    pub(crate) direction_error: [f64; N],
+    /// Its estimated error, component by component.
+    pub(crate) error: States<N>,
+    /// The local data of the last evaluation.
+    pub(crate) local: L,
+    /// True if that was one at the end.
+    pub(crate) evaluated_end: bool,
 }
 
-/// Takes one step of size `h`, as `pace` measures it, from a point with its local data. `None` where a stage is undefined.
-pub(crate) fn step<S: Surface + ?Sized>(
-    atlas: &Atlas<'_, S>,
-    chart: &Chart,
+impl<L> Step<1, L> {
+    /// The estimated relative error of the one ray's Jacobi fields.
+    pub(crate) fn field_error(&self, h: f64) -> f64 {
+        field_size(h, &self.error, 0) / field_size(h, &self.end, 0).max(1.0)
+    }
+}
+
+/// Takes one step of size `h`, as `pace` measures it, from points with their local data. `SLOPES` is at least the number of
+/// the pair's evaluations with that at the start.
+#[inline(always)]
+pub(crate) fn step<const N: usize, const SLOPES: usize, E: GeodesicEquation<N>>(
+    equation: &E,
     tableau: &Tableau,
-    start: State,
-    local: &Local,
+    start: &States<N>,
+    local: &E::Local,
     h: f64,
     pace: StepParameter,
-) -> Option<Step> {
-    let [along_u, along_v] = local.tangents;
-    let way = |state: &StateVector| norm(combine(state[2], along_u, state[3], along_v));
-    let state: StateVector = [
-        start.at[0],
-        start.at[1],
-        start.velocity[0],
-        start.velocity[1],
-        0.0,
-        1.0,
-        1.0,
-        0.0,
-        0.0,
-    ];
-    let start_way = way(&state);
-    let even = pace == StepParameter::Length || !matches!(chart, Chart::Plain);
-    let derivative = |state: &StateVector, local: &Local| {
-        let rate = if even { 1.0 } else { start_way / way(state) };
-        derivative(state, local).map(|x| rate * x)
-    };
-    let mut stages = [[0.0; 9]; MOST_STAGES];
-    stages[0] = derivative(&state, local);
-    let mut count = 1;
-    for row in tableau.stages {
-        let at = advance(&state, h, row, &stages);
-        let local = atlas.local(chart, state_from(&at))?;
-        stages[count] = derivative(&at, &local);
-        count += 1;
-    }
-    let end = advance(&state, h, tableau.weights, &stages);
-    if !end.iter().all(|x| x.is_finite()) {
-        return None;
-    }
-    let mut end_local = None;
-    if tableau.error.len() > count {
-        let local = atlas.local(chart, state_from(&end))?;
-        stages[count] = derivative(&end, &local);
-        end_local = Some(local);
-    }
-    let error = advance(&[0.0; 9], h, tableau.error, &stages);
-    let low = advance(&[0.0; 9], h, tableau.low_error, &stages);
-    let length = |x: f64, y: f64| norm(combine(x, local.tangents[0], y, local.tangents[1]));
-    // The two estimates of DOP853 as its authors combine them (Hairer, Nørsett, Wanner I, section II.10), in the metric.
-    let tempered = |high: f64, low: f64| {
-        let root = (high * high + 0.01 * low * low).sqrt();
-        if low > 0.0 && root > 0.0 {
-            high * (high / root)
+) -> Result<Step<N, E::Local>, E::Undefined> {
+    let even = pace == StepParameter::Length;
+    let mut rates = [[1.0; N]; SLOPES];
+    let mut slopes = [[[0.0; N]; 8]; SLOPES];
+    slopes[0] = slope(start, local);
+    let mut state = *start;
+    let mut last = E::Local::default();
+    let stages = tableau.stages.len();
+    let evaluated_end = tableau.error.len() > stages + 1;
+    for stage in 0..=stages {
+        let at_end = stage == stages;
+        let row = if at_end {
+            tableau.weights
         } else {
-            high
+            tableau.stages[stage]
+        };
+        state = add(start, h, row, &slopes);
+        if at_end && !evaluated_end {
+            break;
         }
-    };
-    // Lengths in units of the step, so that all four count alike.
-    let fields = |e: &StateVector| {
-        (e[4] / h)
-            .abs()
-            .max(e[5].abs())
-            .max(e[6].abs())
-            .max((e[7] * h).abs())
-    };
-    let field_error = tempered(fields(&error), fields(&low)) / fields(&end).max(1.0);
-    Some(Step {
-        length: end[8],
-        field_error,
-        end: state_from(&end),
-        position_error: tempered(length(error[0], error[1]), length(low[0], low[1]))
-            .max(tempered(error[8].abs(), low[8].abs())),
-        direction_error: tempered(length(error[2], error[3]), length(low[2], low[3])),
-        propagator: [[end[6], end[4]], [end[7], end[5]]],
-        end_local,
-    })
-}
-
-/// The point and the velocity in a vector.
-fn state_from(state: &StateVector) -> State {
-    State {
-        at: [state[0], state[1]],
-        velocity: [state[2], state[3]],
-    }
-}
-
-fn derivative(state: &StateVector, local: &Local) -> StateVector {
-    let [_, _, x, y, m, m1, n, n1, _] = *state;
-    let [a, b] = local.acceleration;
-    let k = local.curvature;
-    [x, y, a, b, m1, -k * m, n1, -k * n, 1.0]
-}
-
-fn advance(
-    state: &StateVector,
-    h: f64,
-    weights: &[f64],
-    stages: &[StateVector; MOST_STAGES],
-) -> StateVector {
-    let mut sum = [0.0; 9];
-    for (&weight, stage) in weights.iter().zip(stages) {
-        if weight != 0.0 {
-            for (sum, &slope) in sum.iter_mut().zip(stage) {
-                *sum += weight * slope;
+        equation.evaluate(&state, &mut last)?;
+        slopes[stage + 1] = slope(&state, &last);
+        if !even {
+            let before = local.length([start[2], start[3]]);
+            let way = local.length([state[2], state[3]]);
+            for ray in 0..N {
+                let rate = before[ray] / way[ray];
+                rates[stage + 1][ray] = rate;
+                for component in &mut slopes[stage + 1] {
+                    component[ray] *= rate;
+                }
             }
         }
     }
-    std::array::from_fn(|k| state[k] + h * sum[k])
+    let nothing = [[0.0; N]; 8];
+    let mut error = add(&nothing, h, tableau.error, &slopes);
+    let mut position_error = local.length([error[0], error[1]]);
+    let mut direction_error = local.length([error[2], error[3]]);
+    if !tableau.low_error.is_empty() {
+        let low = add(&nothing, h, tableau.low_error, &slopes);
+        let position = local.length([low[0], low[1]]);
+        let direction = local.length([low[2], low[3]]);
+        for ray in 0..N {
+            position_error[ray] = tempered(position_error[ray], position[ray]);
+            direction_error[ray] = tempered(direction_error[ray], direction[ray]);
+            let (high, low) = (field_size(h, &error, ray), field_size(h, &low, ray));
+            for field in 4..8 {
+                error[field][ray] *= tempered(high, low) / high.max(f64::MIN_POSITIVE);
+            }
+        }
+    }
+    let mut length = [h; N];
+    if !even {
+        for ray in 0..N {
+            let sum = |weights: &[f64]| -> f64 {
+                let terms = weights.iter().zip(&rates);
+                h * terms.map(|(weight, rate)| weight * rate[ray]).sum::<f64>()
+            };
+            length[ray] = sum(tableau.weights);
+            let error = tempered(sum(tableau.error), sum(tableau.low_error));
+            position_error[ray] = position_error[ray].max(error);
+        }
+    }
+    Ok(Step {
+        end: state,
+        length,
+        position_error,
+        direction_error,
+        error,
+        local: last,
+        evaluated_end,
+    })
+}
+
+/// The two estimates of DOP853 as its authors combine them (Hairer, Nørsett, Wanner I, section II.10).
+#[inline(always)]
+fn tempered(high: f64, low: f64) -> f64 {
+    let (high, low) = (high.abs(), low.abs());
+    let root = (high * high + 0.01 * low * low).sqrt();
+    if low > 0.0 && root > 0.0 {
+        high * (high / root)
+    } else {
+        high
+    }
+}
+
+/// The size of a ray's fields after a step of length `h`: lengths in units of the step, so that all four count alike.
+#[inline(always)]
+fn field_size<const N: usize>(h: f64, [.., m, m1, n, n1]: &States<N>, ray: usize) -> f64 {
+    let ends = (m[ray] / h).abs().max((n1[ray] * h).abs());
+    ends.max(m1[ray].abs()).max(n[ray].abs())
+}
+
+/// The derivatives of the states by arc length.
+#[inline(always)]
+fn slope<const N: usize>(state: &States<N>, local: &impl RatesOfChange<N>) -> States<N> {
+    let [_, _, x, y, m, m1, n, n1] = *state;
+    let ([a, b], curvature) = (local.acceleration(), local.curvature());
+    let (mut bent_m, mut bent_n) = ([0.0; N], [0.0; N]);
+    for ray in 0..N {
+        bent_m[ray] = -curvature[ray] * m[ray];
+        bent_n[ray] = -curvature[ray] * n[ray];
+    }
+    [x, y, a, b, m1, bent_m, n1, bent_n]
+}
+
+/// `state` and the slopes with their weights, times `h`.
+#[inline(always)]
+fn add<const N: usize>(
+    state: &States<N>,
+    h: f64,
+    weights: &[f64],
+    slopes: &[States<N>],
+) -> States<N> {
+    let mut sum = [[0.0; N]; 8];
+    for (&weight, slope) in weights.iter().zip(slopes) {
+        if weight != 0.0 {
+            for k in 0..8 {
+                for ray in 0..N {
+                    sum[k][ray] += weight * slope[k][ray];
+                }
+            }
+        }
+    }
+    let mut end = *state;
+    for k in 0..8 {
+        for ray in 0..N {
+            end[k][ray] += h * sum[k][ray];
+        }
+    }
+    end
 }

@@ -1,4 +1,6 @@
-//! What lies beyond the sides of a chart's domain, and the way back into it.
+//! The sides of a chart's domain, and the way back into it from beyond them.
+
+#![allow(clippy::needless_range_loop)] // Several arrays are walked together, lane by lane.
 
 /// The kind of one side of the domain.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
@@ -22,7 +24,7 @@ pub struct Sides {
     pub v: [Side; 2],
 }
 
-/// How coordinates change on the way back into the domain.
+/// The change of coordinates on the way back into the domain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
     /// The signs by which the components of a vector change.
@@ -34,60 +36,121 @@ pub struct Crossing {
 
 impl Sides {
     /// The two sides of an axis: 0 for u, 1 for v.
+    #[inline(always)]
     pub fn of(&self, axis: usize) -> [Side; 2] {
         if axis == 0 { self.u } else { self.v }
     }
 
     /// Brings a point back into the domain through poles, then through the sides that wrap.
     pub fn bring_back(&self, domain: [[f64; 2]; 2], at: &mut [f64; 2]) -> Crossing {
-        let mut signs = [1.0; 2];
+        let mut points = at.map(|x| [x]);
+        let crossings = self.bring_all_back(domain, &mut points);
+        *at = points.map(|[x]| x);
+        crossings.of(0)
+    }
+
+    /// Brings a point back into the domain through the sides that wrap alone, however many turns away it is.
+    pub fn wrap(&self, domain: [[f64; 2]; 2], at: &mut [f64; 2]) -> Crossing {
+        let mut points = at.map(|x| [x]);
+        let crossings = self.wrap_all(domain, &mut points);
+        *at = points.map(|[x]| x);
+        crossings.of(0)
+    }
+
+    /// Brings points back into the domain, as [`Sides::bring_back`] does each.
+    #[inline(always)]
+    pub(crate) fn bring_all_back<const N: usize>(
+        &self,
+        domain: [[f64; 2]; 2],
+        at: &mut [[f64; N]; 2],
+    ) -> Crossings<N> {
+        let mut mirrored = [[1.0; N]; 2];
         for axis in 0..2 {
             let [low, high] = domain[axis];
-            let sides = self.of(axis);
-            // Through a pole: as far beyond it, half a turn on.
-            for (end, beyond) in [low - at[axis], at[axis] - high].into_iter().enumerate() {
-                if sides[end] == Side::Pole && beyond > 0.0 && beyond <= high - low {
-                    at[axis] = if end == 0 {
-                        low + beyond
+            let half = 0.5 * (domain[1 - axis][1] - domain[1 - axis][0]);
+            for end in 0..2 {
+                if self.of(axis)[end] != Side::Pole {
+                    continue;
+                }
+                // Through a pole: as far beyond it, half a turn on.
+                for lane in 0..N {
+                    let x = at[axis][lane];
+                    let (beyond, back) = if end == 0 {
+                        (low - x, low + (low - x))
                     } else {
-                        high - beyond
+                        (x - high, high - (x - high))
                     };
-                    let [first, last] = domain[1 - axis];
-                    at[1 - axis] += 0.5 * (last - first);
-                    signs[axis] = -signs[axis];
+                    let passed = (beyond > 0.0) & (beyond <= high - low);
+                    at[axis][lane] = if passed { back } else { x };
+                    at[1 - axis][lane] += if passed { half } else { 0.0 };
+                    mirrored[axis][lane] *= if passed { -1.0 } else { 1.0 };
                 }
             }
         }
-        let wrapped = self.wrap(domain, at);
-        Crossing {
-            signs: [0, 1].map(|k| signs[k] * wrapped.signs[k]),
-            ..wrapped
+        let mut crossings = self.wrap_all(domain, at);
+        for (signs, mirrored) in crossings.signs.iter_mut().zip(&mirrored) {
+            for lane in 0..N {
+                signs[lane] *= mirrored[lane];
+            }
         }
+        crossings
     }
 
-    /// Brings a point back into the domain through the sides that wrap, however many turns away it is. A flip turns
-    /// the other coordinate over.
-    pub fn wrap(&self, domain: [[f64; 2]; 2], at: &mut [f64; 2]) -> Crossing {
-        let mut crossing = Crossing {
-            signs: [1.0; 2],
-            flipped: false,
+    #[inline(always)]
+    fn wrap_all<const N: usize>(
+        &self,
+        domain: [[f64; 2]; 2],
+        at: &mut [[f64; N]; 2],
+    ) -> Crossings<N> {
+        let mut crossings = Crossings {
+            signs: [[1.0; N]; 2],
+            flipped: [false; N],
         };
         for axis in 0..2 {
             let [low, high] = domain[axis];
             let side = self.of(axis)[0];
-            let wraps = matches!(side, Side::Wrap | Side::WrapFlip);
-            if !wraps || (low..=high).contains(&at[axis]) {
+            if !matches!(side, Side::Wrap | Side::WrapFlip) {
                 continue;
             }
-            let turns = ((at[axis] - low) / (high - low)).floor();
-            at[axis] = (at[axis] - turns * (high - low)).clamp(low, high);
-            if side == Side::WrapFlip && turns.rem_euclid(2.0) == 1.0 {
+            let width = high - low;
+            let share = 1.0 / width;
+            let mut odd = [false; N];
+            for lane in 0..N {
+                let x = at[axis][lane];
+                let turns = ((x - low) * share).floor();
+                let back = x - turns * width;
+                let back = if back < low { low } else { back };
+                let back = if back > high { high } else { back };
+                let inside = (x >= low) & (x <= high);
+                at[axis][lane] = if inside { x } else { back };
+                odd[lane] = !inside & (turns - 2.0 * (0.5 * turns).floor() == 1.0);
+            }
+            // A flip turns the other coordinate over.
+            if side == Side::WrapFlip {
                 let [low, high] = domain[1 - axis];
-                at[1 - axis] = low + high - at[1 - axis];
-                crossing.signs[1 - axis] = -crossing.signs[1 - axis];
-                crossing.flipped = !crossing.flipped;
+                for lane in 0..N {
+                    let x = at[1 - axis][lane];
+                    at[1 - axis][lane] = if odd[lane] { low + high - x } else { x };
+                    crossings.signs[1 - axis][lane] *= if odd[lane] { -1.0 } else { 1.0 };
+                    crossings.flipped[lane] ^= odd[lane];
+                }
             }
         }
-        crossing
+        crossings
+    }
+}
+
+/// The changes of several points' coordinates; see [`Crossing`].
+pub(crate) struct Crossings<const N: usize> {
+    pub(crate) signs: [[f64; N]; 2],
+    flipped: [bool; N],
+}
+
+impl<const N: usize> Crossings<N> {
+    fn of(&self, lane: usize) -> Crossing {
+        Crossing {
+            signs: [self.signs[0][lane], self.signs[1][lane]],
+            flipped: self.flipped[lane],
+        }
     }
 }

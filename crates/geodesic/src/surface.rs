@@ -1,4 +1,4 @@
-//! What a geodesic needs to know of a surface: expressions in, jets out.
+//! Surfaces as geodesics see them: expressions in, jets out.
 
 use std::cell::RefCell;
 

@@ -1,4 +1,4 @@
-//! What lies beyond the sides of a domain, found numerically: samples of a surface in, [`Topology`] out.
+//! The kinds of a domain's sides, found numerically: samples of a surface in, [`Topology`] out.
 //!
 //! A pair of opposite sides that are the same curve wraps, with a flip where one runs backwards. A side that is one
 //! point, while the other parameter wraps, is the tip of a cone with some total angle; with the angle 2π it is a
@@ -35,17 +35,17 @@ pub struct Apex {
 /// The kinds of all four sides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Topology {
-    /// What a ray meets at each side; a cone point is an edge here.
+    /// The kinds of the sides that a ray meets; a cone point is an edge here.
     pub sides: Sides,
     /// `[axis][end]`: the collapsed sides, poles among them.
     pub apexes: [[Option<Apex>; 2]; 2],
 }
 
-/// How far apart two points may lie to be one, relative to the surface's size.
+/// The largest distance of two points that count as one, relative to the surface's size.
 const SAME_POINT: f64 = 1e-8;
-/// Where the sides are compared, as shares of the other axis: off every symmetry, in pairs (s, 1−s).
+/// The places at which sides are compared, as shares of the other axis: off every symmetry, in pairs (s, 1−s).
 const PLACES: [f64; 8] = [0.07, 0.21, 0.34, 0.46, 0.54, 0.66, 0.79, 0.93];
-/// How far the total angle of a tip may be off 2π to be a smooth pole.
+/// The largest deviation from 2π of a smooth pole's total angle.
 const FULL_TURN: f64 = 1e-4;
 
 /// Lines that leave a tip are straight while they turn less than this angle about it.
@@ -145,7 +145,7 @@ fn is_point(
             .all(|&p| distance(p, points[0]) <= SAME_POINT * size)
 }
 
-/// How the two sides of an axis are joined.
+/// Returns the kind of an axis' two sides.
 fn seam(jet: &dyn Fn(Uv) -> Jet, domain: [[f64; 2]; 2], axis: usize, size: f64) -> Side {
     let point = |along: f64, across: f64| jet(at(domain, place(axis, along, across))).position;
     let joined = |other: &dyn Fn(f64) -> f64| {
@@ -194,7 +194,7 @@ fn has_no_length(
     compared > PLACES.len() / 2
 }
 
-/// How the two sides of an axis are joined in a metric: where it is the same on both with its first derivatives.
+/// Returns the kind of an axis' two sides in a metric: joined where it is the same on both with its first derivatives.
 fn metric_seam(form: &dyn Fn(Uv) -> Form, domain: [[f64; 2]; 2], axis: usize) -> Side {
     let widths = domain.map(|[low, high]| high - low);
     let joined = |flip: bool| {

@@ -28,7 +28,7 @@ pub enum Method {
     },
 }
 
-/// The accuracy that is asked for, and the limits on work.
+/// The accuracy requested, and the limits on work.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// The error allowed per step, relative to the step's length, measured on the surface; not below 50 ε.
@@ -66,7 +66,7 @@ impl Default for Options {
 /// A geodesic's end.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trace {
-    /// Where it ended, brought back into the domain where the surface wraps.
+    /// Its end, brought back into the domain where the surface wraps.
     pub uv: Uv,
     /// (u', v') there, at unit speed.
     pub direction: TangentVector,
@@ -74,9 +74,9 @@ pub struct Trace {
     pub position: Option<[f64; 3]>,
     /// The arc length that it reached.
     pub length: f64,
-    /// How much its speed, which is 1, has changed: nothing corrects it, so it measures the integration.
+    /// The change of its speed, which is 1 at the start: nothing corrects it, so it measures the integration.
     pub speed_drift: f64,
-    /// How far the true end is: by comparison with a more exact run ([`Options::compare`]), or a bound from the steps'
+    /// The estimated distance of the true end: by comparison with a more exact run ([`Options::compare`]), or a bound from the steps'
     /// estimated errors, carried on by the Jacobi fields, which is often ten times and more above the truth.
     pub error_estimate: f64,
     /// Steps taken.
@@ -97,15 +97,15 @@ pub struct Trace {
     /// the direction moves the end by m dθ. It is as exact as the end where conjugate points are looked for; else
     /// nothing controls its error.
     pub jacobi: [f64; 2],
-    /// The arc lengths of the conjugate points, where m = 0, in ascending order, if they were asked for; else empty.
+    /// The arc lengths of the conjugate points, where m = 0, in ascending order, if the options request them; else empty.
     pub conjugates: Vec<f64>,
-    /// (u, v) after each step, the start first, if it was asked for; else empty.
+    /// (u, v) after each step, the start first, if the options request it; else empty.
     pub path: Vec<Uv>,
     /// The Jacobi field after each step, the start first, if it was asked for; else empty.
     pub fields: Vec<FieldKnot>,
 }
 
-/// Why a geodesic cannot be begun.
+/// The reason why a geodesic cannot be begun.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TraceError {
     /// A coordinate of the start is no finite number.
@@ -331,13 +331,13 @@ fn compared<S: Surface + ?Sized>(
     }
     let gap = atlas.gap(end.state.at, finer.state.at);
     // Rounding, which both runs have of their own.
-    let rounding = 32.0 * f64::EPSILON * (atlas.scale.size + length);
+    let rounding = 32.0 * f64::EPSILON * (atlas.layout.scale.size + length);
     Some(gap + rounding)
 }
 
 /// A first step that is surely not too long for the tolerance to be judged.
 pub(crate) fn first_step<S: Surface + ?Sized>(atlas: &Atlas<'_, S>, length: f64) -> f64 {
-    length.min(0.04 * atlas.scale.size)
+    length.min(0.04 * atlas.layout.scale.size)
 }
 
 /// The start brought back into the domain, at unit speed, and how far it has been moved off a pole.
@@ -357,9 +357,9 @@ pub(crate) fn unit_start<S: Surface + ?Sized>(
         return Err(TraceError::ZeroDirection);
     }
     let mut at = place(atlas, start)?;
-    let signs = atlas.bring_back(&mut at).signs;
+    let signs = atlas.layout.bring_back(&mut at).signs;
     let given = at;
-    at = atlas.off_pole(at);
+    at = atlas.layout.off_pole(at);
     let jet = atlas.jet(at);
     if !jet.position.iter().all(|x| x.is_finite()) {
         return Err(TraceError::UndefinedStart { at: start });
@@ -370,8 +370,8 @@ pub(crate) fn unit_start<S: Surface + ?Sized>(
     let sine = norm(crate::metric::cross(jet.du, jet.dv)) / (norm(jet.du) * norm(jet.dv));
     let at_apex = (0..2).any(|axis| {
         (0..2).any(|end| {
-            at[axis] == atlas.domain[axis][end]
-                && atlas.apexes[axis][end].is_some_and(|apex| apex.regular)
+            at[axis] == atlas.layout.domain[axis][end]
+                && atlas.layout.apexes[axis][end].is_some_and(|apex| apex.regular)
         })
     });
     let usable = at_apex || sine > PARALLEL;
@@ -397,14 +397,14 @@ fn place<S: Surface + ?Sized>(
 ) -> Result<[f64; 2], TraceError> {
     let mut at = start;
     for (axis, x) in at.iter_mut().enumerate() {
-        let [low, high] = atlas.domain[axis];
+        let [low, high] = atlas.layout.domain[axis];
         let slack = 1e-12 * (high - low);
-        let wraps = matches!(atlas.sides.of(axis)[0], Side::Wrap | Side::WrapFlip);
+        let wraps = matches!(atlas.layout.sides.of(axis)[0], Side::Wrap | Side::WrapFlip);
         if !wraps {
             if *x < low - slack || *x > high + slack {
                 return Err(TraceError::OutsideDomain {
                     at: start,
-                    domain: atlas.domain,
+                    domain: atlas.layout.domain,
                 });
             }
             *x = x.clamp(low, high);

@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use expr::ops::Unary;
 use geodesic::ends::{Coordinates, End, Ends};
-use geodesic::fan::{Across, Fan, FanOptions};
+use geodesic::fan::{Fan, FanOptions, Interpolation};
 use geodesic::frame::Frame;
 use geodesic::map::pixel_place;
 use geodesic::point::PicturePoint;
@@ -436,14 +436,14 @@ fn the_outcome_does_not_depend_on_the_number_of_threads() {
 fn linear_interpolation_takes_many_more_rays() {
     let surface = shapes::torus(0.4);
     let frame = Frame::new(&surface, [0.3, 0.4], 0.3, 2.0).expect("a frame");
-    let [hermite, linear] = [Across::Hermite, Across::Linear].map(|across| {
+    let [hermite, linear] = [Interpolation::Hermite, Interpolation::Linear].map(|interpolation| {
         let options = FanOptions {
-            across,
+            interpolation,
             ..FanOptions::default()
         };
         let fan = Fan::build(&surface, &frame, SIZE, &options);
         let seen = compare(&surface, &frame, SIZE, &fan, 300);
-        assert!(seen.max <= 0.15, "{across:?}: {seen:?}");
+        assert!(seen.max <= 0.15, "{interpolation:?}: {seen:?}");
         fan.work().rays
     });
     assert!(linear > 4 * hermite, "{linear} rays, {hermite} rays");

@@ -11,7 +11,7 @@ pub(crate) use ends::{EndsOfRows, Layer};
 pub(crate) use resolve::{Cover, stripes};
 pub use resolve::{Paint, resolve};
 
-use geodesic::ends::{Estimate, Work};
+use geodesic::ends::{Estimate, GeodesicWork};
 use geodesic::trace::Status;
 use rayon::prelude::*;
 
@@ -97,7 +97,7 @@ pub fn hatching(status: Status) -> [[u8; 3]; 2] {
 pub fn notes(
     pixels: usize,
     count: impl Fn(Status) -> usize,
-    work: &Work,
+    work: &GeodesicWork,
     estimate: Option<Estimate>,
 ) -> Vec<String> {
     let kinds = [
@@ -119,7 +119,7 @@ pub fn notes(
         (count > 0).then(|| format!("{share:.2} % of the pixels {what}; they are hatched"))
     };
     let mut notes: Vec<String> = kinds.into_iter().filter_map(note).collect();
-    if *work != Work::default() {
+    if *work != GeodesicWork::default() {
         notes.push(cost(work, pixels));
     }
     if let Some(Estimate { max, p99 }) = estimate {
@@ -130,7 +130,7 @@ pub fn notes(
     notes
 }
 
-fn cost(work: &Work, pixels: usize) -> String {
+fn cost(work: &GeodesicWork, pixels: usize) -> String {
     let mut parts = Vec::new();
     if work.rays > 0 {
         parts.push(format!("{} rays", work.rays));

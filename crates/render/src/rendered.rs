@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use geodesic::ends::{Estimate, Work};
+use geodesic::ends::{Estimate, GeodesicWork};
 
 use crate::gpu::Pixels;
 
@@ -21,7 +21,7 @@ pub struct RenderedImage<P = Pixels> {
     /// geodesics on the surface that is seen from inside.
     pub overlays: Vec<&'static str>,
     /// The work that a geodesic view took, and the greatest estimated error of its geodesics, in pixels.
-    pub geodesics: Option<(Work, Option<Estimate>)>,
+    pub geodesics: Option<(GeodesicWork, Option<Estimate>)>,
     /// The time from the request to the picture (on a GPU: until it was handed over).
     pub took: Duration,
 }

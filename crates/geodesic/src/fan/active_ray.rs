@@ -1,14 +1,16 @@
 //! A ray on its way from step to step, and what remains of it in the end.
 
-use super::coordinates::{CoordinateKind, FanChart, Space};
+use super::coordinates::FanChart;
 use super::ray::{Knot, Ray, Segment, Stop};
 use super::sectors::{BINS, Profile, bin};
+use crate::chart::{ChartLayout, State};
 use crate::status::Status;
+use crate::step_control::{ErrorSum, StepControl};
 
 /// A ray on its way.
 #[derive(Clone, Debug)]
 pub(super) struct ActiveRay {
-    /// Its place among those that were asked for.
+    /// Its place in the request.
     pub(super) id: usize,
     pub(super) angle: f64,
     pub(super) length: f64,
@@ -22,8 +24,7 @@ pub(super) struct ActiveRay {
     pub(super) m: [f64; 2],
     pub(super) s: f64,
     pub(super) h: f64,
-    /// The step before; 0 before the first.
-    pub(super) last: f64,
+    pub(super) control: StepControl,
     /// The angle about an apex, going on over more than a turn.
     pub(super) turned: f64,
     pub(super) steps: u64,
@@ -34,8 +35,8 @@ pub(super) struct ActiveRay {
     pub(super) done: bool,
     /// Steps beyond an edge.
     pub(super) beyond: u32,
-    /// The covariance of the steps' errors, carried on by the Jacobi fields: of position, mixed, of direction.
-    pub(super) errors: [f64; 3],
+    /// The steps' errors so far.
+    pub(super) errors: ErrorSum,
     /// The largest standard deviation of the position on the way, in each range of radius.
     pub(super) off: Profile,
 }
@@ -62,7 +63,7 @@ impl ActiveRay {
             m: [0.0, 1.0],
             s: 0.0,
             h,
-            last: 0.0,
+            control: StepControl::default(),
             turned: at[1].atan2(at[0]),
             steps: 0,
             rejected: 0,
@@ -71,12 +72,12 @@ impl ActiveRay {
             stop: None,
             done: false,
             beyond: 0,
-            errors: [0.0; 3],
+            errors: ErrorSum::default(),
             off: [0.0; BINS],
         }
     }
 
-    /// How far it is still to be followed: to its length, or so far `beyond` the edge through which it has left.
+    /// The arc length for which it is still to be followed: to its length, or so far `beyond` the edge through which it has left.
     pub(super) fn way(&self, beyond: f64) -> f64 {
         let end = match &self.stop {
             None => self.length,
@@ -102,7 +103,7 @@ impl ActiveRay {
 
     /// Takes note of the error between two arc lengths, the ranges of radius being those within `reach`.
     pub(super) fn note_error(&mut self, from: f64, to: f64, reach: f64) {
-        let error = self.errors[0].max(0.0).sqrt() as f32;
+        let error = self.errors.deviation() as f32;
         for off in &mut self.off[bin(from, reach)..=bin(to, reach)] {
             *off = off.max(error);
         }
@@ -127,14 +128,13 @@ impl ActiveRay {
         });
     }
 
-    /// Says which edge it has left through, and how its place changes with the angle.
+    /// Notes the edge that it has left through, and the change of its place with the angle.
     pub(super) fn aim(&mut self, axis: usize, end: usize) {
         let knots = self
             .segments
             .last()
-            .map(|segment| (segment.chart.kind, segment.knots.as_slice()));
-        let (Some(stop), Some((CoordinateKind::Plain, [.., a, b]))) = (&mut self.stop, knots)
-        else {
+            .map(|segment| (segment.chart.is_plain(), segment.knots.as_slice()));
+        let (Some(stop), Some((true, [.., a, b]))) = (&mut self.stop, knots) else {
             return;
         };
         stop.edge = Some((axis, end));
@@ -146,29 +146,38 @@ impl ActiveRay {
         stop.told = stop.slope.is_finite();
     }
 
+    /// Its point and velocity.
+    pub(super) fn state(&self) -> State {
+        State {
+            at: self.at,
+            velocity: self.velocity,
+        }
+    }
+
     /// Its point and velocity in the plain coordinates.
-    pub(super) fn plain(&self, space: &Space) -> ([f64; 2], [f64; 2]) {
-        match space.tip(self.chart.kind) {
-            None => (self.at, self.velocity),
-            Some(tip) => {
-                let mut at = tip.plain_point(self.at, self.chart.reference);
-                at[1 - tip.axis] = self.chart.reference + self.turned / tip.apex.rate;
-                (at, tip.plain_vector(self.at, self.velocity))
+    pub(super) fn plain(&self, layout: &ChartLayout) -> State {
+        let (at, velocity) = (self.at, self.velocity);
+        match self.chart.apex_chart(layout) {
+            None => State { at, velocity },
+            Some(chart) => {
+                let velocity = chart.plain_vector(at, velocity);
+                let at = chart.plain_polar(at[0].hypot(at[1]), self.turned);
+                State { at, velocity }
             }
         }
     }
 
     /// Goes over to other coordinates.
-    pub(super) fn enter(&mut self, space: &Space, chart: FanChart) {
-        let (at, velocity) = self.plain(space);
-        match space.tip(chart.kind) {
-            None => (self.at, self.velocity) = (at, velocity),
-            Some(tip) => {
-                self.at = tip.point(at, chart.reference);
-                self.velocity = tip.vector(at, chart.reference, velocity);
-                self.turned = tip.apex.rate * (at[1 - tip.axis] - chart.reference);
-            }
+    pub(super) fn enter(&mut self, layout: &ChartLayout, chart: FanChart) {
+        let mut state = self.plain(layout);
+        if let Some(chart) = chart.apex_chart(layout) {
+            self.turned = chart.angle(state.at);
+            state = chart.enter(state);
         }
+        State {
+            at: self.at,
+            velocity: self.velocity,
+        } = state;
         self.chart = chart;
     }
 }

@@ -1,13 +1,14 @@
-//! Where two rays end, and what that says of the places between them: edges, their slopes, how far anything is known.
+//! The ends of two rays and the places between them: edges, their slopes, the arc lengths up to which they are known.
 //!
 //! What flows in: a pair of rays, their angle apart, a share of the way between them. What flows out: arc lengths and
 //! statuses.
 
 use super::ray::{Ray, Stop};
+use crate::interpolate::cubic;
 use crate::status::Status;
 
-/// Where both rays end at an edge that lies aslant, one of them says nothing about where only the other still is. There
-/// places at equal shares of the way to the edge are compared, instead of equal arc lengths.
+/// Places at equal shares of the way to an edge that lies aslant, instead of equal arc lengths: where only one of two
+/// rays still is, the other says nothing.
 pub(super) struct Stretch {
     pub(super) ends: [f64; 2],
     pub(super) slopes: [f64; 2],
@@ -47,7 +48,7 @@ fn aslant(rays: [&Ray; 2], stops: [&Stop; 2]) -> bool {
     like && !known && a.s.min(b.s) > 0.5 * far
 }
 
-/// How far both rays go on, whatever else is known of them: 0 where they end at an edge that may lie aslant.
+/// The arc length up to which both rays go on: 0 where they end at an edge that may lie aslant.
 pub(super) fn free_until(rays: [&Ray; 2]) -> f64 {
     if is_stretched(rays) {
         return 0.0;
@@ -55,7 +56,7 @@ pub(super) fn free_until(rays: [&Ray; 2]) -> f64 {
     rays[0].limit().min(rays[1].limit())
 }
 
-/// Returns whether places between two rays are told by their shares of the way to the edge, once its slope is known.
+/// Returns whether places between two rays are given by their shares of the way to the edge, once its slope is known.
 #[inline(always)]
 pub(super) fn is_stretched(rays: [&Ray; 2]) -> bool {
     match (&rays[0].stop, &rays[1].stop) {
@@ -64,7 +65,7 @@ pub(super) fn is_stretched(rays: [&Ray; 2]) -> bool {
     }
 }
 
-/// Where the edge lies between two rays that leave through it: the arc length at the share `t`.
+/// Returns the arc length of the edge at the share `t` between two rays that leave through it.
 #[inline(always)]
 pub(super) fn edge(rays: [&Ray; 2], width: f64, t: f64) -> Option<(f64, Status)> {
     let [a, b] = [rays[0].stop?, rays[1].stop?];
@@ -72,16 +73,14 @@ pub(super) fn edge(rays: [&Ray; 2], width: f64, t: f64) -> Option<(f64, Status)>
     let status = if t < 0.5 { a.status } else { b.status };
     let smooth = a.edge == b.edge && a.slope.is_finite() && b.slope.is_finite();
     let s = if smooth {
-        (1.0 + 2.0 * t) * rest * rest * a.s
-            + t * t * (3.0 - 2.0 * t) * b.s
-            + width * t * rest * (rest * a.slope - t * b.slope)
+        cubic(t, width, [a.s, a.slope], [b.s, b.slope])
     } else {
         rest * a.s + t * b.s
     };
     Some((s, status))
 }
 
-/// As far as anything between two rays is on the surface: an edge may bulge out between the places where they leave.
+/// The arc length up to which anything between two rays is on the surface: an edge may bulge out between the places where they leave.
 pub(super) fn farthest(rays: [&Ray; 2], width: f64) -> f64 {
     let far = rays[0].limit().max(rays[1].limit());
     let (Some(a), Some(b)) = (rays[0].stop, rays[1].stop) else {
@@ -98,7 +97,7 @@ pub(super) fn farthest(rays: [&Ray; 2], width: f64) -> f64 {
     between.into_iter().fold(far, f64::max)
 }
 
-/// Why both rays have ended before an arc length, if they have.
+/// Returns the reason why both rays have ended before an arc length, if they have.
 #[inline(always)]
 pub(super) fn both_ended(rays: [&Ray; 2], t: f64, s: f64) -> Option<Status> {
     let [a, b] = [rays[0].stop?, rays[1].stop?];
@@ -117,7 +116,7 @@ pub(super) fn exit_discrepancy(rays: [&Ray; 2], width: f64, middle: &Ray) -> f64
     }
 }
 
-/// Returns whether two rays end alike, so that what lies between them may be told from both.
+/// Returns whether two rays end alike, so that what lies between them follows from both.
 pub(super) fn end_alike(rays: [&Ray; 2], reach: f64, pixel: f64) -> bool {
     let known = |ray: &Ray, s: f64| s <= ray.end + ray.slack;
     match (rays[0].stop, rays[1].stop) {

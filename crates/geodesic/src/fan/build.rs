@@ -1,6 +1,6 @@
 //! A fan is built: a start and a tolerance in, rays and the sectors between them out.
 //!
-//! The first rays show how exact steps have to be; what rays there are between them is told by `refine.rs`, and how far
+//! The first rays show how exact steps have to be; `refine.rs` chooses the rays between them, and how far
 //! off the whole is by `verify.rs`.
 
 use std::f64::consts::TAU;
@@ -8,12 +8,12 @@ use std::f64::consts::TAU;
 use super::FanOptions;
 use super::active_ray::ActiveRay;
 use super::border;
-use super::coordinates::Space;
 use super::driver::{self, RayPlan};
 use super::ray::Ray;
 use super::sectors::{self, Sector, Sectors, most};
 use super::start::FanStart;
-use crate::ends::Work;
+use crate::chart::ChartLayout;
+use crate::ends::GeodesicWork;
 use crate::surface::Surface;
 
 /// Rays to begin with.
@@ -22,7 +22,7 @@ const BASE: usize = 16;
 pub(super) const ACROSS: f64 = 0.7;
 /// … and the one that the rays' own errors may.
 const ALONG: f64 = 0.3;
-/// How much more exactly the first rays are integrated once more, to see how exact they are.
+/// The factor to the tolerance when the first rays are integrated once more, to measure their errors.
 const EXACT: f64 = 0.04;
 /// By how much more the others may err where the first ones are found too exact. More would leave knots so far apart
 /// that what lies between them has kinks that cost more squares of a picture than it saves steps.
@@ -72,12 +72,12 @@ impl Wanted {
 
 pub(super) struct Builder<'a, S: Surface + ?Sized> {
     pub(super) surface: &'a S,
-    pub(super) space: &'a Space,
+    pub(super) layout: &'a ChartLayout,
     pub(super) start: &'a FanStart,
     pub(super) options: &'a FanOptions,
     pub(super) plan: RayPlan,
     pub(super) rays: Vec<Ray>,
-    pub(super) work: Work,
+    pub(super) work: GeodesicWork,
     pub(super) exhausted: bool,
     /// Pixels by which a ray is off for each unit of its estimated error.
     pub(super) factor: f64,
@@ -86,7 +86,7 @@ pub(super) struct Builder<'a, S: Surface + ?Sized> {
 /// Makes a fan.
 pub(super) fn build<S: Surface + ?Sized>(
     surface: &S,
-    space: &Space,
+    layout: &ChartLayout,
     start: &FanStart,
     options: &FanOptions,
 ) -> Sectors {
@@ -95,11 +95,11 @@ pub(super) fn build<S: Surface + ?Sized>(
         tolerance,
         ..*options
     };
-    let size = space.scale.size;
+    let size = layout.scale.size;
     let allowed = ALONG * tolerance * start.pixel;
     let mut builder = Builder {
         surface,
-        space,
+        layout,
         start,
         options: &options,
         plan: RayPlan {
@@ -114,7 +114,7 @@ pub(super) fn build<S: Surface + ?Sized>(
             beyond: (BEYOND * start.pixel).min(0.25 * start.reach),
         },
         rays: Vec::new(),
-        work: Work::default(),
+        work: GeodesicWork::default(),
         exhausted: false,
         factor: 0.0,
     };
@@ -156,24 +156,24 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
             limit: plan.limit.min(each),
             ..*plan
         };
-        let runners = wanted
+        let rays = wanted
             .iter()
             .enumerate()
             .map(|(id, wanted)| {
-                let mut runner = self.start.runner(wanted.angle, wanted.around, plan.first);
-                runner.id = id;
-                runner.tolerance_share = wanted.tolerance_share;
-                runner
+                let mut ray = self.start.ray(wanted.angle, wanted.around, plan.first);
+                ray.id = id;
+                ray.tolerance_share = wanted.tolerance_share;
+                ray
             })
             .collect();
-        let done = driver::drive_all(self.surface, self.space, plan, runners);
-        for runner in &done {
+        let done = driver::drive_all(self.surface, self.layout, plan, rays);
+        for ray in &done {
             // Less than what a ray may take had there been no other.
-            self.exhausted |= plan.limit < ONE_RAY && runner.evaluations + LEAST > plan.limit;
+            self.exhausted |= plan.limit < ONE_RAY && ray.evaluations + LEAST > plan.limit;
             self.work.rays += 1;
-            self.work.steps += runner.steps;
-            self.work.rejected += runner.rejected;
-            self.work.evaluations += runner.evaluations;
+            self.work.steps += ray.steps;
+            self.work.rejected += ray.rejected;
+            self.work.evaluations += ray.evaluations;
         }
         Some(done.into_iter().map(ActiveRay::finish).collect())
     }

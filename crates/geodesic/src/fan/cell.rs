@@ -3,13 +3,14 @@
 use std::f64::consts::PI;
 
 use super::border::{Stretch, edge, is_stretched};
-use super::coordinates::{CoordinateKind, FanChart, Space};
-use super::ray::{Ray, Sample, same};
+use super::coordinates::FanChart;
+use super::ray::{Ray, Sample};
+use crate::chart::{ChartLayout, turned};
 use crate::ends::{Coordinates, End};
-use crate::fan::Across;
+use crate::fan::Interpolation;
 use crate::status::Status;
 
-/// What lies at a place between two rays.
+/// The result of a place between two rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Found {
     /// The geodesic's end.
@@ -49,12 +50,12 @@ impl Point {
 
     /// Returns whether it is a point in the plain coordinates.
     fn is_plain(&self) -> bool {
-        self.chart.kind == CoordinateKind::Plain && self.is_finite()
+        self.chart.is_plain() && self.is_finite()
     }
 
     /// As an [`End`] at the arc length `s` > 0.
     #[inline(always)]
-    pub(super) fn end(&self, space: &Space, s: f64, error: f64) -> End {
+    pub(super) fn end(&self, layout: &ChartLayout, s: f64, error: f64) -> End {
         let m = self.m();
         let stretch = m / s;
         let across = if stretch.abs() > 0.1 {
@@ -71,21 +72,20 @@ impl Point {
             status: Status::Complete,
             error,
         };
-        if self.chart.kind == CoordinateKind::Plain {
+        if self.chart.is_plain() {
             return end;
         }
-        match (self.chart.kind, space.tip(self.chart.kind)) {
-            (CoordinateKind::Apex { axis, end: side }, Some(tip)) if tip.apex.smooth => End {
-                coordinates: Coordinates::Apex { axis, end: side },
+        match self.chart.apex_chart(layout) {
+            Some(chart) if !chart.apex.smooth => End {
+                at: chart.plain_point(self.at),
+                along: chart.plain_vector(self.at, self.along),
+                across: chart.plain_vector(self.at, across),
                 ..end
             },
-            (_, Some(tip)) => End {
-                at: tip.plain_point(self.at, self.chart.reference),
-                along: tip.plain_vector(self.at, self.along),
-                across: tip.plain_vector(self.at, across),
+            _ => End {
+                coordinates: self.chart.kind,
                 ..end
             },
-            (_, None) => end,
         }
     }
 }
@@ -96,15 +96,16 @@ pub(super) fn determinant(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// A sample in other coordinates.
-fn convert(space: &Space, sample: &Sample, chart: FanChart) -> Sample {
-    if same(&sample.chart, &chart) {
+fn convert(layout: &ChartLayout, sample: &Sample, chart: FanChart) -> Sample {
+    if sample.chart.is_same(&chart) {
         return *sample;
     }
-    if let (true, Some(tip)) = (sample.chart.kind == chart.kind, space.tip(chart.kind)) {
+    let (from, to) = (sample.chart.apex_chart(layout), chart.apex_chart(layout));
+    if let (true, Some(apex)) = (sample.chart.kind == chart.kind, &to) {
         // A cone unrolled along another line.
         // (`together` has seen to it that the tip does not lie between.)
-        let (sin, cos) = (tip.apex.rate * (sample.chart.reference - chart.reference)).sin_cos();
-        let turn = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
+        let (sin, cos) = (apex.apex.rate * (sample.chart.reference - chart.reference)).sin_cos();
+        let turn = |vector| turned([cos, sin], vector);
         return Sample {
             chart,
             at: turn(sample.at),
@@ -113,73 +114,68 @@ fn convert(space: &Space, sample: &Sample, chart: FanChart) -> Sample {
             normal: turn(sample.normal),
         };
     }
-    let plain = match space.tip(sample.chart.kind) {
-        None => *sample,
-        Some(tip) => {
-            let vector = |v| tip.plain_vector(sample.at, v);
-            Sample {
-                chart: FanChart::PLAIN,
-                at: tip.plain_point(sample.at, sample.chart.reference),
-                along: vector(sample.along),
-                jacobi: [vector(sample.jacobi[0]), [f64::NAN; 2]],
-                normal: vector(sample.normal),
-            }
+    let plain = from.map_or(*sample, |from| {
+        let vector = |v| from.plain_vector(sample.at, v);
+        Sample {
+            chart: FanChart::PLAIN,
+            at: from.plain_point(sample.at),
+            along: vector(sample.along),
+            jacobi: [vector(sample.jacobi[0]), [f64::NAN; 2]],
+            normal: vector(sample.normal),
         }
-    };
-    match space.tip(chart.kind) {
-        None => plain,
-        Some(tip) => {
-            let vector = |v| tip.vector(plain.at, chart.reference, v);
-            Sample {
-                chart,
-                at: tip.point(plain.at, chart.reference),
-                along: vector(plain.along),
-                jacobi: [vector(plain.jacobi[0]), [f64::NAN; 2]],
-                normal: vector(plain.normal),
-            }
+    });
+    to.map_or(plain, |to| {
+        let vector = |v| to.vector(plain.at, v);
+        Sample {
+            chart,
+            at: to.point(plain.at),
+            along: vector(plain.along),
+            jacobi: [vector(plain.jacobi[0]), [f64::NAN; 2]],
+            normal: vector(plain.normal),
         }
-    }
+    })
 }
 
 /// Both samples in common coordinates, those of an apex where both are near it.
 #[inline(never)]
-fn together(space: &Space, a: Sample, mut b: Sample) -> (Sample, Sample) {
-    if let (true, Some(tip)) = (a.chart.kind == b.chart.kind, space.tip(a.chart.kind))
-        && !tip.apex.smooth
+fn together(layout: &ChartLayout, a: Sample, mut b: Sample) -> (Sample, Sample) {
+    let charts = [a, b].map(|sample| layout.apex_chart(sample.chart.kind));
+    if let (true, Some(apex)) = (a.chart.kind == b.chart.kind, charts[0])
+        && !apex.apex.smooth
     {
         // The tip of a cone between both: no surface lies there, only the cut along which it was unrolled.
         let angle = |sample: &Sample| {
-            sample.at[1].atan2(sample.at[0]) + tip.apex.rate * sample.chart.reference
+            sample.at[1].atan2(sample.at[0]) + apex.apex.rate * sample.chart.reference
         };
         if (angle(&a) - angle(&b)).abs() > PI {
             b.at = [f64::NAN; 2];
         }
     }
-    if same(&a.chart, &b.chart) {
+    if a.chart.is_same(&b.chart) {
         return (a, b);
     }
-    let chart = match (space.tip(a.chart.kind), space.tip(b.chart.kind)) {
-        (Some(_), Some(_)) if a.chart.kind == b.chart.kind => a.chart,
-        (Some(tip), None) if tip.apex.smooth && tip.holds(b.at) => a.chart,
-        (None, Some(tip)) if tip.apex.smooth && tip.holds(a.at) => b.chart,
+    let chart = match charts {
+        [Some(_), Some(_)] if a.chart.kind == b.chart.kind => a.chart,
+        [Some(pole), None] if pole.apex.smooth && pole.holds(b.at) => a.chart,
+        [None, Some(pole)] if pole.apex.smooth && pole.holds(a.at) => b.chart,
         _ => FanChart::PLAIN,
     };
-    (convert(space, &a, chart), convert(space, &b, chart))
+    (convert(layout, &a, chart), convert(layout, &b, chart))
 }
 
 /// Both rays at an arc length, in common coordinates; `None` where they are not known there.
 pub(super) fn pair(
-    space: &Space,
+    layout: &ChartLayout,
     [a, b]: [&Ray; 2],
     width: f64,
     s: f64,
 ) -> Option<(Sample, Sample)> {
     let (mut a, mut b) = (a.at(s)?, b.at(s)?);
-    if a.chart.kind != CoordinateKind::Plain || b.chart.kind != CoordinateKind::Plain {
-        (a, b) = together(space, a, b);
+    if !a.chart.is_plain() || !b.chart.is_plain() {
+        (a, b) = together(layout, a, b);
     }
-    if a.chart.kind == CoordinateKind::Plain {
-        lift(&a, &mut b, space.periods(), width);
+    if a.chart.is_plain() {
+        lift(&a, &mut b, layout.periods(), width);
     }
     Some((a, b))
 }
@@ -187,8 +183,8 @@ pub(super) fn pair(
 /// Interpolates between rays that are `width` apart in angle, at the share `t` of the way, at the arc length `s`.
 #[inline(always)]
 pub(super) fn between(
-    space: &Space,
-    across: Across,
+    layout: &ChartLayout,
+    interpolation: Interpolation,
     [a, b]: [&Ray; 2],
     width: f64,
     t: f64,
@@ -205,8 +201,8 @@ pub(super) fn between(
             )
         }
     };
-    if a.chart.kind != CoordinateKind::Plain || b.chart.kind != CoordinateKind::Plain {
-        (a, b) = together(space, a, b);
+    if !a.chart.is_plain() || !b.chart.is_plain() {
+        (a, b) = together(layout, a, b);
     }
     if let Some(stretch) = &stretched {
         for (ray, slope) in [&mut a, &mut b].into_iter().zip(stretch.slopes) {
@@ -215,12 +211,12 @@ pub(super) fn between(
             ray.jacobi[1] = [f64::NAN; 2];
         }
     }
-    if a.chart.kind == CoordinateKind::Plain {
-        lift(&a, &mut b, space.periods(), width);
+    if a.chart.is_plain() {
+        lift(&a, &mut b, layout.periods(), width);
     }
-    let mut point = match across {
-        Across::Hermite => hermite(&a, &b, width, t),
-        Across::Linear => Point {
+    let mut point = match interpolation {
+        Interpolation::Hermite => hermite(&a, &b, width, t),
+        Interpolation::Linear => Point {
             chart: a.chart,
             at: mix(a.at, b.at, t),
             along: mix(a.along, b.along, t),
@@ -276,7 +272,7 @@ fn hermite(a: &Sample, b: &Sample, width: f64, t: f64) -> Point {
 /// finds, for less.
 #[inline(always)]
 pub(super) fn look_free(
-    space: &Space,
+    layout: &ChartLayout,
     periods: [f64; 2],
     rays: [&Ray; 2],
     width: f64,
@@ -284,12 +280,12 @@ pub(super) fn look_free(
     s: f64,
 ) -> Option<Point> {
     let (a, mut b) = (rays[0].at(s)?, rays[1].at(s)?);
-    if a.chart.kind != CoordinateKind::Plain || b.chart.kind != CoordinateKind::Plain {
+    if !a.chart.is_plain() || !b.chart.is_plain() {
         return None;
     }
     lift(&a, &mut b, periods, width);
     let point = hermite(&a, &b, width, t);
-    (point.is_finite() && space.beyond_edge(point.at).is_none()).then_some(point)
+    (point.is_finite() && layout.beyond_edge(point.at).is_none()).then_some(point)
 }
 
 /// Brings the second sample near the first one: behind a pole the lifts may be periods apart, and the field says where
@@ -305,11 +301,11 @@ fn lift(a: &Sample, b: &mut Sample, periods: [f64; 2], width: f64) {
     }
 }
 
-/// What lies at the share `t` between two rays, at the arc length `s`.
+/// Returns the result at the share `t` between two rays, at the arc length `s`.
 #[inline(always)]
 pub(super) fn look(
-    space: &Space,
-    across: Across,
+    layout: &ChartLayout,
+    interpolation: Interpolation,
     rays: [&Ray; 2],
     width: f64,
     t: f64,
@@ -335,22 +331,22 @@ pub(super) fn look(
         && let Some((edge, status)) = edge(rays, width, t)
         && s > edge
     {
-        return match between(space, across, rays, width, t, s) {
+        return match between(layout, interpolation, rays, width, t, s) {
             Some(point) if status == Status::LeftDomain && point.is_plain() => Found::Beyond(point),
             _ => Found::Ended(status),
         };
     }
-    let Some(point) = between(space, across, rays, width, t, s) else {
+    let Some(point) = between(layout, interpolation, rays, width, t, s) else {
         return match edge(rays, width, t) {
             Some((edge, status)) if s > edge => Found::Ended(status),
             _ => Found::Unknown,
         };
     };
     if !stretched
-        && point.chart.kind == CoordinateKind::Plain
-        && let Some((axis, end)) = space.beyond_edge(point.at)
+        && point.chart.is_plain()
+        && let Some((axis, end)) = layout.beyond_edge(point.at)
     {
-        return if space.is_collapsed(axis, end) {
+        return if layout.apexes[axis][end].is_some() {
             Found::Ended(Status::ConePoint)
         } else if point.is_plain() {
             Found::Beyond(point)
@@ -368,8 +364,8 @@ pub(super) fn look(
 /// The length on the surface between what two rays say about a third one, at an arc length: what is seen of it, and
 /// the position of the largest error that an odd one would have. `None` where there is nothing to compare.
 pub(super) fn discrepancy(
-    space: &Space,
-    across: Across,
+    layout: &ChartLayout,
+    interpolation: Interpolation,
     rays: [&Ray; 2],
     width: f64,
     middle: &Ray,
@@ -377,7 +373,7 @@ pub(super) fn discrepancy(
     s: f64,
 ) -> Option<f64> {
     let truth = middle.at(s)?;
-    let guess = between(space, across, rays, width, t, s)?;
+    let guess = between(layout, interpolation, rays, width, t, s)?;
     let guess = Sample {
         chart: guess.chart,
         at: guess.at,
@@ -385,10 +381,10 @@ pub(super) fn discrepancy(
         jacobi: [guess.turning, [f64::NAN; 2]],
         normal: guess.normal,
     };
-    let (truth, guess) = together(space, truth, guess);
+    let (truth, guess) = together(layout, truth, guess);
     let mut off = [0, 1].map(|k| guess.at[k] - truth.at[k]);
-    if truth.chart.kind == CoordinateKind::Plain {
-        let periods = space.periods();
+    if truth.chart.is_plain() {
+        let periods = layout.periods();
         for k in 0..2 {
             if periods[k] > 0.0 {
                 off[k] -= periods[k] * (off[k] / periods[k]).round();
@@ -400,9 +396,9 @@ pub(super) fn discrepancy(
         let (x, y) = (determinant(v, truth.normal), determinant(truth.along, v));
         (x * x + y * y).sqrt() / area.abs()
     };
-    let bend = match across {
+    let bend = match interpolation {
         // An error odd about the middle does not show there but in its slope.
-        Across::Hermite if t == 0.5 => {
+        Interpolation::Hermite if t == 0.5 => {
             0.143 * width * length([0, 1].map(|k| guess.jacobi[0][k] - truth.jacobi[0][k]))
         }
         _ => 0.0,

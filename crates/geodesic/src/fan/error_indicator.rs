@@ -1,4 +1,4 @@
-//! What the rays of a fan say by themselves about the errors between them: neighbouring sectors in, errors out.
+//! Indicators of the errors between the rays of a fan, from the rays themselves: neighbouring sectors in, errors out.
 //!
 //! Between two rays the end is a cubic in the angle, whose third derivative is a constant. From one sector to the next it
 //! jumps, by the fourth derivative of the true end times the distance of the sectors' middles; and that derivative makes
@@ -6,9 +6,10 @@
 //! f⁗/4! (w/2)⁴ (Stoer, Bulirsch, *Introduction to Numerical Analysis*, section 2.1.5).
 
 use super::cell;
-use super::coordinates::{CoordinateKind, Space};
 use super::ray::Ray;
 use super::sectors::{BINS, Sector};
+use crate::chart::ChartLayout;
+use crate::ends::Coordinates;
 
 /// Sectors are compared whose widths differ by no more than this factor: beside a much narrower one lies what made that
 /// one narrow.
@@ -19,16 +20,16 @@ const STRIDE: usize = 2;
 /// The third derivatives by the angle of a sector's cubic.
 #[derive(Clone, Copy, Debug)]
 struct Third {
-    kind: CoordinateKind,
+    kind: Coordinates,
     value: [f64; 2],
     /// The unit tangent and normal of its second ray.
     axes: [[f64; 2]; 2],
 }
 
-/// The largest errors that the picture shows of each sector, in pixels; 0 where nothing can be told. The sectors are
+/// The largest errors that the picture shows of each sector, in pixels; 0 where nothing is known. The sectors are
 /// given in the order of their angles, all around.
 pub(super) fn between(
-    space: &Space,
+    layout: &ChartLayout,
     rays: &[Ray],
     sectors: &[&Sector],
     reach: f64,
@@ -36,7 +37,7 @@ pub(super) fn between(
 ) -> Vec<f64> {
     let third = |sector: &Sector, s: f64| {
         let pair = sector.rays.map(|ray| &rays[ray]);
-        let (a, b) = cell::pair(space, pair, sector.width, s)?;
+        let (a, b) = cell::pair(layout, pair, sector.width, s)?;
         let w = sector.width;
         let value = [0, 1].map(|k| {
             let (chord, slopes) = (a.at[k] - b.at[k], a.jacobi[0][k] + b.jacobi[0][k]);

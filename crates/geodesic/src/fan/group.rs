@@ -1,24 +1,26 @@
 //! Eight rays side by side: one step of all tried, each lane's taken or refused, and what it meets.
 //!
-//! What flows in: runners in the same coordinates, a step's length. What flows out: the runners a step farther on, which
+//! What flows in: rays in the same coordinates, a step's length. What flows out: the rays a step farther on, which
 //! of them are still in the group, the next step's length.
 
 use super::active_ray::ActiveRay;
-use super::coordinates::{FanChart, Space};
+use super::coordinates::FanChart;
 use super::driver::RayPlan;
-use super::event::{HIT, hits, leaves};
-use super::lanes::{Field, LaneLocals, LaneStates, STAGES, Trial, normals};
+use super::event::leaves;
+use super::lanes::{Field, LaneLocals, LaneStep, STAGES};
 use super::ray::{Knot, Segment};
 use expr::processor::{Processor, Work};
 
-use crate::chart::{Atlas, State};
+use crate::chart::{Atlas, ChartLayout};
 use crate::integrate;
-use crate::runge_kutta::DOPRI5;
+use crate::runge_kutta::{DOPRI5, States};
 use crate::status::Status;
 use crate::surface::{LANES, Lanes, Surface};
 
 /// The most evaluations to find out why steps lead nowhere.
 const CAREFUL: u64 = 4000;
+/// Steps shorter than so many of the plan's shortest ones of full error have something singular near by.
+const SHORT: f64 = 3.0;
 /// The most steps beyond an edge.
 const STEPS_BEYOND: u32 = 3;
 /// A cone is unrolled anew when a ray has turned about its tip by this angle.
@@ -28,7 +30,7 @@ const TURN: f64 = 2.0;
 pub(super) struct Group<'a, S: Surface + ?Sized> {
     field: Field<'a, S>,
     plan: &'a RayPlan,
-    state: LaneStates,
+    state: States<LANES>,
     local: LaneLocals,
     sides: Lanes,
     /// Those that are still on their way in it.
@@ -37,42 +39,42 @@ pub(super) struct Group<'a, S: Surface + ?Sized> {
 }
 
 /// A step of all lanes, compiled for the processor's vectors.
-struct LaneStep<'a, 'f, S: Surface + ?Sized> {
+struct StepWork<'a, 'f, S: Surface + ?Sized> {
     field: &'a Field<'f, S>,
-    state: &'a LaneStates,
+    state: &'a States<LANES>,
     local: &'a LaneLocals,
     h: f64,
 }
 
-impl<S: Surface + ?Sized> Work for LaneStep<'_, '_, S> {
-    type Output = Trial;
+impl<S: Surface + ?Sized> Work for StepWork<'_, '_, S> {
+    type Output = LaneStep;
     #[inline(always)]
-    fn run(self) -> Trial {
+    fn run(self) -> LaneStep {
         self.field.step(self.state, self.local, self.h)
     }
 }
 
 impl<'a, S: Surface + ?Sized> Group<'a, S> {
-    /// Up to eight runners in the same coordinates; `None` where there are none.
+    /// Up to eight rays in the same coordinates; `None` where there are none.
     pub(super) fn of(
         surface: &'a S,
-        space: &'a Space,
+        layout: &'a ChartLayout,
         plan: &'a RayPlan,
-        runners: &[ActiveRay],
+        rays: &[ActiveRay],
     ) -> Option<Self> {
-        let count = runners.len().min(LANES);
-        let kind = runners.first().map(|runner| runner.chart.kind)?;
-        let handedness = space.tip(kind).map_or(1.0, |tip| tip.handedness());
+        let count = rays.len().min(LANES);
+        let chart = layout.apex_chart(rays.first()?.chart.kind);
+        let handedness = chart.map_or(1.0, |chart| chart.handedness());
         let lane = |of: &dyn Fn(&ActiveRay) -> f64| -> Lanes {
-            std::array::from_fn(|lane| of(&runners[lane.min(count - 1)]))
+            std::array::from_fn(|lane| of(&rays[lane.min(count - 1)]))
         };
         let zero = [0.0; LANES];
         let one = [1.0; LANES];
         Some(Self {
             field: Field {
                 surface,
-                space,
-                kind,
+                layout,
+                chart,
                 reference: lane(&|r| r.chart.reference),
             },
             plan,
@@ -94,31 +96,30 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
     }
 
     /// Evaluates at the start, and puts the first knots.
-    pub(super) fn begin(&mut self, runners: &mut [ActiveRay]) {
+    pub(super) fn begin(&mut self, rays: &mut [ActiveRay]) {
         self.field.local(&self.state, &mut self.local);
         let knots = self.knots(&self.state, &self.local);
-        for (lane, runner) in runners.iter_mut().enumerate() {
-            runner.evaluations += 1;
+        for (lane, ray) in rays.iter_mut().enumerate() {
+            ray.evaluations += 1;
             let [x, y] = self.local.acceleration;
             if !(x[lane].is_finite() && y[lane].is_finite()) {
                 self.active[lane] = false;
-                self.stall(runner);
+                self.stall(ray);
                 continue;
             }
             let mut knot = knots[lane];
-            knot.s = runner.s;
-            knot.m = runner.m;
-            let chart = runner.chart;
-            let goes_on = runner.segments.last().is_some_and(|last| {
-                super::ray::same(&last.chart, &chart)
-                    && last.knots.last().is_some_and(|last| last.s == knot.s)
+            knot.s = ray.s;
+            knot.m = ray.m;
+            let chart = ray.chart;
+            let goes_on = ray.segments.last().is_some_and(|last| {
+                last.chart.is_same(&chart) && last.knots.last().is_some_and(|last| last.s == knot.s)
             });
             if !goes_on {
-                runner.segments.push(Segment {
+                ray.segments.push(Segment {
                     chart,
                     knots: Vec::with_capacity(32),
                 });
-                if let Some(segment) = runner.segments.last_mut() {
+                if let Some(segment) = ray.segments.last_mut() {
                     segment.knots.push(knot);
                 }
             }
@@ -127,9 +128,9 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
 
     /// The lanes' knots, their arc lengths and Jacobi fields apart.
     #[inline(always)]
-    fn knots(&self, state: &LaneStates, local: &LaneLocals) -> [Knot; LANES] {
+    fn knots(&self, state: &States<LANES>, local: &LaneLocals) -> [Knot; LANES] {
         let velocity = [state[2], state[3]];
-        let [n, n1] = normals(&local.jets, &velocity, &self.sides);
+        let [n, n1] = local.normals(&velocity, &self.sides);
         std::array::from_fn(|l| Knot {
             s: 0.0,
             at: [state[0][l], state[1][l]],
@@ -146,8 +147,8 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
     /// lanes that refuse it, or whose next step would be much shorter than that of the others, leave the group and go on in
     /// another one. So neither does one hard ray make seven easy ones slow, nor are evaluations thrown away when nearly all
     /// lanes were content.
-    pub(super) fn attempt(&mut self, runners: &mut [ActiveRay], h: f64) -> f64 {
-        let trial = self.processor.run(LaneStep {
+    pub(super) fn attempt(&mut self, rays: &mut [ActiveRay], h: f64) -> f64 {
+        let trial = self.processor.run(StepWork {
             field: &self.field,
             state: &self.state,
             local: &self.local,
@@ -156,43 +157,42 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
         let mut factors = [f64::INFINITY; LANES];
         let mut failed = [false; LANES];
         let (mut good, mut bad) = (0, 0);
-        for (lane, runner) in runners.iter_mut().enumerate() {
+        for (lane, ray) in rays.iter_mut().enumerate() {
             if !self.active[lane] {
                 continue;
             }
-            runner.evaluations += STAGES;
-            let excess = self.excess(runner, &trial, lane, h);
-            if runner.stop.is_some() {
-                // Beyond an edge nothing needs to be found, and nobody waits.
+            ray.evaluations += STAGES;
+            let excess = self.excess(ray, &trial, lane, h);
+            if ray.stop.is_some() {
+                // Beyond an edge nothing needs to be found, and the group does not wait.
                 self.active[lane] = excess <= 1.0;
                 continue;
             }
             // Single precision is enough for a factor.
-            let factor = 0.9 * f64::from((excess as f32).powf(-0.2));
-            // NaN is a failure, too.
-            failed[lane] = excess.is_nan() || excess > 1.0;
-            factors[lane] = if failed[lane] {
-                factor.clamp(0.1, 0.9)
-            } else {
-                factor.clamp(0.2, 5.0)
-            };
-            if failed[lane] {
-                bad += 1;
-            } else {
-                good += 1;
+            let root = f64::from((excess as f32).powf(-0.2));
+            match ray.control.judge(root, f64::INFINITY) {
+                Ok(factor) => {
+                    factors[lane] = factor;
+                    good += 1;
+                }
+                Err(factor) => {
+                    factors[lane] = factor;
+                    failed[lane] = true;
+                    bad += 1;
+                }
             }
         }
         let least = factors.iter().fold(f64::INFINITY, |least, x| least.min(*x));
         if bad > 0 && (good < bad || least > 0.5) {
-            for (lane, runner) in runners.iter_mut().enumerate() {
-                if self.active[lane] && runner.stop.is_none() {
-                    runner.rejected += 1;
-                    runner.h = h * least;
+            for (lane, ray) in rays.iter_mut().enumerate() {
+                if self.active[lane] && ray.stop.is_none() {
+                    ray.rejected += 1;
+                    ray.h = h * least;
                     if h * factors[lane] < self.plan.shortest
-                        || runner.evaluations + STAGES > self.plan.limit
+                        || ray.evaluations + STAGES > self.plan.limit
                     {
                         self.active[lane] = false;
-                        self.stall(runner);
+                        self.stall(ray);
                     }
                 }
             }
@@ -201,44 +201,44 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
         // The step is taken; the few that failed go on in another group.
         let knots = self.knots(&trial.end, &trial.local);
         let mut next = f64::INFINITY;
-        for (lane, runner) in runners.iter_mut().enumerate() {
+        for (lane, ray) in rays.iter_mut().enumerate() {
             if !self.active[lane] {
                 continue;
             }
-            if runner.stop.is_some() {
-                self.active[lane] = self.go_beyond(runner, &trial, lane, h, knots[lane]);
+            if ray.stop.is_some() {
+                self.active[lane] = self.go_beyond(ray, &trial, lane, h, knots[lane]);
                 continue;
             }
-            runner.h = h * factors[lane];
+            ray.h = h * factors[lane];
             if failed[lane] {
-                runner.rejected += 1;
+                ray.rejected += 1;
                 self.active[lane] = false;
-                if runner.h < self.plan.shortest || runner.evaluations + STAGES > self.plan.limit {
-                    self.stall(runner);
+                if ray.h < self.plan.shortest || ray.evaluations + STAGES > self.plan.limit {
+                    self.stall(ray);
                 }
                 continue;
             }
-            self.accept(runner, &trial, lane, h, knots[lane]);
-            if self.active[lane] && runner.stop.is_none() {
-                next = next.min(runner.h);
+            self.accept(ray, &trial, lane, h, knots[lane]);
+            if self.active[lane] && ray.stop.is_none() {
+                next = next.min(ray.h);
             }
         }
         // So do those that would hold up the others.
-        let goes = |lane: usize| self.active[lane] && runners[lane].stop.is_none();
-        let going = (0..runners.len()).filter(|&lane| goes(lane)).count();
-        let slow = |runner: &ActiveRay| runner.h < 1.5 * next;
-        let slower = (0..runners.len())
-            .filter(|&lane| goes(lane) && slow(&runners[lane]))
+        let goes = |lane: usize| self.active[lane] && rays[lane].stop.is_none();
+        let going = (0..rays.len()).filter(|&lane| goes(lane)).count();
+        let slow = |ray: &ActiveRay| ray.h < 1.5 * next;
+        let slower = (0..rays.len())
+            .filter(|&lane| goes(lane) && slow(&rays[lane]))
             .count();
-        let others = runners
+        let others = rays
             .iter()
             .enumerate()
-            .filter(|(lane, runner)| goes(*lane) && !slow(runner))
-            .map(|(_, runner)| runner)
-            .fold(f64::INFINITY, |least, runner| least.min(runner.h));
+            .filter(|(lane, ray)| goes(*lane) && !slow(ray))
+            .map(|(_, ray)| ray)
+            .fold(f64::INFINITY, |least, ray| least.min(ray.h));
         if slower * 2 <= going && others > 2.5 * next {
-            for (lane, runner) in runners.iter().enumerate() {
-                if self.active[lane] && runner.stop.is_none() && slow(runner) {
+            for (lane, ray) in rays.iter().enumerate() {
+                if self.active[lane] && ray.stop.is_none() && slow(ray) {
                     self.active[lane] = false;
                 }
             }
@@ -254,39 +254,31 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
     }
 
     /// A lane's error over what is allowed; NaN where anything is undefined.
-    fn excess(&self, runner: &ActiveRay, trial: &Trial, lane: usize, h: f64) -> f64 {
-        let [n, m] = [trial.fields[0][lane], trial.fields[1][lane]];
-        let field = (n * runner.m[0] + m * runner.m[1]).abs();
-        let error = trial.position[lane]
-            + self.plan.length_scale * trial.direction[lane]
+    fn excess(&self, ray: &ActiveRay, trial: &LaneStep, lane: usize, h: f64) -> f64 {
+        let [.., m, _, n, _] = trial.error.map(|errors| errors[lane]);
+        let field = (n * ray.m[0] + m * ray.m[1]).abs();
+        let error = trial.position_error[lane]
+            + self.plan.length_scale * trial.direction_error[lane]
             + self.plan.field * field;
-        let mut excess = error / (runner.tolerance_share * self.plan.rate * h.max(self.plan.least));
+        let mut excess = error / (ray.tolerance_share * self.plan.rate * h.max(self.plan.least));
         let [x, y] = trial.local.acceleration;
         if !(x[lane].is_finite() && y[lane].is_finite() && trial.local.curvature[lane].is_finite())
         {
             return f64::NAN;
         }
         let end = [trial.end[0][lane], trial.end[1][lane]];
-        let space = self.field.space;
-        match space.tip(self.field.kind) {
+        match self.field.chart {
             None => {
-                if space.needs_apex(end) {
+                if self.field.layout.needs_apex_chart(end) {
                     excess = excess.max(20.0);
                 }
             }
-            Some(tip) => {
-                if tip.oversteps(end) {
+            Some(chart) => {
+                if chart.oversteps(end) {
                     excess = excess.max(20.0);
                 }
-                if !tip.apex.smooth {
-                    // Towards the tip of a cone so that it stays ahead, away from it twice the distance.
-                    let ([a, b], [x, y]) = (runner.at, runner.velocity);
-                    let r = a.hypot(b).max(HIT * tip.radius);
-                    let longest = if a * x + b * y < 0.0 {
-                        0.75 * r
-                    } else {
-                        2.0 * r
-                    } / x.hypot(y);
+                if !chart.apex.smooth {
+                    let longest = chart.longest(ray.state());
                     excess = excess.max((h / longest).powi(5) * 0.999);
                 }
             }
@@ -294,78 +286,65 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
         excess
     }
 
-    fn accept(&mut self, runner: &mut ActiveRay, trial: &Trial, lane: usize, h: f64, knot: Knot) {
-        let space = self.field.space;
-        let from = State {
-            at: runner.at,
-            velocity: runner.velocity,
-        };
+    fn accept(&mut self, ray: &mut ActiveRay, trial: &LaneStep, lane: usize, h: f64, knot: Knot) {
+        let layout = self.field.layout;
+        let from = ray.state();
         let before = [
             self.local.acceleration[0][lane],
             self.local.acceleration[1][lane],
         ];
-        let s = runner.s;
-        let [[n, m], [n1, m1]] = fields(trial, lane);
-        let [p, x, d] = runner.errors;
-        let direction = trial.direction[lane];
-        let position = trial.position[lane].max(h * direction);
-        runner.errors = [
-            n * n * p + 2.0 * n * m * x + m * m * d + position * position,
-            n * n1 * p + (n * m1 + m * n1) * x + m * m1 * d,
-            n1 * n1 * p + 2.0 * n1 * m1 * x + m1 * m1 * d + direction * direction,
-        ];
-        runner.note_error(s, s + h, self.plan.reach);
-        // Steps that have been shrinking, towards something singular, will go on to shrink.
-        if h < runner.last && h < 3.0 * self.plan.least {
-            runner.h *= (h / runner.last).max(0.5);
-        }
-        runner.last = h;
-        runner.step(h, fields(trial, lane), knot);
-        match space.tip(self.field.kind) {
+        let s = ray.s;
+        let direction = trial.direction_error[lane];
+        let position = trial.position_error[lane].max(h * direction);
+        ray.errors.add(fields(trial, lane), position, direction);
+        ray.note_error(s, s + h, self.plan.reach);
+        ray.h *= ray.control.trend(h, SHORT * self.plan.least);
+        ray.control.accept(h);
+        ray.step(h, fields(trial, lane), knot);
+        match self.field.chart {
             None => {
-                if let Some((share, edge)) = leaves(space, &from, before, &knot, h) {
-                    self.active[lane] = self.leave(runner, s + share * h, edge);
+                if let Some((share, edge)) = leaves(layout, &from, before, &knot, h) {
+                    self.active[lane] = self.leave(ray, s + share * h, edge);
                     return;
                 }
             }
-            Some(tip) => {
+            Some(chart) => {
                 let principal = knot.at[1].atan2(knot.at[0]);
-                let turn = principal - runner.turned;
-                runner.turned +=
-                    turn - std::f64::consts::TAU * (turn / std::f64::consts::TAU).round();
-                if !tip.apex.smooth && hits(&from, &knot, tip.radius) {
+                let turn = principal - ray.turned;
+                ray.turned += turn - std::f64::consts::TAU * (turn / std::f64::consts::TAU).round();
+                if !chart.apex.smooth && chart.is_hit_between(from.at, knot.at) {
                     self.active[lane] = false;
-                    runner.stop(runner.s, Status::ConePoint);
+                    ray.stop(ray.s, Status::ConePoint);
                     return;
                 }
             }
         }
-        if runner.s >= runner.length * (1.0 - 1e-14) {
-            runner.done = true;
+        if ray.s >= ray.length * (1.0 - 1e-14) {
+            ray.done = true;
             self.active[lane] = false;
             return;
         }
-        if runner.evaluations + STAGES > self.plan.limit {
-            runner.stop(runner.s, Status::WorkLimit);
+        if ray.evaluations + STAGES > self.plan.limit {
+            ray.stop(ray.s, Status::WorkLimit);
             self.active[lane] = false;
             return;
         }
-        if runner.h < self.plan.shortest {
+        if ray.h < self.plan.shortest {
             self.active[lane] = false;
-            self.stall(runner);
+            self.stall(ray);
             return;
         }
-        let chart = match space.tip(self.field.kind) {
-            None => space.chart_near(knot.at),
-            Some(tip) if tip.is_left_at(knot.at) => Some(FanChart::PLAIN),
-            Some(tip) if !tip.apex.smooth && runner.turned.abs() > TURN => Some(FanChart {
-                kind: self.field.kind,
-                reference: runner.chart.reference + runner.turned / tip.apex.rate,
+        let chart = match self.field.chart {
+            None => layout.chart_near(knot.at).map(|chart| FanChart::of(&chart)),
+            Some(chart) if chart.is_left_at(knot.at) => Some(FanChart::PLAIN),
+            Some(chart) if !chart.apex.smooth && ray.turned.abs() > TURN => Some(FanChart {
+                reference: ray.chart.reference + ray.turned / chart.apex.rate,
+                ..ray.chart
             }),
             Some(_) => None,
         };
         if let Some(chart) = chart {
-            runner.enter(space, chart);
+            ray.enter(layout, chart);
             self.active[lane] = false;
         }
     }
@@ -373,27 +352,27 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
     /// Follows a ray beyond an edge; says whether it goes on.
     fn go_beyond(
         &self,
-        runner: &mut ActiveRay,
-        trial: &Trial,
+        ray: &mut ActiveRay,
+        trial: &LaneStep,
         lane: usize,
         h: f64,
         knot: Knot,
     ) -> bool {
-        runner.step(h, fields(trial, lane), knot);
-        runner.beyond += 1;
-        self.goes_beyond(runner)
+        ray.step(h, fields(trial, lane), knot);
+        ray.beyond += 1;
+        self.goes_beyond(ray)
     }
 
-    fn goes_beyond(&self, runner: &ActiveRay) -> bool {
-        runner.beyond < STEPS_BEYOND
-            && runner.way(self.plan.beyond) > 0.0
-            && runner.evaluations + STAGES <= self.plan.limit
+    fn goes_beyond(&self, ray: &ActiveRay) -> bool {
+        ray.beyond < STEPS_BEYOND
+            && ray.way(self.plan.beyond) > 0.0
+            && ray.evaluations + STAGES <= self.plan.limit
     }
 
     /// Ends a ray at an edge; says whether it is worth following beyond.
-    fn leave(&self, runner: &mut ActiveRay, s: f64, (axis, end): (usize, usize)) -> bool {
-        let collapsed = self.field.space.is_collapsed(axis, end);
-        runner.stop(
+    fn leave(&self, ray: &mut ActiveRay, s: f64, (axis, end): (usize, usize)) -> bool {
+        let collapsed = self.field.layout.apexes[axis][end].is_some();
+        ray.stop(
             s,
             if collapsed {
                 Status::ConePoint
@@ -401,23 +380,18 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
                 Status::LeftDomain
             },
         );
-        runner.aim(axis, end);
-        !collapsed && self.goes_beyond(runner)
+        ray.aim(axis, end);
+        !collapsed && self.goes_beyond(ray)
     }
 
-    /// Where steps lead nowhere, one careful integration says why, and where it ends.
-    fn stall(&self, runner: &mut ActiveRay) {
-        let space = self.field.space;
-        let (at, velocity) = runner.plain(space);
-        let (at, signs) = space.bring_back(at);
-        let velocity = [0, 1].map(|k| velocity[k] * signs[k]);
+    /// Ends a ray whose steps lead nowhere: one careful integration finds the reason, and the place.
+    fn stall(&self, ray: &mut ActiveRay) {
+        let layout = self.field.layout;
+        let mut state = ray.plain(layout);
+        layout.bring_state_back(&mut state);
         let atlas = Atlas::new(self.field.surface);
-        let way = (runner.length - runner.s).min(1e2 * self.plan.shortest);
-        let left = self
-            .plan
-            .limit
-            .saturating_sub(runner.evaluations)
-            .min(CAREFUL);
+        let way = (ray.length - ray.s).min(1e2 * self.plan.shortest);
+        let left = self.plan.limit.saturating_sub(ray.evaluations).min(CAREFUL);
         let plan = integrate::IntegrationPlan {
             tableau: &DOPRI5,
             tolerance: Some(self.plan.rate.clamp(1e-9, 1e-3)),
@@ -426,35 +400,35 @@ impl<'a, S: Surface + ?Sized> Group<'a, S> {
             charts: true,
             keep_path: false,
         };
-        let end = integrate::integrate(&atlas, State { at, velocity }, way, plan);
-        runner.evaluations += atlas.evaluations() as u64;
+        let end = integrate::integrate(&atlas, state, way, plan);
+        ray.evaluations += atlas.evaluations() as u64;
         let status = match end.status {
             // It passes what stopped the group: not known from here on.
             Status::Complete => Status::WorkLimit,
             status => status,
         };
         let s = if status == Status::WorkLimit {
-            runner.s
+            ray.s
         } else {
-            runner.s + end.length
+            ray.s + end.length
         };
-        runner.stop(s, status);
+        ray.stop(s, status);
         if status == Status::LeftDomain {
             let off = |axis: usize, side: usize| {
-                (end.state.at[axis] - space.domain[axis][side]).abs() / space.width(axis)
+                layout.beyond(end.state.at, (axis, side)).abs() / layout.width(axis)
             };
             let nearest = (0..4)
                 .map(|n| (n / 2, n % 2))
                 .min_by(|a, b| off(a.0, a.1).total_cmp(&off(b.0, b.1)));
             if let Some((axis, side)) = nearest {
-                runner.aim(axis, side);
+                ray.aim(axis, side);
             }
         }
     }
 }
 
-/// What a lane's fundamental fields have become in a step, with their derivatives: (n, m), (n', m').
-fn fields(trial: &Trial, lane: usize) -> [[f64; 2]; 2] {
+/// A lane's fundamental fields at the end of a step, with their derivatives: (n, m), (n', m').
+fn fields(trial: &LaneStep, lane: usize) -> [[f64; 2]; 2] {
     [
         [trial.end[6][lane], trial.end[4][lane]],
         [trial.end[7][lane], trial.end[5][lane]],

@@ -1,8 +1,9 @@
 //! A ray with dense output: knots of an integration in; position, Jacobi field and their derivatives at any arc
 //! length out.
 
-use super::coordinates::{CoordinateKind, FanChart};
+use super::coordinates::FanChart;
 use super::sectors::{BINS, Profile, most};
+use crate::interpolate::quintic;
 use crate::status::Status;
 
 /// A ray's state at a step's end.
@@ -34,7 +35,7 @@ pub(super) struct Segment {
     pub(super) knots: Vec<Knot>,
 }
 
-/// Why, and where, a ray ends before its length.
+/// The end of a ray before its length.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stop {
     pub(super) s: f64,
@@ -43,7 +44,7 @@ pub(super) struct Stop {
     pub(super) edge: Option<(usize, usize)>,
     /// ds/dθ along the edge; NaN where it is not known.
     pub(super) slope: f64,
-    /// True if the ray itself tells the slope, and not its neighbours.
+    /// True if the slope follows from the ray itself, and not from its neighbours.
     pub(super) told: bool,
 }
 
@@ -70,9 +71,9 @@ pub(super) struct Ray {
     /// For each of equal parts of the way the last interval that begins before it.
     parts: Vec<u32>,
     by_part: f64,
-    /// As far as the intervals reach.
+    /// The arc length up to which the intervals reach.
     pub(super) end: f64,
-    /// How much farther than that they may be relied on.
+    /// The length beyond that up to which they are reliable.
     pub(super) slack: f64,
     pub(super) stop: Option<Stop>,
     /// The estimated error of its position in each range of radius, but for a factor that is much the same for all rays
@@ -163,13 +164,13 @@ impl Ray {
         f64::from(most(&self.off))
     }
 
-    /// How far it goes on the surface.
+    /// The arc length for which it goes on the surface.
     #[inline(always)]
     pub(super) fn limit(&self) -> f64 {
         self.stop.map_or(f64::INFINITY, |stop| stop.s)
     }
 
-    /// How far it tells what lies beside it: beyond an edge as far as it was followed.
+    /// The arc length up to which places beside it follow from it: beyond an edge as far as it was followed.
     pub(super) fn reach(&self) -> f64 {
         match &self.stop {
             None => f64::INFINITY,
@@ -267,22 +268,6 @@ impl Interval {
     }
 }
 
-/// The coefficients of the quintic with these values, first and second derivatives at both ends.
-fn quintic(h: f64, a: [f64; 3], b: [f64; 3]) -> [f64; 6] {
-    let (c0, c1, c2) = (a[0], h * a[1], 0.5 * h * h * a[2]);
-    let x = b[0] - c0 - c1 - c2;
-    let y = h * b[1] - c1 - 2.0 * c2;
-    let z = h * h * b[2] - 2.0 * c2;
-    [
-        c0,
-        c1,
-        c2,
-        10.0 * x - 4.0 * y + 0.5 * z,
-        -15.0 * x + 7.0 * y - z,
-        6.0 * x - 3.0 * y + 0.5 * z,
-    ]
-}
-
 /// J'' at a knot. At the centre m'' = 0, so that it is 2N'; elsewhere that of the quintic through J and J' at three
 /// knots, as it takes the derivative of the curvature.
 fn second(knots: &[Knot], n: usize) -> [f64; 2] {
@@ -335,9 +320,4 @@ fn confluent(t: (f64, f64, f64), p: (f64, f64, f64), q: (f64, f64, f64)) -> f64 
     let fourth = [(third[1] - third[0]) / tq, (third[2] - third[1]) / tq];
     let fifth = (fourth[1] - fourth[0]) / tq;
     2.0 * (second[0] - third[0] * tp + fourth[0] * tp * tp - fifth * tp * tp * tq)
-}
-
-/// The kinds of two charts, and whether points in both may be compared as they are.
-pub(super) fn same(a: &FanChart, b: &FanChart) -> bool {
-    a.kind == b.kind && (a.kind == CoordinateKind::Plain || a.reference == b.reference)
 }

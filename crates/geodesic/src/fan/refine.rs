@@ -3,7 +3,7 @@
 //! A new ray in the middle of a sector shows the error that interpolation makes there. In the halves it is a sixteenth
 //! of that, so that they need not be looked at, each, to be accepted.
 
-use super::Across;
+use super::Interpolation;
 use super::build::{ACROSS, Builder, Wanted};
 use super::ray::Ray;
 use super::sectors::{BINS, Profile, Sector, bin};
@@ -21,19 +21,19 @@ const LEFT_OUT: f64 = 2.0;
 const WRONG: f64 = 1e9;
 
 impl<S: Surface + ?Sized> Builder<'_, S> {
-    /// How much smaller the errors of a halved sector are.
+    /// The factor to the errors when a sector is halved.
     pub(super) fn order(&self) -> f32 {
-        match self.options.across {
-            Across::Hermite => 16.0,
-            Across::Linear => 4.0,
+        match self.options.interpolation {
+            Interpolation::Hermite => 16.0,
+            Interpolation::Linear => 4.0,
         }
     }
 
     /// The error at a share of the way between two rays, over the one in the middle.
     fn bulge(&self) -> fn(f64) -> f64 {
-        match self.options.across {
-            Across::Hermite => |t| 16.0 * (t * (1.0 - t)).powi(2),
-            Across::Linear => |t| 4.0 * t * (1.0 - t),
+        match self.options.interpolation {
+            Interpolation::Hermite => |t| 16.0 * (t * (1.0 - t)).powi(2),
+            Interpolation::Linear => |t| 4.0 * t * (1.0 - t),
         }
     }
 
@@ -104,8 +104,9 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         let last = last.min(middle.end);
         let probes = middle.probes(shares).filter(|s| *s < last);
         for s in probes.chain([last]) {
-            let across = self.options.across;
-            let Some(error) = cell::discrepancy(self.space, across, rays, width, middle, t, s)
+            let interpolation = self.options.interpolation;
+            let Some(error) =
+                cell::discrepancy(self.layout, interpolation, rays, width, middle, t, s)
             else {
                 continue;
             };
@@ -164,7 +165,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         inside.min(bin(sector.unknown_from, self.start.reach).saturating_sub(1))
     }
 
-    /// What the picture shows of the rays' own errors, of the worse one of both, in pixels.
+    /// The share that the picture shows of the rays' own errors, of the worse one of both, in pixels.
     pub(super) fn along(&self, sector: &Sector) -> Profile {
         let [a, b] = self.pair(sector);
         let [_, near_a, near_b] = &sector.seen;
@@ -172,7 +173,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         std::array::from_fn(|n| factor * (near_a[n] * a.off[n]).max(near_b[n] * b.off[n]))
     }
 
-    /// What is known of a sector that cannot be made better.
+    /// Marks how far a sector is known that cannot be made better.
     fn give_up(&self, sector: &mut Sector) {
         let inside = self.inside(sector);
         let wrong = (0..=inside)
@@ -254,7 +255,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         }
     }
 
-    /// Where rays end at no edge, how the place changes with the angle is told from their neighbours.
+    /// Finds the change of the end's place with the angle from the neighbours, where rays end at no edge.
     fn slopes(&mut self, sectors: &mut [Sector]) {
         let open = |ray: &Ray| ray.stop.is_some_and(|stop| !stop.told);
         if !self.rays.iter().any(open) {

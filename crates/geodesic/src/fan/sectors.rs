@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::border;
 use super::ray::Ray;
 use super::start::FanStart;
-use crate::ends::{Estimate, Work};
+use crate::ends::{Estimate, GeodesicWork};
 
 /// An error is known for each of so many ranges of radius.
 pub(super) const BINS: usize = 32;
@@ -13,7 +13,7 @@ pub(super) const BINS: usize = 32;
 /// Errors in pixels by ranges of radius.
 pub(super) type Profile = [f32; BINS];
 
-/// What lies between two neighbouring rays.
+/// The stretch between two neighbouring rays.
 #[derive(Clone, Debug)]
 pub(super) struct Sector {
     pub(super) rays: [usize; 2],
@@ -32,11 +32,11 @@ pub(super) struct Sector {
     pub(super) seen: [Profile; 3],
     /// The error of the edge's place.
     pub(super) edge: f64,
-    /// True if the errors have been told from a wider sector that interpolates in the same way.
+    /// True if the errors are derived from a wider sector that interpolates in the same way.
     pub(super) proven: bool,
     /// True if a more exact ray has measured the errors.
     pub(super) measured: bool,
-    /// True if the errors have been raised since measured ones were larger than told.
+    /// True if the errors have been raised since measured ones were larger.
     pub(super) doubted: bool,
 }
 
@@ -66,7 +66,7 @@ pub(super) struct Sectors {
     pub(super) sectors: Vec<Sector>,
     /// The sector that holds the beginning of each of equal parts of the turn.
     pub(super) table: Vec<u32>,
-    pub(super) work: Work,
+    pub(super) work: GeodesicWork,
     pub(super) estimate: Estimate,
     /// Pixels nearer to the centre than this may be followed by themselves where the rays do not say where they end.
     pub(super) follow_within: f64,

@@ -1,11 +1,11 @@
-//! Where a fan starts: a frame and a picture's size in, runners for any direction out.
+//! The start of a fan: a frame and a picture's size in, active rays for any direction out.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::active_ray::ActiveRay;
-use super::coordinates::{CoordinateKind, FanChart, Space};
+use super::coordinates::FanChart;
 use super::sectors::{BINS, Profile};
-use crate::chart::Atlas;
+use crate::chart::{Atlas, ChartLayout};
 use crate::ends::{Coordinates, End};
 use crate::frame::Frame;
 use crate::integrate;
@@ -35,7 +35,7 @@ impl FanStart {
     /// `None` where no geodesic can start.
     pub(super) fn of<S: Surface + ?Sized>(
         surface: &S,
-        space: &Space,
+        layout: &ChartLayout,
         frame: &Frame,
         size: [u32; 2],
     ) -> Option<Self> {
@@ -69,23 +69,13 @@ impl FanStart {
         start.at = state(&x).at;
         start.axes = [state(&x).velocity, state(&y).velocity];
         match x {
-            integrate::Start::About(chart, _) => {
-                start.chart = FanChart {
-                    kind: CoordinateKind::Apex {
-                        axis: chart.axis as u8,
-                        end: chart.end() as u8,
-                    },
-                    reference: space.domain[1 - chart.axis][0],
-                };
-            }
+            integrate::Start::About(chart, _) => start.chart = FanChart::of(&chart),
             integrate::Start::Plain(_) => {
-                if let Some(chart) = space.chart_near(start.at)
-                    && let Some(tip) = space.tip(chart.kind)
-                {
+                if let Some(chart) = layout.chart_near(start.at) {
                     let at = start.at;
-                    start.at = tip.point(at, chart.reference);
-                    start.axes = start.axes.map(|v| tip.vector(at, chart.reference, v));
-                    start.chart = chart;
+                    start.at = chart.point(at);
+                    start.axes = start.axes.map(|v| chart.vector(at, v));
+                    start.chart = FanChart::of(&chart);
                 }
             }
         }
@@ -93,7 +83,7 @@ impl FanStart {
     }
 
     /// A ray from X towards Y by an angle, at least as long as the picture is wide within `around` of it.
-    pub(super) fn runner(&self, angle: f64, around: f64, first: f64) -> ActiveRay {
+    pub(super) fn ray(&self, angle: f64, around: f64, first: f64) -> ActiveRay {
         let (sin, cos) = angle.sin_cos();
         let velocity = [0, 1].map(|k| cos * self.axes[0][k] + sin * self.axes[1][k]);
         let length = self.border(angle, around) + 2.0 * self.pixel;
@@ -119,7 +109,7 @@ impl FanStart {
         (right / cos.abs()).min(up / sin.abs()).min(self.reach)
     }
 
-    /// What of the errors in the middle of a sector, of its first and of its second ray is seen in the picture, for each
+    /// The shares of the errors in the middle of a sector, of its first and of its second ray that the picture shows, for each
     /// range of radius: towards a corner of the picture only what lies near one of the rays is. `bulge` says how the
     /// error changes between them.
     pub(super) fn seen(&self, angle: f64, width: f64, bulge: fn(f64) -> f64) -> [Profile; 3] {
@@ -154,15 +144,10 @@ impl FanStart {
     }
 
     /// The end of the ray of no length.
-    pub(super) fn centre(&self, space: &Space) -> End {
-        let smooth = space
-            .tip(self.chart.kind)
-            .is_some_and(|tip| tip.apex.smooth);
-        let (coordinates, at, [along, across]) = match self.chart.kind {
-            CoordinateKind::Apex { axis, end } if smooth => {
-                (Coordinates::Apex { axis, end }, self.at, self.axes)
-            }
-            _ => {
+    pub(super) fn centre(&self, layout: &ChartLayout) -> End {
+        let (coordinates, at, [along, across]) = match layout.pole_chart(self.chart.kind) {
+            Some(chart) => (chart.coordinates(), self.at, self.axes),
+            None => {
                 let unit = [self.frame.x, self.frame.y].map(|v| v.map(|x| x / self.zoom).0);
                 (Coordinates::Plain, self.frame.uv.0, unit)
             }

@@ -1,4 +1,4 @@
-//! How exact a fan is: rays that are integrated more exactly measure its errors, where they should be the largest and
+//! The errors of a fan: rays that are integrated more exactly measure its errors, where they should be the largest and
 //! in places spread evenly. What they find wrong they mend.
 
 use super::build::{ACROSS, Builder, Wanted};
@@ -8,7 +8,7 @@ use super::sectors::{BINS, Sector, bin, most};
 use crate::ends::Estimate;
 use crate::surface::Surface;
 
-/// How much more exactly the rays are integrated that measure the errors of the others.
+/// The factor to the tolerance of the rays that measure the errors of the others.
 const EXACT: f64 = 0.15;
 /// Beside the sectors that should have the largest errors so many are measured that are spread evenly, …
 const SPREAD: usize = 3;
@@ -19,7 +19,7 @@ const ROUNDS: usize = 4;
 const DOUBTFUL: f64 = 0.7;
 /// Predictions that were too low by more than this factor are raised, and looked at again.
 const RAISED: f64 = 1.4;
-/// Where in their steps: a step is so long that between it and those of other rays lies more than one bulge.
+/// The shares of their steps at which they are compared: a step is so long that between it and those of other rays lies more than one bulge.
 const SHARES: [f64; 2] = [0.25, 0.75];
 
 impl<S: Surface + ?Sized> Builder<'_, S> {
@@ -161,7 +161,7 @@ impl<S: Surface + ?Sized> Builder<'_, S> {
         order.sort_by(|&a, &b| sectors[a].angle.total_cmp(&sectors[b].angle));
         let sorted: Vec<&Sector> = order.iter().map(|&n| &sectors[n]).collect();
         let (reach, pixel) = (self.start.reach, self.start.pixel);
-        let between = error_indicator::between(self.space, &self.rays, &sorted, reach, pixel);
+        let between = error_indicator::between(self.layout, &self.rays, &sorted, reach, pixel);
         for (n, error) in order.into_iter().zip(between) {
             errors[n] = errors[n].max(error);
         }

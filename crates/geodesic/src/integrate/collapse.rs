@@ -1,4 +1,4 @@
-//! Where a parametrisation loses its rank ahead of a ray: the steps would shrink to nothing towards it. Found here.
+//! Losses of rank ahead of a ray: towards one the steps would shrink to nothing, so it is found before.
 
 use super::ray::Ray;
 use super::stalled_at;
@@ -26,12 +26,12 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         let Chart::Plain = self.chart else {
             return None;
         };
-        let [su, sv] = self.atlas.scale.stretch;
+        let [su, sv] = self.atlas.layout.scale.stretch;
         let rank = self.rank();
         let far = rank >= LOW * su * sv || rank >= before;
         // As far as the rate of the last step takes R to 0.
         let ahead = rank * h / (before - rank);
-        if far || ahead.is_nan() || ahead > AT_HAND * self.atlas.scale.size {
+        if far || ahead.is_nan() || ahead > AT_HAND * self.atlas.layout.scale.size {
             return None;
         }
         let normal = cross(self.local.tangents[0], self.local.tangents[1]);
@@ -52,8 +52,8 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         let found = b.1.abs() <= GONE * rank && b.0 > 0.0 && b.0 <= 4.0 * ahead;
         let end = point(b.0);
         let inside = (0..2).all(|axis| {
-            let [low, high] = self.atlas.domain[axis];
-            (low..=high).contains(&end[axis]) || self.atlas.sides.of(axis)[0] != Side::Edge
+            let [low, high] = self.atlas.layout.domain[axis];
+            (low..=high).contains(&end[axis]) || self.atlas.layout.sides.of(axis)[0] != Side::Edge
         });
         (found && inside).then(|| stalled_at(self.atlas, end))
     }

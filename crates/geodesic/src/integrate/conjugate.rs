@@ -2,7 +2,9 @@
 //! *Differential Geometry of Curves and Surfaces*, 1976, section 5-5).
 
 use super::ray::Ray;
-use crate::runge_kutta::{Step, StepParameter};
+use super::step::RayStep;
+use crate::interpolate::cubic;
+use crate::runge_kutta::StepParameter;
 use crate::surface::Surface;
 
 /// A conjugate point is located to this share of its step.
@@ -11,18 +13,12 @@ const SHARP: f64 = 1e-14;
 impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     /// Adds the arc lengths of the conjugate points within a step of length `h` that is about to be taken, by
     /// Newton's method on the step's length, kept within a bracket: as exact as the steps are.
-    pub(super) fn note_conjugates(&mut self, step: &Step, h: f64, pace: StepParameter) {
+    pub(super) fn note_conjugates(&mut self, step: &RayStep, h: f64, pace: StepParameter) {
         let before = self.field;
-        let carried = |step: &Step| step.propagator.map(|[n, k]| n * before[0] + k * before[1]);
+        let carried = |step: &RayStep| step.propagator.map(|[n, k]| n * before[0] + k * before[1]);
         let after = carried(step);
         // The cubic through both ends tells where to look.
-        let m = |share: f64| {
-            let t = share;
-            (1.0 + 2.0 * t) * (1.0 - t) * (1.0 - t) * before[0]
-                + t * (1.0 - t) * (1.0 - t) * h * before[1]
-                + t * t * (3.0 - 2.0 * t) * after[0]
-                + t * t * (t - 1.0) * h * after[1]
-        };
+        let m = |share: f64| cubic(share, h, before, after);
         const LOOKS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
         for pair in LOOKS.windows(2) {
             let (from, to) = (m(pair[0]), m(pair[1]));

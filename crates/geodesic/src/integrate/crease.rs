@@ -7,9 +7,10 @@
 
 use super::ray::{Attempt, Ray};
 use super::stalled_at;
+use super::step::RayStep;
 use crate::chart::{Chart, Local, State};
 use crate::metric::{combine, dot, norm};
-use crate::runge_kutta::{Step, StepParameter};
+use crate::runge_kutta::StepParameter;
 use crate::status::Status;
 use crate::surface::Surface;
 
@@ -17,29 +18,29 @@ use crate::surface::Surface;
 const NOTICED: f64 = 1e-9;
 /// The same over what the tolerance allows.
 const NOTICED_BEYOND: f64 = 30.0;
-/// Where the speed changes by less than this share of the whole in one half of a bracket, it is a jump.
+/// The share of a change of the speed that a jump keeps while its bracket is halved.
 const STAYS: f64 = 0.3;
 /// A crease is located to this share of the ray's scale.
 const SHARP: f64 = 1e-14;
 /// By how much, relative to their lengths, what both sides must have in common may differ.
 const COMMON: f64 = 1e-6;
 
-/// What is behind a change of the speed.
+/// The cause of a change of the speed.
 enum Found {
     /// Nothing that stays in one place: the surface is steep there.
     Steep,
     /// A crease between two sizes of the step, with the rays' ends there.
-    Jump(Box<[(Step, Local); 2]>),
+    Jump(Box<[(RayStep, Local); 2]>),
     /// Out of evaluations.
     Nothing,
 }
 
 impl<S: Surface + ?Sized> Ray<'_, '_, S> {
-    /// What a step whose speed has changed has run over; `None` where it may be taken. `allowed` is the error that
+    /// Returns the outcome of a step that has run over a crease; `None` where it may be taken. `allowed` is the error that
     /// the tolerance allows on the way.
     pub(super) fn crease(
         &mut self,
-        step: &Step,
+        step: &RayStep,
         local: &Local,
         h: f64,
         pace: StepParameter,
@@ -48,7 +49,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         if !matches!(self.chart, Chart::Plain) {
             return None;
         }
-        let scale = self.atlas.scale.size.min(self.s + step.length);
+        let scale = self.atlas.layout.scale.size.min(self.s + step.length);
         let speed = self.speed();
         let change =
             |state: &State, local: &Local| length(local.tangents, state.velocity) / speed - 1.0;
@@ -71,7 +72,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
 
     fn locate(
         &mut self,
-        step: &Step,
+        step: &RayStep,
         local: Local,
         h: f64,
         pace: StepParameter,
@@ -79,7 +80,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     ) -> Found {
         let jump = change(&step.end, &local);
         let (mut low, mut high) = (0.0, h);
-        let start = Step {
+        let start = RayStep {
             end: self.state,
             length: 0.0,
             position_error: 0.0,
@@ -90,7 +91,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         };
         let mut before = (start, self.local, 0.0);
         let mut after = (*step, local, jump);
-        while high - low > SHARP * self.atlas.scale.size.min(h.max(1e-3 * self.s)) {
+        while high - low > SHARP * self.atlas.layout.scale.size.min(h.max(1e-3 * self.s)) {
             let middle = 0.5 * (low + high);
             if middle <= low || middle >= high {
                 break;
@@ -122,13 +123,13 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     /// Takes the step as far as a crease and goes on behind it.
     fn cross(
         &mut self,
-        before: (Step, Local),
-        after: (Step, Local),
+        before: (RayStep, Local),
+        after: (RayStep, Local),
         pace: StepParameter,
         h: f64,
     ) -> Attempt {
         let rounding = self.rounding();
-        let scale = self.atlas.scale.size.min(self.s + h);
+        let scale = self.atlas.layout.scale.size.min(self.s + h);
         let (near, here) = before;
         let (far, there) = after;
         let torn = self.atlas.embedded && {
@@ -210,7 +211,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         there: [[f64; 3]; 2],
         along: [f64; 2],
     ) -> bool {
-        let scale = self.atlas.scale.size;
+        let scale = self.atlas.layout.scale.size;
         let (way, off) = (1e-4 * scale / length(here, along), 1e-6 * scale);
         let form = |t: [[f64; 3]; 2]| [dot(t[0], t[0]), dot(t[0], t[1]), dot(t[1], t[1])];
         let (before, after) = (form(here), form(there));

@@ -3,19 +3,21 @@
 //! In: where a ray is, what it has met so far, a step's length. Out: an [`Attempt`], and the ray a step farther on, with
 //! the errors of its steps carried along.
 
+use super::step::RayStep;
 use super::{IntegrationPlan, stalled_at};
-use crate::chart::{Atlas, Chart, Local, REACH, State, rotated};
+use crate::chart::{Atlas, Chart, Local, State, rotated};
 use crate::field::{self, FieldKnot};
 use crate::metric::{combine, norm};
-use crate::runge_kutta::{self, Step, StepParameter};
+use crate::runge_kutta::StepParameter;
 use crate::status::Status;
+use crate::step_control::{ErrorSum, StepControl, UNDEFINED};
 use crate::surface::Surface;
 
 /// Steps shorter than this share of the ray's scale have something singular near by.
 const SHORT: f64 = 0.01;
-/// Where the rounding of u and v turns the tangent plane by more than this, the chart has lost its rank.
+/// The turn of the tangent plane by the rounding of u and v above which the chart has lost its rank.
 const MEANINGLESS: f64 = 1e-9;
-/// What an evaluation's rounding may do to a step; the tolerance asked for has this as its floor.
+/// The relative error that an evaluation's rounding may add to a step: the floor of the tolerance.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The tolerance is for steps no shorter than this share of the ray's scale.
@@ -27,7 +29,7 @@ const KEPT: f64 = 0.15;
 /// … and by how much its steps may err more at most.
 const MOST_RELAXED: f64 = 1e3;
 
-/// What the end of a ray takes at most: a last change of chart, a look at why it ended, its position.
+/// The most evaluations at the end of a ray: a last change of chart, the reason of its end, its position.
 const AT_END: usize = 16;
 
 /// A ray on its way.
@@ -49,7 +51,7 @@ pub(super) struct Ray<'a, 's, S: Surface + ?Sized> {
     pub(super) observers: Observers,
 }
 
-/// What a ray has cost so far.
+/// The work of a ray so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cost {
     /// The count of evaluations at the start.
@@ -58,80 +60,17 @@ pub(super) struct Cost {
     pub(super) rejected: usize,
 }
 
-/// What is noted on the way.
+/// The observations on the way.
 #[derive(Clone, Debug)]
 pub(super) struct Observers {
     /// True if the Jacobi fields are to be as exact as the ray.
     pub(super) fields: bool,
-    /// The arc lengths of the conjugate points, where they are asked for.
+    /// The arc lengths of the conjugate points, where they are requested.
     pub(super) conjugates: Option<Vec<f64>>,
     /// The places of the steps' ends in (u,v), where they are asked for.
     pub(super) path: Option<Vec<[f64; 2]>>,
     /// The Jacobi field after each step, where it is asked for.
     pub(super) knots: Option<Vec<FieldKnot>>,
-}
-
-/// The choice of each step's length from the errors of the steps before it.
-///
-/// The next length is 0.9 h e^(−1/q) for the error e of this step over the one allowed and the order q (Hairer, Nørsett,
-/// Wanner, *Solving Ordinary Differential Equations I*, 2nd edition, section II.4), or less where the errors have been
-/// growing from step to step (Gustafsson, ACM TOMS 20, 1994, pages 496–517).
-#[derive(Clone, Copy, Debug)]
-pub(super) struct StepControl {
-    /// The size of the step before; 0 before the first.
-    last_step: f64,
-    /// Its error over the one allowed.
-    last_excess: f64,
-    /// The error over the one allowed of the step that is being tried.
-    this_excess: f64,
-}
-
-impl Default for StepControl {
-    fn default() -> Self {
-        Self {
-            last_step: 0.0,
-            last_excess: 1.0,
-            this_excess: 1.0,
-        }
-    }
-}
-
-impl StepControl {
-    /// Judges a step of size `h` by its error over the one allowed: the size of the next one, or, as an error, of another
-    /// attempt. `scale` is the length beside which steps are short.
-    fn judge(&mut self, h: f64, excess: f64, order: f64, scale: f64) -> Result<f64, f64> {
-        let factor = 0.9 * excess.powf(-1.0 / order);
-        if excess > 1.0 || excess.is_nan() {
-            return Err(h * factor.clamp(0.1, 0.9));
-        }
-        // As the error has been growing from step to step, it will go on to grow.
-        let predicted = if self.last_step > 0.0 {
-            factor * (h / self.last_step) * (self.last_excess / excess).powf(1.0 / order)
-        } else {
-            factor
-        };
-        let factor = factor.min(predicted.max(0.5 * factor));
-        self.this_excess = excess;
-        // Steps that have been shrinking, towards a singular point, will go on to shrink.
-        let shrinking = h < self.last_step && h < SHORT * scale;
-        let trend = if shrinking {
-            (h / self.last_step).max(0.5)
-        } else {
-            1.0
-        };
-        Ok(h * factor.clamp(0.2, 6.0) * trend)
-    }
-
-    /// Takes note of a step that has been taken.
-    fn accept(&mut self, h: f64) {
-        self.last_step = h;
-        self.last_excess = self.this_excess;
-    }
-
-    /// Forgets the step before: it says nothing about those to come.
-    pub(super) fn forget(&mut self) {
-        self.last_step = 0.0;
-    }
 }
 
 /// The outcome of a step that has been tried.
@@ -160,12 +99,11 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             Chart::Plain => self.state,
             Chart::Apex(chart) => self.atlas.leave(chart, self.state, self.local.tangents),
         };
-        let signs = self.atlas.bring_back(&mut state.at).signs;
-        state.velocity = [0, 1].map(|k| signs[k] * state.velocity[k]);
+        self.atlas.layout.bring_state_back(&mut state);
         state
     }
 
-    /// Notes where the ray is and its field, if they are asked for.
+    /// Notes where the ray is and its field, if they are requested.
     pub(super) fn note_place(&mut self) {
         if let Some(knots) = &mut self.observers.knots {
             let [m, rate] = self.field;
@@ -186,10 +124,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     pub(super) fn longest(&self) -> f64 {
         let by_chart = match &self.chart {
             Chart::Plain => f64::INFINITY,
-            Chart::Apex(chart) => {
-                let [x, y] = self.state.velocity;
-                chart.longest(self.state) / x.hypot(y)
-            }
+            Chart::Apex(chart) => chart.longest(self.state),
         };
         match self.observers.knots {
             Some(_) => by_chart.min(field::longest_step(self.local.curvature)),
@@ -197,19 +132,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         }
     }
 
-    pub(super) fn step(&mut self, h: f64, pace: StepParameter) -> Option<Step> {
-        runge_kutta::step(
-            self.atlas,
-            &self.chart,
-            self.plan.tableau,
-            self.state,
-            &self.local,
-            h,
-            pace,
-        )
-    }
-
-    /// By how much more than asked for the steps may err, so that the ray gets where it should within its limit:
+    /// The factor to the tolerance by which the steps may err, so that the ray gets where it should within its limit:
     /// the work left is compared with the work done.
     pub(super) fn relaxation(&self, length: f64) -> f64 {
         let used = (self.atlas.evaluations() - self.cost.first_evaluation) as f64;
@@ -235,12 +158,12 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
 
     pub(super) fn attempt(&mut self, h: f64, pace: StepParameter, length: f64) -> Attempt {
         let Some(step) = self.step(h, pace) else {
-            return Attempt::Again(0.25 * h);
+            return Attempt::Again(UNDEFINED * h);
         };
         if self.s + step.length > length && pace == StepParameter::Coordinates {
             return Attempt::Again(0.5 * h);
         }
-        let scale = self.atlas.scale.size.min(length);
+        let scale = self.atlas.layout.scale.size.min(length);
         let rounding = self.rounding();
         // Only what a chart about an apex loses may pass for rounding; in (u,v) it ends the ray, see below.
         let noise = match &self.chart {
@@ -262,9 +185,11 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
                 excess = excess.max(scale * step.field_error / allowed);
             }
             let order = self.plan.tableau.error_order;
-            next = match self.control.judge(h, excess, order, scale) {
-                Ok(next) => Some(next),
-                Err(shorter) => return Attempt::Again(shorter),
+            let root = excess.powf(-1.0 / order);
+            let most = self.control.foreseen(h, root);
+            next = match self.control.judge(root, most) {
+                Ok(factor) => Some(h * factor * self.control.trend(h, SHORT * scale)),
+                Err(factor) => return Attempt::Again(h * factor),
             };
         }
         if self.oversteps(&step) {
@@ -274,7 +199,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
             return self.end_at(event, h, pace, length);
         }
         let Some(local) = self.local_after(&step) else {
-            return Attempt::Again(0.25 * h);
+            return Attempt::Again(UNDEFINED * h);
         };
         if next.is_some()
             && let Some(met) = self.crease(&step, &local, h, pace, may_err)
@@ -296,7 +221,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         }
     }
 
-    /// What the rounding of coordinates amounts to on the surface.
+    /// The length on the surface of the coordinates' rounding.
     pub(super) fn rounding(&self) -> f64 {
         let [a, b] = self.state.at;
         let [t, w] = self.local.tangents;
@@ -305,7 +230,7 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
 
     pub(super) fn accept(
         &mut self,
-        step: &Step,
+        step: &RayStep,
         local: Local,
         h: f64,
         pace: StepParameter,
@@ -332,11 +257,12 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         let velocity = step.direction_error.max((self.speed() - before).abs());
         let position = step.position_error.max(step.length * velocity);
         let direction = velocity + noise + ROUNDING * (1.0 + step.length / scale);
-        self.errors.add(step, position + rounding, direction);
+        self.errors
+            .add(step.propagator, position + rounding, direction);
     }
 
     /// The local data at a step's end; `None` where the surface is undefined.
-    pub(super) fn local_after(&mut self, step: &Step) -> Option<Local> {
+    pub(super) fn local_after(&mut self, step: &RayStep) -> Option<Local> {
         match step.end_local {
             Some(local) => Some(local),
             None => self.atlas.local(&self.chart, step.end),
@@ -344,10 +270,10 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     }
 
     /// Returns whether a step runs farther than its chart is good for.
-    pub(super) fn oversteps(&self, step: &Step) -> bool {
+    pub(super) fn oversteps(&self, step: &RayStep) -> bool {
         match &self.chart {
-            Chart::Plain => self.plan.charts && self.atlas.needs_apex_chart(step.end.at),
-            Chart::Apex(chart) => chart.share(step.end.at) > REACH,
+            Chart::Plain => self.plan.charts && self.atlas.layout.needs_apex_chart(step.end.at),
+            Chart::Apex(chart) => chart.oversteps(step.end.at),
         }
     }
 
@@ -388,37 +314,11 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
     }
 
     pub(super) fn bring_back(&mut self) {
-        let crossing = self.atlas.bring_back(&mut self.state.at);
+        let crossing = self.atlas.layout.bring_state_back(&mut self.state);
         self.flipped ^= crossing.flipped;
         for (k, sign) in crossing.signs.into_iter().enumerate() {
-            self.state.velocity[k] *= sign;
             self.local.acceleration[k] *= sign;
             self.local.tangents[k] = self.local.tangents[k].map(|x| x * sign);
         }
-    }
-}
-
-/// The covariance of the error sideways and in direction: errors of the steps, carried on by the Jacobi fields.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ErrorSum {
-    position: f64,
-    mixed: f64,
-    direction: f64,
-    terms: f64,
-}
-
-impl ErrorSum {
-    fn add(&mut self, step: &Step, position: f64, direction: f64) {
-        let [[n, m], [n1, m1]] = step.propagator;
-        let (p, x, d) = (self.position, self.mixed, self.direction);
-        self.position = n * n * p + 2.0 * n * m * x + m * m * d + position * position;
-        self.mixed = n * n1 * p + (n * m1 + m * n1) * x + m * m1 * d;
-        self.direction = n1 * n1 * p + 2.0 * n1 * m1 * x + m1 * m1 * d + direction * direction;
-        self.terms += 1.0;
-    }
-
-    /// A bound for errors that may all have one sign (Cauchy and Schwarz).
-    pub(super) fn bound(&self) -> f64 {
-        (self.terms * self.position.max(0.0)).sqrt()
     }
 }

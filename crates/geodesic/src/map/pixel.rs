@@ -2,7 +2,7 @@
 
 use super::{MOST_FOR_PIXEL, MapOptions, Method, pixel_place, rk4};
 use crate::chart::{Atlas, State};
-use crate::ends::{Coordinates, End, Work};
+use crate::ends::{Coordinates, End, GeodesicWork};
 use crate::frame::Frame;
 use crate::integrate::{self, IntegrationPlan, Observed, Start};
 use crate::metric::Metric;
@@ -12,7 +12,7 @@ use crate::status::Status;
 use crate::surface::{Side, Surface};
 use crate::trace;
 
-/// One row of a map; what its parts mean is told by [`Map`](super::Map).
+/// One row of a map; its parts are those of [`Map`](super::Map).
 #[derive(Clone, Debug, Default)]
 pub(super) struct Row {
     pub(super) offset: Vec<[f32; 2]>,
@@ -20,10 +20,10 @@ pub(super) struct Row {
     pub(super) status: Vec<Status>,
     /// The estimated errors of the complete pixels, in pixels, where the method has them.
     pub(super) errors: Vec<f32>,
-    pub(super) work: Work,
+    pub(super) work: GeodesicWork,
 }
 
-/// What the pixels of a row share.
+/// The data that the pixels of a row share.
 struct Line<'a, 's, S: Surface + ?Sized> {
     surface: &'s S,
     atlas: &'a Atlas<'s, S>,
@@ -40,7 +40,7 @@ struct Pixel {
     start: Start,
 }
 
-/// What the geodesic of one pixel tells the next one's.
+/// The data that the geodesic of one pixel hands to the next one's.
 #[derive(Clone, Copy, Debug)]
 struct Neighbour {
     /// The first step.
@@ -58,11 +58,11 @@ impl Default for Neighbour {
     }
 }
 
-/// How often a geodesic is followed again whose estimated error is above the one allowed.
+/// The number of times that a geodesic is followed again whose estimated error is above the one allowed.
 const REPETITIONS: u32 = 2;
 /// The share of the error allowed that the next geodesic's estimate is to be.
 const AIM: f64 = 0.3;
-/// What the estimate of a few long steps is multiplied by: each is as long as its own estimate just allows, so those
+/// The factor to the estimate of a few long steps: each is as long as its own estimate just allows, so those
 /// that are too small by chance have the say.
 const CAUTION: f64 = 6.0;
 /// The error of a step, over its length, is to be below this, however coarse the pixels are: beyond, a pair's two
@@ -319,17 +319,17 @@ fn nearest_repetition<S: Surface + ?Sized>(
     origin: [f64; 2],
     at: [f64; 2],
 ) -> ([f64; 2], [f64; 2]) {
-    let domain = atlas.domain;
+    let domain = atlas.layout.domain;
     let mut lifted = at;
     // First the flip, which changes the other coordinate.
     for flip in [true, false] {
         for axis in 0..2 {
-            let side = atlas.sides.of(axis)[0];
+            let side = atlas.layout.sides.of(axis)[0];
             let wanted = if flip { Side::WrapFlip } else { Side::Wrap };
             if side != wanted {
                 continue;
             }
-            let width = atlas.width(axis);
+            let width = atlas.layout.width(axis);
             let turns = ((origin[axis] - lifted[axis]) / width).round();
             if turns == 0.0 || !turns.is_finite() {
                 continue;
@@ -342,6 +342,6 @@ fn nearest_repetition<S: Surface + ?Sized>(
         }
     }
     let mut back = lifted;
-    let signs = atlas.sides.wrap(domain, &mut back).signs;
+    let signs = atlas.layout.sides.wrap(domain, &mut back).signs;
     ([0, 1].map(|k| lifted[k] - origin[k]), signs)
 }

@@ -18,17 +18,17 @@ pub(super) struct PixelEnd {
     pub(super) evaluations: u64,
 }
 
-/// Where a point is beyond an edge, or nowhere.
+/// Returns the status of a ray at a point beyond an edge, or at none.
 fn ended<S: Surface + ?Sized>(
     atlas: &Atlas<'_, S>,
     before: [f64; 2],
     at: [f64; 2],
 ) -> Option<Status> {
     for (axis, x) in at.into_iter().enumerate() {
-        let [low, high] = atlas.domain[axis];
+        let [low, high] = atlas.layout.domain[axis];
         for (end, beyond) in [low - x, x - high].into_iter().enumerate() {
-            if atlas.sides.of(axis)[end] == Side::Edge && beyond > 0.0 {
-                return Some(match atlas.apexes[axis][end] {
+            if atlas.layout.sides.of(axis)[end] == Side::Edge && beyond > 0.0 {
+                return Some(match atlas.layout.apexes[axis][end] {
                     Some(_) => Status::ConePoint,
                     None => Status::LeftDomain,
                 });
@@ -38,7 +38,7 @@ fn ended<S: Surface + ?Sized>(
     let finite = at.iter().all(|x| x.is_finite());
     (!finite).then(|| {
         let mut last = before;
-        atlas.bring_back(&mut last);
+        atlas.layout.bring_back(&mut last);
         atlas.rank_at(last)
     })
 }
@@ -57,7 +57,7 @@ pub(super) fn follow<S: Surface + ?Sized>(
     } = start;
     let along = |x: [f64; 2], s: f64, y: [f64; 2]| [x[0] + s * y[0], x[1] + s * y[1]];
     let acceleration = |mut at: [f64; 2], velocity: [f64; 2]| {
-        let signs = atlas.bring_back(&mut at).signs;
+        let signs = atlas.layout.bring_back(&mut at).signs;
         let turned = [0, 1].map(|k| signs[k] * velocity[k]);
         let acceleration = metric::acceleration(&surface.jet(Uv(at)), turned);
         [0, 1].map(|k| signs[k] * acceleration[k])
@@ -86,7 +86,7 @@ pub(super) fn follow<S: Surface + ?Sized>(
             };
         }
     }
-    atlas.bring_back(&mut at);
+    atlas.layout.bring_back(&mut at);
     PixelEnd {
         at,
         status: Status::Complete,

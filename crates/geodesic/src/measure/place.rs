@@ -57,10 +57,7 @@ pub fn place(surface: &dyn Surface, uv: impl Into<Uv>) -> Result<PlaceMeasures, 
 /// K and H, in the chart about a pole where (u,v) has lost too many digits.
 fn curvatures_near(surface: &dyn Surface, uv: Uv) -> [f64; 2] {
     let atlas = Atlas::new(surface);
-    let chart = atlas
-        .pole_near(uv.0)
-        .and_then(|(axis, end)| atlas.pole_chart(axis, end));
-    let Some(chart) = chart else {
+    let Some(chart) = atlas.layout.pole_near(uv.0) else {
         return curvatures(&surface.jet(uv));
     };
     // As the acceleration of a ray there: Lagrange's interpolation at the middle of ±1, ±2, ±3 steps along a line.
@@ -70,7 +67,7 @@ fn curvatures_near(surface: &dyn Surface, uv: Uv) -> [f64; 2] {
     let mut sum = [0.0; 2];
     for (n, weight) in (1..).zip([0.75, -0.3, 0.05]) {
         for side in [-1.0, 1.0] {
-            let offset = side * 2.0 * chart.inner_radius() * f64::from(n);
+            let offset = side * 2.0 * chart.inner() * f64::from(n);
             let mut at = chart.plain_point([a + offset * along[0], b + offset * along[1]]);
             surface.sides().bring_back(surface.domain(), &mut at);
             let values = curvatures(&surface.jet(Uv(at)));

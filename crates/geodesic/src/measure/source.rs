@@ -94,9 +94,9 @@ impl<'s> RaySource<'s> {
         let frame = self.frame()?;
         let vector = match frame.coordinates {
             Coordinates::Plain => vector,
-            Coordinates::Apex { axis, end } => {
+            coordinates @ Coordinates::Apex { .. } => {
                 let atlas = Atlas::new(self.surface);
-                let pole = atlas.pole_chart(usize::from(axis), usize::from(end))?;
+                let pole = atlas.layout.pole_chart(coordinates)?;
                 let Chart::Apex(own) = atlas.chart_for(at.0) else {
                     return None;
                 };

@@ -18,7 +18,7 @@ const WIDENING: f64 = 2.0;
 const BEYOND: f64 = 0.12;
 /// The share of the tolerance up to which a polynomial's highest terms are left out.
 const NEGLIGIBLE: f64 = 0.05;
-/// How an error shrinks when the sides are halved.
+/// The factor by which an error shrinks when the sides are halved.
 const HALVED: f64 = (1_u64 << COUNT) as f64;
 /// An end may be taken for one on the other side of an edge that it is so many pixels beside.
 const BESIDE: f64 = 0.2;

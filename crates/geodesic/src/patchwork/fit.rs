@@ -19,10 +19,10 @@ pub(super) const CHECKS: usize = 12;
 
 /// The tables of a fit.
 pub(super) struct Fit {
-    /// Where a polynomial is compared with the ends, the corners first: where the errors of interpolation at these
+    /// The places at which a polynomial is compared with the ends, the corners first: where the errors of interpolation at these
     /// nodes have their extremes.
     pub(super) checks: [[f64; 2]; CHECKS],
-    /// Where the values are to be taken, in [−1, 1].
+    /// The nodes at which the values are taken, in [−1, 1].
     pub(super) nodes: [f64; COUNT],
     /// From values at the nodes to the coefficients of Chebyshev's series.
     series: Grid,

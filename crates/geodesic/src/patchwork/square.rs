@@ -1,4 +1,4 @@
-//! What is known of one square of the picture: its samples, what they have in common, and the polynomials through them.
+//! One square of the picture: its samples, the coordinates and edges that they share, and the polynomials through them.
 
 use std::array::from_fn;
 
@@ -12,7 +12,7 @@ const FAR_APEX: f64 = 4.0;
 /// The corners are looked at before all else, as the first places of the check.
 pub(super) const CORNERS: usize = 4;
 
-/// What the ends that have been looked at in a square have in common.
+/// The coordinates and the edge that all ends of a square seen so far share.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(super) enum Agreement {
     /// All have this status.
@@ -47,7 +47,7 @@ impl<const N: usize> Polynomials<N> {
 }
 
 impl Agreement {
-    /// What these ends have in common with those before, of which `first` was the first one; `None` where nothing does.
+    /// Returns the coordinates and the edge that these ends share with those before, of which `first` was the first one; `None` where they share none.
     pub(super) fn with<const N: usize>(self, first: &End<N>, ends: &[End<N>]) -> Option<Self> {
         let alike = |status: Status| ends.iter().all(|end| end.status == status);
         match self {

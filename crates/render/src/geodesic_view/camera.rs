@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use expr::Input;
 use geodesic::ends::{Coordinates, Ends};
-use geodesic::fan::{Across, Fan, FanOptions};
+use geodesic::fan::{Fan, FanOptions, Interpolation};
 use geodesic::frame::Frame;
 use geodesic::map::{self, Map, MapOptions, exponential_map};
 use geodesic::moved::Moved;
@@ -129,9 +129,9 @@ impl PlacedCamera {
 
     /// Follows the geodesics of all pixels, in f64 on all cores. `progress` receives the share that is done.
     pub fn ends(&self, progress: &(dyn Fn(f32) + Sync)) -> RayEnds {
-        let across = match self.method {
-            PictureMethod::Auto | PictureMethod::Fan => Across::Hermite,
-            PictureMethod::FanLinear => Across::Linear,
+        let interpolation = match self.method {
+            PictureMethod::Auto | PictureMethod::Fan => Interpolation::Hermite,
+            PictureMethod::FanLinear => Interpolation::Linear,
             PictureMethod::Adaptive | PictureMethod::Rk4Pixel => {
                 return RayEnds::Map(self.map(progress));
             }
@@ -139,8 +139,8 @@ impl PlacedCamera {
         let surface = self.manifold.surface();
         let deep = Moved::for_camera(surface, &self.frame, self.size);
         let fan = match &deep {
-            Some((moved, camera)) => self.fan(moved, camera, across),
-            None => self.fan(surface, &self.frame, across),
+            Some((moved, camera)) => self.fan(moved, camera, interpolation),
+            None => self.fan(surface, &self.frame, interpolation),
         };
         progress(0.5);
         let mut patchwork = Patchwork::cut(&fan, self.size, PATCHWORK_SHARE * self.tolerance);
@@ -174,12 +174,12 @@ impl PlacedCamera {
     /// The estimated errors, in pixels, at every `step`-th pixel of every `step`-th row; `None` where the method does
     /// not know them pixel by pixel. NaN where nothing is seen.
     pub(crate) fn errors(&self, step: u32) -> Option<Vec<f32>> {
-        let across = match self.method {
-            PictureMethod::Auto | PictureMethod::Fan => Across::Hermite,
-            PictureMethod::FanLinear => Across::Linear,
+        let interpolation = match self.method {
+            PictureMethod::Auto | PictureMethod::Fan => Interpolation::Hermite,
+            PictureMethod::FanLinear => Interpolation::Linear,
             PictureMethod::Adaptive | PictureMethod::Rk4Pixel => return None,
         };
-        let fan = self.fan(self.manifold.surface(), &self.frame, across);
+        let fan = self.fan(self.manifold.surface(), &self.frame, interpolation);
         let [columns, rows] = self.size.map(|side| side.div_ceil(step));
         let error = |index: u32| {
             let [x, y] = [index % columns, index / columns].map(|n| n * step + step / 2);
@@ -198,11 +198,11 @@ impl PlacedCamera {
         &self,
         surface: &'s (dyn Surface + 's),
         frame: &Frame,
-        across: Across,
+        interpolation: Interpolation,
     ) -> Fan<'s, dyn Surface + 's> {
         let options = FanOptions {
             tolerance: self.tolerance,
-            across,
+            interpolation,
             max_evaluations: FanOptions::default()
                 .max_evaluations
                 .min(self.most_evaluations()),

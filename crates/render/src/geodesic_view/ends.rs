@@ -5,7 +5,7 @@
 
 use std::borrow::Cow;
 
-use geodesic::ends::{Estimate, Work};
+use geodesic::ends::{Estimate, GeodesicWork};
 use geodesic::map::Map;
 use geodesic::patchwork::{BLOCK, Patchwork, Rows};
 use geodesic::trace::Status;
@@ -24,7 +24,7 @@ pub enum RayEnds {
         /// The ends.
         patchwork: Box<Patchwork>,
         /// The work that it took.
-        work: Work,
+        work: GeodesicWork,
         /// Its estimated error.
         estimate: Estimate,
     },
@@ -50,7 +50,7 @@ pub(crate) trait Layer: Sync {
 
 impl RayEnds {
     /// Returns the work that it took.
-    pub fn work(&self) -> Work {
+    pub fn work(&self) -> GeodesicWork {
         match self {
             Self::Patchwork { work, .. } => *work,
             Self::Map(map) => map.work,

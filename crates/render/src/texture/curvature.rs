@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use geodesic::metric::{Metric, gaussian_curvature};
-use geodesic::surface::{Jet, JetBlock, LANES, Lanes, Surface};
+use geodesic::surface::{JetBlock, LANES, Lanes, Surface};
 use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
@@ -107,15 +107,7 @@ fn samples(surface: &dyn Surface) -> Vec<(f64, f64)> {
             let us: Lanes = std::array::from_fn(|lane| at(0, number * LANES + lane));
             surface.jets(&[us, [at(1, row); LANES]], block);
             for (lane, sample) in samples.iter_mut().enumerate() {
-                let of = |vectors: &[Lanes; 3]| [0, 1, 2].map(|k| vectors[k][lane]);
-                let jet = Jet {
-                    position: of(&block.position),
-                    du: of(&block.du),
-                    dv: of(&block.dv),
-                    duu: of(&block.duu),
-                    duv: of(&block.duv),
-                    dvv: of(&block.dvv),
-                };
+                let jet = block.lane(lane);
                 *sample = (gaussian_curvature(&jet), Metric::of(&jet).r);
             }
         }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use geodesic::ends::{Estimate, Work};
+use geodesic::ends::{Estimate, GeodesicWork};
 use render::PictureRequest;
 use render::gpu::Pixels;
 use render::rendered::RenderedImage;
@@ -45,7 +45,7 @@ pub(crate) struct Picture {
     pub(crate) binding: Option<TextureBinding>,
     pub(crate) notes: Vec<String>,
     /// Of a geodesic view: its cost, and how exact it is.
-    pub(crate) geodesics: Option<(Work, Option<Estimate>)>,
+    pub(crate) geodesics: Option<(GeodesicWork, Option<Estimate>)>,
     pub(crate) took: Duration,
     /// The seconds that a pixel took.
     pub(super) rate: f64,

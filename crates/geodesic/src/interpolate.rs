@@ -1,0 +1,28 @@
+//! Polynomials through values and derivatives at both ends of an interval (Stoer, Bulirsch, *Introduction to Numerical
+//! Analysis*, section 2.1.5).
+
+/// The cubic with these values and derivatives at the ends of an interval of length `h`, at a share `t` of it.
+#[inline(always)]
+pub(crate) fn cubic(t: f64, h: f64, [a, a1]: [f64; 2], [b, b1]: [f64; 2]) -> f64 {
+    let rest = 1.0 - t;
+    (1.0 + 2.0 * t) * rest * rest * a
+        + t * t * (3.0 - 2.0 * t) * b
+        + h * t * rest * (rest * a1 - t * b1)
+}
+
+/// The coefficients, by powers of the share, of the quintic with these values, first and second derivatives at the ends of
+/// an interval of length `h`.
+pub(crate) fn quintic(h: f64, a: [f64; 3], b: [f64; 3]) -> [f64; 6] {
+    let (c0, c1, c2) = (a[0], h * a[1], 0.5 * h * h * a[2]);
+    let x = b[0] - c0 - c1 - c2;
+    let y = h * b[1] - c1 - 2.0 * c2;
+    let z = h * h * b[2] - 2.0 * c2;
+    [
+        c0,
+        c1,
+        c2,
+        10.0 * x - 4.0 * y + 0.5 * z,
+        -15.0 * x + 7.0 * y - z,
+        6.0 * x - 3.0 * y + 0.5 * z,
+    ]
+}
