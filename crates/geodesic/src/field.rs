@@ -80,7 +80,7 @@ impl Quintic {
         sum * x * self.length
     }
 
-    /// Where it changes its sign, if it does between both ends, by bisection.
+    /// The share at which it changes its sign, if it does between both ends, by bisection.
     fn zero(&self) -> f64 {
         let negative = self.value(0.0) < 0.0;
         let (mut low, mut high) = (0.0, 1.0);

@@ -1,4 +1,4 @@
-//! What is measured on a surface: curvatures at a place, circles, geodesics between two places, triangles, walks.
+//! Measures on a surface: curvatures at a place, circles, geodesics between two places, triangles, walks.
 //!
 //! ```text
 //! surface, (u, v) ──place.rs──▶ E, F, G, K, H
@@ -32,7 +32,7 @@ pub use place::{PlaceMeasures, place};
 pub use triangle::{NoRegion, Triangle, TriangleRegion, triangle};
 pub use walk::{Closing, Transport, closing, transport};
 
-/// Why nothing can be measured at a place.
+/// The reason why nothing can be measured at a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeasureError {
     /// A coordinate is no finite number.

@@ -15,11 +15,11 @@ use crate::surface::Surface;
 pub struct Connection {
     /// Its length, within some 10⁻¹⁰ of itself or of the surface's size.
     pub length: f64,
-    /// Where it starts; at a pole on the meridian that it runs along.
+    /// Its start; at a pole on the meridian that it runs along.
     pub from: Uv,
     /// (u', v') there, at unit speed.
     pub direction: TangentVector,
-    /// Where it ends.
+    /// Its end.
     pub to: Uv,
     /// (u', v') there.
     pub arrival: TangentVector,

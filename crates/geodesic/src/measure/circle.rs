@@ -32,7 +32,7 @@ pub struct RayStop {
     pub angle: f64,
     /// As far as it came.
     pub length: f64,
-    /// Why it ended.
+    /// The reason of its end.
     pub status: Status,
 }
 

@@ -19,7 +19,7 @@ pub(super) struct AimedPlace<'s> {
     pub(super) uv: Uv,
     /// In space, where there is one.
     position: Option<[f64; 3]>,
-    /// Where it lies in coordinates that go on beyond the sides.
+    /// Its place in coordinates that go on beyond the sides.
     copies: Vec<Uv>,
 }
 

@@ -9,7 +9,7 @@ use crate::point::Uv;
 use crate::surface::Surface;
 use crate::trace::TraceError;
 
-/// What is measured at one place.
+/// The measures at one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlaceMeasures {
     /// (u, v), brought back into the domain.

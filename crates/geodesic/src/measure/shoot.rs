@@ -14,10 +14,10 @@ pub(super) struct PolarVector {
     pub(super) length: f64,
 }
 
-/// What Newton's method is content with.
+/// The goals of Newton's method.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NewtonBounds {
-    /// How near to the target it aims, …
+    /// The distance from the target that it aims at, …
     pub(super) aim: f64,
     /// … and how near is near enough where it comes no nearer.
     pub(super) tolerance: f64,
@@ -33,7 +33,7 @@ pub(super) struct NewtonBounds {
 pub(super) struct Hit {
     pub(super) at: PolarVector,
     pub(super) end: Arrival,
-    /// How far from the target.
+    /// The distance from the target.
     pub(super) off: f64,
 }
 
@@ -91,7 +91,7 @@ pub(super) fn newton(
     best.filter(|best| best.off <= bounds.tolerance)
 }
 
-/// How near to its target a ray has to come, relative to its length or the surface's size.
+/// The distance to its target within which a ray has to come, relative to its length or the surface's size.
 const EXACT: f64 = 1e-10;
 /// Beside this share of the size m is nothing.
 const NO_FIELD: f64 = 1e-8;

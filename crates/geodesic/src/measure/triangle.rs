@@ -48,7 +48,7 @@ pub struct TriangleRegion {
     pub error_estimate: f64,
 }
 
-/// Why a triangle has no region.
+/// The reason why a triangle has no region.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub enum NoRegion {
     /// Two corners are not joined by a geodesic that was found.
@@ -173,7 +173,7 @@ impl<'a, 's> SidePath<'a, 's> {
     }
 }
 
-/// What a sweep along a side amounts to.
+/// The sums of a sweep along a side.
 #[derive(Clone, Copy, Default)]
 struct Sweep {
     /// Area, curvature, angle.

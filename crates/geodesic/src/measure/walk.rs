@@ -55,7 +55,7 @@ pub fn closing(
     })
 }
 
-/// What a curve of the chart is long, and what it does to a vector.
+/// The length of a curve of the chart, and the transport of a vector along it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transport {
     /// The curve's length.
