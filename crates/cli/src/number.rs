@@ -30,6 +30,12 @@ pub(crate) fn show(value: f64) -> String {
     }
 }
 
+/// Formats a measured number: as [`show`], with at most twelve significant digits, which is what measuring is good for.
+pub(crate) fn show_measured(value: f64) -> String {
+    let rounded = format!("{value:.11e}").parse().unwrap_or(value);
+    show(rounded)
+}
+
 /// Formats one number, or several as a tuple.
 pub(crate) fn show_all(values: &[f64]) -> String {
     match values {
@@ -97,6 +103,8 @@ mod tests {
                 "{shown}"
             );
         }
+        assert_eq!(show_measured(0.999_999_999_999_999_9), "1");
+        assert_eq!(show_measured(f64::NAN), "undefined");
         assert_eq!(show(-0.0), "0");
         assert_eq!(show(f64::NAN), "undefined");
         assert_eq!(show_all(&[1.0, 0.5]), "(1, 0.5)");

@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use crate::argument::{self, Assignment, Format, Pair, Quantity};
 use crate::failure::Failure;
-use crate::number::{show, show_all};
+use crate::number::{show_all, show_measured};
 use crate::output;
 use crate::program::LoadedProgram;
 use crate::registry::Context;
@@ -198,7 +198,7 @@ impl Measuring<'_> {
         }
         Err(Failure::usage(format!(
             "{option}: {} is not greater than 0",
-            show(length)
+            show_measured(length)
         )))
     }
 
@@ -307,7 +307,7 @@ fn connection(it: &Connection, from: [f64; 2]) -> ConnectionJson {
 
 /// What the list of geodesics leaves open.
 fn note(found: &Connections) -> Option<String> {
-    let within = show(found.within);
+    let within = show_measured(found.within);
     if found.found.is_empty() {
         return Some(if found.complete {
             format!("no geodesic no longer than {within} joins the two places")
@@ -333,7 +333,7 @@ fn stopped(stop: &RayStop) -> String {
     };
     format!(
         "the ray {degrees:.0}° from σu towards σv {reason} after {}",
-        show(stop.length)
+        show_measured(stop.length)
     )
 }
 

@@ -5,15 +5,15 @@ use std::f64::consts::{PI, TAU};
 use geodesic::measure::{Circle, Connections, PlaceMeasures, Triangle};
 
 use super::pair_text;
-use crate::number::{count, show, show_all};
+use crate::number::{count, show_all, show_measured};
 
 pub(super) fn place(found: &PlaceMeasures, embedded: bool) -> String {
-    let curvature = |value: Option<f64>| value.map_or_else(|| "undefined".into(), show);
+    let curvature = |value: Option<f64>| value.map_or_else(|| "undefined".into(), show_measured);
     let mean = match (found.mean, embedded) {
         (None, false) => "none: a metric bends in no space".into(),
         (mean, _) => format!("{}  for the normal σu × σv", curvature(mean)),
     };
-    let [e, f, g] = found.form.map(show);
+    let [e, f, g] = found.form.map(show_measured);
     format!(
         "\
 at (u, v) = {}
@@ -27,8 +27,13 @@ at (u, v) = {}
 }
 
 pub(super) fn circle(found: &Circle, radius: f64) -> String {
-    let ratio =
-        |value: f64, flat: f64| format!("{:.6} of the flat one's {}", value / flat, show(flat));
+    let ratio = |value: f64, flat: f64| {
+        format!(
+            "{:.6} of the flat one's {}",
+            value / flat,
+            show_measured(flat)
+        )
+    };
     let overlap = if found.overlaps {
         "it overlaps itself: what is swept twice counts twice"
     } else {
@@ -42,10 +47,10 @@ circle of radius {}
   trust          error estimate {:.1e}
   {overlap}
 ",
-        show(radius),
-        show(found.circumference),
+        show_measured(radius),
+        show_measured(found.circumference),
         ratio(found.circumference, TAU * radius),
-        show(found.area),
+        show_measured(found.area),
         ratio(found.area, PI * radius * radius),
         found.error_estimate,
     )
@@ -57,9 +62,9 @@ pub(super) fn between(found: &Connections) -> String {
     };
     let mut text = format!(
         "distance {}; {} no longer than {}\n",
-        show(first.length),
+        show_measured(first.length),
         count(found.found.len(), "geodesic"),
-        show(found.within)
+        show_measured(found.within)
     );
     for it in &found.found {
         let family = if it.conjugate {
@@ -69,7 +74,7 @@ pub(super) fn between(found: &Connections) -> String {
         };
         text.push_str(&format!(
             "  length {:<20} direction {} in (u, v){family}\n",
-            show(it.length),
+            show_measured(it.length),
             show_all(&it.direction.0)
         ));
     }
@@ -77,7 +82,7 @@ pub(super) fn between(found: &Connections) -> String {
 }
 
 pub(super) fn triangle(found: &Triangle) -> String {
-    let number = |value: Option<f64>| value.map_or_else(|| "none".into(), show);
+    let number = |value: Option<f64>| value.map_or_else(|| "none".into(), show_measured);
     let mut text = String::from("triangle of shortest geodesics\n");
     for (k, (side, angle)) in found.sides.iter().zip(found.angles).enumerate() {
         let degrees = angle.map_or_else(String::new, |angle| {
@@ -97,8 +102,8 @@ pub(super) fn triangle(found: &Triangle) -> String {
   area          {}
   trust         error estimate {:.1e}
 ",
-            show(region.curvature),
-            show(region.area),
+            show_measured(region.curvature),
+            show_measured(region.area),
             region.error_estimate,
         )),
         Err(error) => text.push_str(&format!("  no region: {error}\n")),
