@@ -117,6 +117,26 @@ class Controls(OnScreen):
             window.settle()
             self.assertNotEqual(window.pixels("3d"), picture, what)
 
+    def test_a_left_drag_turns_the_3d_view_about_its_target(self):
+        window = self.open(SPHERE)
+        start, picture = window.settle()["eye"], window.pixels("3d")
+        middle = window.middle("Image: 3D view")
+        window.drag(middle, (120, 0))
+        right = window.settle()["eye"]
+        self.assertNotEqual(window.pixels("3d"), picture)
+        # About the axis of the sphere, and level; what is in front goes to the right, so the eye goes to the left.
+        self.assertAlmostEqual(math.hypot(*right[:2]), math.hypot(*start[:2]))
+        self.assertAlmostEqual(right[2], start[2])
+        self.assertLess(start[0] * right[1] - start[1] * right[0], 0.0)
+        window.drag(middle, (0, 60))
+        self.assertGreater(window.settle()["eye"][2], start[2])
+        # A camera that only turns stays where it is.
+        eye = window.settle()["eye"]
+        window.screen.run("xdotool", "keydown", "alt")
+        window.drag(middle, (80, 0))
+        window.screen.run("xdotool", "keyup", "alt")
+        self.assertEqual(window.settle()["eye"], eye)
+
     def test_a_slider_moves_the_picture_and_builds_and_compiles_nothing(self):
         window = self.open(TORUS)
         before, picture, inside = window.take(), window.pixels("3d"), window.pixels("geodesic:s")

@@ -84,6 +84,13 @@ impl SpaceCamera {
         if next.is_sane() { next } else { self }
     }
 
+    /// The step in the picture's plane, to the right and up, in shares of the distance to its target.
+    fn in_plane(&self, by: DVec2) -> DVec3 {
+        let right = self.right();
+        let up = right.cross(self.forward());
+        (right * by.x + up * by.y) * self.distance()
+    }
+
     /// Moved by so many radii: right, forward, and up in the world.
     #[must_use]
     pub fn moved(self, by: [f64; 3]) -> Self {
@@ -114,9 +121,7 @@ impl SpaceCamera {
     /// Moved in the picture's plane, in shares of the distance to its target: what is there is carried along.
     #[must_use]
     pub fn panned(self, by: DVec2) -> Self {
-        let right = self.right();
-        let up = right.cross(self.forward());
-        let step = (right * -by.x + up * -by.y) * self.distance();
+        let step = self.in_plane(-by);
         self.with(
             DVec3::from(self.eye) + step,
             DVec3::from(self.target) + step,
@@ -134,15 +139,22 @@ impl SpaceCamera {
         camera.with(target - self.forward() * home.distance(), target)
     }
 
-    /// Nearer to its target by a factor below 1, farther by one above.
+    /// Nearer by a factor below 1, farther by one above, to the place at `towards` in the plane of the target: to the
+    /// right and up, in shares of the distance. Whatever is seen there stays there in the picture.
     #[must_use]
-    pub fn neared(self, factor: f64) -> Self {
+    pub fn neared(self, factor: f64, towards: DVec2) -> Self {
         let (eye, target) = (DVec3::from(self.eye), DVec3::from(self.target));
-        let distance = (self.distance() * factor).clamp(1e-6 * self.radius, 1e6 * self.radius);
-        self.with(
-            target - (target - eye).normalize_or(DVec3::NEG_Y) * distance,
-            target,
-        )
+        let distance = self.distance();
+        let next = (distance * factor).clamp(1e-6 * self.radius, 1e6 * self.radius);
+        let place = target + self.in_plane(towards);
+        let near = |from: DVec3| place + (from - place) * (next / distance);
+        // In the middle of the picture the target stays as it is, to the last digit.
+        let ahead = if towards == DVec2::ZERO {
+            target
+        } else {
+            near(target)
+        };
+        self.with(near(eye), ahead)
     }
 }
 

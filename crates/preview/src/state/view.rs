@@ -197,6 +197,8 @@ pub struct Preferences {
     pub inside_size: Option<u32>,
     /// The overlays of pictures.
     pub marks: Marks,
+    /// Set if a drag in space turns the camera where it stands, and not about its target.
+    pub fly: bool,
     /// Set if a slider that is let go writes its value into the text.
     pub write_on_release: bool,
     /// The scale of text and controls, 1 by default.
@@ -212,6 +214,7 @@ impl Default for Preferences {
             space_size: None,
             inside_size: None,
             marks: Marks::default(),
+            fly: false,
             write_on_release: false,
             scale: 1.0,
         }

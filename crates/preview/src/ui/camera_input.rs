@@ -6,7 +6,7 @@
 mod geodesic;
 mod space;
 
-use egui::{InputState, Key, Modifiers, Response, Ui};
+use egui::{InputState, Key, Modifiers, Response, Ui, Vec2};
 use render::ViewId;
 use render::view::View;
 
@@ -153,10 +153,18 @@ impl<'a> Held<'a> {
     }
 }
 
+/// Returns the way by which two fingers on a touchpad carry what is under the pointer, in points, where they move.
+/// `fingers` is set where what scrolls is not a wheel.
+fn carried(input: &InputState, fingers: bool) -> Option<Vec2> {
+    let by = input.smooth_scroll_delta();
+    (fingers && by != Vec2::ZERO).then_some(by)
+}
+
 /// Returns the factor of the distance, or of the zoom, for the wheel or two fingers: below 1 when the wheel is turned
 /// away from the user, or the fingers part; nothing where they rest.
-pub(crate) fn nearing(input: &InputState) -> Option<f64> {
-    let (turned, pinched) = (input.smooth_scroll_delta().y, input.zoom_delta());
+fn nearing(input: &InputState, fingers: bool) -> Option<f64> {
+    let scrolled = input.smooth_scroll_delta().y;
+    let (turned, pinched) = (if fingers { 0.0 } else { scrolled }, input.zoom_delta());
     let factor = (-f64::from(turned) * WHEEL).exp() / f64::from(pinched.max(1e-3));
     (turned != 0.0 || pinched != 1.0).then_some(factor)
 }

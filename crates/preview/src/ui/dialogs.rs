@@ -173,8 +173,8 @@ mod tests {
         let rows = super::rows(&views);
         let keys: Vec<&str> = rows.iter().map(|(keys, _)| *keys).collect();
         assert_eq!(keys[..5], ["W S", "A D", "Q E", "Z X", "Arrows"]);
-        assert_eq!(keys.len(), 21);
+        assert_eq!(keys.len(), 22);
         assert_eq!(rows[3].1, ["", "zoom in, out"]);
-        assert_eq!(rows[4].1, ["turn", "move"]);
+        assert_eq!(rows[4].1, ["look around", "move"]);
     }
 }

@@ -144,6 +144,12 @@ fn view(window: &mut Window, ui: &mut Ui) {
         window.next_view(ui, false);
     }
     ui.separator();
+    let mut fly = window.model.view.preferences.fly;
+    let hint = "A drag in the 3D view turns the camera where it stands";
+    if ui.checkbox(&mut fly, "Fly").on_hover_text(hint).changed() {
+        let step = Step::new("Change a setting", "fly");
+        window.model.change(step, |view| view.preferences.fly = fly);
+    }
     if entry(ui, true, "Frame everything", "F") {
         window.frame_all();
     }

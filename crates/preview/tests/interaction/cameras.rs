@@ -97,63 +97,6 @@ fn f_frames_everything_and_r_and_home_reset_the_3d_camera() {
     }
 }
 
-#[test]
-fn drags_turn_orbit_and_pan_the_3d_camera_and_the_wheel_brings_it_nearer() {
-    let mut hand = Hand::on(SPHERE);
-    let middle = hand.space().center();
-    let way = vec2(60.0, 20.0);
-
-    let before = hand.eye();
-    hand.drag(middle, way, PointerButton::Primary, Modifiers::NONE);
-    let turned = hand.eye();
-    assert_eq!(
-        turned.0, before.0,
-        "a drag turns the camera where it stands"
-    );
-    let angle = dot(axes(before)[1], axes(turned)[1]).acos();
-    assert!(angle > 0.02, "{angle}");
-    // The camera looks where the pointer goes: to the right.
-    assert!(dot(minus(turned.1, before.1), axes(before)[0]) > 0.0);
-
-    for (button, modifiers) in [
-        (PointerButton::Secondary, Modifiers::NONE),
-        (PointerButton::Primary, Modifiers::ALT),
-    ] {
-        let before = hand.eye();
-        hand.drag(middle, way, button, modifiers);
-        let after = hand.eye();
-        assert_eq!(after.1, before.1, "an orbit keeps its target");
-        let distances = [before, after].map(|(eye, target)| length(minus(eye, target)));
-        assert!((distances[0] - distances[1]).abs() < 1e-9, "{distances:?}");
-        assert!(length(minus(after.0, before.0)) > 0.05);
-    }
-    for (button, modifiers) in [
-        (PointerButton::Middle, Modifiers::NONE),
-        (PointerButton::Primary, Modifiers::SHIFT),
-    ] {
-        let before = hand.eye();
-        hand.drag(middle, way, button, modifiers);
-        let after = hand.eye();
-        let step = minus(after.0, before.0);
-        assert!(length(step) > 0.05 && length(minus(minus(after.1, before.1), step)) < 1e-9);
-        let ahead = axes(before)[1];
-        assert!(
-            dot(step, ahead).abs() < 1e-9,
-            "a pan stays in the picture's plane"
-        );
-        // What is under the pointer goes with it, so the camera goes to the left.
-        assert!(dot(step, axes(before)[0]) < 0.0);
-    }
-
-    let far = length(minus(hand.eye().0, hand.eye().1));
-    hand.wheel(middle, 60.0);
-    let near = length(minus(hand.eye().0, hand.eye().1));
-    assert!(near < 0.95 * far, "{near} is not nearer than {far}");
-    hand.wheel(middle, -60.0);
-    let back = length(minus(hand.eye().0, hand.eye().1));
-    assert!((back / far - 1.0).abs() < 1e-3, "{back} and {far}");
-}
-
 /// A step in (u, v) in the basis X, Y.
 fn in_basis(step: [f64; 2], x: [f64; 2], y: [f64; 2]) -> [f64; 2] {
     let area = x[0] * y[1] - x[1] * y[0];
@@ -250,8 +193,10 @@ fn a_drag_carries_what_is_under_the_pointer_and_the_wheel_zooms() {
     let rect = hand.inside("s");
     let half = f64::from(0.5 * rect.width().min(rect.height()));
     assert!((33.0..=40.0).contains(&(-a * half)), "{a} of {half}");
-    hand.wheel(middle, 60.0);
+    // The wheel zooms about the observer, wherever the pointer is.
+    hand.wheel(middle + vec2(50.0, 30.0), 60.0);
     let near = hand.camera("s").zoom;
+    assert_eq!(hand.camera("s").at, after.at);
     assert!(near < 0.95 * after.zoom, "{near} of {}", after.zoom);
     hand.wheel(middle, -60.0);
     assert!((hand.camera("s").zoom / after.zoom - 1.0).abs() < 1e-3);
@@ -532,7 +477,7 @@ fn a_window_in_which_something_is_yet_to_come_wakes_for_it_whatever_comes_first(
         unit: egui::MouseWheelUnit::Point,
         delta: vec2(0.0, 4.0),
         phase: egui::TouchPhase::Move,
-        source: egui::MouseWheelSource::Unknown,
+        source: egui::MouseWheelSource::Wheel,
         modifiers: Modifiers::NONE,
     });
     for _ in 0..9 {

@@ -335,7 +335,7 @@ impl Hand {
             unit: egui::MouseWheelUnit::Point,
             delta: egui::vec2(0.0, points),
             phase: egui::TouchPhase::Move,
-            source: egui::MouseWheelSource::Unknown,
+            source: egui::MouseWheelSource::Wheel,
             modifiers: Modifiers::NONE,
         });
         self.harness.run_steps(40);

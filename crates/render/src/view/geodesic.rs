@@ -156,7 +156,8 @@ const KEYS: &[Key] = &[
     Key::new("R, Home", "reset"),
     Key::new("Ctrl+Enter", "show the declaration"),
     Key::new("Drag", "move"),
-    Key::new("Wheel", "zoom"),
+    Key::new("Wheel, pinch", "zoom about the middle"),
+    Key::new("Two fingers", "move"),
     Key::new("Double or Ctrl click", "show the declaration"),
 ];
 

@@ -1,5 +1,6 @@
 use std::sync::Arc;
 
+use glam::DVec2;
 use render::view::space::SpaceView;
 use scene::ObjectId;
 
@@ -398,7 +399,11 @@ fn the_space_camera_keeps_its_distance_while_it_turns_orbits_and_moves() {
     let up = camera().moved([0.0, 0.0, 1.0]);
     close(up.eye[2], 4.0);
     close(up.target[2], 2.0);
-    close(distance(camera().neared(0.5)), 0.5 * old);
+    close(distance(camera().neared(0.5, DVec2::ZERO)), 0.5 * old);
+    close(
+        distance(camera().neared(0.5, DVec2::new(0.2, 0.1))),
+        0.5 * old,
+    );
     // Forwards and back, right and left.
     let there_and_back = camera().moved([1.0, 1.0, 0.0]).moved([-1.0, -1.0, 0.0]);
     for k in 0..3 {

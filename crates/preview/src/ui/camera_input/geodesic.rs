@@ -3,7 +3,7 @@
 use egui::{Key, Response, Ui};
 use render::ViewId;
 
-use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, nearing};
+use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, carried, nearing};
 use crate::state::Model;
 use crate::state::motion::Motion;
 use crate::ui::window::Window;
@@ -30,10 +30,15 @@ impl CameraInput for GeodesicInput {
         if response.dragged() && by != egui::Vec2::ZERO {
             window.walk(surface(id), dragged(by, side), ui);
         }
-        if response.hovered()
-            && let Some(factor) = ui.input(nearing)
-        {
-            window.walk(surface(id), Motion::Zoom(factor), ui);
+        if response.hovered() {
+            let fingers = window.input.fingers;
+            if let Some(by) = ui.input(|input| carried(input, fingers)) {
+                window.walk(surface(id), dragged(by, side), ui);
+            }
+            // About the middle: the observer stays.
+            if let Some(factor) = ui.input(|input| nearing(input, fingers)) {
+                window.walk(surface(id), Motion::Zoom(factor), ui);
+            }
         }
         let command = ui.input(|input| input.modifiers.command);
         if response.double_clicked() || response.clicked() && command {

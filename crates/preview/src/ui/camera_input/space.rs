@@ -1,10 +1,10 @@
 //! The camera in space: it goes, looks, and is carried around its target; clicks find what is under them.
 
-use egui::{Color32, Key, Modifiers, PointerButton, Pos2, Response, Ui};
+use egui::{Align2, Color32, FontId, Key, Modifiers, PointerButton, Pos2, Rect, Response, Ui};
 use glam::DVec2;
 use render::ViewId;
 
-use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, nearing};
+use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, carried, nearing};
 use crate::engine::render_thread::Purpose;
 use crate::state::{Model, SpaceCamera};
 use crate::ui::window::Window;
@@ -15,8 +15,8 @@ const SPEED: f64 = 1.0;
 const PAN_SPEED: f64 = 0.8;
 /// Radians for a drag across a picture's shorter side.
 const TURN_DRAG: f64 = 1.2;
-/// Radians around the target for a drag across a picture's shorter side.
-const ORBIT_DRAG: f64 = 3.2;
+/// Radians around the target for a drag across a picture's shorter side: what was in front is behind.
+const ORBIT_DRAG: f64 = std::f64::consts::PI;
 
 /// Keys and pointer of the camera in space.
 pub(super) struct SpaceInput;
@@ -39,17 +39,28 @@ impl CameraInput for SpaceInput {
 
     fn pointer(&self, window: &mut Window, ui: &Ui, id: &ViewId, response: &Response) {
         let side = response.rect.width().min(response.rect.height());
-        if let Some(camera) = window.model.view.space {
+        let fly = window.model.view.preferences.fly;
+        if let Some(mut camera) = window.model.view.space {
+            if !camera.moved {
+                hint(ui, response.rect, fly);
+            }
             let by = response.drag_delta();
-            if let Some(grip) = grip(ui, response)
+            if let Some(grip) = grip(ui, response, fly)
                 && by != egui::Vec2::ZERO
             {
-                window.move_space("drag", dragged(camera, grip, by, side), ui);
+                camera = dragged(camera, grip, by, side);
+                window.move_space("drag", camera, ui);
             }
-            if response.hovered()
-                && let Some(factor) = ui.input(nearing)
-            {
-                window.move_space("wheel", camera.neared(factor), ui);
+            if let Some(pointer) = response.hover_pos() {
+                let fingers = window.input.fingers;
+                if let Some(by) = ui.input(|input| carried(input, fingers)) {
+                    camera = dragged(camera, Grip::Pan, by, side);
+                    window.move_space("wheel", camera, ui);
+                }
+                if let Some(factor) = ui.input(|input| nearing(input, fingers)) {
+                    let towards = in_plane(pointer - response.rect.center(), side);
+                    window.move_space("wheel", camera.neared(factor, towards), ui);
+                }
             }
         }
         if response.clicked()
@@ -88,17 +99,27 @@ impl CameraInput for SpaceInput {
     }
 }
 
-/// Returns what a drag does.
-fn grip(ui: &Ui, response: &Response) -> Option<Grip> {
+/// Returns what a drag does; `fly` exchanges what it does with Alt and without.
+fn grip(ui: &Ui, response: &Response, fly: bool) -> Option<Grip> {
     let Modifiers { shift, alt, .. } = ui.input(|input| input.modifiers);
-    let primary = response.dragged_by(PointerButton::Primary);
-    if response.dragged_by(PointerButton::Middle) || primary && shift {
-        Some(Grip::Pan)
-    } else if response.dragged_by(PointerButton::Secondary) || primary && alt {
-        Some(Grip::Orbit)
-    } else {
-        primary.then_some(Grip::Turn)
+    let dragged = |button| response.dragged_by(button);
+    let primary = dragged(PointerButton::Primary);
+    let others = dragged(PointerButton::Secondary) || dragged(PointerButton::Middle);
+    if others || primary && shift {
+        return Some(Grip::Pan);
     }
+    let grip = if alt == fly { Grip::Orbit } else { Grip::Turn };
+    primary.then_some(grip)
+}
+
+/// Says faintly what the pointer does, to those who have not moved the camera yet.
+fn hint(ui: &Ui, rect: Rect, fly: bool) {
+    let verb = if fly { "look around" } else { "turn" };
+    let text = format!("drag to {verb}, wheel to zoom, F to fit");
+    let at = rect.center_bottom() - egui::vec2(0.0, 8.0);
+    let (font, colour) = (FontId::proportional(12.0), Color32::from_gray(128));
+    let painter = ui.painter_at(rect);
+    painter.text(at, Align2::CENTER_BOTTOM, text, font, colour);
 }
 
 /// Moves the camera by the held keys: it goes, or looks, in the direction of the letters and arrows.
@@ -128,7 +149,7 @@ fn moved_by_keys(held: Held<'_>, mut camera: SpaceCamera, speed: f64) -> SpaceCa
     }
     let nearer = held.nearer();
     if nearer != 0.0 {
-        camera = camera.neared((-nearer * step * ZOOM_SPEED).exp());
+        camera = camera.neared((-nearer * step * ZOOM_SPEED).exp(), DVec2::ZERO);
     }
     camera
 }
@@ -146,17 +167,19 @@ enum Grip {
 
 /// Moves the camera by a drag in points; `side` is the picture's shorter side in points.
 fn dragged(camera: SpaceCamera, grip: Grip, by: egui::Vec2, side: f32) -> SpaceCamera {
-    let side = f64::from(side.max(1.0));
-    let [x, y] = [f64::from(by.x) / side, f64::from(by.y) / side];
+    let [x, y] = [by.x, by.y].map(|x| f64::from(x / side.max(1.0)));
     match grip {
         // As the thesis has it: the camera looks where the pointer goes.
         Grip::Turn => camera.turned(x * TURN_DRAG, -y * TURN_DRAG),
         Grip::Orbit => camera.orbited(x * ORBIT_DRAG, -y * ORBIT_DRAG),
-        Grip::Pan => {
-            let tangent = 2.0 * (0.5 * render::style::FIELD_OF_VIEW).tan();
-            camera.panned(DVec2::new(x, -y) * tangent)
-        }
+        Grip::Pan => camera.panned(in_plane(by, side)),
     }
+}
+
+/// A way in points in the plane of the target, to the right and up, in shares of the distance.
+fn in_plane(by: egui::Vec2, side: f32) -> DVec2 {
+    let tangent = 2.0 * (0.5 * render::style::FIELD_OF_VIEW).tan();
+    DVec2::new(f64::from(by.x), -f64::from(by.y)) * tangent / f64::from(side.max(1.0))
 }
 
 /// A ring about the place that Enter means.

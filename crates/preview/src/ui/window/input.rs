@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use egui::{Event, Key, KeyboardShortcut, Modifiers, Ui};
+use egui::{Event, Key, KeyboardShortcut, Modifiers, MouseWheelSource, MouseWheelUnit, Ui};
 
 use super::Window;
 use super::clicks::Clicks;
@@ -25,6 +25,8 @@ pub(crate) struct InputState {
     pub(crate) by_keys: bool,
     /// The keys that are held.
     pub(crate) held: HeldKeys,
+    /// What scrolled last was two fingers on a touchpad, not a wheel.
+    pub(crate) fingers: bool,
 }
 
 /// The title of the step that adds textures.
@@ -48,6 +50,19 @@ impl Sizing {
             Self::Smaller => sizes.rfind(|it| *it < scale - 0.01).or(Some(scale)),
         };
         next.unwrap_or(1.0)
+    }
+}
+
+/// Returns whether it is two fingers on a touchpad that scroll, of an event that scrolls.
+fn by_fingers(event: &Event) -> Option<bool> {
+    match event {
+        Event::MouseWheel { source, unit, .. } => Some(match source {
+            MouseWheelSource::Trackpad | MouseWheelSource::Momentum => true,
+            MouseWheelSource::Wheel => false,
+            // Wheels count notches where the platform does not say.
+            MouseWheelSource::Unknown => *unit == MouseWheelUnit::Point,
+        }),
+        _ => None,
     }
 }
 
@@ -83,7 +98,7 @@ impl Window {
         }
     }
 
-    /// Takes the keys that go down and come up. Those of a text or a dialog never move a camera.
+    /// Takes the keys that go down and come up, and what scrolls. The keys of a text or a dialog never move a camera.
     pub(super) fn hold_keys(&mut self, ui: &Ui) {
         let letters = !ui.ctx().text_edit_focused() && !self.dialogs.is_open();
         let arrows = letters && self.has_arrows(ui);
@@ -94,7 +109,11 @@ impl Window {
                 letters
             }
         };
-        ui.input(|input| self.input.held.update(&input.events, has_key));
+        ui.input(|input| {
+            self.input.held.update(&input.events, has_key);
+            let mut events = input.events.iter().rev();
+            self.input.fingers = events.find_map(by_fingers).unwrap_or(self.input.fingers);
+        });
     }
 
     /// Held keys move the camera of the active pane, unless a text is being written.
