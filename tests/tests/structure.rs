@@ -62,7 +62,7 @@ fn retired_words_are_not_used_for_names() {
     let retired: BTreeSet<&str> = RETIRED.iter().copied().collect();
     let mut found = Vec::new();
     for file in structure::files() {
-        let words = structure::words(&file);
+        let words = structure::words(file);
         let used: Vec<&String> = words
             .iter()
             .filter(|it| retired.contains(it.as_str()))
@@ -124,7 +124,7 @@ fn a_comment_that_is_a_fragment_would_be_found() {
 #[test]
 fn a_folder_of_modules_stands_beside_the_file_that_declares_them() {
     let folders: Vec<PathBuf> = structure::files()
-        .into_iter()
+        .iter()
         .map(|file| file.path.clone())
         .filter(|path| path.ends_with("mod.rs"))
         .collect();

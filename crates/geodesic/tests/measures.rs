@@ -365,7 +365,7 @@ fn the_hyperbolic_plane_has_one_geodesic_of_the_known_length() {
         ([-5.0, 0.1], [5.0, 0.1]),
         ([0.3, 2.0], [4.0, 0.5]),
     ] {
-        let square = (q[0] - p[0] as f64).powi(2) + (q[1] - p[1] as f64).powi(2);
+        let square = f64::powi(q[0] - p[0], 2) + f64::powi(q[1] - p[1], 2);
         let expected = (1.0 + square / (2.0 * p[1] * q[1])).acosh();
         let found = between(&half, p, q, None);
         same_lengths(&format!("{p:?} {q:?}"), &found, &[expected], 1e-8);

@@ -114,22 +114,22 @@ impl<S: Surface + ?Sized> Ray<'_, '_, S> {
         };
         // At the very end nothing but the direction is needed: the last local data serve at a tip.
         let local = self.local_after(&step).unwrap_or(self.local);
-        if let (Event::NearestToApex, Chart::Apex(chart)) = (event, &self.chart) {
-            if !chart.is_hit_at(step.end.at) {
-                // A near miss: the step ends at the nearest point, from where the next one leads away.
-                self.accept(&step, local, at, pace, rounding, scale);
-                // Past the nearest point by a hair, so that it is not met again.
-                let ([a, b], [x, y]) = (self.state.at, self.state.velocity);
-                if a * x + b * y < 0.0 {
-                    let along = (a * x + b * y) / (x * x + y * y);
-                    self.state.at = [a - along * x, b - along * y];
-                }
-                return if self.enter_next_chart() {
-                    Attempt::Accepted(Some(h))
-                } else {
-                    Attempt::Ended(stalled_at(self.atlas, self.plain().at))
-                };
+        if let (Event::NearestToApex, Chart::Apex(chart)) = (event, &self.chart)
+            && !chart.is_hit_at(step.end.at)
+        {
+            // A near miss: the step ends at the nearest point, from where the next one leads away.
+            self.accept(&step, local, at, pace, rounding, scale);
+            // Past the nearest point by a hair, so that it is not met again.
+            let ([a, b], [x, y]) = (self.state.at, self.state.velocity);
+            if a * x + b * y < 0.0 {
+                let along = (a * x + b * y) / (x * x + y * y);
+                self.state.at = [a - along * x, b - along * y];
             }
+            return if self.enter_next_chart() {
+                Attempt::Accepted(Some(h))
+            } else {
+                Attempt::Ended(stalled_at(self.atlas, self.plain().at))
+            };
         }
         self.accept(&step, local, at, pace, rounding, scale);
         Attempt::Ended(match event {
