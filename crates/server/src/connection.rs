@@ -10,8 +10,8 @@
 //! the messages. `tower_lsp::Server` does the same behind streams of its own, which would frame and parse every message a
 //! second time, without the recovery of [`FrameReader`].
 
-use futures::channel::mpsc;
-use futures::{FutureExt, SinkExt, StreamExt, TryFutureExt, future, join, stream};
+use futures::channel::{mpsc, oneshot};
+use futures::{FutureExt, SinkExt, Stream, StreamExt, TryFutureExt, future, join, stream};
 use serde::Serialize;
 use tokio::io::{AsyncRead, AsyncWrite, AsyncWriteExt};
 use tokio::sync::mpsc::UnboundedReceiver;
@@ -58,11 +58,12 @@ impl Connection {
         S::Future: Send,
     {
         let (requests, mut answers) = socket.split();
-        let (requests, requests_end) = stream::abortable(requests);
+        let (requests_end, ended) = oneshot::channel::<()>();
+        let requests = until(requests, ended);
         // A response waits until the one before is written.
         let (responses, to_write) = mpsc::channel(0);
         let messages = stream::select(to_write.map(json::<Response>), requests.map(json));
-        let writing = tokio::spawn(write_all(output, raw, messages));
+        let writing = tokio::spawn(write_all(output, raw, Box::pin(messages)));
         let serving = tokio::spawn(async move {
             let (mut tasks, to_do) = mpsc::channel(WAITING);
             let work = to_do
@@ -103,12 +104,27 @@ impl Connection {
                     }
                 }
                 // The responses of what is under way are still written, but no more requests are sent to the editor.
-                requests_end.abort();
+                drop(requests_end);
             };
             join!(work, read);
         });
         Self { serving, writing }
     }
+}
+
+/// The items of a stream until the sender of `ended` is dropped. The stream is dropped then: a handler that waits for room
+/// in the channel behind it would wait for ever, and the connection for the handler.
+fn until<S: Stream + Unpin>(
+    stream: S,
+    ended: oneshot::Receiver<()>,
+) -> impl Stream<Item = S::Item> {
+    stream::unfold((stream, ended), |(mut stream, mut ended)| async {
+        tokio::select! {
+            biased;
+            _ = &mut ended => None,
+            item = stream.next() => item.map(|item| (item, (stream, ended))),
+        }
+    })
 }
 
 /// Writes messages as they come, those that are sent raw first, so that their order with responses that go the protocol's
@@ -158,4 +174,65 @@ fn error(code: i64, message: &str) -> Vec<u8> {
         "error": { "code": code, "message": message },
     });
     error.to_string().into_bytes()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use ide::Languages;
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+
+    use crate::frames::framed;
+
+    /// The handlers of the edits wait for room to publish their diagnostics when `exit` is read.
+    #[tokio::test]
+    async fn an_editor_that_leaves_before_it_has_read_everything_is_left() {
+        let (mut to_server, input) = tokio::io::duplex(1 << 16);
+        let (output, mut from_server) = tokio::io::duplex(64);
+        let server = tokio::spawn(crate::serve(input, output, Languages::standard(), None));
+        let message = |method: &str, params: serde_json::Value| {
+            let message =
+                serde_json::json!({ "jsonrpc": "2.0", "method": method, "params": params });
+            framed(message.to_string().as_bytes())
+        };
+        let params = serde_json::json!({ "processId": null, "rootUri": null, "capabilities": {} });
+        let initialize = serde_json::json!(
+            { "jsonrpc": "2.0", "id": 1, "method": "initialize", "params": params }
+        );
+        let mut bytes = framed(initialize.to_string().as_bytes());
+        to_server.write_all(&bytes).await.expect("it is read");
+        let mut answer = [0; 64];
+        from_server
+            .read_exact(&mut answer)
+            .await
+            .expect("an answer");
+
+        let uri = "file:///a.gtr";
+        let document =
+            serde_json::json!({ "uri": uri, "languageId": "geotrace", "version": 1, "text": "a" });
+        bytes = message("initialized", serde_json::json!({}));
+        let open = serde_json::json!({ "textDocument": document });
+        bytes.extend(message("textDocument/didOpen", open));
+        for version in 2..50 {
+            let edit = serde_json::json!({
+                "textDocument": { "uri": uri, "version": version },
+                "contentChanges": [{ "text": "b".repeat(version) }],
+            });
+            bytes.extend(message("textDocument/didChange", edit));
+        }
+        let exit = message("exit", serde_json::Value::Null);
+        for bytes in [bytes, exit] {
+            to_server.write_all(&bytes).await.expect("it is read");
+            // The server's tasks, which share this thread, go on until nothing can be written any more.
+            for _ in 0..1000 {
+                tokio::task::yield_now().await;
+            }
+        }
+        let mut rest = Vec::new();
+        let all_read = from_server.read_to_end(&mut rest);
+        let read = tokio::time::timeout(Duration::from_secs(60), all_read).await;
+        assert!(read.is_ok(), "its output ends");
+        assert!(!server.await.expect("no panic"), "it has not said goodbye");
+    }
 }

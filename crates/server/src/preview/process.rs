@@ -215,7 +215,9 @@ impl Process {
     fn wait(&self) -> Option<std::process::ExitStatus> {
         const STEP: Duration = Duration::from_millis(10);
         for _ in 0..SILENCE_LIMIT.as_millis() / STEP.as_millis() {
-            match self.child().try_wait() {
+            // The lock is not held while this thread sleeps.
+            let status = self.child().try_wait();
+            match status {
                 Ok(None) => std::thread::sleep(STEP),
                 Ok(status) => return status,
                 Err(_) => return None,
