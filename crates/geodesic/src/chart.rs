@@ -11,6 +11,7 @@ pub(crate) use layout::ChartLayout;
 
 use std::cell::Cell;
 
+use crate::interpolate::MIDDLE_OF_SIX;
 use crate::metric::{
     acceleration, combine, cross, dot, gaussian_curvature, minus_components, norm,
 };
@@ -170,13 +171,11 @@ impl<'s, S: Surface + ?Sized> Atlas<'s, S> {
             self.about_apex(chart, State { at, ..state })
         };
         let step = 2.0 * inner;
-        // Lagrange's interpolation at the middle of ±1, ±2, ±3 steps: (15, −6, 1)/20.
-        let weights = [0.75, -0.3, 0.05];
         let near = sample(step)?;
         let mut acceleration = [0.0; 2];
         let mut tangents = [[0.0; 3]; 2];
         let mut curvature = 0.0;
-        for (n, weight) in (1..).zip(weights) {
+        for (n, weight) in (1..).zip(MIDDLE_OF_SIX) {
             let offset = step * f64::from(n);
             let forward = if n == 1 { near } else { sample(offset)? };
             let pair = [forward, sample(-offset)?];

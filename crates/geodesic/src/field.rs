@@ -4,7 +4,7 @@
 //! Curves and Surfaces*, 1976, section 5-5). Between two knots it is the quintic with their values, slopes and second
 //! derivatives.
 
-use crate::interpolate::quintic;
+use crate::interpolate::{quintic, value};
 
 /// The field after a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -66,13 +66,6 @@ impl Quintic {
         }
     }
 
-    fn value(&self, x: f64) -> f64 {
-        self.coefficients
-            .iter()
-            .rev()
-            .fold(0.0, |sum, c| sum * x + c)
-    }
-
     /// The integral from the first knot to a share of the way.
     fn integral(&self, x: f64) -> f64 {
         let terms = (1..=6_u32).rev().zip(self.coefficients.iter().rev());
@@ -82,11 +75,11 @@ impl Quintic {
 
     /// The share at which it changes its sign, if it does between both ends, by bisection.
     fn zero(&self) -> f64 {
-        let negative = self.value(0.0) < 0.0;
+        let negative = value(&self.coefficients, 0.0) < 0.0;
         let (mut low, mut high) = (0.0, 1.0);
         for _ in 0..50 {
             let middle = 0.5 * (low + high);
-            if (self.value(middle) < 0.0) == negative {
+            if (value(&self.coefficients, middle) < 0.0) == negative {
                 low = middle;
             } else {
                 high = middle;

@@ -26,3 +26,12 @@ pub(crate) fn quintic(h: f64, a: [f64; 3], b: [f64; 3]) -> [f64; 6] {
         6.0 * x - 3.0 * y + 0.5 * z,
     ]
 }
+
+/// Returns a polynomial's value at `x`, from its coefficients by powers (Horner's scheme).
+pub(crate) fn value(coefficients: &[f64], x: f64) -> f64 {
+    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
+}
+
+/// The weights of Lagrange's interpolation at the middle of ±1, ±2 and ±3 equal steps, for both sides alike:
+/// (15, −6, 1)/20.
+pub(crate) const MIDDLE_OF_SIX: [f64; 3] = [0.75, -0.3, 0.05];

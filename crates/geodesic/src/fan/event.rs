@@ -2,7 +2,7 @@
 
 use super::ray::Knot;
 use crate::chart::{ChartLayout, State};
-use crate::interpolate::quintic;
+use crate::interpolate::{quintic, value};
 
 /// Returns the share of a step in the plain coordinates after which it leaves through an edge, and which: the axis and its
 /// end. `before` is the acceleration at the start.
@@ -13,16 +13,11 @@ pub(super) fn leaves(
     to: &Knot,
     h: f64,
 ) -> Option<(f64, (usize, usize))> {
-    let point = |x: f64| {
-        [0, 1].map(|k| {
-            let start = [from.at[k], from.velocity[k], before[k]];
-            let coefficients = quintic(h, start, [to.at[k], to.velocity[k], to.acceleration[k]]);
-            coefficients
-                .into_iter()
-                .rev()
-                .fold(0.0, |sum, c| sum * x + c)
-        })
-    };
+    let path = [0, 1].map(|k| {
+        let start = [from.at[k], from.velocity[k], before[k]];
+        quintic(h, start, [to.at[k], to.velocity[k], to.acceleration[k]])
+    });
+    let point = |x: f64| [0, 1].map(|k| value(&path[k], x));
     let (first, edge) = layout.edge_on_way(to.at, point)?;
     let (mut low, mut high) = (first - 0.25, first);
     for _ in 0..48 {

@@ -3,6 +3,7 @@
 use super::MeasureError;
 use crate::chart::Atlas;
 use crate::frame::Frame;
+use crate::interpolate::MIDDLE_OF_SIX;
 use crate::jet::Jet;
 use crate::metric::{cross, dot, gaussian_curvature, norm};
 use crate::point::Uv;
@@ -60,12 +61,12 @@ fn curvatures_near(surface: &dyn Surface, uv: Uv) -> [f64; 2] {
     let Some(chart) = atlas.layout.pole_near(uv.0) else {
         return curvatures(&surface.jet(uv));
     };
-    // As the acceleration of a ray there: Lagrange's interpolation at the middle of ±1, ±2, ±3 steps along a line.
+    // As the acceleration of a ray there: from six points along a line.
     let [a, b] = chart.point(uv.0);
     let r = a.hypot(b);
     let along = if r > 0.0 { [a / r, b / r] } else { [1.0, 0.0] };
     let mut sum = [0.0; 2];
-    for (n, weight) in (1..).zip([0.75, -0.3, 0.05]) {
+    for (n, weight) in (1..).zip(MIDDLE_OF_SIX) {
         for side in [-1.0, 1.0] {
             let offset = side * 2.0 * chart.inner() * f64::from(n);
             let mut at = chart.plain_point([a + offset * along[0], b + offset * along[1]]);

@@ -52,6 +52,14 @@ const PANS: [(PointerButton, Modifiers); 3] = [
     (PointerButton::Primary, Modifiers::SHIFT),
 ];
 
+/// The ways of a drag: right, left, down, up.
+const WAYS: [Vec2; 4] = [
+    vec2(60.0, 0.0),
+    vec2(-60.0, 0.0),
+    vec2(0.0, 40.0),
+    vec2(0.0, -40.0),
+];
+
 /// Drags from the middle.
 fn drag(hand: &mut Hand, way: Vec2, (button, modifiers): (PointerButton, Modifiers)) {
     let middle = hand.space().center();
@@ -60,12 +68,7 @@ fn drag(hand: &mut Hand, way: Vec2, (button, modifiers): (PointerButton, Modifie
 
 /// A drag turns the camera about its target, and what is in front goes with the pointer.
 fn orbits(hand: &mut Hand, by: (PointerButton, Modifiers)) {
-    for way in [
-        vec2(60.0, 0.0),
-        vec2(-60.0, 0.0),
-        vec2(0.0, 40.0),
-        vec2(0.0, -40.0),
-    ] {
+    for way in WAYS {
         let before = camera(hand);
         let [right, up, ahead] = axes(before);
         // On the side of the sphere that is seen, in the middle.
@@ -88,12 +91,7 @@ fn orbits(hand: &mut Hand, by: (PointerButton, Modifiers)) {
 
 /// A drag turns the camera where it stands: it looks where the pointer goes.
 fn turns_the_head(hand: &mut Hand, by: (PointerButton, Modifiers)) {
-    for way in [
-        vec2(60.0, 0.0),
-        vec2(-60.0, 0.0),
-        vec2(0.0, 40.0),
-        vec2(0.0, -40.0),
-    ] {
+    for way in WAYS {
         let before = camera(hand);
         let [right, up, _] = axes(before);
         drag(hand, way, by);
