@@ -53,7 +53,7 @@ pub(crate) fn names<'a>(extras: impl IntoIterator<Item = &'a OverlayObject>) -> 
 }
 
 /// sRGB colours of lines.
-mod ink {
+pub(crate) mod ink {
     /// Wavefronts.
     pub(super) const WAVE: [u8; 3] = [250, 250, 255];
     /// Conjugate points.
@@ -61,7 +61,9 @@ mod ink {
     /// The cut locus.
     pub(super) const CUT: [u8; 3] = [255, 150, 0];
     /// Trails.
-    pub(super) const TRAIL: [u8; 3] = [150, 130, 255];
+    pub(crate) const TRAIL: [u8; 3] = [150, 130, 255];
+    /// Paths that were measured.
+    pub(crate) const MEASURED: [u8; 3] = [200, 255, 60];
 }
 
 /// Returns true if anything lies over a geodesic picture of a surface.
@@ -105,7 +107,7 @@ pub(crate) fn over_space(
     let legend = !key.is_empty();
     for trail in &request.trails {
         if space::is_shown(&request.scene, trail.surface) {
-            key.line(ink::TRAIL, &trail_words(trail));
+            key.line(trail.kind.colour(), &trail_words(trail));
         }
     }
     key.draw(image);
@@ -113,7 +115,11 @@ pub(crate) fn over_space(
 }
 
 fn trail_words(trail: &Trail) -> String {
-    format!("trail, length {}", legend::digits(trail.length))
+    format!(
+        "{}, length {}",
+        trail.kind.name(),
+        legend::digits(trail.length)
+    )
 }
 
 fn wave_words(distance: f64) -> String {

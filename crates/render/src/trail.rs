@@ -1,4 +1,4 @@
-//! Trails: paths that a geodesic camera has walked, drawn in both views with their length.
+//! Trails: paths that a geodesic camera has walked or that were measured, drawn in both views with their length.
 //!
 //! A camera's steps flow in, points of the chart flow out, close enough to be joined by straight lines.
 
@@ -9,6 +9,8 @@ use geometry::{GeodesicStart, Knot, Manifold, knots_at};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
+use crate::overlay::ink;
+
 /// Points for each zoom that is walked.
 const POINTS: f64 = 48.0;
 /// The most points of one step.
@@ -16,14 +18,25 @@ const MOST_FOR_STEP: f64 = 512.0;
 /// The most points of a trail: beyond it, every other one is given up.
 const MOST_POINTS: usize = 1 << 16;
 
-/// A path that has been walked on a surface.
+/// The origin of a trail, which decides how it looks.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum TrailKind {
+    /// A camera has walked it.
+    Walked,
+    /// It is what was measured: a side, a circle.
+    Measured,
+}
+
+/// A path on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trail {
+    /// Its origin.
+    pub kind: TrailKind,
     /// The surface or metric.
     pub surface: ObjectId,
     /// Its points (u, v) in the order of the walk; neighbours are joined, across sides that are glued too.
     pub points: Vec<[f64; 2]>,
-    /// Returns its length, in the surface's units.
+    /// Its length, in the surface's units.
     pub length: f64,
 }
 
@@ -31,6 +44,7 @@ impl Trail {
     /// A trail of which nothing has been walked.
     pub fn new(surface: ObjectId, at: [f64; 2]) -> Self {
         Self {
+            kind: TrailKind::Walked,
             surface,
             points: vec![at],
             length: 0.0,
@@ -76,6 +90,24 @@ impl Trail {
             index += 1;
             (index - 1) % 2 == 0 || index - 1 == last
         });
+    }
+}
+
+impl TrailKind {
+    /// Its colour, sRGB.
+    pub(crate) fn colour(self) -> [u8; 3] {
+        match self {
+            Self::Walked => ink::TRAIL,
+            Self::Measured => ink::MEASURED,
+        }
+    }
+
+    /// Its name in notes.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Walked => "trail",
+            Self::Measured => "measured",
+        }
     }
 }
 

@@ -123,12 +123,15 @@ pub trait ViewRenderer: fmt::Debug + Send {
 pub struct Hit {
     /// The object.
     pub object: ObjectId,
-    /// The place.
-    pub position: WorldPoint,
+    /// The place in space; `None` on a metric.
+    pub position: Option<WorldPoint>,
     /// (u, v) of a surface, (t, 0) of a curve, zero otherwise.
     pub parameters: [f64; 2],
     /// The number of the object's instance, from 0.
     pub instance: u64,
+    /// In a geodesic view, the polar coordinates of the place about the camera: the length of the pixel's geodesic, and its
+    /// angle in (−π, π] from the picture's right towards its up.
+    pub polar: Option<[f64; 2]>,
 }
 
 /// A key or gesture, in words.

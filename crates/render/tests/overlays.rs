@@ -6,7 +6,7 @@ use image::{Rgba, RgbaImage};
 use render::request::{Overlays, Spacing};
 use render::sample::{Samples, sample};
 use render::texture::Texture;
-use render::trail::Trail;
+use render::trail::{Trail, TrailKind};
 use render::viewpoint::GeodesicCamera;
 use render::{Backend, RenderedImage};
 use scene::ObjectId;
@@ -211,6 +211,7 @@ fn a_trail_is_drawn_in_both_views_with_its_length_and_costs_nothing_when_absent(
         .map(|k| [0.0, -0.4 + 0.02 * f64::from(k)])
         .collect();
     let trail = Trail {
+        kind: TrailKind::Walked,
         surface: ObjectId(0),
         points,
         length: 0.8,

@@ -8,7 +8,7 @@ use render::Renderer;
 use render::gpu::Pixels;
 use render::point::{DrawingPoint, PixelPoint};
 use render::view::Hit;
-use render::viewpoint::PerspectiveCamera;
+use render::viewpoint::{GeodesicCamera, PerspectiveCamera};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 use scenes::Wanted;
@@ -31,6 +31,10 @@ fn pick(scene: &Arc<Scene>, params: &ParamValues, request: &Wanted, at: [f64; 2]
     Renderer::software()
         .pick(&request.of(scene, params), PixelPoint(at))
         .expect("a picture")
+}
+
+fn position(hit: &Hit) -> [f64; 3] {
+    hit.position.expect("a place in space").0
 }
 
 /// Where the ray through a pixel place goes: its start and its direction in the scene's units.
@@ -76,7 +80,7 @@ fn a_plane_is_hit_where_the_ray_meets_it() {
                 off.iter().all(|off| off.abs() < 2e-3),
                 "{at:?}: {hit:?}, not {u} {v}"
             );
-            let off = (0..3).map(|n| (hit.position.0[n] - place[n]).abs());
+            let off = (0..3).map(|n| (position(&hit)[n] - place[n]).abs());
             assert!(
                 off.fold(0.0, f64::max) < 4e-3,
                 "{at:?}: {hit:?}, not {place:?}"
@@ -119,7 +123,7 @@ fn a_sphere_is_hit_on_its_near_side() {
             du.abs() * v.cos() < 4e-3 && dv.abs() < 4e-3,
             "{at:?}: {hit:?}, not {u} {v}"
         );
-        assert!((dot(hit.position.0, hit.position.0).sqrt() - 2.0).abs() < 5e-3);
+        assert!((dot(position(&hit), position(&hit)).sqrt() - 2.0).abs() < 5e-3);
         hits += 1;
     }
     assert!(hits > 25, "{hits}");
@@ -149,7 +153,7 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
         assert_eq!(hit.object, ObjectId(0));
         assert!((hit.parameters[0] - 0.5).abs() < 0.03, "{hit:?}");
         assert!(
-            hit.position.0[0].abs() < 0.6 && hit.position.0[1].abs() < 0.05,
+            position(&hit)[0].abs() < 0.6 && position(&hit)[1].abs() < 0.05,
             "{hit:?}"
         );
     }
@@ -158,15 +162,14 @@ fn curves_points_and_vectors_are_picked_within_four_pixels() {
     let hit = pick([x + 4.0, y]).expect("the point");
     assert_eq!(hit.object, ObjectId(1));
     assert!(
-        hit.position
-            .0
+        position(&hit)
             .iter()
             .zip([0.0, 1.0, 0.0])
             .all(|(a, b)| (a - b).abs() < 1e-6)
     );
     let hit = pick(at(-0.6, -1.0)).expect("the vector");
     assert_eq!(hit.object, ObjectId(2));
-    assert!((hit.position.0[0] + 0.6).abs() < 0.03, "{hit:?}");
+    assert!((position(&hit)[0] + 0.6).abs() < 0.03, "{hit:?}");
 }
 
 #[test]
@@ -183,7 +186,7 @@ fn perspective_does_not_bend_a_curves_parameter() {
                 .expect("a picture");
             if let Some(hit) = hit.filter(|hit| hit.object == ObjectId(0)) {
                 assert!(
-                    (hit.parameters[0] - hit.position.0[1]).abs() < 0.12,
+                    (hit.parameters[0] - position(&hit)[1]).abs() < 0.12,
                     "{at:?}: {hit:?}"
                 );
             }
@@ -298,15 +301,52 @@ fn what_is_picked_is_what_the_picture_shows() {
 }
 
 #[test]
-fn a_place_outside_the_picture_and_a_geodesic_view_are_no_place_to_pick() {
+fn a_place_outside_the_picture_is_no_place_to_pick() {
     let (scene, params) = compiled("surface s(u, v) = (u, v, 0), u : [0, 1], v : [0, 1];");
     for at in [[-1.0, 5.0], [5.0, 120.0], [f64::NAN, 1.0]] {
         assert_eq!(pick(&scene, &params, &Wanted::space(SIZE), at), None);
     }
     let inside = Wanted::geodesic(ObjectId(0), SIZE);
-    assert!(
-        Renderer::software()
-            .pick(&inside.of(&scene, &params), PixelPoint([1.0, 1.0]))
-            .is_err()
+    assert_eq!(pick(&scene, &params, &inside, [f64::NAN, 1.0]), None);
+}
+
+#[test]
+fn a_pixel_of_a_geodesic_view_is_at_the_end_of_its_geodesic() {
+    let text =
+        "surface s(u, v) = (cos v cos u, cos v sin u, sin v), u : [-pi, pi], v : [-pi/2, pi/2];
+        metric h(u, v) = (1, 0, 2 + u), u : [-1, 1], v : [-1, 1];";
+    let (scene, params) = compiled(text);
+    let zoom = 2.0;
+    let seen = |id: u32, at: [f64; 2]| {
+        let camera = GeodesicCamera::new(ObjectId(id)).at([0.0, 0.0]);
+        let request = Wanted::geodesic(ObjectId(id), SIZE)
+            .with_inside(|options| options.camera = camera.zoomed(zoom));
+        pick(&scene, &params, &request, at)
+    };
+    // Along the equator, along the meridian, and aslant: by spherical trigonometry sin v = sin d sin a.
+    for (x, y) in [(0.4, 0.0), (-0.7, 0.0), (0.0, 0.5), (0.3, -0.4), (0.0, 0.0)] {
+        let pixel = [80.0 + 60.0 * x, 60.0 - 60.0 * y];
+        let hit = seen(0, pixel).expect("a place");
+        let [distance, angle] = hit.polar.expect("polar coordinates");
+        let (wanted, towards) = (zoom * f64::hypot(x, y), f64::atan2(y, x));
+        assert!((distance - wanted).abs() < 1e-12 && (angle - towards).abs() < 1e-12);
+        let v = (distance.sin() * angle.sin()).asin();
+        let u = (distance.sin() * angle.cos()).atan2(distance.cos());
+        let off = [hit.parameters[0] - u, hit.parameters[1] - v];
+        assert!(
+            off.iter().all(|off| off.abs() < 1e-9),
+            "{hit:?}, not {u} {v}"
+        );
+        let p = [v.cos() * u.cos(), v.cos() * u.sin(), v.sin()];
+        let off = (0..3).map(|n| (position(&hit)[n] - p[n]).abs());
+        assert!(off.into_iter().all(|off| off < 1e-9), "{hit:?}");
+    }
+    let flat = seen(1, [80.0 + 60.0 * 0.25, 60.0]).expect("a place");
+    assert_eq!(flat.position, None);
+    assert!((flat.parameters[0] - 0.5).abs() < 1e-9, "{flat:?}");
+    assert_eq!(
+        seen(1, [80.0 + 60.0 * 0.9, 60.0]),
+        None,
+        "outside the domain"
     );
 }

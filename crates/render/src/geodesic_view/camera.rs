@@ -19,6 +19,7 @@ use scene::{ObjectId, Scene};
 
 use super::{PictureMethod, RayEnds};
 use crate::error::RenderError;
+use crate::point::PixelPoint;
 use crate::sample::DEGENERATE;
 use crate::viewpoint::{GeodesicCamera, Pose};
 use geometry::{Manifold, ManifoldError};
@@ -110,6 +111,14 @@ impl PlacedCamera {
             tolerance: TOLERANCE,
             size,
         })
+    }
+
+    /// Returns the place (x, y) of a pixel in the plane of the frame: the picture's shorter side goes from −1 to 1.
+    pub(crate) fn picture_place(&self, PixelPoint(at): PixelPoint) -> [f64; 2] {
+        let [width, height] = self.size.map(f64::from);
+        let per_pixel = 2.0 / width.min(height);
+        let [x, y] = [at[0] - 0.5 * width, 0.5 * height - at[1]];
+        [x * per_pixel, y * per_pixel]
     }
 
     /// `[[u min, u max], [v min, v max]]`.

@@ -96,8 +96,8 @@ impl<'a> GeodesicOverlay<'a> {
             key = legend::Legend::default();
         }
         for trail in &self.trails {
-            drawn.push("trail");
-            key.line(ink::TRAIL, &trail_words(trail));
+            drawn.push(trail.kind.name());
+            key.line(trail.kind.colour(), &trail_words(trail));
         }
         key.draw(image);
         ([self.notes, notes].concat(), drawn)

@@ -49,17 +49,17 @@ const BORDER: [u8; 3] = [255, 210, 60];
 
 /// Returns the objects that show a request's trails.
 pub(crate) fn trail_objects(request: &PictureRequest, placement: &Placement) -> Vec<OverlayObject> {
-    let lines = request
-        .trails
-        .iter()
-        .filter_map(|trail| crate::trail::in_space(&request.scene, &request.params, trail));
+    let lines = request.trails.iter().filter_map(|trail| {
+        let line = crate::trail::in_space(&request.scene, &request.params, trail)?;
+        Some((trail.kind, line))
+    });
     lines
-        .filter(|line| line.len() > 1)
-        .map(|line| OverlayObject {
-            name: "trail",
+        .filter(|(_, line)| line.len() > 1)
+        .map(|(kind, line)| OverlayObject {
+            name: kind.name(),
             painter: Painter::Curves,
             samples: line_samples(placement, line.len() as u32, &[line]).into(),
-            colour: style::linear(ink::TRAIL),
+            colour: style::linear(kind.colour()),
         })
         .collect()
 }

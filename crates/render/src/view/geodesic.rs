@@ -7,6 +7,7 @@
 mod cache;
 
 use ::geodesic::patchwork::table::code_of;
+use ::geodesic::trace::{Options, Status};
 use geometry::ManifoldError;
 use scene::{Object, ObjectId, Scene};
 
@@ -17,7 +18,7 @@ use crate::gpu::Pixels;
 use crate::gpu::geodesic::ResolveTask;
 use crate::overlay::{self, GeodesicOverlay};
 use crate::plan::{GeodesicPlan, Plan, derivative_operations};
-use crate::point::PixelPoint;
+use crate::point::{PixelPoint, WorldPoint};
 use crate::rendered::RenderedImage;
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
 use crate::viewpoint::GeodesicCamera;
@@ -193,15 +194,33 @@ impl ViewRenderer for GeodesicRenderer {
         })
     }
 
-    /// Only places in space are picked.
+    /// The end of the pixel's geodesic; none where that does not reach the pixel's distance.
     fn pick(
         &mut self,
-        _shared: &mut SharedState,
-        _request: &PictureRequest,
-        _at: PixelPoint,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        at: PixelPoint,
     ) -> Result<Option<Hit>, RenderError> {
-        let sentence = "a geodesic view has no camera in space";
-        Err(RenderError::Camera(sentence.to_owned()))
+        let Some(options) = request.view.get::<GeodesicOptions>() else {
+            return Err(ManifoldError::NoSurface { name: None }.into());
+        };
+        let structures = shared.structures.get(request.scene.arc());
+        let camera = self.maps.place(request, options, &structures)?;
+        let [x, y] = camera.picture_place(at);
+        let distance = camera.zoom * x.hypot(y);
+        let towards = if distance > 0.0 { [x, y] } else { [1.0, 0.0] };
+        let surface = camera.manifold().surface();
+        let trace = camera
+            .frame
+            .trace(surface, towards, distance, &Options::default());
+        let reached = trace.ok().filter(|it| it.status == Status::Complete);
+        Ok(reached.map(|trace| Hit {
+            object: camera.surface,
+            position: trace.position.map(WorldPoint),
+            parameters: trace.uv.0,
+            instance: 0,
+            polar: Some([distance, y.atan2(x)]),
+        }))
     }
 }
 

@@ -242,9 +242,10 @@ impl ViewRenderer for SpaceRenderer {
         let picked = software::pick(&camera, &drawables, at);
         Ok(picked.map(|picked| Hit {
             object: ObjectId(picked.object as u32),
-            position: camera.placement.world(picked.position),
+            position: Some(camera.placement.world(picked.position)),
             parameters: parameters(&request.scene.objects[picked.object].shape, picked.shares),
             instance: picked.instance,
+            polar: None,
         }))
     }
 

@@ -101,7 +101,7 @@ impl MapCache {
     ///
     /// # Errors
     /// Those of [`PlacedCamera::new`].
-    fn place(
+    pub(super) fn place(
         &mut self,
         request: &PictureRequest,
         options: &GeodesicOptions,
