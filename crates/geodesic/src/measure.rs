@@ -26,7 +26,7 @@ use std::fmt;
 
 use crate::trace::TraceError;
 
-pub use between::{Connection, Connections, MOST_CONNECTIONS, between};
+pub use between::{Connection, Connections, MOST_CONNECTIONS, between, distance};
 pub use circle::{Circle, RayStop, circle};
 pub use place::{PlaceMeasures, place};
 pub use triangle::{NoRegion, Triangle, TriangleRegion, triangle};

@@ -5,6 +5,7 @@
 //! (program.rs)                   │ (model.rs)           └─ history.rs, difference.rs: undo, redo
 //!                                ├─ view.rs: what is remembered by name, and between runs
 //!                                ├─ camera.rs, motion.rs, path.rs: the cameras, their motions, the paths of the geodesic ones
+//!                                ├─ measuring.rs: what is measured on a surface
 //!                                └─ pane.rs, layout.rs: the panes and their places
 //! ```
 
@@ -13,6 +14,7 @@ pub(crate) mod camera_controller;
 pub(crate) mod difference;
 pub(crate) mod history;
 pub(crate) mod layout;
+pub(crate) mod measuring;
 pub(crate) mod model;
 pub(crate) mod motion;
 pub(crate) mod pane;

@@ -7,6 +7,7 @@ pub(crate) mod event_splitter;
 pub(crate) mod gpu_surface;
 pub(crate) mod held_keys;
 pub(crate) mod highlighting;
+pub(crate) mod measure;
 pub(crate) mod menu;
 pub(crate) mod panes;
 pub(crate) mod status;

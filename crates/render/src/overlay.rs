@@ -53,17 +53,26 @@ pub(crate) fn names<'a>(extras: impl IntoIterator<Item = &'a OverlayObject>) -> 
 }
 
 /// sRGB colours of lines.
-pub(crate) mod ink {
+mod ink {
+    use crate::trail::TrailKind;
+
     /// Wavefronts.
     pub(super) const WAVE: [u8; 3] = [250, 250, 255];
     /// Conjugate points.
     pub(super) const CONJUGATE: [u8; 3] = [255, 70, 200];
     /// The cut locus.
     pub(super) const CUT: [u8; 3] = [255, 150, 0];
-    /// Trails.
-    pub(crate) const TRAIL: [u8; 3] = [150, 130, 255];
-    /// Paths that were measured.
-    pub(crate) const MEASURED: [u8; 3] = [200, 255, 60];
+    // Trails.
+    const WALKED: [u8; 3] = [150, 130, 255];
+    const MEASURED: [u8; 3] = [200, 255, 60];
+
+    /// Returns the colour of a trail.
+    pub(super) fn trail(kind: TrailKind) -> [u8; 3] {
+        match kind {
+            TrailKind::Walked => WALKED,
+            TrailKind::Measured => MEASURED,
+        }
+    }
 }
 
 /// Returns true if anything lies over a geodesic picture of a surface.
@@ -105,9 +114,9 @@ pub(crate) fn over_space(
         }
     }
     let legend = !key.is_empty();
-    for trail in &request.trails {
+    for trail in request.trails.iter().filter(|it| it.kind.has_key()) {
         if space::is_shown(&request.scene, trail.surface) {
-            key.line(trail.kind.colour(), &trail_words(trail));
+            key.line(ink::trail(trail.kind), &trail_words(trail));
         }
     }
     key.draw(image);
@@ -115,11 +124,7 @@ pub(crate) fn over_space(
 }
 
 fn trail_words(trail: &Trail) -> String {
-    format!(
-        "{}, length {}",
-        trail.kind.name(),
-        legend::digits(trail.length)
-    )
+    format!("trail, length {}", legend::digits(trail.length))
 }
 
 fn wave_words(distance: f64) -> String {

@@ -9,8 +9,6 @@ use geometry::{GeodesicStart, Knot, Manifold, knots_at};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 
-use crate::overlay::ink;
-
 /// Points for each zoom that is walked.
 const POINTS: f64 = 48.0;
 /// The most points of one step.
@@ -94,12 +92,9 @@ impl Trail {
 }
 
 impl TrailKind {
-    /// Its colour, sRGB.
-    pub(crate) fn colour(self) -> [u8; 3] {
-        match self {
-            Self::Walked => ink::TRAIL,
-            Self::Measured => ink::MEASURED,
-        }
+    /// Returns whether its length stands in the picture: what was measured stands beside it.
+    pub(crate) fn has_key(self) -> bool {
+        self == Self::Walked
     }
 
     /// Its name in notes.

@@ -103,6 +103,20 @@ pub fn between(
     Ok(all)
 }
 
+/// Finds the shortest geodesic from one place to another; `None` where none was found.
+///
+/// # Errors
+/// As [`between`].
+pub fn distance(
+    surface: &dyn Surface,
+    from: impl Into<Uv>,
+    to: impl Into<Uv>,
+) -> Result<Option<Connection>, MeasureError> {
+    let source = RaySource::at(surface, from.into())?;
+    let target = AimedPlace::new(surface, to.into())?;
+    Ok(shortest(&source, &target).found.first().copied())
+}
+
 impl Connection {
     fn is_same(&self, other: &Self) -> bool {
         let turn = (self.angle - other.angle) / TAU;

@@ -54,6 +54,10 @@ pub(crate) enum Purpose {
     Place(u64),
     /// Its declaration is to be shown.
     Open,
+    /// The place is one of a figure that is measured.
+    Measure,
+    /// The place is under the pointer while it rests or moves.
+    Pointer,
 }
 
 /// The longest time for which a finished picture waits for another one, so that the window draws itself once for both.
@@ -75,6 +79,7 @@ pub(crate) struct RenderThread {
 enum JobKey {
     Renderer,
     Question(u64),
+    Pointer,
     Pane(ViewId),
 }
 
@@ -85,6 +90,7 @@ enum Rank {
     Pick,
     Frame,
     Draw,
+    Pointer,
 }
 
 /// A job for the thread.
@@ -132,6 +138,12 @@ impl RenderThread {
     /// Asks what is under a pixel of the picture that a request describes.
     pub(crate) fn pick(&mut self, request: PictureRequest, at: [f64; 2], purpose: Purpose) {
         self.ask(Rank::Pick, Job::Pick(Box::new(request), at, purpose));
+    }
+
+    /// Asks what is under the pointer, in the place of an earlier such question that has not been begun.
+    pub(crate) fn point(&self, request: PictureRequest, at: [f64; 2]) {
+        let job = Job::Pick(Box::new(request), at, Purpose::Pointer);
+        self.queue.push(Rank::Pointer as u8, JobKey::Pointer, job);
     }
 
     /// Asks for the camera that sees everything that a request shows.

@@ -62,7 +62,10 @@ pub(crate) fn picture_request(
     };
     let paths = model.paths.iter();
     let paths = paths.filter(|(name, _)| marks.trail && has_trail(name));
-    let trails = paths.map(|(_, path)| Shared::from(&path.trail)).collect();
+    let walked = paths.map(|(_, path)| &path.trail);
+    let measured = model.measured.iter().filter(|(name, _)| has_trail(name));
+    let measured = measured.flat_map(|(_, lines)| lines);
+    let trails = walked.chain(measured).map(Shared::from).collect();
     let mut request = PictureRequest::new(&scene, model.settings()?, view, size);
     request.trails = trails;
     request.moving = moving;

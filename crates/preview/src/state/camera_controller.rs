@@ -145,7 +145,16 @@ impl Subject {
         Arc::ptr_eq(&self.scene, &other.scene) && self.surface == other.surface
     }
 
-    fn manifold(&self) -> Result<Manifold, ManifoldError> {
+    /// Returns whether both are the same surface with the same numbers.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        self.is_of_scene(other) && self.settings == other.settings
+    }
+
+    /// Makes the surface, ready for geodesics.
+    ///
+    /// # Errors
+    /// [`ManifoldError`] if it is none.
+    pub(crate) fn manifold(&self) -> Result<Manifold, ManifoldError> {
         let object = self.scene.objects.get(self.surface.0 as usize);
         let object = object.ok_or(ManifoldError::NoSurface { name: None })?;
         let uniforms = self.settings.first_instance(&self.scene, object);

@@ -7,6 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use ide::outline::DeclarationRange;
+use render::trail::Trail;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
 use syntax::span::Span;
@@ -50,6 +51,8 @@ pub struct Model {
     pub highlighted: Option<String>,
     /// The paths of the geodesic cameras that leave trails, by their surfaces' names.
     pub paths: BTreeMap<String, Arc<CameraPath>>,
+    /// The lines of what is measured, with their surface's name.
+    pub measured: Option<(String, Vec<Arc<Trail>>)>,
     controllers: BTreeMap<String, CameraController>,
     settings: Option<Arc<ParamValues>>,
     /// A geodesic camera's new place that may still be withdrawn.
@@ -62,6 +65,7 @@ impl Model {
         self.history = History::default();
         self.placing = None;
         self.paths.clear();
+        self.measured = None;
         self.view = view;
         self.settings = None;
     }

@@ -6,9 +6,9 @@
 mod geodesic;
 mod space;
 
-use egui::{InputState, Key, Modifiers, Response, Ui, Vec2};
-use render::ViewId;
+use egui::{InputState, Key, Modifiers, Pos2, Rect, Response, Ui, Vec2};
 use render::view::View;
+use render::{PictureRequest, ViewId};
 
 use crate::state::Model;
 use crate::ui::held_keys::HeldKeys;
@@ -44,6 +44,13 @@ pub(crate) fn input_of(view: Option<&dyn View>) -> &'static dyn CameraInput {
         Some(options) if options.geodesic_camera().is_some() => &geodesic::GeodesicInput,
         _ => &Fixed,
     }
+}
+
+/// Returns the pixel of a picture, which fills a rectangle, at a point of the screen.
+pub(crate) fn pixel(request: &PictureRequest, rect: Rect, at: Pos2) -> [f64; 2] {
+    let share = (at - rect.min) / rect.size();
+    let [width, height] = request.size.map(f64::from);
+    [f64::from(share.x) * width, f64::from(share.y) * height]
 }
 
 /// The natural logarithm of the zoom, or of the distance, a second.

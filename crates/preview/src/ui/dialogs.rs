@@ -9,6 +9,7 @@ use egui::{Grid, Ui};
 use render::view::{Key, View};
 
 use crate::engine::recording::Recording;
+use crate::ui::measure::{self, Measuring};
 use crate::ui::window::Window;
 use picture::PictureDialog;
 use record::RecordDialog;
@@ -26,6 +27,8 @@ pub(crate) struct Dialogs {
     pub(crate) record: Option<RecordDialog>,
     /// An animation is being recorded.
     pub(crate) recording: Option<Recording>,
+    /// Surfaces are measured.
+    pub(crate) measuring: Measuring,
     /// The window is to close with a text that is not saved.
     pub(crate) leaving: bool,
     /// The text of the field for a texture's file.
@@ -58,6 +61,7 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     if window.dialogs.shortcuts {
         shortcuts(window, ui);
     }
+    measure::show(window, ui);
     picture::show(window, ui);
     record::show(window, ui);
     if window.dialogs.leaving {
@@ -89,7 +93,8 @@ fn leaving(window: &mut Window, ui: &Ui) {
 }
 
 /// The keys that are the same in all views.
-const KEYS: [Key; 3] = [
+const KEYS: [Key; 4] = [
+    Key::new("M", "measure on surfaces"),
     Key::new("F6, Shift+F6", "the next view, the one before"),
     Key::new("Ctrl+Z, Ctrl+Y", "undo, redo a change of the view"),
     Key::new("Ctrl+ + − 0", "size of the controls"),
@@ -173,7 +178,7 @@ mod tests {
         let rows = super::rows(&views);
         let keys: Vec<&str> = rows.iter().map(|(keys, _)| *keys).collect();
         assert_eq!(keys[..5], ["W S", "A D", "Q E", "Z X", "Arrows"]);
-        assert_eq!(keys.len(), 22);
+        assert_eq!(keys.len(), 23);
         assert_eq!(rows[3].1, ["", "zoom in, out"]);
         assert_eq!(rows[4].1, ["look around", "move"]);
     }

@@ -8,6 +8,7 @@ use crate::state::layout::Arrangement;
 use crate::state::pane::Pane;
 use crate::state::{Model, Step, WAVEFRONTS};
 use crate::ui::dialogs::{picture, record};
+use crate::ui::measure;
 use crate::ui::window::{TextSource, Window};
 
 /// The menu bar.
@@ -142,6 +143,12 @@ fn view(window: &mut Window, ui: &mut Ui) {
     });
     if entry(ui, true, "Next view", "F6") {
         window.next_view(ui, false);
+    }
+    let mut measures = window.dialogs.measuring.is_open();
+    let hint = "Distances, circles, triangles and curvatures by clicks (M)";
+    let measure = ui.checkbox(&mut measures, "Measure");
+    if measure.on_hover_text(hint).changed() {
+        measure::toggle(window);
     }
     ui.separator();
     let mut fly = window.model.view.preferences.fly;

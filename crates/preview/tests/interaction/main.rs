@@ -9,6 +9,7 @@ mod faults;
 mod hand;
 mod keyboard;
 mod live;
+mod measuring;
 mod pointer;
 mod recording;
 mod remembered;

@@ -10,6 +10,7 @@ pub(super) use layer::Lines;
 use geodesic::surface::Side;
 use scene::InitialConditionsEvaluator;
 
+use super::ink;
 use crate::geodesic_view::PlacedCamera;
 use crate::request::PictureRequest;
 use crate::trail::Trail;
@@ -104,7 +105,7 @@ fn piece_count(length: f64, samples: u32, camera: &PlacedCamera) -> u32 {
 pub(super) fn trail(trail: &Trail, camera: &PlacedCamera) -> SurfaceCurve {
     let mut curve = SurfaceCurve {
         name: String::new(),
-        colour: trail.kind.colour(),
+        colour: ink::trail(trail.kind),
         notes: Vec::new(),
         pieces: Vec::new(),
     };

@@ -97,7 +97,9 @@ impl<'a> GeodesicOverlay<'a> {
         }
         for trail in &self.trails {
             drawn.push(trail.kind.name());
-            key.line(trail.kind.colour(), &trail_words(trail));
+            if trail.kind.has_key() {
+                key.line(ink::trail(trail.kind), &trail_words(trail));
+            }
         }
         key.draw(image);
         ([self.notes, notes].concat(), drawn)

@@ -59,7 +59,7 @@ pub(crate) fn trail_objects(request: &PictureRequest, placement: &Placement) -> 
             name: kind.name(),
             painter: Painter::Curves,
             samples: line_samples(placement, line.len() as u32, &[line]).into(),
-            colour: style::linear(kind.colour()),
+            colour: style::linear(ink::trail(kind)),
         })
         .collect()
 }

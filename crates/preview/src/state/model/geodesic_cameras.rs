@@ -68,7 +68,7 @@ impl Model {
     }
 
     /// Returns a surface or metric with the params' values.
-    fn subject(&mut self, surface: &str) -> Option<Subject> {
+    pub(crate) fn subject(&mut self, surface: &str) -> Option<Subject> {
         Some(Subject {
             surface: self.object(surface)?.0,
             settings: self.settings()?,
@@ -101,6 +101,16 @@ impl Model {
         let Some(scene) = &self.scene else {
             return;
         };
+        if let Some((name, lines)) = &mut self.measured {
+            match scene.object(name) {
+                Some((id, _)) => {
+                    for line in lines.iter_mut().filter(|line| line.surface != id) {
+                        Arc::make_mut(line).surface = id;
+                    }
+                }
+                None => self.measured = None,
+            }
+        }
         for (name, path) in &mut self.paths {
             if let Some((id, _)) = scene.object(name)
                 && path.trail.surface != id

@@ -3,7 +3,7 @@
 use egui::{Key, Response, Ui};
 use render::ViewId;
 
-use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, carried, nearing};
+use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, carried, nearing, pixel};
 use crate::state::Model;
 use crate::state::motion::Motion;
 use crate::ui::window::Window;
@@ -41,8 +41,17 @@ impl CameraInput for GeodesicInput {
             }
         }
         let command = ui.input(|input| input.modifiers.command);
-        if response.double_clicked() || response.clicked() && command {
+        let measures = window.dialogs.measuring.takes_clicks();
+        if response.clicked() && command || response.double_clicked() && !measures {
             window.open_declaration(surface(id));
+        } else if measures
+            && response.clicked()
+            && let Some(request) = window.pictures.sent(id).cloned()
+        {
+            let pointed = response.interact_pointer_pos();
+            let at = pointed.unwrap_or_else(|| response.rect.center());
+            let pixel = pixel(&request, response.rect, at);
+            window.click(request, pixel, pointed.is_none(), ui);
         }
     }
 

@@ -4,7 +4,7 @@ use egui::{Align2, Color32, FontId, Key, Modifiers, PointerButton, Pos2, Rect, R
 use glam::DVec2;
 use render::ViewId;
 
-use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, carried, nearing};
+use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, carried, nearing, pixel};
 use crate::engine::render_thread::Purpose;
 use crate::state::{Model, SpaceCamera};
 use crate::ui::window::Window;
@@ -69,9 +69,7 @@ impl CameraInput for SpaceInput {
             let pointed = response.interact_pointer_pos();
             // A key presses what has the focus, in its middle.
             let at = pointed.unwrap_or_else(|| response.rect.center());
-            let share = (at - response.rect.min) / response.rect.size();
-            let [width, height] = request.size.map(f64::from);
-            let pixel = [f64::from(share.x) * width, f64::from(share.y) * height];
+            let pixel = pixel(&request, response.rect, at);
             if response.double_clicked() {
                 window.double_click(request, pixel);
             } else if ui.input(|input| input.modifiers.command) {

@@ -59,6 +59,7 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
     window
         .camera_input(pane)
         .pointer(window, ui, pane, &response);
+    crate::ui::measure::follow_pointer(window, ui, pane, &response);
 }
 
 fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {

@@ -42,6 +42,12 @@ struct Open {
 impl Window {
     /// A click on a pixel of a picture of a view in space. One by a key is never the first half of two.
     pub(crate) fn click(&mut self, request: PictureRequest, at: [f64; 2], by_key: bool, ui: &Ui) {
+        if self.dialogs.measuring.takes_clicks() {
+            self.pictures
+                .render_thread
+                .pick(request, at, Purpose::Measure);
+            return;
+        }
         self.end_click();
         self.input.clicks.count += 1;
         self.input.clicks.open = (!by_key).then(|| Open {
@@ -55,6 +61,9 @@ impl Window {
 
     /// A double click there, whose first half has been taken for a click.
     pub(crate) fn double_click(&mut self, request: PictureRequest, at: [f64; 2]) {
+        if self.dialogs.measuring.takes_clicks() {
+            return;
+        }
         if let Some(open) = self.input.clicks.open.take() {
             self.input.clicks.withdrawn = Some(self.input.clicks.count);
             self.model.withdraw_placement();
@@ -108,6 +117,8 @@ impl Window {
             Purpose::Place(number) if self.input.clicks.withdrawn == Some(number) => return,
             Purpose::Place(number) => number,
             Purpose::Open => return self.open_declaration(&name),
+            Purpose::Measure => return crate::ui::measure::add_place(self, &name, hit),
+            Purpose::Pointer => return crate::ui::measure::point(self, &name, hit),
         };
         let [u, v] = hit.parameters;
         let sentence = match object.shape.domain() {

@@ -3,6 +3,7 @@
 use std::sync::mpsc::Receiver;
 
 use crate::channel::EventSender;
+use crate::engine::measure_thread::MeasureAnswer;
 use crate::engine::render_thread::RenderEvent;
 use crate::engine::textures::TextureRead;
 use crate::io::file_dialogs::FileChoice;
@@ -17,6 +18,8 @@ pub(crate) enum WindowEvent {
     Compiled(Compiled),
     /// The render thread has finished something.
     Render(Box<RenderEvent>),
+    /// Something has been measured.
+    Measured(Box<MeasureAnswer>),
     /// The file on disk holds another text now, or cannot be read.
     File(Result<String, Unreadable>),
     /// The server has sent something, or is gone.
@@ -45,6 +48,12 @@ impl WindowEvents {
     /// Returns a sender of sentences for the status line.
     pub(crate) fn status(&self) -> EventSender<StatusMessage> {
         self.sender.for_part(WindowEvent::Status)
+    }
+
+    /// Returns a sender of what was measured.
+    pub(crate) fn measured(&self) -> EventSender<MeasureAnswer> {
+        self.sender
+            .for_part(|answer| WindowEvent::Measured(Box::new(answer)))
     }
 
     /// Returns a sender of what the user chooses in the desktop's dialogs.

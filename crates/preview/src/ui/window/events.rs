@@ -32,6 +32,7 @@ impl Window {
                 self.open_wanted();
             }
             WindowEvent::Render(event) => self.take_rendered(*event),
+            WindowEvent::Measured(answer) => crate::ui::measure::take(self, *answer),
             WindowEvent::File(text) => self.take_changed(text),
             WindowEvent::Link(event) => self.take_link_event(event),
             WindowEvent::Texture(read) => {

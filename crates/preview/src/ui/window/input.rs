@@ -129,6 +129,9 @@ impl Window {
         if pressed(Key::R) || pressed(Key::Home) {
             camera.reset(self, &id);
         }
+        if pressed(Key::M) {
+            crate::ui::measure::toggle(self);
+        }
         camera.keys(self, ui, &id, arrows);
         if ui.input(|input| Held::new(input, &self.input.held, arrows).any()) {
             ui.ctx().request_repaint();

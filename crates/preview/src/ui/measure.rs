@@ -1,0 +1,335 @@
+//! Measuring on surfaces: a tool is chosen, places are clicked on in any view, and the answer stands in a small window
+//! and is drawn on the surface. It follows the params and the text.
+//!
+//! ```text
+//! click ──render thread──▶ add_place ──▶ Figure ──measure thread──▶ take ──▶ rows here, lines in the pictures
+//! pointer ──render thread──▶ point ─────────────────────────┘
+//! ```
+
+use std::sync::Arc;
+
+use egui::{DragValue, Grid, Response, Ui};
+use render::ViewId;
+use render::view::Hit;
+
+use crate::engine::measure_thread::{MeasureAnswer, MeasureQuestion, MeasureThread};
+use crate::state::camera_controller::Subject;
+use crate::state::measuring::{Figure, MeasureTool, Measured, Row};
+use crate::state::motion::Motion;
+use crate::state::{CameraPath, InsideCamera, StatusMessage};
+use crate::ui::camera_input::pixel;
+use crate::ui::window::Window;
+
+/// What is measured, and what was found.
+#[derive(Debug, Default)]
+pub(crate) struct Measuring {
+    /// It is there while the window is open.
+    thread: Option<MeasureThread>,
+    tool: MeasureTool,
+    figure: Option<Figure>,
+    /// The figure that was asked for last, on its surface.
+    asked: Option<(Subject, Figure)>,
+    /// The answer for the last figure that has one.
+    found: Option<Measured>,
+    pointer: Pointer,
+    /// The walk that was asked for last, with its answer.
+    walk: Option<(Subject, Arc<CameraPath>, InsideCamera)>,
+    walked: Vec<Row>,
+}
+
+/// The place under the pointer.
+#[derive(Debug, Default)]
+struct Pointer {
+    /// The view and the pixel that were asked for last.
+    asked: Option<(ViewId, [f64; 2])>,
+    surface: String,
+    rows: Vec<Row>,
+}
+
+impl Measuring {
+    /// Returns whether the window is open.
+    pub(crate) fn is_open(&self) -> bool {
+        self.thread.is_some()
+    }
+
+    /// Returns whether clicks on pictures are places to be measured.
+    pub(crate) fn takes_clicks(&self) -> bool {
+        self.is_open()
+    }
+
+    fn clear(&mut self) {
+        self.figure = None;
+        self.asked = None;
+        self.found = None;
+    }
+}
+
+/// Opens the window, or closes it with all that was measured.
+pub(crate) fn toggle(window: &mut Window) {
+    if window.dialogs.measuring.is_open() {
+        close(window);
+    } else {
+        let thread = MeasureThread::start(window.events.measured());
+        window.dialogs.measuring.thread = Some(thread);
+    }
+}
+
+fn close(window: &mut Window) {
+    window.dialogs.measuring = Measuring {
+        tool: window.dialogs.measuring.tool,
+        ..Measuring::default()
+    };
+    window.model.measured = None;
+}
+
+/// Adds a place to the figure. One that is complete, or on another surface, gives way to a new one.
+pub(crate) fn add_place(window: &mut Window, surface: &str, hit: &Hit) {
+    let Some((_, object)) = window.model.object(surface) else {
+        return;
+    };
+    if object.shape.manifold().is_none() {
+        let text = format!("`{surface}` is no surface: click on a surface or a metric.");
+        window.status_message = Some(StatusMessage::info(text));
+        return;
+    }
+    let camera = window.model.settle_camera(surface, false);
+    let measuring = &mut window.dialogs.measuring;
+    let tool = measuring.tool;
+    let begun = measuring.figure.take().filter(|figure| {
+        let clicked = figure.places.len();
+        figure.tool == tool && figure.surface == surface && clicked < tool.clicks()
+    });
+    let mut figure = begun.unwrap_or_else(|| {
+        let centre = camera.filter(|_| tool == MeasureTool::Circle);
+        Figure {
+            tool,
+            surface: surface.to_owned(),
+            places: centre.map(|camera| camera.at).into_iter().collect(),
+            radius: None,
+        }
+    });
+    figure.places.push(hit.parameters);
+    measuring.figure = Some(figure);
+    measuring.found = None;
+}
+
+/// Asks for the measures of the place that was found under the pointer.
+pub(crate) fn point(window: &mut Window, surface: &str, hit: &Hit) {
+    let is_measurable = |window: &Window| {
+        let object = window.model.object(surface);
+        object.is_some_and(|(_, object)| object.shape.manifold().is_some())
+    };
+    if !is_measurable(window) {
+        return;
+    }
+    let camera = window.model.settle_camera(surface, false);
+    let subject = window.model.subject(surface);
+    let measuring = &mut window.dialogs.measuring;
+    if let (Some(thread), Some(subject)) = (&measuring.thread, subject) {
+        surface.clone_into(&mut measuring.pointer.surface);
+        let question = MeasureQuestion::Pointer {
+            uv: hit.parameters,
+            polar: hit.polar,
+            camera: camera.map(|camera| camera.frame()),
+        };
+        thread.ask(subject, question);
+    }
+}
+
+/// Asks what is under the pointer, where it has moved over a picture.
+pub(crate) fn follow_pointer(window: &mut Window, ui: &Ui, pane: &ViewId, response: &Response) {
+    if !window.dialogs.measuring.is_open() || ui.input(|input| input.pointer.any_down()) {
+        return;
+    }
+    let Some(at) = response.hover_pos() else {
+        return;
+    };
+    let Some(request) = window.pictures.sent(pane) else {
+        return;
+    };
+    let now = (pane.clone(), pixel(request, response.rect, at));
+    let measuring = &mut window.dialogs.measuring;
+    if measuring.pointer.asked.as_ref() != Some(&now) {
+        let request = request.clone();
+        window.pictures.render_thread.point(request, now.1);
+        measuring.pointer.asked = Some(now);
+    }
+}
+
+/// Takes an answer over. One for a figure that has changed since is not shown.
+pub(crate) fn take(window: &mut Window, answer: MeasureAnswer) {
+    let measuring = &mut window.dialogs.measuring;
+    if !measuring.is_open() {
+        return;
+    }
+    match answer {
+        MeasureAnswer::Pointer(rows) => measuring.pointer.rows = rows,
+        MeasureAnswer::Figure(figure, measured) => {
+            if measuring.figure.as_ref() == Some(&figure) {
+                window.model.measured = Some((figure.surface, measured.lines.clone()));
+                measuring.found = Some(measured);
+            }
+        }
+        MeasureAnswer::Walk(rows) => measuring.walked = rows,
+        MeasureAnswer::WayBack(surface, Some(step)) => {
+            window.model.move_camera(&surface, Motion::Walk(step));
+            window.model.history.settle();
+        }
+        MeasureAnswer::WayBack(_, None) => {
+            let text = "No geodesic back to the start of the trail was found.";
+            window.status_message = Some(StatusMessage::info(text));
+        }
+    }
+}
+
+/// Shows the window, and asks anew where the figure, its surface or the walk has changed.
+pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
+    if !window.dialogs.measuring.is_open() {
+        return;
+    }
+    ask_figure(window);
+    ask_walk(window);
+    let mut open = true;
+    let screen = ui.ctx().content_rect();
+    egui::Window::new("Measure")
+        .open(&mut open)
+        .resizable(false)
+        .default_pos(screen.left_top() + egui::vec2(24.0, 64.0))
+        .max_width(360.0_f32.min(screen.width() - 48.0))
+        .show(ui.ctx(), |ui| contents(window, ui));
+    if !open {
+        close(window);
+    }
+}
+
+fn contents(window: &mut Window, ui: &mut Ui) {
+    let measuring = &mut window.dialogs.measuring;
+    ui.horizontal_wrapped(|ui| {
+        for tool in MeasureTool::ALL {
+            let chosen = ui.selectable_label(measuring.tool == tool, tool.title());
+            if chosen.clicked() && measuring.tool != tool {
+                measuring.tool = tool;
+                measuring.clear();
+                window.model.measured = None;
+            }
+        }
+    });
+    let measuring = &mut window.dialogs.measuring;
+    ui.weak(measuring.tool.hint());
+    if let Some(figure) = &mut measuring.figure {
+        ui.separator();
+        ui.strong(format!("{} on {}", figure.tool.title(), figure.surface));
+        if let Some(found) = &measuring.found {
+            rows(ui, "figure", &found.rows);
+            if let Some(note) = &found.note {
+                ui.label(note);
+            }
+            if let Some(mut radius) = found.radius {
+                ui.horizontal(|ui| {
+                    ui.label("another radius");
+                    let speed = 0.01 * radius;
+                    let drag = DragValue::new(&mut radius).speed(speed).range(0.0..=1e12);
+                    if ui.add(drag).changed() {
+                        figure.radius = Some(radius);
+                    }
+                });
+            }
+        } else {
+            ui.weak("measuring …");
+        }
+        if ui.button("Clear").clicked() {
+            measuring.clear();
+            window.model.measured = None;
+        }
+    }
+    let measuring = &window.dialogs.measuring;
+    if !measuring.pointer.rows.is_empty() {
+        ui.separator();
+        ui.strong(format!("Pointer on {}", measuring.pointer.surface));
+        rows(ui, "pointer", &measuring.pointer.rows);
+    }
+    if measuring.walk.is_some() && !measuring.walked.is_empty() {
+        ui.separator();
+        ui.strong("Walk");
+        rows(ui, "walk", &measuring.walked);
+        let hint = "Walks along the shortest geodesic to where the trail begins";
+        if ui.button("Close the walk").on_hover_text(hint).clicked() {
+            walk_back(window);
+        }
+    }
+}
+
+fn rows(ui: &mut Ui, id: &str, rows: &[Row]) {
+    Grid::new(id).num_columns(2).show(ui, |ui| {
+        for Row { name, value } in rows {
+            ui.label(name);
+            ui.label(value);
+            ui.end_row();
+        }
+    });
+}
+
+fn ask_figure(window: &mut Window) {
+    let Some(figure) = window.dialogs.measuring.figure.clone() else {
+        return;
+    };
+    let Some(subject) = window.model.subject(&figure.surface) else {
+        return;
+    };
+    let measuring = &mut window.dialogs.measuring;
+    let is_known =
+        |(before, known): &(Subject, Figure)| before.is_same(&subject) && *known == figure;
+    if measuring.asked.as_ref().is_some_and(is_known) {
+        return;
+    }
+    if let Some(thread) = &measuring.thread {
+        thread.ask(subject.clone(), MeasureQuestion::Figure(figure.clone()));
+        measuring.asked = Some((subject, figure));
+    }
+}
+
+/// Asks for the measures of the trail of the surface in use.
+fn ask_walk(window: &mut Window) {
+    let walk = trail(window);
+    let measuring = &mut window.dialogs.measuring;
+    let Some((subject, path, camera)) = walk else {
+        measuring.walk = None;
+        return;
+    };
+    let is_known = measuring.walk.as_ref().is_some_and(|(before, known, end)| {
+        before.is_same(&subject) && Arc::ptr_eq(known, &path) && *end == camera
+    });
+    if let Some(thread) = measuring.thread.as_ref().filter(|_| !is_known) {
+        let turns = path.motions().iter().map(|motion| match motion {
+            Motion::Turn(angle) => *angle,
+            _ => 0.0,
+        });
+        let question = MeasureQuestion::Walk {
+            start: path.start.frame(),
+            end: camera.frame(),
+            turned: turns.sum(),
+            length: path.trail.length,
+        };
+        thread.ask(subject.clone(), question);
+        measuring.walk = Some((subject, path, camera));
+    }
+}
+
+/// The trail of the surface in use, with its camera.
+fn trail(window: &mut Window) -> Option<(Subject, Arc<CameraPath>, InsideCamera)> {
+    let surface = window.focus.surface.clone()?;
+    let path = window.model.paths.get(&surface)?.clone();
+    let camera = window.model.view.inside.get(&surface).copied()?;
+    Some((window.model.subject(&surface)?, path, camera))
+}
+
+fn walk_back(window: &mut Window) {
+    let measuring = &window.dialogs.measuring;
+    if let (Some(thread), Some((subject, path, camera))) = (&measuring.thread, &measuring.walk) {
+        let question = MeasureQuestion::WayBack {
+            from: camera.frame(),
+            to: path.start.at,
+        };
+        thread.ask(subject.clone(), question);
+    }
+}

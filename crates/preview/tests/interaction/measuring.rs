@@ -1,0 +1,185 @@
+//! What is measured in the window, on a sphere against spherical trigonometry.
+
+use std::f64::consts::{PI, TAU};
+
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2, Vec2};
+
+use crate::hand::{Hand, SPHERE};
+
+/// Opens the window *Measure* on the sphere of radius 1, with a tool.
+fn measuring(tool: &str) -> Hand {
+    let mut hand = Hand::on(SPHERE);
+    open(&mut hand);
+    hand.click(tool);
+    hand
+}
+
+fn open(hand: &mut Hand) {
+    hand.click("View");
+    hand.click_on(Role::CheckBox, "Measure");
+    hand.press(Modifiers::NONE, Key::Escape);
+}
+
+/// The row of a name: its value as it is shown, once it is there.
+fn text(hand: &mut Hand, name: &str) -> String {
+    let value = |hand: &Hand| {
+        // A label is its own value.
+        let mut names = hand.names();
+        names.dedup();
+        let mut pairs = names.windows(2);
+        let found = pairs.find(|pair| pair[0] == name);
+        found.map(|pair| pair[1].clone())
+    };
+    hand.until(name, |hand| value(hand).is_some());
+    value(hand).expect("it was there")
+}
+
+/// The number with which a row begins.
+fn number(hand: &mut Hand, name: &str) -> f64 {
+    let text = text(hand, name);
+    let end = text.find([' ', ';']).unwrap_or(text.len());
+    text[..end].parse().expect("a number")
+}
+
+/// Where the picture of the geodesic view has a place (x, y): its shorter side goes from −1 to 1.
+fn at(hand: &Hand, [x, y]: [f32; 2]) -> Pos2 {
+    let rect = hand.inside("s");
+    let half = 0.5 * rect.width().min(rect.height());
+    rect.center() + Vec2::new(x * half, -y * half)
+}
+
+fn click(hand: &mut Hand, place: [f32; 2]) {
+    let at = at(hand, place);
+    hand.click_at(at);
+    hand.settle();
+}
+
+/// Pictures have pixels, and a click is in the middle of one at best.
+#[track_caller]
+fn near(shown: f64, wanted: f64) {
+    assert!((shown - wanted).abs() < 1e-2, "{shown} is not {wanted}");
+}
+
+#[track_caller]
+fn equal(shown: f64, wanted: f64) {
+    let size = wanted.abs().max(1.0);
+    assert!(
+        (shown - wanted).abs() < 1e-6 * size,
+        "{shown} is not {wanted}"
+    );
+}
+
+#[test]
+fn a_place_has_its_curvatures_and_the_camera_stays() {
+    let mut hand = measuring("Place");
+    let camera = hand.camera("s");
+    click(&mut hand, [0.4, 0.1]);
+    equal(number(&mut hand, "K"), 1.0);
+    equal(number(&mut hand, "H").abs(), 1.0);
+    let space = hand.space().center();
+    hand.click_at(space);
+    hand.settle();
+    assert_eq!(hand.camera("s"), camera, "clicks measure");
+    // A larger sphere is measured anew by itself.
+    hand.slide("r", 400.0);
+    let r = hand.param("r");
+    assert!(r > 1.5);
+    hand.until("K of the larger sphere", |hand| {
+        let shown = format!("{:.5}", 1.0 / (r * r));
+        hand.names().iter().any(|name| name.starts_with(&shown))
+    });
+    // Closed, clicks move the camera again.
+    hand.press(Modifiers::NONE, Key::M);
+    assert!(!hand.shows("Click on a place of a surface"));
+    hand.click_at(space);
+    hand.settle();
+    assert_ne!(hand.camera("s"), camera);
+}
+
+#[test]
+fn the_pointer_has_its_distance_and_direction_from_the_camera() {
+    let mut hand = measuring("Place");
+    let zoom = hand.camera("s").zoom;
+    let place = at(&hand, [-0.3, 0.4]);
+    hand.harness.hover_at(place);
+    near(number(&mut hand, "distance from the camera"), 0.5 * zoom);
+    near(number(&mut hand, "direction"), f64::atan2(0.4, -0.3));
+    equal(number(&mut hand, "K"), 1.0);
+}
+
+#[test]
+fn the_distance_of_two_places_is_their_angle() {
+    let mut hand = measuring("Distance");
+    let zoom = hand.camera("s").zoom;
+    click(&mut hand, [-0.3, 0.0]);
+    click(&mut hand, [0.5, 0.0]);
+    near(number(&mut hand, "distance"), 0.8 * zoom);
+    let distance = number(&mut hand, "distance");
+    assert!(distance < PI);
+    let drawn = |hand: &Hand| {
+        let measured = hand.window().model().measured.as_ref();
+        measured.map_or(0, |(_, lines)| lines.len())
+    };
+    hand.until("two marks and the geodesic", |hand| drawn(hand) >= 3);
+    hand.click("Clear");
+    assert_eq!(drawn(&hand), 0);
+}
+
+#[test]
+fn a_circle_about_the_camera_is_compared_with_the_flat_one() {
+    let mut hand = measuring("Circle");
+    click(&mut hand, [0.0, 0.6]);
+    let radius = number(&mut hand, "radius");
+    near(radius, 0.6 * hand.camera("s").zoom);
+    equal(number(&mut hand, "circumference"), TAU * radius.sin());
+    equal(number(&mut hand, "area"), TAU * (1.0 - radius.cos()));
+    assert!(text(&mut hand, "area").contains("πr² = "));
+}
+
+#[test]
+fn a_triangle_has_its_excess() {
+    let mut hand = measuring("Triangle");
+    for place in [[-0.4, -0.3], [0.5, -0.2], [0.1, 0.5]] {
+        click(&mut hand, place);
+    }
+    let excess = number(&mut hand, "angle excess");
+    assert!(excess > 0.05, "{excess}");
+    equal(number(&mut hand, "area"), excess);
+    equal(number(&mut hand, "∫K"), excess);
+    let sides = ["side a", "side b", "side c"].map(|name| number(&mut hand, name));
+    let [a, b, c] = sides;
+    // The law of cosines for the angle opposite c.
+    let angle = (c.cos() - a.cos() * b.cos()) / (a.sin() * b.sin());
+    equal(number(&mut hand, "angle C"), angle.acos());
+}
+
+#[test]
+fn a_closed_walk_has_its_holonomy() {
+    let mut hand = Hand::on(SPHERE);
+    hand.leave_trail("s");
+    open(&mut hand);
+    hand.hold(Key::W, 20);
+    let first = hand.window().model().paths["s"].trail.length;
+    hand.hold(Key::D, 20);
+    let second = hand.window().model().paths["s"].trail.length - first;
+    hand.until("the gap is shown", |hand| hand.shows("to the start"));
+    hand.click("Close the walk");
+    // A triangle with a right angle between its first two sides: its area is its angle excess, and the holonomy.
+    let excess = 2.0 * ((0.5 * first).tan() * (0.5 * second).tan()).atan();
+    let holonomy = number(&mut hand, "holonomy");
+    assert!(excess > 0.01, "{excess}");
+    assert!(
+        (holonomy.abs() - excess).abs() < 1e-5,
+        "{holonomy}, {excess}"
+    );
+}
+
+#[test]
+fn only_surfaces_are_measured() {
+    let mut hand = Hand::on("point p = (0, 0, 0);");
+    open(&mut hand);
+    let at = hand.space().center();
+    hand.click_at(at);
+    hand.until("a sentence", |hand| hand.shows("`p` is no surface"));
+}
