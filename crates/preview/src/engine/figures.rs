@@ -11,7 +11,7 @@ use geometry::{GeodesicStart, knots_at};
 use render::trail::{Trail, TrailKind};
 use scene::ObjectId;
 
-use crate::state::measuring::{Figure, MeasureTool, Measured, Row, angle, number, place};
+use crate::state::measuring::{Figure, MeasureTool, Measured, Quantity, angle, number, place};
 
 /// The points of a geodesic that is drawn.
 const POINTS: u32 = 96;
@@ -55,19 +55,19 @@ impl Drawing<'_> {
         let found = measure::place(self.surface, at)?;
         let value = |value: Option<f64>| value.map_or_else(|| "undefined".to_owned(), number);
         let mut rows = vec![
-            Row::new("(u, v)", place(found.uv.0)),
-            Row::new("K", value(found.gaussian)),
+            Quantity::new("(u, v)", place(found.uv.0)),
+            Quantity::new("K", value(found.gaussian)),
         ];
         if self.surface.is_embedded() {
-            rows.push(Row::new("H", value(found.mean)));
+            rows.push(Quantity::new("H", value(found.mean)));
             if let (Some(k), Some(h)) = (found.gaussian, found.mean) {
                 // Rounding may leave less than 0 at an umbilic.
                 let half = (h * h - k).max(0.0).sqrt();
-                rows.push(Row::new("principal", place([h + half, h - half])));
+                rows.push(Quantity::new("principal", place([h + half, h - half])));
             }
         }
         let form = found.form.map(number).join(", ");
-        rows.push(Row::new("E, F, G", form));
+        rows.push(Quantity::new("E, F, G", form));
         Ok(Measured {
             rows,
             ..Measured::default()
@@ -78,17 +78,23 @@ impl Drawing<'_> {
         let all = measure::between(self.surface, from, to, None)?;
         let mut rows = Vec::new();
         if let Some(first) = all.found.first() {
-            rows.push(Row::new("distance", number(first.length)));
+            rows.push(Quantity::new("distance", number(first.length)));
         }
         for (k, it) in all.found.iter().enumerate().take(MOST_LISTED).skip(1) {
-            rows.push(Row::new(format!("geodesic {}", k + 1), number(it.length)));
+            rows.push(Quantity::new(
+                format!("geodesic {}", k + 1),
+                number(it.length),
+            ));
         }
         if all.found.len() > MOST_LISTED {
             let more = all.found.len() - MOST_LISTED;
-            rows.push(Row::new("and", format!("{more} more")));
+            rows.push(Quantity::new("and", format!("{more} more")));
         }
         if all.found.iter().any(|it| it.conjugate) {
-            rows.push(Row::new("conjugate", "one of a family of the same length"));
+            rows.push(Quantity::new(
+                "conjugate",
+                "one of a family of the same length",
+            ));
         }
         let note = match (all.found.is_empty(), all.complete) {
             (true, _) => Some("no geodesic between the two places was found"),
@@ -123,7 +129,7 @@ impl Drawing<'_> {
             },
         };
         let mut answer = Measured {
-            rows: vec![Row::new("radius", number(radius))],
+            rows: vec![Quantity::new("radius", number(radius))],
             radius: Some(radius),
             lines: self.rim(centre, radius),
             ..Measured::default()
@@ -139,12 +145,15 @@ impl Drawing<'_> {
             Ok(found) => {
                 let rows = &mut answer.rows;
                 let [length, area] = [TAU * radius, PI * radius * radius];
-                rows.push(Row::new(
+                rows.push(Quantity::new(
                     "circumference",
                     beside(found.circumference, length, "2πr"),
                 ));
-                rows.push(Row::new("area", beside(found.area, area, "πr²")));
-                rows.push(Row::new("error", format!("≤ {:.1e}", found.error_estimate)));
+                rows.push(Quantity::new("area", beside(found.area, area, "πr²")));
+                rows.push(Quantity::new(
+                    "error",
+                    format!("≤ {:.1e}", found.error_estimate),
+                ));
                 if found.overlaps {
                     let note = "the circle overlaps itself: what is swept twice counts twice";
                     answer.note = Some(note.to_owned());
@@ -166,21 +175,21 @@ impl Drawing<'_> {
         let mut rows = Vec::new();
         for (name, side) in ["a", "b", "c"].iter().zip(&found.sides) {
             let length = side.map_or_else(|| "none found".to_owned(), |side| number(side.length));
-            rows.push(Row::new(format!("side {name}"), length));
+            rows.push(Quantity::new(format!("side {name}"), length));
         }
         for (name, at) in ["A", "B", "C"].iter().zip(found.angles) {
             let shown = at.map_or_else(|| "none".to_owned(), angle);
-            rows.push(Row::new(format!("angle {name}"), shown));
+            rows.push(Quantity::new(format!("angle {name}"), shown));
         }
         if let Some(excess) = found.excess() {
-            rows.push(Row::new("angle excess", angle(excess)));
+            rows.push(Quantity::new("angle excess", angle(excess)));
         }
         let mut note = None;
         match &found.region {
             Ok(region) => {
-                rows.push(Row::new("∫K", number(region.curvature)));
-                rows.push(Row::new("area", number(region.area)));
-                rows.push(Row::new(
+                rows.push(Quantity::new("∫K", number(region.curvature)));
+                rows.push(Quantity::new("area", number(region.area)));
+                rows.push(Quantity::new(
                     "error",
                     format!("≤ {:.1e}", region.error_estimate),
                 ));

@@ -13,7 +13,7 @@ use crate::channel::EventSender;
 use crate::engine::figures;
 use crate::queue::LatestQueue;
 use crate::state::camera_controller::Subject;
-use crate::state::measuring::{Figure, Measured, Row, angle, number, place};
+use crate::state::measuring::{Figure, Measured, Quantity, angle, number, place};
 
 /// A question about a surface.
 #[derive(Clone, Debug)]
@@ -42,11 +42,11 @@ pub(crate) enum MeasureQuestion {
 #[derive(Debug)]
 pub(crate) enum MeasureAnswer {
     /// Of the place under the pointer.
-    Pointer(Vec<Row>),
+    Pointer(Vec<Quantity>),
     /// Of a figure.
     Figure(Figure, Measured),
     /// Of a walk.
-    Walk(Vec<Row>),
+    Walk(Vec<Quantity>),
     /// The step of the camera that leads back, in units of its frame; none where no geodesic was found.
     WayBack(String, Option<[f64; 2]>),
 }
@@ -148,12 +148,12 @@ fn pointer(
     uv: [f64; 2],
     polar: Option<[f64; 2]>,
     camera: Option<&Frame>,
-) -> Vec<Row> {
-    let mut rows = vec![Row::new("(u, v)", place(uv))];
+) -> Vec<Quantity> {
+    let mut rows = vec![Quantity::new("(u, v)", place(uv))];
     if let Ok(found) = measure::place(surface, uv)
         && let Some(curvature) = found.gaussian
     {
-        rows.push(Row::new("K", number(curvature)));
+        rows.push(Quantity::new("K", number(curvature)));
     }
     let seen = polar.or_else(|| {
         let camera = camera?;
@@ -162,8 +162,8 @@ fn pointer(
         Some([it.length, y.atan2(x)])
     });
     if let Some([distance, direction]) = seen {
-        rows.push(Row::new("distance from the camera", number(distance)));
-        rows.push(Row::new("direction", angle(direction)));
+        rows.push(Quantity::new("distance from the camera", number(distance)));
+        rows.push(Quantity::new("direction", angle(direction)));
     }
     rows
 }
@@ -171,22 +171,28 @@ fn pointer(
 /// The share of the zoom that the ends of a walk may lie apart, if the walk is to count as closed.
 const CLOSED: f64 = 1e-3;
 
-fn walk(surface: &dyn Surface, start: &Frame, end: &Frame, turned: f64, length: f64) -> Vec<Row> {
-    let mut rows = vec![Row::new("length", number(length))];
+fn walk(
+    surface: &dyn Surface,
+    start: &Frame,
+    end: &Frame,
+    turned: f64,
+    length: f64,
+) -> Vec<Quantity> {
+    let mut rows = vec![Quantity::new("length", number(length))];
     let tolerance = CLOSED * start.zoom(surface);
     let closing = measure::closing(surface, start, end, turned, tolerance);
     let Some(closing) = closing.filter(|_| length > tolerance) else {
         return rows;
     };
     match closing.holonomy {
-        Some(holonomy) => rows.push(Row::new("holonomy", angle(holonomy))),
+        Some(holonomy) => rows.push(Quantity::new("holonomy", angle(holonomy))),
         None if closing.mirrored && closing.gap <= tolerance => {
-            rows.push(Row::new(
+            rows.push(Quantity::new(
                 "holonomy",
                 "none: left and right have changed places",
             ));
         }
-        None => rows.push(Row::new("to the start", number(closing.gap))),
+        None => rows.push(Quantity::new("to the start", number(closing.gap))),
     }
     rows
 }

@@ -71,7 +71,7 @@ pub(crate) struct Figure {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Measured {
     /// Names with values, in the order in which they are shown.
-    pub(crate) rows: Vec<Row>,
+    pub(crate) rows: Vec<Quantity>,
     /// A sentence on what is missing.
     pub(crate) note: Option<String>,
     /// Its lines, to be drawn on the surface.
@@ -80,17 +80,17 @@ pub(crate) struct Measured {
     pub(crate) radius: Option<f64>,
 }
 
-/// A row of the answer.
+/// A quantity of the answer.
 #[derive(Clone, Debug, Eq, PartialEq)]
-pub(crate) struct Row {
+pub(crate) struct Quantity {
     /// The name of the quantity.
     pub(crate) name: String,
     /// Its value, in words.
     pub(crate) value: String,
 }
 
-impl Row {
-    /// A row of a quantity.
+impl Quantity {
+    /// Makes a quantity.
     pub(crate) fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
         Self {
             name: name.into(),

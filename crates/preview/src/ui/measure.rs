@@ -14,7 +14,7 @@ use render::view::Hit;
 
 use crate::engine::measure_thread::{MeasureAnswer, MeasureQuestion, MeasureThread};
 use crate::state::camera_controller::Subject;
-use crate::state::measuring::{Figure, MeasureTool, Measured, Row};
+use crate::state::measuring::{Figure, MeasureTool, Measured, Quantity};
 use crate::state::motion::Motion;
 use crate::state::{CameraPath, InsideCamera, StatusMessage};
 use crate::ui::camera_input::pixel;
@@ -34,7 +34,7 @@ pub(crate) struct Measuring {
     pointer: Pointer,
     /// The walk that was asked for last, with its answer.
     walk: Option<(Subject, Arc<CameraPath>, InsideCamera)>,
-    walked: Vec<Row>,
+    walked: Vec<Quantity>,
 }
 
 /// The place under the pointer.
@@ -43,7 +43,7 @@ struct Pointer {
     /// The view and the pixel that were asked for last.
     asked: Option<(ViewId, [f64; 2])>,
     surface: String,
-    rows: Vec<Row>,
+    rows: Vec<Quantity>,
 }
 
 impl Measuring {
@@ -259,9 +259,9 @@ fn contents(window: &mut Window, ui: &mut Ui) {
     }
 }
 
-fn rows(ui: &mut Ui, id: &str, rows: &[Row]) {
+fn rows(ui: &mut Ui, id: &str, rows: &[Quantity]) {
     Grid::new(id).num_columns(2).show(ui, |ui| {
-        for Row { name, value } in rows {
+        for Quantity { name, value } in rows {
             ui.label(name);
             ui.label(value);
             ui.end_row();
