@@ -122,22 +122,72 @@ fn the_programs_of_the_readme_and_the_tutorial_compile() {
     }
 }
 
+/// The words behind `geotrace` in a command of the documentation; files of the repository are named by their paths.
+fn words_of(line: &str) -> Vec<std::ffi::OsString> {
+    let words = line.strip_prefix("geotrace ").expect("a command");
+    let words = words.split_whitespace().map(|word| {
+        let path = repository().join(word);
+        if path.exists() {
+            path.into_os_string()
+        } else {
+            word.into()
+        }
+    });
+    words.collect()
+}
+
+/// Compares two texts word by word: numbers to nine digits, but for estimates of errors, which are compared by their size.
+fn is_same_text(a: &str, b: &str) -> bool {
+    let number = |word: &str| {
+        let word = word.trim_matches(|c: char| !(c.is_ascii_digit() || c == '-'));
+        word.parse::<f64>().ok()
+    };
+    a.lines().count() == b.lines().count()
+        && a.lines().zip(b.lines()).all(|(a, b)| {
+            let tolerance = if a.contains("error estimate") {
+                1e-7
+            } else {
+                1e-9
+            };
+            let (a, b): (Vec<_>, Vec<_>) = (
+                a.split_whitespace().collect(),
+                b.split_whitespace().collect(),
+            );
+            let near = |(a, b): (&&str, &&str)| match (number(a), number(b)) {
+                (Some(x), Some(y)) => (x - y).abs() <= tolerance * x.abs().max(1.0),
+                _ => a == b,
+            };
+            a.len() == b.len() && a.iter().zip(&b).all(near)
+        })
+}
+
+#[test]
+fn the_lesson_shows_what_its_commands_print() {
+    let page = read("docs/lesson.md");
+    let mut count = 0;
+    for part in page.split("```sh\n").skip(1) {
+        let (line, rest) = part.split_once("\n```\n\n").expect("a command");
+        let Some(shown) = rest.strip_prefix("```text\n") else {
+            continue;
+        };
+        let shown = shown.split("```").next().unwrap_or("");
+        let run = geotrace(words_of(line)).run();
+        let printed = &run.expect_status(0).stdout;
+        assert!(is_same_text(shown, printed), "{line}\n{printed}");
+        count += 1;
+    }
+    assert_eq!(count, 9);
+    assert!(!is_same_text("K = 1.0", "K = 1.1") && !is_same_text("K = 1", "H = 1"));
+}
+
 #[test]
 fn the_commands_of_the_tutorial_run() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut count = 0;
     for block in blocks("docs/tutorial.md", "sh") {
         for line in block.lines() {
-            let words = line.strip_prefix("geotrace ").expect("a command");
-            let words = words.split_whitespace().map(|word| {
-                let path = repository().join(word);
-                if path.exists() {
-                    path.into_os_string()
-                } else {
-                    word.into()
-                }
-            });
-            geotrace(words).folder(folder.path()).run().expect_status(0);
+            let run = geotrace(words_of(line)).folder(folder.path()).run();
+            run.expect_status(0);
             count += 1;
         }
     }

@@ -8,6 +8,7 @@ mod cameras;
 mod faults;
 mod hand;
 mod keyboard;
+mod lesson;
 mod live;
 mod measuring;
 mod pointer;

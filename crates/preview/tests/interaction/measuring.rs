@@ -15,14 +15,14 @@ fn measuring(tool: &str) -> Hand {
     hand
 }
 
-fn open(hand: &mut Hand) {
+pub(crate) fn open(hand: &mut Hand) {
     hand.click("View");
     hand.click_on(Role::CheckBox, "Measure");
     hand.press(Modifiers::NONE, Key::Escape);
 }
 
 /// The row of a name: its value as it is shown, once it is there.
-fn text(hand: &mut Hand, name: &str) -> String {
+pub(crate) fn text(hand: &mut Hand, name: &str) -> String {
     let value = |hand: &Hand| {
         // A label is its own value.
         let mut names = hand.names();
@@ -36,33 +36,37 @@ fn text(hand: &mut Hand, name: &str) -> String {
 }
 
 /// The number with which a row begins.
-fn number(hand: &mut Hand, name: &str) -> f64 {
+pub(crate) fn number(hand: &mut Hand, name: &str) -> f64 {
     let text = text(hand, name);
     let end = text.find([' ', ';']).unwrap_or(text.len());
     text[..end].parse().expect("a number")
 }
 
-/// Where the picture of the geodesic view has a place (x, y): its shorter side goes from −1 to 1.
-fn at(hand: &Hand, [x, y]: [f32; 2]) -> Pos2 {
-    let rect = hand.inside("s");
+/// Where the picture of a geodesic view has a place (x, y): its shorter side goes from −1 to 1.
+pub(crate) fn at(hand: &Hand, surface: &str, [x, y]: [f32; 2]) -> Pos2 {
+    let rect = hand.inside(surface);
     let half = 0.5 * rect.width().min(rect.height());
     rect.center() + Vec2::new(x * half, -y * half)
 }
 
 fn click(hand: &mut Hand, place: [f32; 2]) {
-    let at = at(hand, place);
+    click_inside(hand, "s", place);
+}
+
+pub(crate) fn click_inside(hand: &mut Hand, surface: &str, place: [f32; 2]) {
+    let at = at(hand, surface, place);
     hand.click_at(at);
     hand.settle();
 }
 
 /// Pictures have pixels, and a click is in the middle of one at best.
 #[track_caller]
-fn near(shown: f64, wanted: f64) {
+pub(crate) fn near(shown: f64, wanted: f64) {
     assert!((shown - wanted).abs() < 1e-2, "{shown} is not {wanted}");
 }
 
 #[track_caller]
-fn equal(shown: f64, wanted: f64) {
+pub(crate) fn equal(shown: f64, wanted: f64) {
     let size = wanted.abs().max(1.0);
     assert!(
         (shown - wanted).abs() < 1e-6 * size,
@@ -101,7 +105,7 @@ fn a_place_has_its_curvatures_and_the_camera_stays() {
 fn the_pointer_has_its_distance_and_direction_from_the_camera() {
     let mut hand = measuring("Place");
     let zoom = hand.camera("s").zoom;
-    let place = at(&hand, [-0.3, 0.4]);
+    let place = at(&hand, "s", [-0.3, 0.4]);
     hand.harness.hover_at(place);
     near(number(&mut hand, "distance from the camera"), 0.5 * zoom);
     near(number(&mut hand, "direction"), f64::atan2(0.4, -0.3));
