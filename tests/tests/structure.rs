@@ -74,9 +74,6 @@ fn retired_words_are_not_used_for_names() {
     assert!(found.is_empty(), "{found:#?}");
 }
 
-/// Crates whose documentation may still begin with one of [`FRAGMENTS`].
-const EXEMPT: &[&str] = &["preview", "protocol"];
-
 /// Words that make a relative clause of a sentence, where documentation says what an item is or does.
 const FRAGMENTS: &[&str] = &[
     "How", "What", "Where", "Whether", "Which", "Who", "Whose", "Why",
@@ -88,7 +85,7 @@ fn documentation_begins_with_a_subject_or_a_verb() {
     for file in structure::files() {
         // The documentation of a command's arguments is their help.
         let is_help = file.path.starts_with("crates/cli/src/command");
-        if is_help || EXEMPT.contains(&file.krate.as_str()) {
+        if is_help {
             continue;
         }
         for begin in documentation(&file.text) {

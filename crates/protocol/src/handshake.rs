@@ -22,7 +22,7 @@ pub trait Greeting {
     fn hello(&self) -> Option<&Hello>;
 }
 
-/// Why a conversation cannot go on. Its text is a sentence for the user.
+/// The reason why a conversation cannot go on. Its text is a sentence for the user.
 #[derive(Clone, Debug, Eq, PartialEq)]
 pub enum HandshakeError {
     /// The first message is not [`Hello`].

@@ -25,7 +25,7 @@ pub struct Reader<R, T> {
     kind: PhantomData<fn() -> T>,
 }
 
-/// Why a line is not a message.
+/// The reason why a line is not a message.
 #[derive(Debug)]
 pub enum ReadError {
     /// The stream cannot be read.
@@ -46,7 +46,7 @@ pub enum ReadError {
     },
 }
 
-/// Why a message is not written.
+/// The reason why a message is not written.
 #[derive(Debug)]
 pub enum WriteError {
     /// The stream cannot be written: who read it has ended.

@@ -20,7 +20,7 @@ use crate::state::{CameraPath, InsideCamera, StatusMessage};
 use crate::ui::camera_input::pixel;
 use crate::ui::window::Window;
 
-/// What is measured, and what was found.
+/// The state of the window in which surfaces are measured.
 #[derive(Debug, Default)]
 pub(crate) struct Measuring {
     /// It is there while the window is open.

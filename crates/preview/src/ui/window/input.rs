@@ -25,7 +25,7 @@ pub(crate) struct InputState {
     pub(crate) by_keys: bool,
     /// The keys that are held.
     pub(crate) held: HeldKeys,
-    /// What scrolled last was two fingers on a touchpad, not a wheel.
+    /// Set if two fingers on a touchpad scrolled last, and not a wheel.
     pub(crate) fingers: bool,
 }
 
