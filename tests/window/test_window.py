@@ -102,6 +102,34 @@ class Controls(OnScreen):
         window.settle()
         self.assertEqual(window.take()["eye"], rest)
 
+    def test_a_triangle_is_measured_by_clicks_and_its_excess_is_its_area(self):
+        window = self.open(SPHERE)
+        x, y = window.middle("Image: Geodesic view of s")
+        half = min(window.place("Image: Geodesic view of s")[2:]) / 2
+        window.click_at(x, y)
+        window.settle()
+        window.key("m")
+        window.click("Triangle")
+        window.settle()
+        camera, picture = window.take()["inside"]["s"], window.pixels("geodesic:s")
+        for across, up in (-0.4, -0.3), (0.5, -0.2), (0.1, 0.5):
+            window.click_at(x + across * half, y - up * half)
+            window.settle()
+
+        window.until("the area is shown", lambda _: "Label: area" in window.controls)
+        _, top, _, height = window.place("Label: angle excess")
+        beside = [name for name, at in window.controls.items() if abs(at[1] - top) < height / 2 and "°" in name]
+        excess = beside[0].removeprefix("Label: ").split()[0]
+        self.assertGreater(float(excess), 0.05)
+        # On the unit sphere, ∫K and the area are the same number.
+        self.assertIn(f"Label: {excess}", window.controls)
+        self.assertEqual(window.settle()["inside"]["s"], camera, "a click measures, and moves no camera")
+        self.assertNotEqual(window.pixels("geodesic:s"), picture, "the triangle is drawn")
+        self.screen.keep("measure")
+        window.key("m")
+        window.settle()
+        self.assertEqual(window.pixels("geodesic:s"), picture, "the triangle goes with the tool")
+
     def test_drags_and_the_wheel_move_the_3d_view(self):
         window = self.open(SPHERE)
         middle = window.middle("Image: 3D view")
