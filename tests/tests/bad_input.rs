@@ -440,6 +440,33 @@ fn a_file_that_is_no_picture_is_no_texture() {
 }
 
 #[test]
+fn an_image_without_bounds_is_no_texture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Some hundred kilobytes that decode to more pixels than a texture may have.
+    let (width, height) = (8_192, 8_200);
+    let black = image::GrayImage::new(width, height);
+    let file = std::fs::File::create(folder.path().join("black.png")).expect("writable");
+    let fast = image::codecs::png::CompressionType::Fast;
+    let plain = image::codecs::png::FilterType::NoFilter;
+    let encoder = image::codecs::png::PngEncoder::new_with_quality(file, fast, plain);
+    black.write_with_encoder(encoder).expect("a picture");
+    let render = |texture: &str| {
+        geotrace(["render", "-", "--backend", "software", "-o", "out.png"])
+            .arguments(&["--texture", &format!("s={texture}")])
+            .folder(folder.path())
+            .input(SPHERE)
+            .run()
+    };
+    render("black.png")
+        .expect_status(1)
+        .expect_text("67 million pixels");
+    render(".").expect_text("it is not a regular file");
+    #[cfg(unix)]
+    render("/dev/zero").expect_text("it is not a regular file");
+    assert!(!folder.path().join("out.png").exists());
+}
+
+#[test]
 fn an_output_that_cannot_be_written_is_named_and_leaves_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     for target in ["no/such/folder/out.png", ".", "/proc/out.png"] {
@@ -476,6 +503,32 @@ fn a_failed_render_keeps_the_older_picture() {
         .run()
         .expect_status(1);
     assert_eq!(std::fs::read(&picture).expect("still there"), b"older");
+}
+
+#[test]
+fn a_program_is_not_written_over_by_what_is_made_of_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = folder.path().join("s.gtr");
+    std::fs::write(&program, SPHERE).expect("writable");
+    for command in [
+        ["export", "--format", "obj"],
+        ["render", "--backend", "software"],
+    ] {
+        let run = geotrace(command)
+            .arguments(&["s.gtr", "-o", "./s.gtr"])
+            .folder(folder.path())
+            .run();
+        run.expect_status(2).expect_text("it is the program itself");
+    }
+    assert_eq!(std::fs::read_to_string(&program).expect("there"), SPHERE);
+}
+
+#[test]
+fn a_tolerance_that_follows_nothing_is_refused() {
+    let run = geotrace(["trace", "-", "--tolerance", "1e300"])
+        .input(SPHERE)
+        .run();
+    run.expect_status(2).expect_text("it must be at most 0.01");
 }
 
 #[test]

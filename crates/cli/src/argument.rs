@@ -302,6 +302,15 @@ pub(crate) fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses a tolerance: a positive number with which steps still follow a geodesic.
+pub(crate) fn tolerance(text: &str) -> Result<f64, String> {
+    const MOST: f64 = 1e-2;
+    match positive(text)? {
+        value if value <= MOST => Ok(value),
+        _ => Err(format!("it must be at most {MOST}")),
+    }
+}
+
 /// Parses quantities separated by commas, with or without brackets around all of them.
 fn list(text: &str) -> Result<Vec<Quantity>, String> {
     let parts = split(text);

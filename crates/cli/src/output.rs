@@ -112,6 +112,21 @@ impl OutputTarget {
         })
     }
 
+    /// Checks a target as [`Self::new`] does, and that it is not the program itself, which would be lost.
+    ///
+    /// # Errors
+    /// [`Failure::Unwritable`].
+    pub(crate) fn apart_from(path: &Path, program: &Path) -> Result<Self, Failure> {
+        let same = |a: &Path, b: &Path| Some(a.canonicalize().ok()? == b.canonicalize().ok()?);
+        if same(path, program) == Some(true) {
+            return Err(Failure::Unwritable {
+                file: path.display().to_string(),
+                reason: "it is the program itself".to_owned(),
+            });
+        }
+        Self::new(path)
+    }
+
     /// The path as it was given; `standard output` for `-`.
     pub(crate) fn name(&self) -> String {
         match &self.path {

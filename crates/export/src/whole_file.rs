@@ -126,11 +126,16 @@ impl FileSeries {
         Ok(())
     }
 
-    /// Gives all files their names.
+    /// Gives all files their names, unless one of the names is taken by a directory.
     ///
     /// # Errors
-    /// The file that could not be named, and why; files before it keep their names, those after it are removed.
+    /// The file that could not be named, and why. Where that shows only when it is named, files before it keep their names;
+    /// those after it are removed.
     pub fn finish(self) -> Result<(), (PathBuf, io::Error)> {
+        let mut targets = self.files.iter().map(|file| &file.target);
+        if let Some(target) = targets.find(|target| target.is_dir()) {
+            return Err((target.clone(), ErrorKind::IsADirectory.into()));
+        }
         for file in self.files {
             let target = file.target.clone();
             file.persist().map_err(|error| (target, error))?;

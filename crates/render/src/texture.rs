@@ -15,13 +15,15 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-use image::{ImageReader, Limits, RgbaImage, imageops};
+use image::{DynamicImage, ImageDecoder, ImageReader, Limits, RgbaImage, imageops};
 use rayon::prelude::*;
 
 use crate::style::{decode, encode};
 
 /// The longest side of an image file in pixels.
 pub const MAX_FILE_SIDE: u32 = 32_768;
+/// The most pixels of an image file: some kilobytes may decode to any number of them.
+pub const MAX_FILE_PIXELS: u64 = 1 << 26;
 /// The longest side of a texture in texels; a larger image is reduced to it.
 pub const MAX_SIDE: u32 = 8_192;
 /// The most memory that decoding one image may take, in bytes.
@@ -79,7 +81,7 @@ pub enum TextureError {
 }
 
 impl Texture {
-    /// Reads a PNG or JPEG file. What is transparent shows white.
+    /// Reads a PNG or JPEG file, which must be a regular file: a pipe might never end. What is transparent shows white.
     ///
     /// # Errors
     /// See [`TextureError`].
@@ -88,6 +90,13 @@ impl Texture {
             path: path.to_owned(),
             message: error.to_string(),
         };
+        let too_large = || TextureError::TooLarge {
+            path: path.to_owned(),
+        };
+        if !std::fs::metadata(path).map_err(unreadable)?.is_file() {
+            let sentence = "it is not a regular file";
+            return Err(unreadable(std::io::Error::other(sentence)));
+        }
         let mut limits = Limits::default();
         limits.max_image_width = Some(MAX_FILE_SIDE);
         limits.max_image_height = Some(MAX_FILE_SIDE);
@@ -97,10 +106,8 @@ impl Texture {
             .with_guessed_format()
             .map_err(unreadable)?;
         reader.limits(limits);
-        let image = reader.decode().map_err(|error| match error {
-            image::ImageError::Limits(_) => TextureError::TooLarge {
-                path: path.to_owned(),
-            },
+        let refused = |error| match error {
+            image::ImageError::Limits(_) => too_large(),
             image::ImageError::IoError(error)
                 if error.kind() != std::io::ErrorKind::UnexpectedEof =>
             {
@@ -110,7 +117,14 @@ impl Texture {
                 path: path.to_owned(),
                 message: other.to_string(),
             },
-        })?;
+        };
+        // The header is enough to refuse an image that is too large.
+        let decoder = reader.into_decoder().map_err(refused)?;
+        let (width, height) = decoder.dimensions();
+        if u64::from(width) * u64::from(height) > MAX_FILE_PIXELS {
+            return Err(too_large());
+        }
+        let image = DynamicImage::from_decoder(decoder).map_err(refused)?;
         Ok(Self::from_image(image.into_rgba8()))
     }
 
@@ -290,8 +304,9 @@ impl fmt::Display for TextureError {
             Self::TooLarge { path } => {
                 write!(
                     f,
-                    "the image {} is too large: each side may have {MAX_FILE_SIDE} pixels",
-                    path.display()
+                    "the image {} is too large: it may have {} million pixels, and {MAX_FILE_SIDE} on a side",
+                    path.display(),
+                    MAX_FILE_PIXELS / 1_000_000
                 )
             }
         }

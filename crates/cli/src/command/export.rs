@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             [1, 1],
         )
     };
-    let target = OutputTarget::new(&arguments.output)?;
+    let target = OutputTarget::apart_from(&arguments.output, &arguments.file)?;
     let model = mesh::model(&request, objects.as_deref());
     let mut notes = model.notes.clone();
     target.write_with(|out| {

@@ -59,8 +59,8 @@ pub(super) struct Arguments {
     /// A value for a param or a grid; without one a param is at its minimum and a grid at its first value
     #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
-    /// The error allowed in a step, relative to the step's length; 3e-10 unless given
-    #[arg(long, value_name = "T", value_parser = argument::positive, allow_hyphen_values = true)]
+    /// The error allowed in a step, relative to the step's length, up to 0.01; 3e-10 unless given
+    #[arg(long, value_name = "T", value_parser = argument::tolerance, allow_hyphen_values = true)]
     tolerance: Option<f64>,
     /// How it is integrated
     #[arg(long, value_name = "M", value_parser = argument::choice(&METHODS), default_value = "adaptive")]

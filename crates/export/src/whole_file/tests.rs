@@ -77,6 +77,23 @@ fn a_series_appears_together_or_not_at_all() {
 }
 
 #[test]
+fn a_series_with_a_directory_in_its_way_replaces_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |number: u8| folder.path().join(format!("{number}.png"));
+    fs::write(path(1), b"old").expect("writing");
+    fs::create_dir(path(2)).expect("a folder");
+    let mut series = FileSeries::default();
+    for number in 1..=3 {
+        series.add(&path(number), &[number]).expect("writing");
+    }
+    let (target, error) = series.finish().expect_err("a directory");
+    assert_eq!(target.file_name(), path(2).file_name());
+    assert_eq!(error.kind(), ErrorKind::IsADirectory);
+    assert_eq!(fs::read(path(1)).expect("reading"), b"old");
+    assert_eq!(names(folder.path()), ["1.png", "2.png"]);
+}
+
+#[test]
 fn a_new_file_replaces_none() {
     let folder = tempfile::tempdir().expect("a folder");
     let name = |number| format!("{number}.txt");

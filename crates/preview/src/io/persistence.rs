@@ -16,11 +16,14 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::channel::EventSender;
+use crate::io::files::read_limited;
 use crate::state::layout::Layout;
 use crate::state::{StatusMessage, View};
 
 /// The number of the format that is written.
 const FORMAT: u32 = 1;
+/// The longest file that is read, in bytes.
+const MOST_BYTES: u64 = 4 << 20;
 
 #[derive(Debug, Deserialize, Serialize)]
 struct Remembered {
@@ -50,7 +53,7 @@ pub(crate) fn load(program: &Path) -> (Known, Option<String>) {
     let Some(place) = place(program) else {
         return (Known::default(), None);
     };
-    let bytes = match std::fs::read(&place) {
+    let bytes = match read_limited(&place, MOST_BYTES) {
         Ok(bytes) => bytes,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             return (Known::default(), None);
