@@ -11,6 +11,7 @@
 mod argument;
 mod command;
 mod failure;
+mod interruption;
 mod number;
 mod output;
 mod program;
@@ -29,6 +30,7 @@ pub fn run(registry: &Registry) -> ExitCode {
     let parsed = command::Arguments::parse_with(registry, std::env::args_os());
     // Help, the version, and wrong usage with its exit status.
     let arguments = parsed.unwrap_or_else(|text| text.exit());
+    interruption::remove_what_is_half_written();
     match command::run(arguments, registry) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {

@@ -5,10 +5,12 @@
 //! the permissions of a replaced file are kept, a device or a pipe is written to and not replaced, and several files
 //! appear together.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{NamedTempFile, TempPath};
 
@@ -144,12 +146,40 @@ impl FileSeries {
     }
 }
 
+/// The temporary files of this process, each from its creation until it is renamed or removed.
+static TEMPORARIES: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn temporaries() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    TEMPORARIES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the temporary files of all threads and calls `end`, which ends the process: until then no file is created or
+/// named.
+pub fn abandon_all(end: impl FnOnce()) {
+    let all = temporaries();
+    for path in all.iter() {
+        // One that cannot be removed is left.
+        let _ = fs::remove_file(path);
+    }
+    end();
+}
+
 /// A whole file that does not have its name yet. It is removed when it is dropped.
 #[derive(Debug)]
 struct Unnamed {
     /// Closed, so that a series of thousands stays within the number of open files.
-    temporary: TempPath,
+    temporary: Option<TempPath>,
     target: PathBuf,
+}
+
+impl Drop for Unnamed {
+    fn drop(&mut self) {
+        if let Some(temporary) = self.temporary.take() {
+            let mut all = temporaries();
+            all.remove::<Path>(temporary.as_ref());
+            drop(temporary);
+        }
+    }
 }
 
 impl Unnamed {
@@ -158,27 +188,35 @@ impl Unnamed {
         write: impl FnOnce(&mut dyn Write) -> Result<(), E>,
     ) -> Result<Self, E> {
         let target = resolved(path);
-        let mut temporary = temporary_beside(&target)?;
-        let mut out = BufWriter::new(temporary.as_file_mut());
+        let (file, temporary) = {
+            // Created and noted at once, as far as another thread can see.
+            let mut all = temporaries();
+            let created = temporary_beside(&target)?;
+            all.insert(created.path().to_owned());
+            created.into_parts()
+        };
+        let unnamed = Self {
+            temporary: Some(temporary),
+            target,
+        };
+        let mut out = BufWriter::new(&file);
         write(&mut out)?;
         out.flush()?;
         drop(out);
-        temporary.as_file().sync_all()?;
-        if let Ok(existing) = fs::metadata(&target) {
-            temporary
-                .as_file()
-                .set_permissions(existing.permissions())?;
+        file.sync_all()?;
+        if let Ok(existing) = fs::metadata(&unnamed.target) {
+            file.set_permissions(existing.permissions())?;
         }
-        Ok(Self {
-            temporary: temporary.into_temp_path(),
-            target,
-        })
+        Ok(unnamed)
     }
 
-    fn persist(self) -> io::Result<()> {
-        self.temporary
-            .persist(&self.target)
-            .map_err(|error| error.error)
+    fn persist(mut self) -> io::Result<()> {
+        let Some(temporary) = self.temporary.take() else {
+            return Ok(());
+        };
+        let mut all = temporaries();
+        all.remove::<Path>(temporary.as_ref());
+        temporary.persist(&self.target).map_err(|error| error.error)
     }
 }
 

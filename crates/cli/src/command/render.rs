@@ -198,7 +198,7 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             summary(picture, what, &request, views)
         });
     }
-    let target = OutputTarget::apart_from(&arguments.output, &arguments.file)?;
+    let target = OutputTarget::new(&arguments.output)?;
     let progress = Progress::start("drawing");
     // A single picture shows the end of the script.
     let drawn = draw(1.0, &|done| progress.reach(done));
