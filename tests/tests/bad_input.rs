@@ -291,6 +291,225 @@ fn many_declarations_are_no_trouble() {
 fn files_that_cannot_be_read_are_wrong_usage() {
     let folder = tempfile::tempdir().expect("a folder");
     let missing = folder.path().join("missing.gtr");
+    for command in ["check", "explain"] {
+        let run = geotrace([command]).argument(&missing).run();
+        run.expect_status(2).expect_text("missing.gtr");
+    }
+    geotrace(["check"])
+        .argument(folder.path())
+        .run()
+        .expect_status(2);
+    geotrace(["eval"])
+        .argument(&missing)
+        .argument("1")
+        .run()
+        .expect_status(2);
+    geotrace(["render"])
+        .argument(&missing)
+        .argument("-o")
+        .argument(folder.path().join("a.png"))
+        .run()
+        .expect_status(2);
+    assert!(!folder.path().join("a.png").exists());
+    // One bad file of several: the others are still checked.
+    let good = folder.path().join("good.gtr");
+    std::fs::write(&good, "define a = ;").expect("writable");
+    let run = geotrace(["check"]).argument(&good).argument(&missing).run();
+    run.expect_status(2).expect_text("good.gtr:1:12");
+}
+
+#[test]
+fn wrong_usage_is_told_from_errors_of_the_program() {
+    geotrace(Vec::<String>::new()).run().expect_status(2);
+    geotrace(["paint"]).run().expect_status(2);
+    geotrace(["check"]).run().expect_status(2);
+    geotrace(["check", "-", "--format", "xml"])
+        .run()
+        .expect_status(2);
+    geotrace(["render", "-"]).run().expect_status(2);
+    geotrace(["--version"])
+        .run()
+        .expect_status(0)
+        .expect_text("geotrace");
+    for command in ["check", "render", "trace", "eval", "explain"] {
+        geotrace([command, "--help"])
+            .run()
+            .expect_status(0)
+            .expect_text(command);
+    }
+    geotrace(["--help"])
+        .run()
+        .expect_status(0)
+        .expect_text("render");
+}
+
+/// Renders a program in an own folder, and checks that a failed run leaves nothing behind.
+#[track_caller]
+fn render(program: &str, more: &[&str], status: i32) -> Run {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = geotrace([
+        "render",
+        "-",
+        "--backend",
+        "software",
+        "-o",
+        "out.png",
+        "--size",
+        "16x16",
+    ])
+    .arguments(more)
+    .folder(folder.path())
+    .input(program)
+    .run();
+    run.expect_status(status);
+    let left: Vec<_> = std::fs::read_dir(folder.path())
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name())
+        .collect();
+    if status == 0 {
+        assert_eq!(left, ["out.png"], "{}", run.what);
+        image::open(folder.path().join("out.png")).expect("a whole picture");
+    } else {
+        assert!(left.is_empty(), "{} leaves {left:?}", run.what);
+        assert!(run.stderr.len() > 10, "{}: no sentence", run.what);
+    }
+    run
+}
+
+#[test]
+fn a_program_with_errors_is_not_drawn() {
+    let run = render("define a = ;", &[], 1);
+    run.expect_text("1:12");
+    render(SPHERE, &[], 0);
+}
+
+#[test]
+fn wrong_options_of_render_are_named() {
+    render(SPHERE, &["--size", "0x0"], 2);
+    render(SPHERE, &["--size", "100"], 2);
+    render(SPHERE, &["--size", "100000x100000"], 2);
+    render(SPHERE, &["--view", "sideways"], 2);
+    render(SPHERE, &["--view", "geodesic:t"], 2).expect_text("t");
+    render("point p = (1,2,3);", &["--view", "geodesic"], 2).expect_text("surface");
+    render(SPHERE, &["--set", "r=1"], 2).expect_text("r");
+    render(SPHERE, &["--set", "r"], 2);
+    render("param r : [0,1]; point p = (r,r,r);", &["--set", "r=2"], 2).expect_text("r");
+    render("param r : [0,1]; point p = (r,r,r);", &["--set", "r=x"], 2);
+    render(
+        "param r : [0,1]; point p = (r,r,r);",
+        &["--set", "r=nan"],
+        2,
+    );
+    render(
+        "param r : [0,1]; point p = (r,r,r);",
+        &["--set", "r=0.5,0.5"],
+        2,
+    );
+    render(
+        "param r : [-1,1]; point p = (r,r,r);",
+        &["--set", "r=-0.5"],
+        0,
+    );
+    render(SPHERE, &["--texture", "s=missing.png"], 2).expect_text("missing.png");
+    render(SPHERE, &["--texture", "t=missing.png"], 2);
+    render(SPHERE, &["--view", "geodesic", "--at", "nan,0"], 2);
+    render(SPHERE, &["--view", "geodesic", "--zoom", "-1"], 2);
+    render(SPHERE, &["--view", "geodesic", "--zoom", "1e300"], 2).expect_text("1e30");
+    render(SPHERE, &["--eye", "1,2"], 2);
+}
+
+#[test]
+fn a_file_that_is_no_picture_is_no_texture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("bad.png"), b"no picture").expect("writable");
+    let run = geotrace([
+        "render",
+        "-",
+        "--backend",
+        "software",
+        "-o",
+        "out.png",
+        "--texture",
+        "s=bad.png",
+    ])
+    .folder(folder.path())
+    .input(SPHERE)
+    .run();
+    run.expect_status(1).expect_text("bad.png");
+    assert!(!folder.path().join("out.png").exists());
+}
+
+#[test]
+fn an_image_without_bounds_is_no_texture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Some hundred kilobytes that decode to more pixels than a texture may have.
+    let (width, height) = (8_192, 8_200);
+    let black = image::GrayImage::new(width, height);
+    let file = std::fs::File::create(folder.path().join("black.png")).expect("writable");
+    let fast = image::codecs::png::CompressionType::Fast;
+    let plain = image::codecs::png::FilterType::NoFilter;
+    let encoder = image::codecs::png::PngEncoder::new_with_quality(file, fast, plain);
+    black.write_with_encoder(encoder).expect("a picture");
+    let render = |texture: &str| {
+        geotrace(["render", "-", "--backend", "software", "-o", "out.png"])
+            .arguments(&["--texture", &format!("s={texture}")])
+            .folder(folder.path())
+            .input(SPHERE)
+            .run()
+    };
+    render("black.png")
+        .expect_status(1)
+        .expect_text("67 million pixels");
+    render(".").expect_text("it is not a regular file");
+    #[cfg(unix)]
+    render("/dev/zero").expect_text("it is not a regular file");
+    assert!(!folder.path().join("out.png").exists());
+}
+
+#[test]
+fn an_output_that_cannot_be_written_is_named_and_leaves_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for target in ["no/such/folder/out.png", ".", "/proc/out.png"] {
+        let run = geotrace([
+            "render",
+            "-",
+            "--backend",
+            "software",
+            "--size",
+            "16x16",
+            "-o",
+            target,
+        ])
+        .folder(folder.path())
+        .input(SPHERE)
+        .run();
+        run.expect_status(2);
+        assert!(run.stderr.len() > 10, "{}: no sentence", run.what);
+    }
+    assert_eq!(
+        std::fs::read_dir(folder.path()).expect("a folder").count(),
+        0
+    );
+}
+
+#[test]
+fn a_failed_render_keeps_the_older_picture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = folder.path().join("out.png");
+    std::fs::write(&picture, b"older").expect("writable");
+    geotrace(["render", "-", "--backend", "software", "-o"])
+        .argument(&picture)
+        .input("define a = ;")
+        .run()
+        .expect_status(1);
+    assert_eq!(std::fs::read(&picture).expect("still there"), b"older");
+}
+
+#[test]
+fn a_program_is_not_written_over_by_what_is_made_of_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = folder.path().join("s.gtr");
+    std::fs::write(&program, SPHERE).expect("writable");
     let run = geotrace(["export", "--format", "obj", "s.gtr", "-o", "./s.gtr"])
         .folder(folder.path())
         .run();
