@@ -1,4 +1,4 @@
-// Powers and products with the meaning that expressions give them, in f32.
+// Powers, products and comparisons with the meaning that expressions give them, in f32.
 
 // x^n for an integer n by repeated squaring, the same multiplications as in every other evaluator; 0^0 is 1, a
 // negative exponent is the reciprocal of the positive power.
@@ -44,4 +44,28 @@ fn zmul(a: f32, b: f32) -> f32 {
         return 0.0;
     }
     return a * b;
+}
+
+// The lesser of two numbers, the first where they are equal; undefined where one of them is.
+fn least(a: f32, b: f32) -> f32 {
+    if is_undefined(a) || is_undefined(b) {
+        return undefined();
+    }
+    return select(b, a, a <= b);
+}
+
+// The greater of two numbers, the first where they are equal; undefined where one of them is.
+fn greatest(a: f32, b: f32) -> f32 {
+    if is_undefined(a) || is_undefined(b) {
+        return undefined();
+    }
+    return select(b, a, a >= b);
+}
+
+// 1 where a <= b, else 0; undefined where one of them is.
+fn at_most(a: f32, b: f32) -> f32 {
+    if is_undefined(a) || is_undefined(b) {
+        return undefined();
+    }
+    return select(0.0, 1.0, a <= b);
 }

@@ -234,6 +234,9 @@ fn binary<T: Real, const N: usize>(op: Binary, a: &[T; N], b: &[T; N]) -> [T; N]
         Binary::Div => each!(|a, b| a / b),
         Binary::Pow => each!(|a, b| T::power(a, b)),
         Binary::Zmul => each!(|a, b| if a == T::default() { a } else { a * b }),
+        Binary::Min => each!(|a, b| if a <= b { a } else { b }),
+        Binary::Max => each!(|a, b| if a >= b { a } else { b }),
+        Binary::AtMost => each!(|a, b| if a <= b { T::ONE } else { T::default() }),
     }
 }
 

@@ -79,6 +79,42 @@ pub fn sign(x: f64) -> f64 {
     }
 }
 
+/// The lesser of two numbers, the first where they are equal; undefined where one of them is.
+#[inline(always)]
+pub fn least(a: f64, b: f64) -> f64 {
+    if a <= b {
+        a
+    } else if b < a {
+        b
+    } else {
+        a + b
+    }
+}
+
+/// The greater of two numbers, the first where they are equal; undefined where one of them is.
+#[inline(always)]
+pub fn greatest(a: f64, b: f64) -> f64 {
+    if a >= b {
+        a
+    } else if b > a {
+        b
+    } else {
+        a + b
+    }
+}
+
+/// 1 where a ≤ b, else 0; undefined where one of them is.
+#[inline(always)]
+pub fn at_most(a: f64, b: f64) -> f64 {
+    if a <= b {
+        1.0
+    } else if b < a {
+        0.0
+    } else {
+        a + b
+    }
+}
+
 /// The exponent by which [`power`] multiplies, if `y` is one.
 #[inline]
 pub(crate) fn small_integer(y: f64) -> Option<i32> {

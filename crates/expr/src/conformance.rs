@@ -223,6 +223,13 @@ const ANCHORS: &[(Operation, [f64; 2], f64)] = &[
     // Zero annihilates what is not a number of any kind.
     (Operation::Binary(Binary::Zmul), [0.0, f64::INFINITY], 0.0),
     (Operation::Binary(Binary::Zmul), [0.0, f64::NAN], 0.0),
+    (Operation::Binary(Binary::Min), [1.5, -2.5], -2.5),
+    (Operation::Binary(Binary::Min), [-2.5, 0.5], -2.5),
+    (Operation::Binary(Binary::Max), [1.5, -2.5], 1.5),
+    (Operation::Binary(Binary::Max), [0.125, 0.5], 0.5),
+    (Operation::Binary(Binary::AtMost), [1.5, -2.5], 0.0),
+    (Operation::Binary(Binary::AtMost), [-2.5, 1.5], 1.0),
+    (Operation::Binary(Binary::AtMost), [0.5, 0.5], 1.0),
     (Operation::Power(3), [-2.5, 0.0], -15.625),
     (Operation::Power(7), [1.5, 0.0], 17.0859375),
     (Operation::Power(4), [-0.75, 0.0], 0.31640625),

@@ -9,7 +9,8 @@
 
 pub(crate) use crate::arithmetic::small_integer;
 pub use crate::arithmetic::{
-    LARGEST_INTEGER_POWER, integer_power, integer_power_lanes, power, sign, zmul,
+    LARGEST_INTEGER_POWER, at_most, greatest, integer_power, integer_power_lanes, least, power,
+    sign, zmul,
 };
 
 mod binary;

@@ -199,6 +199,16 @@ impl Graph {
             Binary::Div => self.div(a, b),
             Binary::Pow => self.power(a, b),
             Binary::Zmul => self.zmul(a, b),
+            Binary::Min | Binary::Max | Binary::AtMost => self.compared(op, a, b),
+        }
+    }
+
+    /// The lesser or greater of two numbers, or their comparison.
+    fn compared(&mut self, op: Binary, a: NodeId, b: NodeId) -> NodeId {
+        match (self.value(a), self.value(b)) {
+            (Some(x), Some(y)) => self.constant(op.eval(x, y)),
+            _ if a == b && op != Binary::AtMost => a,
+            _ => self.intern(Node::Binary(op, a, b)),
         }
     }
 

@@ -116,6 +116,10 @@ fn first_and_second_derivatives_of_every_binary_operation_are_those_of_dual_numb
                     Binary::Mul | Binary::Zmul => da * db,
                     Binary::Div => da / db,
                     Binary::Pow => da.powd(db),
+                    Binary::Min if da.re <= db.re => da,
+                    Binary::Max if da.re >= db.re => da,
+                    Binary::Min | Binary::Max => db,
+                    Binary::AtMost => Dual2_64::from(f64::from(u8::from(da.re <= db.re))),
                 };
                 let values = |input| if input == X { at } else { 1.7 };
                 assert_close(eval(&graph, y, values), expected.re);
@@ -185,6 +189,35 @@ fn a_kink_of_abs_has_slope_zero() {
     let first = derivative(&mut graph, y);
     assert_eq!(eval(&graph, first, |_| 0.0), 0.0);
     assert_eq!(eval(&graph, first, |_| -3.0), -1.0);
+}
+
+#[test]
+fn min_and_max_have_the_derivative_of_the_first_to_attain_them() {
+    let mut graph = Graph::default();
+    let x = graph.input(X);
+    let double = graph.add(x, x);
+    for op in [Binary::Min, Binary::Max] {
+        for (a, b, slope) in [(x, double, 1.0), (double, x, 2.0)] {
+            let y = graph.binary(op, a, b);
+            let first = derivative(&mut graph, y);
+            assert_eq!(eval(&graph, first, |_| 0.0), slope);
+        }
+    }
+    // What is not attained may be undefined: max(x, log x) at −1 is undefined, min(x, 1/(x−1)²) at 1 is not.
+    let one = graph.constant(1.0);
+    let less = graph.sub(x, one);
+    let pole = graph.integer_power(less, -2);
+    let y = graph.binary(Binary::Min, x, pole);
+    let first = derivative(&mut graph, y);
+    assert_eq!(eval(&graph, y, |_| 1.0), 1.0);
+    assert_eq!(eval(&graph, first, |_| 1.0), 1.0);
+    let log = graph.unary(Unary::Log, x);
+    for op in [Binary::Min, Binary::Max, Binary::AtMost] {
+        let y = graph.binary(op, x, log);
+        assert!(eval(&graph, y, |_| -1.0).is_nan());
+        let y = graph.binary(op, log, x);
+        assert!(eval(&graph, y, |_| -1.0).is_nan());
+    }
 }
 
 #[test]

@@ -61,6 +61,9 @@ pub(super) enum Op {
     Div,
     Pow,
     Zmul,
+    Min,
+    Max,
+    AtMost,
     /// a·b + c.
     ProductPlus,
     /// a·b − c.
@@ -357,6 +360,9 @@ fn binary_op(op: Binary) -> Op {
         Binary::Div => Op::Div,
         Binary::Pow => Op::Pow,
         Binary::Zmul => Op::Zmul,
+        Binary::Min => Op::Min,
+        Binary::Max => Op::Max,
+        Binary::AtMost => Op::AtMost,
     }
 }
 

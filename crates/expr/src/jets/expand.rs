@@ -207,6 +207,34 @@ impl TermBuilder {
             Binary::Zmul => return self.product(a, b, order, Self::annihilating),
             Binary::Div => return self.quotient(a, b, order),
             Binary::Pow => return self.power(a, b, order),
+            Binary::Min => return self.chosen(op, [a, b], [a[0], b[0]], order),
+            Binary::Max => return self.chosen(op, [a, b], [b[0], a[0]], order),
+            Binary::AtMost => jet[0] = self.compared(op, a[0], b[0]),
+        }
+        jet
+    }
+
+    /// The lesser or greater operand, with the derivatives of the first where `least` is at most `most`, else of the
+    /// second.
+    fn chosen(
+        &mut self,
+        op: Binary,
+        [a, b]: [&Coefficients; 2],
+        [least, most]: [Term; 2],
+        order: Order,
+    ) -> Coefficients {
+        let mut jet = [ZERO; 6];
+        jet[0] = self.compared(op, a[0], b[0]);
+        if a == b || order == Order::Value {
+            return if a == b { *a } else { jet };
+        }
+        let one = self.constant(1.0);
+        let first = self.compared(Binary::AtMost, least, most);
+        let second = self.sub(one, first);
+        for k in 1..order.coefficients() {
+            let left = self.annihilating(first, a[k]);
+            let right = self.annihilating(second, b[k]);
+            jet[k] = self.add(left, right);
         }
         jet
     }

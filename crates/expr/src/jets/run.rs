@@ -4,7 +4,7 @@
 //! worked on in lines of eight numbers, which is what one processor's vectors hold, one line of another's cache. All
 //! arithmetic is that of [`crate::ops`] and [`crate::elementary`], the same for any number of lanes.
 
-use crate::arithmetic::{power, sign, zmul};
+use crate::arithmetic::{at_most, greatest, least, power, sign, zmul};
 use crate::elementary;
 use crate::jets::assemble::{
     FEW, FIRST_FIXED, Instruction, Instructions, Op, Steps, StraightLineCode,
@@ -262,6 +262,9 @@ where
         Op::Div => each!(|a = 0, b = 1| a / b),
         Op::Pow => each!(|a = 0, b = 1| power(a, b)),
         Op::Zmul => each!(|a = 0, b = 1| zmul(a, b)),
+        Op::Min => each!(|a = 0, b = 1| least(a, b)),
+        Op::Max => each!(|a = 0, b = 1| greatest(a, b)),
+        Op::AtMost => each!(|a = 0, b = 1| at_most(a, b)),
         Op::ProductPlus => each!(|a = 0, b = 1, c = 2| a * b + c),
         Op::ProductMinus => each!(|a = 0, b = 1, c = 2| a * b - c),
         Op::MinusProduct => each!(|a = 0, b = 1, c = 2| c - a * b),

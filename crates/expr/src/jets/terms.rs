@@ -355,6 +355,15 @@ impl TermBuilder {
             .signed(a.negative != b.negative)
     }
 
+    /// The lesser or greater of two numbers, or their comparison.
+    pub(super) fn compared(&mut self, op: Binary, a: Term, b: Term) -> Term {
+        if let (Some(x), Some(y)) = (self.value(a), self.value(b)) {
+            return self.constant(op.eval(x, y));
+        }
+        let (a, b) = (self.unsigned(a), self.unsigned(b));
+        self.positive(Micro::Binary(op, a, b))
+    }
+
     pub(super) fn general_power(&mut self, a: Term, b: Term) -> Term {
         match (self.value(a), self.value(b)) {
             (Some(x), Some(y)) => return self.constant(crate::ops::power(x, y)),

@@ -2,7 +2,7 @@
 //!
 //! Input: nothing, or operands. Output: the enum [`Binary`], and each column as a function.
 
-use crate::arithmetic::{power, zmul};
+use crate::arithmetic::{at_most, greatest, least, power, zmul};
 use crate::ops::lanes::{Lanes, each_pair};
 use crate::ops::power::{power_by_base, power_by_exponent};
 use crate::ops::{ExpressionBuilder, Row, Wgsl};
@@ -140,4 +140,38 @@ binary_operations! {
         let second = g.zmul(a, db);
         g.add(first, second)
     };
+
+    /// The lesser of two numbers.
+    Min = "min", wgsl: Wgsl::Library("least"),
+    eval: |a, b| least(a, b),
+    derivative: "that of the first operand to attain it", |g, [a, b], _y, d| {
+        let first = g.binary(Binary::AtMost, a, b);
+        chosen(g, first, d)
+    };
+
+    /// The greater of two numbers.
+    Max = "max", wgsl: Wgsl::Library("greatest"),
+    eval: |a, b| greatest(a, b),
+    derivative: "that of the first operand to attain it", |g, [a, b], _y, d| {
+        let first = g.binary(Binary::AtMost, b, a);
+        chosen(g, first, d)
+    };
+
+    /// 1 where the first number is at most the second, else 0. Its derivative is taken to be zero.
+    AtMost = "at_most", wgsl: Wgsl::Library("at_most"),
+    eval: |a, b| at_most(a, b),
+    derivative: "0", |g, _, _y, _d| g.constant(0.0);
+}
+
+/// da where `first` is 1, db where it is 0; what is not chosen may be undefined.
+fn chosen<B: ExpressionBuilder>(
+    graph: &mut B,
+    first: B::Number,
+    [da, db]: [B::Number; 2],
+) -> B::Number {
+    let one = graph.constant(1.0);
+    let second = graph.sub(one, first);
+    let left = graph.zmul(first, da);
+    let right = graph.zmul(second, db);
+    graph.add(left, right)
 }
