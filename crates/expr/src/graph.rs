@@ -284,7 +284,8 @@ impl Graph {
 }
 
 impl NodeId {
-    pub(crate) fn index(self) -> usize {
+    /// Its position in the graph.
+    pub fn index(self) -> usize {
         self.0 as usize
     }
 }

@@ -5,8 +5,10 @@
 //!                                                      │
 //!                  graph.rs (the arena), simplify.rs (its constructors), ops.rs (the one table of operations)
 //!                                                      │
-//!   jets.rs (with derivatives, lanes)       tape.rs (f64, blocks)   print.rs (text)   statistics.rs   crate wgsl (shaders)
+//!   jets.rs (with derivatives, lanes)   tape.rs (f64, blocks, intervals)   print.rs (text)   statistics.rs   crate wgsl (shaders)
 //! ```
+//!
+//! `polynomial.rs` reads the set where an expression is not positive as a combination of polynomials.
 //!
 //! This crate knows no syntax and no GPU: the WGSL column of the table is text. Every evaluator of these
 //! expressions, here or elsewhere, is held to the cases of [`conformance`]. `elementary.rs` and `processor.rs` make jets,
@@ -30,9 +32,11 @@ mod arithmetic;
 pub mod conformance;
 pub mod elementary;
 pub mod graph;
+pub mod interval;
 pub mod jets;
 pub mod number;
 pub mod ops;
+pub mod polynomial;
 pub mod print;
 pub mod processor;
 mod rewrite;

@@ -5,12 +5,15 @@
 //! inputs are read where they are, without a register.
 //!
 //! Evaluation of one point and of blocks of [`LANES`] points run the same instructions from the same table
-//! ([`crate::ops`]); another arithmetic over the same tape is one more `match` over its instructions.
+//! ([`crate::ops`]). `tape/ranges.rs` runs them on intervals, and leaves out what a box does not need.
 
 use rustc_hash::FxHashMap;
 
 use crate::graph::{Graph, Input, Node, NodeId};
+use crate::interval::{Interval, Slope};
 use crate::ops::{self, Binary, Lanes, Unary};
+
+mod ranges;
 
 /// The number of points that [`Tape::eval_block`] evaluates at once.
 pub const LANES: usize = 64;
@@ -33,6 +36,9 @@ pub struct Registers {
     // Boxed, so that a result changes places with a register by its pointer alone.
     #[allow(clippy::vec_box)]
     blocks: Vec<Box<Block>>,
+    intervals: Vec<Interval>,
+    slopes: Vec<Slope>,
+    choices: Vec<ranges::Branch>,
 }
 
 /// The source of an instruction's operand.
@@ -51,11 +57,13 @@ struct Instruction {
     operation: TapeOperation,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum TapeOperation {
     Unary(Unary, Operand),
     Binary(Binary, Operand, Operand),
     Power(Operand, i32),
+    /// The operand as it is: what is left of an operation that chooses, once its choice is known.
+    Copy(Operand),
 }
 
 impl Tape {
@@ -150,6 +158,7 @@ impl Tape {
                 TapeOperation::Unary(op, a) => op.eval(read(registers, a)),
                 TapeOperation::Binary(op, a, b) => op.eval(read(registers, a), read(registers, b)),
                 TapeOperation::Power(a, n) => ops::integer_power(read(registers, a), n),
+                TapeOperation::Copy(a) => read(registers, a),
             };
         }
         for (out, &root) in out.iter_mut().zip(&self.roots) {
@@ -186,6 +195,10 @@ impl Tape {
                 TapeOperation::Power(a, n) => match lanes(blocks, inputs, a) {
                     Lanes::Each(a) => ops::integer_power_lanes(a, n, result),
                     Lanes::Same(a) => **result = [ops::integer_power(a, n); LANES],
+                },
+                TapeOperation::Copy(a) => match lanes(blocks, inputs, a) {
+                    Lanes::Each(a) => **result = *a,
+                    Lanes::Same(a) => **result = [a; LANES],
                 },
             }
             std::mem::swap(result, &mut blocks[instruction.out as usize]);

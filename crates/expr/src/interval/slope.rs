@@ -1,0 +1,163 @@
+//! Values on an interval of a line with their derivatives along it.
+//!
+//! Input: for each input its values on an interval of t, and its derivatives by t. Output: the same for the operations.
+//! Where a slope excludes 0 and the value is defined throughout, the function is continuous and strictly monotone there:
+//! the slope of what jumps is everything.
+
+use crate::interval::{Interval, Rules};
+use crate::ops::{Binary, Unary};
+
+/// Values and derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slope {
+    /// The values.
+    pub value: Interval,
+    /// The derivatives, one-sided ones at kinks.
+    pub slope: Interval,
+}
+
+impl Slope {
+    /// A constant.
+    pub fn constant(x: f64) -> Self {
+        Self {
+            value: Interval::point(x),
+            slope: Interval::point(0.0),
+        }
+    }
+
+    /// `origin` + t·`direction` for t in `t`.
+    pub fn line(origin: f64, direction: f64, t: Interval) -> Self {
+        let step = Interval::binary(Binary::Mul, t, Interval::point(direction));
+        Self {
+            value: Interval::binary(Binary::Add, Interval::point(origin), step),
+            slope: Interval::point(direction),
+        }
+    }
+
+    /// True if the function is defined, continuous and strictly monotone on the interval.
+    pub fn is_monotone(self) -> bool {
+        let steep = self.slope.lower > 0.0 || self.slope.upper < 0.0;
+        steep && !self.slope.is_empty() && !self.value.partial && !self.value.is_empty()
+    }
+
+    fn is_constant(self) -> bool {
+        self.slope.is_zero()
+    }
+
+    /// The value of an operation on one number.
+    pub fn unary(op: Unary, x: Self) -> Self {
+        let value = Interval::unary(op, x.value);
+        if x.is_constant() {
+            return Self {
+                value,
+                slope: x.slope,
+            };
+        }
+        let jumps = match op {
+            Unary::Tan => x
+                .value
+                .meets(std::f64::consts::FRAC_PI_2, std::f64::consts::PI),
+            Unary::Sign => x.value.contains(0.0) && !x.value.is_zero(),
+            _ => false,
+        };
+        if jumps {
+            return Self {
+                value,
+                slope: Interval::WHOLE,
+            };
+        }
+        let mut rules = Rules::default();
+        let [operand, result] = [x.value, value].map(|interval| rules.name(interval));
+        let [first, _] = op.slopes(&mut rules, operand, result);
+        Self {
+            value,
+            slope: product(first.interval, x.slope),
+        }
+    }
+
+    /// The value of an operation on two numbers.
+    pub fn binary(op: Binary, a: Self, b: Self) -> Self {
+        let value = Interval::binary(op, a.value, b.value);
+        if a.is_constant() && b.is_constant() {
+            let slope = a.slope;
+            return Self { value, slope };
+        }
+        let slope = match op {
+            Binary::Add | Binary::Sub => Interval::binary(op, a.slope, b.slope),
+            Binary::Mul | Binary::Zmul => {
+                let left = product(a.slope, b.value);
+                let right = product(a.value, b.slope);
+                Interval::binary(Binary::Add, left, right)
+            }
+            Binary::Div if b.value.contains(0.0) => Interval::WHOLE,
+            Binary::Div => {
+                let share = product(value, b.slope);
+                let rest = Interval::binary(Binary::Sub, a.slope, share);
+                Interval::binary(Binary::Div, rest, b.value)
+            }
+            Binary::Pow => power_slope(a, b, value),
+            Binary::Min if a.value.upper <= b.value.lower => a.slope,
+            Binary::Min if b.value.upper < a.value.lower => b.slope,
+            Binary::Max if a.value.lower >= b.value.upper => a.slope,
+            Binary::Max if b.value.lower > a.value.upper => b.slope,
+            Binary::Min | Binary::Max => a.slope.union(b.slope),
+            Binary::AtMost if value.lower == value.upper => Interval::point(0.0),
+            Binary::AtMost => Interval::WHOLE,
+        };
+        Self { value, slope }
+    }
+
+    /// a².
+    pub fn square(self) -> Self {
+        let slope = product(self.value, self.slope);
+        Self {
+            value: self.value.square(),
+            slope: product(Interval::point(2.0), slope),
+        }
+    }
+
+    /// a^n, see [`crate::ops::integer_power`].
+    pub fn integer_power(self, n: i32) -> Self {
+        let value = self.value.integer_power(n);
+        if n < 0 && self.value.contains(0.0) && !self.is_constant() {
+            return Self {
+                value,
+                slope: Interval::WHOLE,
+            };
+        }
+        let lower = match n.checked_sub(1) {
+            Some(lower) => self.value.integer_power(lower),
+            None => Interval::WHOLE,
+        };
+        let first = product(Interval::point(f64::from(n)), lower);
+        Self {
+            value,
+            slope: product(first, self.slope),
+        }
+    }
+}
+
+/// A product in which zero annihilates: what does not vary has no slope.
+fn product(a: Interval, b: Interval) -> Interval {
+    if a.is_zero() || b.is_zero() {
+        return Interval::point(0.0);
+    }
+    Interval::binary(Binary::Mul, a, b)
+}
+
+/// b a^(b−1) a' + a^b log a b'.
+fn power_slope(a: Slope, b: Slope, value: Interval) -> Interval {
+    let integer =
+        b.is_constant() && b.value.lower == b.value.upper && b.value.lower == b.value.lower.trunc();
+    if a.value.lower <= 0.0 && !(integer && b.value.lower >= 0.0) {
+        return Interval::WHOLE;
+    }
+    let less = Interval::binary(Binary::Sub, b.value, Interval::point(1.0));
+    let lower = Interval::binary(Binary::Pow, a.value, less);
+    let first = product(b.value, lower);
+    let by_base = product(first, a.slope);
+    let log = Interval::unary(Unary::Log, a.value);
+    let growth = product(value, log);
+    let by_exponent = product(growth, b.slope);
+    Interval::binary(Binary::Add, by_base, by_exponent)
+}

@@ -1,0 +1,396 @@
+//! The set where an expression is not positive, as a combination of polynomials.
+//!
+//! Input: a node, and each input as a polynomial or a number. Output: a [`Region`]. Nodes are read in the order of their
+//! ids: numbers, then lattices of polynomials (`lattice.rs`), and of the rest the outermost `max`, `min`, signs and
+//! products, as far as what they contain is defined everywhere.
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashMap;
+
+use crate::graph::{Graph, Input, Node, NodeId};
+use crate::ops::{Binary, Unary, small_integer};
+use crate::polynomial::Polynomial;
+use crate::polynomial::lattice::{Lattice, RootedPolynomial};
+
+/// The number of pieces that a region has at most.
+pub const MOST_PIECES: usize = 64;
+/// The highest degree of a polynomial that is expanded.
+pub const LARGEST_DEGREE: usize = 12;
+
+/// The number of levels of `max`, `min` and products that are read around what is no polynomial.
+const DEEPEST: usize = 16;
+/// The number of terms that expanding may make in all.
+const MOST_WORK: usize = 1 << 20;
+
+/// A set of points.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Region {
+    /// The points where the polynomial is not positive.
+    Polynomial(Polynomial),
+    /// The points where an expression is not positive; with `true`, where its negative is not.
+    Field(NodeId, bool),
+    /// The intersection; of nothing, all points.
+    All(Vec<Region>),
+    /// The union; of nothing, no point.
+    Any(Vec<Region>),
+}
+
+/// The meaning of a node.
+#[derive(Clone, Debug)]
+enum NodeForm {
+    Number(f64),
+    Pieces(Arc<Lattice>),
+    Other,
+}
+
+/// A node that has been read.
+#[derive(Clone, Debug)]
+struct ReadNode {
+    form: NodeForm,
+    /// It is a number everywhere.
+    total: bool,
+    /// It is not negative where it is defined, by its form.
+    nonnegative: bool,
+}
+
+struct RegionReader<'a> {
+    graph: &'a Graph,
+    known: FxHashMap<NodeId, ReadNode>,
+    /// The polynomials that must not be negative for the expression to be defined.
+    domain: Vec<Polynomial>,
+    work: usize,
+}
+
+/// Reads the set where `root` is defined and not positive. `meaning` gives each input as a polynomial; NaN makes what
+/// depends on it undefined.
+pub fn region(graph: &Graph, root: NodeId, meaning: &dyn Fn(Input) -> Polynomial) -> Region {
+    let mut reader = RegionReader {
+        graph,
+        known: FxHashMap::default(),
+        domain: Vec::new(),
+        work: 0,
+    };
+    for id in graph.order(&[root]) {
+        let known = reader.read(id, meaning);
+        reader.known.insert(id, known);
+    }
+    let mut region = reader.set(root, false, DEEPEST);
+    if !matches!(region, Region::Field(..)) && !reader.domain.is_empty() {
+        let mut all: Vec<Region> = std::mem::take(&mut reader.domain)
+            .into_iter()
+            .map(|p| Region::Polynomial(p.scaled(-1.0)))
+            .collect();
+        all.push(region);
+        region = Region::All(all);
+    }
+    let region = region.simplified();
+    if region.pieces() > MOST_PIECES || !region.is_moderate() {
+        return Region::Field(root, false);
+    }
+    region
+}
+
+impl Region {
+    /// The number of polynomials and expressions in it.
+    pub fn pieces(&self) -> usize {
+        match self {
+            Self::Polynomial(_) | Self::Field(..) => 1,
+            Self::All(parts) | Self::Any(parts) => parts.iter().map(Self::pieces).sum(),
+        }
+    }
+
+    /// True if its polynomials are of moderate degree, with numbers as coefficients.
+    fn is_moderate(&self) -> bool {
+        match self {
+            Self::Polynomial(p) => p.degree() <= LARGEST_DEGREE && p.is_finite(),
+            Self::Field(..) => true,
+            Self::All(parts) | Self::Any(parts) => parts.iter().all(Self::is_moderate),
+        }
+    }
+
+    /// The region without constants, and without sets of one.
+    fn simplified(self) -> Self {
+        match self {
+            Self::Polynomial(p) => match p.value() {
+                Some(value) if value <= 0.0 => Self::All(Vec::new()),
+                Some(_) => Self::Any(Vec::new()),
+                None => Self::Polynomial(p),
+            },
+            Self::Field(..) => self,
+            Self::All(parts) => {
+                let mut kept = Vec::new();
+                for part in parts {
+                    match part.simplified() {
+                        Self::All(inner) => kept.extend(inner),
+                        Self::Any(inner) if inner.is_empty() => return Self::Any(Vec::new()),
+                        part => kept.push(part),
+                    }
+                }
+                kept.dedup();
+                match kept.pop() {
+                    Some(one) if kept.is_empty() => one,
+                    last => {
+                        kept.extend(last);
+                        Self::All(kept)
+                    }
+                }
+            }
+            Self::Any(parts) => {
+                let mut kept = Vec::new();
+                for part in parts {
+                    match part.simplified() {
+                        Self::Any(inner) => kept.extend(inner),
+                        Self::All(inner) if inner.is_empty() => return Self::All(Vec::new()),
+                        part => kept.push(part),
+                    }
+                }
+                kept.dedup();
+                match kept.pop() {
+                    Some(one) if kept.is_empty() => one,
+                    last => {
+                        kept.extend(last);
+                        Self::Any(kept)
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl RegionReader<'_> {
+    fn read(&mut self, id: NodeId, meaning: &dyn Fn(Input) -> Polynomial) -> ReadNode {
+        let of = |operand: NodeId| self.known[&operand].clone();
+        match self.graph.node(id) {
+            Node::Constant(value) => ReadNode::number(value),
+            Node::Input(input) => {
+                let polynomial = meaning(input);
+                match polynomial.value() {
+                    Some(value) => ReadNode::number(value),
+                    None if !polynomial.is_finite() => ReadNode::number(f64::NAN),
+                    None => {
+                        let piece = Lattice::Piece(RootedPolynomial::polynomial(polynomial));
+                        ReadNode::pieces(Some(piece), true, false)
+                    }
+                }
+            }
+            Node::Unary(op, a) => self.unary(op, of(a)),
+            Node::Power(a, n) => self.power(of(a), n),
+            Node::Binary(op, a, b) => {
+                let square = a == b;
+                self.binary(op, of(a), of(b), square)
+            }
+        }
+    }
+
+    fn unary(&mut self, op: Unary, a: ReadNode) -> ReadNode {
+        let total = a.total
+            && match op {
+                Unary::Log | Unary::Asin | Unary::Acos => false,
+                Unary::Sqrt => a.nonnegative,
+                _ => true,
+            };
+        let nonnegative = matches!(op, Unary::Abs | Unary::Sqrt | Unary::Exp | Unary::Cosh);
+        let pieces = match a.form {
+            NodeForm::Number(x) => return ReadNode::number(op.eval(x)),
+            NodeForm::Other => None,
+            NodeForm::Pieces(lattice) => match op {
+                Unary::Neg => Some(lattice.scaled(-1.0)),
+                Unary::Abs => lattice.max(&lattice.scaled(-1.0)),
+                Unary::Sqrt => {
+                    let root = lattice.root();
+                    if let (Some(_), Lattice::Piece(piece)) = (&root, &*lattice)
+                        && !a.nonnegative
+                    {
+                        self.domain.push(piece.rational.clone());
+                    }
+                    root
+                }
+                _ => None,
+            },
+        };
+        ReadNode::pieces(pieces, total, nonnegative)
+    }
+
+    fn power(&mut self, a: ReadNode, n: i32) -> ReadNode {
+        let even = n % 2 == 0;
+        let nonnegative = even || a.nonnegative;
+        let pieces = match (a.form, u32::try_from(n)) {
+            (NodeForm::Number(x), _) => return ReadNode::number(crate::ops::integer_power(x, n)),
+            (NodeForm::Pieces(lattice), Ok(n)) if n > 0 && n <= LARGEST_DEGREE as u32 => {
+                self.work += 1 << 8;
+                self.affordable(|| lattice.power(n))
+            }
+            _ => None,
+        };
+        ReadNode::pieces(pieces, a.total && n >= 0, nonnegative)
+    }
+
+    fn binary(&mut self, op: Binary, a: ReadNode, b: ReadNode, square: bool) -> ReadNode {
+        let both = a.nonnegative && b.nonnegative;
+        let (total, nonnegative) = match op {
+            Binary::Add | Binary::Max => (true, both || op == Binary::Max && a.nonnegative),
+            Binary::Min => (true, both),
+            Binary::Sub => (true, false),
+            Binary::Mul => (true, both || square),
+            Binary::Div => (matches!(b.form, NodeForm::Number(x) if x != 0.0), both),
+            Binary::AtMost => (true, true),
+            Binary::Pow | Binary::Zmul => (false, both),
+        };
+        let total = total && a.total && b.total;
+        let pieces = match (a.form, b.form) {
+            (NodeForm::Number(x), NodeForm::Number(y)) => return ReadNode::number(op.eval(x, y)),
+            (NodeForm::Pieces(a), NodeForm::Number(y)) => match op {
+                Binary::Mul | Binary::Zmul => Some(a.scaled(y)),
+                Binary::Div if y != 0.0 => Some(a.scaled(1.0 / y)),
+                Binary::Pow if y == 0.5 => {
+                    let known = ReadNode::pieces(Some((*a).clone()), total, false);
+                    return self.unary(Unary::Sqrt, known);
+                }
+                Binary::Pow => {
+                    let known = ReadNode::pieces(Some((*a).clone()), true, false);
+                    return match small_integer(y) {
+                        Some(0) => ReadNode::number(1.0),
+                        Some(n) => self.power(known, n),
+                        None => ReadNode::pieces(None, false, false),
+                    };
+                }
+                _ => self.combined(op, &a, &Lattice::constant(y)),
+            },
+            (NodeForm::Number(x), NodeForm::Pieces(b)) => match op {
+                Binary::Mul => Some(b.scaled(x)),
+                _ => self.combined(op, &Lattice::constant(x), &b),
+            },
+            (NodeForm::Pieces(a), NodeForm::Pieces(b)) => self.combined(op, &a, &b),
+            _ => None,
+        };
+        ReadNode::pieces(pieces, total, nonnegative)
+    }
+
+    fn combined(&mut self, op: Binary, a: &Lattice, b: &Lattice) -> Option<Lattice> {
+        self.work += a.size() + b.size();
+        if op == Binary::Mul {
+            self.work += a.size() * b.size();
+        }
+        self.affordable(|| match op {
+            Binary::Add => a.plus(b),
+            Binary::Sub => a.plus(&b.scaled(-1.0)),
+            Binary::Mul => a.times(b),
+            Binary::Min => a.min(b),
+            Binary::Max => a.max(b),
+            _ => None,
+        })
+    }
+
+    fn affordable(&self, make: impl FnOnce() -> Option<Lattice>) -> Option<Lattice> {
+        if self.work > MOST_WORK { None } else { make() }
+    }
+
+    /// The set where the node, or its negative, is not positive.
+    fn set(&self, id: NodeId, negated: bool, depth: usize) -> Region {
+        let known = &self.known[&id];
+        let field = Region::Field(id, negated);
+        match &known.form {
+            NodeForm::Number(x) => {
+                let x = if negated { -x } else { *x };
+                return if x <= 0.0 {
+                    Region::All(Vec::new())
+                } else {
+                    Region::Any(Vec::new())
+                };
+            }
+            NodeForm::Pieces(lattice) if !negated => return lattice.region(),
+            NodeForm::Pieces(lattice) => return lattice.scaled(-1.0).region(),
+            NodeForm::Other => {}
+        }
+        // What is undefined in one part makes all undefined: only of an intersection, that is what the parts say.
+        let total = known.total && self.domain.is_empty();
+        if depth == 0 || !total {
+            return field;
+        }
+        let set = |id, negated| self.set(id, negated, depth - 1);
+        let both = |a, b| vec![set(a, negated), set(b, negated)];
+        match self.graph.node(id) {
+            Node::Unary(Unary::Neg, a) => set(a, !negated),
+            Node::Binary(Binary::Max, a, b) if !negated => Region::All(both(a, b)),
+            Node::Binary(Binary::Min, a, b) if negated => Region::All(both(a, b)),
+            Node::Binary(Binary::Max | Binary::Min, a, b) => Region::Any(both(a, b)),
+            Node::Binary(Binary::Mul, a, b) if a != b => {
+                // Of unlike signs, or of like ones.
+                Region::Any(vec![
+                    Region::All(vec![set(a, false), set(b, !negated)]),
+                    Region::All(vec![set(a, true), set(b, negated)]),
+                ])
+            }
+            _ => field,
+        }
+    }
+}
+
+impl ReadNode {
+    fn number(x: f64) -> Self {
+        Self {
+            form: NodeForm::Number(x),
+            total: !x.is_nan(),
+            nonnegative: x >= 0.0,
+        }
+    }
+
+    fn pieces(lattice: Option<Lattice>, total: bool, nonnegative: bool) -> Self {
+        let form = lattice.map_or(NodeForm::Other, |lattice| {
+            NodeForm::Pieces(Arc::new(lattice))
+        });
+        Self {
+            form,
+            total,
+            nonnegative,
+        }
+    }
+}
+
+impl Lattice {
+    /// The number of terms.
+    fn size(&self) -> usize {
+        match self {
+            Self::Piece(piece) => {
+                let root = piece.root.as_ref();
+                piece.rational.terms().len()
+                    + root.map_or(0, |(b, p)| b.terms().len() + p.terms().len())
+            }
+            Self::Min(parts) | Self::Max(parts) => parts.iter().map(Self::size).sum(),
+        }
+    }
+
+    fn region(&self) -> Region {
+        let all = |parts: &[Self]| parts.iter().map(Self::region).collect();
+        match self {
+            Self::Piece(piece) => piece.region(),
+            Self::Min(parts) => Region::Any(all(parts)),
+            Self::Max(parts) => Region::All(all(parts)),
+        }
+    }
+}
+
+impl RootedPolynomial {
+    /// The set where a + b√p ≤ 0, where p is not negative: a ≤ 0 and a² ≥ b²p where b is not negative, a ≤ 0 or a² ≤ b²p
+    /// where it is not positive.
+    fn region(&self) -> Region {
+        let a = &self.rational;
+        let Some((b, p)) = &self.root else {
+            return Region::Polynomial(a.clone());
+        };
+        let minus = |p: &Polynomial| p.scaled(-1.0);
+        let squares = b.times(b).times(p).plus(&minus(&a.times(a)));
+        let set = |p: &Polynomial| Region::Polynomial(p.clone());
+        let far = Region::All(vec![set(a), set(&squares)]);
+        let near = Region::Any(vec![set(a), Region::Polynomial(minus(&squares))]);
+        match b.value() {
+            Some(b) if b >= 0.0 => far,
+            Some(_) => near,
+            None => Region::Any(vec![
+                Region::All(vec![Region::Polynomial(minus(b)), far]),
+                Region::All(vec![set(b), near]),
+            ]),
+        }
+    }
+}

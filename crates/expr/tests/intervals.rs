@@ -1,0 +1,302 @@
+//! Intervals against the values that they must contain: of every operation, of random expressions, of slopes.
+
+use expr::conformance::{Operation, anchors, cases};
+use expr::interval::{Interval, Slope};
+use expr::ops::{Binary, Unary};
+use expr::tape::{Registers, Tape};
+use expr::{Graph, Input, NodeId};
+use proptest::prelude::*;
+
+/// Numbers at which functions have poles, kinks, ends and jumps, and moderate ones.
+fn numbers() -> impl Strategy<Value = f64> {
+    let special = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        2.0,
+        -2.0,
+        3.0,
+        0.5,
+        1e-300,
+        -1e-300,
+        5e-324,
+        1e-9,
+        1e5,
+        1e300,
+        -1e300,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        std::f64::consts::FRAC_PI_2,
+        std::f64::consts::PI,
+        -std::f64::consts::FRAC_PI_2,
+    ];
+    prop_oneof![
+        prop::sample::select(special.to_vec()),
+        -4.0..4.0f64,
+        -4.0..4.0f64,
+        -1e3..1e3f64,
+    ]
+}
+
+fn within(box_: [f64; 2], share: f64) -> f64 {
+    let [a, b] = [box_[0].min(box_[1]), box_[0].max(box_[1])];
+    let point = a + share * (b - a);
+    if point.is_nan() {
+        if share < 0.5 { a } else { b }
+    } else {
+        point.clamp(a, b)
+    }
+}
+
+fn interval([a, b]: [f64; 2]) -> Interval {
+    Interval::new(a.min(b), a.max(b))
+}
+
+fn operations() -> impl Strategy<Value = Operation> {
+    let powers = (-9..10i32).prop_map(Operation::Power);
+    let all: Vec<Operation> = Operation::all().collect();
+    prop_oneof![4 => prop::sample::select(all), 1 => powers]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60_000, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn no_operation_misses_a_value(
+        operation in operations(),
+        boxes in prop::array::uniform2(prop::array::uniform2(numbers())),
+        shares in prop::array::uniform2(prop_oneof![Just(0.0), Just(1.0), 0.0..1.0f64]),
+    ) {
+        let points = [within(boxes[0], shares[0]), within(boxes[1], shares[1])];
+        let value = operation.eval(&points[..operation.arity()]).unwrap();
+        let range = Interval::operation(operation, interval(boxes[0]), interval(boxes[1]));
+        prop_assert!(range.contains(value), "{operation:?} at {points:?} in {boxes:?}: {value} is not in {range:?}");
+    }
+}
+
+#[test]
+fn every_case_of_the_conformance_list_has_its_value_and_true_values_are_contained() {
+    for case in cases().iter().chain(&anchors()) {
+        for width in [0.0, 1e-9, 0.25] {
+            let [a, b] = case
+                .operands
+                .map(|x| Interval::new(x - width, x + width / 2.0));
+            let range = Interval::operation(case.operation, a, b);
+            assert!(range.contains(case.expected), "{case:?} in {range:?}");
+        }
+        // At a point where nothing jumps the interval is nearly one, so that the tests above say something.
+        let [a, b] = case.operands.map(Interval::point);
+        let range = Interval::operation(case.operation, a, b);
+        let jumps = case.operands.contains(&0.0) || range.width() == 1.0;
+        // Exponents beyond those that multiply take a negative base as an integer of either parity.
+        let large = case.operands[1] >= 1024.0 || case.operands[1] <= -1024.0;
+        assert!(
+            jumps || large || range.width() <= 1e-13 * case.expected.abs().max(1e-3),
+            "{case:?}: {range:?}"
+        );
+    }
+}
+
+#[test]
+fn undefined_values_empty_results_and_poles_are_seen() {
+    let sqrt = |a, b| Interval::unary(Unary::Sqrt, Interval::new(a, b));
+    assert!(sqrt(-2.0, -1.0).is_empty() && sqrt(-2.0, -1.0).is_partial());
+    assert!(sqrt(-1.0, 4.0).is_partial() && sqrt(-1.0, 4.0).contains(2.0));
+    assert!(!sqrt(0.0, 4.0).is_partial());
+    assert!(Interval::new(2.0, 1.0).is_empty() && Interval::point(f64::NAN).is_empty());
+    let tan = Interval::unary(Unary::Tan, Interval::new(1.5, 1.6));
+    assert!(tan.contains(1e300) && tan.contains(-1e300));
+    let tan = Interval::unary(Unary::Tan, Interval::new(-1.5, 1.5));
+    assert!(tan.upper() < 15.0);
+    let over = |a, b| Interval::binary(Binary::Div, a, b);
+    let one = Interval::point(1.0);
+    assert!(over(one, Interval::new(-1.0, 1.0)).contains(f64::INFINITY));
+    assert!(over(Interval::point(0.0), Interval::point(0.0)).is_partial());
+    // A square is never −0: its reciprocal is positive.
+    let square = Interval::new(-1.0, 1.0).square();
+    assert!(over(one, square).lower() > 0.99);
+    assert!(over(one, Interval::new(0.0, 1.0)).lower() == f64::NEG_INFINITY);
+    let empty = Interval::binary(Binary::Add, one, Interval::UNDEFINED);
+    assert!(empty.is_empty() && empty.is_partial());
+}
+
+/// A random expression in three variables, as instructions on a stack.
+fn programs() -> impl Strategy<Value = Vec<(Operation, usize, usize)>> {
+    let moderate: Vec<Operation> = Operation::all()
+        .filter(|op| !matches!(op, Operation::Binary(Binary::Pow)))
+        .collect();
+    prop::collection::vec(
+        (prop::sample::select(moderate), 0..12usize, 0..12usize),
+        1..14,
+    )
+}
+
+fn build(graph: &mut Graph, program: &[(Operation, usize, usize)]) -> NodeId {
+    let mut nodes: Vec<NodeId> = (0..3).map(|k| graph.input(Input::Variable(k))).collect();
+    nodes.push(graph.constant(0.75));
+    nodes.push(graph.constant(-2.0));
+    for &(operation, a, b) in program {
+        let (a, b) = (
+            nodes[nodes.len() - 1 - a % nodes.len()],
+            nodes[nodes.len() - 1 - b % nodes.len()],
+        );
+        nodes.push(operation.node(graph, a, b));
+    }
+    nodes[nodes.len() - 1]
+}
+
+fn value(tape: &Tape, at: &[f64; 3]) -> f64 {
+    let inputs: Vec<f64> = pick(tape, |k| at[k]);
+    let mut out = [0.0];
+    tape.eval(&mut Registers::default(), &inputs, &mut out);
+    out[0]
+}
+
+fn pick<T>(tape: &Tape, of: impl Fn(usize) -> T) -> Vec<T> {
+    let inputs = tape.inputs().iter();
+    inputs
+        .map(|input| match input {
+            Input::Variable(k) => of(*k as usize),
+            Input::Uniform(_) => unreachable!(),
+        })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..Default::default() })]
+
+    #[test]
+    fn no_expression_leaves_its_interval_and_a_pruned_tape_has_its_values(
+        program in programs(),
+        corner in prop::array::uniform3(-3.0..3.0f64),
+        size in prop::array::uniform3(prop_oneof![Just(0.0), 0.0..0.1f64, 0.0..3.0f64]),
+        shares in prop::collection::vec(prop::array::uniform3(0.0..1.0f64), 6),
+    ) {
+        let mut graph = Graph::default();
+        let root = build(&mut graph, &program);
+        let tape = Tape::new(&graph, &[root]);
+        let mut registers = Registers::default();
+        let boxes = pick(&tape, |k| Interval::new(corner[k], corner[k] + size[k]));
+        let mut range = [Interval::WHOLE];
+        tape.eval_intervals(&mut registers, &boxes, &mut range);
+        let pruned = tape.pruned(&registers);
+        for share in shares {
+            let at = [0, 1, 2].map(|k| (corner[k] + share[k] * size[k]).min(corner[k] + size[k]));
+            let exact = value(&tape, &at);
+            prop_assert!(range[0].contains(exact), "{exact} at {at:?} is not in {:?}", range[0]);
+            if let Some(pruned) = &pruned {
+                let shorter = value(pruned, &at);
+                prop_assert!(shorter == exact || shorter.is_nan() && exact.is_nan(), "{shorter}, not {exact}");
+                prop_assert!(pruned.operation_count() <= tape.operation_count());
+            }
+        }
+    }
+
+    #[test]
+    fn no_difference_leaves_its_slopes(
+        program in programs(),
+        origin in prop::array::uniform3(-3.0..3.0f64),
+        direction in prop::array::uniform3(-1.0..1.0f64),
+        length in prop_oneof![1e-6..1e-2f64, 0.0..2.0f64],
+        shares in prop::collection::vec(0.0..1.0f64, 8),
+    ) {
+        let mut graph = Graph::default();
+        let root = build(&mut graph, &program);
+        let tape = Tape::new(&graph, &[root]);
+        let t = Interval::new(0.0, length);
+        let lines = pick(&tape, |k| Slope::line(origin[k], direction[k], t));
+        let mut out = [Slope::constant(0.0)];
+        tape.eval_slopes(&mut Registers::default(), &lines, &mut out);
+        let [Slope { value: range, slope }] = out;
+        let mut places: Vec<f64> = shares.iter().map(|share| share * length).collect();
+        places.sort_by(f64::total_cmp);
+        let at = |t: f64| value(&tape, &[0, 1, 2].map(|k| origin[k] + t * direction[k]));
+        for pair in places.windows(2) {
+            let [a, b] = [at(pair[0]), at(pair[1])];
+            prop_assert!(range.contains(a), "{a} is not in {range:?}");
+            let bounded = slope.lower().is_finite() && slope.upper().is_finite();
+            let finite = a.is_finite() && b.is_finite();
+            if range.is_partial() || !finite || !bounded && !out[0].is_monotone() {
+                continue;
+            }
+            let step = pair[1] - pair[0];
+            // Rounding of the values, and of t where the function is steep.
+            let steep = if bounded { slope.lower().abs().max(slope.upper().abs()) } else { 0.0 };
+            let slack = 1e-9 * (1.0 + a.abs().max(b.abs()) + steep);
+            if bounded {
+                prop_assert!(b - a >= slope.lower() * step - slack, "{a}, {b} against {slope:?}");
+                prop_assert!(b - a <= slope.upper() * step + slack, "{a}, {b} against {slope:?}");
+            }
+            if out[0].is_monotone() && bounded {
+                let follows = if slope.lower() > 0.0 { b >= a - slack } else { b <= a + slack };
+                prop_assert!(follows, "{a}, {b} against {slope:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_jumps_is_never_monotone() {
+    let mut graph = Graph::default();
+    let x = graph.input(Input::Variable(0));
+    let one = graph.constant(1.0);
+    let ten = graph.constant(10.0);
+    let sign = graph.unary(Unary::Sign, x);
+    let step = graph.mul(ten, sign);
+    let comparison = graph.binary(Binary::AtMost, x, one);
+    let far = graph.mul(ten, comparison);
+    let pole = graph.div(one, x);
+    let smooth_pole = graph.unary(Unary::Atan, pole);
+    let roots = [
+        graph.sub(x, step),
+        graph.sub(x, far),
+        graph.unary(Unary::Tan, x),
+        graph.add(x, pole),
+        graph.add(x, smooth_pole),
+        graph.integer_power(x, -3),
+    ];
+    for root in roots {
+        let tape = Tape::new(&graph, &[root]);
+        let mut out = [Slope::constant(0.0)];
+        let line = Slope::line(0.0, 1.0, Interval::new(-1.5, 2.0));
+        tape.eval_slopes(&mut Registers::default(), &[line], &mut out);
+        assert!(
+            !out[0].is_monotone(),
+            "{:?}: {:?}",
+            graph.node(root),
+            out[0]
+        );
+    }
+    let tape = Tape::new(&graph, &roots[..1]);
+    let mut out = [Slope::constant(0.0)];
+    let line = Slope::line(0.0, 1.0, Interval::new(0.5, 2.0));
+    tape.eval_slopes(&mut Registers::default(), &[line], &mut out);
+    assert!(out[0].is_monotone());
+}
+
+#[test]
+fn a_box_needs_only_the_branches_that_it_meets() {
+    // min over 16 squared distances from points on a line: near one, the others are left out.
+    let mut graph = Graph::default();
+    let x = graph.input(Input::Variable(0));
+    let mut least = graph.constant(1e9);
+    for k in 0..16 {
+        let place = graph.constant(f64::from(k));
+        let offset = graph.sub(x, place);
+        let distance = graph.mul(offset, offset);
+        least = graph.binary(Binary::Min, least, distance);
+    }
+    let tape = Tape::new(&graph, &[least]);
+    assert_eq!(tape.operation_count(), 47);
+    let mut registers = Registers::default();
+    let mut out = [Interval::WHOLE];
+    assert!(tape.pruned(&registers).is_none());
+    tape.eval_intervals(&mut registers, &[Interval::new(4.9, 5.2)], &mut out);
+    let pruned = tape.pruned(&registers).unwrap();
+    // The distance, and the copies by which the later ones hand it on.
+    assert_eq!(pruned.operation_count(), 12);
+    let mut value = [0.0];
+    pruned.eval(&mut registers, &[5.125], &mut value);
+    assert_eq!(value, [0.125 * 0.125]);
+}
