@@ -35,6 +35,14 @@ const REPEATED: &[(&str, &str)] = &[
         "one for each sub-command, in its module, as clap's examples have it",
     ),
     (
+        "Interval",
+        "a parameter's as it is written, a part of a fan's ray, and the numbers of interval arithmetic",
+    ),
+    (
+        "Ray",
+        "a geodesic that is integrated, one of a fan, and a straight half-line: none imports another",
+    ),
+    (
         "View",
         "the renderer's trait, the protocol's message, and the window's choices: none imports another",
     ),

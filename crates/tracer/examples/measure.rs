@@ -1,0 +1,179 @@
+//! Measures casting.
+//!
+//! `surfaces [FOLDER]` casts a ray for each pixel of 640 × 480 at each implicit surface of the tests, on two threads, and
+//! prints the time; with a folder it writes pictures there. `csg [RAYS]` casts rays at random trees and compares every
+//! crossing with the membership of points.
+
+use std::time::Instant;
+
+use glam::{DAffine3, DVec3};
+use tracer::{Ray, SetStep, World, WorldBuilder};
+
+#[path = "../../expr/tests/formula/mod.rs"]
+mod formula;
+#[path = "../tests/scenes/mod.rs"]
+mod scenes;
+use formula::variables;
+use scenes::surfaces::surfaces;
+use scenes::{Random, shapes};
+
+const SIZE: [usize; 2] = [640, 480];
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    match arguments.first().map(String::as_str) {
+        Some("csg") => csg(arguments
+            .get(1)
+            .and_then(|n| n.parse().ok())
+            .unwrap_or(10_000)),
+        Some("surfaces") => all_surfaces(arguments.get(1)),
+        _ => eprintln!("measure surfaces [FOLDER] | csg [RAYS]"),
+    }
+}
+
+fn all_surfaces(folder: Option<&String>) {
+    let variables = variables();
+    let graph = variables[0].graph().clone();
+    println!(
+        "{:18} {:>6} {:>9} {:>9} {:>12}",
+        "surface", "degree", "build ms", "cast ms", "intervals/ray"
+    );
+    for (name, formula, half) in surfaces(&variables) {
+        let start = Instant::now();
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let Ok(shape) = builder.shape(formula.node(), [Some([-half, half]); 3]) else {
+            continue;
+        };
+        let solid = builder.solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)]);
+        let Ok(world) = solid.and_then(|_| builder.build()) else {
+            continue;
+        };
+        let build = start.elapsed();
+        let start = Instant::now();
+        let (pixels, evaluations) = picture(&world, half);
+        let cast = start.elapsed();
+        let degree = world.degree(0).map_or("–".to_owned(), |d| d.to_string());
+        println!(
+            "{name:18} {degree:>6} {:>9.1} {:>9.1} {:>12.2}",
+            build.as_secs_f64() * 1e3,
+            cast.as_secs_f64() * 1e3,
+            evaluations as f64 / (SIZE[0] * SIZE[1]) as f64
+        );
+        if let Some(folder) = folder {
+            let mut file = format!("P5 {} {} 255\n", SIZE[0], SIZE[1]).into_bytes();
+            file.extend(pixels);
+            let path = std::path::Path::new(folder).join(format!("{}.pgm", name.replace(' ', "-")));
+            if let Err(error) = std::fs::write(&path, file) {
+                eprintln!("{}: {error}", path.display());
+            }
+        }
+    }
+}
+
+/// The brightness of each pixel, and the number of evaluations on intervals.
+fn picture(world: &World, half: f64) -> (Vec<u8>, u64) {
+    let eye = DVec3::new(2.2, -3.4, 1.8) * half;
+    let forward = -eye.normalize();
+    let right = forward.cross(DVec3::Z).normalize();
+    let up = right.cross(forward);
+    let mut pixels = vec![0; SIZE[0] * SIZE[1]];
+    let rows = SIZE[1] / 2 * SIZE[0];
+    let evaluations = std::thread::scope(|scope| {
+        let halves = pixels.chunks_mut(rows).enumerate();
+        let threads: Vec<_> = halves
+            .map(|(part, pixels)| {
+                scope.spawn(move || {
+                    let mut caster = world.caster();
+                    for (k, pixel) in pixels.iter_mut().enumerate() {
+                        let k = part * rows + k;
+                        let [i, j] = [k % SIZE[0], k / SIZE[0]].map(|k| k as f64 + 0.5);
+                        let x = (i - 0.5 * SIZE[0] as f64) / SIZE[1] as f64;
+                        let y = (0.5 * SIZE[1] as f64 - j) / SIZE[1] as f64;
+                        let ray = Ray {
+                            origin: eye,
+                            direction: (forward + x * 0.8 * right + y * 0.8 * up).normalize(),
+                            leaving: None,
+                        };
+                        if let Some(hit) = caster.first(&ray) {
+                            let light = hit.normal.dot(DVec3::new(0.3, -0.5, 0.8)).max(0.0);
+                            *pixel = (50.0 + 200.0 * light) as u8;
+                        }
+                    }
+                    caster.interval_evaluations()
+                })
+            })
+            .collect();
+        threads
+            .into_iter()
+            .filter_map(|thread| thread.join().ok())
+            .sum()
+    });
+    (pixels, evaluations)
+}
+
+fn csg(rays: usize) {
+    let mut random = Random(2026);
+    let variables = variables();
+    let formulas = shapes(&variables);
+    let graph = formulas[0].graph().clone();
+    let (mut crossings, mut checks, mut wrong, mut seconds) = (0, 0, 0, 0.0);
+    let trees = rays.div_ceil(1000).max(1);
+    for _ in 0..trees {
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let ids: Vec<_> = formulas
+            .iter()
+            .filter_map(|f| builder.shape(f.node(), [None; 3]).ok())
+            .collect();
+        let steps = random.tree(&ids, 12, 1.2);
+        let Ok(world) = builder.solid(&steps).and_then(|_| builder.build()) else {
+            continue;
+        };
+        let mut caster = world.caster();
+        for _ in 0..1000.min(rays) {
+            let direction = random.direction();
+            let ray = Ray {
+                origin: random.vector(1.2) - 6.0 * direction,
+                direction,
+                leaving: None,
+            };
+            let start = Instant::now();
+            let found = caster.cast(&ray);
+            seconds += start.elapsed().as_secs_f64();
+            crossings += found.len();
+            // Between two crossings, and on both sides of each.
+            let mut ts = vec![0.0];
+            ts.extend(found.iter().map(|crossing| crossing.t));
+            ts.push(14.0);
+            for (k, pair) in ts.windows(2).enumerate() {
+                let said = if k == 0 {
+                    found.first().is_some_and(|first| !first.entering)
+                } else {
+                    found[k - 1].entering
+                };
+                let step = 1e-5f64.min(0.25 * (pair[1] - pair[0]));
+                for t in [pair[0] + step, 0.5 * (pair[0] + pair[1]), pair[1] - step] {
+                    let point = ray.origin + t * direction;
+                    checks += 1;
+                    if world.contains(0, point) != said && decided(&world, point) {
+                        wrong += 1;
+                        println!("{ray:?} at {t}");
+                    }
+                }
+            }
+        }
+    }
+    println!(
+        "{} rays on {trees} trees: {crossings} crossings, {checks} memberships, {wrong} disagreements, {:.2} µs a ray",
+        trees * 1000.min(rays),
+        seconds * 1e6 / (trees * 1000.min(rays)) as f64
+    );
+}
+
+/// True if the points around are all inside or all outside.
+fn decided(world: &World, point: DVec3) -> bool {
+    let here = world.contains(0, point);
+    (0..27).all(|k| {
+        let offset = DVec3::new(f64::from(k % 3), f64::from(k / 3 % 3), f64::from(k / 9)) - 1.0;
+        world.contains(0, point + 1e-5 * offset) == here
+    })
+}

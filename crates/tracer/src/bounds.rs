@@ -1,0 +1,247 @@
+//! Boxes, and the search for one that contains a set.
+//!
+//! Input: an interval evaluator of an expression. Output: a box outside which the expression is positive or undefined,
+//! side by side: `None` where none is found, which is so for endless sets, and where intervals cannot tell.
+
+use expr::interval::Interval;
+use glam::{DAffine3, DVec3};
+
+/// A box with sides along the axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BoundingBox {
+    /// The least coordinates.
+    pub lower: DVec3,
+    /// The greatest coordinates.
+    pub upper: DVec3,
+}
+
+/// Sides are looked for between 2^−LARGEST and 2^LARGEST.
+const LARGEST: i32 = 40;
+/// The number of times that all sides are moved.
+const PASSES: usize = 3;
+/// The number of halvings by which a side is moved inward.
+const STEPS: usize = 8;
+/// A side is not moved by less than this share of the length of the box.
+const CLOSE: f64 = 1.0 / 128.0;
+/// The number of parts into which a slab is divided before it counts as met.
+const PARTS: usize = 32;
+
+impl BoundingBox {
+    /// The box that contains nothing.
+    pub const EMPTY: Self = Self {
+        lower: DVec3::INFINITY,
+        upper: DVec3::NEG_INFINITY,
+    };
+
+    /// True if it contains no point.
+    pub fn is_empty(&self) -> bool {
+        !self.lower.cmple(self.upper).all()
+    }
+
+    /// The least box that contains both.
+    pub fn union(&self, other: &Self) -> Self {
+        Self {
+            lower: self.lower.min(other.lower),
+            upper: self.upper.max(other.upper),
+        }
+    }
+
+    /// The middle.
+    pub fn center(&self) -> DVec3 {
+        0.5 * (self.lower + self.upper)
+    }
+
+    /// The least box that contains the image.
+    pub fn transformed(&self, map: &DAffine3) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        let (center, half) = (self.center(), 0.5 * (self.upper - self.lower));
+        let columns = map.matrix3;
+        let reach = columns.x_axis.abs() * half.x
+            + columns.y_axis.abs() * half.y
+            + columns.z_axis.abs() * half.z;
+        let center = map.transform_point3(center);
+        let slack = 1e-12 * (center.abs() + reach);
+        Self {
+            lower: center - reach - slack,
+            upper: center + reach + slack,
+        }
+    }
+
+    /// The part of a line inside, in its parameter; empty where the first exceeds the second.
+    pub(crate) fn part(&self, origin: DVec3, reciprocal: DVec3) -> [f64; 2] {
+        let a = (self.lower - origin) * reciprocal;
+        let b = (self.upper - origin) * reciprocal;
+        // 0·∞: the line runs in the plane of a side, and counts as inside.
+        let near = |a: f64, b: f64| {
+            if a.is_nan() || b.is_nan() {
+                f64::NEG_INFINITY
+            } else {
+                a.min(b)
+            }
+        };
+        let far = |a: f64, b: f64| {
+            if a.is_nan() || b.is_nan() {
+                f64::INFINITY
+            } else {
+                a.max(b)
+            }
+        };
+        [
+            near(a.x, b.x).max(near(a.y, b.y)).max(near(a.z, b.z)),
+            far(a.x, b.x).min(far(a.y, b.y)).min(far(a.z, b.z)),
+        ]
+    }
+}
+
+/// Finds a box outside which `range` is positive or undefined, within `limits`; [`BoundingBox::EMPTY`] where it is so
+/// everywhere.
+pub(crate) fn enclose(
+    limits: [Interval; 3],
+    range: &mut dyn FnMut([Interval; 3]) -> Interval,
+) -> Option<BoundingBox> {
+    let mut outside = |sides: [Interval; 3]| {
+        let value = range(sides);
+        value.is_empty() || value.lower() > 0.0
+    };
+    if outside(limits) {
+        return Some(BoundingBox::EMPTY);
+    }
+    let mut sides = limits;
+    // A smaller side makes the others smaller.
+    for _ in 0..PASSES {
+        let before = sides;
+        for axis in 0..3 {
+            for upward in [true, false] {
+                let found = side(&mut outside, sides, axis, upward);
+                let [lower, upper] = [sides[axis].lower(), sides[axis].upper()];
+                sides[axis] = match (found, upward) {
+                    (Some(place), true) if place >= lower => Interval::new(lower, place.min(upper)),
+                    (Some(place), false) if place <= upper => {
+                        Interval::new(place.max(lower), upper)
+                    }
+                    (Some(_), _) => return Some(BoundingBox::EMPTY),
+                    (None, _) => sides[axis],
+                };
+            }
+        }
+        let moved =
+            (0..3).any(|k| !(before[k].width() - sides[k].width() <= CLOSE * sides[k].width()));
+        if !moved {
+            break;
+        }
+    }
+    let bounds = BoundingBox {
+        lower: DVec3::from_array(sides.map(Interval::lower)),
+        upper: DVec3::from_array(sides.map(Interval::upper)),
+    };
+    (bounds.lower.is_finite() && bounds.upper.is_finite()).then_some(bounds)
+}
+
+/// The place beyond which, upward or downward, everything is outside.
+fn side(
+    outside: &mut impl FnMut([Interval; 3]) -> bool,
+    sides: [Interval; 3],
+    axis: usize,
+    upward: bool,
+) -> Option<f64> {
+    let sign = if upward { 1.0 } else { -1.0 };
+    let [least, most] = if upward {
+        [sides[axis].lower(), sides[axis].upper()]
+    } else {
+        [-sides[axis].upper(), -sides[axis].lower()]
+    };
+    let slab = |from: f64, to: f64| {
+        let mut slab = sides;
+        slab[axis] = if upward {
+            Interval::new(from, to)
+        } else {
+            Interval::new(-to, -from)
+        };
+        slab
+    };
+    // A place beyond which all is outside: on the way out from 0, or the limit itself.
+    let mut place = most;
+    if most == f64::INFINITY {
+        let places = (-LARGEST..=LARGEST).step_by(4).map(|k| f64::from(k).exp2());
+        place = places
+            .filter(|place| *place >= least)
+            .find(|&place| divided(outside, slab(place, most), axis))?;
+    }
+    let mut inner = if least.is_finite() {
+        least
+    } else {
+        let mut reach = place.abs().max(1.0);
+        let mut inner = place - reach;
+        let mut count = 0;
+        while divided(outside, slab(inner, place), axis) {
+            if count > LARGEST {
+                return Some(sign * place);
+            }
+            place = inner;
+            reach *= 2.0;
+            inner = place - reach;
+            count += 1;
+        }
+        inner
+    };
+    for _ in 0..STEPS {
+        let middle = 0.5 * (inner + place);
+        if !(middle > inner && middle < place) || place - inner <= CLOSE * (place - least) {
+            break;
+        }
+        if divided(outside, slab(middle, place), axis) {
+            place = middle;
+        } else {
+            inner = middle;
+        }
+    }
+    // Sides lie outside what they bound, also where rounding moves a surface.
+    let margin = 1e-9 * (1e-3 + place.abs());
+    Some(sign * (place + margin))
+}
+
+/// True if the slab is outside, as a whole or in parts across its longer sides.
+fn divided(
+    outside: &mut impl FnMut([Interval; 3]) -> bool,
+    slab: [Interval; 3],
+    axis: usize,
+) -> bool {
+    let mut rest = vec![slab];
+    let mut budget = PARTS;
+    while let Some(part) = rest.pop() {
+        if budget == 0 {
+            return false;
+        }
+        budget -= 1;
+        if outside(part) {
+            continue;
+        }
+        // What is endless is halved at 0 once, then no more.
+        let longest = (0..3)
+            .filter(|&k| k != axis)
+            .filter(|&k| {
+                part[k].width().is_finite() || part[k].contains(0.0) && part[k].lower() != 0.0
+            })
+            .max_by(|&j, &k| part[j].width().total_cmp(&part[k].width()));
+        let Some(k) = longest else {
+            return false;
+        };
+        let [a, b] = [part[k].lower(), part[k].upper()];
+        let middle = if a.is_finite() && b.is_finite() {
+            0.5 * (a + b)
+        } else {
+            0.0
+        };
+        if !(a < middle && middle < b) {
+            return false;
+        }
+        for half in [Interval::new(a, middle), Interval::new(middle, b)] {
+            let mut part = part;
+            part[k] = half;
+            rest.push(part);
+        }
+    }
+    true
+}

@@ -1,0 +1,123 @@
+//! A hierarchy of boxes, and the boxes that a ray meets.
+//!
+//! Input: boxes. Output: for a ray, the indices of the boxes that it meets, each with the parameter at which it enters.
+
+use glam::DVec3;
+
+use crate::bounds::BoundingBox;
+
+/// Boxes in boxes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Hierarchy {
+    nodes: Vec<BoxNode>,
+    /// The indices of the boxes, leaf by leaf.
+    order: Vec<u32>,
+    boxes: Vec<BoundingBox>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct BoxNode {
+    bounds: BoundingBox,
+    /// The first of the boxes of a leaf, or the second child; the first child comes right behind its parent.
+    place: u32,
+    /// The number of boxes; 0 for what has children.
+    count: u32,
+}
+
+/// The number of boxes that are not divided.
+const FEW: usize = 4;
+
+impl Hierarchy {
+    pub(crate) fn new(boxes: Vec<BoundingBox>) -> Self {
+        let mut hierarchy = Self {
+            nodes: Vec::with_capacity(boxes.len() / 2),
+            order: (0..boxes.len() as u32).collect(),
+            boxes,
+        };
+        // A range of `order`, and the node whose second child it is.
+        let mut stack = vec![(0, hierarchy.order.len(), None)];
+        while let Some((from, to, parent)) = stack.pop() {
+            if from == to {
+                continue;
+            }
+            let id = hierarchy.nodes.len() as u32;
+            if let Some(parent) = parent {
+                let parent: &mut BoxNode = &mut hierarchy.nodes[parent as usize];
+                parent.place = id;
+            }
+            let Hierarchy { order, boxes, .. } = &mut hierarchy;
+            let range = &mut order[from..to];
+            let mut bounds = BoundingBox::EMPTY;
+            let mut centers = BoundingBox::EMPTY;
+            for &k in range.iter() {
+                let one = &boxes[k as usize];
+                bounds = bounds.union(one);
+                let center = one.center();
+                centers.lower = centers.lower.min(center);
+                centers.upper = centers.upper.max(center);
+            }
+            let spread = centers.upper - centers.lower;
+            let few = range.len() <= FEW || spread.max_element() <= 0.0;
+            if !few {
+                let axis = (0..3)
+                    .max_by(|&j, &k| spread[j].total_cmp(&spread[k]))
+                    .unwrap_or(0);
+                let middle = range.len() / 2;
+                let key = |k: &u32| boxes[*k as usize].center()[axis];
+                range.select_nth_unstable_by(middle, |a, b| {
+                    key(a).total_cmp(&key(b)).then(a.cmp(b))
+                });
+                stack.push((from + middle, to, Some(id)));
+                stack.push((from, from + middle, None));
+            }
+            hierarchy.nodes.push(BoxNode {
+                bounds,
+                place: from as u32,
+                count: if few { (to - from) as u32 } else { 0 },
+            });
+        }
+        hierarchy
+    }
+
+    /// The box of all.
+    pub(crate) fn bounds(&self) -> BoundingBox {
+        self.nodes
+            .first()
+            .map_or(BoundingBox::EMPTY, |node| node.bounds)
+    }
+
+    /// Adds the boxes that the ray meets from its start on, with the parameters of entry and exit.
+    pub(crate) fn met(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        stack: &mut Vec<u32>,
+        found: &mut dyn FnMut(usize, [f64; 2]),
+    ) {
+        let reciprocal = direction.recip();
+        stack.clear();
+        if !self.nodes.is_empty() {
+            stack.push(0);
+        }
+        let meets = |bounds: &BoundingBox| {
+            let [a, b] = bounds.part(origin, reciprocal);
+            (a <= b && b >= 0.0).then_some([a, b])
+        };
+        while let Some(id) = stack.pop() {
+            let node = &self.nodes[id as usize];
+            if meets(&node.bounds).is_none() {
+                continue;
+            }
+            if node.count == 0 {
+                stack.push(node.place);
+                stack.push(id + 1);
+                continue;
+            }
+            for &k in &self.order[node.place as usize..][..node.count as usize] {
+                if let Some(part) = meets(&self.boxes[k as usize]) {
+                    found(k as usize, part);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,474 @@
+//! Rays through a world.
+//!
+//! ```text
+//! ray ──bvh.rs──▶ leaves by entry ──surface.rs, field.rs──▶ events by t ──tree.rs──▶ crossings
+//! ```
+//!
+//! Input: a ray. Output: where it enters and leaves solids. The sweep goes from the start of the ray on. A leaf is read when
+//! it comes to the leaf's box; the events at one t are taken together, and where the membership in a solid has then
+//! changed, the ray crosses its surface. No distance is taken for zero: a ray that leaves a surface says which, and the
+//! root there is divided out.
+
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+use crate::field::FieldScratch;
+use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line};
+use crate::roots::SignChanges;
+use crate::shape::LeafSurface;
+use crate::surface::PolynomialSurface;
+use crate::tree::ForestState;
+use crate::world::World;
+
+/// A place where a ray enters or leaves a solid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The place is origin + t·direction.
+    pub t: f64,
+    /// The solid.
+    pub solid: usize,
+    /// The leaf whose surface it is, over all solids.
+    pub leaf: usize,
+    /// The surface.
+    pub surface: SurfaceId,
+    /// True where the ray enters.
+    pub entering: bool,
+    /// The place.
+    pub position: DVec3,
+    /// The unit normal that leads out of the solid.
+    pub normal: DVec3,
+}
+
+/// Casts rays into a world; one for each thread.
+#[derive(Debug)]
+pub struct Caster<'w> {
+    world: &'w World,
+    state: ForestState,
+    field: FieldScratch,
+    /// True for the pieces that the ray is inside of; of active leaves only.
+    inside: Vec<bool>,
+    candidates: Vec<Candidate>,
+    /// Those to come, the next one last.
+    events: Vec<SurfaceEvent>,
+    /// The sign changes of each group of shared polynomials, in t.
+    shared: FxHashMap<u32, SignChanges>,
+    /// The changes of each group of shared fields, in t.
+    shared_fields: FxHashMap<u32, Vec<f64>>,
+    group: Vec<SurfaceEvent>,
+    stack: Vec<u32>,
+    crossings: Vec<Crossing>,
+    start: Vec<usize>,
+}
+
+/// A leaf whose box the ray meets.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    entry: f64,
+    exit: f64,
+    leaf: u32,
+}
+
+/// A surface that the ray passes.
+#[derive(Clone, Copy, Debug)]
+struct SurfaceEvent {
+    t: f64,
+    leaf: u32,
+    piece: u32,
+    /// Of a field, the part of the ray in which its next event is sought once this one is passed.
+    rest: Option<[f64; 2]>,
+}
+
+impl World {
+    /// A caster of rays into this world.
+    pub fn caster(&self) -> Caster<'_> {
+        Caster {
+            world: self,
+            state: ForestState::default(),
+            field: FieldScratch::default(),
+            inside: vec![false; self.piece_count],
+            candidates: Vec::new(),
+            events: Vec::new(),
+            shared: FxHashMap::default(),
+            shared_fields: FxHashMap::default(),
+            group: Vec::new(),
+            stack: Vec::new(),
+            crossings: Vec::new(),
+            start: Vec::new(),
+        }
+    }
+}
+
+impl Caster<'_> {
+    /// All crossings with t > 0, by t, then by solid.
+    pub fn cast(&mut self, ray: &Ray) -> &[Crossing] {
+        self.sweep(ray, false);
+        &self.crossings
+    }
+
+    /// The first crossing with t > 0.
+    pub fn first(&mut self, ray: &Ray) -> Option<Crossing> {
+        self.sweep(ray, true);
+        self.crossings.first().copied()
+    }
+
+    /// The solids that the last ray was inside of right after its start, ascending.
+    pub fn solids_at_start(&self) -> &[usize] {
+        &self.start
+    }
+
+    /// The number of evaluations on intervals so far.
+    pub fn interval_evaluations(&self) -> u64 {
+        self.field.evaluations
+    }
+
+    fn sweep(&mut self, ray: &Ray, one: bool) {
+        self.state.reset(&self.world.forest);
+        self.crossings.clear();
+        self.events.clear();
+        self.shared.clear();
+        self.shared_fields.clear();
+        self.start.clear();
+        self.field.begin();
+        let usable = ray.origin.is_finite() && ray.direction.is_finite();
+        if !usable || ray.direction == DVec3::ZERO {
+            return;
+        }
+        self.find_candidates(ray);
+        let mut next = 0;
+        while next < self.candidates.len() && self.candidates[next].entry <= 0.0 {
+            self.activate(ray, self.candidates[next]);
+            next += 1;
+        }
+        self.read_start();
+        loop {
+            let event = self.events.last().map_or(f64::INFINITY, |event| event.t);
+            if next < self.candidates.len() && self.candidates[next].entry <= event {
+                self.activate(ray, self.candidates[next]);
+                next += 1;
+                continue;
+            }
+            let Some(event) = self.events.last().copied() else {
+                break;
+            };
+            self.group.clear();
+            while let Some(same) = self.events.pop_if(|next| next.t == event.t) {
+                self.group.push(same);
+            }
+            self.pass(ray);
+            if one && !self.crossings.is_empty() {
+                break;
+            }
+            for k in 0..self.group.len() {
+                self.go_on(ray, self.group[k]);
+            }
+        }
+    }
+
+    /// The leaves that the ray may meet, by entry.
+    fn find_candidates(&mut self, ray: &Ray) {
+        let Self {
+            world,
+            candidates,
+            stack,
+            ..
+        } = self;
+        candidates.clear();
+        for &leaf in &world.endless {
+            candidates.push(Candidate {
+                entry: f64::NEG_INFINITY,
+                exit: f64::INFINITY,
+                leaf,
+            });
+        }
+        world
+            .hierarchy
+            .met(ray.origin, ray.direction, stack, &mut |k, [entry, exit]| {
+                let leaf = world.boxed[k];
+                candidates.push(Candidate { entry, exit, leaf });
+            });
+        // A start on a leaf is in its box, whatever rounding says.
+        if let Some(leaving) = ray.leaving
+            && let Some(own) = candidates.iter_mut().find(|c| c.leaf == leaving.leaf)
+        {
+            own.entry = own.entry.min(0.0);
+        }
+        candidates.sort_unstable_by(|a, b| a.entry.total_cmp(&b.entry).then(a.leaf.cmp(&b.leaf)));
+    }
+
+    /// Notes what the ray starts inside of.
+    fn read_start(&mut self) {
+        let mut changed = std::mem::take(&mut self.state.changed);
+        changed.sort_unstable();
+        changed.dedup();
+        let forest = &self.world.forest;
+        for solid in changed.drain(..) {
+            if self.state.inside(forest, solid as usize) {
+                self.start.push(solid as usize);
+            }
+        }
+        self.state.changed = changed;
+        for &solid in &self.world.endless_solids {
+            if !self.start.contains(&solid) && self.state.inside(forest, solid) {
+                self.start.push(solid);
+            }
+        }
+        self.start.sort_unstable();
+    }
+
+    /// Reads a leaf: its membership where the ray comes to it, and its events.
+    fn activate(&mut self, ray: &Ray, candidate: Candidate) {
+        let leaf = &self.world.leaves[candidate.leaf as usize];
+        let line = UnitLine::new(leaf, ray);
+        if !(line.speed.is_finite() && line.speed > 0.0) {
+            return;
+        }
+        self.state.set(&self.world.forest, leaf.gate, true);
+        let from = candidate.entry.max(0.0);
+        let to = candidate.exit;
+        let before = self.events.len();
+        for (k, piece) in leaf.compiled.pieces.iter().enumerate() {
+            let surface = SurfaceId {
+                leaf: candidate.leaf,
+                piece: k as u32,
+            };
+            let index = leaf.first_piece + k;
+            let inside = match piece {
+                LeafSurface::Polynomial(polynomial) => {
+                    let range = leaf.bounded.then_some([from, to]);
+                    let (changes, opposite) =
+                        self.polynomial_changes(ray, &line, polynomial, surface, range);
+                    let all = changes.places().iter();
+                    let ahead = all.filter(|&&t| t > from && t <= to);
+                    self.events.extend(ahead.map(|&t| SurfaceEvent {
+                        t,
+                        leaf: surface.leaf,
+                        piece: surface.piece,
+                        rest: None,
+                    }));
+                    changes.inside_after(from) != opposite
+                }
+                LeafSurface::Field(field, _) => {
+                    let line = field_line(leaf, ray);
+                    let leaving = from == 0.0 && self.leaves(ray, surface);
+                    let (inside, start) = field.start(&mut self.field, &line, [from, to], leaving);
+                    self.seek(ray, surface, [start, to], inside);
+                    inside
+                }
+            };
+            self.inside[index] = inside;
+            if inside {
+                self.state.set(&self.world.forest, leaf.pieces[k], true);
+            }
+        }
+        if self.events.len() > before {
+            self.sort_events();
+        }
+    }
+
+    /// The next one last.
+    fn sort_events(&mut self) {
+        self.events.sort_unstable_by(|a, b| {
+            let by_t = b.t.total_cmp(&a.t);
+            by_t.then((b.leaf, b.piece).cmp(&(a.leaf, a.piece)))
+        });
+    }
+
+    /// Adds the next event of a field, `inside` being its membership right after the start of this part of the ray.
+    fn seek(&mut self, ray: &Ray, id: SurfaceId, [from, to]: [f64; 2], inside: bool) {
+        let leaf = &self.world.leaves[id.leaf as usize];
+        let LeafSurface::Field(field, _) = &leaf.compiled.pieces[id.piece as usize] else {
+            return;
+        };
+        let line = field_line(leaf, ray);
+        if let Some((t, rest)) = field.next_change(&mut self.field, &line, [from, to], inside) {
+            let t = self.snapped(id, t);
+            self.events.push(SurfaceEvent {
+                t,
+                leaf: id.leaf,
+                piece: id.piece,
+                rest: Some([rest, to]),
+            });
+        }
+    }
+
+    /// The sign changes of a surface in t; true if it is the other side of them.
+    fn polynomial_changes(
+        &mut self,
+        ray: &Ray,
+        line: &UnitLine,
+        surface: &PolynomialSurface,
+        id: SurfaceId,
+        range: Option<[f64; 2]>,
+    ) -> (SignChanges, bool) {
+        let leaf = &self.world.leaves[id.leaf as usize];
+        let member = self
+            .world
+            .surfaces
+            .group(leaf.first_piece + id.piece as usize);
+        let Some(member) = member else {
+            let leaving = self.leaves(ray, id);
+            return (changes_in_t(line, surface, leaving, range), false);
+        };
+        if let Some(known) = self.shared.get(&member.group) {
+            return (*known, member.opposite);
+        }
+        let leaving = self.leaves(ray, id);
+        let (l, p) = self.world.surfaces.first[member.group as usize];
+        let first = &self.world.leaves[l as usize];
+        let LeafSurface::Polynomial(equation) = &first.compiled.pieces[p as usize] else {
+            return (changes_in_t(line, surface, leaving, range), false);
+        };
+        let changes = changes_in_t(&UnitLine::new(first, ray), equation, leaving, None);
+        self.shared.insert(member.group, changes);
+        (changes, member.opposite)
+    }
+
+    /// True if the ray starts on this surface.
+    fn leaves(&self, ray: &Ray, id: SurfaceId) -> bool {
+        let Some(leaving) = ray.leaving else {
+            return false;
+        };
+        let group = |id: SurfaceId| {
+            let leaf = &self.world.leaves[id.leaf as usize];
+            let group = self
+                .world
+                .surfaces
+                .group(leaf.first_piece + id.piece as usize);
+            group.map(|member| member.group)
+        };
+        leaving == id || group(leaving).is_some() && group(leaving) == group(id)
+    }
+
+    /// The t that the first leaf of a shared field found.
+    fn snapped(&mut self, id: SurfaceId, t: f64) -> f64 {
+        let leaf = &self.world.leaves[id.leaf as usize];
+        let Some(member) = self
+            .world
+            .surfaces
+            .group(leaf.first_piece + id.piece as usize)
+        else {
+            return t;
+        };
+        let known = self.shared_fields.entry(member.group).or_default();
+        let near = |other: &&f64| (t - **other).abs() <= 1e-10 * (1.0 + t.abs());
+        match known.iter().find(near) {
+            Some(other) => *other,
+            None => {
+                known.push(t);
+                t
+            }
+        }
+    }
+
+    /// Passes the events of the group, and notes what is crossed.
+    fn pass(&mut self, ray: &Ray) {
+        self.group
+            .sort_unstable_by_key(|event| (event.leaf, event.piece));
+        self.state.changed.clear();
+        for k in 0..self.group.len() {
+            self.toggle(self.group[k]);
+        }
+        let mut changed = std::mem::take(&mut self.state.changed);
+        changed.sort_unstable();
+        let mut at = 0;
+        while at < changed.len() {
+            let solid = changed[at];
+            let count = changed[at..].iter().take_while(|&&s| s == solid).count();
+            at += count;
+            if count % 2 == 1 {
+                let owner = self.owner(solid as usize);
+                let crossing = self.crossing(ray, owner, solid as usize);
+                self.crossings.push(crossing);
+            }
+        }
+        changed.clear();
+        self.state.changed = changed;
+    }
+
+    /// Seeks the event of a field after this one.
+    fn go_on(&mut self, ray: &Ray, event: SurfaceEvent) {
+        if let Some(rest) = event.rest {
+            let leaf = &self.world.leaves[event.leaf as usize];
+            let inside = self.inside[leaf.first_piece + event.piece as usize];
+            let id = SurfaceId {
+                leaf: event.leaf,
+                piece: event.piece,
+            };
+            let before = self.events.len();
+            self.seek(ray, id, rest, inside);
+            if self.events.len() > before {
+                self.sort_events();
+            }
+        }
+    }
+
+    fn toggle(&mut self, event: SurfaceEvent) {
+        let leaf = &self.world.leaves[event.leaf as usize];
+        let inside = &mut self.inside[leaf.first_piece + event.piece as usize];
+        *inside = !*inside;
+        let literal = leaf.pieces[event.piece as usize];
+        self.state.set(&self.world.forest, literal, *inside);
+    }
+
+    /// The first event of the group that alone takes the ray across the solid's surface, else the first of the solid.
+    fn owner(&mut self, solid: usize) -> SurfaceEvent {
+        let of_solid =
+            |event: &&SurfaceEvent| self.world.leaves[event.leaf as usize].solid == solid;
+        let own: Vec<SurfaceEvent> = self.group.iter().filter(of_solid).copied().collect();
+        if let [only] = own[..] {
+            return only;
+        }
+        let after = self.state.inside(&self.world.forest, solid);
+        for &event in &own {
+            self.toggle(event);
+        }
+        let mut found = None;
+        for &event in &own {
+            self.toggle(event);
+            let crosses = self.state.inside(&self.world.forest, solid) == after;
+            self.toggle(event);
+            if crosses {
+                found = Some(event);
+                break;
+            }
+        }
+        for &event in &own {
+            self.toggle(event);
+        }
+        found.unwrap_or(own[0])
+    }
+
+    fn crossing(&mut self, ray: &Ray, event: SurfaceEvent, solid: usize) -> Crossing {
+        let leaf = &self.world.leaves[event.leaf as usize];
+        let entering = self.state.inside(&self.world.forest, solid);
+        let gradient = match &leaf.compiled.pieces[event.piece as usize] {
+            LeafSurface::Polynomial(surface) => {
+                let line = UnitLine::new(leaf, ray);
+                let at = line.point + line.place(event.t) * line.direction;
+                leaf.unit_from_world.matrix3.transpose() * surface.gradient(at)
+            }
+            LeafSurface::Field(field, _) => {
+                let position = ray.origin + event.t * ray.direction;
+                let at = leaf.shape_from_world.transform_point3(position);
+                let gradient = field.gradient(&mut self.field, at);
+                leaf.shape_from_world.matrix3.transpose() * gradient
+            }
+        };
+        // Where the gradient says nothing, the normal is along the ray.
+        let normal = gradient.try_normalize();
+        let normal = normal.unwrap_or_else(|| ray.direction.normalize_or(DVec3::Z));
+        let leads_out = (normal.dot(ray.direction) < 0.0) == entering;
+        Crossing {
+            t: event.t,
+            solid,
+            leaf: event.leaf as usize,
+            surface: SurfaceId {
+                leaf: event.leaf,
+                piece: event.piece,
+            },
+            entering,
+            position: ray.origin + event.t * ray.direction,
+            normal: if leads_out { normal } else { -normal },
+        }
+    }
+}

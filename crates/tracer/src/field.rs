@@ -1,0 +1,297 @@
+//! Expressions that are no polynomials: where a ray enters and leaves the set on which one is not positive.
+//!
+//! Input: an expression, and segments of rays in its own coordinates. Output: the places where membership changes. A part
+//! of the segment on which interval arithmetic shows the value to be positive, or not positive and defined, has none; one
+//! on which it shows the slope to exclude 0 has one at most, which a bracketed secant finds. Any other part is halved, down
+//! to the resolution of t: what jumps or ends there is a change if membership differs at the ends. The work on a ray is
+//! bounded; where it is used up, the rest of the segment is sampled.
+
+use expr::interval::{Interval, Slope};
+use expr::tape::{Registers, Tape};
+use expr::{Graph, Input, NodeId, TooLarge};
+use glam::DVec3;
+
+/// The number of evaluations on intervals that one ray may take.
+const MOST_EVALUATIONS: usize = 1 << 15;
+/// The number of samples of a segment whose evaluations are used up.
+const SAMPLES: usize = 64;
+/// Parts shorter than this share of 1 + t are not halved.
+const RESOLUTION: f64 = 1e-13;
+
+/// An expression with its gradient.
+#[derive(Clone, Debug)]
+pub(crate) struct Field {
+    value: Tape,
+    gradient: Tape,
+    uniforms: Vec<(Input, f64)>,
+    /// True where the set is that on which the negative is not positive.
+    negated: bool,
+}
+
+/// A ray in the field's coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line {
+    pub(crate) origin: DVec3,
+    pub(crate) direction: DVec3,
+}
+
+/// Memory for evaluations; one for each thread.
+#[derive(Debug, Default)]
+pub(crate) struct FieldScratch {
+    registers: Registers,
+    numbers: Vec<f64>,
+    slopes: Vec<Slope>,
+    parts: Vec<(f64, f64)>,
+    /// The number of evaluations on intervals that are left to the ray.
+    budget: usize,
+    /// The number of evaluations on intervals so far.
+    pub(crate) evaluations: u64,
+}
+
+impl FieldScratch {
+    /// Begins a ray.
+    pub(crate) fn begin(&mut self) {
+        self.budget = MOST_EVALUATIONS;
+    }
+}
+
+impl Line {
+    fn at(&self, t: f64) -> DVec3 {
+        self.origin + t * self.direction
+    }
+}
+
+impl Field {
+    pub(crate) fn new(
+        graph: &Graph,
+        root: NodeId,
+        negated: bool,
+        uniform: &dyn Fn(Input) -> f64,
+    ) -> Result<Self, TooLarge> {
+        let (mut graph, roots) = graph.extract(&[root]);
+        let mut gradient = Vec::new();
+        for k in 0..3 {
+            gradient.extend(graph.derivatives(&roots, Input::Variable(k))?);
+        }
+        let inputs = graph.inputs(&roots).into_iter();
+        Ok(Self {
+            value: Tape::new(&graph, &roots),
+            gradient: Tape::new(&graph, &gradient),
+            uniforms: inputs.map(|input| (input, uniform(input))).collect(),
+            negated,
+        })
+    }
+
+    /// True if the set is that where the expression's negative is not positive.
+    pub(crate) fn is_negated(&self) -> bool {
+        self.negated
+    }
+
+    /// The value at a point; NaN where it is undefined.
+    pub(crate) fn value(&self, scratch: &mut FieldScratch, at: DVec3) -> f64 {
+        let mut out = [f64::NAN];
+        self.inputs(&self.value, at, &mut scratch.numbers);
+        self.value
+            .eval(&mut scratch.registers, &scratch.numbers, &mut out);
+        if self.negated { -out[0] } else { out[0] }
+    }
+
+    /// The gradient at a point.
+    pub(crate) fn gradient(&self, scratch: &mut FieldScratch, at: DVec3) -> DVec3 {
+        let mut out = [f64::NAN; 3];
+        self.inputs(&self.gradient, at, &mut scratch.numbers);
+        self.gradient
+            .eval(&mut scratch.registers, &scratch.numbers, &mut out);
+        let gradient = DVec3::from_array(out);
+        if self.negated { -gradient } else { gradient }
+    }
+
+    /// Membership right after the start of a part of a line, and where the search for changes begins: with `leaving`, the
+    /// line leaves the surface at `from`, and is not met there again.
+    pub(crate) fn start(
+        &self,
+        scratch: &mut FieldScratch,
+        line: &Line,
+        [from, to]: [f64; 2],
+        leaving: bool,
+    ) -> (bool, f64) {
+        if !leaving {
+            return (self.inside(scratch, line, from), from);
+        }
+        let slope = self.gradient(scratch, line.at(from)).dot(line.direction);
+        (slope < 0.0, self.departure(scratch, line, from, to))
+    }
+
+    /// The first place in (from, to] where membership changes, `inside` being that right after `from`; and where the search
+    /// for the next one begins.
+    pub(crate) fn next_change(
+        &self,
+        scratch: &mut FieldScratch,
+        line: &Line,
+        [from, to]: [f64; 2],
+        inside: bool,
+    ) -> Option<(f64, f64)> {
+        scratch.parts.clear();
+        scratch.parts.push((from, to));
+        while let Some((a, b)) = scratch.parts.pop() {
+            if scratch.budget == 0 {
+                return self.sampled(scratch, line, [a, to], inside);
+            }
+            scratch.budget -= 1;
+            let range = self.range(scratch, line, a, b);
+            let value = range.value;
+            let outside = value.is_empty() || value.lower() > 0.0;
+            if outside || value.upper() <= 0.0 && !value.is_partial() {
+                // The same throughout; a change between two parts lies where they meet.
+                if outside == inside {
+                    return Some((a, a.max(from).next_up()));
+                }
+                continue;
+            }
+            let shortest = b - a <= RESOLUTION * (1.0 + a.abs().max(b.abs()));
+            if !(range.is_monotone() || shortest) {
+                let middle = 0.5 * (a + b);
+                scratch.parts.push((middle, b));
+                scratch.parts.push((a, middle));
+            } else if self.inside(scratch, line, b) != inside {
+                return Some((self.between(scratch, line, a, b, inside), b));
+            }
+        }
+        None
+    }
+
+    /// The first change between samples.
+    fn sampled(
+        &self,
+        scratch: &mut FieldScratch,
+        line: &Line,
+        [from, to]: [f64; 2],
+        inside: bool,
+    ) -> Option<(f64, f64)> {
+        let step = (to - from) / SAMPLES as f64;
+        for k in 0..SAMPLES {
+            let [a, b] = [k, k + 1].map(|k| from + k as f64 * step);
+            if self.inside(scratch, line, b) != inside {
+                return Some((self.between(scratch, line, a, b, inside), b));
+            }
+        }
+        None
+    }
+
+    /// An interval that contains the values on a box.
+    pub(crate) fn on_box(&self, scratch: &mut FieldScratch, sides: [Interval; 3]) -> Interval {
+        let inputs: Vec<Interval> = self
+            .value
+            .inputs()
+            .iter()
+            .map(|input| match *input {
+                Input::Variable(k @ 0..3) => sides[k as usize],
+                input => Interval::point(self.uniform(input)),
+            })
+            .collect();
+        let mut out = [Interval::WHOLE];
+        self.value
+            .eval_intervals(&mut scratch.registers, &inputs, &mut out);
+        if self.negated {
+            Interval::unary(expr::ops::Unary::Neg, out[0])
+        } else {
+            out[0]
+        }
+    }
+
+    fn inside(&self, scratch: &mut FieldScratch, line: &Line, t: f64) -> bool {
+        self.value(scratch, line.at(t)) <= 0.0
+    }
+
+    /// The end of a part from `from` on in which the value is monotone, so that the surface there is not met again.
+    fn departure(&self, scratch: &mut FieldScratch, line: &Line, from: f64, to: f64) -> f64 {
+        let mut length = to - from;
+        while length > RESOLUTION * (1.0 + from.abs()) {
+            if self.range(scratch, line, from, from + length).is_monotone() {
+                return from + length;
+            }
+            length *= 0.5;
+        }
+        from + length
+    }
+
+    fn range(&self, scratch: &mut FieldScratch, line: &Line, a: f64, b: f64) -> Slope {
+        scratch.evaluations += 1;
+        scratch.slopes.clear();
+        let t = Interval::new(a, b);
+        for input in self.value.inputs() {
+            scratch.slopes.push(match *input {
+                Input::Variable(k @ 0..3) => {
+                    let k = k as usize;
+                    Slope::line(line.origin[k], line.direction[k], t)
+                }
+                input => Slope::constant(self.uniform(input)),
+            });
+        }
+        let mut out = [Slope::constant(f64::NAN)];
+        self.value
+            .eval_slopes(&mut scratch.registers, &scratch.slopes, &mut out);
+        if self.negated {
+            out[0] = Slope::unary(expr::ops::Unary::Neg, out[0]);
+        }
+        out[0]
+    }
+
+    /// The change between `a`, where membership is `inside`, and `b`, where it is not: Illinois' variant of the secant,
+    /// halving where that is quicker or a value is no number.
+    fn between(
+        &self,
+        scratch: &mut FieldScratch,
+        line: &Line,
+        a: f64,
+        b: f64,
+        inside: bool,
+    ) -> f64 {
+        let (mut a, mut b) = (a, b);
+        let mut at_a = self.value(scratch, line.at(a));
+        let mut at_b = self.value(scratch, line.at(b));
+        let mut kept = 0i32;
+        for step in 0..120 {
+            let width = b - a;
+            if width <= 4.0 * f64::EPSILON * (a.abs().max(b.abs())) + f64::MIN_POSITIVE {
+                break;
+            }
+            let secant = b - at_b * (width / (at_b - at_a));
+            let halve = step % 8 == 7 || !(secant > a && secant < b);
+            let middle = if halve { 0.5 * (a + b) } else { secant };
+            // A step inside the resolution would never close the bracket from the other side.
+            let least = 2.0 * f64::EPSILON * middle.abs();
+            let middle = middle.clamp(a + least.min(0.5 * width), b - least.min(0.5 * width));
+            let value = self.value(scratch, line.at(middle));
+            if (value <= 0.0) == inside {
+                (a, at_a) = (middle, value);
+                if kept > 0 {
+                    at_b *= 0.5;
+                }
+                kept = 1;
+            } else {
+                (b, at_b) = (middle, value);
+                if kept < 0 {
+                    at_a *= 0.5;
+                }
+                kept = -1;
+            }
+        }
+        0.5 * (a + b)
+    }
+
+    fn uniform(&self, input: Input) -> f64 {
+        let found = self.uniforms.iter().find(|(other, _)| *other == input);
+        found.map_or(f64::NAN, |(_, value)| *value)
+    }
+
+    fn inputs(&self, tape: &Tape, at: DVec3, numbers: &mut Vec<f64>) {
+        numbers.clear();
+        for input in tape.inputs() {
+            numbers.push(match *input {
+                Input::Variable(k @ 0..3) => at[k as usize],
+                input => self.uniform(input),
+            });
+        }
+    }
+}

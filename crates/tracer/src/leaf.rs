@@ -1,0 +1,24 @@
+//! Leaves: shapes in their places.
+
+use std::sync::Arc;
+
+use glam::DAffine3;
+
+use crate::shape::FramedShape;
+use crate::tree::Literal;
+
+/// A leaf of a solid.
+#[derive(Clone, Debug)]
+pub(crate) struct Leaf {
+    pub(crate) solid: usize,
+    pub(crate) shape: usize,
+    pub(crate) compiled: Arc<FramedShape>,
+    pub(crate) unit_from_world: DAffine3,
+    pub(crate) shape_from_world: DAffine3,
+    /// True if it lies within a box of its own.
+    pub(crate) bounded: bool,
+    pub(crate) gate: Literal,
+    pub(crate) pieces: Vec<Literal>,
+    /// The number of pieces of all leaves before it.
+    pub(crate) first_piece: usize,
+}

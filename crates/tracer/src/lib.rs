@@ -1,0 +1,62 @@
+//! Exact ray casting.
+//!
+//! ```text
+//! expressions, set operations, maps ──world.rs──▶ World ──cast.rs──▶ crossings of a ray
+//!          │ shape.rs: boxes (bounds.rs), polynomials (surface.rs) and other expressions (field.rs)
+//!          │ shared.rs: surfaces that are one         tree.rs: set operations         bvh.rs: boxes in boxes
+//! ```
+//!
+//! A solid is a tree of set operations on shapes under affine maps; a shape is the set where an expression is not positive.
+//! What is a combination of polynomials is solved as such (`roots.rs`), any other expression by interval arithmetic. There
+//! are no settings and no tolerances. Everything is in f64 and depends on the world and the ray alone.
+//!
+//! Of kept libraries, `fidget` evaluates in f32 and finds surfaces by sampling a grid, `parry` and `rhai`-like modellers
+//! have no implicit shapes, and `bvh` is built for triangles; so the steps above are written here.
+//!
+//! ```
+//! use expr::{Graph, Input};
+//! use glam::{DAffine3, DVec3};
+//! use tracer::{Ray, SetStep, WorldBuilder};
+//!
+//! let mut graph = Graph::default();
+//! let squares = [0, 1, 2].map(|k| {
+//!     let x = graph.input(Input::Variable(k));
+//!     graph.mul(x, x)
+//! });
+//! let [xx, yy, zz] = squares;
+//! let sum = graph.add(xx, yy);
+//! let sum = graph.add(sum, zz);
+//! let one = graph.constant(1.0);
+//! let ball = graph.sub(sum, one);
+//!
+//! let no_uniforms = |_| f64::NAN;
+//! let mut builder = WorldBuilder::new(&graph, &no_uniforms);
+//! let ball = builder.shape(ball, [None; 3])?;
+//! builder.solid(&[SetStep::Leaf(ball, DAffine3::IDENTITY)])?;
+//! let world = builder.build()?;
+//! let ray = Ray { origin: DVec3::new(0.0, 0.0, -3.0), direction: DVec3::Z, leaving: None };
+//! let t: Vec<f64> = world.caster().cast(&ray).iter().map(|crossing| crossing.t).collect();
+//! assert_eq!(t, [2.0, 4.0]);
+//! # Ok::<(), tracer::BuildError>(())
+//! ```
+
+mod bounds;
+mod bvh;
+mod cast;
+mod field;
+mod leaf;
+mod line;
+mod reach;
+mod roots;
+mod shape;
+mod shared;
+mod sheet;
+mod surface;
+mod tree;
+mod world;
+
+pub use bounds::BoundingBox;
+pub use cast::{Caster, Crossing};
+pub use line::{Ray, SurfaceId};
+pub use sheet::{Sheet, SheetHit, SheetScratch};
+pub use world::{BuildError, SetStep, ShapeId, World, WorldBuilder};

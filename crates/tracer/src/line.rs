@@ -1,0 +1,93 @@
+//! Rays, and rays in the frames of leaves.
+//!
+//! Input: a ray and a leaf. Output: the ray in the leaf's coordinates, and where polynomials change their sign along it.
+
+use glam::DVec3;
+
+use crate::field::Line;
+use crate::leaf::Leaf;
+use crate::roots::{SignChanges, deflated};
+use crate::surface::PolynomialSurface;
+
+/// Names a surface that bounds a leaf.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub struct SurfaceId {
+    pub(crate) leaf: u32,
+    pub(crate) piece: u32,
+}
+
+/// A half-line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// The start.
+    pub origin: DVec3,
+    /// The direction; its length is the unit of t.
+    pub direction: DVec3,
+    /// The surface that it starts on, if it does.
+    pub leaving: Option<SurfaceId>,
+}
+
+/// A ray in the frame of a leaf, from the place that is nearest to the frame's centre.
+pub(crate) struct UnitLine {
+    pub(crate) point: DVec3,
+    pub(crate) direction: DVec3,
+    /// The t of that place.
+    middle: f64,
+    /// The length in the frame of one t.
+    pub(crate) speed: f64,
+}
+
+impl UnitLine {
+    pub(crate) fn new(leaf: &Leaf, ray: &Ray) -> Self {
+        let origin = leaf.unit_from_world.transform_point3(ray.origin);
+        let velocity = leaf.unit_from_world.transform_vector3(ray.direction);
+        let speed = velocity.length();
+        let direction = velocity / speed;
+        let middle = -origin.dot(direction);
+        let point = origin + middle * direction;
+        Self {
+            // Once more: far away, the first difference has lost digits.
+            point: point - point.dot(direction) * direction,
+            direction,
+            middle: middle / speed,
+            speed,
+        }
+    }
+
+    pub(crate) fn place(&self, t: f64) -> f64 {
+        (t - self.middle) * self.speed
+    }
+
+    pub(crate) fn t(&self, place: f64) -> f64 {
+        self.middle + place / self.speed
+    }
+}
+
+/// The ray in the coordinates of a leaf's shape.
+pub(crate) fn field_line(leaf: &Leaf, ray: &Ray) -> Line {
+    Line {
+        origin: leaf.shape_from_world.transform_point3(ray.origin),
+        direction: leaf.shape_from_world.transform_vector3(ray.direction),
+    }
+}
+
+/// The sign changes of a polynomial along a line, in t; where the ray leaves the surface, without the one at t = 0.
+pub(crate) fn changes_in_t(
+    line: &UnitLine,
+    surface: &PolynomialSurface,
+    leaving: bool,
+    range: Option<[f64; 2]>,
+) -> SignChanges {
+    let mut p = surface.along(line.point, line.direction);
+    if leaving {
+        p = deflated(&p, line.place(0.0));
+    }
+    let mut changes = match range {
+        Some([from, to]) if surface.degree() > 2 => {
+            SignChanges::between(&p, line.place(from), line.place(to))
+        }
+        _ => SignChanges::everywhere(&p),
+    };
+    changes.map(|place| line.t(place));
+    changes
+}

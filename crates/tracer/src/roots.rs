@@ -1,0 +1,222 @@
+//! The places where a polynomial of one variable changes its sign.
+//!
+//! Input: coefficients, the constant first. Output: the places in ascending order; between two of them the sign is the
+//! same, and at each of them it changes, whatever rounding does. Quadratics are solved in closed form; above, the critical
+//! points come first, from the derivatives' in turn, and between two of them a root is found by Newton's method inside its
+//! bracket. The closed forms of the crates `roots` and `kurbo` are quicker for quartics, but near double roots their
+//! number of roots may be odd where the signs at the ends agree, which turns a solid inside out.
+
+/// The highest degree.
+pub(crate) const LARGEST_DEGREE: usize = expr::polynomial::LARGEST_DEGREE;
+
+/// Coefficients, the constant first; those above the degree are 0.
+pub(crate) type Coefficients = [f64; LARGEST_DEGREE + 1];
+
+/// The places where the sign of a polynomial changes.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SignChanges {
+    places: [f64; LARGEST_DEGREE + 2],
+    count: usize,
+    /// True if the polynomial is not positive before the first place.
+    pub(crate) inside_first: bool,
+}
+
+/// Beyond this the reciprocal of the variable is solved for.
+const FAR: f64 = 2.0;
+
+impl SignChanges {
+    /// All changes on the whole line.
+    pub(crate) fn everywhere(p: &Coefficients) -> Self {
+        let degree = degree(p);
+        if degree <= 2 {
+            return Self::of_quadratic(p);
+        }
+        let mut changes = Self {
+            inside_first: (p[degree] > 0.0) == (degree % 2 == 1),
+            ..Self::default()
+        };
+        let mut reversed = [0.0; LARGEST_DEGREE + 1];
+        for k in 0..=degree {
+            reversed[k] = p[degree - k];
+        }
+        // Two at infinity: the reciprocal's interval ends at 0, where the sign is that of the leading coefficient.
+        let below = Self::between(&reversed, -1.0 / FAR, 0.0);
+        for &u in below.places().iter().rev() {
+            changes.push(1.0 / u);
+        }
+        let near = Self::between(p, -FAR, FAR);
+        for &s in near.places() {
+            changes.push(s);
+        }
+        let above = Self::between(&reversed, 0.0, 1.0 / FAR);
+        for &u in above.places().iter().rev() {
+            changes.push(1.0 / u);
+        }
+        changes
+    }
+
+    /// The changes between two places.
+    pub(crate) fn between(p: &Coefficients, from: f64, to: f64) -> Self {
+        let degree = degree(p);
+        if degree <= 2 {
+            let all = Self::of_quadratic(p);
+            let mut changes = Self {
+                inside_first: all.inside_after(from),
+                ..Self::default()
+            };
+            for &s in all.places().iter().filter(|&&s| s > from && s <= to) {
+                changes.push(s);
+            }
+            return changes;
+        }
+        // The derivatives down to a quadratic.
+        let mut derivatives = [*p; LARGEST_DEGREE - 1];
+        for k in 1..=degree - 2 {
+            let above = derivatives[k - 1];
+            let next = &mut derivatives[k];
+            *next = [0.0; LARGEST_DEGREE + 1];
+            for (j, &c) in above.iter().enumerate().skip(1) {
+                next[j - 1] = c * j as f64;
+            }
+        }
+        let mut critical = Self::between(&derivatives[degree - 2], from, to);
+        for k in (0..degree - 2).rev() {
+            let p = &derivatives[k];
+            let count = degree - k;
+            let mut changes = Self::default();
+            let mut a = from;
+            let mut inside = value(p, count, a) <= 0.0;
+            changes.inside_first = inside;
+            for index in 0..=critical.count {
+                let b = if index < critical.count {
+                    critical.places[index]
+                } else {
+                    to
+                };
+                let inside_b = value(p, count, b) <= 0.0;
+                if inside != inside_b {
+                    changes.push(root(p, count, a, b, inside));
+                }
+                (a, inside) = (b, inside_b);
+            }
+            critical = changes;
+        }
+        critical
+    }
+
+    /// In ascending order.
+    pub(crate) fn places(&self) -> &[f64] {
+        &self.places[..self.count]
+    }
+
+    /// True if the polynomial is not positive right after the place.
+    pub(crate) fn inside_after(&self, place: f64) -> bool {
+        let before = self.places().iter().filter(|&&s| s <= place).count();
+        self.inside_first != (before % 2 == 1)
+    }
+
+    /// Replaces the places by others in the same order.
+    pub(crate) fn map(&mut self, f: impl Fn(f64) -> f64) {
+        for place in &mut self.places[..self.count] {
+            *place = f(*place);
+        }
+    }
+
+    fn of_quadratic(p: &Coefficients) -> Self {
+        let [c, b, a] = [p[0], p[1], p[2]];
+        let mut changes = Self {
+            inside_first: [a, -b, c]
+                .into_iter()
+                .find(|lead| *lead != 0.0)
+                .is_none_or(|lead| lead < 0.0),
+            ..Self::default()
+        };
+        if a == 0.0 {
+            if b != 0.0 {
+                changes.push(-c / b);
+            }
+            return changes;
+        }
+        let discriminant = b * b - 4.0 * a * c;
+        if discriminant > 0.0 {
+            let q = -0.5 * (b + discriminant.sqrt().copysign(b));
+            // Both are numbers: q is not 0 where the discriminant is positive.
+            let [s, r] = [q / a, c / q];
+            changes.push(s.min(r));
+            changes.push(s.max(r));
+        }
+        changes
+    }
+
+    fn push(&mut self, place: f64) {
+        if self.count < self.places.len() {
+            self.places[self.count] = place;
+            self.count += 1;
+        }
+    }
+}
+
+/// The polynomial divided by s − `root`, the remainder dropped; from whichever end is stable.
+pub(crate) fn deflated(p: &Coefficients, root: f64) -> Coefficients {
+    let degree = degree(p);
+    let mut quotient = [0.0; LARGEST_DEGREE + 1];
+    if degree == 0 {
+        return quotient;
+    }
+    if root.abs() <= 1.0 {
+        let mut carried = 0.0;
+        for k in (1..=degree).rev() {
+            carried = p[k] + carried * root;
+            quotient[k - 1] = carried;
+        }
+    } else {
+        let mut carried = 0.0;
+        for k in 0..degree {
+            carried = (carried - p[k]) / root;
+            quotient[k] = carried;
+        }
+    }
+    quotient
+}
+
+/// The degree; a leading coefficient that is nothing beside the others counts as 0.
+fn degree(p: &Coefficients) -> usize {
+    let largest = p.iter().fold(0.0f64, |most, c| most.max(c.abs()));
+    p.iter()
+        .rposition(|c| c.abs() > largest * 1e-17)
+        .unwrap_or(0)
+}
+
+fn value(p: &Coefficients, degree: usize, s: f64) -> f64 {
+    p[..=degree].iter().rev().fold(0.0, |sum, c| sum * s + c)
+}
+
+/// The root between `a` and `b`, where the signs differ.
+fn root(p: &Coefficients, degree: usize, mut a: f64, mut b: f64, inside_a: bool) -> f64 {
+    let mut s = 0.5 * (a + b);
+    for _ in 0..64 {
+        let (mut y, mut slope) = (0.0, 0.0);
+        for &c in p[..=degree].iter().rev() {
+            slope = slope * s + y;
+            y = y * s + c;
+        }
+        if (y <= 0.0) == inside_a {
+            a = s;
+        } else {
+            b = s;
+        }
+        let next = s - y / slope;
+        let (low, high) = (a.min(b), a.max(b));
+        let next = if next > low && next < high {
+            next
+        } else {
+            0.5 * (low + high)
+        };
+        let step = (next - s).abs();
+        s = next;
+        if step <= f64::EPSILON * s.abs().max(1e-3) {
+            break;
+        }
+    }
+    s
+}

@@ -1,0 +1,178 @@
+//! Shapes: sets that expressions bound, read for rays.
+//!
+//! Input: an expression in x, y, z with its cuts. Output: the box that contains the set, and in coordinates that take that
+//! box to [−1, 1]³ the polynomials and other expressions that bound it, with the way in which they combine.
+
+use std::sync::Arc;
+
+use expr::interval::Interval;
+use expr::polynomial::{Polynomial, Region, region};
+use expr::{Graph, Input, NodeId, TooLarge};
+use glam::{DAffine3, DMat3, DVec3};
+
+use crate::bounds::{BoundingBox, enclose};
+use crate::field::{Field, FieldScratch};
+use crate::reach::reach;
+use crate::surface::PolynomialSurface;
+
+/// The set where `field` is not positive, within cuts.
+#[derive(Clone, Debug)]
+pub(crate) struct Shape {
+    pub(crate) node: NodeId,
+    pub(crate) cuts: [Option<[f64; 2]>; 3],
+    pub(crate) field: Field,
+    /// `None` for an endless set.
+    pub(crate) bounds: Option<BoundingBox>,
+}
+
+/// A shape in a frame.
+#[derive(Clone, Debug)]
+pub(crate) struct FramedShape {
+    pub(crate) region: Region,
+    /// In the order in which they occur in the region.
+    pub(crate) pieces: Vec<LeafSurface>,
+    /// The shape's coordinates from those of the frame.
+    pub(crate) shape_from_unit: DAffine3,
+}
+
+/// A surface that bounds a shape.
+#[derive(Clone, Debug)]
+pub(crate) enum LeafSurface {
+    /// In the frame.
+    Polynomial(PolynomialSurface),
+    /// In the shape's coordinates; the node names it.
+    Field(Arc<Field>, NodeId),
+}
+
+/// A side of a frame is at least this share of the longest.
+const FLATTEST: f64 = 1e-3;
+
+impl Shape {
+    pub(crate) fn new(
+        graph: &Graph,
+        node: NodeId,
+        cuts: [Option<[f64; 2]>; 3],
+        uniform: &dyn Fn(Input) -> f64,
+    ) -> Result<Self, TooLarge> {
+        let field = Field::new(graph, node, false, uniform)?;
+        let limits = cuts.map(|cut| cut.map_or(Interval::WHOLE, |[a, b]| Interval::new(a, b)));
+        let mut scratch = FieldScratch::default();
+        let bounds = if limits.iter().any(|side| side.is_empty()) {
+            Some(BoundingBox::EMPTY)
+        } else {
+            let mut on_box = |sides| field.on_box(&mut scratch, sides);
+            enclose(limits, &mut on_box).or_else(|| {
+                let region = region(graph, node, &|input| meaning(input, uniform, &UNITS));
+                let reach = reach(&region)?;
+                let [lower, upper] = [reach.lower.to_array(), reach.upper.to_array()];
+                let limits = [0, 1, 2].map(|k| {
+                    let limit = limits[k];
+                    Interval::new(lower[k].max(limit.lower()), upper[k].min(limit.upper()))
+                });
+                if limits.iter().any(|side| side.is_empty()) {
+                    return Some(BoundingBox::EMPTY);
+                }
+                enclose(limits, &mut on_box)
+            })
+        };
+        Ok(Self {
+            node,
+            cuts,
+            field,
+            bounds,
+        })
+    }
+
+    /// True at the points of the set, by the expression's value.
+    pub(crate) fn contains(&self, scratch: &mut FieldScratch, at: DVec3) -> bool {
+        let within = |(cut, x): (&Option<[f64; 2]>, f64)| cut.is_none_or(|[a, b]| a <= x && x <= b);
+        self.cuts.iter().zip(at.to_array()).all(within) && self.field.value(scratch, at) <= 0.0
+    }
+
+    /// Reads the shape in coordinates that take `frame` to [−1, 1]³.
+    pub(crate) fn compile(
+        &self,
+        graph: &Graph,
+        frame: &BoundingBox,
+        uniform: &dyn Fn(Input) -> f64,
+    ) -> Result<FramedShape, TooLarge> {
+        let center = frame.center();
+        let half = 0.5 * (frame.upper - frame.lower);
+        let least = (FLATTEST * half.max_element()).max(f64::MIN_POSITIVE);
+        let half = half.max(DVec3::splat(if least.is_finite() { least } else { 1.0 }));
+        let frame = [0, 1, 2].map(|k| [center[k], half[k]]);
+        let mut region = region(graph, self.node, &|input| meaning(input, uniform, &frame));
+        let cuts = (0..3).filter_map(|k| self.cuts[k].map(|cut| (k, cut)));
+        for (k, [a, b]) in cuts {
+            let x = meaning(Input::Variable(k as u32), uniform, &frame);
+            let above = x.plus(&Polynomial::constant(-b));
+            let below = x.scaled(-1.0).plus(&Polynomial::constant(a));
+            let sides = [above, below].map(Region::Polynomial);
+            region = match region {
+                Region::All(mut parts) => {
+                    parts.extend(sides);
+                    Region::All(parts)
+                }
+                region => Region::All([region].into_iter().chain(sides).collect()),
+            };
+        }
+        let mut pieces = Vec::new();
+        collect(&region, graph, uniform, &mut pieces)?;
+        Ok(FramedShape {
+            region,
+            pieces,
+            shape_from_unit: DAffine3::from_mat3_translation(DMat3::from_diagonal(half), center),
+        })
+    }
+}
+
+/// The middle and half the side of the frame in which polynomials are written as they stand.
+const UNITS: [[f64; 2]; 3] = [[0.0, 1.0]; 3];
+
+/// An input as a polynomial in the coordinates of a frame.
+fn meaning(input: Input, uniform: &dyn Fn(Input) -> f64, frame: &[[f64; 2]; 3]) -> Polynomial {
+    match input {
+        Input::Variable(k @ 0..3) => {
+            let [center, half] = frame[k as usize];
+            let mut slopes = [0.0; 3];
+            slopes[k as usize] = half;
+            Polynomial::linear(center, slopes)
+        }
+        input => Polynomial::constant(uniform(input)),
+    }
+}
+
+impl FramedShape {
+    /// A set without points.
+    pub(crate) fn empty() -> Self {
+        Self {
+            region: Region::Any(Vec::new()),
+            pieces: Vec::new(),
+            shape_from_unit: DAffine3::IDENTITY,
+        }
+    }
+}
+
+/// Regions are nested no deeper than they have pieces, which are few.
+fn collect(
+    region: &Region,
+    graph: &Graph,
+    uniform: &dyn Fn(Input) -> f64,
+    pieces: &mut Vec<LeafSurface>,
+) -> Result<(), TooLarge> {
+    match region {
+        Region::Polynomial(p) => {
+            pieces.push(LeafSurface::Polynomial(PolynomialSurface::new(p.clone())));
+        }
+        Region::Field(node, negated) => {
+            let field = Field::new(graph, *node, *negated, uniform)?;
+            pieces.push(LeafSurface::Field(Arc::new(field), *node));
+        }
+        Region::All(parts) | Region::Any(parts) => {
+            for part in parts {
+                collect(part, graph, uniform, pieces)?;
+            }
+        }
+    }
+    Ok(())
+}

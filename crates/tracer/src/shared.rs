@@ -1,0 +1,208 @@
+//! Surfaces that several leaves share.
+//!
+//! Input: the leaves of a world. Output: groups of pieces whose zero sets are one. Rays meet all pieces of a group at the
+//! same t, to the last bit, so that flush faces leave no film between them. Polynomials are one surface if they agree to
+//! [`AGREEMENT`] where the largest coefficient is 1, in the frame of the first leaf, or to what f64 tells apart where the
+//! leaf is; other expressions if they are one node under one map.
+
+use expr::polynomial::Polynomial;
+use glam::{DAffine3, DVec3};
+use rustc_hash::FxHashMap;
+
+use crate::bounds::BoundingBox;
+use crate::leaf::Leaf;
+use crate::shape::LeafSurface;
+use crate::surface::PolynomialSurface;
+
+/// The difference of coefficients up to which two surfaces are one: 2⁻³⁸.
+const AGREEMENT: f64 = 1.0 / (1u64 << 38) as f64;
+/// Far from the origin, the difference in units in the last place of a leaf's coordinates.
+const ULPS: f64 = 16.0;
+/// The relative difference of keys up to which surfaces are compared.
+const NEAR: f64 = 1e-6;
+/// The number of groups with similar keys that a surface is compared with.
+const MOST_COMPARED: usize = 64;
+/// Polynomials of a higher degree are shared only if they are one polynomial under one map.
+const HIGHEST: usize = 4;
+
+/// The groups.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Surfaces {
+    /// For each piece of all leaves its group, if it has one.
+    groups: Vec<Option<Member>>,
+    /// For each group, the leaf and the piece whose equation is solved.
+    pub(crate) first: Vec<(u32, u32)>,
+}
+
+/// A piece in a group.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Member {
+    pub(crate) group: u32,
+    /// True if it is on the other side of the surface than the group's first.
+    pub(crate) opposite: bool,
+}
+
+impl Surfaces {
+    /// The group of a piece, counted over all leaves.
+    pub(crate) fn group(&self, piece: usize) -> Option<Member> {
+        self.groups[piece]
+    }
+}
+
+/// A surface with a number that does not depend on the scale of its equation.
+struct Keyed {
+    key: f64,
+    leaf: u32,
+    piece: u32,
+}
+
+/// Finds the groups.
+pub(crate) fn share(leaves: &[Leaf], piece_count: usize, rest: &BoundingBox) -> Surfaces {
+    let mut keyed = Vec::new();
+    let mut exact: FxHashMap<(usize, usize, [u64; 12]), Vec<(u32, u32)>> = FxHashMap::default();
+    // Two places without any symmetry.
+    let half = 0.5 * (rest.upper - rest.lower);
+    let places = [
+        DVec3::new(0.339_816, -1.618_034, 0.732_051),
+        DVec3::new(-1.141_593, 0.577_216, 1.414_214),
+    ]
+    .map(|place| rest.center() + place * half);
+    for (l, leaf) in leaves.iter().enumerate() {
+        for (p, piece) in leaf.compiled.pieces.iter().enumerate() {
+            let place = (l as u32, p as u32);
+            match piece {
+                LeafSurface::Polynomial(surface) if surface.degree() <= HIGHEST => {
+                    let at = places.map(|at| {
+                        let at = leaf.unit_from_world.transform_point3(at);
+                        surface.polynomial.at(at.to_array())
+                    });
+                    keyed.push(Keyed {
+                        key: (at[0] / at[1]).atan(),
+                        leaf: place.0,
+                        piece: place.1,
+                    });
+                }
+                LeafSurface::Polynomial(_) => {
+                    let name = std::sync::Arc::as_ptr(&leaf.compiled) as usize;
+                    let map = leaf.unit_from_world.to_cols_array().map(f64::to_bits);
+                    exact.entry((name, p, map)).or_default().push(place);
+                }
+                LeafSurface::Field(_, node) => {
+                    let map = leaf.shape_from_world.to_cols_array().map(f64::to_bits);
+                    exact
+                        .entry((usize::MAX, node.index(), map))
+                        .or_default()
+                        .push(place);
+                }
+            }
+        }
+    }
+    let mut surfaces = Surfaces {
+        groups: vec![None; piece_count],
+        first: Vec::new(),
+    };
+    let mut exact: Vec<Vec<(u32, u32)>> = exact.into_values().filter(|all| all.len() > 1).collect();
+    exact.sort_unstable();
+    for members in exact {
+        let first = members[0];
+        for &member in &members {
+            let opposite = side(leaves, first) != side(leaves, member);
+            surfaces.join(leaves, first, member, opposite);
+        }
+    }
+    share_polynomials(leaves, keyed, &mut surfaces);
+    surfaces
+}
+
+/// Walks along the keys; what has none of the groups before it within reach begins one.
+fn share_polynomials(leaves: &[Leaf], mut keyed: Vec<Keyed>, surfaces: &mut Surfaces) {
+    keyed.retain(|surface| !surface.key.is_nan());
+    // The last key is close to the first one: the arctangent goes round.
+    keyed.sort_by(|a, b| {
+        a.key
+            .total_cmp(&b.key)
+            .then((a.leaf, a.piece).cmp(&(b.leaf, b.piece)))
+    });
+    let mut first: Vec<(f64, (u32, u32))> = Vec::new();
+    for surface in &keyed {
+        let place = (surface.leaf, surface.piece);
+        let near = first
+            .iter()
+            .rev()
+            .take(MOST_COMPARED)
+            .take_while(|(key, _)| surface.key - key <= NEAR);
+        let found = near
+            .filter_map(|&(_, other)| same(leaves, other, place).map(|opposite| (other, opposite)))
+            .next();
+        match found {
+            Some((other, opposite)) => {
+                surfaces.join(leaves, other, place, opposite);
+            }
+            None => first.push((surface.key, place)),
+        }
+    }
+}
+
+impl Surfaces {
+    fn join(&mut self, leaves: &[Leaf], first: (u32, u32), member: (u32, u32), opposite: bool) {
+        let index = |(l, p): (u32, u32)| leaves[l as usize].first_piece + p as usize;
+        let group = match self.groups[index(first)] {
+            Some(known) => known.group,
+            None => {
+                let group = self.first.len() as u32;
+                self.first.push(first);
+                self.groups[index(first)] = Some(Member {
+                    group,
+                    opposite: false,
+                });
+                group
+            }
+        };
+        self.groups[index(member)] = Some(Member { group, opposite });
+    }
+}
+
+/// True for the side on which a field's negative is not positive.
+fn side(leaves: &[Leaf], (l, p): (u32, u32)) -> bool {
+    match &leaves[l as usize].compiled.pieces[p as usize] {
+        LeafSurface::Field(field, _) => field.is_negated(),
+        LeafSurface::Polynomial(_) => false,
+    }
+}
+
+/// True or false where the surfaces are one: true if they are on opposite sides.
+fn same(leaves: &[Leaf], a: (u32, u32), b: (u32, u32)) -> Option<bool> {
+    let surface = |(l, p): (u32, u32)| -> Option<(&Leaf, &PolynomialSurface)> {
+        let leaf = &leaves[l as usize];
+        match &leaf.compiled.pieces[p as usize] {
+            LeafSurface::Polynomial(surface) => Some((leaf, surface)),
+            LeafSurface::Field(..) => None,
+        }
+    };
+    let ((leaf_a, a), (leaf_b, b)) = (surface(a)?, surface(b)?);
+    if a.degree() != b.degree() {
+        return None;
+    }
+    let b_from_a = leaf_b.unit_from_world * leaf_a.unit_from_world.inverse();
+    let other = b.polynomial.compose(&coordinates(&b_from_a));
+    let one = a.polynomial.scaled(1.0 / a.polynomial.largest());
+    let other = other.scaled(1.0 / other.largest());
+    let distance = leaf_a.unit_from_world.translation.length();
+    let agreement = AGREEMENT.max(ULPS * f64::EPSILON * distance);
+    [false, true].into_iter().find(|&opposite| {
+        let sign = if opposite { 1.0 } else { -1.0 };
+        one.plus(&other.scaled(sign)).largest() <= agreement
+    })
+}
+
+/// The coordinates of the image, as polynomials.
+fn coordinates(map: &DAffine3) -> [Polynomial; 3] {
+    let rows = map.matrix3.transpose();
+    [rows.x_axis, rows.y_axis, rows.z_axis]
+        .into_iter()
+        .zip(map.translation.to_array())
+        .map(|(row, constant)| Polynomial::linear(constant, row.to_array()))
+        .collect::<Vec<_>>()
+        .try_into()
+        .unwrap_or_default()
+}

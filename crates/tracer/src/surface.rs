@@ -1,0 +1,176 @@
+//! The zero set of a polynomial in a leaf's own frame.
+//!
+//! Input: a polynomial in coordinates in which the leaf is about [−1, 1]³, then rays in the same coordinates. Output: the
+//! polynomial along the ray, gradients.
+
+use expr::polynomial::Polynomial;
+use glam::DVec3;
+
+use crate::roots::{Coefficients, LARGEST_DEGREE};
+
+/// The polynomial, prepared for rays.
+#[derive(Clone, Debug)]
+pub(crate) struct PolynomialSurface {
+    form: SurfaceForm,
+    pub(crate) polynomial: Polynomial,
+}
+
+#[derive(Clone, Debug)]
+enum SurfaceForm {
+    Plane {
+        normal: DVec3,
+        offset: f64,
+    },
+    Quadric {
+        /// Of x², y², z².
+        squares: DVec3,
+        /// Of yz, xz, xy.
+        mixed: DVec3,
+        linear: DVec3,
+        constant: f64,
+    },
+    /// The terms, by the exponent of x, then of y, then of z.
+    Higher(Vec<([u8; 3], f64)>),
+}
+
+impl PolynomialSurface {
+    /// Prepares a polynomial, whose degree is at most [`LARGEST_DEGREE`].
+    pub(crate) fn new(polynomial: Polynomial) -> Self {
+        let term = |e: [u8; 3]| {
+            let mut terms = polynomial.terms();
+            terms.find(|(f, _)| *f == e).map_or(0.0, |(_, c)| c)
+        };
+        let linear = DVec3::new(term([1, 0, 0]), term([0, 1, 0]), term([0, 0, 1]));
+        let constant = term([0, 0, 0]);
+        let form = match polynomial.degree() {
+            0 | 1 => SurfaceForm::Plane {
+                normal: linear,
+                offset: constant,
+            },
+            2 => SurfaceForm::Quadric {
+                squares: DVec3::new(term([2, 0, 0]), term([0, 2, 0]), term([0, 0, 2])),
+                mixed: DVec3::new(term([0, 1, 1]), term([1, 0, 1]), term([1, 1, 0])),
+                linear,
+                constant,
+            },
+            _ => SurfaceForm::Higher(polynomial.terms().collect()),
+        };
+        Self { form, polynomial }
+    }
+
+    pub(crate) fn degree(&self) -> usize {
+        self.polynomial.degree()
+    }
+
+    /// The polynomial at `point` + s·`direction`, in s.
+    pub(crate) fn along(&self, point: DVec3, direction: DVec3) -> Coefficients {
+        let mut sum = [0.0; LARGEST_DEGREE + 1];
+        let (p, d) = (point, direction);
+        match &self.form {
+            SurfaceForm::Plane { normal, offset } => {
+                sum[0] = normal.dot(p) + offset;
+                sum[1] = normal.dot(d);
+            }
+            SurfaceForm::Quadric {
+                squares,
+                mixed,
+                linear,
+                constant,
+            } => {
+                // Half of the gradient of the part of degree two.
+                let half = |v: DVec3| {
+                    let (x, y, z) = (mixed.x, mixed.y, mixed.z);
+                    let mixed = DVec3::new(z * v.y + y * v.z, z * v.x + x * v.z, y * v.x + x * v.y);
+                    *squares * v + 0.5 * mixed
+                };
+                let (at, along) = (half(p), half(d));
+                sum[0] = (at + *linear).dot(p) + constant;
+                sum[1] = (2.0 * at + *linear).dot(d);
+                sum[2] = along.dot(d);
+            }
+            SurfaceForm::Higher(terms) => add_terms(&mut sum, terms, p.to_array(), d.to_array()),
+        }
+        sum
+    }
+
+    /// The gradient at a point.
+    pub(crate) fn gradient(&self, at: DVec3) -> DVec3 {
+        match &self.form {
+            SurfaceForm::Plane { normal, .. } => *normal,
+            SurfaceForm::Quadric {
+                squares,
+                mixed,
+                linear,
+                ..
+            } => {
+                let (x, y, z) = (mixed.x, mixed.y, mixed.z);
+                let mixed = DVec3::new(
+                    z * at.y + y * at.z,
+                    z * at.x + x * at.z,
+                    y * at.x + x * at.y,
+                );
+                2.0 * *squares * at + mixed + *linear
+            }
+            SurfaceForm::Higher(terms) => {
+                let mut gradient = DVec3::ZERO;
+                for &(e, c) in terms {
+                    let powers = |e: [i32; 3]| at.x.powi(e[0]) * at.y.powi(e[1]) * at.z.powi(e[2]);
+                    for k in (0..3).filter(|&k| e[k] > 0) {
+                        let mut lower = e.map(i32::from);
+                        lower[k] -= 1;
+                        gradient[k] += c * f64::from(e[k]) * powers(lower);
+                    }
+                }
+                gradient
+            }
+        }
+    }
+}
+
+/// Adds a polynomial of higher degree along a line: inner sums by z, then by y, then by x.
+fn add_terms(sum: &mut Coefficients, terms: &[([u8; 3], f64)], p: [f64; 3], d: [f64; 3]) {
+    let powers = [0, 1, 2].map(|k| {
+        let mut powers = [[0.0; LARGEST_DEGREE + 1]; LARGEST_DEGREE + 1];
+        powers[0][0] = 1.0;
+        let most = terms.iter().map(|(e, _)| e[k]).max().unwrap_or(0);
+        for n in 1..=usize::from(most) {
+            for j in 0..n {
+                let c = powers[n - 1][j];
+                powers[n][j] += c * p[k];
+                powers[n][j + 1] += c * d[k];
+            }
+        }
+        powers
+    });
+    let mut by_x = 0;
+    while by_x < terms.len() {
+        let ex = usize::from(terms[by_x].0[0]);
+        let mut inner = [0.0; LARGEST_DEGREE + 1];
+        let mut inner_degree = 0;
+        while by_x < terms.len() && usize::from(terms[by_x].0[0]) == ex {
+            let ey = usize::from(terms[by_x].0[1]);
+            let mut innermost = [0.0; LARGEST_DEGREE + 1];
+            let mut degree = 0;
+            while by_x < terms.len() && terms[by_x].0[..2] == [ex as u8, ey as u8] {
+                let (e, c) = terms[by_x];
+                let ez = usize::from(e[2]);
+                for j in 0..=ez {
+                    innermost[j] += c * powers[2][ez][j];
+                }
+                degree = degree.max(ez);
+                by_x += 1;
+            }
+            add_product(&mut inner, &powers[1][ey], ey, &innermost, degree);
+            inner_degree = inner_degree.max(ey + degree);
+        }
+        add_product(sum, &powers[0][ex], ex, &inner, inner_degree);
+    }
+}
+
+fn add_product(sum: &mut Coefficients, a: &Coefficients, m: usize, b: &Coefficients, n: usize) {
+    for i in 0..=m {
+        for j in 0..=n {
+            sum[i + j] += a[i] * b[j];
+        }
+    }
+}

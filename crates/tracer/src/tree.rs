@@ -1,0 +1,249 @@
+//! Trees of set operations that are kept up to date leaf by leaf.
+//!
+//! Input: set operations in postfix order. Output: a forest of unions and intersections of any number of parts, without
+//! complements but at the leaves; for each member of a leaf's region, the [`Literal`] that says where it counts. A member
+//! that changes costs a step for each level that changes with it, whatever the number of leaves. Nothing recurses on the
+//! depth of a tree.
+
+use expr::polynomial::Region;
+
+/// A step of a set expression in postfix order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum TreeStep {
+    /// A leaf by its index.
+    Leaf(usize),
+    Union,
+    Intersection,
+    Difference,
+}
+
+/// A union or an intersection.
+#[derive(Clone, Copy, Debug)]
+struct SetNode {
+    is_union: bool,
+    /// [`NONE`] for a root.
+    parent: u32,
+    /// The solid, for a root.
+    solid: u32,
+    parts: u32,
+    /// The number of parts that hold while every leaf is outside.
+    holding: u32,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// The place where a member of a leaf counts, and how.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Literal {
+    node: u32,
+    complemented: bool,
+}
+
+/// The literals of a leaf.
+#[derive(Clone, Debug)]
+pub(crate) struct LeafLiterals {
+    /// True where a ray may meet the leaf.
+    pub(crate) gate: Literal,
+    /// Of each polynomial or field of its region, in order.
+    pub(crate) pieces: Vec<Literal>,
+}
+
+/// All trees of a world.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Forest {
+    nodes: Vec<SetNode>,
+    roots: Vec<u32>,
+}
+
+/// The state of a forest on a ray.
+#[derive(Debug, Default)]
+pub(crate) struct ForestState {
+    holding: Vec<u32>,
+    /// The nodes that differ from the state in which every leaf is outside, with repetitions.
+    touched: Vec<u32>,
+    /// The solids whose membership has changed, with repetitions.
+    pub(crate) changed: Vec<u32>,
+}
+
+impl Forest {
+    /// Adds a solid. `regions` gives each leaf's region; `literals` receives those of each leaf.
+    pub(crate) fn add(
+        &mut self,
+        steps: &[TreeStep],
+        regions: &dyn Fn(usize) -> Region,
+        literals: &mut dyn FnMut(usize, LeafLiterals),
+    ) {
+        let solid = self.roots.len() as u32;
+        let root = self.push(false, NONE, solid);
+        self.roots.push(root);
+        // Where the operand that ends at each step begins.
+        let mut begins: Vec<usize> = Vec::with_capacity(steps.len());
+        for (k, step) in steps.iter().enumerate() {
+            begins.push(match step {
+                TreeStep::Leaf(_) => k,
+                _ if k > 0 && begins[k - 1] > 0 => begins[begins[k - 1] - 1],
+                // Too few operands: an empty set.
+                _ => k,
+            });
+        }
+        // The step at which an operand ends, the node that it belongs to, and true if its complement does.
+        let mut stack: Vec<(usize, u32, bool)> = Vec::new();
+        if let Some(last) = steps.len().checked_sub(1) {
+            stack.push((last, root, false));
+        } else {
+            self.push(true, root, NONE);
+        }
+        while let Some((end, parent, complemented)) = stack.pop() {
+            let step = steps[end];
+            if let TreeStep::Leaf(leaf) = step {
+                literals(leaf, self.leaf(&regions(leaf), parent, complemented));
+                continue;
+            }
+            if begins[end] == end {
+                self.push(!complemented, parent, NONE);
+                continue;
+            }
+            let is_union = (step == TreeStep::Union) != complemented;
+            let node = if self.nodes[parent as usize].is_union == is_union {
+                parent
+            } else {
+                self.push(is_union, parent, NONE)
+            };
+            let second = end - 1;
+            let first = begins[second] - 1;
+            stack.push((second, node, complemented != (step == TreeStep::Difference)));
+            stack.push((first, node, complemented));
+        }
+        self.settle(root);
+    }
+
+    /// The number of solids.
+    pub(crate) fn len(&self) -> usize {
+        self.roots.len()
+    }
+
+    /// True if the solid contains the points that no leaf contains.
+    pub(crate) fn is_endless(&self, solid: usize) -> bool {
+        let root = &self.nodes[self.roots[solid] as usize];
+        root.holds(root.holding)
+    }
+
+    fn leaf(&mut self, region: &Region, parent: u32, complemented: bool) -> LeafLiterals {
+        // The gate and the region, or the complement of both.
+        let node = self.push(complemented, parent, NONE);
+        let gate = self.literal(node, complemented);
+        let mut pieces = Vec::new();
+        self.region(region, node, complemented, &mut pieces);
+        LeafLiterals { gate, pieces }
+    }
+
+    /// Regions are nested no deeper than they have pieces, which are few.
+    fn region(
+        &mut self,
+        region: &Region,
+        parent: u32,
+        complemented: bool,
+        pieces: &mut Vec<Literal>,
+    ) {
+        let (parts, is_union) = match region {
+            Region::Polynomial(_) | Region::Field(..) => {
+                pieces.push(self.literal(parent, complemented));
+                return;
+            }
+            Region::All(parts) => (parts, complemented),
+            Region::Any(parts) => (parts, !complemented),
+        };
+        let node = self.push(is_union, parent, NONE);
+        for part in parts {
+            self.region(part, node, complemented, pieces);
+        }
+    }
+
+    fn literal(&mut self, node: u32, complemented: bool) -> Literal {
+        let place = &mut self.nodes[node as usize];
+        place.parts += 1;
+        place.holding += u32::from(complemented);
+        Literal { node, complemented }
+    }
+
+    fn push(&mut self, is_union: bool, parent: u32, solid: u32) -> u32 {
+        if parent != NONE {
+            self.nodes[parent as usize].parts += 1;
+        }
+        self.nodes.push(SetNode {
+            is_union,
+            parent,
+            solid,
+            parts: 0,
+            holding: 0,
+        });
+        (self.nodes.len() - 1) as u32
+    }
+
+    /// Counts the nodes that hold while every leaf is outside: children come after their parents.
+    fn settle(&mut self, root: u32) {
+        for k in (root as usize..self.nodes.len()).rev() {
+            let node = self.nodes[k];
+            if node.parent != NONE && node.holds(node.holding) {
+                self.nodes[node.parent as usize].holding += 1;
+            }
+        }
+    }
+}
+
+impl SetNode {
+    fn holds(&self, holding: u32) -> bool {
+        if self.is_union {
+            holding > 0
+        } else {
+            holding == self.parts
+        }
+    }
+}
+
+impl ForestState {
+    /// Brings the state back to that in which every leaf is outside.
+    pub(crate) fn reset(&mut self, forest: &Forest) {
+        if self.holding.len() != forest.nodes.len() {
+            self.holding = forest.nodes.iter().map(|node| node.holding).collect();
+        }
+        for &node in &self.touched {
+            self.holding[node as usize] = forest.nodes[node as usize].holding;
+        }
+        self.touched.clear();
+        self.changed.clear();
+    }
+
+    /// Changes a literal to `inside`, which it was not.
+    pub(crate) fn set(&mut self, forest: &Forest, literal: Literal, inside: bool) {
+        let mut rises = inside != literal.complemented;
+        let mut id = literal.node;
+        loop {
+            let node = &forest.nodes[id as usize];
+            let holding = &mut self.holding[id as usize];
+            let before = node.holds(*holding);
+            if rises {
+                *holding += 1;
+            } else {
+                *holding -= 1;
+            }
+            let after = node.holds(*holding);
+            self.touched.push(id);
+            if before == after {
+                return;
+            }
+            if node.parent == NONE {
+                self.changed.push(node.solid);
+                return;
+            }
+            rises = after;
+            id = node.parent;
+        }
+    }
+
+    /// True inside the solid.
+    pub(crate) fn inside(&self, forest: &Forest, solid: usize) -> bool {
+        let root = forest.roots[solid] as usize;
+        forest.nodes[root].holds(self.holding[root])
+    }
+}

@@ -1,0 +1,370 @@
+//! Worlds: solids as data, prepared for rays.
+//!
+//! Input: expressions, set operations in postfix order, affine maps. Output: a [`World`], which `cast.rs` casts rays into.
+
+use std::sync::Arc;
+
+use expr::{Graph, Input, NodeId, TooLarge};
+use glam::{DAffine3, DVec3};
+use rustc_hash::FxHashMap;
+
+use crate::bounds::BoundingBox;
+use crate::bvh::Hierarchy;
+use crate::field::FieldScratch;
+use crate::leaf::Leaf;
+use crate::shape::{FramedShape, LeafSurface, Shape};
+use crate::shared::{Surfaces, share};
+use crate::tree::{Forest, LeafLiterals, TreeStep};
+
+/// Names a shape of a [`WorldBuilder`].
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub struct ShapeId(usize);
+
+/// A step of a set expression in postfix order: operands, then what joins the last two.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SetStep {
+    /// The image of a shape under an affine map.
+    Leaf(ShapeId, DAffine3),
+    /// The points of either.
+    Union,
+    /// The points of both.
+    Intersection,
+    /// The points of the first that are not of the second.
+    Difference,
+}
+
+/// A reason for which a world cannot be built.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum BuildError {
+    /// An expression has grown too large.
+    TooLarge,
+    /// The map of a leaf of this solid takes volumes to 0, or is no number.
+    SingularMap(usize),
+    /// The steps of this solid do not join into one set.
+    Unbalanced(usize),
+}
+
+/// Collects what a world consists of.
+pub struct WorldBuilder<'a> {
+    graph: &'a Graph,
+    uniform: &'a dyn Fn(Input) -> f64,
+    shapes: Vec<Shape>,
+    solids: Vec<Vec<SetStep>>,
+}
+
+/// Solids that rays can be cast into.
+#[derive(Debug)]
+pub struct World {
+    pub(crate) shapes: Vec<Shape>,
+    pub(crate) leaves: Vec<Leaf>,
+    pub(crate) forest: Forest,
+    pub(crate) hierarchy: Hierarchy,
+    /// The leaf of each box of the hierarchy.
+    pub(crate) boxed: Vec<u32>,
+    pub(crate) endless: Vec<u32>,
+    /// The solids that contain what no leaf contains.
+    pub(crate) endless_solids: Vec<usize>,
+    pub(crate) surfaces: Surfaces,
+    pub(crate) piece_count: usize,
+    solids: Vec<Vec<TreeStep>>,
+    /// The box of each solid's leaves, `None` where one is endless.
+    bounds: Vec<Option<BoundingBox>>,
+}
+
+/// Endless fields are looked for within so many radii of the rest.
+const RADII: f64 = 64.0;
+/// A map whose determinant is smaller beside the product of its columns' lengths is singular.
+const LEAST_DETERMINANT: f64 = 1e-12;
+
+impl<'a> WorldBuilder<'a> {
+    /// Begins a world of expressions of this graph; `uniform` gives the numbers of its uniforms.
+    pub fn new(graph: &'a Graph, uniform: &'a dyn Fn(Input) -> f64) -> Self {
+        Self {
+            graph,
+            uniform,
+            shapes: Vec::new(),
+            solids: Vec::new(),
+        }
+    }
+
+    /// Adds the set where the expression in the variables 0, 1, 2 (x, y, z) is not positive, within the cuts. It is not
+    /// seen until a solid has it as a leaf.
+    ///
+    /// # Errors
+    /// If the expression's gradient is too large.
+    pub fn shape(
+        &mut self,
+        field: NodeId,
+        cuts: [Option<[f64; 2]>; 3],
+    ) -> Result<ShapeId, BuildError> {
+        let shape = Shape::new(self.graph, field, cuts, self.uniform)?;
+        self.shapes.push(shape);
+        Ok(ShapeId(self.shapes.len() - 1))
+    }
+
+    /// Adds a solid and returns its index.
+    ///
+    /// # Errors
+    /// If a map is singular, or the steps are not one set.
+    pub fn solid(&mut self, steps: &[SetStep]) -> Result<usize, BuildError> {
+        let solid = self.solids.len();
+        let mut operands = 0usize;
+        for step in steps {
+            match step {
+                SetStep::Leaf(_, map) => {
+                    let matrix = map.matrix3;
+                    let volume: f64 = [matrix.x_axis, matrix.y_axis, matrix.z_axis]
+                        .map(DVec3::length)
+                        .iter()
+                        .product();
+                    let determinant = matrix.determinant().abs();
+                    if !(map.is_finite() && determinant > LEAST_DETERMINANT * volume) {
+                        return Err(BuildError::SingularMap(solid));
+                    }
+                    operands += 1;
+                }
+                _ if operands >= 2 => operands -= 1,
+                _ => return Err(BuildError::Unbalanced(solid)),
+            }
+        }
+        if operands != 1 {
+            return Err(BuildError::Unbalanced(solid));
+        }
+        self.solids.push(steps.to_vec());
+        Ok(solid)
+    }
+
+    /// Prepares the world.
+    ///
+    /// # Errors
+    /// If an expression's gradient is too large.
+    pub fn build(self) -> Result<World, BuildError> {
+        let rest = self.rest();
+        let mut compiler = FrameCache {
+            builder: &self,
+            rest,
+            known: FxHashMap::default(),
+        };
+        let mut leaves: Vec<Leaf> = Vec::new();
+        let mut boxes: Vec<Option<BoundingBox>> = Vec::new();
+        let mut forest = Forest::default();
+        let mut solids = Vec::new();
+        let mut bounds = Vec::new();
+        let mut piece_count = 0;
+        for (solid, steps) in self.solids.iter().enumerate() {
+            let first = leaves.len();
+            let mut read = Vec::with_capacity(steps.len());
+            // What is known of each leaf before its literals are.
+            let mut drafts: Vec<(usize, DAffine3, Arc<FramedShape>)> = Vec::new();
+            for step in steps {
+                read.push(match *step {
+                    SetStep::Leaf(ShapeId(shape), map) => {
+                        drafts.push((shape, map, compiler.compiled(shape, &map)?));
+                        TreeStep::Leaf(first + drafts.len() - 1)
+                    }
+                    SetStep::Union => TreeStep::Union,
+                    SetStep::Intersection => TreeStep::Intersection,
+                    SetStep::Difference => TreeStep::Difference,
+                });
+            }
+            let mut literals: Vec<Option<LeafLiterals>> = vec![None; drafts.len()];
+            forest.add(
+                &read,
+                &|leaf| drafts[leaf - first].2.region.clone(),
+                &mut |leaf, found| literals[leaf - first] = Some(found),
+            );
+            let mut all = Some(BoundingBox::EMPTY);
+            for ((shape, map, compiled), literals) in drafts.into_iter().zip(literals) {
+                // Each leaf is a part of its tree.
+                let Some(LeafLiterals { gate, pieces }) = literals else {
+                    return Err(BuildError::Unbalanced(solid));
+                };
+                let own = self.shapes[shape].bounds.map(|b| b.transformed(&map));
+                all = all.zip(own).map(|(all, own)| all.union(&own));
+                let is_field = |piece: &LeafSurface| matches!(piece, LeafSurface::Field(..));
+                let fields = compiled.pieces.iter().any(is_field);
+                boxes.push(own.or_else(|| fields.then(|| wide(&rest))));
+                let world_from_unit = map * compiled.shape_from_unit;
+                let count = pieces.len();
+                leaves.push(Leaf {
+                    solid,
+                    shape,
+                    compiled,
+                    unit_from_world: world_from_unit.inverse(),
+                    shape_from_world: map.inverse(),
+                    bounded: own.is_some(),
+                    gate,
+                    pieces,
+                    first_piece: piece_count,
+                });
+                piece_count += count;
+            }
+            bounds.push(all);
+            solids.push(read);
+        }
+        let indices = 0..boxes.len() as u32;
+        let boxed: Vec<u32> = indices
+            .clone()
+            .filter(|&k| boxes[k as usize].is_some_and(|bounds| !bounds.is_empty()))
+            .collect();
+        let endless = indices.filter(|&k| boxes[k as usize].is_none()).collect();
+        let hierarchy = boxed.iter().filter_map(|&k| boxes[k as usize]).collect();
+        let surfaces = share(&leaves, piece_count, &rest);
+        let all = 0..forest.len();
+        let endless_solids = all.filter(|&solid| forest.is_endless(solid)).collect();
+        Ok(World {
+            shapes: self.shapes,
+            leaves,
+            forest,
+            hierarchy: Hierarchy::new(hierarchy),
+            boxed,
+            endless,
+            endless_solids,
+            surfaces,
+            piece_count,
+            solids,
+            bounds,
+        })
+    }
+
+    /// The box of all that is bounded; where nothing is, that of the unit sphere.
+    fn rest(&self) -> BoundingBox {
+        let mut rest = BoundingBox::EMPTY;
+        for step in self.solids.iter().flatten() {
+            if let SetStep::Leaf(ShapeId(shape), map) = step
+                && let Some(bounds) = self.shapes[*shape].bounds
+                && !bounds.is_empty()
+            {
+                rest = rest.union(&bounds.transformed(map));
+            }
+        }
+        if rest.is_empty() || rest.lower == rest.upper {
+            let center = if rest.is_empty() {
+                DVec3::ZERO
+            } else {
+                rest.lower
+            };
+            return BoundingBox {
+                lower: center - 1.0,
+                upper: center + 1.0,
+            };
+        }
+        rest
+    }
+}
+
+/// Reads each shape once for each frame.
+struct FrameCache<'a> {
+    builder: &'a WorldBuilder<'a>,
+    rest: BoundingBox,
+    known: FxHashMap<(usize, [u64; 12]), Arc<FramedShape>>,
+}
+
+impl FrameCache<'_> {
+    fn compiled(&mut self, shape: usize, map: &DAffine3) -> Result<Arc<FramedShape>, BuildError> {
+        let source = &self.builder.shapes[shape];
+        // A bounded shape has one frame, whatever its map.
+        let (frame, key) = match source.bounds {
+            Some(bounds) => (bounds, [0; 12]),
+            None => {
+                let key = map.to_cols_array().map(f64::to_bits);
+                (self.rest.transformed(&map.inverse()), key)
+            }
+        };
+        if let Some(known) = self.known.get(&(shape, key)) {
+            return Ok(known.clone());
+        }
+        let compiled = if frame.is_empty() {
+            FramedShape::empty()
+        } else {
+            source.compile(self.builder.graph, &frame, self.builder.uniform)?
+        };
+        let compiled = Arc::new(compiled);
+        self.known.insert((shape, key), compiled.clone());
+        Ok(compiled)
+    }
+}
+
+impl World {
+    /// The number of solids.
+    pub fn solid_count(&self) -> usize {
+        self.forest.len()
+    }
+
+    /// The number of leaves of all solids; a solid's leaves follow each other in the order of its steps.
+    pub fn leaf_count(&self) -> usize {
+        self.leaves.len()
+    }
+
+    /// A box that contains all leaves of the solid; `None` if one of them is endless.
+    pub fn bounds(&self, solid: usize) -> Option<BoundingBox> {
+        self.bounds[solid]
+    }
+
+    /// The highest degree of the polynomials that bound a leaf; `None` if something else bounds it.
+    pub fn degree(&self, leaf: usize) -> Option<usize> {
+        let mut highest = 0;
+        for piece in &self.leaves[leaf].compiled.pieces {
+            match piece {
+                LeafSurface::Polynomial(surface) => highest = highest.max(surface.degree()),
+                LeafSurface::Field(..) => return None,
+            }
+        }
+        Some(highest)
+    }
+
+    /// True if the solid contains the point, by the values of its leaves' expressions there.
+    pub fn contains(&self, solid: usize, point: DVec3) -> bool {
+        let mut scratch = FieldScratch::default();
+        let mut stack: Vec<bool> = Vec::new();
+        for step in &self.solids[solid] {
+            if let TreeStep::Leaf(leaf) = *step {
+                let leaf = &self.leaves[leaf];
+                let at = leaf.shape_from_world.transform_point3(point);
+                stack.push(self.shapes[leaf.shape].contains(&mut scratch, at));
+            } else if let (Some(b), Some(a)) = (stack.pop(), stack.pop()) {
+                stack.push(match step {
+                    TreeStep::Union => a || b,
+                    TreeStep::Intersection => a && b,
+                    _ => a && !b,
+                });
+            }
+        }
+        stack.pop().unwrap_or(false)
+    }
+}
+
+/// The box in which endless fields are looked for.
+fn wide(rest: &BoundingBox) -> BoundingBox {
+    let radius = 0.5 * (rest.upper - rest.lower).length();
+    let center = rest.center();
+    BoundingBox {
+        lower: center - RADII * radius,
+        upper: center + RADII * radius,
+    }
+}
+
+impl From<TooLarge> for BuildError {
+    fn from(_: TooLarge) -> Self {
+        Self::TooLarge
+    }
+}
+
+impl std::fmt::Display for BuildError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::TooLarge => TooLarge.fmt(f),
+            Self::SingularMap(solid) => {
+                write!(
+                    f,
+                    "a map of solid {solid} is singular: it takes volumes to 0"
+                )
+            }
+            Self::Unbalanced(solid) => {
+                write!(f, "the steps of solid {solid} do not join into one set")
+            }
+        }
+    }
+}
+
+impl std::error::Error for BuildError {}

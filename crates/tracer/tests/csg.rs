@@ -1,0 +1,201 @@
+//! Random trees of set operations against the membership of points, which the tree gives directly.
+
+use glam::DVec3;
+use tracer::{Crossing, Ray, SetStep, World, WorldBuilder};
+
+#[path = "../../expr/tests/formula/mod.rs"]
+mod formula;
+mod scenes;
+use formula::variables;
+use scenes::{LeafValue, Random, shapes};
+
+/// The distance from tangency within which an answer may be either.
+const NEAR: f64 = 1e-5;
+
+/// True if all points within [`NEAR`] are inside, or all outside.
+fn decided(world: &World, solid: usize, point: DVec3, scale: f64) -> bool {
+    let here = world.contains(solid, point);
+    let steps = [-1.0, 0.0, 1.0];
+    steps.iter().all(|&x| {
+        steps.iter().all(|&y| {
+            steps.iter().all(|&z| {
+                let offset = DVec3::new(x, y, z) * NEAR * scale;
+                world.contains(solid, point + offset) == here
+            })
+        })
+    })
+}
+
+/// The number of samples of the ray whose membership is not what the crossings say.
+fn disagreements(
+    world: &World,
+    ray: &Ray,
+    crossings: &[Crossing],
+    starts_inside: bool,
+    reach: f64,
+) -> usize {
+    let samples = 60;
+    let mut wrong = 0;
+    let mut places: Vec<f64> = (0..samples)
+        .map(|k| (k as f64 + 0.5) * reach / samples as f64)
+        .collect();
+    let mut ts: Vec<f64> = vec![0.0];
+    ts.extend(crossings.iter().map(|crossing| crossing.t));
+    ts.push(reach);
+    places.extend(ts.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])));
+    for t in places {
+        if ts.iter().any(|other| (t - other).abs() < 1e-9 * (1.0 + t)) {
+            continue;
+        }
+        let next = crossings.iter().find(|crossing| crossing.t > t);
+        let last = crossings.iter().rev().find(|crossing| crossing.t < t);
+        let said = match (last, next) {
+            (Some(last), _) => last.entering,
+            (None, Some(next)) => !next.entering,
+            (None, None) => starts_inside,
+        };
+        let point = ray.origin + t * ray.direction;
+        if said != world.contains(0, point) && decided(world, 0, point, 1.0) {
+            wrong += 1;
+        }
+    }
+    wrong
+}
+
+#[test]
+fn every_crossing_of_random_trees_is_where_membership_changes() {
+    let trees = 250;
+    let rays = 40;
+    let mut random = Random(7);
+    let variables = variables();
+    let formulas = shapes(&variables);
+    let graph = formulas[0].graph().clone();
+    let mut crossings_seen = 0;
+    for tree in 0..trees {
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let ids: Vec<_> = formulas
+            .iter()
+            .map(|f| builder.shape(f.node(), [None; 3]).unwrap())
+            .collect();
+        let steps = random.tree(&ids, 12, 1.2);
+        builder.solid(&steps).unwrap();
+        let world = builder.build().unwrap();
+        let leaves = steps.iter().filter_map(|step| match step {
+            SetStep::Leaf(id, map) => {
+                let k = ids.iter().position(|other| other == id).unwrap();
+                Some(LeafValue::new(&graph, formulas[k].node(), map))
+            }
+            _ => None,
+        });
+        let mut leaves: Vec<LeafValue> = leaves.collect();
+        let mut caster = world.caster();
+        for k in 0..rays {
+            // From outside, from inside, and along the axes.
+            let target = random.vector(1.2);
+            let direction = match k % 4 {
+                0 => [DVec3::X, -DVec3::Y, DVec3::Z][random.below(3)],
+                _ => random.direction(),
+            };
+            let back = if k % 3 == 0 { 0.0 } else { 6.0 };
+            let ray = Ray {
+                origin: target - back * direction,
+                direction: direction * if k % 5 == 0 { 3.0 } else { 1.0 },
+                leaving: None,
+            };
+            let crossings = caster.cast(&ray).to_vec();
+            let inside = !caster.solids_at_start().is_empty();
+            assert_eq!(
+                caster.first(&ray),
+                crossings.first().copied(),
+                "tree {tree}, ray {k}"
+            );
+            crossings_seen += crossings.len();
+            let wrong = disagreements(&world, &ray, &crossings, inside, 14.0);
+            assert_eq!(
+                wrong, 0,
+                "tree {tree}, ray {k}: {ray:?}\n{crossings:#?}\n{steps:?}"
+            );
+            for crossing in &crossings {
+                let (value, gradient) = leaves[crossing.leaf].at(crossing.position);
+                let slope = gradient.dot(ray.direction);
+                let sine = (slope / gradient.length() / ray.direction.length()).abs();
+                let cosine = crossing.normal.dot(gradient) / gradient.length();
+                // At a kink of a leaf its gradient is one of several; at a grazing ray t is ill-conditioned.
+                if sine > 1e-3 && gradient.is_finite() && cosine.abs() > 0.999 {
+                    let error = (value / slope).abs();
+                    assert!(
+                        error <= 1e-9 * (1.0 + crossing.t),
+                        "tree {tree}, ray {k}: {error:e} at {crossing:?}, {value:e} {gradient} {:?}",
+                        steps
+                    );
+                    assert!(
+                        cosine.abs() > 1.0 - 1e-12,
+                        "{crossing:?} has the gradient {gradient:?}"
+                    );
+                }
+                let outward = crossing.normal.dot(ray.direction) < 0.0;
+                assert_eq!(outward, crossing.entering);
+                assert!((crossing.normal.length() - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+    assert!(crossings_seen > 7_000, "{crossings_seen}");
+}
+
+#[test]
+fn a_ray_that_leaves_a_surface_meets_the_rest_of_the_solid_and_nothing_else() {
+    let mut random = Random(11);
+    let variables = variables();
+    let formulas = shapes(&variables);
+    let graph = formulas[0].graph().clone();
+    let mut left = 0;
+    for tree in 0..60 {
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let ids: Vec<_> = formulas
+            .iter()
+            .map(|f| builder.shape(f.node(), [None; 3]).unwrap())
+            .collect();
+        let steps = random.tree(&ids, 6, 0.8);
+        builder.solid(&steps).unwrap();
+        let world = builder.build().unwrap();
+        let mut caster = world.caster();
+        for k in 0..40 {
+            let direction = random.direction();
+            let ray = Ray {
+                origin: random.vector(1.0) - 5.0 * direction,
+                direction,
+                leaving: None,
+            };
+            let Some(hit) = caster.first(&ray) else {
+                continue;
+            };
+            for _ in 0..4 {
+                let onward = random.direction();
+                // Nearly tangent rays stay near the surface, where rounding decides.
+                let side = hit.normal.dot(onward);
+                if side.abs() < 0.05 {
+                    continue;
+                }
+                let ray = Ray {
+                    origin: hit.position,
+                    direction: onward,
+                    leaving: Some(hit.surface),
+                };
+                let crossings = caster.cast(&ray).to_vec();
+                left += 1;
+                // Shortly after the start, membership is that of the side.
+                let soon = crossings.first().map_or(1.0, |crossing| crossing.t);
+                assert!(soon > 0.0);
+                let inside = !caster.solids_at_start().is_empty();
+                let point = ray.origin + 0.5 * soon * onward;
+                assert!(
+                    inside == world.contains(0, point) || !decided(&world, 0, point, 1.0),
+                    "tree {tree}, ray {k}: {ray:?} {crossings:#?}"
+                );
+                let wrong = disagreements(&world, &ray, &crossings, inside, 8.0);
+                assert_eq!(wrong, 0, "tree {tree}, ray {k}: {ray:?} {crossings:#?}");
+            }
+        }
+    }
+    assert!(left > 1000, "{left}");
+}

@@ -1,0 +1,163 @@
+//! Worlds that nobody means: an answer within bounded time and memory, on a small stack.
+
+use expr::ops::Unary;
+use glam::{DAffine3, DMat3, DVec3};
+use tracer::{BuildError, Ray, SetStep, WorldBuilder};
+
+#[path = "../../expr/tests/formula/mod.rs"]
+mod formula;
+mod scenes;
+use formula::{Formula, variables};
+use scenes::Random;
+
+fn ray(x: f64) -> Ray {
+    Ray {
+        origin: DVec3::new(x, 0.05, -9.0),
+        direction: DVec3::new(0.01, 0.02, 1.0),
+        leaving: None,
+    }
+}
+
+/// The numbers of crossings of some rays.
+fn crossings(formula: &Formula) -> Vec<usize> {
+    let graph = formula.graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    let shape = builder.shape(formula.node(), [None; 3]).unwrap();
+    builder
+        .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+        .unwrap();
+    let world = builder.build().unwrap();
+    let mut caster = world.caster();
+    let rays = (0..4).map(|k| caster.cast(&ray(0.3 * f64::from(k))).len());
+    rays.collect()
+}
+
+#[test]
+fn fields_that_are_undefined_or_constant_or_jump_have_answers() {
+    let [x, y, z] = &variables();
+    let log = |f: &Formula| f.unary(Unary::Log);
+    let nan = x.number(f64::NAN);
+    let r2 = &(x.squared() + y.squared() + z.squared());
+    assert_eq!(crossings(&nan), [0; 4]);
+    assert_eq!(crossings(&(x * &nan)), [0; 4]);
+    assert_eq!(crossings(&x.number(1.0)), [0; 4]);
+    // Everything: inside from the start, never left.
+    assert_eq!(crossings(&x.number(-1.0)), [0; 4]);
+    assert_eq!(crossings(&(r2.sqrt() * 0.0 + 1.0)), [0; 4]);
+    // Undefined inside the unit ball, outside otherwise.
+    assert_eq!(crossings(&(log(&(r2 - 1.0)) * 0.0 + 1.0)), [0; 4]);
+    // Inside beyond z = 0, where the root is defined: a surface without a zero.
+    assert_eq!(crossings(&((z.sqrt() - 100.0).sin() * 0.001 - 1.0)), [1; 4]);
+    // A jump: the sign of z.
+    let jump = (z.unary(Unary::Sign) + 0.5).max(&(r2 - 4.0));
+    assert_eq!(crossings(&jump)[0], 2);
+    // A pole: 1/z is −∞ below zero.
+    let pole = (x.number(1.0) / z).max(&(r2 - 4.0));
+    assert_eq!(crossings(&pole)[0], 2);
+    // Infinitely many crossings: bounded work.
+    let wild = (x.number(1.0) / (z - 0.5)).sin().max(&(r2 - 4.0));
+    assert!(crossings(&wild)[0] < 100_000);
+    let wild = (1e9 * z).sin().max(&(r2 - 4.0));
+    assert!(crossings(&wild)[0] < 100_000);
+    // Overflow on the way.
+    assert_eq!(crossings(&((r2 * 1e200).exp() - 1.0)), [0; 4]);
+    let _ = crossings(&(r2.powi(12) * 1e-300 - 1e-310));
+}
+
+#[test]
+fn rays_that_are_none_meet_nothing() {
+    let [x, y, z] = &variables();
+    let ball = x.squared() + y.squared() + z.squared() - 1.0;
+    let graph = ball.graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    let shape = builder.shape(ball.node(), [None; 3]).unwrap();
+    builder
+        .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+        .unwrap();
+    let world = builder.build().unwrap();
+    let mut caster = world.caster();
+    for bad in [f64::NAN, f64::INFINITY] {
+        let from = Ray {
+            origin: DVec3::splat(bad),
+            ..ray(0.0)
+        };
+        assert!(caster.cast(&from).is_empty());
+        let along = Ray {
+            direction: DVec3::new(0.0, bad, 1.0),
+            ..ray(0.0)
+        };
+        assert!(caster.cast(&along).is_empty());
+    }
+    let still = Ray {
+        direction: DVec3::ZERO,
+        ..ray(0.0)
+    };
+    assert!(caster.cast(&still).is_empty());
+    assert_eq!(caster.cast(&ray(0.0)).len(), 2);
+}
+
+#[test]
+fn what_is_no_world_is_refused() {
+    let [x, _, _] = &variables();
+    let graph = x.graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    let shape = builder.shape(x.node(), [None; 3]).unwrap();
+    let leaf = SetStep::Leaf(shape, DAffine3::IDENTITY);
+    let flat = SetStep::Leaf(shape, DAffine3::from_scale(DVec3::new(1.0, 1.0, 0.0)));
+    let nan = SetStep::Leaf(shape, DAffine3::from_translation(DVec3::NAN));
+    for steps in [
+        vec![],
+        vec![leaf, leaf],
+        vec![SetStep::Union],
+        vec![leaf, SetStep::Union],
+    ] {
+        assert_eq!(builder.solid(&steps), Err(BuildError::Unbalanced(0)));
+    }
+    assert_eq!(builder.solid(&[flat]), Err(BuildError::SingularMap(0)));
+    assert_eq!(builder.solid(&[nan]), Err(BuildError::SingularMap(0)));
+    assert_eq!(builder.solid(&[leaf]), Ok(0));
+}
+
+#[test]
+fn a_hundred_thousand_leaves_and_deep_nesting_are_built_and_cast_on_a_small_stack() {
+    let run = || {
+        let [x, y, z] = &variables();
+        let ball = x.squared() + y.squared() + z.squared() - 1.0;
+        let graph = ball.graph().clone();
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let shape = builder.shape(ball.node(), [None; 3]).unwrap();
+        let mut random = Random(1);
+        let mut leaf = |place: f64, size: f64| {
+            let map = DAffine3::from_mat3_translation(
+                DMat3::from_diagonal(DVec3::splat(size)),
+                random.vector(place),
+            );
+            SetStep::Leaf(shape, map)
+        };
+        let count = 100_000;
+        let mut union = vec![leaf(10.0, 0.05)];
+        for _ in 1..count {
+            union.extend([leaf(10.0, 0.05), SetStep::Union]);
+        }
+        builder.solid(&union).unwrap();
+        // By turns, and from the right: a tree as deep as it has leaves.
+        let mut deep: Vec<SetStep> = (0..20_000).map(|_| leaf(2.0, 1.0)).collect();
+        for k in 0..deep.len() - 1 {
+            deep.push([SetStep::Union, SetStep::Intersection, SetStep::Difference][k % 3]);
+        }
+        builder.solid(&deep).unwrap();
+        let world = builder.build().unwrap();
+        assert_eq!(world.leaf_count(), 120_000);
+        let mut caster = world.caster();
+        let mut crossings = 0;
+        for k in 0..100 {
+            let found = caster.cast(&ray(f64::from(k) * 0.05)).to_vec();
+            let of_union = found.iter().filter(|crossing| crossing.solid == 0).count();
+            crossings += found.len();
+            assert!(of_union % 2 == 0);
+        }
+        assert!(crossings > 300, "{crossings}");
+    };
+    let thread = std::thread::Builder::new().stack_size(512 << 10).spawn(run);
+    thread.unwrap().join().unwrap();
+}
