@@ -14,7 +14,7 @@ IMAGES = ROOT / "docs/images"
 PROGRAM = """# A torus; the slider r is the thickness of its tube.
 param r : [0.4, 0.9];
 
-surface s(u,v) = ((1 + r cos v) cos u,
+surface s(u, v) = ((1 + r cos v) cos u,
     (1 + r cos v) sin u,
     r sin v),
     u : [0, 2pi, 160], v : [0, 2pi, 80];
