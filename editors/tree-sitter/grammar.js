@@ -51,9 +51,10 @@ module.exports = grammar({
                 ":",
                 field("surface", $.word),
                 "=",
-                field("direction", $._expression),
-                "@",
-                field("start", $._expression),
+                choice(
+                    seq(field("direction", $._expression), "@", field("start", $._expression)),
+                    field("places", $._expression),
+                ),
                 ",",
                 $.domain,
                 ";",

@@ -134,6 +134,7 @@ impl Program for DotsProgram {
                 shape: Shape::Point { position },
                 params: Vec::new(),
                 grids: Vec::new(),
+                geodesic_values: Vec::new(),
             });
         }
         ProgramScene {

@@ -180,6 +180,58 @@ fn the_lesson_shows_what_its_commands_print() {
     assert!(!is_same_text("K = 1.0", "K = 1.1") && !is_same_text("K = 1", "H = 1"));
 }
 
+/// Our own programs have the layout that `geotrace format` writes.
+#[test]
+fn programs_and_blocks_have_the_canonical_layout() {
+    let laid_out = |what: &str, text: &str| {
+        let edits =
+            ide::geotrace::format::format(&ide::geotrace::GeotraceAnalysis::new(text), None);
+        assert!(edits.is_empty(), "{what} is not laid out: {edits:?}");
+    };
+    let mut count = 0;
+    for folder in ["examples", "docs/tutorial", "docs/lesson"] {
+        for entry in std::fs::read_dir(repository().join(folder)).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.extension().is_some_and(|ending| ending == "gtr") {
+                let text = std::fs::read_to_string(&path).expect("a program");
+                laid_out(&path.display().to_string(), &text);
+                count += 1;
+            }
+        }
+    }
+    let mut pages: Vec<String> = pages().into_iter().map(|(page, _)| page).collect();
+    pages.extend(
+        [
+            "editors/vscode/README.md",
+            "editors/vscode/walkthrough/new.md",
+        ]
+        .map(str::to_owned),
+    );
+    for page in pages {
+        for block in blocks(&page, "gtr") {
+            laid_out(&page, &block);
+            count += 1;
+        }
+    }
+    for row in &TABLE {
+        laid_out("an example of the table", &format!("{}\n", row.example));
+        let text = read("editors/vscode/snippets/geotrace.json");
+        assert!(
+            !text.contains("},${"),
+            "a snippet has no space after a comma"
+        );
+    }
+    let text = read("README.md");
+    for line in text.lines().filter_map(|line| line.strip_prefix("| `")) {
+        let declaration = line.split('`').next().unwrap_or("");
+        if declaration.ends_with(';') {
+            laid_out("the table of README.md", &format!("{declaration}\n"));
+            count += 1;
+        }
+    }
+    assert!(count >= 40, "only {count} programs were found");
+}
+
 #[test]
 fn the_commands_of_the_tutorial_run() {
     let folder = tempfile::tempdir().expect("a folder");

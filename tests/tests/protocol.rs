@@ -365,10 +365,37 @@ async fn mistakes_come_with_their_fixes() {
         &json!({ "range": range([0, 11], [0, 15]), "newText": "cos" })
     );
     let mut params = params;
+    params["context"]["only"] = json!(["source"]);
+    let all = editor.ask("textDocument/codeAction", params.clone()).await;
+    assert_eq!(all, json!([]));
     params["context"]["only"] = json!(["refactor"]);
     assert_eq!(
         editor.ask("textDocument/codeAction", params).await,
         json!([])
+    );
+    assert_eq!(editor.quit().await, 0);
+}
+
+#[tokio::test]
+async fn all_certain_fixes_are_one_action() {
+    let mut editor = started(Place::Here, "fix-all").await;
+    editor.open(URI, "define a = ln 2 + arctan 1").await;
+    editor.diagnostics(URI, 1).await;
+    let params = json!({
+        "textDocument": document(),
+        "range": range([0, 0], [0, 0]),
+        "context": { "diagnostics": [], "only": ["source.fixAll"] },
+    });
+    let actions = editor.ask("textDocument/codeAction", params).await;
+    assert_eq!(actions[0]["title"], "Fix all (3 places)");
+    assert_eq!(actions[0]["kind"], "source.fixAll");
+    assert_eq!(
+        actions[0]["edit"]["documentChanges"][0]["edits"],
+        json!([
+            { "range": range([0, 11], [0, 13]), "newText": "log" },
+            { "range": range([0, 18], [0, 24]), "newText": "atan" },
+            { "range": range([0, 26], [0, 26]), "newText": ";" },
+        ])
     );
     assert_eq!(editor.quit().await, 0);
 }

@@ -27,18 +27,18 @@ use crate::registry::{Context, Registry};
 /// The program that the help shows; a test compiles it.
 const FIRST_PROGRAM: &str = "\
 # circle.gtr: a circle, a point that moves on it, and the tangent there
-param  r : [1/2, 1];
-param  o : [0, 2pi];
-curve  c(t) = r(cos t, sin t, 0), t : [0, 2pi];
-point  p = c(o);
+param r : [1/2, 1];
+param o : [0, 2pi];
+curve c(t) = r(cos t, sin t, 0), t : [0, 2pi];
+point p = c(o);
 vector v = c'(o) @ p;
 ";
 
 /// See curves and surfaces written as text: in 3D, and from inside.
 ///
 /// A program declares params, grids, functions, points, vectors, curves and surfaces. `geotrace` draws them
-/// in 3D; of a surface it also draws the geodesic view: what a being sees that lives inside the surface and
-/// for whom light runs along the surface's straightest lines.
+/// in 3D; of a surface it also draws the geodesic view: what an inhabitant of the surface sees, where
+/// light runs along the surface's straightest lines.
 #[derive(Debug, Parser)]
 #[command(
     name = "geotrace",
@@ -158,7 +158,7 @@ And with a surface s:
   geotrace explain torus.gtr                       what is built for it, and what is left out
   geotrace accuracy torus.gtr                      every method of following geodesics: error against run time
 
-FILE may be `-` for standard input. `geotrace help COMMAND` tells more.
+FILE may be `-` for standard input. `geotrace help COMMAND` explains the options.
 Exit status: 0 fine, 1 the program or the input has errors, 2 wrong usage or an unreadable file.",
     );
     text

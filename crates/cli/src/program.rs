@@ -211,7 +211,7 @@ impl LoadedProgram {
             };
             let some_metric = scene.objects.iter().any(|object| object.shape.is_metric());
             let hint = match &names[..] {
-                [] => "a surface is declared like this: surface s(u,v) = (u, v, u v), u : [-1,1], v : [-1,1];".into(),
+                [] => "a surface is declared like this: surface s(u, v) = (u, v, u v), u : [-1, 1], v : [-1, 1];".into(),
                 [only] if some_metric => format!("its metric is {only}"),
                 [only] => format!("its surface is {only}"),
                 several if some_metric => {

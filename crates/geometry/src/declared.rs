@@ -39,6 +39,7 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
             "of the {instances} instances of `{name}` the first {drawn} are drawn: that is the limit"
         ));
     }
+    // Values of its parameter, in units of its speed.
     let lengths: Vec<f64> = (0..domain.count).map(|i| domain.value(i)).collect();
     // Only a surface that depends on grids differs from instance to instance.
     let on = scene.get(surface);
@@ -64,9 +65,19 @@ pub fn follow_declared(scene: &Scene, params: &ParamValues, id: ObjectId) -> Fol
             Ok(initial) => {
                 let surface = manifold.surface();
                 let from = GeodesicStart::Chart(initial.start, initial.direction);
+                let lengths: Vec<f64> = lengths.iter().map(|t| t * initial.unit).collect();
                 (knots_at(surface, &from, &lengths), None)
             }
-            Err(fault) => (nowhere(), Some(fault.to_string())),
+            Err(fault) => {
+                let faults = scene.geodesic_faults(object, &uniforms);
+                // The reason why a place that it needs is undefined says more than that it is.
+                let reason = match faults.first() {
+                    Some((of, fault)) if of == name => fault.to_string(),
+                    Some((of, fault)) => format!("of `{of}`: {fault}"),
+                    None => fault.to_string(),
+                };
+                (nowhere(), Some(reason))
+            }
         }
     };
     let (lines, faults): (Vec<_>, Vec<_>) = (0..drawn).into_par_iter().map(line).unzip();

@@ -11,6 +11,7 @@
 //! Rename and format read their results again and refuse what would change a meaning.
 
 pub mod analysis;
+mod application;
 pub mod completion;
 pub mod describe;
 pub mod edit_param;

@@ -249,9 +249,24 @@ pub trait Analysis: Debug + Send + Sync {
         Err(RenameError::NoName)
     }
 
-    /// Returns the fixes of the diagnostics that touch a range.
+    /// Returns the fixes of the diagnostics that touch a range, or if none does and the range is a place, of those on its
+    /// line.
     fn fixes(&self, range: Span) -> Vec<Fix> {
-        fix::fixes(&self.diagnostics(), range)
+        let found = fix::fixes(&self.diagnostics(), range);
+        if !found.is_empty() || range.start < range.end {
+            return found;
+        }
+        let text = self.text();
+        let line = text.line(range.start);
+        let start = text.line_start(line).unwrap_or(range.start);
+        let end = text.line_start(line + 1).map(|next| next - 1);
+        let line = Span::new(start, end.unwrap_or(text.len()).max(start));
+        fix::fixes(&self.diagnostics(), line)
+    }
+
+    /// Returns the edits of all fixes that may be applied without asking which one is meant, and the number of those fixes.
+    fn fix_all(&self) -> (Vec<Edit>, usize) {
+        fix::fix_all(&self.diagnostics(), self.text())
     }
 
     /// Returns the edits that bring the text, or the declarations that touch a range, into the canonical layout.

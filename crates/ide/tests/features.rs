@@ -83,6 +83,45 @@ fn a_range_gives_the_tokens_that_touch_it_and_no_more() {
 }
 
 #[test]
+fn completions_are_those_that_match_what_is_written() {
+    let (range, found) =
+        labels("param coil : [0, 1]; function tor(t, x) = t; define a = tor(1, co|");
+    assert_eq!(range, "co");
+    assert_eq!(found[..3], ["cos", "cosh", "coil"]);
+    assert!(found.contains(&"acos".to_owned()), "{found:?}");
+    assert!(!found.contains(&"abs".to_owned()), "{found:?}");
+    let (_, found) = labels("sf|");
+    assert_eq!(found, ["surface"]);
+}
+
+#[test]
+fn hover_at_an_application_tells_its_value_and_the_curvature_there() {
+    let sphere = "surface s(u, v) = 2(cos u cos v, sin u cos v, sin v), u : [0, 1], v : [0, 1];";
+    let shown = |text: &str| -> Vec<String> {
+        let (analysis, offset) = marked(&format!("{sphere} {text}"));
+        let (_, description) = hover::hover(&analysis, offset).expect("a name");
+        description.text
+    };
+    let text = shown("param a : [0, 1]; point p = s|(a, 0);");
+    assert_eq!(
+        text[0],
+        "`s(a, 0)` = (2, 0, 0), with every param at its start"
+    );
+    assert_eq!(
+        text[1],
+        "there K = 0.25, E = 4, F = 0, G = 4, from exact derivatives"
+    );
+    let text = shown("vector w = s|_u(0, 0) @ s(0, 0);");
+    assert_eq!(text[0], "`s_u(0, 0)` = (0, 2, 0)");
+    assert!(!text[1].contains("there"), "{text:?}");
+    // An argument that is a parameter has no value.
+    let text = shown("curve c(t) = s|(t, 0), t : [0, 1];");
+    assert!(text[0].starts_with("over"), "{text:?}");
+    let text = shown("geodesic g(t) : s = (1, 0) @ (0, 0), t : [0, 1]; point p = s(g|(1));");
+    assert_eq!(text[0], "`g(1)` = (0.5, 0)");
+}
+
+#[test]
 fn hover_tells_values_signatures_and_geometry() {
     let tell = |text: &str| {
         let (analysis, offset) = marked(text);
@@ -138,6 +177,8 @@ fn completion_offers_what_fits_at_the_place() {
 
     let (range, list) = labels("define radius = 1;\nfunction f(x) = 2ra|");
     assert_eq!(range, "ra");
+    assert_eq!(list, ["radius"]);
+    let (_, list) = labels("define radius = 1;\nfunction f(x) = 2|");
     for name in ["radius", "x", "sin", "pi"] {
         assert!(list.contains(&name.to_owned()), "{name} in {list:?}");
     }
@@ -200,12 +241,10 @@ fn completion_in_a_long_text_lists_the_names_that_go_on_from_what_is_written() {
     assert_eq!(near.last().map(String::as_str), Some("a1499"));
     // Too many begin so: some of them. They all stand above.
     let some = ask("b1");
-    assert_eq!(some.len(), builtins + 256);
-    let declared = &some[builtins..];
+    assert_eq!(some.len(), 256);
     let number = |name: &String| name[1..].parse::<u32>().expect("a number");
     assert!(
-        declared
-            .iter()
+        some.iter()
             .all(|name| name.starts_with("b1") && number(name) < 1_499)
     );
     // All of those that go on; what stands below is not known yet.
@@ -213,10 +252,10 @@ fn completion_in_a_long_text_lists_the_names_that_go_on_from_what_is_written() {
     wanted.extend((1_400..1_500).map(|k| format!("a{k}")));
     wanted.push("a14".to_owned());
     wanted.sort();
-    let mut found = ask("a14")[builtins..].to_vec();
+    let mut found = ask("a14");
     found.sort();
     assert_eq!(found, wanted);
-    assert_eq!(ask("a1499")[builtins..], ["a1499"]);
+    assert_eq!(ask("a1499"), ["a1499"]);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use expr::graph::Node;
 use expr::{Graph, Input, NodeId};
 use scene::ParamValues;
-use scene::{Object, ObjectId, Sampling, Scene, Shape};
+use scene::{GeodesicValue, Object, ObjectId, Sampling, Scene, Shape};
 
 use crate::placement::Placement;
 
@@ -41,6 +41,7 @@ enum WordTag {
     Grid,
     Axis,
     Placement,
+    Geodesic,
 }
 
 impl Structure {
@@ -54,6 +55,11 @@ impl Structure {
             }
             // The notes on a geodesic name it.
             writer.text(&object.name);
+        }
+        let read = object.geodesic_values.iter();
+        let read = read.filter_map(|index| scene.geodesic_values.get(*index as usize));
+        for value in read.chain(object.shape.followed()) {
+            writer.geodesic_value(value);
         }
         Self {
             words: writer.words.into(),
@@ -209,6 +215,25 @@ impl<'a> Writer<'a> {
         for root in shape.roots() {
             let number = self.node(root);
             self.words.extend([WordTag::Root as u64, number]);
+        }
+    }
+
+    /// A value of a geodesic: its numbers are those of what it is computed from.
+    fn geodesic_value(&mut self, value: &GeodesicValue) {
+        // Notes name the geodesic.
+        self.text(&value.geodesic);
+        let metric = u64::from(value.manifold.is_metric);
+        self.words.extend([WordTag::Geodesic as u64, metric]);
+        let ends = value.manifold.domain.iter();
+        let ends = ends.flat_map(|axis| [axis.min.to_bits(), axis.max.to_bits()]);
+        self.words.extend(ends);
+        for root in value.nodes() {
+            let number = self.node(root);
+            self.words.extend([WordTag::Root as u64, number]);
+        }
+        for uniform in value.first..value.first + value.width() {
+            let slot = self.slots.get(&uniform).copied();
+            self.words.push(slot.unwrap_or(u64::MAX));
         }
     }
 

@@ -205,8 +205,8 @@ pub(crate) fn object_plan(
     let roots = object.shape.roots();
     let operations = count(&scene.graph, &roots);
     let with_normals = operations_with_normals(scene, object);
-    // A geodesic has no expression: it is followed in f64.
-    let followed = object.shape.is_geodesic();
+    // A geodesic has no expression, nor has a curve along one: it is followed in f64.
+    let followed = object.shape.is_geodesic() || !object.shape.followed().is_empty();
     let samples = instances.saturating_mul(object.shape.sample_count());
     let work = samples.saturating_mul(with_normals.unwrap_or(operations).max(1));
     let inputs = scene.graph.inputs(&roots);
@@ -235,8 +235,9 @@ pub(crate) fn samples(scene: &Scene, params: &ParamValues, id: ObjectId) -> u64 
     let Some(object) = scene.objects.get(id.0 as usize) else {
         return 0;
     };
-    if object.shape.is_metric() || object.shape.is_geodesic() {
-        // A metric has no place in space, and a geodesic no expression: it is followed in f64.
+    let shape = &object.shape;
+    if shape.is_metric() || shape.is_geodesic() || !shape.followed().is_empty() {
+        // A metric has no place in space, and a geodesic no expression, nor a curve along one: it is followed in f64.
         return 0;
     }
     params

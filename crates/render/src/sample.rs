@@ -7,17 +7,19 @@
 //! instance k stands at `(k·count_v + j)·count_u + i`.
 
 use bytemuck::{Pod, Zeroable};
-use expr::tape::{Block, LANES, Registers, Tape};
+use expr::tape::Tape;
 use expr::{Graph, Input, NodeId};
-use rayon::prelude::*;
 use scene::ParamValues;
-use scene::{Object, ObjectId, Sampling, Scene, Shape};
+use scene::{Object, ObjectId, Scene, Shape};
 
 use crate::placement::Placement;
 use crate::point::{DrawingPoint, WorldPoint};
 use geometry::{FollowedGeodesic, Knot, follow_declared, lies_in_space};
 
+mod sampler;
 mod surface;
+
+pub(crate) use sampler::{Resolution, Sampler};
 
 /// A surface's normal that does not exist (a pole, a crease) is taken this share of the domain further inside.
 pub const NORMAL_NUDGE: f64 = 1e-4;
@@ -130,6 +132,23 @@ impl Samples {
         }
     }
 
+    /// Returns a note for each geodesic whose value an undefined object needs.
+    fn undefined_geodesics(
+        &self,
+        scene: &Scene,
+        params: &ParamValues,
+        object: &Object,
+    ) -> Vec<String> {
+        if object.geodesic_values.is_empty() || self.undefined().1 == 0 {
+            return Vec::new();
+        }
+        let faults = scene.geodesic_faults(object, &params.first_instance(scene, object));
+        let faults = faults.into_iter();
+        faults
+            .map(|(name, fault)| format!("`{name}` has no value: {fault}"))
+            .collect()
+    }
+
     /// Returns the note on undefined samples.
     pub fn note(&self, name: &str) -> Option<String> {
         let (all, undefined) = self.undefined();
@@ -186,8 +205,9 @@ pub fn sample_with_notes(
         }
         _ => {
             let samples = sample(scene, params, id, placement);
-            let note = samples.note(name);
-            (samples, note.into_iter().collect())
+            let mut notes: Vec<String> = samples.note(name).into_iter().collect();
+            notes.extend(samples.undefined_geodesics(scene, params, object));
+            (samples, notes)
         }
     }
 }
@@ -298,190 +318,4 @@ pub(crate) fn vector(placement: &Placement, origin: [f64; 3], direction: [f64; 3
     } else {
         VectorSample::default()
     }
-}
-
-/// Returns the number of an object's samples that are evaluated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Resolution {
-    /// All.
-    Full,
-    /// At most about this many samples, spread evenly, the ends of the domains among them.
-    Coarse(usize),
-}
-
-/// An object's tape with all places where it is evaluated.
-pub(crate) struct Sampler {
-    tape: Tape,
-    columns: Vec<Column>,
-    /// The uniforms that the tape takes for each instance.
-    uniforms: Vec<f64>,
-    uniforms_per_instance: usize,
-    instances: usize,
-    /// The values of the variables; one value that is not used if there is no such variable.
-    axes: [Vec<f64>; 2],
-}
-
-/// The source of an input of the tape.
-#[derive(Clone, Copy)]
-enum Column {
-    Variable(usize),
-    /// A position among an instance's uniforms.
-    Uniform(usize),
-}
-
-/// Lanes that one task of the thread pool evaluates.
-const CHUNK: usize = 16 * LANES;
-
-impl Sampler {
-    fn full(scene: &Scene, params: &ParamValues, object: &Object, roots: &[NodeId]) -> Self {
-        Self::new(
-            scene,
-            params,
-            object,
-            Tape::new(&scene.graph, roots),
-            Resolution::Full,
-        )
-    }
-
-    pub(crate) fn new(
-        scene: &Scene,
-        params: &ParamValues,
-        object: &Object,
-        tape: Tape,
-        resolution: Resolution,
-    ) -> Self {
-        let mut used = Vec::new();
-        let columns = tape.inputs().iter().map(|input| match *input {
-            Input::Variable(k) => Column::Variable(k as usize),
-            Input::Uniform(k) => {
-                used.push(k as usize);
-                Column::Uniform(used.len() - 1)
-            }
-        });
-        let columns = columns.collect();
-        let (budget, cap) = match resolution {
-            Resolution::Full => (usize::MAX, usize::MAX),
-            Resolution::Coarse(samples) => (samples, if is_surface(object) { 49 } else { 193 }),
-        };
-        let axis = |sampling: &Sampling| {
-            let picked = pick(sampling.count as usize, cap);
-            picked
-                .into_iter()
-                .map(|i| sampling.value(i as u32))
-                .collect::<Vec<f64>>()
-        };
-        let axes = match &object.shape {
-            Shape::Point { .. } | Shape::Vector { .. } => [vec![0.0], vec![0.0]],
-            Shape::Curve { domain, .. } => [axis(domain), vec![0.0]],
-            Shape::Surface { domain, .. } | Shape::Metric { domain, .. } => {
-                [axis(&domain[0]), axis(&domain[1])]
-            }
-            Shape::Geodesic { domain, .. } => [axis(domain), vec![0.0]],
-        };
-        let per_instance = axes[0].len() * axes[1].len();
-        let all = params.instance_count(scene, object) as usize;
-        let picked = pick(all, (budget / per_instance).max(64));
-        let mut uniforms = Vec::with_capacity(picked.len().saturating_mul(used.len()));
-        let (mut index, mut next) = (0, 0);
-        params.for_each_instance(scene, object, |values| {
-            if picked.get(next) == Some(&index) {
-                uniforms.extend(used.iter().map(|&k| values[k]));
-                next += 1;
-            }
-            index += 1;
-        });
-        Self {
-            tape,
-            columns,
-            uniforms,
-            uniforms_per_instance: used.len(),
-            instances: next,
-            axes,
-        }
-    }
-
-    /// Returns the number of places.
-    pub(crate) fn len(&self) -> usize {
-        self.instances * self.axes[0].len() * self.axes[1].len()
-    }
-
-    /// The instance and the variables of a place.
-    fn locate(&self, index: usize) -> (usize, [f64; 2]) {
-        let (u, v) = (self.axes[0].len(), self.axes[1].len());
-        (
-            index / (u * v),
-            [self.axes[0][index % u], self.axes[1][index / u % v]],
-        )
-    }
-
-    fn column(&self, column: Column, instance: usize, at: [f64; 2]) -> f64 {
-        match column {
-            Column::Variable(k) => at[k],
-            Column::Uniform(k) => self.uniforms[instance * self.uniforms_per_instance + k],
-        }
-    }
-
-    /// Evaluates at variables of the caller's choice, with the uniforms of a place.
-    fn eval(&self, registers: &mut Registers, index: usize, at: [f64; 2], out: &mut [f64]) {
-        let (instance, _) = self.locate(index);
-        let inputs: Vec<f64> = self
-            .columns
-            .iter()
-            .map(|&column| self.column(column, instance, at))
-            .collect();
-        self.tape.eval(registers, &inputs, out);
-    }
-
-    /// Evaluates everywhere and turns each place's N results into a sample, in order, on all cores.
-    pub(crate) fn map<T, const N: usize>(
-        &self,
-        make: impl Fn(usize, &[f64; N]) -> T + Sync,
-    ) -> Vec<T>
-    where
-        T: Clone + Default + Send,
-    {
-        let mut all = vec![T::default(); self.len()];
-        let zero: Block = [0.0; LANES];
-        all.par_chunks_mut(CHUNK).enumerate().for_each_init(
-            || {
-                (
-                    Registers::default(),
-                    vec![zero; self.columns.len()],
-                    [zero; N],
-                )
-            },
-            |(registers, inputs, out), (chunk, samples)| {
-                for (block, samples) in samples.chunks_mut(LANES).enumerate() {
-                    let first = chunk * CHUNK + block * LANES;
-                    // A last, partial block repeats its last place.
-                    for lane in 0..LANES {
-                        let (instance, at) = self.locate(first + lane.min(samples.len() - 1));
-                        for (input, &column) in inputs.iter_mut().zip(&self.columns) {
-                            input[lane] = self.column(column, instance, at);
-                        }
-                    }
-                    self.tape.eval_block(registers, inputs, out);
-                    for (lane, sample) in samples.iter_mut().enumerate() {
-                        *sample = make(first + lane, &std::array::from_fn(|k| out[k][lane]));
-                    }
-                }
-            },
-        );
-        all
-    }
-}
-
-fn is_surface(object: &Object) -> bool {
-    matches!(object.shape, Shape::Surface { .. })
-}
-
-/// Returns at most `cap` indices from 0 to `count` − 1, evenly spread, both ends included.
-fn pick(count: usize, cap: usize) -> Vec<usize> {
-    if count <= cap {
-        return (0..count).collect();
-    }
-    let last = (count - 1) as f64;
-    (0..cap)
-        .map(|k| (last * (k as f64 / (cap - 1) as f64)).round() as usize)
-        .collect()
 }

@@ -23,8 +23,9 @@ pub(crate) struct Sampled {
 /// Notes for a reader of the picture.
 #[derive(Clone, Debug)]
 enum Told {
-    /// The number of samples, and the number of those that are undefined.
-    Counts(usize, usize),
+    /// The number of samples, the number of those that are undefined, and sentences about the geodesics whose values it
+    /// reads.
+    Counts(usize, usize, Vec<String>),
     /// Sentences; they name the object, and so does its content.
     Notes(Vec<String>),
 }
@@ -66,7 +67,8 @@ impl SampleStore {
         let told = if object.shape.is_geodesic() {
             Told::Notes(notes)
         } else {
-            Told::Counts(all, undefined)
+            // The first sentence names the object.
+            Told::Counts(all, undefined, notes.into_iter().skip(1).collect())
         };
         let bytes = bytes(&samples);
         let sampled = Sampled {
@@ -95,10 +97,11 @@ impl Sampled {
     pub(crate) fn notes(&self, object: &Object) -> Vec<String> {
         match &self.told {
             Told::Notes(notes) => notes.clone(),
-            Told::Counts(all, undefined) => {
+            Told::Counts(all, undefined, reasons) => {
                 let left_out = sample::left_out(object);
                 let note = || sample::note(&object.name, *all, *undefined);
-                left_out.or_else(note).into_iter().collect()
+                let first = left_out.or_else(note).into_iter();
+                first.chain(reasons.iter().cloned()).collect()
             }
         }
     }

@@ -47,13 +47,15 @@ pub struct Evaluation {
     pub warnings: Vec<Diagnostic>,
 }
 
-/// Evaluates an expression for each combination of the values of the grids that are not fixed.
+/// Evaluates an expression for each combination of the values of the grids that are not fixed. `fill` writes the numbers of
+/// geodesics among the uniforms.
 pub(crate) fn evaluate(
     scene: &Scene,
     graph: &Graph,
     expression: &value::Value,
     grids: &[GridId],
     values: &ParamValues,
+    mut fill: impl FnMut(&mut Vec<f64>),
 ) -> Outcome {
     let is_open = |id: &GridId| values.fixed_grid(scene, *id).is_none();
     let grids: Vec<GridId> = grids.iter().copied().filter(is_open).collect();
@@ -81,12 +83,14 @@ pub(crate) fn evaluate(
         }
     };
 
-    if grids.is_empty() {
-        return Outcome::Single(at(values.uniforms()));
-    }
     let mut uniforms = values.uniforms().to_vec();
+    if grids.is_empty() {
+        fill(&mut uniforms);
+        return Outcome::Single(at(&uniforms));
+    }
     let instances = (0..values.combinations(scene, &grids)).map(|index| {
         values.combination(scene, &grids, index, &mut uniforms);
+        fill(&mut uniforms);
         let value = at(&uniforms);
         let grids = grids
             .iter()

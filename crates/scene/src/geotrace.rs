@@ -5,7 +5,8 @@
 //!                              declare.rs, params.rs, intrinsic.rs   what each kind of declaration means
 //!                              interval.rs      the numbers between `[` and `]`
 //!                              lower.rs ──▶ apply.rs ──▶ lowerer.rs   from steps to values over one graph
-//!                              code.rs, operation.rs, symbol.rs, builtin.rs, dependencies.rs, error.rs
+//!                              geodesics.rs, geodesic_equation.rs   points of geodesics as values over that graph
+//!                              code.rs, operation.rs, symbol.rs, builtin.rs, foreign.rs, dependencies.rs, error.rs
 //!
 //! compile.rs    a text, from scratch            ─┐
 //! document.rs   a text that is edited           ─┴─▶ Compilation: a scene and diagnostics
@@ -26,6 +27,9 @@ mod document;
 mod error;
 mod evaluate;
 mod excerpt;
+mod foreign;
+mod geodesic_equation;
+mod geodesics;
 mod interval;
 mod intrinsic;
 mod lower;

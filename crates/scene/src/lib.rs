@@ -5,25 +5,29 @@
 //!                                                        │
 //!      names and numbers ──▶ param_values.rs ────────────┼──▶ uniforms of each instance
 //!      an expression     ──▶ evaluation.rs ──────────────┼──▶ its value
-//!      a geodesic        ──▶ initial_conditions.rs ──────┴──▶ where it starts, and its direction
+//!      a geodesic        ──▶ initial_conditions_evaluator.rs ┼──▶ where it starts, and its direction
+//!                            geodesic_value.rs ──────────┴──▶ its points and velocities, which expressions read
 //! ```
 //!
 //! A scene is data: expressions in one graph, and handles into it. It knows no language, no view and no GPU. A language
 //! is a module that gives a [`Scene`]; the modules beside it know none of them.
 
 mod evaluation;
+mod geodesic_value;
 pub mod geotrace;
 mod initial_conditions;
+mod initial_conditions_evaluator;
 pub mod limits;
 mod metric;
 mod param_values;
 mod program_scene;
+mod range;
 mod scene;
 
 pub use evaluation::{Evaluation, Instance, Outcome, Value};
-pub use initial_conditions::{
-    InitialConditions, InitialConditionsError, InitialConditionsEvaluator,
-};
+pub use geodesic_value::{GeodesicCache, GeodesicFault, GeodesicValue, ManifoldNodes, ValueKind};
+pub use initial_conditions::{InitialConditions, InitialConditionsError};
+pub use initial_conditions_evaluator::InitialConditionsEvaluator;
 pub use param_values::{ParamValues, SetError};
 pub use program_scene::ProgramScene;
 pub use scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Sampling, Scene, Shape};

@@ -154,7 +154,7 @@ impl ParamValues {
         Ok(())
     }
 
-    /// One number per uniform, for an object that depends on no grid.
+    /// One number per uniform, for an expression that depends on no grid and no geodesic.
     pub fn uniforms(&self) -> &[f64] {
         &self.uniforms
     }
@@ -186,6 +186,7 @@ impl ParamValues {
         let mut uniforms = self.uniforms.clone();
         for index in 0..self.instance_count(scene, object) {
             self.combination(scene, &object.grids, index, &mut uniforms);
+            scene.fill(object, &mut uniforms);
             visit(&uniforms);
         }
     }
@@ -200,6 +201,7 @@ impl ParamValues {
     pub fn instance(&self, scene: &Scene, object: &Object, index: u64) -> Vec<f64> {
         let mut uniforms = self.uniforms.clone();
         self.combination(scene, &object.grids, index, &mut uniforms);
+        scene.fill(object, &mut uniforms);
         uniforms
     }
 
@@ -342,6 +344,7 @@ mod tests {
             },
             params: vec![],
             grids: vec![GridId(0), GridId(1)],
+            geodesic_values: Vec::new(),
         }
     }
 

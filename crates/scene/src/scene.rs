@@ -3,6 +3,9 @@
 use expr::{Graph, NodeId};
 use syntax::span::Span;
 
+use crate::geodesic_value::{GeodesicCache, GeodesicFault, GeodesicValue};
+pub use crate::range::{Range, Sampling};
+
 /// A compiled program.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
@@ -14,8 +17,13 @@ pub struct Scene {
     pub grids: Vec<Grid>,
     /// The objects that are drawn, in the order of the text.
     pub objects: Vec<Object>,
-    /// The number of uniforms (components of params and grids): `expr::Input::Uniform(0..n)`.
+    /// The number of uniforms (components of params and grids, and numbers of geodesics):
+    /// `expr::Input::Uniform(0..n)`.
     pub uniform_count: u32,
+    /// The values of geodesics that expressions read, in the order of their uniforms. One may read those before it.
+    pub geodesic_values: Vec<GeodesicValue>,
+    /// The values that have been computed.
+    pub geodesic_cache: GeodesicCache,
 }
 
 impl Scene {
@@ -46,6 +54,51 @@ impl Scene {
         self.numbered().filter(move |(_, object)| lies_on(object))
     }
 
+    /// The number of the value of a geodesic to which a uniform belongs.
+    pub fn geodesic_value_of(&self, uniform: u32) -> Option<usize> {
+        let all = &self.geodesic_values;
+        let index = all.partition_point(|value| value.first <= uniform);
+        let index = index.checked_sub(1)?;
+        (uniform < all[index].first + all[index].width()).then_some(index)
+    }
+
+    /// Computes the values of geodesics that an object reads, and writes them among its uniforms.
+    pub(crate) fn fill(&self, object: &Object, uniforms: &mut [f64]) {
+        for &index in &object.geodesic_values {
+            if let Some(value) = self.geodesic_values.get(index as usize) {
+                value.fill(&self.graph, uniforms, &self.geodesic_cache);
+            }
+        }
+    }
+
+    /// Returns the geodesics that have no value for an instance of an object, each with the reason, where the object reads
+    /// it.
+    pub fn geodesic_faults(&self, object: &Object, uniforms: &[f64]) -> Vec<(&str, GeodesicFault)> {
+        let mut uniforms = uniforms.to_vec();
+        let read = object.geodesic_values.iter();
+        let read = read.filter_map(|index| self.geodesic_values.get(*index as usize));
+        let mut faults: Vec<(&str, GeodesicFault)> = Vec::new();
+        for value in read {
+            let fault = value.fill(&self.graph, &mut uniforms, &self.geodesic_cache);
+            // A value that another needs has been named.
+            let fault = fault.filter(|fault| *fault != GeodesicFault::UndefinedInput);
+            faults.extend(fault.map(|fault| (&*value.geodesic, fault)));
+        }
+        faults
+    }
+
+    /// The variables of a curve at a parameter: the parameter, then the numbers of the geodesics that it follows there. NaN
+    /// where they have none.
+    pub fn curve_variables(&self, shape: &Shape, uniforms: &[f64], parameter: f64) -> Vec<f64> {
+        let mut variables = vec![parameter];
+        for value in shape.followed() {
+            let solved = value.solve(&self.graph, uniforms, &variables, &self.geodesic_cache);
+            let numbers = solved.unwrap_or([f64::NAN; 5]);
+            variables.extend_from_slice(&numbers[..value.width() as usize]);
+        }
+        variables
+    }
+
     /// The object of a name.
     pub fn object(&self, name: &str) -> Option<(ObjectId, &Object)> {
         self.numbered().find(|(_, object)| object.name == name)
@@ -61,56 +114,6 @@ pub struct GridId(pub u32);
 /// A position in [`Scene::objects`].
 #[derive(Clone, Copy, Debug, Eq, Hash, Ord, PartialEq, PartialOrd)]
 pub struct ObjectId(pub u32);
-
-/// A closed interval with finite ends, `min < max`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[allow(missing_docs)]
-pub struct Range {
-    pub min: f64,
-    pub max: f64,
-}
-
-/// Equally spaced values over a closed interval, both ends included.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampling {
-    /// The interval.
-    pub range: Range,
-    /// The number of values, at least 2.
-    pub count: u32,
-}
-
-impl Range {
-    /// Returns true if a value lies in the interval, its ends included. NaN lies in none.
-    pub fn contains(&self, value: f64) -> bool {
-        (self.min..=self.max).contains(&value)
-    }
-
-    /// The first of some values that does not lie in the interval of its number.
-    pub fn first_outside(ranges: &[Self], values: &[f64]) -> Option<usize> {
-        let mut pairs = ranges.iter().zip(values);
-        pairs.position(|(range, value)| !range.contains(*value))
-    }
-}
-
-impl Sampling {
-    /// The `index`-th value, counted from 0 and below `count`; the first is `min` and the last is `max`,
-    /// exactly.
-    pub fn value(&self, index: u32) -> f64 {
-        let last = self.count - 1;
-        if index == last {
-            return self.range.max;
-        }
-        let Range { min, max } = self.range;
-        let (index, last) = (f64::from(index), f64::from(last));
-        // Multiplied before divided: the integers of [0, 100, 101] come out as integers.
-        let offset = (max - min) * index / last;
-        if offset.is_finite() {
-            return (min + offset).min(max);
-        }
-        // The interval is wider than the largest number.
-        min * (1.0 - index / last) + max * (index / last)
-    }
-}
 
 /// A slider, or one per component.
 #[derive(Clone, Debug, PartialEq)]
@@ -154,6 +157,8 @@ pub struct Object {
     pub params: Vec<ParamId>,
     /// The grids it reads, directly or not, in order; it is drawn once for each combination of their values.
     pub grids: Vec<GridId>,
+    /// The values of geodesics it reads, directly or not: positions in [`Scene::geodesic_values`], ascending.
+    pub geodesic_values: Vec<u32>,
 }
 
 /// The kinds of object. Nodes are handles into [`Scene::graph`], over the scene's uniforms and, for a curve,
@@ -172,6 +177,9 @@ pub enum Shape {
         position: [NodeId; 3],
         domain: Sampling,
         parameter: String,
+        /// The values of geodesics at its parameter, whose numbers are the variables after that. One may read those before
+        /// it.
+        followed: Vec<GeodesicValue>,
     },
     Surface {
         position: [NodeId; 3],
@@ -186,7 +194,7 @@ pub enum Shape {
         domain: [Sampling; 2],
         parameters: [String; 2],
     },
-    /// The curve γ(t) of unit speed with γ(0) = `start` and γ'(0) along a σu + b σv; a negative t lies behind
+    /// The curve γ(t) of constant speed with γ(0) = `start` and γ'(0) along a σu + b σv; a negative t lies behind
     /// its start. Its nodes read no `Variable`. [`crate::InitialConditionsEvaluator`] evaluates them.
     Geodesic {
         /// The surface or metric that it lies on, declared above it. What that reads, this reads too, so an
@@ -196,7 +204,9 @@ pub enum Shape {
         direction: [NodeId; 2],
         /// (u, v), in the surface's parameters.
         start: [NodeId; 2],
-        /// The arc lengths t that are drawn, and the number of samples.
+        /// Its speed, the length of one unit of t: the distance, for a geodesic between two places; 1 if there is no node.
+        unit: Option<NodeId>,
+        /// The t that are drawn, and the number of samples.
         domain: Sampling,
         parameter: String,
     },
@@ -299,13 +309,24 @@ impl Shape {
         }
     }
 
-    /// The direction and the start of a geodesic.
-    pub fn initial_conditions(&self) -> Option<(&[NodeId; 2], &[NodeId; 2])> {
+    /// The direction and the start of a geodesic, and its speed if that is not 1.
+    pub fn initial_conditions(&self) -> Option<(&[NodeId; 2], &[NodeId; 2], Option<NodeId>)> {
         match self {
             Self::Geodesic {
-                direction, start, ..
-            } => Some((direction, start)),
+                direction,
+                start,
+                unit,
+                ..
+            } => Some((direction, start, *unit)),
             _ => None,
+        }
+    }
+
+    /// The values of geodesics that a curve follows at its parameter.
+    pub fn followed(&self) -> &[GeodesicValue] {
+        match self {
+            Self::Curve { followed, .. } => followed,
+            _ => &[],
         }
     }
 
@@ -346,7 +367,7 @@ impl Shape {
     }
 
     /// Its nodes: three for a position, or for E, F and G; for a vector the direction's three, then the
-    /// origin's; for a geodesic the direction's two, then the start's.
+    /// origin's; for a geodesic the direction's two, then the start's, then its speed's if it has one.
     pub fn roots(&self) -> Vec<NodeId> {
         match self {
             Self::Point { position }
@@ -355,23 +376,38 @@ impl Shape {
             Self::Metric { components, .. } => components.to_vec(),
             Self::Vector { direction, origin } => [*direction, *origin].concat(),
             Self::Geodesic {
-                direction, start, ..
-            } => [*direction, *start].concat(),
+                direction,
+                start,
+                unit,
+                ..
+            } => {
+                let mut nodes = [*direction, *start].concat();
+                nodes.extend(unit);
+                nodes
+            }
         }
     }
 
-    /// The nodes of [`Shape::roots`], to be replaced.
-    pub(crate) fn roots_mut(&mut self) -> impl Iterator<Item = &mut NodeId> {
-        let (first, second): (&mut [NodeId], &mut [NodeId]) = match self {
-            Self::Point { position }
-            | Self::Curve { position, .. }
-            | Self::Surface { position, .. } => (position, &mut []),
-            Self::Metric { components, .. } => (components, &mut []),
-            Self::Vector { direction, origin } => (direction, origin),
+    /// The nodes of [`Shape::roots`] and of [`Shape::followed`], to be replaced.
+    pub(crate) fn nodes_mut(&mut self) -> Vec<&mut NodeId> {
+        match self {
+            Self::Point { position } | Self::Surface { position, .. } => {
+                position.iter_mut().collect()
+            }
+            Self::Curve {
+                position, followed, ..
+            } => {
+                let followed = followed.iter_mut().flat_map(GeodesicValue::nodes_mut);
+                position.iter_mut().chain(followed).collect()
+            }
+            Self::Metric { components, .. } => components.iter_mut().collect(),
+            Self::Vector { direction, origin } => direction.iter_mut().chain(origin).collect(),
             Self::Geodesic {
-                direction, start, ..
-            } => (direction, start),
-        };
-        first.iter_mut().chain(second)
+                direction,
+                start,
+                unit,
+                ..
+            } => direction.iter_mut().chain(start).chain(unit).collect(),
+        }
     }
 }

@@ -67,7 +67,10 @@ pub(crate) fn capabilities(encoding: Encoding) -> lsp::ServerCapabilities {
         })),
         code_action_provider: Some(lsp::CodeActionProviderCapability::Options(
             lsp::CodeActionOptions {
-                code_action_kinds: Some(vec![lsp::CodeActionKind::QUICKFIX]),
+                code_action_kinds: Some(vec![
+                    lsp::CodeActionKind::QUICKFIX,
+                    lsp::CodeActionKind::SOURCE_FIX_ALL,
+                ]),
                 ..lsp::CodeActionOptions::default()
             },
         )),
@@ -210,6 +213,8 @@ fn completion(snapshot: &Snapshot, replaced: Span, completion: Completion) -> ls
         lsp::InsertTextFormat::PLAIN_TEXT
     };
     lsp::CompletionItem {
+        // Editors that trust the server with an edit's range filter by this.
+        filter_text: Some(completion.label.clone()),
         label: completion.label,
         kind: Some(kind),
         detail: Some(completion.detail),
@@ -299,6 +304,24 @@ pub(crate) fn action(
         diagnostics: Some(vec![diagnostic(snapshot, uri, &fix.diagnostic)]),
         edit: Some(workspace_edit(snapshot, uri, &fix.edits, versioned)),
         is_preferred: fix.preferred.then_some(true),
+        ..lsp::CodeAction::default()
+    })
+}
+
+pub(crate) fn fix_all(
+    snapshot: &Snapshot,
+    uri: &lsp::Uri,
+    edits: &[Edit],
+    count: usize,
+    versioned: bool,
+) -> lsp::CodeActionOrCommand {
+    lsp::CodeActionOrCommand::CodeAction(lsp::CodeAction {
+        title: match count {
+            1 => "Fix all (1 place)".to_owned(),
+            count => format!("Fix all ({count} places)"),
+        },
+        kind: Some(lsp::CodeActionKind::SOURCE_FIX_ALL),
+        edit: Some(workspace_edit(snapshot, uri, edits, versioned)),
         ..lsp::CodeAction::default()
     })
 }

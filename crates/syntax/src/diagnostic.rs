@@ -37,6 +37,8 @@ pub struct Fix {
     pub replacement: String,
     /// True if an editor may apply it without asking which one is meant.
     pub preferred: bool,
+    /// True if an editor may apply it together with all others of which this is true.
+    pub all: bool,
 }
 
 /// One finding in a text.
@@ -66,7 +68,14 @@ impl Fix {
             span,
             replacement: word.to_owned(),
             preferred,
+            all: false,
         }
+    }
+
+    /// Returns the fix as one that may be applied together with others.
+    #[must_use]
+    pub(crate) fn with_all(self) -> Self {
+        Self { all: true, ..self }
     }
 
     /// The fix that writes an expression so that it cannot be read in two ways.
@@ -76,6 +85,7 @@ impl Fix {
             span,
             replacement: text.to_owned(),
             preferred: false,
+            all: false,
         }
     }
 
@@ -86,6 +96,7 @@ impl Fix {
             span: Span::new(offset, offset),
             replacement: text.to_owned(),
             preferred: true,
+            all: false,
         }
     }
 }

@@ -26,4 +26,4 @@ vim.api.nvim_create_autocmd("LspAttach", {
 
 vim.api.nvim_create_user_command("GeotraceRestart", function()
   require("geotrace").restart()
-end, { desc = "Start Geotrace's language server anew" })
+end, { desc = "Restart Geotrace's language server" })

@@ -159,6 +159,60 @@ test("completion offers names and snippets", function()
   equal(found.textEdit.range.start, { line = 1, character = 11 })
 end)
 
+test("completion by omnifunc offers what matches, and replaces what is written", function()
+  open("function tor(t, x) = t;\ndefine a = tor(1, co")
+  vim.wait(100)
+  vim.bo.omnifunc = "v:lua.vim.lsp.omnifunc"
+  vim.cmd("set completeopt=menu,menuone,noinsert")
+  local words
+  vim.api.nvim_create_autocmd("CompleteChanged", {
+    once = true,
+    callback = function()
+      words = vim.tbl_map(function(item)
+        return item.word
+      end, vim.fn.complete_info({ "items" }).items)
+    end,
+  })
+  vim.api.nvim_win_set_cursor(0, { 2, 19 })
+  vim.api.nvim_feedkeys(vim.keycode("A<C-x><C-o>"), "n", false)
+  -- Keys are read while Neovim waits in insert mode.
+  vim.defer_fn(function()
+    vim.api.nvim_feedkeys(vim.keycode("<C-y><Esc>"), "n", false)
+  end, 1500)
+  vim.api.nvim_feedkeys("", "x!", false)
+  assert(words and #words > 0, "nothing is offered")
+  for _, word in ipairs(words) do
+    assert(vim.startswith(word, "co"), vim.inspect(words))
+  end
+  equal(vim.api.nvim_buf_get_lines(0, 1, 2, false)[1], "define a = tor(1, cos")
+end)
+
+test("a missing semicolon at the end of the file is fixed from its line", function()
+  open("define a = 1;\ndefine b = 2\n\n")
+  local found = eventually("a diagnostic", function()
+    return diagnostics()[1]
+  end)
+  equal({ found.lnum, found.col }, { 1, 11 })
+  vim.api.nvim_win_set_cursor(0, { 2, 0 })
+  vim.lsp.buf.code_action({ apply = true, filter = function(action)
+    return action.title == "Insert `;`"
+  end })
+  eventually("the change", function()
+    return text():find("define b = 2;", 1, true)
+  end)
+end)
+
+test("all certain fixes are one action", function()
+  open("function f(t) = (cos(t)^2, ln(t));\ndefine a = f(1)_1;")
+  eventually("diagnostics", function()
+    return #diagnostics() == 3
+  end)
+  vim.lsp.buf.code_action({ apply = true, context = { only = { "source.fixAll" }, diagnostics = {} } })
+  eventually("the change", function()
+    return text() == "function f(t) = ((cos(t))^2, log(t));\ndefine a = (f(1))_1;"
+  end)
+end)
+
 test("code actions mend a mistake", function()
   open("define b = sinn 2;")
   eventually("a diagnostic", function()

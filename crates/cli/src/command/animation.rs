@@ -40,7 +40,7 @@ pub(super) struct Arguments {
     /// How many pictures [default: 60]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000), help_heading = "Animation")]
     frames: Option<u32>,
-    /// Pictures a second [default: 25]
+    /// Pictures per second [default: 25]
     #[arg(long, value_name = "RATE", value_parser = argument::positive, help_heading = "Animation")]
     fps: Option<f64>,
 }
@@ -222,7 +222,7 @@ impl Animation {
         });
         if self.format == Some(AnimationFormat::Gif) && self.rate > FASTEST_GIF {
             text.push_str(
-                "note: most viewers show a GIF of more than 50 pictures a second slowly\n",
+                "note: most viewers show a GIF of more than 50 pictures per second slowly\n",
             );
         }
         output::print_error(&text);

@@ -18,7 +18,7 @@ use crate::output;
 use crate::program::LoadedProgram;
 use crate::registry::Context;
 
-/// Tell what is built for a program, what is left out, and what each part costs.
+/// For developers: list what is built for a program, what is left out, and what each part costs.
 ///
 /// Only what a program needs is built: each view is planned before anything is compiled, and this is the
 /// plan for a machine with a GPU; without one, everything runs on the processor's cores.

@@ -30,7 +30,7 @@ use crate::registry::Context;
 
 /// Make a picture of a program, or an animation: in 3D, or of a surface from inside.
 ///
-/// The geodesic view shows the surface as a being inside it sees it, with the image that is painted on it:
+/// The geodesic view shows the surface as an inhabitant sees it, with the image that is painted on it:
 /// from the camera in the centre, each pixel looks along a geodesic as far as the pixel is from the centre.
 #[derive(Args, Debug)]
 #[command(after_help = "\

@@ -218,7 +218,7 @@ impl GeotraceAnalysis {
     }
 
     /// The symbols that the tokens in a range stand for.
-    fn symbols_in(&self, span: Span) -> Vec<SymbolId> {
+    pub(crate) fn symbols_in(&self, span: Span) -> Vec<SymbolId> {
         let tokens = self.tokens(self.tokens_in(span));
         let symbols = tokens.filter_map(|token| match token.kind {
             TokenKind::Constant(id) | TokenKind::Function(id) => Some(id),

@@ -51,9 +51,26 @@ pub fn completions(analysis: &GeotraceAnalysis, offset: u32, snippets: bool) -> 
     };
     Completions {
         range: place.range,
-        list,
+        list: matching(list, &names.written),
         is_complete,
     }
+}
+
+/// The completions that go on from what is written, then those that hold its letters in order, in either case.
+fn matching(list: Vec<Completion>, written: &str) -> Vec<Completion> {
+    let written = written.to_lowercase();
+    let (mut first, rest): (Vec<_>, Vec<_>) = list
+        .into_iter()
+        .partition(|it| it.label.to_lowercase().starts_with(&written));
+    let holds = |it: &Completion| {
+        let label = it.label.to_lowercase();
+        let mut letters = label.chars();
+        written
+            .chars()
+            .all(|letter| letters.any(|own| own == letter))
+    };
+    first.extend(rest.into_iter().filter(holds));
+    first
 }
 
 /// The details of a completion, resolved when it is selected in the list.

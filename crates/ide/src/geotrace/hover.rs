@@ -1,9 +1,10 @@
-//! Hover: a description of the word under the cursor.
+//! Hover: a description of the word under the cursor, and the value of what it is applied to.
 
 use syntax::geotrace::token::TokenKind;
 use syntax::span::Span;
 
 use super::analysis::GeotraceAnalysis;
+use super::application;
 use super::describe;
 use crate::description::Description;
 
@@ -14,6 +15,9 @@ pub fn hover(analysis: &GeotraceAnalysis, offset: u32) -> Option<(Span, Descript
     if let TokenKind::Declare(keyword) = token.kind {
         return Some((token.span, describe::keyword(keyword)));
     }
-    let description = describe::describe(analysis, analysis.target(k)?)?;
+    let mut description = describe::describe(analysis, analysis.target(k)?)?;
+    let mut text = application::describe(analysis, k);
+    text.append(&mut description.text);
+    description.text = text;
     Some((token.span, description))
 }

@@ -1,16 +1,66 @@
-//! The values that the params have in a preview, shown behind their declarations.
+//! The values that params and defines have in a preview, shown behind their declarations.
 
 use std::collections::BTreeMap;
 
-use syntax::geotrace::declarations::Category;
+use scene::{Outcome, ParamValues};
+use syntax::geotrace::declarations::{Category, DeclarationKeyword};
 use syntax::span::Span;
 
 use super::analysis::GeotraceAnalysis;
-use super::hints::short;
+use super::hints::{short, shown};
+use super::item::Item;
 use crate::hint::Hint;
 
-/// `= 0.25` behind each param in a range that has a value; `values` are by name, one number per component.
+/// `= 0.25` behind each param in a range that has a value, and behind each define that depends on one; `values` are by name,
+/// one number per component.
 pub fn preview_values(
+    analysis: &GeotraceAnalysis,
+    range: Span,
+    values: &BTreeMap<String, Vec<f64>>,
+) -> Vec<Hint> {
+    let mut hints = params(analysis, range, values);
+    hints.extend(defines(analysis, range, values));
+    hints.sort_by_key(|hint| hint.offset);
+    hints
+}
+
+fn defines(
+    analysis: &GeotraceAnalysis,
+    range: Span,
+    values: &BTreeMap<String, Vec<f64>>,
+) -> Vec<Hint> {
+    let is_wanted = |item: &Item<'_>| {
+        item.keyword == DeclarationKeyword::Define
+            && !item.faulty
+            && item
+                .symbol
+                .is_some_and(|symbol| analysis.depends_on_settings(symbol))
+    };
+    let wanted: Vec<Item<'_>> = analysis.items_in(range).filter(is_wanted).collect();
+    if wanted.is_empty() {
+        return Vec::new();
+    }
+    let excerpt = analysis.excerpt(wanted.iter().map(|item| item.index));
+    let mut params = ParamValues::initial(excerpt.scene());
+    for (name, value) in values {
+        // What the defines do not read is no param of theirs.
+        let _ = params.set(excerpt.scene(), name, value);
+    }
+    let hints = wanted.into_iter().filter_map(|item| {
+        let Outcome::Single(value) = excerpt.value(item.name, &params)? else {
+            return None;
+        };
+        Some(Hint {
+            offset: item.span.end.saturating_sub(1),
+            label: format!("= {}", shown(&value)),
+            tooltip: format!("the value of `{}` in the preview", item.name),
+            apart: true,
+        })
+    });
+    hints.collect()
+}
+
+fn params(
     analysis: &GeotraceAnalysis,
     range: Span,
     values: &BTreeMap<String, Vec<f64>>,
@@ -66,5 +116,18 @@ mod tests {
         );
         assert_eq!(shown(Span::new(0, 99)), [one, other.clone()]);
         assert_eq!(shown(Span::new(20, 21)), [other]);
+    }
+
+    #[test]
+    fn the_values_of_defines_follow_those_of_params() {
+        let text = "param a : [0, 1];\ndefine b = (2a, 1);\ndefine c = 5;\ndefine d = (b)_1 + a;";
+        let values = [("a".to_owned(), vec![0.25])];
+        let hints = preview_values(
+            &GeotraceAnalysis::new(text),
+            Span::new(18, 99),
+            &values.into(),
+        );
+        let labels: Vec<&str> = hints.iter().map(|hint| hint.label.as_str()).collect();
+        assert_eq!(labels, ["= (0.5, 1)", "= 0.75"]);
     }
 }

@@ -65,12 +65,15 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
                 continue;
             }
             match evaluator.evaluate(&uniforms) {
-                Ok(initial) => lines.push(GeodesicSegment {
-                    start: initial.start,
-                    direction: initial.direction,
-                    lengths,
-                    pieces,
-                }),
+                Ok(initial) => {
+                    let lengths = lengths.map(|t| t * initial.unit);
+                    lines.push(GeodesicSegment {
+                        start: initial.start,
+                        direction: initial.direction,
+                        lengths,
+                        pieces: piece_count(lengths[1] - lengths[0], domain.count, camera),
+                    });
+                }
                 Err(error) => fault = Some(error),
             }
         }

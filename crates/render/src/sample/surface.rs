@@ -14,9 +14,10 @@ use rayon::prelude::*;
 use scene::ParamValues;
 use scene::{Object, Sampling, Scene};
 
+use super::sampler::CHUNK;
 use super::{
-    CHUNK, DEGENERATE, NORMAL_NUDGE, PositionSample, Resolution, Sampler, Samples, SurfaceSample,
-    placed, surface_roots,
+    DEGENERATE, NORMAL_NUDGE, PositionSample, Resolution, Sampler, Samples, SurfaceSample, placed,
+    surface_roots,
 };
 use crate::placement::Placement;
 

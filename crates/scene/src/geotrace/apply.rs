@@ -40,13 +40,7 @@ impl Lowerer {
         let symbol = function.symbol;
         let (arguments, body) = match self.symbols.meaning(symbol) {
             Meaning::Poisoned | Meaning::Constant(_) => return Ok(Effect::Push(StackItem::Poison)),
-            Meaning::Geodesic => {
-                let error = self.symbols.value_error(symbol);
-                return error.map_or(Ok(Effect::Push(StackItem::Poison)), |error| {
-                    Err((error, span))
-                });
-            }
-            Meaning::Builtin(_) => match self.value(operand.clone())? {
+            Meaning::Builtin(_) | Meaning::Geodesic(_) => match self.value(operand.clone())? {
                 Some(value) => (vec![value], None),
                 None => return Ok(Effect::Push(StackItem::Poison)),
             },
@@ -71,7 +65,7 @@ impl Lowerer {
                 return Ok(Effect::Run(key, body, parameters));
             }
             (None, None) => {
-                let outcome = self.builtin_body(&key).unwrap_or_else(failed);
+                let outcome = self.own_body(&key).unwrap_or_else(failed);
                 self.applications.add(key.clone(), outcome)
             }
         };
@@ -186,21 +180,38 @@ impl Lowerer {
             .collect()
     }
 
-    /// The body of a builtin.
-    fn builtin_body(&mut self, key: &BodyKey) -> Result<BodyOutcome, SemanticError> {
+    /// The body of a builtin or of a geodesic, which have none in the text.
+    fn own_body(&mut self, key: &BodyKey) -> Result<BodyOutcome, SemanticError> {
         let parameters = self.formal_parameters(&key.dimensions);
-        let (Meaning::Builtin(builtin), [parameter]) =
-            (self.symbols.meaning(key.symbol), &parameters[..])
-        else {
-            return Ok(BodyOutcome::Silent);
-        };
-        let value = builtin
-            .apply(&mut self.graph, parameter)
-            .map_err(|error| dimension_error(&error))?;
-        Ok(BodyOutcome::Ready {
-            value,
-            dependencies: Dependencies::default(),
-        })
+        match (self.symbols.meaning(key.symbol), &parameters[..]) {
+            (Meaning::Builtin(builtin), [parameter]) => Ok(BodyOutcome::Ready {
+                value: builtin
+                    .apply(&mut self.graph, parameter)
+                    .map_err(|error| dimension_error(&error))?,
+                dependencies: Dependencies::default(),
+            }),
+            (&Meaning::Geodesic(id), [Value::Number(_)]) => {
+                let geodesic = self.geodesics.get(id);
+                let dependencies = geodesic.map(|it| it.dependencies).unwrap_or_default();
+                let (graph, sets) = (&mut self.graph, &mut self.dependencies);
+                let place = self.geodesics.body(graph, sets, id);
+                Ok(
+                    place.map_or(BodyOutcome::Silent, |[u, v]| BodyOutcome::Ready {
+                        value: Value::Vector(vec![u, v]),
+                        dependencies,
+                    }),
+                )
+            }
+            (Meaning::Geodesic(_), [argument]) => Err(SemanticError::new(
+                error::DIMENSION_MISMATCH,
+                format!(
+                    "the parameter of the geodesic `{}` is a number, but this is a vector of dimension {}",
+                    self.symbols.name(key.symbol),
+                    argument.dimension()
+                ),
+            )),
+            _ => Ok(BodyOutcome::Silent),
+        }
     }
 
     /// The derivative of the body `id`, which is one of `key`'s or of its derivatives.
@@ -234,14 +245,14 @@ impl Lowerer {
         let offset: usize = key.dimensions[..position.min(key.dimensions.len())]
             .iter()
             .sum();
+        let (graph, sets) = (&mut self.graph, &mut self.dependencies);
+        let by = Input::Variable(offset as u32);
         let derivatives = self
-            .graph
-            .derivatives(value.components(), Input::Variable(offset as u32))
+            .geodesics
+            .derivatives(graph, value.components(), by)
             .map_err(|_| too_large())?;
         Ok(BodyOutcome::Ready {
-            dependencies: self
-                .dependencies
-                .of_inputs(&self.graph.inputs(&derivatives)),
+            dependencies: self.geodesics.dependencies(graph, sets, &derivatives),
             value: like(&value, derivatives),
         })
     }
@@ -259,12 +270,11 @@ impl Lowerer {
         if let Some(known) = self.applications.values.get(&application) {
             return Some(like(&value, known.to_vec()));
         }
-        let replacements = &application.1;
-        let replace = |input| match input {
-            Input::Variable(index) => replacements.get(index as usize).copied(),
-            Input::Uniform(_) => None,
-        };
-        let nodes = self.graph.substitute(value.components(), &replace).ok()?;
+        let (graph, sets) = (&mut self.graph, &mut self.dependencies);
+        let nodes = self
+            .geodesics
+            .substitute(graph, sets, value.components(), &application.1)
+            .ok()?;
         let components = nodes.as_slice().into();
         self.applications.values.insert(application, components);
         Some(like(&value, nodes))

@@ -6,6 +6,8 @@ use expr::ops::{CONSTANTS, Unary};
 use expr::value::{self, DimensionError, Value};
 use syntax::geotrace::symbols::Vocabulary;
 
+use crate::geotrace::foreign::FOREIGN_WORDS;
+
 /// A function that every program may use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Builtin {
@@ -37,7 +39,7 @@ impl Builtin {
 pub fn vocabulary() -> Vocabulary {
     let constants = CONSTANTS.map(|(name, ..)| name);
     let functions: Vec<&str> = Builtin::all().map(|(name, _)| name).collect();
-    let vocabulary = Vocabulary::new(&constants, &functions);
+    let vocabulary = Vocabulary::new(&constants, &functions).with_foreign(FOREIGN_WORDS);
     let inverses = [
         ("sin", "asin"),
         ("cos", "acos"),

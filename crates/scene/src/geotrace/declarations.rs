@@ -11,14 +11,16 @@ use syntax::geotrace::actions::{self, Actions, Declaration, Operator};
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
+use crate::geodesic_value::{GeodesicValue, ManifoldNodes};
 use crate::geotrace::code::Expression;
 use crate::geotrace::dependencies::{Dependencies, SourceIndex};
 use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::geodesics::nodes_of;
 use crate::geotrace::interval::DeclaredInterval;
 use crate::geotrace::lowerer::{Lowered, Lowerer};
 use crate::geotrace::symbol::{Constant, Declared, Meaning, Symbols};
 use crate::limits::{MAX_INSTANCES, MAX_SAMPLES};
-use crate::scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Range, Scene, Shape};
+use crate::scene::{Grid, GridId, Object, ObjectId, Param, ParamId, Scene, Shape};
 
 /// The compiler between two declarations: what has been declared, and what has been read of the next.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +40,8 @@ pub(crate) struct Declarations {
     pub(crate) samples: u64,
     /// The surfaces and metrics, for the geodesics that lie on them.
     manifolds: FxHashMap<SymbolId, DeclaredManifold>,
+    /// The number of components of all params and grids together.
+    pub(crate) components: u32,
     /// The uniforms that the next param or grid takes if it has as many components, instead of fresh ones.
     pub(crate) kept: Option<Uniforms>,
     /// True if the limits on all declarations together are left to the caller.
@@ -108,7 +112,7 @@ impl Understood {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DeclaredManifold {
     pub(crate) object: ObjectId,
-    pub(crate) domain: [Range; 2],
+    pub(crate) nodes: ManifoldNodes,
     pub(crate) dependencies: Dependencies,
 }
 
@@ -160,8 +164,13 @@ impl Declarations {
     /// The scene, with a graph of its own that holds what its objects need and nothing else.
     pub(crate) fn scene(&self) -> Scene {
         let mut scene = self.scene.clone();
-        let shapes = scene.objects.iter_mut().map(|object| &mut object.shape);
-        let mut places: Vec<&mut NodeId> = shapes.flat_map(Shape::roots_mut).collect();
+        scene.uniform_count = self.lowerer.dependencies.uniform_count();
+        self.read_geodesics(&mut scene);
+        let objects = scene.objects.iter_mut();
+        let shapes = objects.flat_map(|object| object.shape.nodes_mut());
+        let values = scene.geodesic_values.iter_mut();
+        let values = values.flat_map(GeodesicValue::nodes_mut);
+        let mut places: Vec<&mut NodeId> = shapes.chain(values).collect();
         let roots: Vec<NodeId> = places.iter().map(|place| **place).collect();
         let (graph, roots) = self.lowerer.graph.extract(&roots);
         for (place, root) in places.iter_mut().zip(roots) {
@@ -169,6 +178,37 @@ impl Declarations {
         }
         scene.graph = graph;
         scene
+    }
+
+    /// Hands a scene the values of geodesics that its objects read.
+    fn read_geodesics(&self, scene: &mut Scene) {
+        let geodesics = &self.lowerer.geodesics;
+        if geodesics.values().is_empty() {
+            return;
+        }
+        let mut used: Vec<u32> = Vec::new();
+        for index in 0..scene.objects.len() {
+            let mut nodes = nodes_of(&scene.objects[index].shape);
+            // A geodesic is drawn with the numbers of its surface.
+            if let Some((surface, _)) = scene.objects[index].shape.geodesic()
+                && let Some(on) = scene.get(surface)
+            {
+                nodes.extend(on.shape.roots());
+            }
+            let read = geodesics.read(&self.lowerer.graph, &nodes);
+            used.extend(&read);
+            scene.objects[index].geodesic_values = read;
+        }
+        used.sort_unstable();
+        used.dedup();
+        for object in &mut scene.objects {
+            for value in &mut object.geodesic_values {
+                *value = used.partition_point(|other| other < value) as u32;
+            }
+        }
+        let all = geodesics.values();
+        let values = used.iter().filter_map(|index| all.get(*index as usize));
+        scene.geodesic_values = values.cloned().collect();
     }
 
     /// Notes an interval that has been read.
@@ -194,6 +234,7 @@ impl Declarations {
 
     /// Adds the outcome of a declaration: defines its name, and puts it into the scene.
     pub(crate) fn add(&mut self, declaration: &Declaration<'_>, understood: Understood) {
+        self.scene.uniform_count = self.lowerer.dependencies.uniform_count();
         match understood.source.map(|source| source.data) {
             Some(SourceData::Param(param)) => self.scene.params.push(param),
             Some(SourceData::Grid(grid)) => self.scene.grids.push(grid),
@@ -201,12 +242,17 @@ impl Declarations {
         }
         if let Some(drawn) = understood.drawn {
             let object = ObjectId(self.scene.objects.len() as u32);
-            if let (Some(symbol), Some(domain)) =
-                (declaration.symbol, drawn.object.shape.manifold())
+            let shape = &drawn.object.shape;
+            if let (Some(symbol), Some((components, domain))) =
+                (declaration.symbol, shape.surface().or(shape.metric()))
             {
                 let manifold = DeclaredManifold {
                     object,
-                    domain: domain.map(|axis| axis.range),
+                    nodes: ManifoldNodes {
+                        components: *components,
+                        is_metric: shape.is_metric(),
+                        domain: domain.map(|axis| axis.range),
+                    },
                     dependencies: drawn.dependencies,
                 };
                 self.manifolds.insert(symbol, manifold);
@@ -290,6 +336,17 @@ impl Declarations {
         None
     }
 
+    /// A result, whose error is reported at a place.
+    pub(crate) fn sound<T>(&mut self, result: Result<T, SemanticError>, span: Span) -> Option<T> {
+        match result {
+            Ok(sound) => Some(sound),
+            Err(error) => {
+                self.found.push(error.at(span));
+                None
+            }
+        }
+    }
+
     /// An object within the limits of what can be drawn; `None` if it exceeds one, which is reported.
     pub(crate) fn object(
         &mut self,
@@ -355,6 +412,8 @@ impl Declarations {
                 shape,
                 params,
                 grids,
+                // Those of a scene, whose graph has other nodes, are found when it is put together.
+                geodesic_values: Vec::new(),
             },
             samples,
             dependencies,

@@ -10,6 +10,7 @@ use syntax::span::Span;
 use crate::geotrace::declarations::{Declarations, Understood, constant};
 use crate::geotrace::error::{self, SemanticError};
 use crate::geotrace::interval::{DeclaredInterval, Purpose};
+use crate::geotrace::lowerer::too_large;
 use crate::limits::DEFAULT_SAMPLES;
 use crate::scene::{Sampling, Shape};
 
@@ -46,10 +47,7 @@ impl Declarations {
         let totals = self.lowerer.code.totals(body);
         let totals =
             totals.filter_map(|(symbol, span)| Some(symbols.total_error(symbol)?.at(span)));
-        let functions = self.lowerer.code.functions(body);
-        let values =
-            functions.filter_map(|(symbol, span)| Some(symbols.value_error(symbol)?.at(span)));
-        let errors: Vec<Diagnostic> = totals.chain(values).collect();
+        let errors: Vec<Diagnostic> = totals.collect();
         let sound = errors.is_empty();
         self.found.extend(errors);
         sound.then(|| self.keep(declaration, body).into())
@@ -89,10 +87,18 @@ impl Declarations {
     ) -> Option<Understood> {
         let domain = self.domain(declaration, intervals, "a curve has one parameter");
         let [body] = self.expressions(intervals)?;
+        self.lowerer.is_along_curve = true;
         let lowered = self.over_variables(body, declaration.parameters.len());
-        let position = self.in_space(body, &lowered, "a curve")?;
+        self.lowerer.is_along_curve = false;
+        let mut position = self.in_space(body, &lowered, "a curve")?;
+        let lowerer = &mut self.lowerer;
+        let followed = lowerer.geodesics.follow(&mut lowerer.graph, &mut position);
+        let followed = followed.map_err(|_| too_large());
+        let span = self.lowerer.code.span(body);
+        let followed = self.sound(followed, span)?;
         let [domain] = domain?;
         let shape = Shape::Curve {
+            followed,
             position,
             domain: domain?,
             parameter: declaration.parameters.first()?.name.clone(),

@@ -63,6 +63,19 @@ impl DependencySets {
         dependencies
     }
 
+    /// So many more uniforms, whose values are computed from others and have these dependencies; returns the first.
+    pub(crate) fn add_uniforms(&mut self, dependencies: Dependencies, count: u32) -> u32 {
+        let first = self.uniform_count();
+        let uniforms = std::iter::repeat_n(dependencies, count as usize);
+        self.uniforms.extend(uniforms);
+        first
+    }
+
+    /// The number of uniforms.
+    pub(crate) fn uniform_count(&self) -> u32 {
+        self.uniforms.len() as u32
+    }
+
     /// The dependencies of an expression with these inputs.
     pub(crate) fn of_inputs(&mut self, inputs: &[Input]) -> Dependencies {
         inputs

@@ -55,7 +55,9 @@ pub(crate) const NOT_A_SURFACE: Code = Code("not-a-surface");
 pub(crate) const NOT_IN_CHART: Code = Code("not-in-chart");
 /// A geodesic that cannot start.
 pub(crate) const GEODESIC_NOT_DRAWN: Code = Code("geodesic-not-drawn");
-/// A geodesic is used as a value.
+/// A geodesic has no value for its argument.
+pub(crate) const GEODESIC_UNDEFINED: Code = Code("geodesic-undefined");
+/// A geodesic is used where its argument is no number.
 pub(crate) const NO_FORMULA: Code = Code("no-formula");
 /// An expression is evaluated in a program that has errors.
 pub(crate) const PROGRAM_HAS_ERRORS: Code = Code("program-has-errors");
@@ -109,19 +111,16 @@ pub const CODES: &[(Code, &str)] = &[
     ),
     (
         INITIAL_NOT_CONSTANT,
-        "The value that a param opens with is a constant: it depends on no param and no grid.",
+        "The initial value of a param is a constant: it depends on no param and no grid.",
     ),
     (
         INITIAL_DIMENSION,
-        "The value that a param opens with has a component for each of its intervals.",
+        "The initial value of a param has a component for each of its intervals.",
     ),
-    (
-        INITIAL_UNDEFINED,
-        "The value that a param opens with is finite.",
-    ),
+    (INITIAL_UNDEFINED, "The initial value of a param is finite."),
     (
         INITIAL_OUTSIDE,
-        "The value that a param opens with lies within its intervals.",
+        "The initial value of a param lies within its intervals.",
     ),
     (DUPLICATE_TAG, "A parameter has one interval, not two."),
     (
@@ -166,7 +165,11 @@ pub const CODES: &[(Code, &str)] = &[
     ),
     (
         NO_FORMULA,
-        "A geodesic is integrated: no formula gives its points, so it cannot be used as a value.",
+        "A geodesic is integrated: its argument may depend on constants, params and grids, and on the parameter of a curve, but on no parameter of a surface or a metric.",
+    ),
+    (
+        GEODESIC_UNDEFINED,
+        "A geodesic has no value there: it ends before, it cannot start, or no geodesic between its two places was found.",
     ),
     (
         PROGRAM_HAS_ERRORS,

@@ -12,6 +12,7 @@ use syntax::geotrace::symbols::Parsed;
 use syntax::span::Span;
 
 use crate::evaluation::{Evaluation, Outcome, evaluate};
+use crate::geodesic_value::GeodesicFault;
 use crate::geotrace::declarations::Declarations;
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError, has_errors};
@@ -69,14 +70,21 @@ impl Scope {
         let Some(result) = lowered.value.filter(|_| !has_errors(&found)) else {
             return Err(found);
         };
+        let whole = Span::new(0, u32::try_from(text.len()).unwrap_or(u32::MAX));
         match outcome(&declarations, &result, lowered.dependencies, params) {
-            Ok(outcome) => Ok(Evaluation {
-                outcome,
-                warnings: found,
-            }),
+            Ok((outcome, faults)) => {
+                let faults = faults.into_iter();
+                found.extend(faults.map(|(name, fault)| {
+                    let message = format!("`{name}` has no value here: {fault}");
+                    Diagnostic::warning(error::GEODESIC_UNDEFINED, whole, message)
+                }));
+                Ok(Evaluation {
+                    outcome,
+                    warnings: found,
+                })
+            }
             Err(error) => {
-                let end = u32::try_from(text.len()).unwrap_or(u32::MAX);
-                found.push(error.at(Span::new(0, end)));
+                found.push(error.at(whole));
                 Diagnostic::sort(&mut found);
                 Err(found)
             }
@@ -104,7 +112,8 @@ impl ScopeData {
     }
 }
 
-/// Evaluates a value for each combination of the grids that it depends on.
+/// Evaluates a value for each combination of the grids that it depends on. Returns beside it the geodesics that have no
+/// value for some of them, with the first reason of each.
 ///
 /// # Errors
 /// There are more combinations than [`MAX_INSTANCES`].
@@ -113,7 +122,7 @@ pub(crate) fn outcome(
     value: &Value,
     dependencies: Dependencies,
     values: &ParamValues,
-) -> Result<Outcome, SemanticError> {
+) -> Result<(Outcome, Vec<(Arc<str>, GeodesicFault)>), SemanticError> {
     let (_, grids) = declarations.sources_of(dependencies);
     let (scene, graph) = (&declarations.scene, &declarations.lowerer.graph);
     let count = values.combinations(scene, &grids);
@@ -126,5 +135,16 @@ pub(crate) fn outcome(
         )
         .with_hint("give a grid one value"));
     }
-    Ok(evaluate(scene, graph, value, &grids, values))
+    let lowerer = &declarations.lowerer;
+    let mut faults: Vec<(Arc<str>, GeodesicFault)> = Vec::new();
+    let fill = |uniforms: &mut Vec<f64>| {
+        uniforms.resize(lowerer.dependencies.uniform_count() as usize, f64::NAN);
+        for (name, fault) in lowerer.geodesics.fill(graph, value.components(), uniforms) {
+            if faults.iter().all(|(known, _)| *known != name) {
+                faults.push((name, fault));
+            }
+        }
+    };
+    let outcome = evaluate(scene, graph, value, &grids, values, fill);
+    Ok((outcome, faults))
 }

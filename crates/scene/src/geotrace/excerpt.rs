@@ -65,7 +65,8 @@ impl Excerpt {
         match meaning {
             Meaning::Constant(constant) => {
                 let (value, dependencies) = (&constant.value, constant.dependencies);
-                outcome(&self.declarations, value, dependencies, values).ok()
+                let found = outcome(&self.declarations, value, dependencies, values);
+                found.ok().map(|(outcome, _)| outcome)
             }
             _ => None,
         }

@@ -1,6 +1,5 @@
 //! Intervals: from the expressions between `[` and `]` to finite numbers in order.
 
-use expr::tape::{Registers, Tape};
 use expr::value::Value;
 use syntax::diagnostic::Diagnostic;
 use syntax::geotrace::actions::{self, IntervalKind};
@@ -149,7 +148,10 @@ fn constant(
             format!(
                 "an interval is constant, but the {role} of this one depends on the {word} `{name}`"
             ),
-        ));
+        )
+        .with_hint(format!(
+            "keep the interval constant and scale inside, as in `c({name} t)`"
+        )));
     }
     let node = match &lowered.value {
         None => return Ok(None),
@@ -164,14 +166,8 @@ fn constant(
             ));
         }
     };
-    let number = lowerer.graph.value(node).unwrap_or_else(|| {
-        let tape = Tape::new(&lowerer.graph, &[node]);
-        let mut out = [f64::NAN];
-        if tape.inputs().is_empty() {
-            tape.eval(&mut Registers::default(), &[], &mut out);
-        }
-        out[0]
-    });
+    let number = lowerer.graph.value(node);
+    let number = number.unwrap_or_else(|| lowerer.numbers(&[node])[0]);
     if number.is_finite() {
         return Ok(Some(number));
     }

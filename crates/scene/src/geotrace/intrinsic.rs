@@ -10,20 +10,34 @@ use syntax::geotrace::declarations::DeclarationKeyword;
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
+use crate::geodesic_value::numbers;
 use crate::geotrace::code::Expression;
 use crate::geotrace::declarations::{Declarations, DeclaredManifold, Drawn, Understood, kind_of};
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::geodesics::DeclaredGeodesic;
 use crate::geotrace::interval::{DeclaredInterval, number};
 use crate::geotrace::lowerer::Lowered;
 use crate::geotrace::symbol::Meaning;
-use crate::initial_conditions::InitialConditionsEvaluator;
+use crate::initial_conditions::{InitialConditions, InitialConditionsError};
 use crate::metric::{Defect, Witness, witness};
 use crate::param_values::ParamValues;
 use crate::scene::Shape;
 
 /// The largest number of instances of a metric that are searched for a point where it is not positive definite.
 const SEARCHED_INSTANCES: u64 = 16;
+
+/// The way of a geodesic on its surface.
+struct Path {
+    start: [NodeId; 2],
+    direction: [NodeId; 2],
+    unit: Option<NodeId>,
+    /// The start and the direction, or the two places, as they are written.
+    ends: [[NodeId; 2]; 2],
+    /// Without those of the surface.
+    dependencies: Dependencies,
+    span: Span,
+}
 
 impl Declarations {
     /// `metric h(u,v) = (E, F, G), …;`
@@ -54,48 +68,131 @@ impl Declarations {
         Some(Understood::from(self.keep(declaration, body)).drawn(drawn))
     }
 
-    /// `geodesic g(t) : s = (a,b) @ (u,v), …;`
+    /// `geodesic g(t) : s = (a, b) @ (u, v), …;` or `geodesic g(t) : s = (p, q), …;`
     pub(crate) fn geodesic(
         &mut self,
         declaration: &Declaration<'_>,
         intervals: &[DeclaredInterval],
     ) -> Option<Understood> {
-        let domain = self.domain(
-            declaration,
-            intervals,
-            "a geodesic has one parameter, its length",
-        );
-        let [surface, direction, start] = self.expressions(intervals)?;
-        let manifold = self.surface_of(surface);
-        let towards = self.constant(direction);
-        let a_b = self.in_chart(direction, &towards, "direction");
-        let from = self.constant(start);
-        let u_v = self.in_chart(start, &from, "start");
-        let (direction_span, start_span) = (
-            self.lowerer.code.span(direction),
-            self.lowerer.code.span(start),
-        );
-        let (manifold, direction, start) = (manifold?, a_b?, u_v?);
+        let domain = self.domain(declaration, intervals, "a geodesic has one parameter");
+        let (manifold, path) = match self.expressions(intervals) {
+            Some([surface, direction, start]) => {
+                (self.surface_of(surface), self.from_place(direction, start))
+            }
+            None => {
+                let [surface, places] = self.expressions(intervals)?;
+                let manifold = self.surface_of(surface);
+                let path = self.between_places(declaration.name, places, manifold);
+                (manifold, path)
+            }
+        };
+        let (manifold, path) = (manifold?, path?);
         let [domain] = domain?;
-        let own = self
-            .lowerer
-            .dependencies
-            .union(towards.dependencies, from.dependencies);
-        if own == Dependencies::default() {
-            let place = direction_span.to(start_span);
-            self.found
-                .extend(self.not_drawn(declaration, &direction, &start, &manifold, place));
+        let sets = &mut self.lowerer.dependencies;
+        let dependencies = sets.union(path.dependencies, manifold.dependencies);
+        if path.dependencies == Dependencies::default() {
+            let warning = self.not_drawn(declaration, &path, &manifold);
+            self.found.extend(warning);
         }
+        let Path {
+            start,
+            direction,
+            unit,
+            ..
+        } = path;
         let shape = Shape::Geodesic {
             surface: manifold.object,
             direction,
             start,
+            unit,
             domain: domain?,
             parameter: declaration.parameters.first()?.name.clone(),
         };
-        let dependencies = self.lowerer.dependencies.union(own, manifold.dependencies);
         let drawn = self.object(declaration, shape, dependencies);
-        Some(Understood::from(Meaning::Geodesic).drawn(drawn))
+        let geodesic = self.lowerer.geodesics.declare(DeclaredGeodesic {
+            name: declaration.name.into(),
+            manifold: manifold.nodes,
+            start,
+            direction,
+            unit,
+            dependencies,
+        });
+        Some(Understood::from(Meaning::Geodesic(geodesic)).drawn(drawn))
+    }
+
+    /// `(a, b) @ (u, v)`.
+    fn from_place(&mut self, direction: Expression, start: Expression) -> Option<Path> {
+        let towards = self.constant(direction);
+        let a_b = self.in_chart(direction, &towards, "direction");
+        let from = self.constant(start);
+        let u_v = self.in_chart(start, &from, "start");
+        let code = &self.lowerer.code;
+        let span = code.span(direction).to(code.span(start));
+        let sets = &mut self.lowerer.dependencies;
+        let (start, direction) = (u_v?, a_b?);
+        Some(Path {
+            start,
+            direction,
+            unit: None,
+            ends: [start, direction],
+            dependencies: sets.union(towards.dependencies, from.dependencies),
+            span,
+        })
+    }
+
+    /// `(p, q)`: the shortest geodesic from p to q.
+    fn between_places(
+        &mut self,
+        name: &str,
+        places: Expression,
+        manifold: Option<DeclaredManifold>,
+    ) -> Option<Path> {
+        let (list, lowered) = self.lowerer.lower_list(places, &mut self.found);
+        let span = self.lowerer.code.span(places);
+        let list = match (list, &lowered.value) {
+            (Some(list), _) => list,
+            (None, Some(value)) => {
+                let message = format!(
+                    "a geodesic is `direction @ start` or has two places `(p, q)`, but this is {}",
+                    kind_of(value)
+                );
+                let error = SemanticError::new(error::NOT_IN_CHART, message)
+                    .with_hint("write `(a, b) @ (u, v)`, or `((u, v), (w, z))` for the shortest between two places");
+                self.found.push(error.at(span));
+                return None;
+            }
+            (None, None) => return None,
+        };
+        let places: Vec<[NodeId; 2]> = list
+            .iter()
+            .filter_map(|value| <[NodeId; 2]>::try_from(value.components()).ok())
+            .collect();
+        let (&[from, to], 2) = (&places[..], list.len()) else {
+            let message = "a geodesic runs between two places, and each has 2 components, one for each parameter of its surface";
+            self.found
+                .push(SemanticError::new(error::NOT_IN_CHART, message).at(span));
+            return None;
+        };
+        let manifold = manifold?;
+        let lowerer = &mut self.lowerer;
+        let sets = &mut lowerer.dependencies;
+        let all = sets.union(lowered.dependencies, manifold.dependencies);
+        let [u, v, a, b, unit] = lowerer.geodesics.connection(
+            &mut lowerer.graph,
+            sets,
+            name,
+            manifold.nodes,
+            [from, to],
+            all,
+        );
+        Some(Path {
+            start: [u, v],
+            direction: [a, b],
+            unit: Some(unit),
+            ends: [from, to],
+            dependencies: lowered.dependencies,
+            span,
+        })
     }
 
     /// E, F and G; `None` if the value is something else or its declaration failed.
@@ -160,7 +257,7 @@ impl Declarations {
             (Meaning::Poisoned, _)
             | (_, Some(DeclarationKeyword::Surface | DeclarationKeyword::Metric)) => None,
             (Meaning::Builtin(_), _) => Some("a builtin function"),
-            (Meaning::Geodesic, _) => Some("a geodesic"),
+            (Meaning::Geodesic(_), _) => Some("a geodesic"),
             (_, Some(DeclarationKeyword::Curve)) => Some("a curve"),
             _ => Some("a function"),
         }
@@ -170,22 +267,43 @@ impl Declarations {
     fn not_drawn(
         &self,
         declaration: &Declaration<'_>,
-        direction: &[NodeId; 2],
-        start: &[NodeId; 2],
+        path: &Path,
         manifold: &DeclaredManifold,
-        place: Span,
     ) -> Option<Diagnostic> {
-        let mut evaluator = InitialConditionsEvaluator::from_nodes(
-            &self.lowerer.graph,
-            direction,
-            start,
-            manifold.domain,
-        );
-        let error = evaluator.evaluate(&[]).err()?;
-        let message = format!("`{}` is not drawn: {error}", declaration.name);
+        let lowerer = &self.lowerer;
+        let nodes = path.ends.concat();
+        if lowerer.geodesics.reads_connection(&lowerer.graph, &nodes) {
+            return None;
+        }
+        let mut uniforms = vec![f64::NAN; lowerer.dependencies.uniform_count() as usize];
+        let faults = lowerer
+            .geodesics
+            .fill(&lowerer.graph, &nodes, &mut uniforms);
+        let [one, other] = path.ends.map(|nodes| {
+            let found = numbers(&lowerer.graph, &nodes, &uniforms, &[]);
+            [found[0], found[1]]
+        });
+        let domain = manifold.nodes.domain;
+        // A geodesic between two places starts at both.
+        let (start, ways) = match path.unit {
+            None => (one, vec![(one, other)]),
+            Some(_) => (one, vec![(one, [1.0; 2]), (other, [1.0; 2])]),
+        };
+        let faulty = |&(start, direction): &([f64; 2], [f64; 2])| {
+            InitialConditions::new(start, direction, 1.0, domain).err()
+        };
+        let same = path.unit.is_some() && start == other;
+        let error = ways.iter().find_map(faulty);
+        let error = error.or(same.then_some(InitialConditionsError::OnePlace))?;
+        // The reason why a place that it needs is undefined says more than that it is.
+        let first = faults
+            .iter()
+            .map(|(name, fault)| format!("of `{name}`: {fault}"));
+        let reason = first.min().unwrap_or_else(|| error.to_string());
+        let message = format!("`{}` is not drawn: {reason}", declaration.name);
         Some(Diagnostic::warning(
             error::GEODESIC_NOT_DRAWN,
-            place,
+            path.span,
             message,
         ))
     }
@@ -204,8 +322,13 @@ impl Declarations {
         let found = (0..searched).find_map(|k| {
             // The first, the last, and evenly between.
             let index = k * (all - 1) / (searched - 1).max(1);
-            let uniforms = values.instance(&self.scene, object, index);
-            let graph = &self.lowerer.graph;
+            let mut uniforms = values.instance(&self.scene, object, index);
+            let lowerer = &self.lowerer;
+            uniforms.resize(lowerer.dependencies.uniform_count() as usize, f64::NAN);
+            lowerer
+                .geodesics
+                .fill(&lowerer.graph, components, &mut uniforms);
+            let graph = &lowerer.graph;
             witness(graph, components, domain, &uniforms, searched as usize)
         })?;
         let Witness { at: [u, v], defect } = found;

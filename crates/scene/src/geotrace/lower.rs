@@ -17,7 +17,7 @@ use syntax::symbol::SymbolId;
 
 use crate::geotrace::code::Expression;
 use crate::geotrace::dependencies::Dependencies;
-use crate::geotrace::error::SemanticError;
+use crate::geotrace::error::{self, SemanticError};
 use crate::geotrace::lowerer::{
     BodyKey, BodyOutcome, Effect, Function, Lowered, Lowerer, StackItem, dimension_error, too_large,
 };
@@ -47,6 +47,37 @@ impl Lowerer {
         parameters: Vec<Value>,
         diagnostics: &mut Vec<Diagnostic>,
     ) -> Lowered {
+        self.run(expression, parameters, diagnostics, |lowerer, item| {
+            lowerer.value(item)
+        })
+    }
+
+    /// Runs an expression whose value may be a bracketed list of values of any dimensions. `None` as in [`Lowered`], and if
+    /// it is no such list, with its value.
+    pub(crate) fn lower_list(
+        &mut self,
+        expression: Expression,
+        diagnostics: &mut Vec<Diagnostic>,
+    ) -> (Option<Vec<Value>>, Lowered) {
+        let mut list = None;
+        let lowered = self.run(expression, Vec::new(), diagnostics, |lowerer, item| {
+            if let StackItem::List(values, _) = item {
+                list = Some(values);
+                return Ok(None);
+            }
+            lowerer.value(item)
+        });
+        (list, lowered)
+    }
+
+    /// Runs an expression; `finish` makes its value of the last item.
+    fn run(
+        &mut self,
+        expression: Expression,
+        parameters: Vec<Value>,
+        diagnostics: &mut Vec<Diagnostic>,
+        mut finish: impl FnMut(&mut Self, StackItem) -> Result<Option<Value>, (SemanticError, Span)>,
+    ) -> Lowered {
         let nothing = Lowered {
             value: None,
             dependencies: Dependencies::default(),
@@ -62,7 +93,12 @@ impl Lowerer {
                 continue;
             }
             let place = self.code.step(frame.end - 1).span;
-            let value = self.value(pop(&mut stack)).and_then(|value| {
+            let item = pop(&mut stack);
+            let value = match frame.body {
+                None => finish(self, item),
+                Some(_) => self.value(item),
+            };
+            let value = value.and_then(|value| {
                 if self.graph.overflowed() {
                     return Err((too_large(), place));
                 }
@@ -159,7 +195,16 @@ impl Lowerer {
             Operation::Apply => {
                 let operand = pop(stack);
                 let function = pop(stack);
-                return self.apply(function, operand, span, stack, &mut frame.dependencies);
+                let effect = self.apply(function, operand, span, stack, &mut frame.dependencies)?;
+                // In a body the parameters are known where it is applied.
+                if frame.body.is_none()
+                    && !self.is_along_curve
+                    && let Effect::Push(StackItem::Value(value)) = &effect
+                    && let Some(name) = self.geodesics.open_name(&self.graph, value.components())
+                {
+                    return Err((no_formula(name), span));
+                }
+                return Ok(effect);
             }
             Operation::Tuple(count) => self.tuple(stack, count as usize, span)?,
             Operation::Component(index) => match self.value(pop(stack))? {
@@ -278,6 +323,17 @@ impl CallFrame {
             Some(key) => self.error = Some(error.in_body(symbols.name(key.symbol), place)),
         }
     }
+}
+
+/// The error of a geodesic whose argument is no number before its reader is drawn.
+fn no_formula(name: &str) -> SemanticError {
+    SemanticError::new(
+        error::NO_FORMULA,
+        format!("`{name}` is integrated, and cannot be over the parameters of a surface or a metric"),
+    )
+    .with_hint(format!(
+        "the argument of `{name}` depends on constants, params and grids, or on the parameter of a curve"
+    ))
 }
 
 /// The item on top. Every operator's operands have been pushed, for steps come in postfix order.

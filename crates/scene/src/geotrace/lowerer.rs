@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! lower.rs ──▶ runs steps ─┐
-//! apply.rs ──▶ applies ────┴─▶ this file: the graph, the symbols, the bodies that have been lowered
+//! apply.rs ──▶ applies ────┼─▶ this file: the graph, the symbols, the bodies that have been lowered
+//! geodesics.rs ──▶ values ─┘
 //! ```
 
 use std::sync::Arc;
@@ -13,9 +14,11 @@ use rustc_hash::FxHashMap;
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
+use crate::geodesic_value::numbers;
 use crate::geotrace::code::{Code, Expression};
 use crate::geotrace::dependencies::{Dependencies, DependencySets};
 use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::geodesics::Geodesics;
 use crate::geotrace::operation::Derivation;
 use crate::geotrace::symbol::Symbols;
 
@@ -27,6 +30,9 @@ pub(crate) struct Lowerer {
     pub(crate) symbols: Symbols,
     pub(crate) applications: Applications,
     pub(crate) dependencies: DependencySets,
+    pub(crate) geodesics: Geodesics,
+    /// True if the variables of the expression that is lowered are those of a curve, along which geodesics are followed.
+    pub(crate) is_along_curve: bool,
     /// The graph has reached its limit, and that has been reported.
     pub(crate) full: bool,
 }
@@ -141,6 +147,13 @@ impl Applications {
 }
 
 impl Lowerer {
+    /// The numbers of nodes that depend on no param and no grid, one each.
+    pub(crate) fn numbers(&self, nodes: &[NodeId]) -> Vec<f64> {
+        let mut uniforms = vec![f64::NAN; self.dependencies.uniform_count() as usize];
+        self.geodesics.fill(&self.graph, nodes, &mut uniforms);
+        numbers(&self.graph, nodes, &uniforms, &[])
+    }
+
     /// The value that an item is; none for what a reported fault left behind.
     pub(crate) fn value(
         &mut self,

@@ -1,6 +1,5 @@
 //! Params and grids: from what was read to uniforms.
 
-use expr::tape::{Registers, Tape};
 use expr::value::Value;
 use expr::{Graph, Input, NodeId};
 use syntax::geotrace::actions::Declaration;
@@ -104,7 +103,7 @@ impl Declarations {
             return Err(SemanticError::new(
                 error::INITIAL_NOT_CONSTANT,
                 format!(
-                    "a param opens with a constant, but this depends on the {} `{}`",
+                    "a param starts at a constant, but this depends on the {} `{}`",
                     keyword.map_or("param", |keyword| keyword.text()),
                     lowerer.symbols.name(symbol)
                 ),
@@ -124,13 +123,9 @@ impl Declarations {
                 error::INITIAL_DIMENSION,
                 format!("`{name}` has {intervals}, but this is {}", kind_of(value)),
             )
-            .with_hint("the value that a param opens with has a component for each interval"));
+            .with_hint("the initial value of a param has a component for each interval"));
         }
-        let tape = Tape::new(&lowerer.graph, components);
-        let mut numbers = vec![f64::NAN; components.len()];
-        if tape.inputs().is_empty() {
-            tape.eval(&mut Registers::default(), &[], &mut numbers);
-        }
+        let numbers = lowerer.numbers(components);
         for (component, (&value, range)) in numbers.iter().zip(ranges).enumerate() {
             let part = match ranges.len() {
                 1 => format!("`{name}`"),
@@ -144,14 +139,14 @@ impl Declarations {
                 };
                 return Err(SemanticError::new(
                     error::INITIAL_UNDEFINED,
-                    format!("the value that {part} opens with is {what}"),
+                    format!("the initial value of {part} is {what}"),
                 ));
             }
             if !(range.min..=range.max).contains(&value) {
                 return Err(SemanticError::new(
                     error::INITIAL_OUTSIDE,
                     format!(
-                        "{part} opens with {}, which lies outside its interval [{}, {}]",
+                        "{part} starts at {}, which lies outside its interval [{}, {}]",
                         number(value),
                         number(range.min),
                         number(range.max)
@@ -171,13 +166,14 @@ impl Declarations {
     ) -> Option<(Meaning, Uniforms, bool)> {
         let count = u32::try_from(count).ok()?;
         let kept = self.kept.take().filter(|kept| kept.count == count);
-        let first = kept.map_or(self.scene.uniform_count, |kept| kept.first);
-        let end = first.checked_add(count)?;
-        if end > MAX_UNIFORMS && !self.is_checker {
+        let known = self.lowerer.dependencies.uniform_count();
+        let first = kept.map_or(known, |kept| kept.first);
+        let components = self.components.checked_add(count)?;
+        if components > MAX_UNIFORMS && !self.is_checker {
             let error = SemanticError::new(
                 error::TOO_MANY_UNIFORMS,
                 format!(
-                    "with `{}` the params and grids have {end} components, and the limit is {MAX_UNIFORMS}",
+                    "with `{}` the params and grids have {components} components, and the limit is {MAX_UNIFORMS}",
                     declaration.name
                 ),
             );
@@ -185,7 +181,7 @@ impl Declarations {
             return None;
         }
         let graph: &mut Graph = &mut self.lowerer.graph;
-        let nodes: Vec<NodeId> = (first..end)
+        let nodes: Vec<NodeId> = (first..first.checked_add(count)?)
             .map(|index| graph.input(Input::Uniform(index)))
             .collect();
         let value = match nodes[..] {
@@ -198,7 +194,7 @@ impl Declarations {
                 kept
             }
             None => {
-                self.scene.uniform_count = end;
+                self.components = components;
                 let source = SourceIndex(self.sources.len() as u32);
                 self.sources.push(owner);
                 let sets = &mut self.lowerer.dependencies;

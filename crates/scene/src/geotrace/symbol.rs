@@ -14,6 +14,7 @@ use crate::geotrace::builtin::Builtin;
 use crate::geotrace::code::Expression;
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};
+use crate::geotrace::geodesics::GeodesicId;
 
 /// The meanings of all symbols that have one.
 #[derive(Clone, Debug, Default)]
@@ -36,8 +37,8 @@ pub(crate) enum Meaning {
     Constant(Constant),
     Builtin(Builtin),
     Declared(Declared),
-    /// A curve that is integrated: no expression stands for its points.
-    Geodesic,
+    /// A curve that is integrated: nodes of its own stand for its points.
+    Geodesic(GeodesicId),
 }
 
 /// A value with a name.
@@ -132,21 +133,6 @@ impl Symbols {
             }
             _ => "x",
         }
-    }
-
-    /// The error of using a function as a value: a geodesic has no formula.
-    pub(crate) fn value_error(&self, symbol: SymbolId) -> Option<SemanticError> {
-        let Meaning::Geodesic = self.meaning(symbol) else {
-            return None;
-        };
-        let name = self.name(symbol);
-        let message =
-            format!("`{name}` is a geodesic, which has no formula: it cannot be used as a value");
-        Some(
-            SemanticError::new(error::NO_FORMULA, message).with_hint(format!(
-                "`{name}` is drawn; its start and direction are values that a `define` can name"
-            )),
-        )
     }
 
     /// The error of writing `f'` for a function of several parameters, which has a derivative by each.

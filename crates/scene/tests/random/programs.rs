@@ -10,13 +10,22 @@ use syntax::span::Span;
 /// What can be told of a scene, in full.
 pub(crate) fn describe(scene: &scene::Scene) -> String {
     let mut text = format!(
-        "{:?}\n{:?}\n{:?}\n{}\n",
-        scene.params, scene.grids, scene.objects, scene.uniform_count
+        "{:?}\n{:?}\n{:?}\n{:?}\n{}\n",
+        scene.params, scene.grids, scene.objects, scene.geodesic_values, scene.uniform_count
     );
+    // A geodesic's name is that of its object.
+    let followed = scene.objects.iter().flat_map(|it| it.shape.followed());
+    for value in scene.geodesic_values.iter().chain(followed) {
+        text = text.replace(&format!("geodesic: {:?}", value.geodesic), "geodesic");
+    }
     let mut roots = Vec::new();
     for object in &scene.objects {
         roots.extend(object.shape.roots());
+        let followed = object.shape.followed().iter();
+        roots.extend(followed.flat_map(|value| value.nodes()));
     }
+    let values = scene.geodesic_values.iter();
+    roots.extend(values.flat_map(|value| value.nodes()));
     for id in scene.graph.order(&roots) {
         let _ = write!(text, "{id:?} {:?}; ", scene.graph.node(id));
     }
@@ -60,7 +69,7 @@ const NAMES: &[(Kind, &[&str])] = &[
     (Kind::Two, &["g", "l"]),
     (Kind::Curve, &["c", "ca"]),
     (Kind::Patch, &["s", "m", "sa"]),
-    (Kind::Geodesic, &["y"]),
+    (Kind::Geodesic, &["y", "ya"]),
 ];
 
 /// A declaration of a program that is edited.
@@ -96,7 +105,8 @@ impl Writer<'_, '_> {
 
     fn number(&mut self) -> String {
         let digits = self.random.pick(&["1", "2", "3", "0.5", "7"]).to_owned();
-        match self.random.below(8) {
+        match self.random.below(9) {
+            8 => format!("({}({digits}))_1", self.name(Kind::Geodesic, "(1, 2)")),
             0 | 1 => digits,
             2..=4 => self.name(Kind::Number, &digits),
             5 => format!("{} {digits}", self.name(Kind::One, "sin")),
@@ -143,18 +153,36 @@ impl Writer<'_, '_> {
                 "function {name}(x) = {}' x + {y};",
                 self.name(Kind::One, "cos")
             ),
+            (Kind::One, 6) => format!(
+                "function {name}(x) = ({}'(x {y}))_2;",
+                self.name(Kind::Geodesic, "id")
+            )
+            .replace("id'(x", "(1, x)(1"),
             (Kind::One, 1) => format!("function {name}(x) = x {x};"),
             (Kind::One, _) => format!("function {name}(x) = {x} x^2 - {y};"),
             (Kind::Two, _) => format!("function {name}(x, t) = {x} t - x {y};"),
             (Kind::Curve, 0 | 1) => {
                 format!("curve {name}(t) = (t, {x} t, {y}), t : [0, 1 + {x} {y}];")
             }
+            (Kind::Curve, 2) => format!(
+                "curve {name}(t) = ({}({x} t))_1 (1, 2, t), t : [0, {digit}, 9];",
+                self.name(Kind::Geodesic, "(1, 2)")
+            ),
             (Kind::Curve, _) => format!("curve {name}(t) = (t, {x}, {y}), t : [0, {digit}, 9];"),
             (Kind::Patch, 0 | 1) => {
                 format!("metric {name}(u, v) = (1 + {x}^2, 0, {y}), u : [0, 1], v : [0, {digit}];")
             }
             (Kind::Patch, _) => format!(
                 "surface {name}(u, v) = (u, v {x}, {y}), u : [0, {digit}, 40], v : [0, 1, 50];"
+            ),
+            (Kind::Geodesic, 0) => format!(
+                "geodesic {name}(t) : {} = ((0.5, {y}), (0.25, {x})), t : [0, 1];",
+                self.name(Kind::Patch, "s")
+            ),
+            (Kind::Geodesic, 1) => format!(
+                "geodesic {name}(t) : {} = (1, {x}) @ {}(0.5), t : [0, 1];",
+                self.name(Kind::Patch, "s"),
+                self.name(Kind::Geodesic, "(1, 1)")
             ),
             (Kind::Geodesic, _) => format!(
                 "geodesic {name}(t) : {} = (1, {x}) @ (0.5, {y}), t : [0, 1];",

@@ -164,23 +164,48 @@ pub(super) async fn code_action(
 ) -> Result<Option<lsp::CodeActionResponse>> {
     let versioned = server.session().editor.versioned_edits;
     let uri = params.text_document.uri;
-    let wanted = params.context.only.is_none_or(|kinds| {
-        // A kind holds those below it: everything below the empty kind.
-        let quickfix = lsp::CodeActionKind::QUICKFIX;
-        kinds
-            .iter()
-            .any(|kind| kind.as_str().is_empty() || *kind == quickfix)
-    });
-    if !wanted {
+    // A kind holds those below it: everything below the empty kind.
+    let only = params.context.only;
+    let admits = |kind: lsp::CodeActionKind| {
+        only.as_ref().is_none_or(|kinds| {
+            let holds = |outer: &lsp::CodeActionKind| {
+                let below = kind.as_str().strip_prefix(outer.as_str());
+                below.is_some_and(|rest| {
+                    outer.as_str().is_empty() || rest.is_empty() || rest.starts_with('.')
+                })
+            };
+            kinds.iter().any(holds)
+        })
+    };
+    let (one, all) = (
+        admits(lsp::CodeActionKind::QUICKFIX),
+        admits(lsp::CodeActionKind::SOURCE_FIX_ALL),
+    );
+    let unrestricted = only.is_none();
+    if !one && !all {
         return Ok(Some(Vec::new()));
     }
     server
         .ask(&uri.clone(), move |snapshot| {
-            let fixes = snapshot.analysis().fixes(span(snapshot, params.range));
-            let actions = fixes
-                .iter()
-                .map(|fix| to_lsp::action(snapshot, &uri, fix, versioned));
-            Some(actions.collect())
+            let analysis = snapshot.analysis();
+            let mut actions = Vec::new();
+            if one {
+                let fixes = analysis.fixes(span(snapshot, params.range));
+                let fixes = fixes.iter();
+                actions.extend(fixes.map(|fix| to_lsp::action(snapshot, &uri, fix, versioned)));
+            }
+            if all {
+                let (edits, count) = analysis.fix_all();
+                // In a list of all kinds it stands below the fixes of this place, where there is more than one mistake.
+                let is_listed = match unrestricted {
+                    true => !actions.is_empty() && count > 1,
+                    false => count > 0,
+                };
+                if is_listed {
+                    actions.push(to_lsp::fix_all(snapshot, &uri, &edits, count, versioned));
+                }
+            }
+            Some(actions)
         })
         .await
 }

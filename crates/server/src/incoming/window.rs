@@ -188,7 +188,7 @@ async fn run(
         }
         Err(_) => {
             let message = format!(
-                "The preview window of {} has not answered for {} seconds and has been ended. The command opens it anew.",
+                "The preview window of {} has not answered for {} seconds and has been ended. The command opens it again.",
                 name(&window.uri),
                 version_timeout.as_secs_f64(),
             );
@@ -298,7 +298,7 @@ impl PreviewWindow {
         }
         let because = gone.reason.map(|reason| format!(": {reason}"));
         let message = format!(
-            "The preview window of {} has ended ({}){} The command opens it anew.",
+            "The preview window of {} has ended ({}){} The command opens it again.",
             name(&self.uri),
             gone.status,
             because.map_or_else(

@@ -92,6 +92,12 @@ impl<'d, G: Grammar> ScopeView<'d, G> {
         })
     }
 
+    /// The first of the symbols that every text starts with.
+    pub fn first_builtin(&self) -> Option<&G::Symbol> {
+        let first = self.names.get(SymbolId(0))?;
+        first.home.is_none().then_some(&first.symbol)
+    }
+
     /// A symbol that one of the other functions has returned.
     pub fn symbol(&self, id: SymbolId) -> &G::Symbol {
         match self.own.get(&id) {

@@ -8,12 +8,12 @@ codes! {
     BAD_NUMBER = "bad-number", "A `.` without digits.";
     COMPONENT_INDEX = "component-index", "After the `_` of a value stands a positive integer.";
     DUPLICATE_PARAMETER = "duplicate-parameter", "A parameter list names the same parameter twice.";
-    EXPECTED_DECLARATION = "expected-declaration", "Every declaration opens with one of the declaring words.";
+    EXPECTED_DECLARATION = "expected-declaration", "A declaration begins with one of the keywords.";
     MISMATCHED_BRACKET = "mismatched-bracket", "A bracket is closed by a bracket of another kind.";
     MISSING_ARGUMENT = "missing-argument", "A function stands without an operand.";
     MISSING_INTERVAL = "missing-interval", "Whatever has a domain (a curve, a surface, a metric, a geodesic) needs an interval for each of its parameters.";
     MISSING_SEMICOLON = "missing-semicolon", "A declaration ends without its `;`.";
-    MISSING_TAG = "missing-tag", "An interval of a domain opens with the parameter that it is for.";
+    MISSING_TAG = "missing-tag", "An interval of a domain begins with the parameter that it is for.";
     NAME_TAKEN = "name-taken", "A new name must be free: names are never redefined and parameters never shadow.";
     NAME_TOO_LONG = "name-too-long", "A name has at most 255 characters.";
     NO_PARAMETERS = "no-parameters", "A builtin function has no named parameters to derive by.";

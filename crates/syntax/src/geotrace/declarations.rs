@@ -20,7 +20,8 @@ pub enum Syntax {
     Function,
     /// `id(IDS) = EXPR, TINTS`: a function over a domain.
     Parametrized,
-    /// `id(IDS) : func = EXPR @ EXPR, TINTS`: a curve in the surface or metric `func`, from a start along a direction.
+    /// `id(IDS) : func = EXPR @ EXPR, TINTS`: a curve in the surface or metric `func`, from a start along a direction, or
+    /// without `@` between two places.
     InSurface,
 }
 
@@ -152,9 +153,9 @@ declarations! {
         syntax: Syntax::Parametrized,
         parameters: ParameterCount::Exactly(2),
         category: Category::Surface,
-        example: "surface s(u,v) = (u, v, u v), u : [0, 1], v : [0, 1];",
+        example: "surface s(u, v) = (u, v, u v), u : [0, 1], v : [0, 1];",
         purpose: "a surface in space, seen in 3D and from inside",
-        snippet: "surface ${1:s}(${2:u},${3:v}) = (${4:u}, ${5:v}, ${6:u v}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];",
+        snippet: "surface ${1:s}(${2:u}, ${3:v}) = (${4:u}, ${5:v}, ${6:u v}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];",
     }
     Point "point" {
         syntax: Syntax::Value,
@@ -176,16 +177,16 @@ declarations! {
         syntax: Syntax::Parametrized,
         parameters: ParameterCount::Exactly(2),
         category: Category::Metric,
-        example: "metric h(u,v) = (1/v^2, 0, 1/v^2), u : [-2, 2], v : [1, 4];",
+        example: "metric h(u, v) = (1/v^2, 0, 1/v^2), u : [-2, 2], v : [1, 4];",
         purpose: "a surface given by its first fundamental form (E, F, G), seen from inside",
-        snippet: "metric ${1:h}(${2:u},${3:v}) = (${4:1}, ${5:0}, ${6:1}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];",
+        snippet: "metric ${1:h}(${2:u}, ${3:v}) = (${4:1}, ${5:0}, ${6:1}),\n    ${2:u} : [${7:-1}, ${8:1}], ${3:v} : [${9:-1}, ${10:1}];",
     }
     Geodesic "geodesic" {
         syntax: Syntax::InSurface,
         parameters: ParameterCount::Exactly(1),
         category: Category::Curve,
         example: "geodesic g(t) : s = (1, 0) @ (0, 0), t : [0, 1];",
-        purpose: "a straightest line in a surface: direction @ start",
+        purpose: "a straightest line in a surface: direction @ start, or (p, q) from p to q",
         snippet: "geodesic ${1:g}(${2:t}) : ${3:s} = (${4:1}, ${5:0}) @ (${6:0}, ${7:0}), ${2:t} : [0, ${8:1}];",
     }
 }

@@ -22,7 +22,7 @@ use super::parser::lints::shadowed_split;
 use super::parser::parse_chunk;
 use super::parser::suggestions::each_declared;
 use super::records::{EventRecorder, Records};
-use super::symbols::{NameScope, Parsed, Symbol, Vocabulary};
+use super::symbols::{ForeignWord, NameScope, Parsed, Symbol, Vocabulary};
 use super::token::{Token, TokenKind};
 
 pub use super::records::{Parameters, ParseEvents, Tokens};
@@ -265,6 +265,10 @@ impl NameScope for ScopeView<'_, Geotrace> {
             TokenKind::Declare(_) => {}
             _ => self.record_name_lookup(Span::new(start, start + name.len() as u32)),
         }
+    }
+
+    fn foreign(&self) -> &'static [ForeignWord] {
+        self.first_builtin().map_or(&[], |symbol| symbol.foreign)
     }
 
     fn search(&self, _: &mut Search<'_>) {

@@ -50,8 +50,10 @@ with_symbols!(terminals);
 pub enum Nonterminal {
     Prog,
     Decl,
-    /// The value that a param opens with.
+    /// The initial value of a param.
     Opening,
+    /// The start of a geodesic, if it has a direction.
+    Origin,
     Fdecl,
     Head,
     Ids,
@@ -141,10 +143,12 @@ pub const PRODUCTIONS: &[Production] = {
         Decl = K(Point) T(Id) T(Equals) N(Expr) T(Semicolon);
         Decl = K(Vector) T(Id) T(Equals) N(Expr) T(At) N(Expr) T(Semicolon);
         Decl = K(Metric) N(Fdecl) T(Comma) N(Tints) T(Semicolon);
-        Decl = K(Geodesic) N(Head) T(Colon) T(Func) T(Equals) N(Expr) T(At) N(Expr) T(Comma) N(Tints) T(Semicolon);
+        Decl = K(Geodesic) N(Head) T(Colon) T(Func) T(Equals) N(Expr) N(Origin) T(Comma) N(Tints) T(Semicolon);
 
         Opening = T(Equals) N(Expr);
         Opening =;
+        Origin = T(At) N(Expr);
+        Origin =;
         Fdecl = N(Head) T(Equals) N(Expr);
         Head = T(Id) T(ParenOpen) N(Ids) T(ParenClose);
         Ids = T(Id) N(IdsTail);

@@ -6,16 +6,20 @@
 //! declaration keyword.
 //!
 //! - `declaration`: `DECL` and all that is not an expression.
+//! - `intervals`: the intervals of params, grids and domains.
 //! - `expression`: `EXPR` and all below it.
 //! - `names`: the token that a word is, new names, undefined words.
 //! - `lints`: warnings about legal text that is not read as it looks.
 //! - `deferred`: the parts of diagnostics that depend on other places of the text.
 //! - `suggestions`: what an undefined word may be meant to be.
+//! - `foreign`: what is written here in the place of words and signs of other notations.
 //! - `messages`: the sentences of lexical and syntax errors.
 
 mod declaration;
 pub(crate) mod deferred;
 mod expression;
+mod foreign;
+mod intervals;
 pub(crate) mod lints;
 mod messages;
 mod names;
@@ -148,6 +152,8 @@ struct DeclarationState<'s> {
     undefined: Vec<&'s str>,
     /// A syntax error has been reported: one is enough for a declaration.
     rejected: bool,
+    /// A report covers the rest of the declaration: characters that cannot stand there are passed in silence.
+    quiet: bool,
 }
 
 impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
@@ -237,7 +243,9 @@ impl<'s, 'a, A: Actions, S: NameScope> Parser<'s, 'a, A, S> {
                     run = Some((span.to(token.span), first));
                 }
                 (ended, fault) => {
-                    if let Some((span, first)) = ended {
+                    if let Some((span, first)) = ended
+                        && !self.state.quiet
+                    {
                         self.report(messages::bad_characters(self.source, span, first));
                     }
                     run = match fault {

@@ -17,6 +17,20 @@ pub type SymbolTrie = Trie<SymbolId>;
 #[derive(Clone, Debug, Default)]
 pub struct Vocabulary {
     builtins: Vec<Symbol>,
+    foreign: &'static [ForeignWord],
+}
+
+/// A word of another notation, and what is written here in its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForeignWord {
+    /// The word.
+    pub word: &'static str,
+    /// True if it is meant only where a bracket follows, false if only where none does; `None` for both.
+    pub is_applied: Option<bool>,
+    /// The hint.
+    pub hint: &'static str,
+    /// The text that replaces the word, if there is one wherever it stands.
+    pub replacement: Option<&'static str>,
 }
 
 /// The way in which a name is used.
@@ -47,6 +61,8 @@ pub struct Symbol {
     parameter_trie: Trie<u32>,
     /// The inverse of this builtin, if it is a builtin too.
     pub(crate) inverse: Option<Box<str>>,
+    /// The words of other notations, of a builtin.
+    pub(crate) foreign: &'static [ForeignWord],
 }
 
 /// Every symbol of a text, the builtins first.
@@ -75,6 +91,9 @@ pub(crate) trait NameScope {
     /// name that the rest begins with would have been taken instead.
     fn record_prefix_lookup(&mut self, rest: &str, start: u32, length: usize, kind: TokenKind);
 
+    /// The words of other notations.
+    fn foreign(&self) -> &'static [ForeignWord];
+
     /// Offers all names to a search.
     fn search(&self, search: &mut Search<'_>);
 
@@ -89,6 +108,7 @@ pub struct Parsed {
     pub trie: SymbolTrie,
     /// Their symbols.
     pub symbols: Symbols,
+    foreign: &'static [ForeignWord],
 }
 
 impl Vocabulary {
@@ -107,9 +127,23 @@ impl Vocabulary {
             faulty: false,
             parameter_trie: Trie::default(),
             inverse: None,
+            foreign: &[],
         });
-        let builtins = builtins.collect();
-        Self { builtins }
+        Self {
+            builtins: builtins.collect(),
+            foreign: &[],
+        }
+    }
+
+    /// Returns the vocabulary with words of other notations, which mean nothing here: their diagnostics say what is written
+    /// in their place.
+    #[must_use]
+    pub fn with_foreign(mut self, words: &'static [ForeignWord]) -> Self {
+        self.foreign = words;
+        for builtin in &mut self.builtins {
+            builtin.foreign = words;
+        }
+        self
     }
 
     /// Returns the vocabulary with `inverse` as the inverse of `function`: the warning at `sin^-1 x` then names `asin`.
@@ -130,7 +164,10 @@ impl Vocabulary {
 
     /// The names that a text starts with.
     pub(crate) fn start(&self) -> Parsed {
-        let mut parsed = Parsed::default();
+        let mut parsed = Parsed {
+            foreign: self.foreign,
+            ..Parsed::default()
+        };
         for symbol in &self.builtins {
             parsed.define(symbol.clone());
         }
@@ -165,6 +202,7 @@ impl Symbol {
             faulty,
             parameter_trie: if is_long { trie } else { Trie::default() },
             inverse: None,
+            foreign: &[],
         }
     }
 
@@ -205,6 +243,10 @@ impl NameScope for Parsed {
 
     fn define(&mut self, symbol: Symbol) -> SymbolId {
         Self::define(self, symbol)
+    }
+
+    fn foreign(&self) -> &'static [ForeignWord] {
+        self.foreign
     }
 
     fn search(&self, search: &mut Search<'_>) {

@@ -80,7 +80,7 @@ function M.follow_cursor(buffer)
   })
 end
 
--- Stops the server and starts it anew for all Geotrace buffers.
+-- Restarts the server for all Geotrace buffers.
 function M.restart()
   local running = vim.lsp.get_clients({ name = "geotrace" })
   local buffers = {}

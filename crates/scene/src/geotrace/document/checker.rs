@@ -392,16 +392,15 @@ impl Checker {
         }
         let symbols = &self.declarations.lowerer.symbols;
         match (symbols.meaning(before.own), symbols.meaning(now.own)) {
-            (Meaning::Poisoned, Meaning::Poisoned) | (Meaning::Geodesic, Meaning::Geodesic) => {
-                Some(None)
-            }
+            (Meaning::Poisoned, Meaning::Poisoned) => Some(None),
+            (Meaning::Geodesic(a), Meaning::Geodesic(b)) => (a == b).then_some(None),
             (Meaning::Constant(a), Meaning::Constant(b)) => {
                 (a.value == b.value && a.dependencies == b.dependencies).then_some(None)
             }
             (Meaning::Declared(a), Meaning::Declared(b)) => {
                 let manifold = |own| {
                     let manifold = self.declarations.manifold_of(own);
-                    manifold.map(|it| (it.domain, it.dependencies))
+                    manifold.map(|it| (it.nodes.domain, it.dependencies))
                 };
                 if before.chunk != now.chunk
                     || a.parameters != b.parameters

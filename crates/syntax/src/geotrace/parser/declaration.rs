@@ -1,19 +1,15 @@
 //! Declarations: `DECL` and all below it that is not an expression.
 
 use super::messages::quote;
-use super::names::{self, Mode, list};
+use super::names::{self, Mode};
 use super::suggestions::nearest_keyword;
-use super::{DeclarationState, Parser, Stop};
-use crate::geotrace::actions::{Actions, Declaration, Interval, IntervalKind, Operator};
-use crate::geotrace::codes;
+use super::{DeclarationState, Parser, Stop, foreign};
+use crate::geotrace::actions::{Actions, Declaration, Operator};
 use crate::geotrace::declarations::{DeclarationKeyword, Syntax};
 use crate::geotrace::symbols::{NameScope, Symbol};
-use crate::geotrace::token::{Token, TokenKind};
+use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 use crate::symbol::SymbolId;
-
-/// An interval's tag: the position of the parameter that it names, if it names one, and its place.
-type Tag = Option<(Option<u32>, Span)>;
 
 /// A geodesic as it is written.
 const GEODESIC: &str = "geodesic g(t) : s = (a, b) @ (u, v), t : [0, length];";
@@ -45,6 +41,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         let text = word.text(self.source);
         let following = self.following(word.end);
         let guess = nearest_keyword(text)
+            .or_else(|| foreign::keyword(text, self.is_head(word.end)))
             .filter(|_| is_word && following.is_some_and(|byte| byte.is_ascii_alphabetic()));
         let is_free = is_word && self.parsed.get(text).is_none();
         if is_word {
@@ -84,6 +81,13 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 }
             }
         }
+    }
+
+    /// Returns true if a name and an opening bracket follow at a place.
+    fn is_head(&self, offset: u32) -> bool {
+        let rest = self.source[offset as usize..].trim_start();
+        let name = rest.trim_start_matches(|c: char| c.is_ascii_alphanumeric());
+        name.len() < rest.len() && name.trim_start().starts_with('(')
     }
 
     /// The rest of a declaration, from its name (the current token) to behind its `;`.
@@ -168,7 +172,9 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 self.head(keyword)?;
                 self.surface()?;
                 self.expression()?;
-                self.origin("the parameters where the geodesic starts", GEODESIC)?;
+                if self.current.kind != TokenKind::Comma {
+                    self.origin("the parameters where the geodesic starts", GEODESIC)?;
+                }
                 self.tints()?;
             }
         }
@@ -183,11 +189,17 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         if self.current.kind != TokenKind::Equals {
             return self.after_name(keyword, TokenKind::Colon, "`:`");
         }
+        let equals = self.current.span.start;
         self.advance(Mode::Expression);
         let value = self.expression()?;
         if self.current.kind == TokenKind::Colon {
             self.advance(Mode::Expression);
             return Ok(());
+        }
+        if let Some(interval) = foreign::interval(value.text(self.source)) {
+            let written = format!(": {}", interval.written());
+            let place = Span::new(equals, value.end);
+            return Err(self.foreign_interval(place, &written));
         }
         let form = format!(
             "param {} = {} : [min, max];",
@@ -290,7 +302,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         }
         if self.current.kind != TokenKind::Equals {
             let diagnostic = self
-                .expected_diagnostic("`=` and the geodesic's direction")
+                .expected_diagnostic("`=` and the geodesic's direction or its two places")
                 .with_hint(format!("write `{GEODESIC}`"));
             return Err(self.reject(diagnostic));
         }
@@ -333,139 +345,6 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             return Err(self.unclosed(opening, ')', "`,` or "));
         }
         self.advance(Mode::Expression);
-        Ok(())
-    }
-
-    /// `INTS` of a param, `GRIDS` of a grid.
-    fn intervals(&mut self, keyword: DeclarationKeyword) -> Result<(), Stop> {
-        self.interval(keyword, None)?;
-        while self.current.kind == TokenKind::Comma {
-            self.advance(Mode::Expression);
-            self.interval(keyword, None)?;
-        }
-        Ok(())
-    }
-
-    /// `"," TINTS` of what has a domain.
-    fn tints(&mut self) -> Result<(), Stop> {
-        if self.current.kind != TokenKind::Comma {
-            let ends = matches!(
-                self.current.kind,
-                TokenKind::Semicolon | TokenKind::Declare(_) | TokenKind::Eoi
-            );
-            if !ends {
-                return Err(self.expected("`,` and an interval for each parameter"));
-            }
-            let name = quote(self.state.name);
-            let missing: Vec<String> = (self.state.parameters.iter())
-                .take(2)
-                .map(|parameter| format!(", {} : [min, max]", parameter.name))
-                .collect();
-            let found = self.found();
-            let message = format!("{name} needs an interval for each parameter, found {found}");
-            let hint = format!("write {} before the `;`", quote(&missing.concat()));
-            let diagnostic = self.here(codes::MISSING_INTERVAL, message).with_hint(hint);
-            return Err(self.reject(diagnostic));
-        }
-        while self.current.kind == TokenKind::Comma {
-            self.advance(Mode::Tag);
-            self.tint()?;
-        }
-        Ok(())
-    }
-
-    /// `TINT = id ":" INT | id ":" GRID`
-    fn tint(&mut self) -> Result<(), Stop> {
-        let span = self.current.span;
-        let tag = match self.current.kind {
-            TokenKind::Variable(parameter) => Some((Some(parameter), span)),
-            TokenKind::Undefined => {
-                let names = list(&self.state.parameters);
-                let message = format!(
-                    "{} is not a parameter of {}{names}",
-                    self.found(),
-                    quote(self.state.name)
-                );
-                let diagnostic = self.here(codes::UNKNOWN_TAG, message);
-                self.report(diagnostic);
-                Some((None, span))
-            }
-            TokenKind::BracketOpen => {
-                let name = match self.state.parameters.first() {
-                    Some(parameter) => &parameter.name,
-                    None => "t",
-                };
-                let form = quote(&format!("{name} : […]"));
-                let message = format!("this interval needs its parameter before it, as in {form}");
-                let diagnostic = self.here(codes::MISSING_TAG, message);
-                self.report(diagnostic);
-                None
-            }
-            _ => return Err(self.expected("the name of a parameter and its interval")),
-        };
-        if tag.is_some() {
-            self.advance(Mode::Expression);
-            if self.current.kind != TokenKind::Colon {
-                return Err(self.expected("`:` after the name of the parameter"));
-            }
-            self.advance(Mode::Expression);
-        }
-        self.interval(DeclarationKeyword::Curve, tag)
-    }
-
-    /// `INT = "[" EXPR "," EXPR "]"` of a param, `GRID = "[" EXPR "," EXPR "," EXPR "]"` of a grid, either
-    /// of a curve or a surface.
-    fn interval(&mut self, keyword: DeclarationKeyword, tag: Tag) -> Result<(), Stop> {
-        let opening = self.current.span;
-        if self.current.kind != TokenKind::BracketOpen {
-            let form = match keyword {
-                DeclarationKeyword::Grid => "an interval `[a, b, n]`",
-                _ => "an interval `[a, b]`",
-            };
-            return Err(self.expected(form));
-        }
-        self.advance(Mode::Expression);
-        self.expression()?;
-        if self.current.kind != TokenKind::Comma {
-            return Err(match self.current.kind {
-                TokenKind::BracketClose => self.expected("`,` and the interval's other end"),
-                _ => self.unclosed(opening, ']', "`,` or "),
-            });
-        }
-        self.advance(Mode::Expression);
-        self.expression()?;
-        let mut kind = IntervalKind::Range;
-        match (self.current.kind, keyword) {
-            (TokenKind::Comma, DeclarationKeyword::Param) => {
-                let diagnostic = self.expected_diagnostic("`]`").with_hint(
-                    "a param's interval is `[min, max]`; one with a count belongs to a `grid`",
-                );
-                return Err(self.reject(diagnostic));
-            }
-            (TokenKind::BracketClose, DeclarationKeyword::Grid) => {
-                let diagnostic = self
-                    .expected_diagnostic("`,` and the number of values")
-                    .with_hint("a grid's interval is `[a, b, n]`");
-                return Err(self.reject(diagnostic));
-            }
-            (TokenKind::Comma, _) => {
-                self.advance(Mode::Expression);
-                self.expression()?;
-                kind = IntervalKind::Grid;
-            }
-            _ => {}
-        }
-        let Token { kind: found, span } = self.current;
-        if found != TokenKind::BracketClose {
-            let separator = match (kind, keyword) {
-                (IntervalKind::Range, DeclarationKeyword::Curve) => "`,` or ",
-                _ => "",
-            };
-            return Err(self.unclosed(opening, ']', separator));
-        }
-        self.advance(Mode::Expression);
-        let span = opening.to(span);
-        self.act_interval(Interval { kind, span, tag });
         Ok(())
     }
 }

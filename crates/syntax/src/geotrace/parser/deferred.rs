@@ -45,6 +45,8 @@ pub struct Undefined {
     pub(crate) offset: u32,
     /// The hint that follows from the declaration alone.
     pub(crate) hint: Option<String>,
+    /// The text that replaces the last bytes of the word, so many.
+    pub(crate) replacement: Option<(u32, &'static str)>,
     /// The parameters that may have been meant.
     pub(crate) parameters: Option<Trie<u32>>,
 }
@@ -123,6 +125,11 @@ impl Undefined {
             return;
         }
         diagnostic.hint = self.hint.clone();
+        if let Some((length, text)) = self.replacement {
+            let end = diagnostic.span.end;
+            let fix = Fix::change(Span::new(end - length, end), text, true);
+            diagnostic.fixes.push(fix.with_all());
+        }
         if self.hint.is_none() && searches < MAX_SEARCHES {
             // The rest of a word ends where the whole word does, and the diagnostic's place is that of the rest.
             let end = diagnostic.span.end;

@@ -68,10 +68,24 @@ impl LintState {
 impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// Reports a warning. `written` are texts that say one of the two readings without doubt, for fixes.
     fn warn(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
+        let fixes = written.iter().map(|text| Fix::write(span, text));
+        self.warn_with(span, message, hint, fixes.collect());
+    }
+
+    /// Reports a warning whose first fix writes what it looks like: it may be applied together with others.
+    fn warn_of_argument(&mut self, span: Span, message: String, hint: String, written: &[&str]) {
+        let fixes = written.iter().map(|text| Fix::write(span, text));
+        let mut fixes: Vec<Fix> = fixes.collect();
+        if let Some(first) = fixes.first_mut() {
+            first.all = true;
+        }
+        self.warn_with(span, message, hint, fixes);
+    }
+
+    fn warn_with(&mut self, span: Span, message: String, hint: String, fixes: Vec<Fix>) {
         if !self.state.silent {
             let mut warning = Diagnostic::warning(codes::SURPRISING_READING, span, message);
-            let fixes = written.iter().map(|text| Fix::write(span, text));
-            warning.fixes.extend(fixes);
+            warning.fixes = fixes;
             self.report(warning.with_hint(hint));
         }
     }
@@ -115,6 +129,14 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         };
         let (read, meant) = (quote(&read), quote(&meant));
         let message = format!("{written} is read as {read}");
+        if operand.start == function.end
+            && let Some(known) = self.foreign_word(&format!("{name}{number}"), true)
+        {
+            let written = quote(&format!("{name}{number}{next}"));
+            let message = format!("{written} is read as {read}");
+            self.warn(span, message, known.hint.to_owned(), &[]);
+            return;
+        }
         self.warn(
             span,
             message,
@@ -181,7 +203,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             let written = quote(&format!("{name}{base}^{power}"));
             let read = quote(&format!("{name}({base}^{power})"));
             let message = format!("{written} is read as {read}");
-            self.warn(function.to(exponent), message, hint, fixes);
+            self.warn_of_argument(function.to(exponent), message, hint, fixes);
         }
     }
 
@@ -203,7 +225,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             let meant = format!("({name}{value_text}){index}");
             let message = format!("{written} is read as {read}");
             let hint = format!("write {} for a component of the value", quote(&meant));
-            self.warn(function.to(component), message, hint, &[&meant]);
+            self.warn_of_argument(function.to(component), message, hint, &[&meant]);
         }
     }
 }

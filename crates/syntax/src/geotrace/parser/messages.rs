@@ -1,7 +1,7 @@
 //! The sentences of lexical and syntax errors, in the user's words.
 
 use super::deferred::Deferred;
-use super::{Parser, Stop};
+use super::{Parser, Stop, foreign};
 use crate::diagnostic::{Code, Diagnostic, Fix};
 use crate::geotrace::actions::Actions;
 use crate::geotrace::codes;
@@ -51,12 +51,23 @@ pub(super) fn bad_characters(source: &str, span: Span, first: char) -> Diagnosti
     } else {
         format!("{shown} cannot stand here")
     };
-    let diagnostic = Diagnostic::error(codes::BAD_CHARACTER, span, message);
+    let mut diagnostic = Diagnostic::error(codes::BAD_CHARACTER, span, message);
+    let before = source[..span.start as usize].trim_end_matches([' ', '\t']);
+    if first == '%' && (before.is_empty() || before.ends_with(['\n', ';'])) {
+        let fix = Fix::change(Span::new(span.start, span.start + 1), "#", true);
+        return diagnostic.with_hint(COMMENT).with_fix(fix.with_all());
+    }
+    if let Some(text) = equivalent(first).filter(|_| single) {
+        diagnostic = diagnostic.with_fix(Fix::change(span, text, true).with_all());
+    }
     match substitute(first) {
         Some(hint) => diagnostic.with_hint(hint),
         None => diagnostic,
     }
 }
+
+/// The hint at a comment of another language.
+const COMMENT: &str = "a comment begins with `#`";
 
 /// An error, or a warning, of a number.
 pub(super) fn bad_number(source: &str, span: Span, fault: Fault) -> Diagnostic {
@@ -96,20 +107,37 @@ fn visible(text: &str) -> String {
     text.map(show).collect()
 }
 
+/// The text with the meaning of a character, wherever that stands.
+fn equivalent(character: char) -> Option<&'static str> {
+    Some(match character {
+        '\u{2212}' => "-",
+        '×' | '∗' => "*",
+        '÷' | '∕' => "/",
+        '²' => "^2",
+        '³' => "^3",
+        '’' | '′' => "'",
+        'π' => "pi",
+        'τ' => "(2pi)",
+        '√' => "sqrt",
+        _ => return None,
+    })
+}
+
 /// The hint for a character that is often pasted by mistake.
 fn substitute(character: char) -> Option<&'static str> {
     Some(match character {
         '\u{2212}' | '\u{2010}'..='\u{2015}' => "write `-`",
-        '×' | '·' | '∗' | '⋅' | '•' => "write `*`",
+        '×' | '∗' => "write `*`",
+        '·' | '⋅' | '•' => "write `a b` for the product, of vectors the dot product",
         '÷' | '∕' => "write `/`",
         '²' => "write `^2`",
         '³' => "write `^3`",
         '‘' | '’' | '′' | '`' | '"' | '″' => "write `'`",
         'π' => "write `pi`",
+        'τ' => "write `2pi`",
+        '<' | '>' | '≤' | '≥' => "an interval is written `t : [a, b]`",
         '√' => "write `sqrt`",
-        '!' | '%' | '&' | '|' | '<' | '>' | '?' | '~' | '$' | '\\' => {
-            "the operators are `+ - * / ^ _ '`"
-        }
+        '!' | '%' | '&' | '|' | '?' | '~' | '$' | '\\' => "the operators are `+ - * / ^ _ '`",
         '\u{FEFF}' | '\u{200B}'..='\u{200F}' => "remove it",
         _ if character.is_whitespace() => "use an ordinary space",
         _ => return None,
@@ -211,6 +239,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             self.state.faulty = true;
             return;
         }
+        let rest = &self.source[self.current.span.start as usize..];
+        if let Some(sign) = foreign::comment(rest) {
+            self.reject_comment(rest, sign);
+            return;
+        }
         let hint = match (guess, unworded) {
             (Some(guess), _) => format!("did you mean `{}`?", guess.text()),
             (None, Some(word)) => {
@@ -218,11 +251,12 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 format!("write {written}")
             }
             _ if self.current.kind == TokenKind::Semicolon => "remove it".to_owned(),
+            _ if let Some(hint) = foreign::style(name) => hint.to_owned(),
             _ => {
                 let words = DeclarationKeyword::ALL
                     .map(DeclarationKeyword::text)
                     .join("`, `");
-                format!("a declaration opens with one of `{words}`")
+                format!("a declaration begins with one of `{words}`")
             }
         };
         let message = format!("expected a declaration, found {}", self.found());
@@ -236,19 +270,40 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.reject(diagnostic);
     }
 
+    /// Rejects a comment of another language in the place of a declaration.
+    fn reject_comment(&mut self, rest: &str, sign: &str) {
+        let start = self.current.span.start;
+        let place = |length: usize| Span::new(start, start + length as u32);
+        let message = format!("expected a declaration, found `{sign}`");
+        let mut diagnostic =
+            Diagnostic::error(codes::EXPECTED_DECLARATION, place(sign.len()), message)
+                .with_hint(COMMENT);
+        let fix = match sign {
+            "/*" => foreign::block_comment(rest).map(|(length, text)| Fix {
+                title: "Write lines that begin with `#`".to_owned(),
+                ..Fix::change(place(length), &text, true)
+            }),
+            sign => Some(Fix::change(place(sign.len()), "#", true)),
+        };
+        diagnostic.fixes.extend(fix.map(Fix::with_all));
+        self.reject(diagnostic);
+    }
+
     /// Rejects the current token in the place of the `;` that ends a declaration.
     pub(super) fn expected_end(&mut self, keyword: DeclarationKeyword) -> Stop {
         let end = self.previous.span.end;
         let found = self.found();
         let diagnostic = match self.current.kind {
             TokenKind::Declare(_) | TokenKind::Eoi => {
-                let diagnostic = self
-                    .here(
-                        codes::MISSING_SEMICOLON,
-                        format!("missing `;` after this declaration, found {found}"),
-                    )
+                let message = format!("missing `;` after this declaration, found {found}");
+                let mut diagnostic = self.here(codes::MISSING_SEMICOLON, message);
+                if self.current.kind == TokenKind::Eoi {
+                    // The text may end lines below: the declaration's end is where to look.
+                    diagnostic.span = self.previous.span;
+                }
+                let diagnostic = diagnostic
                     .with_related(Span::new(end, end), "the `;` belongs here")
-                    .with_fix(Fix::insert("Insert `;`", end, ";"));
+                    .with_fix(Fix::insert("Insert `;`", end, ";").with_all());
                 let deferred = Deferred::Semicolon {
                     after: describe(self.source, self.previous),
                     offset: self.previous.span.start,

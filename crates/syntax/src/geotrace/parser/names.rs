@@ -9,7 +9,7 @@ use crate::geotrace::actions::{Actions, Parameter};
 use crate::geotrace::codes;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::{Lexeme, Word};
-use crate::geotrace::symbols::{NameScope, SymbolKind};
+use crate::geotrace::symbols::{ForeignWord, NameScope, SymbolKind};
 use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 use crate::symbol::SymbolId;
@@ -81,9 +81,12 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         Ok(())
     }
 
+    /// The name of a parameter, as a sentence says what is expected.
+    const PARAMETER: &'static str = "the name of a parameter";
+
     /// Reads a name in a parameter list. One that is not free is reported; it keeps its place in the list.
     pub(super) fn new_parameter(&mut self) -> Result<(), Stop> {
-        let mut free = self.free_name("the name of a parameter")?;
+        let mut free = self.free_name(Self::PARAMETER)?;
         let span = self.current.span;
         let name = span.text(self.source);
         if free && name == self.state.name {
@@ -112,6 +115,8 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         }
         if !free {
             self.state.faulty = true;
+            // In the body it is read as what it names already: what comes of that is its doing.
+            self.state.rejected = true;
         }
         let name = name.to_owned();
         self.state.parameters.push(Parameter { name, span });
@@ -130,12 +135,17 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                 self.here(codes::NAME_TOO_LONG, message).with_hint(hint)
             }
             TokenKind::Constant(id) | TokenKind::Function(id) => {
-                let diagnostic = self.name_taken(id);
+                let mut diagnostic = self.name_taken(id);
+                if what == Self::PARAMETER {
+                    let hint =
+                        "a parameter may not hide a name that stands above: rename one of them";
+                    diagnostic = diagnostic.with_hint(hint);
+                }
                 self.report_deferred(diagnostic, Deferred::Taken(id));
                 return Ok(false);
             }
             TokenKind::Declare(_) if !self.is_followed_by_word() => {
-                let message = format!("`{name}` opens a declaration: it cannot be a name");
+                let message = format!("`{name}` is a keyword: it cannot be a name");
                 self.here(codes::NAME_TAKEN, message)
                     .with_hint("choose another name")
             }
@@ -217,6 +227,15 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
         self.flagged = true;
     }
 
+    /// The word of another notation, if it is one. `is_applied` says that a bracket follows.
+    pub(super) fn foreign_word(&self, word: &str, is_applied: bool) -> Option<ForeignWord> {
+        let mut all = self.parsed.foreign().iter();
+        let fits = |it: &&ForeignWord| {
+            it.word == word && it.is_applied.is_none_or(|applied| applied == is_applied)
+        };
+        all.find(fits).copied()
+    }
+
     fn report_undefined(&mut self) {
         let span = self.current.span;
         let word = span.text(self.source);
@@ -234,11 +253,20 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             message.push_str(&format!(": {} is read as {reading}", quote(whole)));
         }
         let diagnostic = self.here(codes::UNDEFINED_NAME, message);
+        let is_applied = self.following(whole_span.end) == Some(b'(');
+        let equivalent = [whole, word]
+            .into_iter()
+            .find_map(|word| Some((word.len() as u32, self.foreign_word(word, is_applied)?)));
+        let own = self.undefined_hint(whole, word);
+        let replacement = equivalent
+            .filter(|_| own.is_none())
+            .and_then(|(length, it)| Some((length, it.replacement?)));
         let undefined = Undefined {
             whole: whole.to_owned(),
             word: word.to_owned(),
             offset: span.start,
-            hint: self.undefined_hint(whole, word),
+            hint: own.or_else(|| Some(equivalent?.1.hint.to_owned())),
+            replacement,
             parameters: (self.state.in_body).then(|| self.state.parameter_trie.clone()),
         };
         self.report_deferred(diagnostic, Deferred::Undefined(undefined));
@@ -266,6 +294,10 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
                     format!("{name} is a parameter: an interval's ends are constants")
                 },
             );
+        }
+        let front = self.source[..self.current.span.start as usize].trim_end();
+        if word == whole && front.ends_with("//") {
+            return Some("a comment begins with `#`".to_owned());
         }
         let after_number = matches!(self.previous.kind, TokenKind::Number(_));
         let touches = self.previous.span.end == self.current.span.start;

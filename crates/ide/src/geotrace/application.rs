@@ -1,0 +1,159 @@
+//! Applications in a text: the value of `s(1, 2)` where it stands, and for a surface or a metric the curvature there.
+//!
+//! In: the token of a function's name. Out: sentences; none where an argument is a parameter of the body around it, or where
+//! a declaration that it needs has an error.
+
+use std::collections::BTreeSet;
+
+use geodesic::metric::{Metric, gaussian_curvature};
+use geometry::Manifold;
+use scene::{Outcome, ParamValues, Value};
+use syntax::geotrace::token::TokenKind;
+use syntax::span::Span;
+use syntax::symbol::SymbolId;
+
+use super::analysis::GeotraceAnalysis;
+use super::hints::{short, shown};
+
+/// The most tokens that an application has.
+const LONGEST: usize = 200;
+/// The most declarations that are compiled for one value.
+const MOST_DECLARATIONS: usize = 500;
+
+/// Describes the value of the application whose function is this token.
+pub(crate) fn describe(analysis: &GeotraceAnalysis, token: usize) -> Vec<String> {
+    Application::at(analysis, token)
+        .and_then(|application| application.sentences(analysis))
+        .unwrap_or_default()
+}
+
+/// A function with its arguments in brackets.
+struct Application {
+    /// The application, from the function's name to the bracket's end.
+    text: String,
+    /// The function alone, without derivatives.
+    name: String,
+    /// The bracket with the arguments.
+    arguments: String,
+    is_derived: bool,
+    symbols: Vec<SymbolId>,
+}
+
+impl Application {
+    fn at(analysis: &GeotraceAnalysis, token: usize) -> Option<Self> {
+        let function = analysis.token(token)?;
+        let TokenKind::Function(id) = function.kind else {
+            return None;
+        };
+        let mut symbols = vec![id];
+        let mut bracket: Option<u32> = None;
+        let mut depth = 0;
+        let mut follows_underscore = false;
+        for next in analysis.tokens(token + 1..token + LONGEST) {
+            match next.kind {
+                TokenKind::ParenOpen | TokenKind::BracketOpen | TokenKind::BraceOpen => {
+                    bracket.get_or_insert(next.span.start);
+                    depth += 1;
+                }
+                TokenKind::ParenClose | TokenKind::BracketClose | TokenKind::BraceClose => {
+                    depth -= 1;
+                }
+                // A derivative.
+                TokenKind::Prime | TokenKind::Underscore if bracket.is_none() => {}
+                TokenKind::Variable(_) if bracket.is_none() && follows_underscore => {}
+                TokenKind::Variable(_) if !derives(analysis, next.span.start) => return None,
+                TokenKind::Variable(_) => {}
+                TokenKind::Constant(id) | TokenKind::Function(id) if bracket.is_some() => {
+                    symbols.push(id);
+                }
+                TokenKind::Undefined
+                | TokenKind::Declare(_)
+                | TokenKind::Semicolon
+                | TokenKind::Equals
+                | TokenKind::Error => return None,
+                _ if bracket.is_none() => return None,
+                _ => {}
+            }
+            follows_underscore = next.kind == TokenKind::Underscore;
+            if let Some(start) = bracket
+                && depth == 0
+            {
+                let (whole, own) = (
+                    Span::new(function.span.start, next.span.end),
+                    Span::new(start, next.span.end),
+                );
+                return Some(Self {
+                    text: analysis.slice(whole),
+                    name: function.text.to_owned(),
+                    arguments: analysis.slice(own),
+                    is_derived: start > function.span.end,
+                    symbols,
+                });
+            }
+        }
+        None
+    }
+
+    fn sentences(&self, analysis: &GeotraceAnalysis) -> Option<Vec<String>> {
+        let needed = declarations(analysis, &self.symbols)?;
+        let moves =
+            |id: &SymbolId| analysis.item_of(*id).is_some() && analysis.depends_on_settings(*id);
+        let start = match self.symbols.iter().any(moves) {
+            true => ", with every param at its start",
+            false => "",
+        };
+        let compilation = scene::geotrace::compile(&needed);
+        let scene = compilation.scene.as_ref()?;
+        let params = ParamValues::initial(scene);
+        let value = |text: &str| match compilation.evaluate(text, &params).ok()?.outcome {
+            Outcome::Single(value) => Some(value),
+            Outcome::Instances(_) => None,
+        };
+        let result = shown(&value(&self.text)?);
+        let written: Vec<&str> = self.text.split_whitespace().collect();
+        let mut sentences = vec![format!("`{}` = {result}{start}", written.join(" "))];
+        let Some(Value::Vector(arguments)) = value(&self.arguments).filter(|_| !self.is_derived)
+        else {
+            return Some(sentences);
+        };
+        let [Some(u), Some(v)] = arguments[..] else {
+            return Some(sentences);
+        };
+        if let Some((id, object)) = scene.object(&self.name)
+            && object.shape.manifold().is_some()
+            && let Ok(manifold) = Manifold::new(scene, id, &params.first_instance(scene, object))
+        {
+            let jet = manifold.surface().jet([u, v].into());
+            let Metric { e, f, g, .. } = Metric::of(&jet);
+            let [e, f, g, k] = [e, f, g, gaussian_curvature(&jet)].map(short);
+            sentences.push(format!(
+                "there K = {k}, E = {e}, F = {f}, G = {g}, from exact derivatives"
+            ));
+        }
+        Some(sentences)
+    }
+}
+
+/// Returns true if a word follows an underscore: it names the parameter of a derivative.
+fn derives(analysis: &GeotraceAnalysis, start: u32) -> bool {
+    let before = Span::new(start.saturating_sub(1), start);
+    analysis.slice(before) == "_"
+}
+
+/// The text of the declarations of some symbols, and of all that they use. None if there are too many.
+fn declarations(analysis: &GeotraceAnalysis, symbols: &[SymbolId]) -> Option<String> {
+    let mut open = symbols.to_vec();
+    let mut items: BTreeSet<usize> = BTreeSet::new();
+    while let Some(id) = open.pop() {
+        let Some(item) = analysis.item_of(id).filter(|item| items.insert(*item)) else {
+            continue;
+        };
+        if items.len() > MOST_DECLARATIONS {
+            return None;
+        }
+        open.extend(analysis.symbols_in(analysis.item(item)?.span));
+    }
+    let texts = items.into_iter().filter_map(|item| analysis.item(item));
+    let texts = texts.map(|item| analysis.slice(item.span) + "\n");
+    Some(texts.collect())
+}

@@ -1,0 +1,421 @@
+//! Values of geodesics, which no formula gives: they are integrated.
+//!
+//! In: what a program says of a geodesic, as nodes of a graph, and the numbers of the params. Out: a few numbers for each
+//! value, which expressions read as inputs like any other, or the reason why there are none.
+//!
+//! What has been integrated is kept, by the numbers that it depends on: a slider that moves one of two geodesics leaves the
+//! other as it is.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use expr::tape::{Registers, Tape};
+use expr::{Graph, Input, NodeId};
+use geodesic::intrinsic::MetricSurface;
+use geodesic::measure::{self, MeasureError};
+use geodesic::surface::{ParametricSurface, Surface};
+use geodesic::trace::{Options, Status, trace};
+
+use crate::initial_conditions::{InitialConditions, InitialConditionsError};
+use crate::range::Range;
+
+/// A surface or a metric, as far as geodesics on it depend on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ManifoldNodes {
+    /// The position, or E, F and G, over `Variable(0)` and `Variable(1)`.
+    pub components: [NodeId; 3],
+    /// True if the components are those of a metric.
+    pub is_metric: bool,
+    /// The intervals of the two parameters.
+    pub domain: [Range; 2],
+}
+
+/// The part of a geodesic that is a value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ValueKind {
+    /// The shortest geodesic between two places: where it starts, its velocity there, and its length, which is that of the
+    /// velocity. Five numbers.
+    Connection {
+        /// (u, v) of the first place.
+        from: [NodeId; 2],
+        /// (u, v) of the second place.
+        to: [NodeId; 2],
+    },
+    /// A point of a geodesic and its velocity there: (u, v) and (u', v'). Four numbers.
+    Point {
+        /// (u, v) where the geodesic starts.
+        start: [NodeId; 2],
+        /// Its direction there.
+        direction: [NodeId; 2],
+        /// The length of one unit of its parameter; 1 if there is no node.
+        unit: Option<NodeId>,
+        /// The parameter.
+        at: NodeId,
+    },
+}
+
+/// A value of a geodesic.
+#[derive(Clone, Debug)]
+pub struct GeodesicValue {
+    /// The geodesic's name.
+    pub geodesic: Arc<str>,
+    /// The surface or metric that it lies on.
+    pub manifold: ManifoldNodes,
+    /// The value.
+    pub kind: ValueKind,
+    /// The number of the input that is its first number; the others follow. A uniform, or along a curve a variable.
+    pub first: u32,
+}
+
+/// The reason why a geodesic has no value. Its text is the end of a sentence about the geodesic.
+#[derive(Clone, Debug, PartialEq)]
+pub enum GeodesicFault {
+    /// A number that it depends on is undefined.
+    UndefinedInput,
+    /// It cannot start.
+    Start(InitialConditionsError),
+    /// A place between which it should run is none of the surface.
+    Place(MeasureError),
+    /// No geodesic between the two places was found.
+    NoConnection {
+        /// (u, v) of the first place.
+        from: [f64; 2],
+        /// (u, v) of the second place.
+        to: [f64; 2],
+    },
+    /// It ends before the parameter.
+    Ends {
+        /// The parameter at which it ends.
+        end: f64,
+        /// The parameter that was given.
+        at: f64,
+        /// The reason why it ends.
+        status: Status,
+    },
+    /// The derivatives of the surface exceed the limit for expressions.
+    TooLarge,
+}
+
+/// The values that were integrated, and the surfaces. Clones share them. They belong to one graph.
+#[derive(Clone, Debug, Default)]
+pub struct GeodesicCache(Arc<Mutex<KeptValues>>);
+
+#[derive(Default)]
+struct KeptValues {
+    surfaces: HashMap<ManifoldKey, Option<Arc<dyn Surface + Send>>>,
+    values: HashMap<ValueKey, Solution>,
+    integrated: u64,
+}
+
+/// A manifold with the numbers that it reads.
+#[derive(Clone, Eq, Hash, PartialEq)]
+struct ManifoldKey {
+    is_metric: bool,
+    components: [NodeId; 3],
+    numbers: Vec<u64>,
+}
+
+/// A value with the numbers that it is computed from.
+#[derive(Eq, Hash, PartialEq)]
+struct ValueKey {
+    manifold: ManifoldKey,
+    width: u32,
+    numbers: Vec<u64>,
+}
+
+/// The numbers of a value.
+type Solution = Result<[f64; 5], GeodesicFault>;
+
+/// The most surfaces that are kept, and the most values.
+const MOST_SURFACES: usize = 1 << 8;
+const MOST_VALUES: usize = 1 << 16;
+
+impl GeodesicValue {
+    /// The number of its numbers.
+    pub fn width(&self) -> u32 {
+        self.kind.width()
+    }
+
+    /// The nodes that it is computed from. Those of the manifold, the first three, read the variables of the manifold.
+    pub fn nodes(&self) -> Vec<NodeId> {
+        let mut all = self.manifold.components.to_vec();
+        all.extend(self.kind.nodes());
+        all
+    }
+
+    /// The nodes of [`GeodesicValue::nodes`], to be replaced.
+    pub(crate) fn nodes_mut(&mut self) -> Vec<&mut NodeId> {
+        let components = self.manifold.components.iter_mut();
+        let (first, second, rest) = match &mut self.kind {
+            ValueKind::Connection { from, to } => (from, to, vec![]),
+            ValueKind::Point {
+                start,
+                direction,
+                unit,
+                at,
+            } => (start, direction, unit.iter_mut().chain([at]).collect()),
+        };
+        components.chain(first).chain(second).chain(rest).collect()
+    }
+
+    /// Computes its numbers, as many as [`GeodesicValue::width`] says.
+    ///
+    /// # Errors
+    /// [`GeodesicFault`].
+    pub fn solve(
+        &self,
+        graph: &Graph,
+        uniforms: &[f64],
+        variables: &[f64],
+        cache: &GeodesicCache,
+    ) -> Solution {
+        let inputs = numbers(graph, &self.kind.nodes(), uniforms, variables);
+        if inputs.iter().any(|x| !x.is_finite()) {
+            return Err(GeodesicFault::UndefinedInput);
+        }
+        let on = self.manifold.key(graph, uniforms);
+        let key = ValueKey {
+            manifold: on.clone(),
+            width: self.width(),
+            numbers: inputs.iter().map(|x| x.to_bits()).collect(),
+        };
+        if let Some(known) = cache.lock().values.get(&key) {
+            return known.clone();
+        }
+        let solution = match self.manifold.surface(graph, uniforms, on, cache) {
+            Some(surface) => self
+                .kind
+                .integrate(&*surface, &inputs, self.manifold.domain),
+            None => Err(GeodesicFault::TooLarge),
+        };
+        let mut known = cache.lock();
+        known.integrated += 1;
+        if known.values.len() >= MOST_VALUES {
+            known.values.clear();
+        }
+        known.values.insert(key, solution.clone());
+        solution
+    }
+
+    /// Computes its numbers and writes them where its readers look for them: NaN if there are none.
+    pub(crate) fn fill(
+        &self,
+        graph: &Graph,
+        uniforms: &mut [f64],
+        cache: &GeodesicCache,
+    ) -> Option<GeodesicFault> {
+        let (numbers, fault) = match self.solve(graph, uniforms, &[], cache) {
+            Ok(numbers) => (numbers, None),
+            Err(fault) => ([f64::NAN; 5], Some(fault)),
+        };
+        let first = self.first as usize;
+        let places = uniforms.iter_mut().skip(first).take(self.width() as usize);
+        for (place, number) in places.zip(numbers) {
+            *place = number;
+        }
+        fault
+    }
+}
+
+impl ValueKind {
+    /// The number of numbers.
+    pub(crate) fn width(&self) -> u32 {
+        match self {
+            Self::Connection { .. } => 5,
+            Self::Point { .. } => 4,
+        }
+    }
+
+    fn nodes(&self) -> Vec<NodeId> {
+        match *self {
+            Self::Connection { from, to } => [from, to].concat(),
+            Self::Point {
+                start,
+                direction,
+                unit,
+                at,
+            } => [start, direction]
+                .into_iter()
+                .flatten()
+                .chain(unit)
+                .chain([at])
+                .collect(),
+        }
+    }
+
+    /// Integrates with the numbers of [`ValueKind::nodes`].
+    fn integrate(&self, surface: &dyn Surface, inputs: &[f64], domain: [Range; 2]) -> Solution {
+        let [a, b, c, d, ref rest @ ..] = *inputs else {
+            return Err(GeodesicFault::UndefinedInput);
+        };
+        match (self, rest) {
+            (Self::Connection { .. }, _) => connect(surface, [a, b], [c, d]),
+            (Self::Point { .. }, &[at]) => follow(surface, [a, b], [c, d], 1.0, at, domain),
+            (Self::Point { .. }, &[unit, at]) => follow(surface, [a, b], [c, d], unit, at, domain),
+            _ => Err(GeodesicFault::UndefinedInput),
+        }
+    }
+}
+
+/// The start, the velocity and the length of the shortest geodesic between two places.
+fn connect(surface: &dyn Surface, from: [f64; 2], to: [f64; 2]) -> Solution {
+    if from == to {
+        return Ok([from[0], from[1], 0.0, 0.0, 0.0]);
+    }
+    let found = measure::distance(surface, from, to).map_err(GeodesicFault::Place)?;
+    let found = found.ok_or(GeodesicFault::NoConnection { from, to })?;
+    let ([u, v], [a, b]) = (found.from.0, found.direction.0);
+    let length = found.length;
+    Ok([u, v, length * a, length * b, length])
+}
+
+/// A point of a geodesic and its velocity there.
+fn follow(
+    surface: &dyn Surface,
+    start: [f64; 2],
+    direction: [f64; 2],
+    unit: f64,
+    at: f64,
+    domain: [Range; 2],
+) -> Solution {
+    if unit == 0.0 {
+        return Ok([start[0], start[1], 0.0, 0.0, 0.0]);
+    }
+    let initial = InitialConditions::new(start, direction, unit, domain);
+    let initial = initial.map_err(GeodesicFault::Start)?;
+    let (sign, length) = (at.signum(), at.abs() * unit);
+    let direction = initial.direction.map(|x| sign * x);
+    let options = Options {
+        tolerance: TOLERANCE,
+        ..Options::default()
+    };
+    let end = trace(surface, initial.start, direction, length, &options)
+        .map_err(|error| GeodesicFault::Place(error.into()))?;
+    if end.status != Status::Complete {
+        return Err(GeodesicFault::Ends {
+            end: sign * end.length / unit,
+            at,
+            status: end.status,
+        });
+    }
+    let ([u, v], [a, b]) = (end.uv.0, end.direction.0);
+    let scale = sign * unit;
+    Ok([u, v, scale * a, scale * b, 0.0])
+}
+
+/// The tolerance of a point: that of measures, as points are measured between.
+const TOLERANCE: f64 = 1e-12;
+
+impl ManifoldNodes {
+    /// The key by which its surface is kept.
+    fn key(&self, graph: &Graph, uniforms: &[f64]) -> ManifoldKey {
+        let ends = self.domain.iter().flat_map(|axis| [axis.min, axis.max]);
+        let read = graph.inputs(&self.components);
+        let read = read.iter().filter_map(|input| match *input {
+            Input::Uniform(k) => uniforms.get(k as usize).copied(),
+            Input::Variable(_) => None,
+        });
+        ManifoldKey {
+            is_metric: self.is_metric,
+            components: self.components,
+            numbers: ends.chain(read).map(f64::to_bits).collect(),
+        }
+    }
+
+    /// The surface; `None` if its derivatives are too large.
+    fn surface(
+        &self,
+        graph: &Graph,
+        uniforms: &[f64],
+        key: ManifoldKey,
+        cache: &GeodesicCache,
+    ) -> Option<Arc<dyn Surface + Send>> {
+        if let Some(known) = cache.lock().surfaces.get(&key) {
+            return known.clone();
+        }
+        let domain = self.domain.map(|axis| [axis.min, axis.max]);
+        let made: Option<Arc<dyn Surface + Send>> = match self.is_metric {
+            true => match MetricSurface::new(graph, self.components, domain, uniforms) {
+                Ok(metric) => Some(Arc::new(metric)),
+                Err(_) => None,
+            },
+            false => match ParametricSurface::new(graph, self.components, domain, uniforms) {
+                Ok(surface) => Some(Arc::new(surface)),
+                Err(_) => None,
+            },
+        };
+        let mut known = cache.lock();
+        if known.surfaces.len() >= MOST_SURFACES {
+            known.surfaces.clear();
+        }
+        known.surfaces.insert(key, made.clone());
+        made
+    }
+}
+
+impl GeodesicCache {
+    /// The number of values that were integrated, not found again.
+    pub fn integrated(&self) -> u64 {
+        self.lock().integrated
+    }
+
+    fn lock(&self) -> std::sync::MutexGuard<'_, KeptValues> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl fmt::Debug for KeptValues {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("KeptValues")
+            .field("surfaces", &self.surfaces.len())
+            .field("values", &self.values.len())
+            .finish_non_exhaustive()
+    }
+}
+
+impl fmt::Display for GeodesicFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UndefinedInput => write!(f, "a number that it depends on is undefined"),
+            Self::Start(error) => write!(f, "{error}"),
+            Self::Place(error) => write!(f, "{error}"),
+            Self::NoConnection {
+                from: [a, b],
+                to: [c, d],
+            } => write!(f, "no geodesic from ({a}, {b}) to ({c}, {d}) was found"),
+            Self::Ends { end, at, status } => {
+                let why = match status {
+                    Status::LeftDomain => "it leaves the domain",
+                    Status::ConePoint => "it runs into the tip of a cone",
+                    Status::Degenerate => "σu and σv become parallel",
+                    Status::Undefined => "the surface is undefined there",
+                    Status::WorkLimit | Status::Complete => "following it takes too many steps",
+                };
+                write!(f, "it ends at {end:.6}, before {at}: {why}")
+            }
+            Self::TooLarge => write!(f, "the derivatives of its surface are too large"),
+        }
+    }
+}
+
+impl std::error::Error for GeodesicFault {}
+
+/// The numbers of some nodes.
+pub(crate) fn numbers(
+    graph: &Graph,
+    nodes: &[NodeId],
+    uniforms: &[f64],
+    variables: &[f64],
+) -> Vec<f64> {
+    let tape = Tape::new(graph, nodes);
+    let number = |input: &Input| match *input {
+        Input::Uniform(k) => uniforms.get(k as usize).copied(),
+        Input::Variable(k) => variables.get(k as usize).copied(),
+    };
+    let inputs = tape.inputs().iter();
+    let inputs: Vec<f64> = inputs.map(|it| number(it).unwrap_or(f64::NAN)).collect();
+    let mut out = vec![f64::NAN; nodes.len()];
+    tape.eval(&mut Registers::default(), &inputs, &mut out);
+    out
+}

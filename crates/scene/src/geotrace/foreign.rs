@@ -1,0 +1,113 @@
+//! Words of other notations, with what is written here in their place.
+
+use syntax::geotrace::symbols::ForeignWord;
+
+const fn written(word: &'static str, hint: &'static str, replacement: &'static str) -> ForeignWord {
+    ForeignWord {
+        word,
+        is_applied: None,
+        hint,
+        replacement: Some(replacement),
+    }
+}
+
+const fn explained(word: &'static str, hint: &'static str) -> ForeignWord {
+    ForeignWord {
+        word,
+        is_applied: None,
+        hint,
+        replacement: None,
+    }
+}
+
+const ROUNDS: &str = "no builtin function rounds: all of them but `abs` are smooth";
+const CONDITION: &str = "there are no conditions: `abs` is the one function with a kink";
+
+/// The table.
+pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
+    written("ln", "the natural logarithm is `log`", "log"),
+    written("arcsin", "the inverse of `sin` is `asin`", "asin"),
+    written("arccos", "the inverse of `cos` is `acos`", "acos"),
+    written("arctan", "the inverse of `tan` is `atan`", "atan"),
+    written("arctg", "the inverse of `tan` is `atan`", "atan"),
+    written("tg", "the tangent is `tan`", "tan"),
+    written("tau", "write `2pi`", "(2pi)"),
+    explained(
+        "lg",
+        "`log` is the natural logarithm: write `log(x)/log 10` for base 10",
+    ),
+    explained(
+        "log10",
+        "`log` is the natural logarithm: write `log(x)/log 10` for base 10",
+    ),
+    explained(
+        "log2",
+        "`log` is the natural logarithm: write `log(x)/log 2` for base 2",
+    ),
+    explained("sec", "write `1/cos x`"),
+    explained("csc", "write `1/sin x`"),
+    explained("cosec", "write `1/sin x`"),
+    explained("cot", "write `1/tan x`"),
+    explained("cotan", "write `1/tan x`"),
+    explained("ctg", "write `1/tan x`"),
+    explained(
+        "atan2",
+        "write `2atan(y/(sqrt(x^2 + y^2) + x))` for the angle of (x, y)",
+    ),
+    explained(
+        "max",
+        "write `(a + b + abs(a - b))/2` for the larger of a and b",
+    ),
+    explained(
+        "min",
+        "write `(a + b - abs(a - b))/2` for the smaller of a and b",
+    ),
+    explained("sign", "write `x/abs x`, which is undefined at 0"),
+    explained("sgn", "write `x/abs x`, which is undefined at 0"),
+    explained("floor", ROUNDS),
+    explained("ceil", ROUNDS),
+    explained("round", ROUNDS),
+    explained("mod", ROUNDS),
+    explained("if", CONDITION),
+    explained("then", CONDITION),
+    explained("else", CONDITION),
+    ForeignWord {
+        is_applied: Some(false),
+        ..explained("i", "numbers are real: a complex number is a pair `(x, y)`")
+    },
+    ForeignWord {
+        is_applied: Some(true),
+        ..explained(
+            "K",
+            "no builtin gives the curvature: the command `measure` and the window show it",
+        )
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::FOREIGN_WORDS;
+
+    #[test]
+    fn each_word_is_explained_once_and_means_nothing_here() {
+        for (k, foreign) in FOREIGN_WORDS.iter().enumerate() {
+            let word = foreign.word;
+            assert!(
+                FOREIGN_WORDS[..k].iter().all(|it| it.word != word),
+                "{word}"
+            );
+            let source = format!("define result = {word}(2);");
+            let found = crate::geotrace::compile(&source).diagnostics;
+            let hints: Vec<&str> = found.iter().filter_map(|it| it.hint.as_deref()).collect();
+            match foreign.is_applied {
+                Some(false) => assert!(!hints.contains(&foreign.hint), "{word}: {hints:?}"),
+                _ => assert!(hints.contains(&foreign.hint), "{word}: {hints:?}"),
+            }
+            // A replacement stands for the word wherever it stands.
+            if let Some(text) = foreign.replacement {
+                let source = format!("define result = 3 {text}(0.5)^2;");
+                assert!(!crate::geotrace::compile(&source).has_errors(), "{text}");
+            }
+        }
+    }
+}

@@ -1,0 +1,452 @@
+//! Geodesics as functions: nodes that stand for numbers which no formula gives.
+//!
+//! In: the application of a geodesic to a node. Out: nodes for its point and its velocity there. Where the argument depends on
+//! constants, params and grids alone, they are uniforms like those of params, and the value is one of the scene's. Inside the
+//! body of a function, and along a curve, the argument depends on parameters: the nodes are *pending* variables beyond those
+//! of any parameter list, which substitution replaces when the argument is known, and which derivatives know the derivative
+//! of. With g″ = −Γ(g′, g′), every derivative is an expression in g and g′.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use expr::{Graph, Input, NodeId, TooLarge};
+use rustc_hash::FxHashMap;
+
+use crate::geodesic_value::{
+    GeodesicCache, GeodesicFault, GeodesicValue, ManifoldNodes, ValueKind,
+};
+use crate::geotrace::dependencies::{Dependencies, DependencySets};
+use crate::geotrace::geodesic_equation::geodesic_equation;
+use crate::scene::Shape;
+
+/// A geodesic that is declared.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct DeclaredGeodesic {
+    pub(crate) name: Arc<str>,
+    pub(crate) manifold: ManifoldNodes,
+    pub(crate) start: [NodeId; 2],
+    pub(crate) direction: [NodeId; 2],
+    /// The length of one unit of its parameter; 1 if there is no node.
+    pub(crate) unit: Option<NodeId>,
+    /// The params and grids that it reads, with those of its surface.
+    pub(crate) dependencies: Dependencies,
+}
+
+/// A geodesic by its number.
+#[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
+pub(crate) struct GeodesicId(u32);
+
+/// The geodesics that are declared, and their values that have been met.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Geodesics {
+    declared: Vec<DeclaredGeodesic>,
+    /// The values whose numbers are uniforms, in their order.
+    values: Vec<GeodesicValue>,
+    points: FxHashMap<(GeodesicId, NodeId), u32>,
+    connections: FxHashMap<([NodeId; 7], [u64; 4]), u32>,
+    pending: Vec<Pending>,
+    pending_ids: FxHashMap<(GeodesicId, NodeId), usize>,
+    /// (u'', v'') over `Variable(0..4)`, which stand for (u, v) and (u', v').
+    accelerations: FxHashMap<GeodesicId, [NodeId; 2]>,
+    cache: GeodesicCache,
+}
+
+/// A point of a geodesic whose argument depends on parameters.
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    geodesic: GeodesicId,
+    at: NodeId,
+}
+
+/// The first pending variable: beyond the parameters of any function.
+const FIRST_PENDING: u32 = 1 << 30;
+/// The number of components of a point with its velocity.
+const WIDTH: u32 = 4;
+
+impl Geodesics {
+    /// Notes a geodesic; equal ones are one.
+    pub(crate) fn declare(&mut self, geodesic: DeclaredGeodesic) -> GeodesicId {
+        let known = self.declared.iter().position(|it| *it == geodesic);
+        let index = known.unwrap_or_else(|| {
+            self.declared.push(geodesic);
+            self.declared.len() - 1
+        });
+        GeodesicId(index as u32)
+    }
+
+    pub(crate) fn get(&self, id: GeodesicId) -> Option<&DeclaredGeodesic> {
+        self.declared.get(id.0 as usize)
+    }
+
+    /// The values whose numbers are uniforms.
+    pub(crate) fn values(&self) -> &[GeodesicValue] {
+        &self.values
+    }
+
+    /// The shortest geodesic between two places: nodes of its start, its velocity and its length.
+    pub(crate) fn connection(
+        &mut self,
+        graph: &mut Graph,
+        sets: &mut DependencySets,
+        name: &str,
+        manifold: ManifoldNodes,
+        [from, to]: [[NodeId; 2]; 2],
+        dependencies: Dependencies,
+    ) -> [NodeId; 5] {
+        let [a, b, c] = manifold.components;
+        let nodes = [a, b, c, from[0], from[1], to[0], to[1]];
+        let ends = manifold
+            .domain
+            .map(|axis| [axis.min, axis.max].map(f64::to_bits));
+        let key = (nodes, [ends[0][0], ends[0][1], ends[1][0], ends[1][1]]);
+        let known = self.connections.get(&key).copied();
+        let first = known.unwrap_or_else(|| {
+            let kind = ValueKind::Connection { from, to };
+            let first = self.add_value(sets, name.into(), manifold, kind, dependencies);
+            self.connections.insert(key, first);
+            first
+        });
+        [0, 1, 2, 3, 4].map(|k| graph.input(Input::Uniform(first + k)))
+    }
+
+    /// The point of a geodesic and its velocity there, as nodes.
+    fn point(
+        &mut self,
+        graph: &mut Graph,
+        sets: &mut DependencySets,
+        id: GeodesicId,
+        at: NodeId,
+    ) -> Option<[NodeId; 4]> {
+        let is_variable = |input: &Input| matches!(input, Input::Variable(_));
+        if graph.inputs(&[at]).iter().any(is_variable) {
+            let known = self.pending_ids.get(&(id, at)).copied();
+            let index = known.unwrap_or_else(|| {
+                self.pending.push(Pending { geodesic: id, at });
+                self.pending_ids.insert((id, at), self.pending.len() - 1);
+                self.pending.len() - 1
+            });
+            return Some([0, 1, 2, 3].map(|k| graph.input(variable(index, k))));
+        }
+        let first = match self.points.get(&(id, at)) {
+            Some(&first) => first,
+            None => {
+                let geodesic = self.declared.get(id.0 as usize)?.clone();
+                let own = sets.of_inputs(&graph.inputs(&[at]));
+                let dependencies = sets.union(geodesic.dependencies, own);
+                let kind = ValueKind::Point {
+                    start: geodesic.start,
+                    direction: geodesic.direction,
+                    unit: geodesic.unit,
+                    at,
+                };
+                let (name, on) = (geodesic.name, geodesic.manifold);
+                let first = self.add_value(sets, name, on, kind, dependencies);
+                self.points.insert((id, at), first);
+                first
+            }
+        };
+        Some([0, 1, 2, 3].map(|k| graph.input(Input::Uniform(first + k))))
+    }
+
+    fn add_value(
+        &mut self,
+        sets: &mut DependencySets,
+        geodesic: Arc<str>,
+        manifold: ManifoldNodes,
+        kind: ValueKind,
+        dependencies: Dependencies,
+    ) -> u32 {
+        let first = sets.add_uniforms(dependencies, kind.width());
+        self.values.push(GeodesicValue {
+            geodesic,
+            manifold,
+            kind,
+            first,
+        });
+        first
+    }
+
+    /// (u, v) of a geodesic, over `Variable(0)`.
+    pub(crate) fn body(
+        &mut self,
+        graph: &mut Graph,
+        sets: &mut DependencySets,
+        id: GeodesicId,
+    ) -> Option<[NodeId; 2]> {
+        let at = graph.input(Input::Variable(0));
+        let [u, v, ..] = self.point(graph, sets, id, at)?;
+        Some([u, v])
+    }
+
+    /// The pending points that some nodes read, directly or not, each after those that its argument reads.
+    fn reached(&self, graph: &Graph, nodes: &[NodeId]) -> Vec<usize> {
+        if self.pending.is_empty() {
+            return Vec::new();
+        }
+        let mut reached = BTreeSet::new();
+        let mut open: Vec<usize> = pending_in(graph, nodes).collect();
+        while let Some(index) = open.pop() {
+            if reached.insert(index)
+                && let Some(pending) = self.pending.get(index)
+            {
+                open.extend(pending_in(graph, &[pending.at]));
+            }
+        }
+        reached.into_iter().collect()
+    }
+
+    /// The name of a geodesic whose argument depends on parameters, if some nodes read one.
+    pub(crate) fn open_name(&self, graph: &Graph, nodes: &[NodeId]) -> Option<&str> {
+        if self.pending.is_empty() {
+            return None;
+        }
+        let index = pending_in(graph, nodes).next()?;
+        let pending = self.pending.get(index)?;
+        Some(&self.get(pending.geodesic)?.name)
+    }
+
+    /// The params and grids that some nodes read, through geodesics too.
+    pub(crate) fn dependencies(
+        &self,
+        graph: &Graph,
+        sets: &mut DependencySets,
+        nodes: &[NodeId],
+    ) -> Dependencies {
+        let mut all = sets.of_inputs(&graph.inputs(nodes));
+        for index in self.reached(graph, nodes) {
+            let Some(pending) = self.pending.get(index) else {
+                continue;
+            };
+            let own = sets.of_inputs(&graph.inputs(&[pending.at]));
+            all = sets.union(all, own);
+            if let Some(geodesic) = self.get(pending.geodesic) {
+                all = sets.union(all, geodesic.dependencies);
+            }
+        }
+        all
+    }
+
+    /// The derivatives of some nodes by an input, through geodesics too.
+    pub(crate) fn derivatives(
+        &mut self,
+        graph: &mut Graph,
+        nodes: &[NodeId],
+        by: Input,
+    ) -> Result<Vec<NodeId>, TooLarge> {
+        let mut chain: Vec<(usize, NodeId)> = Vec::new();
+        for index in self.reached(graph, nodes) {
+            let Some(Pending { at, .. }) = self.pending.get(index).copied() else {
+                continue;
+            };
+            let inner = self.total(graph, &[at], by, &chain)?;
+            chain.extend(inner.first().map(|inner| (index, *inner)));
+        }
+        self.total(graph, nodes, by, &chain)
+    }
+
+    /// The derivatives of some nodes, where those of the arguments of pending points are known.
+    fn total(
+        &mut self,
+        graph: &mut Graph,
+        nodes: &[NodeId],
+        by: Input,
+        chain: &[(usize, NodeId)],
+    ) -> Result<Vec<NodeId>, TooLarge> {
+        let mut totals = graph.derivatives(nodes, by)?;
+        for &(index, inner) in chain {
+            let Some(Pending { geodesic, .. }) = self.pending.get(index).copied() else {
+                continue;
+            };
+            let own = [0, 1, 2, 3].map(|k| graph.input(variable(index, k)));
+            let [_, _, du, dv] = own;
+            let read = graph.inputs(nodes);
+            let reads = |k: u32| read.contains(&variable(index, k));
+            let slopes: [NodeId; 4] = if reads(2) || reads(3) {
+                let [ddu, ddv] = self.acceleration(graph, geodesic, own)?;
+                [du, dv, ddu, ddv]
+            } else {
+                [du, dv, du, dv]
+            };
+            for (k, slope) in (0..WIDTH).zip(slopes) {
+                if !reads(k) {
+                    continue;
+                }
+                let partials = graph.derivatives(nodes, variable(index, k))?;
+                let outer = graph.mul(slope, inner);
+                for (total, partial) in totals.iter_mut().zip(partials) {
+                    let part = graph.mul(partial, outer);
+                    *total = graph.add(*total, part);
+                }
+            }
+        }
+        Ok(totals)
+    }
+
+    /// (u'', v'') = −Γ(g′, g′) of a geodesic at a point with a velocity.
+    fn acceleration(
+        &mut self,
+        graph: &mut Graph,
+        id: GeodesicId,
+        at: [NodeId; 4],
+    ) -> Result<[NodeId; 2], TooLarge> {
+        let formula = match self.accelerations.get(&id) {
+            Some(&known) => known,
+            None => {
+                let manifold = self.get(id).map(|geodesic| geodesic.manifold);
+                let formula = geodesic_equation(graph, &manifold.ok_or(TooLarge)?)?;
+                self.accelerations.insert(id, formula);
+                formula
+            }
+        };
+        let replace = |input| match input {
+            Input::Variable(k) => at.get(k as usize).copied(),
+            Input::Uniform(_) => None,
+        };
+        let found = graph.substitute(&formula, &replace)?;
+        <[NodeId; 2]>::try_from(found).map_err(|_| TooLarge)
+    }
+
+    /// Replaces variables, in the arguments of geodesics too: a point whose argument then depends on no parameter becomes
+    /// uniforms.
+    pub(crate) fn substitute(
+        &mut self,
+        graph: &mut Graph,
+        sets: &mut DependencySets,
+        nodes: &[NodeId],
+        replacements: &[NodeId],
+    ) -> Result<Vec<NodeId>, TooLarge> {
+        let mut points: FxHashMap<Input, NodeId> = FxHashMap::default();
+        for index in self.reached(graph, nodes) {
+            let Some(Pending { geodesic, at }) = self.pending.get(index).copied() else {
+                continue;
+            };
+            let at = replaced(graph, &[at], replacements, &points)?;
+            let [at] = at[..] else { continue };
+            let point = self.point(graph, sets, geodesic, at).ok_or(TooLarge)?;
+            let own = (0..WIDTH).map(|k| variable(index, k));
+            points.extend(own.zip(point));
+        }
+        replaced(graph, nodes, replacements, &points)
+    }
+
+    /// Makes the pending points of a curve's position, over its parameter `Variable(0)`, values of the curve: their numbers
+    /// are the variables from 1 on.
+    pub(crate) fn follow(
+        &self,
+        graph: &mut Graph,
+        position: &mut [NodeId; 3],
+    ) -> Result<Vec<GeodesicValue>, TooLarge> {
+        let mut followed: Vec<GeodesicValue> = Vec::new();
+        let mut points: FxHashMap<Input, NodeId> = FxHashMap::default();
+        for (number, index) in (0..).zip(self.reached(graph, position)) {
+            let Some(Pending { geodesic, at }) = self.pending.get(index).copied() else {
+                continue;
+            };
+            let at = replaced(graph, &[at], &[], &points)?;
+            let (Some(geodesic), [at]) = (self.get(geodesic), &at[..]) else {
+                continue;
+            };
+            let first = 1 + WIDTH * number;
+            followed.push(GeodesicValue {
+                geodesic: geodesic.name.clone(),
+                manifold: geodesic.manifold,
+                kind: ValueKind::Point {
+                    start: geodesic.start,
+                    direction: geodesic.direction,
+                    unit: geodesic.unit,
+                    at: *at,
+                },
+                first,
+            });
+            for k in 0..WIDTH {
+                let own = graph.input(Input::Variable(first + k));
+                points.insert(variable(index, k), own);
+            }
+        }
+        let nodes = replaced(graph, position, &[], &points)?;
+        position.copy_from_slice(&nodes);
+        Ok(followed)
+    }
+
+    /// The values that some nodes read, directly or not, in the order of their uniforms.
+    pub(crate) fn read(&self, graph: &Graph, nodes: &[NodeId]) -> Vec<u32> {
+        if self.values.is_empty() {
+            return Vec::new();
+        }
+        let mut read: BTreeSet<u32> = BTreeSet::new();
+        let mut open = graph.inputs(nodes);
+        while let Some(input) = open.pop() {
+            let Input::Uniform(uniform) = input else {
+                continue;
+            };
+            let index = self.values.partition_point(|it| it.first <= uniform);
+            let Some(index) = index.checked_sub(1) else {
+                continue;
+            };
+            let value = &self.values[index];
+            if uniform < value.first + value.width() && read.insert(index as u32) {
+                open.extend(graph.inputs(&value.nodes()));
+            }
+        }
+        read.into_iter().collect()
+    }
+
+    /// Returns true if some nodes read a geodesic between two places, whose search takes longer than a check should.
+    pub(crate) fn reads_connection(&self, graph: &Graph, nodes: &[NodeId]) -> bool {
+        let read = self.read(graph, nodes).into_iter();
+        let mut read = read.filter_map(|index| self.values.get(index as usize));
+        read.any(|value| matches!(value.kind, ValueKind::Connection { .. }))
+    }
+
+    /// Computes the values that some nodes read, and writes them among the uniforms. Returns those that have no value, with
+    /// the reason.
+    pub(crate) fn fill(
+        &self,
+        graph: &Graph,
+        nodes: &[NodeId],
+        uniforms: &mut [f64],
+    ) -> Vec<(Arc<str>, GeodesicFault)> {
+        let read = self.read(graph, nodes).into_iter();
+        let faults = read.filter_map(|index| {
+            let value = self.values.get(index as usize)?;
+            let fault = value.fill(graph, uniforms, &self.cache)?;
+            (fault != GeodesicFault::UndefinedInput).then(|| (value.geodesic.clone(), fault))
+        });
+        faults.collect()
+    }
+}
+
+/// All nodes of a shape that its samples or its geodesics are computed from.
+pub(crate) fn nodes_of(shape: &Shape) -> Vec<NodeId> {
+    let mut nodes = shape.roots();
+    nodes.extend(shape.followed().iter().flat_map(GeodesicValue::nodes));
+    nodes
+}
+
+fn variable(index: usize, component: u32) -> Input {
+    Input::Variable(FIRST_PENDING + WIDTH * index as u32 + component)
+}
+
+/// The pending points among the inputs of some nodes.
+fn pending_in(graph: &Graph, nodes: &[NodeId]) -> impl Iterator<Item = usize> + use<> {
+    let inputs = graph.inputs(nodes).into_iter();
+    inputs.filter_map(|input| match input {
+        Input::Variable(k) => Some((k.checked_sub(FIRST_PENDING)? / WIDTH) as usize),
+        Input::Uniform(_) => None,
+    })
+}
+
+/// Some nodes with variables and pending points replaced.
+fn replaced(
+    graph: &mut Graph,
+    nodes: &[NodeId],
+    replacements: &[NodeId],
+    points: &FxHashMap<Input, NodeId>,
+) -> Result<Vec<NodeId>, TooLarge> {
+    let replace = |input| match input {
+        Input::Variable(k) if k < FIRST_PENDING => replacements.get(k as usize).copied(),
+        Input::Variable(_) => points.get(&input).copied(),
+        Input::Uniform(_) => None,
+    };
+    graph.substitute(nodes, &replace)
+}

@@ -1,0 +1,180 @@
+//! Declarations, comments and intervals of other notations, and what is written here in their place.
+//!
+//! In: the text from a place on, that means nothing there. Out: what is meant. Names of other notations come with the
+//! vocabulary.
+
+use crate::geotrace::declarations::DeclarationKeyword;
+
+/// An interval in another notation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ForeignInterval<'s> {
+    /// The whole of it.
+    pub(super) text: &'s str,
+    /// The parameter, if it is named.
+    pub(super) parameter: Option<&'s str>,
+    pub(super) ends: [&'s str; 2],
+}
+
+/// The keyword for a word that opens a declaration in other languages. `is_applied` says that a name and a bracket follow.
+pub(super) fn keyword(word: &str, is_applied: bool) -> Option<DeclarationKeyword> {
+    match word {
+        "func" | "fn" | "fun" => Some(DeclarationKeyword::Function),
+        "let" | "const" | "var" | "def" | "set" if is_applied => Some(DeclarationKeyword::Function),
+        "let" | "const" | "var" | "def" | "set" => Some(DeclarationKeyword::Define),
+        "slider" | "parameter" => Some(DeclarationKeyword::Param),
+        _ => None,
+    }
+}
+
+/// The hint for a word that sets how things look in other languages.
+pub(super) fn style(word: &str) -> Option<&'static str> {
+    const WORDS: [&str; 12] = [
+        "color", "colour", "texture", "style", "camera", "view", "plot", "draw", "show", "hide",
+        "label", "width",
+    ];
+    WORDS.contains(&word).then_some(
+        "a program says what there is: colours, textures and cameras are set in the window or by options of `geotrace render`",
+    )
+}
+
+/// The sign that begins a comment in another language, if the text begins with one.
+pub(super) fn comment(text: &str) -> Option<&'static str> {
+    let signs = ["//", "/*", "%", "--"];
+    signs.into_iter().find(|sign| text.starts_with(sign))
+}
+
+/// The comment `/* … */` with which a text begins, as it is written here. `None` if it does not end before a `;`, where the
+/// text is cut.
+pub(super) fn block_comment(text: &str) -> Option<(usize, String)> {
+    let inside = text.strip_prefix("/*")?;
+    let end = inside
+        .find("*/")
+        .filter(|end| !inside[..*end].contains(';'))?;
+    let lines: Vec<String> = inside[..end]
+        .lines()
+        .map(|line| format!("# {}", line.trim().trim_start_matches('*').trim()))
+        .map(|line| line.trim_end().to_owned())
+        .collect();
+    let length = end + "/**/".len();
+    let ends_line = text[length..].chars().find(|c| !" \t\r".contains(*c)) == Some('\n');
+    let end = if ends_line { "" } else { "\n" };
+    Some((length, lines.join("\n") + end))
+}
+
+/// The interval with which a text begins, if it is written as `a <= t <= b`, `a..b`, or `t in`, `t =` or `t :` before
+/// `a..b` or `[a, b]`.
+pub(super) fn interval(text: &str) -> Option<ForeignInterval<'_>> {
+    let text = first_item(text);
+    let sides: Vec<&str> = text.split(['<', '≤']).collect();
+    if let [a, parameter, b] = sides[..] {
+        let [parameter, b] = [parameter, b].map(|side| side.strip_prefix('=').unwrap_or(side));
+        let [a, parameter, b] = [a, parameter, b].map(str::trim);
+        return (is_word(parameter) && !a.is_empty() && !b.is_empty()).then_some(ForeignInterval {
+            text,
+            parameter: Some(parameter),
+            ends: [a, b],
+        });
+    }
+    let (parameter, rest) = [" in ", "∈", "=", ":"]
+        .into_iter()
+        .find_map(|sign| text.split_once(sign))
+        .map_or((None, text), |(parameter, rest)| {
+            (Some(parameter.trim()), rest.trim())
+        });
+    let (a, b) = match rest.split_once("..") {
+        Some((a, b)) => (a, b.trim_start_matches('.')),
+        // Brackets alone are an interval as it should be.
+        None if parameter.is_some() => rest
+            .strip_prefix(['[', '('])?
+            .strip_suffix([']', ')'])?
+            .split_once(',')?,
+        None => return None,
+    };
+    let (a, b) = (a.trim(), b.trim());
+    let complete = !a.is_empty() && !b.is_empty() && parameter.is_none_or(is_word);
+    complete.then_some(ForeignInterval {
+        text,
+        parameter,
+        ends: [a, b],
+    })
+}
+
+impl ForeignInterval<'_> {
+    /// The interval as it is written here.
+    pub(super) fn written(&self) -> String {
+        let [a, b] = self.ends;
+        match self.parameter {
+            Some(parameter) => format!("{parameter} : [{a}, {b}]"),
+            None => format!("[{a}, {b}]"),
+        }
+    }
+}
+
+fn is_word(text: &str) -> bool {
+    text.starts_with(|c: char| c.is_ascii_alphabetic())
+        && text.bytes().all(|byte| byte.is_ascii_alphanumeric())
+}
+
+/// The text up to the first comma outside brackets, or to the end of the line or of the declaration.
+fn first_item(text: &str) -> &str {
+    /// The longest item that is looked at.
+    const LONGEST: usize = 200;
+    let mut depth = 0;
+    for (at, sign) in text.char_indices() {
+        match sign {
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth -= 1,
+            ',' if depth == 0 => return text[..at].trim_end(),
+            ';' | '\n' | '#' => return text[..at].trim_end(),
+            _ => {}
+        }
+        if depth < 0 || at > LONGEST {
+            return text[..at].trim_end();
+        }
+    }
+    text.trim_end()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{block_comment, interval};
+
+    #[test]
+    fn intervals_of_other_notations_are_read() {
+        for (text, written) in [
+            ("0 <= t <= 2pi, u : [0, 1];", "t : [0, 2pi]"),
+            ("0<t<1;", "t : [0, 1]"),
+            ("-1 ≤ u ≤ (2, 3)_1", "u : [-1, (2, 3)_1]"),
+            ("0..1;", "[0, 1]"),
+            ("0.5...2 # the rest", "[0.5, 2]"),
+            ("t in [0, 2pi];", "t : [0, 2pi]"),
+            ("t = 0..1", "t : [0, 1]"),
+            ("t ∈ (a, b)", "t : [a, b]"),
+        ] {
+            let found = interval(text).map(|found| found.written());
+            assert_eq!(found.as_deref(), Some(written), "{text}");
+        }
+        for text in [
+            "[0, 1]",
+            "t",
+            "t <= 1",
+            "0 <= 2t <= 1",
+            "t : [0",
+            "..",
+            "",
+            "(0, 1)",
+        ] {
+            assert_eq!(interval(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_block_comment_becomes_lines() {
+        let found = block_comment("/* one\n * two */\ndefine a = 1;");
+        assert_eq!(found, Some((16, "# one\n# two".to_owned())));
+        let found = block_comment("/* one */ define a = 1;");
+        assert_eq!(found, Some((9, "# one\n".to_owned())));
+        assert_eq!(block_comment("/* one; */"), None);
+        assert_eq!(block_comment("/* one"), None);
+    }
+}
