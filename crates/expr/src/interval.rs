@@ -91,7 +91,7 @@ impl Interval {
 
     /// True if no value is defined.
     pub fn is_empty(self) -> bool {
-        !(self.lower <= self.upper)
+        self.lower > self.upper
     }
 
     /// True if the number is among its values; for NaN, if it may be undefined.
@@ -278,17 +278,37 @@ impl Interval {
     }
 
     fn times(self, other: Self) -> Self {
-        let (mut lower, mut upper) = (f64::INFINITY, f64::NEG_INFINITY);
-        for a in [self.lower, self.upper] {
-            for b in [other.lower, other.upper] {
-                let zero = a == 0.0 || b == 0.0;
-                let product = a * b;
-                lower = lower.min(if zero { 0.0 } else { product.next_down() });
-                upper = upper.max(if zero { 0.0 } else { product.next_up() });
-            }
-        }
-        let infinite = |zero: Self, large: Self| zero.contains(0.0) && large.is_unbounded();
+        // A zero annihilates, an infinite bound too: that what is infinite there is undefined is noted.
+        let product = |a: f64, b: f64| if a == 0.0 || b == 0.0 { 0.0 } else { a * b };
+        let [a, b] = [self.lower, self.upper].map(|x| [x, other.lower, other.upper]);
+        let corners = [
+            product(a[0], a[1]),
+            product(a[0], a[2]),
+            product(b[0], b[1]),
+            product(b[0], b[2]),
+        ];
+        let least = |a: f64, b: f64| if a < b { a } else { b };
+        let most = |a: f64, b: f64| if a > b { a } else { b };
+        let lower = least(least(corners[0], corners[1]), least(corners[2], corners[3]));
+        let upper = most(most(corners[0], corners[1]), most(corners[2], corners[3]));
+        // A bound that is 0 is exact if a factor is 0, and else too small for a number.
+        let exact = self.has_zero_bound() || other.has_zero_bound();
+        let lower = if lower == 0.0 && exact {
+            lower
+        } else {
+            lower.next_down()
+        };
+        let upper = if upper == 0.0 && exact {
+            upper
+        } else {
+            upper.next_up()
+        };
+        let infinite = |zero: Self, large: Self| large.is_unbounded() && zero.contains(0.0);
         Self::hull(lower, upper).partially(infinite(self, other) || infinite(other, self))
+    }
+
+    fn has_zero_bound(self) -> bool {
+        self.lower == 0.0 || self.upper == 0.0
     }
 
     fn over(self, other: Self) -> Self {

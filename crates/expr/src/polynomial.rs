@@ -118,11 +118,10 @@ impl Polynomial {
                 *largest = largest.max((c * d).abs());
             }
         }
-        let kept = sums
-            .into_iter()
-            .filter(|(_, (sum, largest))| !(sum.abs() <= CANCELLATION * largest));
+        let cancels = |sum: f64, largest: f64| sum.abs() <= CANCELLATION * largest;
+        sums.retain(|_, (sum, largest)| !cancels(*sum, *largest));
         Self {
-            terms: kept.map(|(e, (sum, _))| (e, sum)).collect(),
+            terms: sums.into_iter().map(|(e, (sum, _))| (e, sum)).collect(),
         }
     }
 

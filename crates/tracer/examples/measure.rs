@@ -33,12 +33,13 @@ fn main() {
 
 fn all_surfaces(folder: Option<&String>) {
     let variables = variables();
+    let surfaces = surfaces(&variables);
     let graph = variables[0].graph().clone();
     println!(
         "{:18} {:>6} {:>9} {:>9} {:>12}",
         "surface", "degree", "build ms", "cast ms", "intervals/ray"
     );
-    for (name, formula, half) in surfaces(&variables) {
+    for (name, formula, half) in surfaces {
         let start = Instant::now();
         let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
         let Ok(shape) = builder.shape(formula.node(), [Some([-half, half]); 3]) else {

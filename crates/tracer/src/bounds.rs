@@ -126,9 +126,9 @@ pub(crate) fn enclose(
                 };
             }
         }
-        let moved =
-            (0..3).any(|k| !(before[k].width() - sides[k].width() <= CLOSE * sides[k].width()));
-        if !moved {
+        // Of an endless side the difference is NaN, or infinite.
+        let still = |k: usize| before[k].width() - sides[k].width() <= CLOSE * sides[k].width();
+        if (0..3).all(still) {
             break;
         }
     }

@@ -69,19 +69,9 @@ impl SignChanges {
             }
             return changes;
         }
-        // The derivatives down to a quadratic.
-        let mut derivatives = [*p; LARGEST_DEGREE - 1];
-        for k in 1..=degree - 2 {
-            let above = derivatives[k - 1];
-            let next = &mut derivatives[k];
-            *next = [0.0; LARGEST_DEGREE + 1];
-            for (j, &c) in above.iter().enumerate().skip(1) {
-                next[j - 1] = c * j as f64;
-            }
-        }
-        let mut critical = Self::between(&derivatives[degree - 2], from, to);
+        let mut critical = Self::between(&derivative(p, degree, degree - 2), from, to);
         for k in (0..degree - 2).rev() {
-            let p = &derivatives[k];
+            let p = &derivative(p, degree, k);
             let count = degree - k;
             let mut changes = Self::default();
             let mut a = from;
@@ -177,6 +167,16 @@ pub(crate) fn deflated(p: &Coefficients, root: f64) -> Coefficients {
         }
     }
     quotient
+}
+
+/// The derivative of order `order`.
+fn derivative(p: &Coefficients, degree: usize, order: usize) -> Coefficients {
+    let mut derivative = [0.0; LARGEST_DEGREE + 1];
+    for k in order..=degree {
+        let falling: usize = (k - order + 1..=k).product();
+        derivative[k - order] = p[k] * falling as f64;
+    }
+    derivative
 }
 
 /// The degree; a leading coefficient that is nothing beside the others counts as 0.

@@ -49,6 +49,10 @@ impl Surfaces {
     }
 }
 
+/// Names a surface that is shared only if it is the same: the polynomials of a shape and the place among them, or no shape and the node;
+/// and the bits of the map.
+type Name = (usize, usize, [u64; 12]);
+
 /// A surface with a number that does not depend on the scale of its equation.
 struct Keyed {
     key: f64,
@@ -59,12 +63,12 @@ struct Keyed {
 /// Finds the groups.
 pub(crate) fn share(leaves: &[Leaf], piece_count: usize, rest: &BoundingBox) -> Surfaces {
     let mut keyed = Vec::new();
-    let mut exact: FxHashMap<(usize, usize, [u64; 12]), Vec<(u32, u32)>> = FxHashMap::default();
+    let mut exact: FxHashMap<Name, Vec<(u32, u32)>> = FxHashMap::default();
     // Two places without any symmetry.
     let half = 0.5 * (rest.upper - rest.lower);
     let places = [
         DVec3::new(0.339_816, -1.618_034, 0.732_051),
-        DVec3::new(-1.141_593, 0.577_216, 1.414_214),
+        DVec3::new(-1.141_593, 0.577_216, 1.324_718),
     ]
     .map(|place| rest.center() + place * half);
     for (l, leaf) in leaves.iter().enumerate() {

@@ -12,6 +12,7 @@ use crate::roots::{Coefficients, LARGEST_DEGREE};
 #[derive(Clone, Debug)]
 pub(crate) struct PolynomialSurface {
     form: SurfaceForm,
+    degree: usize,
     pub(crate) polynomial: Polynomial,
 }
 
@@ -55,11 +56,15 @@ impl PolynomialSurface {
             },
             _ => SurfaceForm::Higher(polynomial.terms().collect()),
         };
-        Self { form, polynomial }
+        Self {
+            form,
+            degree: polynomial.degree(),
+            polynomial,
+        }
     }
 
     pub(crate) fn degree(&self) -> usize {
-        self.polynomial.degree()
+        self.degree
     }
 
     /// The polynomial at `point` + s·`direction`, in s.
@@ -88,7 +93,12 @@ impl PolynomialSurface {
                 sum[1] = (2.0 * at + *linear).dot(d);
                 sum[2] = along.dot(d);
             }
-            SurfaceForm::Higher(terms) => add_terms(&mut sum, terms, p.to_array(), d.to_array()),
+            SurfaceForm::Higher(terms) if self.degree <= 4 => {
+                add_terms::<5>(&mut sum, terms, p.to_array(), d.to_array());
+            }
+            SurfaceForm::Higher(terms) => {
+                add_terms::<{ LARGEST_DEGREE + 1 }>(&mut sum, terms, p.to_array(), d.to_array());
+            }
         }
         sum
     }
@@ -127,10 +137,15 @@ impl PolynomialSurface {
     }
 }
 
-/// Adds a polynomial of higher degree along a line: inner sums by z, then by y, then by x.
-fn add_terms(sum: &mut Coefficients, terms: &[([u8; 3], f64)], p: [f64; 3], d: [f64; 3]) {
+/// Adds a polynomial of a degree below `N` along a line: inner sums by z, then by y, then by x.
+fn add_terms<const N: usize>(
+    sum: &mut Coefficients,
+    terms: &[([u8; 3], f64)],
+    p: [f64; 3],
+    d: [f64; 3],
+) {
     let powers = [0, 1, 2].map(|k| {
-        let mut powers = [[0.0; LARGEST_DEGREE + 1]; LARGEST_DEGREE + 1];
+        let mut powers = [[0.0; N]; N];
         powers[0][0] = 1.0;
         let most = terms.iter().map(|(e, _)| e[k]).max().unwrap_or(0);
         for n in 1..=usize::from(most) {
@@ -142,35 +157,35 @@ fn add_terms(sum: &mut Coefficients, terms: &[([u8; 3], f64)], p: [f64; 3], d: [
         }
         powers
     });
-    let mut by_x = 0;
-    while by_x < terms.len() {
-        let ex = usize::from(terms[by_x].0[0]);
-        let mut inner = [0.0; LARGEST_DEGREE + 1];
+    let mut at = 0;
+    while at < terms.len() {
+        let ex = usize::from(terms[at].0[0]);
+        let mut inner = [0.0; N];
         let mut inner_degree = 0;
-        while by_x < terms.len() && usize::from(terms[by_x].0[0]) == ex {
-            let ey = usize::from(terms[by_x].0[1]);
-            let mut innermost = [0.0; LARGEST_DEGREE + 1];
+        while at < terms.len() && usize::from(terms[at].0[0]) == ex {
+            let ey = usize::from(terms[at].0[1]);
+            let mut innermost = [0.0; N];
             let mut degree = 0;
-            while by_x < terms.len() && terms[by_x].0[..2] == [ex as u8, ey as u8] {
-                let (e, c) = terms[by_x];
+            while at < terms.len() && terms[at].0[..2] == [ex as u8, ey as u8] {
+                let (e, c) = terms[at];
                 let ez = usize::from(e[2]);
                 for j in 0..=ez {
                     innermost[j] += c * powers[2][ez][j];
                 }
                 degree = degree.max(ez);
-                by_x += 1;
+                at += 1;
             }
-            add_product(&mut inner, &powers[1][ey], ey, &innermost, degree);
+            add_product(&mut inner, &powers[1][ey][..=ey], &innermost[..=degree]);
             inner_degree = inner_degree.max(ey + degree);
         }
-        add_product(sum, &powers[0][ex], ex, &inner, inner_degree);
+        add_product(sum, &powers[0][ex][..=ex], &inner[..=inner_degree]);
     }
 }
 
-fn add_product(sum: &mut Coefficients, a: &Coefficients, m: usize, b: &Coefficients, n: usize) {
-    for i in 0..=m {
-        for j in 0..=n {
-            sum[i + j] += a[i] * b[j];
+fn add_product(sum: &mut [f64], a: &[f64], b: &[f64]) {
+    for (i, a) in a.iter().enumerate() {
+        for (sum, b) in sum[i..].iter_mut().zip(b) {
+            *sum += a * b;
         }
     }
 }

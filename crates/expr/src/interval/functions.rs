@@ -83,7 +83,8 @@ impl Interval {
 
     /// The values of a sine whose crests are at `crest` and every full turn from there.
     fn wave(self, f: impl Fn(f64) -> f64, crest: f64) -> Self {
-        if !(self.width() < 2.0 * PI) {
+        let short = self.width() < 2.0 * PI;
+        if !short {
             return Self::new(-1.0, 1.0).partially(self.is_unbounded());
         }
         let (a, b) = (f(self.lower), f(self.upper));
@@ -114,6 +115,7 @@ impl Interval {
         let (from, to) = (turns(self.lower), turns(self.upper));
         let slack = 4.0 * f64::EPSILON * (1.0 + from.abs().max(to.abs()));
         // Also for NaN and infinities.
-        !((from - slack).ceil() > to + slack)
+        let between = (from - slack).ceil() > to + slack;
+        !between
     }
 }
