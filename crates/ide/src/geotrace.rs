@@ -25,6 +25,7 @@ mod meaning;
 mod names_in_scope;
 pub mod navigation;
 pub mod outline;
+mod overview;
 pub mod preview_values;
 pub mod rename;
 pub mod semantic;
@@ -52,6 +53,7 @@ use crate::language::{Analysis, Compiled, EditError, Language, Program, Scope};
 use crate::lens::Lens;
 use crate::occurrence::Occurrence;
 use crate::outline::{DeclarationRange, Fold, OutlineEntry};
+use crate::overview::OverviewRow;
 use crate::rename::RenameError;
 use crate::semantic::SemanticToken;
 use crate::signature::Signature;
@@ -93,6 +95,14 @@ impl Language for Geotrace {
 
     fn extensions(&self) -> &'static [&'static str] {
         &["gtr"]
+    }
+
+    fn line_comment(&self) -> Option<&'static str> {
+        Some("#")
+    }
+
+    fn overview(&self) -> Vec<OverviewRow> {
+        overview::overview()
     }
 
     fn open(&self, text: &str) -> Result<Box<dyn Program>, EditError> {

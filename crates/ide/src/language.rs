@@ -28,6 +28,7 @@ use crate::hint::Hint;
 use crate::lens::Lens;
 use crate::occurrence::Occurrence;
 use crate::outline::{DeclarationRange, Fold, OutlineEntry};
+use crate::overview::OverviewRow;
 use crate::rename::RenameError;
 use crate::semantic::SemanticToken;
 use crate::signature::Signature;
@@ -40,6 +41,16 @@ pub trait Language: Debug + Send + Sync {
 
     /// The extensions of its files, without a dot: `gtr`.
     fn extensions(&self) -> &'static [&'static str];
+
+    /// Returns the mark that begins a comment up to the end of its line, if there is one: `#`.
+    fn line_comment(&self) -> Option<&'static str> {
+        None
+    }
+
+    /// Returns what can be written in the language, in rows that fit on a page.
+    fn overview(&self) -> Vec<OverviewRow> {
+        Vec::new()
+    }
 
     /// Opens a text, which may have any number of mistakes.
     ///

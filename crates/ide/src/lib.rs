@@ -25,6 +25,7 @@ mod languages;
 pub mod lens;
 pub mod occurrence;
 pub mod outline;
+pub mod overview;
 pub mod rename;
 pub mod semantic;
 pub mod signature;
