@@ -51,7 +51,7 @@ class Screen:
 
     def environment(self):
         """For programs that show something here, and know nothing of the user's own desktop."""
-        environment = {k: v for k, v in os.environ.items() if k != "WAYLAND_DISPLAY"}
+        environment = {k: v for k, v in os.environ.items() if k not in ("WAYLAND_DISPLAY", "XDG_STATE_HOME")}
         environment |= {"DISPLAY": self.display, "XDG_RUNTIME_DIR": self.folder, "HOME": self.folder}
         # No bridge to a screen reader is to be looked for.
         environment |= {"DBUS_SESSION_BUS_ADDRESS": "disabled:", "NO_AT_BRIDGE": "1"}
@@ -123,7 +123,9 @@ class Window:
         self.controls = {}
         for old in self.folder.glob("report.jsonl*"):
             old.unlink()
-        command = [BINARY, "preview", str(self.file), "--report", str(self.report), *arguments]
+        # Without a text it opens with the welcome.
+        program = [] if text is None and not self.file.exists() else [str(self.file)]
+        command = [BINARY, "preview", *program, "--report", str(self.report), *arguments]
         if faults:
             # The window as a program of its own, whose GPU goes wrong.
             command = [str(FAULTY), str(self.file), str(self.report), "gpu", *faults(self.folder)]

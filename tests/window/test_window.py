@@ -47,6 +47,31 @@ class OnScreen(unittest.TestCase):
         return window
 
 
+class Programs(OnScreen):
+    """The welcome, the editor and its help, by real keys."""
+
+    def test_a_program_is_begun_from_the_welcome_typed_completed_and_saved(self):
+        window = self.open(None)
+        self.screen.keep("welcome")
+        window.click("Button: Curve")
+        window.until("the template is shown", lambda now: now["status"] == "no errors" and "3d" in now["panes"])
+        window.settle()
+        window.click("Program text")
+        window.xdotool("key", "ctrl+a", "BackSpace")
+        window.xdotool("type", "--delay", "30", "poin")
+        window.place("Button: point")
+        self.screen.keep("completion")
+        window.xdotool("key", "Tab")
+        window.xdotool("type", "--delay", "30", " p = (1, 2, 3);")
+        window.settle()
+        window.xdotool("key", "ctrl+s")
+        target = window.folder / "mine.gtr"
+        window.enter("TextInput: File", str(target))
+        window.click("Button: Save")
+        window.until("the file is written", lambda _now: target.exists())
+        self.assertEqual(target.read_text(), "point p = (1, 2, 3);")
+
+
 class Controls(OnScreen):
     """Keys, pointer, sliders, files."""
 
@@ -186,7 +211,7 @@ class Controls(OnScreen):
 
     def test_animate_moves_until_it_is_told_to_rest(self):
         window = self.open(TORUS)
-        window.click("CheckBox: Animate r")
+        window.click("Button: Animate r")
         values = set()
 
         def moves(now):
@@ -195,7 +220,7 @@ class Controls(OnScreen):
 
         window.until("r moves by itself", moves)
         self.assertTrue(all(0.4 <= r <= 0.9 for (r,) in values), values)
-        window.click("CheckBox: Animate r")
+        window.click("Button: Animate r")
         rest = window.settle()
         self.assertEqual(window.settle()["frames"], rest["frames"])
 
@@ -214,6 +239,7 @@ class Controls(OnScreen):
         window = self.open(SPHERE)
         window.screen.run("convert", "-size", "64x32", "gradient:red-blue", str(window.folder / "map.png"))
         picture = window.pixels("3d")
+        window.click("Button: Objects")
         window.click("TextInput: Image file")
         window.xdotool("type", "--delay", "20", "map.png")
         window.click("Button: Add")
@@ -236,13 +262,14 @@ class Controls(OnScreen):
         picture = window.pixels("3d")
         window.file.write_text(SPHERE.replace("r + 1)", "r + "))
         now = window.until("the mark", lambda now: now["stale"])
-        self.assertIn("Status: line 3, column", now["status"])
+        self.assertEqual(now["status"], "1 error")
+        window.place("Line 3: ")
         window.settle()
         self.assertNotEqual(window.pixels("3d"), picture, "the badge is over the picture")
         self.screen.keep("stale")
         window.file.write_text(SPHERE)
         now = window.until("no mark", lambda now: not now["stale"])
-        self.assertEqual(now["status"], "Status: OK")
+        self.assertEqual(now["status"], "no errors")
         window.settle()
         self.assertEqual(window.pixels("3d"), picture, "the picture is as it was")
 
@@ -270,7 +297,7 @@ class Controls(OnScreen):
 
     def test_no_geodesic_is_followed_while_no_geodesic_view_is_open(self):
         window = self.open(TORUS)
-        window.click("View")
+        window.click("Button: View")
         window.click("CheckBox: Geodesic view of s")
         window.key("Escape")
         before = window.settle()
@@ -645,7 +672,7 @@ class Examples(OnScreen):
                 window = Window(self.screen, example.read_text(), name=example.name)
                 try:
                     now = window.settle()
-                    self.assertEqual(now["status"], "Status: OK")
+                    self.assertEqual(now["status"], "no errors")
                     self.screen.keep(f"example-{example.stem}")
                 finally:
                     self.assertNotIn("panicked", window.close())

@@ -10,3 +10,4 @@ pub(crate) mod recording;
 pub(crate) mod render_thread;
 pub(crate) mod request;
 pub(crate) mod textures;
+pub(crate) mod typing;

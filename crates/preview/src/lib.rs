@@ -11,7 +11,7 @@
 //!
 //! The parts below `ui` know nothing of it: each sends events of its own type over a `channel`, and the window makes
 //! one enum of them. The folders use each other only downward: `ui`, then `engine`, then `io`, then `state`, then
-//! `channel`, `queue` and `platform`.
+//! `channel`, `queue`, `examples` and `platform`.
 //!
 //! Nothing is drawn unless something has changed: the threads wake the window when they have something to show, and
 //! only an animation or a held key lets it draw by itself. The window's own thread waits for others only where that
@@ -20,6 +20,7 @@
 
 mod channel;
 mod engine;
+mod examples;
 mod io;
 mod platform;
 mod queue;
@@ -69,6 +70,8 @@ pub struct Faults {
 pub enum Source {
     /// A file, which is watched, and which the window's own pane edits.
     File(PathBuf),
+    /// No program yet: the window offers new ones, those that were opened last, and the examples.
+    Welcome,
     /// An editor's language server, over standard input and output.
     Attached,
 }

@@ -4,6 +4,7 @@
 //! compiled program ──take()──▶ Model ◀──change()── what the user does, each step under its name
 //! (program.rs)                   │ (model.rs)           └─ history.rs, difference.rs: undo, redo
 //!                                ├─ view.rs: what is remembered by name, and between runs
+//!                                ├─ faults.rs: what is wrong with the text, and when that is shown
 //!                                ├─ camera.rs, motion.rs, path.rs: the cameras, their motions, the paths of the geodesic ones
 //!                                ├─ measuring.rs: what is measured on a surface
 //!                                └─ pane.rs, layout.rs: the panes and their places
@@ -12,6 +13,7 @@
 pub(crate) mod camera;
 pub(crate) mod camera_controller;
 pub(crate) mod difference;
+pub(crate) mod faults;
 pub(crate) mod history;
 pub(crate) mod layout;
 pub(crate) mod measuring;
@@ -23,6 +25,7 @@ pub(crate) mod program;
 pub(crate) mod view;
 
 pub use camera::{InsideCamera, SpaceCamera};
+pub use faults::ProgramFaults;
 pub use history::{History, Step};
 pub use model::Model;
 pub use path::CameraPath;

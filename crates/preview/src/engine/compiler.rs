@@ -105,6 +105,7 @@ pub(crate) fn compiled(version: i32, text: Arc<str>, read: Read) -> Compiled {
         stale: read.program.stale,
         lacks: read.program.incomplete,
         declared: read.declarations,
+        analysis: read.analysis,
         text,
         arrived: Instant::now(),
         took: std::time::Duration::ZERO,

@@ -21,7 +21,10 @@ pub(crate) struct Jump {
 #[derive(Debug)]
 pub(crate) struct Editor {
     pub(crate) language: Arc<dyn Language>,
+    /// Its file, or the name that a new program has before it is saved.
     pub(crate) path: PathBuf,
+    /// It has no file yet.
+    pub(crate) is_new: bool,
     pub(crate) text: String,
     /// Counts the texts that were compiled.
     pub(crate) version: i32,
@@ -31,6 +34,8 @@ pub(crate) struct Editor {
     pub(crate) conflict: Option<String>,
     /// A place that the cursor is to be put to.
     pub(crate) jump: Option<Jump>,
+    /// The field that shows the text is to have the keys.
+    pub(crate) wants_keys: bool,
     /// The texts whose place another one has taken by other means than typing, oldest first, until the field that shows
     /// the text has them among what it can undo.
     pub(crate) replaced: Vec<String>,
@@ -51,16 +56,26 @@ impl Editor {
         Self {
             language,
             path,
+            is_new: false,
             saved: text.clone(),
             text,
             version: 0,
             conflict: None,
             jump: None,
+            wants_keys: false,
             replaced: Vec::new(),
         }
     }
 
-    /// Returns whether the text differs from the file's.
+    /// A text without a file, which would have this name.
+    pub(crate) fn untitled(language: Arc<dyn Language>, name: &str, text: String) -> Self {
+        Self {
+            is_new: true,
+            ..Self::new(language, PathBuf::from(name), text)
+        }
+    }
+
+    /// Returns whether the text differs from the file's, or from what a new one began with.
     pub(crate) fn is_changed(&self) -> bool {
         self.text != self.saved
     }
@@ -128,6 +143,20 @@ impl Editor {
         Ok(Saved::Written)
     }
 
+    /// Writes the text to another file, which is its own from then on.
+    ///
+    /// # Errors
+    /// A sentence; the text belongs to the file that it had.
+    pub(crate) fn save_as(&mut self, path: PathBuf) -> Result<(), String> {
+        write_whole(&path, self.text.as_bytes())
+            .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
+        self.path = path;
+        self.is_new = false;
+        self.conflict = None;
+        self.saved.clone_from(&self.text);
+        Ok(())
+    }
+
     /// Writes a text that has not been saved beside its file, or where that cannot be, among the system's temporary
     /// files:
     /// under a name that nothing has yet. A sentence that says where, or why not; none where all is saved.
@@ -169,7 +198,8 @@ impl Editor {
         Ok(changed)
     }
 
-    fn replace(&mut self, text: String) {
+    /// Puts another text in the place of this one, which the field that shows it can undo.
+    pub(crate) fn replace(&mut self, text: String) {
         self.replaced.push(std::mem::replace(&mut self.text, text));
     }
 }

@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use ide::language::Analysis;
 use ide::language::EditError;
 use ide::outline::DeclarationRange;
 use ide::{Language, Program};
@@ -27,6 +28,8 @@ pub(crate) struct Read {
     /// The declarations of the text, in its order.
     pub(crate) declarations: Vec<DeclarationRange>,
     pub(crate) program: ProgramScene,
+    /// The text for the features of an editor; none of a text that cannot be read.
+    pub(crate) analysis: Option<Arc<dyn Analysis>>,
 }
 
 /// A text that is to be read.
@@ -46,6 +49,7 @@ impl Reader {
                 diagnostics: program.diagnostics(),
                 declarations: program.declarations(),
                 program: program.scene(),
+                analysis: Some(program.snapshot()),
             },
             Err(error) => {
                 let code = Code("too-large");

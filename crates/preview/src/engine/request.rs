@@ -6,9 +6,10 @@ use render::shared::Shared;
 use render::texture::Texture;
 use render::viewpoint::{GeodesicCamera, PerspectiveCamera};
 use render::{PictureRequest, ViewId, Views};
-use scene::ObjectId;
+use scene::{Object, ObjectId};
 
 use crate::engine::textures::Library;
+use crate::state::model::Emphasis;
 use crate::state::{Choice, InsideCamera, Marks, Model};
 
 /// Returns the request for the picture of a view with so many pixels; nothing if there is nothing to be seen. `active` is
@@ -43,14 +44,14 @@ pub(crate) fn picture_request(
     let mut hidden = Vec::new();
     if let Some(space) = view.space_mut() {
         let camera = model.view.space;
-        let background = model.view.preferences.background;
-        let [r, g, b] = background.unwrap_or(render::style::BACKGROUND);
+        let [r, g, b] = model.background();
         space.camera = PerspectiveCamera {
             eye: camera.map(|it| it.eye.into()),
             target: camera.map(|it| it.target.into()),
         };
         space.background = Some([r, g, b, 255]);
         let highlighted = model.highlighted.as_deref();
+        let highlighted = highlighted.filter(|_| model.emphasis != Emphasis::Off);
         let highlighted = highlighted.and_then(|name| scene.object(name));
         space.highlight = highlighted.map(|(id, _)| id);
         hidden = model.hidden();
@@ -70,11 +71,9 @@ pub(crate) fn picture_request(
     request.trails = trails;
     request.moving = moving;
     request.overlays = overlays(&marks);
+    request.colours = colours(model, own.is_none());
+    request.colours.retain(|(id, _)| !hidden.contains(id));
     for (id, object) in scene.numbered().filter(|(id, _)| !hidden.contains(id)) {
-        let look = model.view.looks.get(&object.name);
-        if let Some(colour) = look.and_then(|look| look.colour) {
-            request.colours.push((id, colour));
-        }
         if object.shape.manifold().is_some() {
             let choice = model.view.texture(&object.name);
             if *choice == Choice::Curvature {
@@ -88,6 +87,27 @@ pub(crate) fn picture_request(
         }
     }
     Some(request)
+}
+
+/// The share of its light that an object has while it is out of date.
+const DIMMED: f64 = 0.4;
+
+/// Returns the colours of objects: those that were chosen. With `dims`, objects that are out of date are dim.
+fn colours(model: &Model, dims: bool) -> Vec<(ObjectId, [u8; 3])> {
+    let Some(scene) = &model.scene else {
+        return Vec::new();
+    };
+    let stale = model.faults.stale();
+    let colour = |(id, object): (ObjectId, &Object)| {
+        let look = model.view.looks.get(&object.name);
+        let chosen = look.and_then(|look| look.colour);
+        if dims && stale.contains(&object.name) {
+            let colour = chosen.unwrap_or_else(|| render::style::colour(&object.shape));
+            return Some((id, colour.map(|part| (f64::from(part) * DIMMED) as u8)));
+        }
+        chosen.map(|colour| (id, colour))
+    };
+    scene.numbered().filter_map(colour).collect()
 }
 
 /// Returns a geodesic camera as a request has it.
@@ -105,10 +125,15 @@ fn overlays(marks: &Marks) -> Overlays {
     }
 }
 
-/// Returns the request for a picture that is kept: of a view at rest, with no object highlighted.
-pub(crate) fn at_rest(mut request: PictureRequest, size: [u32; 2]) -> PictureRequest {
+/// Returns the request for a picture that is kept: of a view at rest, with no object highlighted or dim.
+pub(crate) fn at_rest(
+    mut request: PictureRequest,
+    model: &Model,
+    size: [u32; 2],
+) -> PictureRequest {
     request.size = size;
     request.moving = false;
+    request.colours = colours(model, false);
     if let Some(space) = request.view.space_mut() {
         space.highlight = None;
     }
@@ -134,4 +159,63 @@ pub(crate) fn with_curvatures(mut request: PictureRequest) -> PictureRequest {
         }
     }
     request
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{DIMMED, colours};
+    use crate::engine::compiler::compiled;
+    use crate::engine::reader::{Reader, SourceText};
+    use crate::state::Model;
+
+    /// The names of the objects that have a colour in a request, with that colour.
+    fn coloured(model: &Model, dims: bool) -> Vec<(String, [u8; 3])> {
+        let scene = model.scene.as_ref().expect("a scene");
+        let name = |(id, colour): (scene::ObjectId, _)| {
+            let object = &scene.objects[id.0 as usize];
+            (object.name.clone(), colour)
+        };
+        colours(model, dims).into_iter().map(name).collect()
+    }
+
+    #[test]
+    fn only_what_depends_on_a_fault_is_dim() {
+        let good = "param r : [1, 2];
+point p = (r, 0, 0);
+point q = (0, 0, 0);
+point o = (0, r, 0);
+define unused = 1;
+";
+        let languages = ide::Languages::standard();
+        let mut model = Model::default();
+        model
+            .adjust(|view| view.looks.entry("o".into()).or_default().colour = Some([200, 100, 50]));
+        let mut reader = Reader::default();
+        let mut take = |model: &mut Model, version, text: String| {
+            let source = SourceText {
+                language: &**languages.default_language(),
+                text: &text,
+                changes: None,
+            };
+            let read = reader.read(&source);
+            model.take(compiled(version, text.as_str().into(), read));
+            model.faults.show_latest();
+        };
+        take(&mut model, 1, good.to_owned());
+        let chosen = vec![("o".to_owned(), [200, 100, 50])];
+        assert_eq!(coloured(&model, true), chosen);
+        take(&mut model, 2, good.replace("unused = 1", "unused = 1 +"));
+        assert_eq!(coloured(&model, true), chosen, "nothing depends on it");
+        take(&mut model, 3, good.replace("(r, 0, 0)", "(r, 0, 0"));
+        let names = |model: &Model| -> Vec<String> {
+            coloured(model, true).into_iter().map(|it| it.0).collect()
+        };
+        assert_eq!(names(&model), ["p", "o"]);
+        take(&mut model, 4, good.replace("[1, 2]", "[1, 2"));
+        let all = coloured(&model, true);
+        let dim = [200, 100, 50].map(|part| (f64::from(part) * DIMMED) as u8);
+        assert_eq!(names(&model), ["p", "o"]);
+        assert_eq!(all[1].1, dim);
+        assert_eq!(coloured(&model, false), chosen, "a picture that is kept");
+    }
 }

@@ -14,10 +14,14 @@ use crate::channel::EventSender;
 pub(crate) enum FileChoice {
     /// Image files.
     Images(Vec<PathBuf>),
+    /// A program to be opened.
+    Program(PathBuf),
     /// The place of a file that is to be written.
     Target(PathBuf),
     /// No dialog can be opened in which images could be chosen.
     NoDialogForImages,
+    /// No dialog can be opened in which a program could be chosen.
+    NoDialogForProgram,
 }
 
 /// The sentence for a desktop without dialogs.
@@ -43,6 +47,31 @@ pub(crate) fn choose_images(events: EventSender<FileChoice>, folder: Option<Path
         match opened(|| dialog.pick_files()) {
             Ok(paths) => events.send(FileChoice::Images(paths.unwrap_or_default())),
             Err(NoDialog) => events.send(FileChoice::NoDialogForImages),
+        }
+    });
+}
+
+/// Lets the user choose a program, whose file has one of some extensions.
+pub(crate) fn choose_program(
+    events: EventSender<FileChoice>,
+    folder: Option<PathBuf>,
+    extensions: Vec<&'static str>,
+) {
+    std::thread::spawn(move || {
+        let mut dialog = rfd::FileDialog::new()
+            .set_title("Open program")
+            .add_filter("Programs", &extensions);
+        if let Some(folder) = folder {
+            dialog = dialog.set_directory(folder);
+        }
+        match opened(|| dialog.pick_file()) {
+            Ok(Some(path)) => {
+                events.send(FileChoice::Program(path));
+            }
+            Ok(None) => events.wake(),
+            Err(NoDialog) => {
+                events.send(FileChoice::NoDialogForProgram);
+            }
         }
     });
 }

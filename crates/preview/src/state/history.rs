@@ -1,8 +1,12 @@
 //! Undo and redo of changes of the view, never of the text.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
+use std::sync::Arc;
+
+use scene::ParamValues;
 
 use super::difference::{Difference, Exchanged};
+use super::path::CameraPath;
 use super::view::View;
 
 /// The name of a change.
@@ -24,39 +28,61 @@ impl Step {
     }
 }
 
-/// The entries that each step has replaced.
+/// The steps that were made, and those that were taken back.
 #[derive(Clone, Debug, Default)]
 pub struct History {
-    past: VecDeque<(Step, Difference)>,
-    future: Vec<(Step, Difference)>,
+    past: VecDeque<MadeStep>,
+    future: Vec<MadeStep>,
     settled: bool,
+}
+
+/// A step with what it has replaced.
+#[derive(Clone, Debug)]
+struct MadeStep {
+    step: Step,
+    replaced: Difference,
+    trails: Trails,
+}
+
+/// The paths of geodesic cameras that a step has ended or gone on with, by their surfaces; none where there was none.
+pub(super) type Trails = BTreeMap<String, Option<EndedTrail>>;
+
+/// A path that has ended, and the params' values with which it is one.
+#[derive(Clone, Debug)]
+pub(super) struct EndedTrail {
+    pub(super) path: Arc<CameraPath>,
+    pub(super) settings: Arc<ParamValues>,
 }
 
 /// The number of steps that are remembered.
 const MAX_STEPS: usize = 200;
 
-/// A step that was taken back, or made again.
-#[derive(Debug)]
-pub(super) struct Travelled {
-    pub(super) title: &'static str,
-    pub(super) cameras: Vec<String>,
-}
+/// Puts a path in the place of that of a surface's camera, and returns that one.
+pub(super) type ExchangeTrails<'f> = dyn FnMut(&str, Option<EndedTrail>) -> Option<EndedTrail> + 'f;
 
 impl History {
-    pub(super) fn record(&mut self, step: Step, replaced: Difference) {
+    pub(super) fn record(&mut self, step: Step, replaced: Difference, trails: Trails) {
+        let joins = self.joins(&step);
         self.future.clear();
-        let joins = !std::mem::take(&mut self.settled);
-        if let Some((last, before)) = self.past.back_mut()
-            && joins
-            && *last == step
-        {
-            before.add(replaced);
+        self.settled = false;
+        if let Some(last) = self.past.back_mut().filter(|_| joins) {
+            last.replaced.add(replaced);
             return;
         }
         if self.past.len() == MAX_STEPS {
             self.past.pop_front();
         }
-        self.past.push_back((step, replaced));
+        self.past.push_back(MadeStep {
+            step,
+            replaced,
+            trails,
+        });
+    }
+
+    /// Returns whether a step would be one with the last.
+    pub(super) fn joins(&self, step: &Step) -> bool {
+        let last = self.past.back().map(|last| &last.step);
+        !self.settled && last == Some(step)
     }
 
     /// Ends a gesture: the next step is one of its own.
@@ -66,66 +92,92 @@ impl History {
 
     /// Returns the title of the step that would be undone.
     pub fn last(&self) -> Option<&'static str> {
-        self.past.back().map(|(step, _)| step.title)
+        self.past.back().map(|last| last.step.title)
     }
 
     /// Returns the title of the step that would be done again.
     pub fn next(&self) -> Option<&'static str> {
-        self.future.last().map(|(step, _)| step.title)
+        self.future.last().map(|next| next.step.title)
     }
 
-    /// Takes the last step back that has changed anything.
-    pub(super) fn undo(&mut self, view: &mut View) -> Option<Travelled> {
+    /// Takes the last step back that has changed anything; returns its title.
+    pub(super) fn undo(
+        &mut self,
+        view: &mut View,
+        exchange: &mut ExchangeTrails<'_>,
+    ) -> Option<&'static str> {
         loop {
-            let (step, mut other) = self.past.pop_back()?;
-            if let Some(travelled) = travel(&step, &mut other, view) {
-                self.future.push((step, other));
+            let mut entry = self.past.pop_back()?;
+            if let Some(title) = entry.travel(view, exchange) {
+                self.future.push(entry);
                 self.settled = true;
-                return Some(travelled);
+                return Some(title);
             }
         }
     }
 
-    /// Makes the last step again that was taken back and would change anything.
-    pub(super) fn redo(&mut self, view: &mut View) -> Option<Travelled> {
+    /// Makes the last step again that was taken back and would change anything; returns its title.
+    pub(super) fn redo(
+        &mut self,
+        view: &mut View,
+        exchange: &mut ExchangeTrails<'_>,
+    ) -> Option<&'static str> {
         loop {
-            let (step, mut other) = self.future.pop()?;
-            if let Some(travelled) = travel(&step, &mut other, view) {
-                self.past.push_back((step, other));
+            let mut entry = self.future.pop()?;
+            if let Some(title) = entry.travel(view, exchange) {
+                self.past.push_back(entry);
                 self.settled = true;
-                return Some(travelled);
+                return Some(title);
             }
         }
     }
 
     /// The text has given a component of a param its value: no step does any more.
     pub(super) fn drop_value(&mut self, param: &str, component: usize) {
-        self.each(|it| it.drop_value(param, component));
+        self.each(|it| it.replaced.drop_value(param, component));
     }
 
     /// Drops the 3D camera where the user has not moved it: it is placed anew.
     pub(super) fn reframe(&mut self) {
-        self.each(Difference::reframe);
+        self.each(|it| it.replaced.reframe());
     }
 
-    /// Drops the geodesic cameras that the user has not moved: they are placed anew.
-    pub(super) fn settle_anew(&mut self) {
-        self.each(Difference::settle_anew);
+    /// Drops what belongs to a scene that another one has replaced: the geodesic cameras that the user has not moved,
+    /// which are placed anew, and the paths.
+    pub(super) fn note_scene(&mut self) {
+        self.each(|it| {
+            it.replaced.settle_anew();
+            it.trails.values_mut().for_each(|trail| *trail = None);
+        });
     }
 
-    fn each(&mut self, edit: impl Fn(&mut Difference)) {
-        let past = self.past.iter_mut();
-        past.chain(&mut self.future)
-            .for_each(|(_, other)| edit(other));
-        self.past.retain(|(_, other)| !other.is_empty());
-        self.future.retain(|(_, other)| !other.is_empty());
+    fn each(&mut self, edit: impl Fn(&mut MadeStep)) {
+        self.past.iter_mut().chain(&mut self.future).for_each(edit);
+        self.past.retain(MadeStep::has_any);
+        self.future.retain(MadeStep::has_any);
     }
 }
 
-fn travel(step: &Step, other: &mut Difference, view: &mut View) -> Option<Travelled> {
-    let Exchanged { any, cameras } = other.exchange(view);
-    any.then_some(Travelled {
-        title: step.title,
-        cameras,
-    })
+impl MadeStep {
+    fn has_any(&self) -> bool {
+        !self.replaced.is_empty() || self.trails.values().any(Option::is_some)
+    }
+
+    /// Exchanges what the step has replaced with what is there now; nothing if that is the same.
+    fn travel(
+        &mut self,
+        view: &mut View,
+        exchange: &mut ExchangeTrails<'_>,
+    ) -> Option<&'static str> {
+        let Exchanged { mut any, cameras } = self.replaced.exchange(view);
+        for surface in cameras {
+            self.trails.entry(surface).or_default();
+        }
+        for (surface, trail) in &mut self.trails {
+            any |= trail.is_some();
+            *trail = exchange(surface, trail.take());
+            any |= trail.is_some();
+        }
+        any.then_some(self.step.title)
+    }
 }

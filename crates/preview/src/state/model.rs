@@ -3,9 +3,10 @@
 mod geodesic_cameras;
 mod placement;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use ide::language::Analysis;
 use ide::outline::DeclarationRange;
 use render::trail::Trail;
 use scene::ParamValues;
@@ -14,11 +15,34 @@ use syntax::span::Span;
 
 use super::camera_controller::CameraController;
 use super::difference::Difference;
-use super::history::{History, Step, Travelled};
+use super::faults::{Diagnosis, ProgramFaults};
+use super::history::{EndedTrail, ExchangeTrails, History, Step, Trails};
 use super::path::CameraPath;
-use super::program::{Compiled, Finding};
+use super::program::Compiled;
 use super::view::{Animation, Opening, View};
 use placement::Placement;
+
+/// The background of the views in space in a light window, sRGB.
+const LIGHT_BACKGROUND: [u8; 3] = [214, 218, 226];
+
+/// The state of what sets an object off in the views in space.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub(crate) enum Emphasis {
+    /// No object is set off.
+    #[default]
+    Off,
+    /// The object is another one than before.
+    Begins,
+    /// It is set off for a while.
+    On,
+}
+
+/// A text that has been read, for the features of an editor.
+#[derive(Clone, Debug)]
+pub(crate) struct ReadText {
+    pub(crate) version: i32,
+    pub(crate) analysis: Arc<dyn Analysis>,
+}
 
 /// The window's state.
 #[derive(Debug, Default)]
@@ -39,16 +63,18 @@ pub struct Model {
     pub read: bool,
     /// The time that compiling it took.
     pub took: std::time::Duration,
-    /// Its diagnostics.
-    pub findings: Vec<Finding>,
-    /// The objects that are shown as they last were, and those that read something that is.
-    pub stale: BTreeSet<String>,
-    /// Something of the text is not shown at all.
-    pub lacks: bool,
+    /// Its faults, as far as they are shown.
+    pub faults: ProgramFaults,
     /// The declarations of the text, in its order.
     pub declared: Vec<DeclarationRange>,
+    /// The text for the features of an editor.
+    analysis: Option<Arc<dyn Analysis>>,
     /// The object whose declaration the cursor is in.
     pub highlighted: Option<String>,
+    /// Set while that object is set off in the views in space too: for a while, so that its colours can be judged.
+    pub(crate) emphasis: Emphasis,
+    /// The window has a light theme.
+    pub(crate) is_light: bool,
     /// The paths of the geodesic cameras that leave trails, by their surfaces' names.
     pub paths: BTreeMap<String, Arc<CameraPath>>,
     /// The lines of what is measured, with their surface's name.
@@ -70,28 +96,51 @@ impl Model {
         self.settings = None;
     }
 
+    /// Forgets the program that is shown, with its scene.
+    pub(crate) fn forget_program(&mut self) {
+        self.scene = None;
+        self.text = "".into();
+        self.read = false;
+        self.ok = false;
+        self.faults = ProgramFaults::default();
+        self.declared.clear();
+        self.analysis = None;
+        self.highlighted = None;
+        self.controllers.clear();
+    }
+
     /// Takes over what a text compiled to. What it does not say stays as it is.
     pub(crate) fn take(&mut self, compiled: Compiled) {
         self.text = compiled.text;
         self.version = compiled.version;
         self.ok = compiled.ok;
-        self.read = true;
+        let is_first = !std::mem::replace(&mut self.read, true);
         self.took = compiled.took;
-        self.findings = compiled.findings;
         self.declared = compiled.declared;
-        self.lacks = compiled.lacks || compiled.scene.is_none();
-        if let Some(scene) = compiled.scene {
-            self.heed_openings(&scene);
-            // A camera that the user has not moved belongs to its scene.
-            self.history.settle_anew();
-            self.scene = Some(scene);
-            self.renumber_paths();
-            self.stale = compiled.stale.into_iter().collect();
-            self.settings = None;
+        self.analysis = compiled.analysis;
+        let lacks = compiled.lacks || compiled.scene.is_none();
+        let stale = if compiled.scene.is_some() {
+            compiled.stale.into_iter().collect()
         } else {
             // All that is shown is of another text.
             let objects = self.scene.iter().flat_map(|scene| &scene.objects);
-            self.stale = objects.map(|object| object.name.clone()).collect();
+            objects.map(|object| object.name.clone()).collect()
+        };
+        self.faults.take(Diagnosis {
+            findings: compiled.findings,
+            stale,
+            lacks,
+        });
+        if is_first {
+            self.faults.show_latest();
+        }
+        if let Some(scene) = compiled.scene {
+            self.heed_openings(&scene);
+            // A camera that the user has not moved belongs to its scene.
+            self.history.note_scene();
+            self.scene = Some(scene);
+            self.renumber_paths();
+            self.settings = None;
         }
     }
 
@@ -126,19 +175,19 @@ impl Model {
         }
     }
 
-    /// Returns whether the text has errors, so that not all of it is shown as it is there.
+    /// Returns whether it is shown that the text has errors, so that not all of it is shown as it is there.
     pub fn is_stale(&self) -> bool {
-        !self.ok && self.read
+        self.faults.errors().next().is_some()
     }
 
     /// Returns whether a view of the whole scene shows something that the text no longer has in this form, or lacks
     /// something of it.
     pub fn is_stale_in(&self, view: &dyn render::view::View) -> bool {
         self.is_stale()
-            && (self.lacks
-                || self
-                    .shown_in(view)
-                    .any(|it| self.stale.contains(&it.name) && !self.view.look(&it.name).hidden))
+            && (self.faults.lacks()
+                || self.shown_in(view).any(|it| {
+                    self.faults.stale().contains(&it.name) && !self.view.look(&it.name).hidden
+                }))
     }
 
     /// Returns whether a view of an object shows it, or a geodesic on it, in a form that the text no longer has.
@@ -152,7 +201,8 @@ impl Model {
             let geodesic = object.shape.geodesic();
             geodesic.is_some_and(|(surface, _)| Some(surface) == id)
         });
-        id.is_none() || self.stale.contains(object) || on_it.any(|it| self.stale.contains(&it.name))
+        let stale = self.faults.stale();
+        id.is_none() || stale.contains(object) || on_it.any(|it| stale.contains(&it.name))
     }
 
     /// The objects that a view shows.
@@ -174,7 +224,7 @@ impl Model {
         self.adjust(edit);
         let replaced = Difference::of(&before, &self.view);
         if !replaced.is_empty() {
-            self.history.record(step, replaced);
+            self.history.record(step, replaced, Trails::default());
         }
     }
 
@@ -197,24 +247,35 @@ impl Model {
 
     /// Takes the last step back; returns its name.
     pub fn undo(&mut self) -> Option<&'static str> {
-        self.keep_placement();
-        let travelled = self.history.undo(&mut self.view)?;
-        Some(self.arrive(travelled))
+        self.travel(History::undo)
     }
 
     /// Does the last step again that was taken back; returns its name.
     pub fn redo(&mut self) -> Option<&'static str> {
-        self.keep_placement();
-        let travelled = self.history.redo(&mut self.view)?;
-        Some(self.arrive(travelled))
+        self.travel(History::redo)
     }
 
-    fn arrive(&mut self, travelled: Travelled) -> &'static str {
-        for surface in &travelled.cameras {
-            self.paths.remove(surface);
-        }
+    fn travel(
+        &mut self,
+        step: impl FnOnce(&mut History, &mut View, &mut ExchangeTrails<'_>) -> Option<&'static str>,
+    ) -> Option<&'static str> {
+        self.keep_placement();
+        let settings = self.settings();
+        let paths = &mut self.paths;
+        let mut exchange = |surface: &str, trail: Option<EndedTrail>| {
+            let present = paths.remove(surface);
+            // A path on the surface with other values would be no geodesic there.
+            if let Some(trail) = trail.filter(|it| Some(&it.settings) == settings.as_ref()) {
+                paths.insert(surface.to_owned(), trail.path);
+            }
+            Some(EndedTrail {
+                path: present?,
+                settings: settings.clone()?,
+            })
+        };
+        let title = step(&mut self.history, &mut self.view, &mut exchange)?;
         self.adjust(|_| {});
-        travelled.title
+        Some(title)
     }
 
     /// The params' values for the scene: those that were chosen, kept within their intervals.
@@ -279,6 +340,15 @@ impl Model {
         Some(&self.object(name)?.1.name)
     }
 
+    /// Returns the text that was compiled last, for the features of an editor.
+    pub(crate) fn read_text(&self) -> Option<ReadText> {
+        let analysis = self.analysis.clone()?;
+        Some(ReadText {
+            version: self.version,
+            analysis,
+        })
+    }
+
     /// Returns the place at which the text declares a name.
     pub fn place_of(&self, name: &str) -> Option<Span> {
         let mut declared = self.declared.iter();
@@ -291,30 +361,29 @@ impl Model {
         self.text.get(start as usize..end as usize)
     }
 
-    /// Returns the sentence of the status line about the text.
+    /// Returns what the status line says about the text.
     pub fn status(&self) -> String {
-        let errors = self.errors().count();
-        match self.errors().next() {
-            None if !self.read => "Status: reading".to_owned(),
-            None => "Status: OK".to_owned(),
-            Some(first) => {
-                let more = match errors - 1 {
-                    0 => String::new(),
-                    1 => " (and 1 more)".to_owned(),
-                    n => format!(" (and {n} more)"),
-                };
-                format!(
-                    "Status: line {}, column {}: {}{more}",
-                    first.line, first.column, first.message
-                )
-            }
+        match self.read {
+            true => self.faults.count(),
+            false => "reading".to_owned(),
         }
     }
 
-    /// The errors among the findings.
-    pub fn errors(&self) -> impl Iterator<Item = &Finding> {
-        let is_error = |it: &&Finding| it.severity == syntax::diagnostic::Severity::Error;
-        self.findings.iter().filter(is_error)
+    /// Returns the background of the views in space: the chosen one, else that of the theme.
+    pub(crate) fn background(&self) -> [u8; 3] {
+        let of_theme = match self.is_light {
+            true => LIGHT_BACKGROUND,
+            false => render::style::BACKGROUND,
+        };
+        self.view.preferences.background.unwrap_or(of_theme)
+    }
+
+    /// Highlights an object: its declaration is at the cursor.
+    pub(crate) fn highlight(&mut self, name: Option<String>) {
+        if self.highlighted != name {
+            self.emphasis = Emphasis::Begins;
+            self.highlighted = name;
+        }
     }
 
     /// Moves what is animated by some seconds, each up to its greatest value and then from its least; whether

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use ide::language::Analysis;
 use ide::outline::DeclarationRange;
 use scene::Scene;
 use syntax::diagnostic::Severity;
@@ -28,6 +29,8 @@ pub(crate) struct Compiled {
     pub(crate) lacks: bool,
     /// The declarations of the text, in its order.
     pub(crate) declared: Vec<DeclarationRange>,
+    /// The text for the features of an editor; none of a text that cannot be read.
+    pub(crate) analysis: Option<Arc<dyn Analysis>>,
     /// The time at which the text arrived.
     pub(crate) arrived: Instant,
     /// The time that compiling took.

@@ -14,7 +14,7 @@ use egui::{Ui, ViewportCommand};
 use crate::io::report::Report;
 use crate::state::StatusMessage;
 use crate::ui::gpu_surface::GpuSurface;
-use crate::ui::window::Window;
+use crate::ui::window::{Next, Window};
 use crate::{Failure, Faults, Options, Source};
 
 /// The number of times that a lost GPU is replaced before the window gives up.
@@ -218,6 +218,7 @@ fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> 
             let views = options.views.clone();
             Window::of_file(context, &options.languages, views, path.clone(), true)?
         }
+        Source::Welcome => Window::welcome(context, &options.languages, options.views.clone()),
         Source::Attached => Window::attached(
             context,
             options.languages.clone(),
@@ -226,6 +227,11 @@ fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> 
             std::io::stdout(),
         ),
     };
+    if options.source != Source::Attached
+        && let Some(folder) = crate::platform::state_folder()
+    {
+        window.list_recent_in(&folder);
+    }
     if let Some(path) = &options.report {
         let report = Report::create(path).map_err(|error| Failure::Unreadable {
             path: path.clone(),
@@ -273,7 +279,7 @@ impl App for Preview {
         let asked = ui.input(|input| input.viewport().close_requested());
         if asked && !window.display.closing && window.text.has_unsaved() {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
-            window.dialogs.leaving = true;
+            window.dialogs.leaving = Some(Next::Close);
             context.request_repaint();
         } else if window.display.closing && !asked {
             context.send_viewport_cmd(ViewportCommand::Close);

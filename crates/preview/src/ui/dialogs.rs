@@ -1,6 +1,8 @@
 //! The dialogs: which are open, and what has been entered.
 
+pub(crate) mod help;
 pub(crate) mod picture;
+pub(crate) mod program;
 pub(crate) mod record;
 
 use std::path::Path;
@@ -9,9 +11,12 @@ use egui::{Grid, Ui};
 use render::view::{Key, View};
 
 use crate::engine::recording::Recording;
+use crate::ui::gallery;
 use crate::ui::measure::{self, Measuring};
-use crate::ui::window::Window;
+use crate::ui::window::{Next, Window};
+use help::HelpPage;
 use picture::PictureDialog;
+use program::ProgramDialog;
 use record::RecordDialog;
 
 /// The dialogs, and what has been entered in them.
@@ -29,8 +34,14 @@ pub(crate) struct Dialogs {
     pub(crate) recording: Option<Recording>,
     /// Surfaces are measured.
     pub(crate) measuring: Measuring,
-    /// The window is to close with a text that is not saved.
-    pub(crate) leaving: bool,
+    /// A program is to be opened or saved, by the name of its file.
+    pub(crate) program: Option<ProgramDialog>,
+    /// The examples are listed.
+    pub(crate) examples: bool,
+    /// A page of help is shown.
+    pub(crate) help: Option<HelpPage>,
+    /// The next step, before which a text would be lost that is not saved.
+    pub(crate) leaving: Option<Next>,
     /// The text of the field for a texture's file.
     pub(crate) texture_path: String,
     /// That field is to have the keys.
@@ -43,6 +54,8 @@ impl Dialogs {
         let path = path.display().to_string();
         if let Some(dialog) = &mut self.picture {
             dialog.path = path;
+        } else if let Some(dialog) = &mut self.program {
+            dialog.path = path;
         } else if let Some(mesh) = &mut self.mesh {
             *mesh = path;
         } else if let Some(dialog) = &mut self.record {
@@ -52,7 +65,9 @@ impl Dialogs {
 
     /// Returns whether keys belong to a dialog.
     pub(crate) fn is_open(&self) -> bool {
-        self.picture.is_some() || self.mesh.is_some() || self.record.is_some() || self.leaving
+        let asks = self.picture.is_some() || self.mesh.is_some() || self.record.is_some();
+        let shows = self.examples || self.help.is_some();
+        asks || shows || self.program.is_some() || self.leaving.is_some()
     }
 }
 
@@ -64,40 +79,69 @@ pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
     measure::show(window, ui);
     picture::show(window, ui);
     record::show(window, ui);
-    if window.dialogs.leaving {
-        leaving(window, ui);
+    program::show(window, ui);
+    help::show(window, ui);
+    if window.dialogs.examples {
+        examples(window, ui);
+    }
+    if let Some(next) = window.dialogs.leaving.clone() {
+        leaving(window, &next, ui);
     }
 }
 
-fn leaving(window: &mut Window, ui: &Ui) {
+fn leaving(window: &mut Window, next: &Next, ui: &Ui) {
+    let [save, drop] = match next {
+        Next::Close => ["Save and close", "Close without saving"],
+        Next::File(_) | Next::New { .. } => ["Save", "Do not save"],
+    };
     let modal = egui::Modal::new(egui::Id::unique("leaving")).show(ui.ctx(), |ui| {
         ui.heading("The program is not saved");
-        ui.horizontal(|ui| {
-            if ui.button("Save and close").clicked() {
-                window.save_text();
-                window.display.closing = !window.text.has_unsaved();
-                window.dialogs.leaving = false;
-            }
-            if ui.button("Close without saving").clicked() {
-                window.display.closing = true;
-                window.dialogs.leaving = false;
-            }
-            if ui.button("Stay").clicked() {
-                window.dialogs.leaving = false;
-            }
-        });
+        let choices = |ui: &mut Ui| [save, drop, "Cancel"].map(|it| ui.button(it).clicked());
+        ui.horizontal(choices).inner
     });
-    if modal.should_close() {
-        window.dialogs.leaving = false;
+    let [saves, drops, cancels] = modal.inner;
+    if saves {
+        window.dialogs.leaving = None;
+        window.save_text_and(next.clone());
+    } else if drops {
+        window.dialogs.leaving = None;
+        window.take_next(next.clone());
+    } else if cancels || modal.should_close() {
+        window.dialogs.leaving = None;
     }
 }
 
+fn examples(window: &mut Window, ui: &Ui) {
+    let screen = ui.ctx().content_rect();
+    let modal = egui::Modal::new(egui::Id::unique("examples")).show(ui.ctx(), |ui| {
+        ui.set_width((screen.width() - 80.0).min(860.0));
+        ui.heading("Examples");
+        let room = (screen.height() - 160.0).max(120.0);
+        let chosen = gallery::show(ui, room);
+        (chosen, ui.button("Cancel").clicked())
+    });
+    let is_closing = modal.should_close();
+    let (chosen, cancels) = modal.inner;
+    if cancels || chosen.is_some() || is_closing {
+        window.dialogs.examples = false;
+    }
+    if let Some(next) = chosen {
+        window.go_on(next);
+    }
+}
+
+/// The width of the column with the keys.
+const KEYS_WIDTH: f32 = 150.0;
+/// The greatest width of a column with what they do.
+const ACTION_WIDTH: f32 = 300.0;
+
 /// The keys that are the same in all views.
-const KEYS: [Key; 4] = [
+const KEYS: [Key; 5] = [
     Key::new("M", "measure on surfaces"),
     Key::new("F6, Shift+F6", "the next view, the one before"),
     Key::new("Ctrl+Z, Ctrl+Y", "undo, redo a change of the view"),
-    Key::new("Ctrl+ + − 0", "size of the controls"),
+    Key::new("Ctrl+ + − 0", "interface scale"),
+    Key::new("F11, Ctrl+B", "full screen, views alone"),
 ];
 
 /// Returns a row for each key of some views, with its effect in each view.
@@ -134,36 +178,46 @@ fn shortcuts(window: &mut Window, ui: &Ui) {
         .collect();
     let screen = ui.ctx().content_rect();
     // Its title, its margins, and something of what is behind it.
-    let room = screen.size() - egui::vec2(48.0, 96.0);
-    egui::Window::new("Keys and pointer")
+    let room = screen.size() - egui::vec2(48.0, 80.0);
+    // The keys stand in a narrower column than what they do.
+    let width = room.x.min(KEYS_WIDTH + views.len() as f32 * ACTION_WIDTH);
+    let column = (width - KEYS_WIDTH) / views.len().max(1) as f32 - 12.0;
+    egui::Window::new("Keyboard and mouse")
         .open(&mut window.dialogs.shortcuts)
         .collapsible(false)
         .resizable(false)
         .pivot(egui::Align2::CENTER_CENTER)
         .default_pos(screen.center())
-        .scroll(true)
-        .max_size(room)
+        .default_size(egui::vec2(width, room.y))
         .show(ui.ctx(), |ui| {
-            Grid::new("keys")
-                .num_columns(views.len() + 1)
-                .striped(true)
-                .spacing([16.0, 4.0])
-                .show(ui, |ui| {
-                    ui.strong("");
-                    for view in &views {
-                        ui.strong(view.title());
-                    }
-                    ui.end_row();
-                    for (keys, actions) in rows(&views) {
-                        ui.strong(keys);
-                        for action in actions {
-                            ui.label(action);
-                        }
-                        ui.end_row();
-                    }
-                });
-            ui.label("A view that was clicked on, or reached with Tab, has the keys.");
+            ui.set_width(width);
+            ui.spacing_mut().interact_size.y = 0.0;
+            let list = egui::ScrollArea::vertical().max_height(room.y);
+            list.auto_shrink([false, true]).show(ui, |ui| {
+                Grid::new("keys")
+                    .num_columns(views.len() + 1)
+                    .striped(true)
+                    .spacing([12.0, 2.0])
+                    .max_col_width(column)
+                    .show(ui, |ui| key_rows(&views, ui));
+                ui.label("A view that was clicked on, or reached with Tab, has the keys.");
+            });
         });
+}
+
+fn key_rows(views: &[&dyn View], ui: &mut Ui) {
+    ui.strong("");
+    for view in views {
+        ui.strong(view.title());
+    }
+    ui.end_row();
+    for (keys, actions) in rows(views) {
+        ui.strong(keys);
+        for action in actions {
+            ui.add(egui::Label::new(action).wrap());
+        }
+        ui.end_row();
+    }
 }
 
 #[cfg(test)]
@@ -178,7 +232,7 @@ mod tests {
         let rows = super::rows(&views);
         let keys: Vec<&str> = rows.iter().map(|(keys, _)| *keys).collect();
         assert_eq!(keys[..5], ["W S", "A D", "Q E", "Z X", "Arrows"]);
-        assert_eq!(keys.len(), 23);
+        assert_eq!(keys.len(), 24);
         assert_eq!(rows[3].1, ["", "zoom in, out"]);
         assert_eq!(rows[4].1, ["look around", "move"]);
     }

@@ -74,7 +74,8 @@ pub(crate) fn toggle(window: &mut Window) {
     }
 }
 
-fn close(window: &mut Window) {
+/// Closes the window, with all that was measured.
+pub(crate) fn close(window: &mut Window) {
     window.dialogs.measuring = Measuring {
         tool: window.dialogs.measuring.tool,
         ..Measuring::default()

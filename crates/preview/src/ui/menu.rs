@@ -1,15 +1,17 @@
 //! The menu bar.
 
-use egui::{Key, MenuBar, Panel, Ui};
+use egui::{Key, MenuBar, Panel, Ui, ViewportCommand};
 use render::Views;
 use render::view::View;
 
 use crate::state::layout::Arrangement;
 use crate::state::pane::Pane;
 use crate::state::{Model, Step, WAVEFRONTS};
-use crate::ui::dialogs::{picture, record};
-use crate::ui::measure;
+use crate::ui::dialogs::help::HelpPage;
+use crate::ui::dialogs::{picture, program, record};
+use crate::ui::panes::program::commands::{self, TextCommand};
 use crate::ui::window::{TextSource, Window};
+use crate::ui::{measure, welcome};
 
 /// The menu bar.
 pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
@@ -22,11 +24,7 @@ pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
             ui.menu_button("Overlays", |ui| {
                 overlays(&mut window.model, &window.views, ui);
             });
-            ui.menu_button("Help", |ui| {
-                if entry(ui, true, "Keys and pointer", "F1") {
-                    window.dialogs.shortcuts = true;
-                }
-            });
+            ui.menu_button("Help", |ui| help(window, ui));
         });
     });
 }
@@ -39,16 +37,13 @@ fn entry(ui: &mut Ui, enabled: bool, title: &str, keys: &str) -> bool {
 }
 
 fn file(window: &mut Window, ui: &mut Ui) {
-    if let TextSource::File { editor, .. } = &window.text.source {
-        let changed = editor.is_changed();
-        if entry(ui, changed, "Save program", "Ctrl+S") {
-            window.save_text();
-        }
+    if window.text.is_own() {
+        program_entries(window, ui);
+        ui.separator();
     }
-    if entry(ui, true, "Open textures…", "Ctrl+O") {
+    if entry(ui, true, "Open textures…", "") {
         choose_textures(window);
     }
-    ui.separator();
     let has_picture = window.pictures.sent(&window.focus.view).is_some();
     if entry(ui, has_picture, "Save picture…", "Ctrl+E") {
         picture::ask_for_picture(window);
@@ -65,6 +60,62 @@ fn file(window: &mut Window, ui: &mut Ui) {
     }
 }
 
+/// The entries for the program, in a window with its own text.
+fn program_entries(window: &mut Window, ui: &mut Ui) {
+    let mut next = None;
+    ui.menu_button("New", |ui| {
+        if entry(ui, true, "Empty", "Ctrl+N") {
+            next = Some(welcome::new(""));
+        }
+        if let Some(text) = welcome::templates(ui) {
+            next = Some(welcome::new(text));
+        }
+    });
+    if entry(ui, true, "Open…", "Ctrl+O") {
+        program::choose_file(window);
+    }
+    let any = !window.records.recent.paths().is_empty();
+    ui.add_enabled_ui(any, |ui| {
+        ui.menu_button("Open recent", |ui| {
+            next = welcome::recent(window, ui).or(next.take());
+        });
+    });
+    if entry(ui, true, "Examples…", "") {
+        window.dialogs.examples = true;
+    }
+    ui.separator();
+    let TextSource::File { editor, .. } = &window.text.source else {
+        return;
+    };
+    let saves = !window.panes.is_welcome && (editor.is_changed() || editor.is_new);
+    if entry(ui, saves, "Save program", "Ctrl+S") {
+        window.save_text();
+    }
+    let has_program = !window.panes.is_welcome;
+    if entry(ui, has_program, "Save program as…", "Ctrl+Shift+S") {
+        program::ask_for_target(window, None);
+    }
+    if let Some(next) = next {
+        window.go_on(next);
+    }
+}
+
+fn help(window: &mut Window, ui: &mut Ui) {
+    if entry(ui, true, "Keyboard and mouse", "F1") {
+        window.dialogs.shortcuts = true;
+    }
+    if window.text.is_own() && entry(ui, true, "Examples…", "") {
+        window.dialogs.examples = true;
+    }
+    if entry(ui, true, "Language on one page", "") {
+        window.dialogs.help = Some(HelpPage::Language);
+    }
+    ui.separator();
+    if entry(ui, true, "About Geotrace", "") {
+        window.dialogs.help = Some(HelpPage::About);
+    }
+}
+
 fn choose_textures(window: &Window) {
     crate::io::file_dialogs::choose_images(window.events.file_choices(), window.text.folder());
 }
@@ -75,8 +126,13 @@ pub(crate) fn file_keys(window: &mut Window, ui: &Ui) {
         let shortcut = egui::KeyboardShortcut::new(egui::Modifiers::COMMAND, key);
         ui.input_mut(|input| input.consume_shortcut(&shortcut))
     };
-    if pressed(Key::O) {
-        choose_textures(window);
+    if window.text.is_own() {
+        if pressed(Key::O) {
+            program::choose_file(window);
+        }
+        if pressed(Key::N) {
+            window.go_on(welcome::new(""));
+        }
     }
     if pressed(Key::E) {
         picture::ask_for_picture(window);
@@ -106,6 +162,23 @@ fn edit(window: &mut Window, ui: &mut Ui) {
     if entry(ui, next.is_some(), &titled("Redo", next), "Ctrl+Y") {
         window.redo();
     }
+    if !window.text.is_own() || window.panes.is_welcome {
+        return;
+    }
+    ui.separator();
+    for (title, keys, command) in [
+        ("Undo in the text", "Ctrl+Z there", TextCommand::Undo),
+        ("Redo in the text", "Ctrl+Y there", TextCommand::Redo),
+        ("Comment or uncomment lines", "Ctrl+/", TextCommand::Comment),
+    ] {
+        let can = commands::is_possible(&window.text, ui, command);
+        if entry(ui, can, title, keys) {
+            window.edit_text(ui, command);
+        }
+    }
+    if entry(ui, true, "Find and replace…", "Ctrl+F") {
+        window.open_find();
+    }
 }
 
 fn view(window: &mut Window, ui: &mut Ui) {
@@ -127,7 +200,7 @@ fn view(window: &mut Window, ui: &mut Ui) {
             }
         }
     }
-    ui.menu_button("Arrange the panes", |ui| {
+    ui.menu_button("Layout", |ui| {
         for (title, arrangement) in Arrangement::ALL {
             if ui.button(title).clicked() {
                 window.panes.set_out(arrangement);
@@ -143,6 +216,17 @@ fn view(window: &mut Window, ui: &mut Ui) {
     });
     if entry(ui, true, "Next view", "F6") {
         window.next_view(ui, false);
+    }
+    let alone = &mut window.panes.shows_views_alone;
+    let hint = "Hides the program and the settings (Ctrl+B)";
+    ui.checkbox(alone, "Views alone").on_hover_text(hint);
+    let mut full = is_full_screen(ui);
+    if ui
+        .checkbox(&mut full, "Full screen")
+        .on_hover_text("F11")
+        .changed()
+    {
+        toggle_full_screen(ui);
     }
     let mut measures = window.dialogs.measuring.is_open();
     let hint = "Distances, circles, triangles and curvatures by clicks (M)";
@@ -164,6 +248,17 @@ fn view(window: &mut Window, ui: &mut Ui) {
         let id = window.focus.view.clone();
         window.camera_input(&id).reset(window, &id);
     }
+}
+
+fn is_full_screen(ui: &Ui) -> bool {
+    ui.input(|input| input.viewport().fullscreen.unwrap_or(false))
+}
+
+/// Fills the screen with the window, or goes back.
+pub(crate) fn toggle_full_screen(ui: &Ui) {
+    let full = !is_full_screen(ui);
+    ui.ctx()
+        .send_viewport_cmd(ViewportCommand::Fullscreen(full));
 }
 
 fn overlays(model: &mut Model, views: &Views, ui: &mut Ui) {

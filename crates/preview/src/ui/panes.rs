@@ -2,8 +2,8 @@
 
 mod handles;
 pub(crate) mod picture;
-mod program;
-mod settings;
+pub(crate) mod program;
+pub(crate) mod settings;
 mod tiles;
 
 use std::collections::BTreeSet;
@@ -18,6 +18,7 @@ use render::ViewId;
 use crate::state::layout::{Arrangement, Layout};
 use crate::state::pane::Pane;
 use crate::ui::window::Window;
+use settings::SettingsTab;
 
 /// The width of what is written beside that of a picture.
 const SIDE: f32 = 0.8;
@@ -32,6 +33,12 @@ pub(crate) struct Panes {
     pub(crate) arranged: bool,
     /// The first view, which is open unless the user closes it, or nothing is seen in it.
     first: Pane,
+    /// No program has been opened yet: the welcome is shown in the place of the panes.
+    pub(crate) is_welcome: bool,
+    /// The program and the settings are hidden.
+    pub(crate) shows_views_alone: bool,
+    /// The tab of the settings that is open.
+    pub(crate) settings_tab: SettingsTab,
     /// The first view was left out, since nothing is seen in it.
     without_first: bool,
 }
@@ -61,6 +68,9 @@ impl Panes {
             tree: Tree::new(egui::Id::unique("panes"), root, tiles),
             arranged: false,
             first,
+            is_welcome: false,
+            shows_views_alone: false,
+            settings_tab: SettingsTab::default(),
             without_first: false,
         }
     }
@@ -151,6 +161,7 @@ impl Panes {
 
     /// Shows a pane, wherever it is.
     pub(crate) fn bring_forward(&mut self, pane: &Pane) {
+        self.shows_views_alone &= pane.view().is_some();
         self.open(pane);
         let Some(wanted) = self.tree.tiles.find_pane(pane) else {
             return;
@@ -240,10 +251,19 @@ fn tabs(tiles: &mut Tiles<Pane>, pane: TileId) -> TileId {
     tiles.insert_tab_tile(vec![pane])
 }
 
-/// Draws the panes.
+/// Draws the panes, or the welcome.
 pub(crate) fn show(window: &mut Window, ui: &mut Ui) {
+    if window.panes.is_welcome {
+        crate::ui::welcome::show(window, ui);
+        return;
+    }
     let empty = Tree::empty(egui::Id::unique("no panes"));
     let mut tree = std::mem::replace(&mut window.panes.tree, empty);
+    for pane in [Pane::Program, Pane::Settings] {
+        if let Some(tile) = tree.tiles.find_pane(&pane) {
+            tree.set_visible(tile, !window.panes.shows_views_alone);
+        }
+    }
     // No rectangle behind pictures that cover it: a driver without a GPU paints each pixel of it.
     let frame = egui::Frame::NONE;
     let mut closed = Vec::new();

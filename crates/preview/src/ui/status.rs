@@ -1,4 +1,4 @@
-//! Above the panes, what the user must know; below them, the status line.
+//! Above the panes, what the user must know; below them, the status line, which counts the errors.
 
 use egui::{Panel, RichText, Ui};
 
@@ -39,17 +39,20 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
     panel.exact_size(height).show(ui, |ui| {
         ui.horizontal_centered(|ui| {
             ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Truncate);
-            let colour = if window.model.ok || !window.model.read {
-                ui.visuals().text_color()
-            } else {
+            let colour = if window.model.is_stale() {
                 ui.visuals().error_fg_color
+            } else {
+                ui.visuals().text_color()
             };
-            let status = ui.link(RichText::new(window.model.status()).color(colour));
+            let status = window.model.status();
+            let link = ui.link(RichText::new(capitalized(&status)).color(colour));
             let took = window.model.took.as_secs_f64() * 1e3;
-            let status = status.on_hover_text(format!("compiled in {took:.1} ms"));
-            if status.clicked() {
-                let first = window.model.errors().next().map(|it| it.span);
-                if let Some(span) = first {
+            let link = link.on_hover_text(format!("compiled in {took:.1} ms"));
+            let link = link.accessible_name(format!("Status: {status}"));
+            if link.clicked() {
+                let faults = &window.model.faults;
+                let first = faults.errors().next().or(faults.findings().first());
+                if let Some(span) = first.map(|it| it.span) {
                     window.open_place(span);
                 }
             }
@@ -67,6 +70,12 @@ pub(crate) fn line(window: &mut Window, ui: &mut Ui) {
             }
         });
     });
+}
+
+fn capitalized(text: &str) -> String {
+    let mut rest = text.chars();
+    let first = rest.next().map(|first| first.to_uppercase());
+    first.into_iter().flatten().chain(rest).collect()
 }
 
 /// Shows the cost of the active pane's picture, and of the window's last frame without it.

@@ -4,7 +4,7 @@
 //! event.rs   the events of all parts          input.rs  shortcuts, keys, animation
 //! events.rs  takes them   └──────────▶ model ◀──────────────┘
 //! menu.rs, status.rs, panes.rs draw it; pictures.rs requests the pictures that have changed; server_events.rs reports
-//! to the server; text.rs has the text, compiles and saves it
+//! to the server; text.rs has the text, compiles and saves it; programs.rs puts another program in its place
 //! ```
 
 mod active;
@@ -16,6 +16,7 @@ mod frame_clock;
 mod input;
 mod pane_view;
 mod pictures;
+mod programs;
 mod records;
 mod server_events;
 mod text;
@@ -29,14 +30,13 @@ use ide::Languages;
 use render::{Renderer, ViewId, Views};
 
 use crate::engine::compiler::Compiler;
-use crate::engine::editor::Editor;
 use crate::engine::render_thread::RenderThread;
 use crate::engine::textures::Library;
 use crate::io::link::Link;
 use crate::io::persistence::ViewStore;
 use crate::io::report::{Counters, Report};
-use crate::io::watch::Watch;
 use crate::state::layout::Layout;
+use crate::state::model::Emphasis;
 use crate::state::{Model, StatusMessage};
 use crate::ui::camera_input::Held;
 use crate::ui::dialogs::Dialogs;
@@ -47,9 +47,9 @@ use display::Display;
 use event::{WindowEvent, WindowEvents};
 use input::InputState;
 pub(crate) use pictures::Pictures;
+pub(crate) use programs::{Next, UNTITLED};
 use records::Records;
-pub(crate) use text::TextSource;
-use text::WindowText;
+pub(crate) use text::{TextSource, WindowText};
 
 /// Everything that the window is.
 pub struct Window {
@@ -70,52 +70,6 @@ pub struct Window {
 }
 
 impl Window {
-    /// A window for a file's text, which it edits and, with `watched`, follows on disk.
-    ///
-    /// # Errors
-    /// [`crate::Failure::Unreadable`].
-    pub fn of_file(
-        context: &egui::Context,
-        languages: &Languages,
-        views: Views,
-        path: PathBuf,
-        watched: bool,
-    ) -> Result<Self, crate::Failure> {
-        let text = crate::io::watch::read(&path).map_err(|reason| crate::Failure::Unreadable {
-            path: path.clone(),
-            reason: reason.to_string(),
-        })?;
-        let events = WindowEvents::new(context.clone());
-        let sender = &events.sender;
-        let mut message = None;
-        let watch = if watched {
-            match Watch::start(&path, text.clone(), sender.for_part(WindowEvent::File)) {
-                Ok(watch) => Some(watch),
-                Err(reason) => {
-                    let sentence = format!("the file is not watched: {reason}");
-                    message = Some(StatusMessage::error(sentence));
-                    None
-                }
-            }
-        } else {
-            None
-        };
-        let source = TextSource::File {
-            editor: Box::new(Editor::new(
-                Arc::clone(languages.for_path(&path)),
-                path.clone(),
-                text,
-            )),
-            _watch: watch,
-        };
-        let compiler = Compiler::start(sender.for_part(WindowEvent::Compiled));
-        let mut window = Self::new(views, events, compiler, source);
-        window.remember(path);
-        window.status_message = message.or(window.status_message);
-        window.text.compile();
-        Ok(window)
-    }
-
     /// A window for an editor's text, which comes from `input`; events go to `output`.
     pub fn attached(
         context: &egui::Context,
@@ -127,7 +81,7 @@ impl Window {
         let events = WindowEvents::new(context.clone());
         let sender = &events.sender;
         let compiler = Compiler::start(sender.for_part(WindowEvent::Compiled));
-        let own = compiler.clone();
+        let (own, known) = (compiler.clone(), languages.clone());
         let compile = move |place: &Path, version, text, changes| {
             let language = Arc::clone(languages.for_path(place));
             own.compile(language, version, text, changes);
@@ -140,12 +94,11 @@ impl Window {
             path: None,
             disconnected: None,
         };
-        Self::new(views, events, compiler, source)
+        Self::new(views, events, WindowText::new(source, compiler, known))
     }
 
-    fn new(views: Views, events: WindowEvents, compiler: Compiler, source: TextSource) -> Self {
+    fn new(views: Views, events: WindowEvents, text: WindowText) -> Self {
         let first = ViewId::of_scene(views.first().name());
-        let text = WindowText::new(source, compiler);
         let sender = &events.sender;
         Self {
             model: Model::default(),
@@ -244,13 +197,15 @@ impl Window {
         &self.records.counters
     }
 
-    /// Returns whether every view on the screen shows its newest picture, no text waits to be compiled, and no click
-    /// for another.
+    /// Returns whether every view on the screen shows its newest picture, no text waits to be compiled, no fault to be
+    /// shown, and no click for another.
     pub fn is_settled(&self) -> bool {
         !self.pictures.is_waiting()
             && self.model.read
             && self.records.counters.compiled > 0
             && self.clicked_until().is_none()
+            && !self.model.faults.are_waiting()
+            && self.model.emphasis == Emphasis::Off
             && !self.text.is_ahead_of(self.model.version)
     }
 
@@ -259,7 +214,9 @@ impl Window {
         let context = ui.ctx().clone();
         let preferences = &self.model.view.preferences;
         self.display.apply_style(&context, preferences);
+        self.model.is_light = !ui.visuals().dark_mode;
         self.handle_events();
+        self.show_faults(ui);
         // A frame that is laid out once more has taken the input already.
         if context.current_pass_index() == 0 {
             if ui.input(|input| input.pointer.any_pressed()) {
@@ -285,6 +242,24 @@ impl Window {
         if !context.will_discard() {
             self.after(ui);
         }
+    }
+
+    /// Shows the faults of the text after a pause in typing, and sets the object at the cursor off for a while.
+    fn show_faults(&mut self, ui: &Ui) {
+        let now = ui.input(|input| input.time);
+        let clock = &mut self.display.clock;
+        if clock.is_typing_over(now) && self.model.faults.are_waiting() {
+            self.model.faults.show_latest();
+            self.text.painter.mark(self.model.faults.findings());
+        }
+        self.model.emphasis = match self.model.emphasis {
+            Emphasis::Begins => {
+                clock.begin_emphasis(now);
+                Emphasis::On
+            }
+            Emphasis::On if now < clock.emphasis_until => Emphasis::On,
+            _ => Emphasis::Off,
+        };
     }
 
     /// Does the work behind a frame: drops requests of panes that are not on the screen, saves the view, reports.

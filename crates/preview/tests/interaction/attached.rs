@@ -146,10 +146,12 @@ fn a_text_is_shown_and_its_version_told_and_an_error_too() {
     });
     desk.text(2, "surface s(u,v) = (u, ");
     desk.until("version 2 has errors", |desk| desk.shown(2) == Some(false));
-    assert!(desk.shows("stale: the program has errors"));
+    desk.until("it is told after a pause", |desk| {
+        desk.shows("out of date until the errors are fixed")
+    });
     desk.text(3, SPHERE);
     desk.until("version 3 is shown", |desk| desk.shown(3) == Some(true));
-    assert!(!desk.shows("stale"));
+    assert!(!desk.shows("out of date"));
 }
 
 #[test]
@@ -205,7 +207,9 @@ fn the_cursor_highlights_a_double_click_opens_and_a_value_is_written() {
     };
     assert!(desk.heard.contains(&open), "{:?}", desk.heard);
 
-    desk.harness.get_by_label("Write r into the text").click();
+    desk.harness.get_by_label("More for r").click();
+    desk.harness.run_steps(3);
+    desk.harness.get_by_label("Update the text").click();
     let write = Event::Write {
         version: 7,
         param: "r".to_owned(),

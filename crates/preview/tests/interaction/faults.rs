@@ -32,6 +32,7 @@ fn a_file_that_is_no_text_is_told_and_the_last_one_stays() {
 fn what_was_remembered_and_is_broken_is_told_and_kept() {
     let mut hand = Hand::on(SPHERE);
     let beside = hand.path.with_file_name(".program.gtr.geotrace.json");
+    hand.settings("Objects");
     hand.click("Show p");
     hand.settle();
     hand.until("it is remembered", |_| beside.exists());
@@ -72,7 +73,7 @@ fn a_scene_beyond_its_limits_is_a_sentence() {
     hand.settle();
     let words = hand.names().join("\n");
     assert!(
-        words.contains("Status: line 1") || words.contains("limit") || words.contains("too many"),
+        words.contains("Line 1: ") || words.contains("limit") || words.contains("too many"),
         "{words}"
     );
 }

@@ -1,6 +1,6 @@
 //! A hand on the window: opens it on a text, waits until it shows what it was told, presses, drags and reads.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use egui::accesskit::Role;
@@ -54,6 +54,33 @@ impl Hand {
         Self::open(path, folder, false, |builder| {
             builder.with_size([1200.0, 800.0])
         })
+    }
+
+    /// The window without a program, which lists those that were opened last as a folder remembers them.
+    pub(crate) fn welcome(state: &Path) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let state = state.to_owned();
+        let builder = Harness::builder().with_step_dt(FRAME);
+        let harness = builder.with_size([1200.0, 800.0]).build_ui_state(
+            move |ui, window: &mut Option<Window>| {
+                let window = window.get_or_insert_with(|| {
+                    let languages = ide::Languages::standard();
+                    let views = render::Views::standard();
+                    let mut window = Window::welcome(ui.ctx(), &languages, views);
+                    window.list_recent_in(&state);
+                    window
+                });
+                window.show(ui);
+            },
+            None,
+        );
+        let mut hand = Self {
+            harness,
+            path: folder.path().join("program.gtr"),
+            folder: Some(folder),
+        };
+        hand.settle();
+        hand
     }
 
     fn open(
@@ -229,6 +256,17 @@ impl Hand {
         self.harness.run_steps(20);
         self.harness.get_by_role_and_label(role, label).click();
         self.harness.run_steps(3);
+    }
+
+    /// Opens a tab of the settings.
+    pub(crate) fn settings(&mut self, tab: &str) {
+        self.click_on(Role::Button, tab);
+    }
+
+    /// Writes the value of a param into the text, by its menu.
+    pub(crate) fn update_text(&mut self, param: &str) {
+        self.click(&format!("More for {param}"));
+        self.click("Update the text");
     }
 
     /// Clicks on the first whose name contains this.

@@ -225,7 +225,7 @@ fn panes_are_set_out_and_sized_by_keys() {
     assert!((wide(&hand) - first).abs() < 1.0);
     let set_out = |hand: &mut Hand, how: &str| {
         hand.click("View");
-        hand.click("Arrange the panes");
+        hand.click("Layout");
         hand.click(how);
         hand.press(Modifiers::NONE, Key::Escape);
         hand.settle();
@@ -237,7 +237,10 @@ fn panes_are_set_out_and_sized_by_keys() {
     assert!(hand.space().right() < hand.inside("s").left());
     set_out(&mut hand, "Views as tabs");
     assert!(hand.shows("3D view of") && !hand.shows("Geodesic view of s from"));
-    assert!(hand.shows("Status: OK"), "what is written is there still");
+    assert!(
+        hand.shows("Status: no errors"),
+        "what is written is there still"
+    );
     set_out(&mut hand, "As at first");
     assert!((wide(&hand) - first).abs() < 1.0, "{} {first}", wide(&hand));
 }
@@ -289,7 +292,9 @@ fn the_keys_that_size_controls_are_the_setting() {
 #[test]
 fn a_value_that_keys_have_found_is_written_when_they_are_let_go() {
     let mut hand = Hand::on(SPHERE);
-    hand.click("Write values when a slider is let go");
+    hand.settings("Preferences");
+    hand.click("Update the program when a slider is released");
+    hand.settings("Params");
     hand.harness
         .get_by_role_and_label(Role::Slider, "r")
         .focus();
@@ -311,15 +316,23 @@ fn a_value_that_keys_have_found_is_written_when_they_are_let_go() {
 
 #[test]
 fn the_list_of_keys_comes_and_goes_by_keys_and_fits_a_small_window() {
-    for size in [[1200.0, 800.0], [480.0, 320.0]] {
+    for size in [[1200.0, 800.0], [800.0, 600.0], [480.0, 320.0]] {
         let mut hand = Hand::with(SPHERE, |builder| builder.with_size(size));
         for closes in [Key::F1, Key::Escape] {
             hand.press(Modifiers::NONE, Key::F1);
             hand.settle();
             assert!(hand.shows("frame everything"), "{size:?}");
-            let list = hand.rects("Keys and pointer")[0];
+            let list = hand.rects("Keyboard and mouse")[0];
             let screen = hand.harness.ctx.content_rect();
             assert!(screen.contains_rect(list), "{list} is not on {screen}");
+            // Unless the window is small, all of it is seen at once.
+            for part in ["W S", "forward, back", "turn anticlockwise", "views alone"] {
+                let at = hand.rects(part)[0];
+                assert!(
+                    size[0] < 800.0 || list.contains_rect(at),
+                    "{part} at {at} of {list}"
+                );
+            }
             hand.press(Modifiers::NONE, closes);
             hand.settle();
             assert!(!hand.shows("frame everything"), "{closes:?}");

@@ -5,6 +5,7 @@
 mod access;
 mod attached;
 mod cameras;
+mod editing;
 mod faults;
 mod hand;
 mod keyboard;
@@ -12,6 +13,8 @@ mod lesson;
 mod live;
 mod measuring;
 mod pointer;
+mod program;
+mod programs;
 mod recording;
 mod remembered;
 mod settings;

@@ -163,7 +163,7 @@ fn a_name_that_is_no_animation_is_not_taken_and_a_folder_that_is_not_there_is_to
     hand.enter("3d.gif", "/no/such/folder/3d.bmp");
     assert!(hand.shows("must end in gif, apng or png"));
     hand.click_on(Role::Button, "Record");
-    assert!(hand.shows("Frames a second"), "the dialog stays open");
+    assert!(hand.shows("Frames per second"), "the dialog stays open");
     hand.enter("3d.bmp", "/no/such/folder/3d.gif");
     hand.click_on(Role::Button, "Record");
     hand.until("it is told", |hand| {

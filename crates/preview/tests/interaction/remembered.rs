@@ -12,6 +12,7 @@ use crate::hand::{Hand, SPHERE};
 fn what_was_chosen_stays_by_name_when_the_text_changes() {
     let mut hand = Hand::on(SPHERE);
     hand.slide("r", 50.0);
+    hand.settings("Objects");
     hand.click("Show p");
     hand.hold(Key::W, 6);
     let (value, eye) = (hand.param("r"), hand.eye());
@@ -49,6 +50,7 @@ fn what_was_chosen_stays_by_name_when_the_text_changes() {
 fn what_was_chosen_is_there_again_when_the_window_is_opened_again() {
     let mut hand = Hand::on(SPHERE);
     hand.slide("r", 50.0);
+    hand.settings("Objects");
     hand.click("Show p");
     hand.hold(Key::D, 6);
     let middle = hand.inside("s").center();
@@ -112,7 +114,7 @@ fn the_panes_are_where_they_were_when_the_window_is_opened_again() {
         let off = (now.min - then.min).length() + (now.max - then.max).length();
         assert!(off < 2.0, "{now:?} is not {then:?}");
     }
-    assert!(!hand.shows("Camera speed"), "the settings are closed");
+    assert!(!hand.shows("Preferences"), "the settings are closed");
     // A surface that is no more takes its pane with it, and the others stay.
     let path = hand.path.clone();
     std::fs::write(&path, SPHERE).expect("written");
@@ -147,6 +149,7 @@ fn the_tab_in_front_is_in_front_when_the_window_is_opened_again() {
 fn a_layout_that_makes_no_sense_is_told_and_the_view_is_kept() {
     for layout in [r#"42"#, r#"{"row": []}"#, r#"{"pane": {"cellar": 1}}"#] {
         let mut hand = Hand::on(SPHERE);
+        hand.settings("Objects");
         hand.click("Show p");
         let beside = hand.path.with_file_name(".program.gtr.geotrace.json");
         hand.until("it is remembered", |_| beside.exists());
@@ -159,7 +162,7 @@ fn a_layout_that_makes_no_sense_is_told_and_the_view_is_kept() {
         let hand = Hand::opened(path, folder);
         assert!(hand.shows("make no sense"), "{layout}: {:?}", hand.names());
         assert!(hand.window().model().view.look("p").hidden);
-        assert!(hand.shows("3D view of") && hand.shows("Camera speed"));
+        assert!(hand.shows("3D view of") && hand.shows("Preferences"));
     }
 }
 
@@ -192,7 +195,7 @@ fn a_file_of_version_0_1_is_read_and_written_anew_and_nothing_is_lost() {
     let as_remembered = |hand: &Hand| {
         assert!(hand.inside("s").right() < hand.space().left());
         assert!(hand.inside("s").width() > 1.5 * hand.space().width());
-        let closed = ["Geodesic view of t from", "Camera speed", "make no sense"];
+        let closed = ["Geodesic view of t from", "Preferences", "make no sense"];
         assert!(closed.iter().all(|part| !hand.shows(part)));
         let view = &hand.window().model().view;
         assert!(view.look("p").hidden && view.preferences.marks.legend);

@@ -61,6 +61,7 @@ fn an_animated_param_moves_one_unit_a_second_and_rests_when_it_is_told_to() {
 #[test]
 fn an_object_can_be_hidden_and_coloured_and_a_surface_takes_a_texture_from_the_list() {
     let mut hand = Hand::on(SPHERE);
+    hand.settings("Objects");
     hand.click("Show p");
     assert!(hand.window().model().view.look("p").hidden);
     hand.click("Show p");
@@ -198,6 +199,7 @@ fn settings_of_the_window_are_steps_that_can_be_undone() {
     let mut hand = Hand::on(SPHERE);
     let model = |hand: &Hand| hand.window().model().view.preferences.clone();
     let before = model(&hand);
+    hand.settings("Preferences");
     hand.click_on(Role::ComboBox, "Theme");
     hand.click("Dark");
     assert_eq!(model(&hand).theme, preview::state::Theme::Dark);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::Model;
 use crate::state::camera_controller::{CameraController, Subject};
 use crate::state::difference::Difference;
+use crate::state::history::{EndedTrail, Trails};
 use crate::state::motion::Motion;
 use crate::state::{CameraPath, InsideCamera, Step};
 
@@ -49,22 +50,49 @@ impl Model {
         let Some(camera) = self.settle_camera(surface, true) else {
             return;
         };
+        let step = Step::new("Move the geodesic camera", surface);
+        // Only the first motion of a step needs the path before it, which is copied then.
+        let trails = match self.history.joins(&step) {
+            true => Trails::default(),
+            false => [(surface.to_owned(), self.ended_trail(surface))].into(),
+        };
         let mut path = self.paths.remove(surface);
         let moved = self.control(surface, |controller| {
             controller.apply(camera, motion, path.as_mut())
         });
         self.put_path(surface, path);
         if let Some(moved) = moved.filter(|moved| *moved != camera) {
-            let step = Step::new("Move the geodesic camera", surface);
             let replaced = Difference::camera(surface, Some(camera));
-            self.history.record(step, replaced);
+            self.history.record(step, replaced, trails);
             self.view.inside.insert(surface.to_owned(), moved);
         }
     }
 
-    /// Begins the trails of all cameras anew.
+    /// Begins the trails of all cameras anew: a step of its own.
     pub(crate) fn clear_trails(&mut self) {
+        self.keep_placement();
+        let names: Vec<String> = self.paths.keys().cloned().collect();
+        let trails = names.into_iter().map(|name| {
+            let trail = self.ended_trail(&name);
+            (name, trail)
+        });
+        let trails: Trails = trails.collect();
+        self.history.settle();
+        let step = Step::new("Clear the trail", "");
+        self.history.record(step, Difference::default(), trails);
+        self.history.settle();
         self.paths.clear();
+    }
+
+    /// Returns the path of a surface's camera, if it is longer than its first place.
+    pub(super) fn ended_trail(&mut self, surface: &str) -> Option<EndedTrail> {
+        let path = self.paths.get(surface)?;
+        if path.trail.points.len() < 2 {
+            return None;
+        }
+        let path = Arc::clone(path);
+        let settings = self.settings()?;
+        Some(EndedTrail { path, settings })
     }
 
     /// Returns a surface or metric with the params' values.

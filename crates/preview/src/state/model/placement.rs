@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::Model;
 use crate::state::difference::Difference;
+use crate::state::history::EndedTrail;
 use crate::state::{CameraPath, InsideCamera, Step};
 
 /// A placing that can be withdrawn.
@@ -21,12 +22,16 @@ pub(super) struct Placement {
 impl Model {
     /// Puts the geodesic camera of a surface at its first place.
     pub fn reset(&mut self, surface: &str) {
-        let step = Step::new("Reset the geodesic camera", surface);
-        self.change(step, |view| {
-            view.inside.remove(surface);
-        });
+        self.keep_placement();
+        let trails = [(surface.to_owned(), self.ended_trail(surface))].into();
+        let before = self.view.inside.get(surface).copied();
+        self.put(surface, None, None);
+        if before.is_some() {
+            let step = Step::new("Reset the geodesic camera", surface);
+            let replaced = Difference::camera(surface, before);
+            self.history.record(step, replaced, trails);
+        }
         self.history.settle();
-        self.paths.remove(surface);
     }
 
     /// Puts the geodesic camera of a surface somewhere, until [`Model::keep_placement`] makes a step of it or
@@ -44,13 +49,19 @@ impl Model {
     /// A camera that was put somewhere stays there: a step of its own.
     pub fn keep_placement(&mut self) {
         if let Some(Placement {
-            surface, before, ..
+            surface,
+            before,
+            path,
         }) = self.placing.take()
         {
             self.history.settle();
             let replaced = Difference::camera(&surface, before);
-            let step = Step::new("Place the geodesic camera", surface);
-            self.history.record(step, replaced);
+            let settings = self.settings();
+            let trail = path.zip(settings);
+            let trail = trail.map(|(path, settings)| EndedTrail { path, settings });
+            let step = Step::new("Place the geodesic camera", surface.clone());
+            self.history
+                .record(step, replaced, [(surface, trail)].into());
             self.history.settle();
         }
     }

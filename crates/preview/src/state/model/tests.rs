@@ -363,13 +363,12 @@ fn what_is_animated_grows_by_its_speed_and_begins_anew_at_its_least() {
 }
 
 #[test]
-fn the_status_names_line_column_and_sentence() {
+fn the_status_counts_and_the_faults_name_line_column_and_sentence() {
     let model = model("point p = (1,2,3);\npoint q = (1,2);");
-    assert!(
-        model.status().starts_with("Status: line 2, column 11: "),
-        "{}",
-        model.status()
-    );
+    assert_eq!(model.status(), "1 error");
+    let error = model.faults.errors().next().expect("one");
+    assert_eq!((error.line, error.column), (2, 11));
+    assert!(!error.message.is_empty());
     assert!(Model::default().status().contains("reading"));
 }
 
@@ -417,6 +416,7 @@ fn marks(texts: &[&str], surfaces: [&str; 2]) -> (bool, [bool; 2]) {
     for text in texts {
         model.take(read(&mut reader, text));
     }
+    model.faults.show_latest();
     let inside = surfaces.map(|name| model.is_stale_on(name));
     (model.is_stale_in(&SpaceView), inside)
 }
@@ -460,6 +460,7 @@ fn what_is_hidden_marks_no_view() {
     model.take(read(&mut reader, good));
     model.adjust(|view| view.looks.entry("p".into()).or_default().hidden = true);
     model.take(read(&mut reader, &good.replace("2, 3)", "2, ")));
+    model.faults.show_latest();
     assert!(model.is_stale() && !model.is_stale_in(&SpaceView));
 }
 
@@ -505,4 +506,50 @@ fn a_view_from_a_file_is_brought_to_its_senses() {
     assert!(view.inside.is_empty());
     assert_eq!(view.preferences.camera_speed, 100.0);
     assert_eq!(view.preferences.scale, 0.5);
+}
+
+#[test]
+fn a_trail_comes_back_with_its_camera() {
+    let mut model = model(SURFACE);
+    model.adjust(|view| view.preferences.marks.trail = true);
+    let first = walk(&mut model, "s");
+    model.history.settle();
+    let walked = walk(&mut model, "s");
+    assert!(walked > first && first > 0.0);
+    let length = |model: &Model| model.paths.get("s").map(|path| path.trail.length);
+    let at = model.view.inside["s"].at;
+    model.place("s", inside([0.5, 0.5]));
+    assert_eq!(length(&model), None);
+    assert_eq!(model.undo(), Some("Place the geodesic camera"));
+    assert_eq!(
+        (length(&model), model.view.inside["s"].at),
+        (Some(walked), at)
+    );
+    assert_eq!(model.redo(), Some("Place the geodesic camera"));
+    assert_eq!(length(&model), None);
+    model.undo();
+    model.reset("s");
+    assert_eq!(model.undo(), Some("Reset the geodesic camera"));
+    assert_eq!(length(&model), Some(walked));
+    model.clear_trails();
+    assert_eq!(length(&model), None);
+    assert_eq!(model.undo(), Some("Clear the trail"));
+    assert_eq!(length(&model), Some(walked));
+    assert_eq!(model.undo(), Some("Move the geodesic camera"));
+    assert_eq!(length(&model), Some(first));
+    assert_eq!(model.redo(), Some("Move the geodesic camera"));
+    assert_eq!(length(&model), Some(walked));
+    // On another surface, or of another text, it would be another path.
+    model.place("s", inside([0.5, 0.5]));
+    model.keep_placement();
+    model.adjust(|view| view.choose("a", 0, Some(2.0)));
+    model.undo();
+    assert_eq!(length(&model), None);
+    model.adjust(|view| view.choose("a", 0, None));
+    let walked = walk(&mut model, "s");
+    model.place("s", inside([0.5, 0.5]));
+    model.keep_placement();
+    model.take(compiled(SURFACE));
+    model.undo();
+    assert_eq!(length(&model), None, "not {walked}");
 }

@@ -186,7 +186,7 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
         ui.add(DragValue::new(&mut dialog.clip.frames).range(2..=100_000))
             .labelled_by(label.id);
         ui.end_row();
-        let label = ui.label("Frames a second");
+        let label = ui.label("Frames per second");
         ui.add(DragValue::new(&mut dialog.clip.rate).range(0.1..=1000.0))
             .labelled_by(label.id);
         ui.end_row();

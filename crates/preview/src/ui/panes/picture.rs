@@ -1,12 +1,14 @@
 //! The pane of a view: a picture that fills it, with focus, a name, and a mark when it is stale.
 
 use egui::{
-    Align2, Color32, EventFilter, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo,
+    Align2, Color32, EventFilter, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, UiBuilder,
+    WidgetInfo,
 };
 use render::{ViewId, Views};
 
 use crate::state::Model;
 use crate::ui::gpu_surface::TextureBinding;
+use crate::ui::welcome;
 use crate::ui::window::Window;
 
 /// The picture of a pane among all that can have the focus.
@@ -31,6 +33,9 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
         window.activate(pane);
     }
     paint(window, ui, pane, rect);
+    if pane.object.is_none() && window.text.is_blank() {
+        begin(window, ui, rect);
+    }
     if response.has_focus() {
         // The arrows move its camera, and do not lead away from it.
         let arrows = EventFilter {
@@ -62,10 +67,27 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui, pane: &ViewId) {
     crate::ui::measure::follow_pointer(window, ui, pane, &response);
 }
 
+/// Offers templates in the place of the picture of a program that is blank.
+fn begin(window: &mut Window, ui: &mut Ui, rect: Rect) {
+    let room = Rect::from_center_size(rect.center(), egui::vec2(260.0, 70.0));
+    let builder = UiBuilder::new().max_rect(room.intersect(rect));
+    let chosen = ui.scope_builder(builder, |ui| {
+        let frame = egui::Frame::popup(ui.style());
+        let shown = frame.show(ui, |ui| {
+            ui.label("The program is empty. Begin with a");
+            ui.horizontal(welcome::templates).inner
+        });
+        shown.inner
+    });
+    if let Some(text) = chosen.inner {
+        window.replace_text(text);
+    }
+}
+
 fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
     let painter = ui.painter_at(rect);
     let stale = is_stale(&window.model, &window.views, pane);
-    let lines = window.model.errors().count();
+    let errors = window.model.faults.errors().count();
     let mut error = None;
     let mut covered = false;
     let view = window.pictures.of_views.get_mut(pane);
@@ -77,7 +99,8 @@ fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
         }
         if let Some(binding) = &picture.binding {
             binding.paint(&painter, rect);
-            if stale {
+            // In views of the scene, what is out of date is dim, and the rest is not.
+            if stale && pane.object.is_some() {
                 painter.rect_filled(rect, 0.0, Color32::from_black_alpha(65));
             }
             covered = true;
@@ -85,12 +108,16 @@ fn paint(window: &mut Window, ui: &Ui, pane: &ViewId, rect: Rect) {
         error.clone_from(&picture.error);
     }
     if !covered {
-        let [r, g, b] = render::style::BACKGROUND;
+        let [r, g, b] = window.model.background();
         painter.rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
     }
     if stale {
-        let some = if lines == 1 { "an error" } else { "errors" };
-        let text = format!("Stale: the program has {some}");
+        let until = if errors == 1 {
+            "error is"
+        } else {
+            "errors are"
+        };
+        let text = format!("Out of date until the {until} fixed");
         badge(
             &painter,
             rect.left_top() + egui::vec2(8.0, 8.0),
@@ -166,7 +193,7 @@ fn words(window: &Window, pane: &ViewId) -> String {
         words.push_str(nothing);
     }
     if is_stale(&window.model, &window.views, pane) {
-        words.push_str("; stale: the program has errors");
+        words.push_str("; out of date until the errors are fixed");
     }
     if let Some(error) = window.pictures.shown(pane).and_then(|it| it.error.as_ref()) {
         words.push_str("; ");

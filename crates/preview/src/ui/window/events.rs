@@ -6,13 +6,14 @@ use protocol::{Command, Event, View};
 use render::ViewId;
 
 use super::event::WindowEvent;
-use super::{TextSource, Window};
+use super::{Next, TextSource, Window};
 use crate::engine::render_thread::RenderEvent;
 use crate::io::file_dialogs::{self, FileChoice};
 use crate::io::link::LinkEvent;
 use crate::io::watch::Unreadable;
 use crate::state::pane::Pane;
 use crate::state::{Compiled, StatusMessage, Step};
+use crate::ui::panes::settings::SettingsTab;
 
 impl Window {
     /// Takes over all events that have come; returns whether there were any.
@@ -27,6 +28,8 @@ impl Window {
 
     pub(super) fn handle_event(&mut self, event: WindowEvent) {
         match event {
+            // The text of a program that is no longer shown.
+            WindowEvent::Compiled(compiled) if compiled.version <= self.text.begins_after => {}
             WindowEvent::Compiled(compiled) => {
                 self.take_compiled(compiled);
                 self.open_wanted();
@@ -61,9 +64,15 @@ impl Window {
         match choice {
             FileChoice::Images(paths) => self.open_images(paths),
             FileChoice::Target(path) => self.dialogs.take_path(&path),
+            FileChoice::Program(path) => self.go_on(Next::File(path)),
+            FileChoice::NoDialogForProgram => {
+                self.status_message = Some(StatusMessage::error(file_dialogs::NO_DIALOG));
+                crate::ui::dialogs::program::ask_for_file(self);
+            }
             FileChoice::NoDialogForImages => {
                 self.status_message = Some(StatusMessage::error(file_dialogs::NO_DIALOG));
                 self.panes.bring_forward(&Pane::Settings);
+                self.panes.settings_tab = SettingsTab::Objects;
                 self.dialogs.wants_image = true;
             }
         }
@@ -71,11 +80,12 @@ impl Window {
 
     fn take_compiled(&mut self, compiled: Compiled) {
         self.records.counters.compiled += 1;
-        self.text.painter.mark(&compiled.findings);
         self.text.reports.note_compiled(&compiled);
         let fresh = compiled.scene.is_some();
         let first = self.model.scene.is_none();
         self.model.take(compiled);
+        self.display.clock.note_text();
+        self.text.painter.mark(self.model.faults.findings());
         if !fresh {
             return;
         }
@@ -175,7 +185,8 @@ impl Window {
                 }
             }
             Command::Cursor { version, offset } if version == self.model.version => {
-                self.model.highlighted = self.model.declared_at(offset).map(str::to_owned);
+                let name = self.model.declared_at(offset).map(str::to_owned);
+                self.model.highlight(name);
             }
             Command::Close => self.display.closing = true,
             // A cursor in a text that is no longer shown; and what is received where messages are read (`io/link.rs`).

@@ -8,6 +8,7 @@ use egui::{Event, Key, KeyboardShortcut, Modifiers, MouseWheelSource, MouseWheel
 use super::Window;
 use super::clicks::Clicks;
 use crate::state::StatusMessage;
+use crate::state::model::Emphasis;
 use crate::state::motion::Motion;
 use crate::state::pane::Pane;
 use crate::state::{Choice, SpaceCamera, Step};
@@ -90,7 +91,16 @@ impl Window {
     /// that comes sooner cancels the request, so each frame requests it anew.
     pub(super) fn wake_in_time(&self, ui: &Ui) {
         let now = ui.input(|input| input.time);
-        let times = [Some(self.display.clock.moving_until), self.clicked_until()];
+        let clock = &self.display.clock;
+        let times = [
+            Some(clock.moving_until),
+            self.model
+                .faults
+                .are_waiting()
+                .then_some(clock.typing_until),
+            (self.model.emphasis == Emphasis::On).then_some(clock.emphasis_until),
+            self.clicked_until(),
+        ];
         let next = times.into_iter().flatten().filter(|time| *time > now);
         if let Some(time) = next.min_by(f64::total_cmp) {
             let pause = Duration::from_secs_f64(time - now + 0.01);
@@ -183,8 +193,21 @@ impl Window {
             let shortcut = KeyboardShortcut::new(modifiers, key);
             ui.input_mut(|input| input.consume_shortcut(&shortcut))
         };
-        if pressed(Modifiers::COMMAND, Key::S) {
+        if pressed(Modifiers::COMMAND | Modifiers::SHIFT, Key::S) {
+            if !self.panes.is_welcome && !self.dialogs.is_open() {
+                crate::ui::dialogs::program::ask_for_target(self, None);
+            }
+        } else if pressed(Modifiers::COMMAND, Key::S) && !self.panes.is_welcome {
             self.save_text();
+        }
+        if self.text.is_own() && !self.panes.is_welcome && !self.dialogs.is_open() {
+            self.find_keys(ui);
+        }
+        if pressed(Modifiers::NONE, Key::F11) {
+            crate::ui::menu::toggle_full_screen(ui);
+        }
+        if pressed(Modifiers::COMMAND, Key::B) {
+            self.panes.shows_views_alone ^= true;
         }
         if pressed(Modifiers::NONE, Key::F1) {
             self.dialogs.shortcuts = !self.dialogs.shortcuts;

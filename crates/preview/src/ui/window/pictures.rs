@@ -13,7 +13,7 @@ use super::pane_view::{PaneView, Picture, Waiting};
 use crate::engine::render_thread::{RenderThread, VersionedRequest};
 use crate::engine::request::{at_rest, picture_request};
 use crate::engine::textures::Library;
-use crate::state::{Preferences, SpaceCamera};
+use crate::state::{Model, Preferences, SpaceCamera};
 
 /// The time that a picture of a moving view should take, in seconds.
 const MOVING_PICTURE: f64 = 0.022;
@@ -79,14 +79,15 @@ impl Pictures {
     }
 
     /// Returns the request for a picture that is kept: as its pane shows it at rest, though it may move.
-    pub(crate) fn kept(&self, preferences: &Preferences, pane: &ViewId) -> Option<PictureRequest> {
+    pub(crate) fn kept(&self, model: &Model, pane: &ViewId) -> Option<PictureRequest> {
+        let preferences = &model.view.preferences;
         let view = self.of_views.get(pane)?;
         let request = view.request.clone()?;
         let room = view.room.filter(|_| view.on_screen);
         let size = room.map_or(request.size, |room| {
             self.size(preferences, pane, room, false)
         });
-        Some(at_rest(request, size))
+        Some(at_rest(request, model, size))
     }
 
     /// Requests all pictures anew, from another renderer.
@@ -96,6 +97,13 @@ impl Pictures {
             view.picture = None;
         }
         self.render_thread.set_renderer(renderer);
+    }
+
+    /// Drops all pictures and requests: they are of another program.
+    pub(super) fn forget_all(&mut self) {
+        for (pane, _) in std::mem::take(&mut self.of_views) {
+            self.render_thread.forget(&pane);
+        }
     }
 
     /// Drops the requests of panes that are not on the screen; returns whether there were any.
@@ -265,6 +273,6 @@ impl Window {
 
     /// Returns the request for a picture of a view that is kept.
     pub(crate) fn kept(&self, id: &ViewId) -> Option<PictureRequest> {
-        self.pictures.kept(&self.model.view.preferences, id)
+        self.pictures.kept(&self.model, id)
     }
 }

@@ -1,6 +1,7 @@
 //! The memory of a window between runs, and its counters.
 
 use crate::io::persistence::ViewStore;
+use crate::io::recent::RecentPrograms;
 use crate::io::report::{Counters, Report};
 use crate::state::Model;
 
@@ -10,6 +11,8 @@ pub(crate) struct Records {
     /// Remembers the view between runs.
     pub(super) view_store: Option<ViewStore>,
     pub(crate) counters: Counters,
+    /// The programs that were opened last.
+    pub(crate) recent: RecentPrograms,
     /// Writes the counters after each frame.
     pub(super) report: Option<Report>,
 }

@@ -128,7 +128,7 @@ impl Window {
         let Some(place) = self.model.place_of(name) else {
             return;
         };
-        self.model.highlighted = Some(name.to_owned());
+        self.model.highlight(Some(name.to_owned()));
         if !self.text.is_own() || self.panes.is_open(&Pane::Program) {
             self.open(place, false);
         }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use ide::{Language, Languages};
 use protocol::Event;
 
 use super::Window;
@@ -13,13 +14,26 @@ use crate::io::link::{DisconnectReason, Link};
 use crate::io::watch::Watch;
 use crate::state::StatusMessage;
 use crate::ui::highlighting;
+use crate::ui::panes::program::completion::Assistant;
+use crate::ui::panes::program::find::Find;
+
+/// The sentence of the status line after the text was saved, until it is edited.
+pub(super) const SAVED: &str = "Saved";
 
 /// The text of a window, and what compiles it.
 pub(crate) struct WindowText {
     pub(crate) source: TextSource,
     pub(super) compiler: Compiler,
+    /// The languages of programs.
+    pub(super) languages: Languages,
+    /// The version after which texts are of the program that is shown.
+    pub(super) begins_after: i32,
     /// Colours the text of the window's own pane.
     pub(crate) painter: highlighting::Painter,
+    /// Helps with what is typed there.
+    pub(crate) assistant: Assistant,
+    /// The search in it.
+    pub(crate) find: Find,
     pub(super) reports: ServerReports,
 }
 
@@ -42,11 +56,15 @@ pub(crate) enum TextSource {
 
 impl WindowText {
     /// A text from a source, which hands it to the compiler.
-    pub(super) fn new(source: TextSource, compiler: Compiler) -> Self {
+    pub(super) fn new(source: TextSource, compiler: Compiler, languages: Languages) -> Self {
         Self {
             source,
             compiler,
+            languages,
+            begins_after: i32::MIN,
             painter: highlighting::Painter::default(),
+            assistant: Assistant::default(),
+            find: Find::default(),
             reports: ServerReports::default(),
         }
     }
@@ -59,8 +77,24 @@ impl WindowText {
         }
     }
 
+    /// The language of the text.
+    pub(crate) fn language(&self) -> &Arc<dyn Language> {
+        match &self.source {
+            TextSource::File { editor, .. } => &editor.language,
+            TextSource::Attached { path, .. } => match path {
+                Some(path) => self.languages.for_path(path),
+                None => self.languages.default_language(),
+            },
+        }
+    }
+
+    /// The languages of programs.
+    pub(crate) fn languages(&self) -> &Languages {
+        &self.languages
+    }
+
     /// Returns whether the text is that of the window's own pane.
-    pub(super) fn is_own(&self) -> bool {
+    pub(crate) fn is_own(&self) -> bool {
         matches!(self.source, TextSource::File { .. })
     }
 
@@ -76,6 +110,22 @@ impl WindowText {
     /// Returns whether a text of the window's own pane is newer than a version.
     pub(super) fn is_ahead_of(&self, version: i32) -> bool {
         matches!(&self.source, TextSource::File { editor, .. } if editor.version != version)
+    }
+
+    /// Returns the version that the next program begins with: texts of this version and below are of the programs before.
+    pub(super) fn next_program(&mut self) -> i32 {
+        if let TextSource::File { editor, .. } = &self.source {
+            self.begins_after = editor.version;
+        }
+        self.painter = highlighting::Painter::default();
+        self.assistant = Assistant::default();
+        self.find = Find::default();
+        self.begins_after
+    }
+
+    /// Returns whether the text of the window's own pane is blank.
+    pub(crate) fn is_blank(&self) -> bool {
+        self.text().is_some_and(|text| text.trim().is_empty())
     }
 
     /// Sends an event to the server, if there is one.
@@ -110,8 +160,8 @@ impl WindowText {
             TextSource::File { editor, .. } => Some(&editor.path),
             TextSource::Attached { path, .. } => path.as_ref(),
         };
-        let folder = path?.parent()?;
-        std::path::absolute(folder).ok()
+        let file = std::path::absolute(path?).ok()?;
+        file.parent().map(PathBuf::from)
     }
 
     /// Returns the window's title.
@@ -149,12 +199,29 @@ impl Window {
         if let TextSource::File { editor, .. } = &mut self.text.source {
             editor.text = text;
         }
+        self.has_edited();
+    }
+
+    /// Compiles the text that the user has edited. That it was saved is no longer true.
+    pub(crate) fn has_edited(&mut self) {
+        self.status_message.take_if(|it| it.text == SAVED);
         self.text.compile();
+    }
+
+    /// Puts a text into the window's own pane, where it can be undone.
+    pub(crate) fn replace_text(&mut self, text: &str) {
+        if let TextSource::File { editor, .. } = &mut self.text.source {
+            editor.replace(text.to_owned());
+        }
+        self.has_edited();
     }
 
     /// Returns the window's title.
     pub fn title(&self) -> String {
-        self.text.title()
+        match self.panes.is_welcome {
+            true => "Geotrace".to_owned(),
+            false => self.text.title(),
+        }
     }
 
     /// Writes the own text to its file.
@@ -162,9 +229,13 @@ impl Window {
         let TextSource::File { editor, .. } = &mut self.text.source else {
             return;
         };
+        if editor.is_new {
+            crate::ui::dialogs::program::ask_for_target(self, None);
+            return;
+        }
         let saved = editor.save();
         self.status_message = Some(match &saved {
-            Ok(Saved::Written) => StatusMessage::info("Saved"),
+            Ok(Saved::Written) => StatusMessage::info(SAVED),
             Ok(Saved::Followed) => StatusMessage::info("The file had changed: this is its text"),
             Err(sentence) => StatusMessage::error(sentence),
         });

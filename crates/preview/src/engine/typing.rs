@@ -1,0 +1,202 @@
+//! The help of the window's editor with what is typed: brackets in pairs, comments, indentation. Places are bytes.
+
+use std::ops::Range;
+
+/// The brackets that come in pairs.
+const PAIRS: [(char, char); 3] = [('(', ')'), ('[', ']'), ('{', '}')];
+
+/// Returns the bracket that closes this one, if this one opens.
+pub(crate) fn closing(open: char) -> Option<char> {
+    let pair = PAIRS.iter().find(|pair| pair.0 == open);
+    pair.map(|pair| pair.1)
+}
+
+/// Returns whether a bracket closes.
+pub(crate) fn is_closing(bracket: char) -> bool {
+    PAIRS.iter().any(|pair| pair.1 == bracket)
+}
+
+/// Returns whether a bracket that is opened in front of this character is closed at once: not in front of a word.
+pub(crate) fn closes_before(next: Option<char>) -> bool {
+    next.is_none_or(|next| next.is_whitespace() || is_closing(next) || matches!(next, ',' | ';'))
+}
+
+/// Returns the white space that the line of a place begins with.
+pub(crate) fn indentation(text: &str, at: usize) -> &str {
+    let before = text.get(..at).unwrap_or(text);
+    let line = &before[before.rfind('\n').map_or(0, |end| end + 1)..];
+    let begin = line.find(|c| c != ' ' && c != '\t');
+    &line[..begin.unwrap_or(line.len())]
+}
+
+/// Makes comments of the lines of a selection, or of comments lines; returns the text and the selection then.
+pub(crate) fn toggle_comment(
+    text: &str,
+    selection: Range<usize>,
+    mark: &str,
+) -> (String, Range<usize>) {
+    let first = text[..selection.start].rfind('\n').map_or(0, |at| at + 1);
+    // A line of which nothing but the break before it is selected is not meant.
+    let last = match selection.end > selection.start && text[..selection.end].ends_with('\n') {
+        true => selection.end - 1,
+        false => selection.end,
+    };
+    let end = text[last..].find('\n').map_or(text.len(), |at| last + at);
+    let lines: Vec<&str> = text[first..end].split('\n').collect();
+    let is_blank = |line: &&str| line.trim().is_empty();
+    let is_comment = |line: &&str| line.trim_start().starts_with(mark);
+    let removes =
+        lines.iter().all(|line| is_blank(line) || is_comment(line)) && !lines.iter().all(is_blank);
+    let mut result = text[..first].to_owned();
+    let mut moved = [selection.start, selection.end];
+    for (number, line) in lines.iter().enumerate() {
+        if number > 0 {
+            result.push('\n');
+        }
+        let indent = line.len() - line.trim_start().len();
+        let begin = result.len();
+        let from = first + offset_of(&lines, number);
+        if removes && is_comment(line) {
+            let rest = &line[indent + mark.len()..];
+            let kept = rest.strip_prefix(' ').unwrap_or(rest);
+            result.push_str(&line[..indent]);
+            result.push_str(kept);
+            let gone = line.len() - indent - kept.len();
+            for (place, old) in moved.iter_mut().zip([selection.start, selection.end]) {
+                if old >= from + indent {
+                    *place -= gone.min(old - from - indent);
+                }
+            }
+        } else if removes || (is_blank(line) && lines.len() > 1) {
+            result.push_str(line);
+        } else {
+            result.push_str(&line[..indent]);
+            result.push_str(mark);
+            result.push(' ');
+            result.push_str(&line[indent..]);
+            for (place, old) in moved.iter_mut().zip([selection.start, selection.end]) {
+                if old >= from + indent {
+                    *place += result.len() - begin - line.len();
+                }
+            }
+        }
+    }
+    result.push_str(&text[end..]);
+    (result, moved[0]..moved[1])
+}
+
+/// Returns the offset of a line within lines that are joined by breaks.
+fn offset_of(lines: &[&str], number: usize) -> usize {
+    lines[..number].iter().map(|line| line.len() + 1).sum()
+}
+
+/// Returns the places of the bracket at a place, before it or behind it, and of its partner. Brackets in comments, which
+/// begin with `comment` and end with their lines, have none.
+pub(crate) fn partners(text: &str, at: usize, comment: Option<&str>) -> Option<[usize; 2]> {
+    let is_bracket = |c: char| closing(c).is_some() || is_closing(c);
+    let before = text.get(..at)?.char_indices().next_back();
+    let behind = text.get(at..)?.chars().next().map(|c| (at, c));
+    let (place, _) = [before, behind]
+        .into_iter()
+        .flatten()
+        .find(|(_, c)| is_bracket(*c))?;
+    let mut open: Vec<(usize, char)> = Vec::new();
+    let mut comments = false;
+    for (at, c) in text.char_indices() {
+        comments &= c != '\n';
+        comments |= comment.is_some_and(|mark| text[at..].starts_with(mark));
+        if comments {
+            continue;
+        }
+        if let Some(close) = closing(c) {
+            open.push((at, close));
+        } else if is_closing(c) {
+            // A bracket of another kind leaves those that are open without partners.
+            let Some((partner, _)) = open.pop().filter(|(_, close)| *close == c) else {
+                open.clear();
+                continue;
+            };
+            if partner == place || at == place {
+                return Some([partner, at]);
+            }
+        }
+    }
+    None
+}
+
+/// Returns the places of a text in another, up to 1000 of them; capitals count if the wanted text has some.
+pub(crate) fn find(text: &str, wanted: &str) -> Vec<Range<usize>> {
+    if wanted.is_empty() {
+        return Vec::new();
+    }
+    let has_capitals = wanted.chars().any(char::is_uppercase);
+    let places = |text: &str, wanted: &str| {
+        let found = text.match_indices(wanted).take(1000);
+        found
+            .map(|(at, found)| at..at + found.len())
+            .collect::<Vec<_>>()
+    };
+    match has_capitals {
+        true => places(text, wanted),
+        // Places stay what they are.
+        false => places(&text.to_ascii_lowercase(), &wanted.to_ascii_lowercase()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{find, indentation, partners, toggle_comment};
+
+    #[test]
+    fn comments_come_and_go_with_the_selection() {
+        let text = "point p = (1, 2, 3);\n\n  point q = (3, 2, 1);\nlast";
+        let end = text.find("\nlast").expect("a line");
+        let (commented, selection) = toggle_comment(text, 3..end, "#");
+        let expected = "# point p = (1, 2, 3);\n\n  # point q = (3, 2, 1);\nlast";
+        assert_eq!(
+            (commented.as_str(), selection.clone()),
+            (expected, 5..end + 4)
+        );
+        assert_eq!(
+            toggle_comment(&commented, selection, "#"),
+            (text.to_owned(), 3..end)
+        );
+        // Lines of both kinds become comments; a line of which only the break before it is selected stays.
+        let (both, _) = toggle_comment("# a\nb\nc", 0..6, "#");
+        assert_eq!(both, "# # a\n# b\nc");
+        assert_eq!(toggle_comment("#a", 0..1, "#"), ("a".to_owned(), 0..0));
+        assert_eq!(toggle_comment("", 0..0, "#"), ("# ".to_owned(), 2..2));
+        assert_eq!(toggle_comment("ä\n", 2..2, "#").0, "# ä\n");
+    }
+
+    #[test]
+    fn brackets_find_their_partners() {
+        let text = "f(a, [b]) # (\n+ {c}";
+        let at = |part: &str| text.find(part).expect("there");
+        let pair = |open: &str, close: &str| Some([at(open), at(close)]);
+        assert_eq!(partners(text, at("("), Some("#")), pair("(", ")"));
+        assert_eq!(partners(text, at(")") + 1, Some("#")), pair("(", ")"));
+        assert_eq!(partners(text, at("[") + 1, Some("#")), pair("[", "]"));
+        assert_eq!(partners(text, at("{"), Some("#")), pair("{", "}"));
+        assert_eq!(partners(text, at("# (") + 2, Some("#")), None);
+        assert_eq!(partners(text, at("a"), None), pair("(", ")"), "before it");
+        for (broken, at) in [("(]", 0), ("(", 1), (")", 0), ("", 0), ("ab", 1), ("(", 7)] {
+            assert_eq!(partners(broken, at, None), None, "{broken}");
+        }
+    }
+
+    #[test]
+    fn a_new_line_is_indented_like_the_one_before() {
+        assert_eq!(indentation("a\n  b", 5), "  ");
+        assert_eq!(indentation("a\n  b", 3), " ", "no further than the cursor");
+        assert_eq!(indentation("\t\t", 2), "\t\t");
+        assert_eq!(indentation("a", 1), "");
+    }
+
+    #[test]
+    fn what_is_found_has_capitals_where_the_wanted_text_has() {
+        assert_eq!(find("aAa Äa", "a"), [0..1, 1..2, 2..3, 6..7]);
+        assert_eq!(find("aAa", "A"), [1..2,]);
+        assert!(find("abc", "").is_empty());
+    }
+}

@@ -1,0 +1,145 @@
+//! The programs to begin with: the examples, which are part of the window, and short templates.
+
+/// An example: a program of the folder `examples`, with its picture in the gallery.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Example {
+    /// The name of its file, without the extension.
+    pub(crate) name: &'static str,
+    /// The program.
+    pub(crate) text: &'static str,
+    /// Its picture, a PNG file.
+    pub(crate) picture: &'static [u8],
+}
+
+macro_rules! examples {
+    ($($name:literal),* $(,)?) => {
+        &[$(Example {
+            name: $name,
+            text: include_str!(concat!("../../../examples/", $name, ".gtr")),
+            picture: include_bytes!(concat!("../../../docs/images/gallery/", $name, ".png")),
+        }),*]
+    };
+}
+
+/// All examples.
+pub(crate) const EXAMPLES: &[Example] = examples![
+    "catenoid",
+    "circle",
+    "cone",
+    "deformation",
+    "disc",
+    "earth",
+    "ellipsoid",
+    "field",
+    "flat",
+    "halfplane",
+    "helicoid",
+    "klein",
+    "mobius",
+    "monkey",
+    "paraboloid",
+    "pseudosphere",
+    "rays",
+    "sphere",
+    "torus",
+    "trefoil",
+    "triangle",
+    "tube",
+    "wave",
+    "zoll",
+];
+
+impl Example {
+    /// Returns what it says it is: the first sentence of the comment that it begins with.
+    pub(crate) fn description(&self) -> String {
+        let lines = self.text.lines().map_while(|line| line.strip_prefix('#'));
+        let first = lines.map(str::trim).take_while(|line| !line.is_empty());
+        let paragraph = first.collect::<Vec<_>>().join(" ");
+        match paragraph.find(". ") {
+            Some(end) => paragraph[..=end].to_owned(),
+            None => paragraph,
+        }
+    }
+}
+
+/// A short program to begin with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Template {
+    /// The thing that it declares.
+    pub(crate) title: &'static str,
+    /// The program.
+    pub(crate) text: &'static str,
+}
+
+/// All templates.
+pub(crate) const TEMPLATES: [Template; 3] = [
+    Template {
+        title: "Curve",
+        text: "\
+# A helix, and its velocity at a point that the slider moves.
+param a : [0, 4pi];
+curve c(t) = (cos(t), sin(t), t/4), t : [0, 4pi];
+point p = c(a);
+vector v = c'(a) @ p;
+",
+    },
+    Template {
+        title: "Surface",
+        text: "\
+# A torus, and a geodesic on it. Click the torus to stand there and look around from inside.
+param r = 0.8 : [0.4, 1.2];
+surface s(u, v) = ((2 + r cos(v)) cos(u), (2 + r cos(v)) sin(u), r sin(v)), u : [0, 2pi], v : [-pi, pi];
+geodesic g(t) : s = (1, 1) @ (0, 0), t : [0, 10];
+",
+    },
+    Template {
+        title: "Metric",
+        text: "\
+# The hyperbolic plane by its metric: E, F, G. It has no shape in space, so it is seen from inside.
+metric h(x, y) = (1, 0, 1)/y^2, x : [-2, 2], y : [1/4, 4];
+geodesic g(t) : h = (1, 1) @ (0, 1), t : [0, 1];
+",
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    use super::{EXAMPLES, TEMPLATES};
+
+    #[test]
+    fn every_program_of_the_folder_is_an_example_with_a_description() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+        let files = std::fs::read_dir(folder).expect("the folder");
+        let paths = files.map(|file| file.expect("a file").path());
+        let programs = paths.filter(|path| path.extension().is_some_and(|it| it == "gtr"));
+        let names = programs.map(|path| {
+            let name = path.file_stem().expect("a name");
+            name.to_string_lossy().into_owned()
+        });
+        let names: BTreeSet<String> = names.collect();
+        let known: Vec<String> = EXAMPLES.iter().map(|it| it.name.to_owned()).collect();
+        assert_eq!(names.into_iter().collect::<Vec<_>>(), known);
+        for example in EXAMPLES {
+            let description = example.description();
+            assert!(
+                description.ends_with('.') && description.chars().count() < 160,
+                "{}: {description}",
+                example.name
+            );
+            assert!(image::load_from_memory(example.picture).is_ok());
+        }
+    }
+
+    #[test]
+    fn every_template_is_sound_and_laid_out() {
+        let languages = ide::Languages::standard();
+        for template in TEMPLATES {
+            let analysis = languages.default_language().read(template.text);
+            assert_eq!(*analysis.diagnostics(), [], "{}", template.title);
+            assert_eq!(analysis.format(None), [], "{}", template.title);
+        }
+    }
+}

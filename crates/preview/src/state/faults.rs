@@ -1,0 +1,143 @@
+//! The faults of a program as the window shows them. While somebody types, most faults are of what is not written yet: a
+//! fault is shown only after a pause, and one that is gone is gone at once.
+
+use std::collections::BTreeSet;
+
+use syntax::diagnostic::Severity;
+
+use super::program::Finding;
+
+/// The faults of a text, and the objects that are therefore not shown as the text has them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Diagnosis {
+    /// The diagnostics, sorted by place.
+    pub(crate) findings: Vec<Finding>,
+    /// The objects that are shown as they last were, and those that read something that is.
+    pub(crate) stale: BTreeSet<String>,
+    /// Something of the text is not shown at all.
+    pub(crate) lacks: bool,
+}
+
+/// The diagnosis that is shown, and the newest one.
+#[derive(Debug, Default)]
+pub struct ProgramFaults {
+    shown: Diagnosis,
+    latest: Diagnosis,
+}
+
+impl ProgramFaults {
+    /// Takes over the diagnosis of a newer text. What it no longer has is not shown any more.
+    pub(crate) fn take(&mut self, latest: Diagnosis) {
+        let before = std::mem::take(&mut self.shown);
+        let was_shown = |it: &&Finding| {
+            let same =
+                |known: &Finding| (known.severity, &known.message) == (it.severity, &it.message);
+            before.findings.iter().any(same)
+        };
+        self.shown = Diagnosis {
+            findings: latest.findings.iter().filter(was_shown).cloned().collect(),
+            stale: before.stale.intersection(&latest.stale).cloned().collect(),
+            lacks: before.lacks && latest.lacks,
+        };
+        self.latest = latest;
+    }
+
+    /// Shows the newest diagnosis.
+    pub(crate) fn show_latest(&mut self) {
+        self.shown.clone_from(&self.latest);
+    }
+
+    /// Returns whether a fault waits for a pause.
+    pub(crate) fn are_waiting(&self) -> bool {
+        self.shown != self.latest
+    }
+
+    /// The diagnostics that are shown, sorted by place.
+    pub fn findings(&self) -> &[Finding] {
+        &self.shown.findings
+    }
+
+    /// The errors among them.
+    pub fn errors(&self) -> impl Iterator<Item = &Finding> {
+        let is_error = |it: &&Finding| it.severity == Severity::Error;
+        self.shown.findings.iter().filter(is_error)
+    }
+
+    /// The objects that are marked as out of date.
+    pub fn stale(&self) -> &BTreeSet<String> {
+        &self.shown.stale
+    }
+
+    /// Returns whether something of the text is not shown at all.
+    pub(crate) fn lacks(&self) -> bool {
+        self.shown.lacks
+    }
+
+    /// Returns the number of errors and warnings in words.
+    pub(crate) fn count(&self) -> String {
+        let count = |severity, one: &str| {
+            let all = self.shown.findings.iter();
+            match all.filter(|it| it.severity == severity).count() {
+                0 => None,
+                1 => Some(format!("1 {one}")),
+                n => Some(format!("{n} {one}s")),
+            }
+        };
+        let errors = count(Severity::Error, "error");
+        let errors = errors.unwrap_or_else(|| "no errors".to_owned());
+        match count(Severity::Warning, "warning") {
+            Some(warnings) => format!("{errors}, {warnings}"),
+            None => errors,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use syntax::diagnostic::Severity;
+    use syntax::span::Span;
+
+    use super::{Diagnosis, ProgramFaults};
+    use crate::state::Finding;
+
+    fn diagnosis(messages: &[&str], stale: &[&str]) -> Diagnosis {
+        let finding = |message: &&str| Finding {
+            severity: Severity::Error,
+            span: Span::default(),
+            line: 1,
+            column: 1,
+            message: (*message).to_owned(),
+            hint: None,
+        };
+        Diagnosis {
+            findings: messages.iter().map(finding).collect(),
+            stale: stale.iter().map(|name| (*name).to_owned()).collect(),
+            lacks: false,
+        }
+    }
+
+    fn messages(faults: &ProgramFaults) -> Vec<&str> {
+        let findings = faults.findings().iter();
+        findings.map(|it| it.message.as_str()).collect()
+    }
+
+    #[test]
+    fn a_fault_waits_for_a_pause_and_goes_at_once() {
+        let mut faults = ProgramFaults::default();
+        faults.take(diagnosis(&["a"], &["p"]));
+        assert!(faults.are_waiting() && faults.stale().is_empty());
+        assert_eq!(faults.count(), "no errors");
+        faults.show_latest();
+        assert_eq!((messages(&faults), faults.stale().len()), (vec!["a"], 1));
+        // The next one waits again, and the one that is shown stays.
+        faults.take(diagnosis(&["a", "b"], &["p", "q"]));
+        assert_eq!((messages(&faults), faults.stale().len()), (vec!["a"], 1));
+        assert_eq!(faults.count(), "1 error");
+        faults.take(diagnosis(&["b"], &["q"]));
+        assert!(messages(&faults).is_empty() && faults.stale().is_empty());
+        faults.show_latest();
+        assert_eq!(messages(&faults), ["b"]);
+        faults.take(diagnosis(&[], &[]));
+        assert!(messages(&faults).is_empty() && !faults.are_waiting());
+    }
+}

@@ -1,0 +1,103 @@
+//! The dialogs for the file of a program: one to open, or the place of one to save.
+
+use std::path::{Path, PathBuf};
+
+use egui::{Grid, Ui};
+
+use super::picture::{self, Decision};
+use crate::state::StatusMessage;
+use crate::ui::window::{Next, TextSource, Window};
+
+/// The dialog for the file of a program.
+#[derive(Clone, Debug)]
+pub(crate) struct ProgramDialog {
+    pub(crate) path: String,
+    purpose: FileAction,
+}
+
+/// The purpose of the dialog.
+#[derive(Clone, Debug, Eq, PartialEq)]
+enum FileAction {
+    /// The file is opened.
+    Open,
+    /// The program is written to the file, and then something else may follow.
+    Save(Option<Next>),
+}
+
+/// Opens the desktop's dialog for a program that is to be opened.
+pub(crate) fn choose_file(window: &Window) {
+    let languages = window.text.languages();
+    let extensions = languages.all().flat_map(|it| it.extensions()).copied();
+    crate::io::file_dialogs::choose_program(
+        window.events.file_choices(),
+        window.text.folder(),
+        extensions.collect(),
+    );
+}
+
+/// Opens the dialog for the name of a program that is to be opened.
+pub(crate) fn ask_for_file(window: &mut Window) {
+    window.dialogs.program = Some(ProgramDialog {
+        path: picture::in_folder(window, ""),
+        purpose: FileAction::Open,
+    });
+}
+
+/// Opens the dialog for the file that the program is to be written to.
+pub(crate) fn ask_for_target(window: &mut Window, next: Option<Next>) {
+    if let TextSource::File { editor, .. } = &window.text.source {
+        let path = std::path::absolute(&editor.path);
+        let path = path.unwrap_or_else(|_| editor.path.clone());
+        window.dialogs.program = Some(ProgramDialog {
+            path: path.display().to_string(),
+            purpose: FileAction::Save(next),
+        });
+    }
+}
+
+/// Shows the dialog, if it is open.
+pub(crate) fn show(window: &mut Window, ui: &Ui) {
+    let Some(mut dialog) = window.dialogs.program.take() else {
+        return;
+    };
+    let (title, verb) = match dialog.purpose {
+        FileAction::Open => ("Open program", "Open"),
+        FileAction::Save(_) => ("Save program", "Save"),
+    };
+    let saves = dialog.purpose != FileAction::Open;
+    let decision = picture::modal(ui, title, verb, |ui| {
+        let mut choose = false;
+        Grid::new("program").num_columns(2).show(ui, |ui| {
+            choose = picture::file(ui, &mut dialog.path);
+        });
+        if saves {
+            picture::replaced(ui, Path::new(&dialog.path));
+        }
+        choose
+    });
+    match decision {
+        Decision::Stay => window.dialogs.program = Some(dialog),
+        Decision::Cancel => {}
+        Decision::Choose if saves => {
+            picture::choose(window, title, &dialog.path);
+            window.dialogs.program = Some(dialog);
+        }
+        Decision::Choose => choose_file(window),
+        Decision::Save => take_file(window, dialog),
+    }
+}
+
+fn take_file(window: &mut Window, dialog: ProgramDialog) {
+    let path = PathBuf::from(dialog.path.trim());
+    match dialog.purpose {
+        FileAction::Open => window.go_on(Next::File(path)),
+        FileAction::Save(next) => match window.save_text_as(path) {
+            Ok(()) => {
+                if let Some(next) = next {
+                    window.take_next(next);
+                }
+            }
+            Err(sentence) => window.status_message = Some(StatusMessage::error(sentence)),
+        },
+    }
+}

@@ -1,0 +1,226 @@
+//! The text of the program, to be edited.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::{TextEditOutput, TextEditState};
+use egui::{Align, EventFilter, FontId, Id, Rect, ScrollArea, Stroke, StrokeKind, TextEdit, Ui};
+use syntax::span::Span;
+
+use super::{completion, find, keys};
+use crate::engine::editor::Editor;
+use crate::engine::typing;
+use crate::state::model::ReadText;
+use crate::ui::window::{TextSource, Window};
+
+/// Returns the id of the field with the text.
+pub(crate) fn id() -> Id {
+    Id::unique("program text")
+}
+
+/// Shows the text with line numbers, in all of the room that is left; returns whether it was edited.
+pub(super) fn show(window: &mut Window, ui: &mut Ui) -> bool {
+    let replaced = find::show(&mut window.text, ui);
+    let room = ui.available_height();
+    let edited = ScrollArea::vertical()
+        .id_salt("text")
+        .max_height(room)
+        .min_scrolled_height(room)
+        .auto_shrink(false)
+        .show(ui, |ui| text(window, ui, room))
+        .inner;
+    edited || replaced
+}
+
+fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
+    let read = window.model.read_text();
+    let text = &mut window.text;
+    let TextSource::File { editor, .. } = &mut text.source else {
+        return false;
+    };
+    let font = egui::TextStyle::Monospace.resolve(ui.style());
+    let lines = editor.text.matches('\n').count() + 1;
+    let digits = lines.to_string().len().max(2);
+    let width = font.size * 0.65 * digits as f32 + 8.0;
+    let before = editor.version;
+    let by_keys = keys::take(ui, id(), editor, &mut text.assistant);
+    let (painter, assistant) = (&mut text.painter, &mut text.assistant);
+    let language = Arc::clone(&editor.language);
+    let output = ui.horizontal_top(|ui| {
+        let gutter = ui.allocate_space(egui::vec2(width, 1.0)).1;
+        let mut layouter = |ui: &Ui, buffer: &dyn egui::TextBuffer, width: f32| {
+            painter.layout(ui, &*language, buffer.as_str(), width)
+        };
+        remember(ui, id(), &mut editor.replaced);
+        let field = TextEdit::multiline(&mut editor.text)
+            .id(id())
+            .font(egui::TextStyle::Monospace)
+            .desired_width(f32::INFINITY)
+            .min_size(egui::vec2(0.0, room - ui.spacing().item_spacing.y))
+            .layouter(&mut layouter);
+        // While a list is open, these keys are the list's.
+        let filter = EventFilter {
+            tab: assistant.is_open(),
+            escape: assistant.is_open(),
+            ..field.get_event_filter()
+        };
+        let output = field.event_filter(filter).show(ui);
+        let response = &output.response.response;
+        response.clone().accessible_name("Program text");
+        numbers(ui, &output.galley, output.galley_pos, gutter, &font);
+        output
+    });
+    let output = output.inner;
+    let edited = output.response.response.changed() || by_keys;
+    // A field gives the keys away in a frame in which anything else is clicked on: it gets them after that.
+    let is_clicked = ui.input(|input| input.pointer.any_click());
+    if !is_clicked && let Some(jump) = editor.jump.take() {
+        editor.wants_keys |= jump.takes_keys;
+        go_to(ui, &output, &editor.text, jump.place);
+    }
+    if !is_clicked && std::mem::take(&mut editor.wants_keys) {
+        ui.ctx().memory_mut(|memory| memory.request_focus(id()));
+    } else if editor.wants_keys || editor.jump.is_some() {
+        ui.ctx().request_repaint();
+    }
+    find::mark(ui, &output, &editor.text, &text.find);
+    let read = read.filter(|it| it.version == before && !edited);
+    completion::show(ui, &output, editor, assistant, read.as_ref());
+    if let Some(read) = &read {
+        hover(&output, &editor.text, read, assistant);
+    }
+    if let Some(range) = output.cursor_range {
+        let cursor = byte(&editor.text, range.primary.index.0);
+        brackets(ui, &output, editor, cursor);
+        let under = window.model.declared_at(cursor as u32).map(str::to_owned);
+        if window.model.highlighted != under {
+            window.model.highlight(under);
+            ui.ctx().request_repaint();
+        }
+    }
+    edited
+}
+
+/// Puts texts whose place another one has taken among what the field can undo, which sees only what is typed into it.
+pub(super) fn remember(ui: &Ui, id: Id, replaced: &mut Vec<String>) {
+    if replaced.is_empty() {
+        return;
+    }
+    let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
+    let cursor = state.cursor.char_range().unwrap_or_default();
+    let mut undoer = state.undoer();
+    for text in replaced.drain(..) {
+        undoer.add_undo(&(cursor, text));
+    }
+    state.set_undoer(undoer);
+    state.store(ui.ctx(), id);
+}
+
+/// Selects a place and scrolls to it.
+fn go_to(ui: &Ui, output: &TextEditOutput, text: &str, place: Span) {
+    let Span { start, end } = place;
+    let range = characters(text, start as usize..end as usize);
+    let mut state = output.state.clone();
+    state.cursor.set_char_range(Some(range));
+    state.store(ui.ctx(), id());
+    let place = output.galley.pos_from_cursor(range.primary);
+    let place = place.translate(output.galley_pos.to_vec2());
+    ui.scroll_to_rect(place, Some(Align::Center));
+}
+
+fn numbers(ui: &Ui, galley: &egui::Galley, at: egui::Pos2, gutter: Rect, font: &FontId) {
+    let clip = ui.clip_rect();
+    let mut line = 1;
+    let mut begins = true;
+    for row in &galley.rows {
+        let top = at.y + row.rect().top();
+        if begins && top <= clip.bottom() && top + row.rect().height() >= clip.top() {
+            let place = egui::pos2(gutter.right() - 4.0, top);
+            let colour = ui.visuals().weak_text_color();
+            let text = line.to_string();
+            ui.painter()
+                .text(place, egui::Align2::RIGHT_TOP, text, font.clone(), colour);
+        }
+        begins = row.ends_with_newline;
+        line += usize::from(begins);
+    }
+}
+
+/// Frames the bracket at the cursor and its partner.
+fn brackets(ui: &Ui, output: &TextEditOutput, editor: &Editor, cursor: usize) {
+    let comment = editor.language.line_comment();
+    let Some(places) = typing::partners(&editor.text, cursor, comment) else {
+        return;
+    };
+    let stroke = Stroke::new(1.0, ui.visuals().weak_text_color());
+    for at in places {
+        for rect in rects(output, &editor.text, at..at + 1) {
+            ui.painter()
+                .rect_stroke(rect, 2.0, stroke, StrokeKind::Inside);
+        }
+    }
+}
+
+/// Describes the word under the pointer, when that rests.
+fn hover(
+    output: &TextEditOutput,
+    text: &str,
+    read: &ReadText,
+    assistant: &mut completion::Assistant,
+) {
+    let response = &output.response.response;
+    let Some(pointer) = response.hover_pos().filter(|_| !assistant.is_open()) else {
+        return;
+    };
+    let place = pointer - output.galley_pos;
+    let cursor = output.galley.cursor_from_pos(place);
+    let near = output.galley.pos_from_cursor(cursor);
+    let is_on_text = near
+        .expand2(egui::vec2(12.0, 2.0))
+        .contains(place.to_pos2());
+    let offset = byte(text, cursor.index.0) as u32;
+    if !is_on_text {
+        return;
+    }
+    if let Some(description) = assistant.describe(read, offset) {
+        let response = response.clone();
+        response.on_hover_ui_at_pointer(|ui| {
+            ui.set_max_width(420.0);
+            ui.monospace(&description.code);
+            for paragraph in &description.text {
+                ui.label(paragraph.replace(['`', '*'], ""));
+            }
+        });
+    }
+}
+
+/// Returns the rectangles of a range of bytes on the screen, one for each row.
+pub(super) fn rects(output: &TextEditOutput, text: &str, range: Range<usize>) -> Vec<Rect> {
+    let range = characters(text, range);
+    let [start, end] = [range.secondary, range.primary].map(|cursor| {
+        let place = output.galley.pos_from_cursor(cursor);
+        place.translate(output.galley_pos.to_vec2())
+    });
+    if (start.top() - end.top()).abs() < 1.0 {
+        return vec![Rect::from_min_max(start.left_top(), end.right_bottom())];
+    }
+    // A range over a row's end is marked where it begins.
+    let edge = egui::pos2(output.text_clip_rect.right(), start.bottom());
+    vec![Rect::from_min_max(start.left_top(), edge)]
+}
+
+/// A range of bytes in characters, with the cursor at its end.
+pub(super) fn characters(text: &str, range: Range<usize>) -> CCursorRange {
+    let index = |offset: usize| {
+        let before = text.get(..offset).unwrap_or(text);
+        CCursor::new(egui::text::CharIndex(before.chars().count()))
+    };
+    CCursorRange::two(index(range.start), index(range.end))
+}
+
+/// Returns the place of a character in bytes.
+pub(super) fn byte(text: &str, character: usize) -> usize {
+    let at = text.char_indices().nth(character);
+    at.map_or(text.len(), |(at, _)| at)
+}

@@ -1,0 +1,286 @@
+//! The help of the editor with words: a list of what can be written at the cursor, and the description of a word.
+//!
+//! Both come from the text as the compiler's thread has read it: a list is made when the text that is being typed has
+//! been read.
+
+use egui::text_edit::TextEditOutput;
+use egui::{
+    Align2, Area, Button, Event, Frame, Id, Key, Modifiers, Order, Rect, RichText, ScrollArea, Ui,
+};
+use ide::completion::Completion;
+use ide::description::Description;
+use syntax::span::Span;
+
+use super::code::{byte, characters};
+use crate::engine::editor::Editor;
+use crate::state::model::ReadText;
+
+/// The number of letters of a word after which the list opens by itself.
+const LETTERS: usize = 2;
+/// The number of entries that are listed.
+const LISTED: usize = 50;
+
+/// The state of the help between two frames.
+#[derive(Debug, Default)]
+pub(crate) struct Assistant {
+    list: Option<List>,
+    /// A list is to be made of the text that was typed, when it has been read.
+    wanted: Option<Trigger>,
+    /// The description of the word that was pointed at last: the version of the text, the place, the description.
+    described: Option<(i32, u32, Option<Description>)>,
+}
+
+/// The reason why a list is made.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Trigger {
+    /// A word is being typed.
+    Typing,
+    /// The user has requested it.
+    Key,
+}
+
+/// A list that is open.
+#[derive(Debug)]
+struct List {
+    /// The part of the word that is written, in bytes.
+    range: Span,
+    entries: Vec<Completion>,
+    selected: usize,
+    /// The user has requested the list, or has gone through it: Enter takes what is selected.
+    is_in_use: bool,
+    /// The entry that was clicked on.
+    clicked: Option<usize>,
+    /// The place of the cursor on the screen.
+    place: Rect,
+}
+
+impl Assistant {
+    /// Returns whether a list is open.
+    pub(super) fn is_open(&self) -> bool {
+        self.list.is_some()
+    }
+
+    /// Notes whether a letter of a word has been typed.
+    pub(super) fn note_typing(&mut self, is_word: bool) {
+        if is_word {
+            self.wanted = Some(self.wanted.unwrap_or(Trigger::Typing));
+        }
+    }
+
+    /// Takes the keys of the list; returns whether the text was edited.
+    pub(super) fn take_keys(&mut self, ui: &Ui, id: Id, editor: &mut Editor) -> bool {
+        let pressed = |modifiers, key| ui.input_mut(|input| input.consume_key(modifiers, key));
+        if pressed(Modifiers::COMMAND, Key::Space) || pressed(Modifiers::CTRL, Key::Space) {
+            self.wanted = Some(Trigger::Key);
+            // Some systems send the space as well.
+            ui.input_mut(|input| {
+                let is_space = |event: &Event| matches!(event, Event::Text(text) if text == " ");
+                input.events.retain(|event| !is_space(event));
+            });
+        }
+        let Some(list) = &mut self.list else {
+            return false;
+        };
+        let count = list.entries.len();
+        let down = pressed(Modifiers::NONE, Key::ArrowDown);
+        let up = pressed(Modifiers::NONE, Key::ArrowUp);
+        if down || up {
+            list.is_in_use = true;
+            let step = if down { 1 } else { count - 1 };
+            list.selected = (list.selected + step) % count;
+        }
+        if pressed(Modifiers::NONE, Key::Escape) {
+            self.list = None;
+            return false;
+        }
+        // Where letters are names, Enter ends a line more often than it completes a word.
+        let takes = pressed(Modifiers::NONE, Key::Tab)
+            || (list.is_in_use && pressed(Modifiers::NONE, Key::Enter));
+        let chosen = list.clicked.take().or(takes.then_some(list.selected));
+        match chosen {
+            Some(chosen) => self.write(chosen, ui, id, editor),
+            None => false,
+        }
+    }
+
+    /// Writes an entry of the list; returns whether it could.
+    fn write(&mut self, chosen: usize, ui: &Ui, id: Id, editor: &mut Editor) -> bool {
+        self.wanted = None;
+        let Some(mut list) = self.list.take() else {
+            return false;
+        };
+        let range = list.range.start as usize..list.range.end as usize;
+        if chosen >= list.entries.len() || editor.text.get(range.clone()).is_none() {
+            return false;
+        }
+        let entry = list.entries.swap_remove(chosen);
+        let mut text = editor.text.clone();
+        text.replace_range(range.clone(), &entry.insert);
+        let end = range.start + entry.insert.len();
+        editor.replace(text);
+        super::keys::select(ui, id, characters(&editor.text, end..end));
+        true
+    }
+
+    /// Returns the description of the word at a place of the text.
+    pub(super) fn describe(&mut self, read: &ReadText, offset: u32) -> Option<&Description> {
+        let known = self.described.as_ref();
+        if known.is_none_or(|known| (known.0, known.1) != (read.version, offset)) {
+            let found = read
+                .analysis
+                .hover(offset)
+                .map(|(_, description)| description);
+            self.described = Some((read.version, offset, found));
+        }
+        self.described.as_ref()?.2.as_ref()
+    }
+
+    /// Lets the list follow the cursor. `read` is the text as it is now, once it has been read.
+    fn follow(&mut self, editor: &Editor, read: Option<&ReadText>, cursor: u32) {
+        // All of the word is erased, or left.
+        self.list
+            .take_if(|list| cursor <= list.range.start && list.range.end > list.range.start);
+        let has_moved = self.list.as_ref().is_some_and(|it| it.range.end != cursor);
+        if let Some(read) = read
+            && (self.wanted.is_some() || has_moved)
+        {
+            self.update(editor, read, cursor);
+        }
+    }
+
+    /// Makes the list of what can be written at a place, where that is wanted or one is open.
+    fn update(&mut self, editor: &Editor, read: &ReadText, cursor: u32) {
+        let before = self.list.take();
+        let trigger = match (self.wanted.take(), &before) {
+            (Some(trigger), _) => trigger,
+            (None, Some(_)) => Trigger::Typing,
+            (None, None) => return,
+        };
+        let found = read.analysis.completions(cursor, false);
+        let range = found.range;
+        let written = editor.text.get(range.start as usize..cursor as usize);
+        let Some(written) = written.filter(|_| range.end == cursor) else {
+            return;
+        };
+        let entries = fitting(found.list, written);
+        let is_whole = entries.iter().any(|entry| entry.label == written);
+        let is_long = written.chars().count() >= LETTERS;
+        let is_requested = trigger == Trigger::Key;
+        let goes_on = before
+            .as_ref()
+            .is_some_and(|it| it.range.start == range.start);
+        if entries.is_empty() || (!is_requested && (is_whole || !(is_long || goes_on))) {
+            return;
+        }
+        let was_in_use = goes_on && before.as_ref().is_some_and(|it| it.is_in_use);
+        let selected = before.filter(|_| goes_on).and_then(|mut before| {
+            let selected = before.entries.swap_remove(before.selected);
+            entries.iter().position(|it| it.label == selected.label)
+        });
+        self.list = Some(List {
+            range,
+            selected: selected.unwrap_or(0),
+            is_in_use: is_requested || was_in_use,
+            entries,
+            clicked: None,
+            place: Rect::NOTHING,
+        });
+    }
+}
+
+/// Returns the entries that go on as is written, those first that do so letter by letter.
+fn fitting(entries: Vec<Completion>, written: &str) -> Vec<Completion> {
+    let lower = written.to_lowercase();
+    let mut fitting: Vec<Completion> = entries
+        .into_iter()
+        .filter(|entry| entry.label.to_lowercase().starts_with(&lower))
+        .collect();
+    fitting.sort_by_key(|entry| !entry.label.starts_with(written));
+    fitting.truncate(LISTED);
+    fitting
+}
+
+/// Shows the list at the cursor, where one is open or wanted. `read` is the text as it is now, once it has been read.
+pub(super) fn show(
+    ui: &Ui,
+    output: &TextEditOutput,
+    editor: &mut Editor,
+    assistant: &mut Assistant,
+    read: Option<&ReadText>,
+) {
+    let is_pointed_at = is_pointed_at(ui);
+    let response = &output.response.response;
+    match output.cursor_range {
+        Some(range) if range.is_empty() && (response.has_focus() || is_pointed_at) => {
+            let cursor = byte(&editor.text, range.primary.index.0) as u32;
+            assistant.follow(editor, read, cursor);
+            if let Some(list) = &mut assistant.list {
+                let place = output.galley.pos_from_cursor(range.primary);
+                list.place = place.translate(output.galley_pos.to_vec2());
+            }
+        }
+        // A click on the list takes the keys from the field before the list has seen it.
+        None if is_pointed_at => {}
+        _ => {
+            assistant.list = None;
+            assistant.wanted = None;
+        }
+    }
+    if let Some(list) = &mut assistant.list {
+        popup(ui, list);
+        if list.clicked.is_some() {
+            // The field has the keys again, and takes the entry in the frame after that.
+            editor.wants_keys = true;
+            ui.ctx().request_repaint();
+        }
+    }
+}
+
+fn popup_id() -> Id {
+    Id::unique("completions")
+}
+
+/// Returns whether the pointer is on the list: a press there takes the focus from the field.
+fn is_pointed_at(ui: &Ui) -> bool {
+    let place = ui.ctx().pointer_interact_pos();
+    let layer = place.and_then(|place| ui.ctx().layer_id_at(place));
+    layer.is_some_and(|layer| layer.id == popup_id())
+}
+
+fn popup(ui: &Ui, list: &mut List) {
+    let place = list.place;
+    let row = ui.spacing().interact_size.y;
+    let screen = ui.ctx().content_rect();
+    let rows = list.entries.len().min(8) as f32;
+    let height = rows * (row + 2.0) + 12.0;
+    let is_above = place.bottom() + height > screen.bottom();
+    let (at, pivot) = match is_above {
+        true => (place.left_top(), Align2::LEFT_BOTTOM),
+        false => (place.left_bottom(), Align2::LEFT_TOP),
+    };
+    let area = Area::new(popup_id()).order(Order::Foreground);
+    area.pivot(pivot).fixed_pos(at).show(ui.ctx(), |ui| {
+        Frame::popup(ui.style()).show(ui, |ui| {
+            ui.set_width(260.0);
+            let scroll = ScrollArea::vertical().max_height(height);
+            scroll.show(ui, |ui| {
+                for (k, entry) in list.entries.iter().enumerate() {
+                    let is_selected = k == list.selected;
+                    let detail = RichText::new(&entry.detail).weak().small();
+                    let title = RichText::new(&entry.label).monospace();
+                    let button = Button::selectable(is_selected, title)
+                        .right_text(detail)
+                        .truncate()
+                        .min_size(egui::vec2(ui.available_width(), row));
+                    let button = ui.add(button);
+                    if is_selected {
+                        button.scroll_to_me(None);
+                    }
+                    if button.accessible_name(&entry.label).clicked() {
+                        list.clicked = Some(k);
+                    }
+                }
+            });
+        });
+    });
+}

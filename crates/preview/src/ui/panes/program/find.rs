@@ -1,0 +1,198 @@
+//! The search in the text: a bar above it, and marks on what is found.
+
+use egui::text_edit::TextEditOutput;
+use egui::{Key, KeyboardShortcut, Modifiers, TextEdit, Ui};
+use syntax::span::Span;
+
+use super::code::rects;
+use crate::engine::editor::{Editor, Jump};
+use crate::engine::typing;
+use crate::ui::icons::{self, Icon};
+use crate::ui::window::{TextSource, Window, WindowText};
+
+/// The search.
+#[derive(Debug, Default)]
+pub(crate) struct Find {
+    is_open: bool,
+    /// The field is to have the keys.
+    wants_focus: bool,
+    wanted: String,
+    replacement: String,
+    /// The number of the place that is shown, from 0.
+    current: usize,
+}
+
+/// A step from one place to another.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Direction {
+    Next,
+    Previous,
+}
+
+impl Window {
+    /// Handles the keys of the search.
+    pub(crate) fn find_keys(&mut self, ui: &Ui) {
+        let pressed = |modifiers, key| {
+            let shortcut = KeyboardShortcut::new(modifiers, key);
+            ui.input_mut(|input| input.consume_shortcut(&shortcut))
+        };
+        if pressed(Modifiers::COMMAND, Key::F) {
+            self.open_find();
+        }
+        if !self.text.find.is_open {
+            return;
+        }
+        if pressed(Modifiers::SHIFT, Key::F3) {
+            self.text.go(Direction::Previous);
+        } else if pressed(Modifiers::NONE, Key::F3) {
+            self.text.go(Direction::Next);
+        }
+    }
+
+    /// Opens the search, which gets the keys.
+    pub(crate) fn open_find(&mut self) {
+        self.panes.bring_forward(&crate::state::pane::Pane::Program);
+        self.text.find.is_open = true;
+        self.text.find.wants_focus = true;
+    }
+}
+
+impl WindowText {
+    /// Shows the next place, or the one before.
+    fn go(&mut self, direction: Direction) {
+        let TextSource::File { editor, .. } = &mut self.source else {
+            return;
+        };
+        let places = typing::find(&editor.text, &self.find.wanted);
+        let count = places.len();
+        if count == 0 {
+            return;
+        }
+        let current = &mut self.find.current;
+        *current = match direction {
+            Direction::Next => (*current + 1) % count,
+            Direction::Previous => (*current + count - 1) % count,
+        };
+        show_place(editor, &places[*current]);
+    }
+}
+
+fn show_place(editor: &mut Editor, place: &std::ops::Range<usize>) {
+    editor.jump = Some(Jump {
+        place: Span::new(place.start as u32, place.end as u32),
+        takes_keys: false,
+    });
+}
+
+/// Shows the bar, if it is open; returns whether the text was edited.
+pub(super) fn show(text: &mut WindowText, ui: &mut Ui) -> bool {
+    let mut edited = false;
+    if !text.find.is_open {
+        return edited;
+    }
+    let TextSource::File { editor, .. } = &mut text.source else {
+        return edited;
+    };
+    let find = &mut text.find;
+    let places = typing::find(&editor.text, &find.wanted);
+    find.current = find.current.min(places.len().saturating_sub(1));
+    let (mut step, mut closes) = (None, false);
+    ui.horizontal_wrapped(|ui| {
+        let field = TextEdit::singleline(&mut find.wanted).hint_text("Find");
+        let field = ui.add(field.desired_width(110.0));
+        let field = field.accessible_name("Find");
+        if std::mem::take(&mut find.wants_focus) {
+            field.request_focus();
+        }
+        if field.changed() {
+            find.current = 0;
+            let places = typing::find(&editor.text, &find.wanted);
+            if let Some(first) = places.first() {
+                show_place(editor, first);
+            }
+        }
+        if field.lost_focus() {
+            let [enter, escape, shift] = ui.input(|input| {
+                let pressed = [Key::Enter, Key::Escape].map(|key| input.key_pressed(key));
+                [pressed[0], pressed[1], input.modifiers.shift]
+            });
+            if enter {
+                let back = Direction::Previous;
+                step = Some(if shift { back } else { Direction::Next });
+                field.request_focus();
+            }
+            closes = escape;
+        }
+        let [up, down] = [
+            (Icon::Up, "Previous place", "Previous (Shift+F3)"),
+            (Icon::Down, "Next place", "Next (F3)"),
+        ]
+        .map(|(icon, name, hint)| icons::button(ui, icon, false, name, hint).clicked());
+        if up {
+            step = Some(Direction::Previous);
+        } else if down {
+            step = Some(Direction::Next);
+        }
+        let number = match places.len() {
+            0 if find.wanted.is_empty() => String::new(),
+            0 => "not found".to_owned(),
+            count => format!("{} of {count}", find.current + 1),
+        };
+        ui.label(number);
+    });
+    ui.horizontal_wrapped(|ui| {
+        let field = TextEdit::singleline(&mut find.replacement).hint_text("Replace by");
+        ui.add(field.desired_width(110.0))
+            .accessible_name("Replace by");
+        let any = !places.is_empty();
+        let one = ui.add_enabled(any, egui::Button::new("Replace").small());
+        let all = ui.add_enabled(any, egui::Button::new("Replace all").small());
+        let replaced = if all.clicked() {
+            &places[..]
+        } else if one.clicked() {
+            &places[find.current..=find.current]
+        } else {
+            &[]
+        };
+        if !replaced.is_empty() {
+            let mut text = editor.text.clone();
+            for place in replaced.iter().rev() {
+                text.replace_range(place.clone(), &find.replacement);
+            }
+            editor.replace(text);
+            edited = true;
+            let places = typing::find(&editor.text, &find.wanted);
+            if let Some(next) = places.get(find.current).or(places.first()) {
+                show_place(editor, next);
+            }
+        }
+        let close = (Icon::Close, "Close the search", "Close (Escape)");
+        closes |= icons::button(ui, close.0, false, close.1, close.2).clicked();
+    });
+    if closes {
+        find.is_open = false;
+        editor.wants_keys = true;
+    }
+    if let Some(step) = step {
+        text.go(step);
+    }
+    edited
+}
+
+/// Marks what is found in the text that is shown.
+pub(super) fn mark(ui: &Ui, output: &TextEditOutput, text: &str, find: &Find) {
+    if !find.is_open {
+        return;
+    }
+    let clip = ui.clip_rect();
+    let colour = ui.visuals().warn_fg_color;
+    for (k, place) in typing::find(text, &find.wanted).into_iter().enumerate() {
+        let alpha = if k == find.current { 0.45 } else { 0.2 };
+        for rect in rects(output, text, place) {
+            if clip.intersects(rect) {
+                let fill = colour.gamma_multiply(alpha);
+                ui.painter().rect_filled(rect, 2.0, fill);
+            }
+        }
+    }
+}

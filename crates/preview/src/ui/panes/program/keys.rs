@@ -1,0 +1,192 @@
+//! The keys of the text that do more than type: brackets in pairs, indentation, comments, and the list of completions.
+
+use egui::text::CCursorRange;
+use egui::text_edit::TextEditState;
+use egui::{Event, Id, Key, Modifiers, Ui};
+
+use super::code::{byte, characters};
+use super::completion::Assistant;
+use crate::engine::editor::Editor;
+use crate::engine::typing;
+
+/// The keys that move the cursor or change the text around it.
+const MOVING: [Key; 12] = [
+    Key::ArrowLeft,
+    Key::ArrowRight,
+    Key::ArrowUp,
+    Key::ArrowDown,
+    Key::Home,
+    Key::End,
+    Key::PageUp,
+    Key::PageDown,
+    Key::Enter,
+    Key::Tab,
+    Key::Backspace,
+    Key::Delete,
+];
+
+/// Takes the keys that the field does not know, and rewrites events for it where more is to happen than what was typed;
+/// returns whether the text was edited.
+pub(super) fn take(ui: &Ui, id: Id, editor: &mut Editor, assistant: &mut Assistant) -> bool {
+    if !ui.memory(|memory| memory.has_focus(id)) || ui.ctx().current_pass_index() > 0 {
+        return false;
+    }
+    let mut edited = assistant.take_keys(ui, id, editor);
+    let comments = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Slash));
+    if comments {
+        edited |= toggle_comment(ui, id, editor);
+    }
+    let selection = selected(ui, id, editor);
+    let mut typist = Typist::new(&editor.text, selection);
+    ui.input_mut(|input| {
+        let events = std::mem::take(&mut input.events);
+        for event in events {
+            typist.take(event, &mut input.events);
+        }
+    });
+    assistant.note_typing(typist.has_typed_word);
+    edited
+}
+
+/// Makes comments of the selected lines, or of comments lines; returns whether the language has comments.
+pub(super) fn toggle_comment(ui: &Ui, id: Id, editor: &mut Editor) -> bool {
+    let Some(mark) = editor.language.line_comment() else {
+        return false;
+    };
+    let selection = selected(ui, id, editor);
+    let (text, selection) = typing::toggle_comment(&editor.text, selection, mark);
+    editor.replace(text);
+    select(ui, id, characters(&editor.text, selection));
+    true
+}
+
+/// Returns the selection in bytes; an empty one at the cursor.
+pub(super) fn selected(ui: &Ui, id: Id, editor: &Editor) -> std::ops::Range<usize> {
+    let state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
+    let range = state.cursor.char_range().unwrap_or_default();
+    let [a, b] = [range.primary, range.secondary].map(|at| byte(&editor.text, at.index.0));
+    a.min(b)..a.max(b)
+}
+
+/// Selects a range of characters.
+pub(super) fn select(ui: &Ui, id: Id, range: CCursorRange) {
+    let mut state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
+    state.cursor.set_char_range(Some(range));
+    state.store(ui.ctx(), id);
+}
+
+/// Rewrites the events of a frame. The field handles them one after the other, so that they are right however many come
+/// at once.
+struct Typist<'t> {
+    text: &'t str,
+    /// The selection before the frame's events.
+    selection: std::ops::Range<usize>,
+    /// The brackets that were closed in this frame and are still before the cursor's next character.
+    closed: Vec<char>,
+    /// The cursor is no longer where this frame found it, but for what was typed.
+    is_lost: bool,
+    has_typed_word: bool,
+}
+
+impl<'t> Typist<'t> {
+    fn new(text: &'t str, selection: std::ops::Range<usize>) -> Self {
+        Self {
+            text,
+            selection,
+            closed: Vec::new(),
+            is_lost: false,
+            has_typed_word: false,
+        }
+    }
+
+    /// Takes an event and hands on what the field is to do.
+    fn take(&mut self, event: Event, events: &mut Vec<Event>) {
+        match &event {
+            Event::Text(typed) => {
+                let mut characters = typed.chars();
+                let first = characters.next().filter(|_| characters.next().is_none());
+                let last = typed.chars().next_back();
+                self.has_typed_word = last.is_some_and(char::is_alphanumeric);
+                if let Some(first) = first.filter(|_| !self.is_lost)
+                    && self.bracket(first, events)
+                {
+                    return;
+                }
+            }
+            Event::Key {
+                key,
+                pressed: true,
+                modifiers,
+                ..
+            } => {
+                let plain = modifiers.is_none() && !self.is_lost && self.closed.is_empty();
+                if *key == Key::Enter && plain {
+                    let indent = typing::indentation(self.text, self.selection.start);
+                    if !indent.is_empty() {
+                        events.push(Event::Text(format!("\n{indent}")));
+                        return;
+                    }
+                }
+                if *key == Key::Backspace && plain && self.is_between_brackets() {
+                    events.push(press(Key::Delete));
+                }
+                self.is_lost |= modifiers.command || MOVING.contains(key);
+            }
+            Event::Paste(_) | Event::Cut | Event::PointerButton { .. } | Event::Ime(_) => {
+                self.is_lost = true;
+            }
+            _ => {}
+        }
+        events.push(event);
+    }
+
+    /// Types a bracket; returns whether it was one with which something else happens than that it is typed.
+    fn bracket(&mut self, typed: char, events: &mut Vec<Event>) -> bool {
+        let next = self.closed.last().copied();
+        let behind = self.text[self.selection.end..].chars().next();
+        if let Some(close) = typing::closing(typed) {
+            if !self.selection.is_empty() {
+                let selected = &self.text[self.selection.clone()];
+                events.push(Event::Text(format!("{typed}{selected}{close}")));
+                self.is_lost = true;
+                return true;
+            }
+            if typing::closes_before(next.or(behind)) {
+                events.push(Event::Text(format!("{typed}{close}")));
+                events.push(press(Key::ArrowLeft));
+                self.closed.push(close);
+                return true;
+            }
+        } else if typing::is_closing(typed) && self.selection.is_empty() {
+            if next == Some(typed) {
+                self.closed.pop();
+                events.push(press(Key::ArrowRight));
+                return true;
+            }
+            if next.is_none() && behind == Some(typed) {
+                self.is_lost = true;
+                events.push(press(Key::ArrowRight));
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Returns whether nothing stands between the bracket before the cursor and the one that closes it.
+    fn is_between_brackets(&self) -> bool {
+        let before = self.text[..self.selection.start].chars().next_back();
+        let behind = self.text[self.selection.end..].chars().next();
+        self.selection.is_empty() && behind.is_some() && before.and_then(typing::closing) == behind
+    }
+}
+
+/// Makes the event of a key that goes down.
+fn press(key: Key) -> Event {
+    Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    }
+}

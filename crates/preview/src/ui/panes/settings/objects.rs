@@ -1,0 +1,220 @@
+//! The objects: whether they are shown, their colours, and the textures of surfaces.
+
+use std::path::{Path, PathBuf};
+
+use egui::{ComboBox, Grid, Ui};
+use scene::Object;
+
+use crate::state::{Choice, Step};
+use crate::ui::window::Window;
+
+/// Draws the tab.
+pub(super) fn show(window: &mut Window, ui: &mut Ui) {
+    // What has no room in one part makes no other part wider.
+    let room = ui.available_width();
+    for part in [objects, textures] {
+        ui.scope(|ui| {
+            ui.set_max_width(room);
+            part(window, ui);
+        });
+    }
+}
+
+fn objects(window: &mut Window, ui: &mut Ui) {
+    let Some(scene) = window.model.scene.clone() else {
+        return;
+    };
+    if scene.objects.is_empty() {
+        ui.weak("The program declares no object yet.");
+        return;
+    }
+    Grid::new("objects")
+        .num_columns(4)
+        .min_col_width(0.0)
+        .spacing([8.0, 4.0])
+        .show(ui, |ui| {
+            for object in &scene.objects {
+                row(window, ui, object);
+                ui.end_row();
+            }
+        });
+    ui.separator();
+}
+
+fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
+    let name = &object.name;
+    let look = window.model.view.look(name);
+    let drawn = !object.shape.is_metric();
+    let mut shown = !look.hidden;
+    let show = ui.add_enabled(drawn, egui::Checkbox::without_text(&mut shown));
+    let show = show.on_disabled_hover_text("A metric has no place in space");
+    if show.accessible_name(format!("Show {name}")).changed() {
+        window
+            .model
+            .change(Step::new("Show or hide", name.as_str()), |view| {
+                view.looks.entry(name.clone()).or_default().hidden = !shown;
+            });
+    }
+    let mut colour = look
+        .colour
+        .unwrap_or_else(|| render::style::colour(&object.shape));
+    let picker = ui.color_edit_button_srgb(&mut colour);
+    if picker
+        .accessible_name(format!("Colour of {name}"))
+        .changed()
+    {
+        window
+            .model
+            .change(Step::new("Change a colour", name.as_str()), |view| {
+                view.looks.entry(name.clone()).or_default().colour = Some(colour);
+            });
+    }
+    let stale = if window.model.faults.stale().contains(name) {
+        " (out of date)"
+    } else {
+        ""
+    };
+    let link = ui.link(format!("{name}{stale}"));
+    if link.on_hover_text("Show its declaration").clicked() {
+        window.open_declaration(name);
+    }
+    if object.shape.manifold().is_some() {
+        let mut texture = look.texture.clone();
+        if choose(
+            &window.model.view.textures,
+            ui,
+            &format!("Texture of {name}"),
+            &mut texture,
+            true,
+        ) {
+            window
+                .model
+                .change(Step::new("Choose a texture", name.as_str()), |view| {
+                    view.looks.entry(name.clone()).or_default().texture = texture;
+                });
+        }
+    } else {
+        ui.label("");
+    }
+}
+
+/// A list of all textures; whether another one was chosen.
+fn choose(
+    images: &[PathBuf],
+    ui: &mut Ui,
+    label: &str,
+    choice: &mut Choice,
+    of_object: bool,
+) -> bool {
+    let before = choice.clone();
+    let combo = ComboBox::from_id_salt(label)
+        .selected_text(title(choice, of_object))
+        .width(ui.available_width().clamp(60.0, 110.0))
+        .truncate()
+        .show_ui(ui, |ui| {
+            let mut option = |other: Choice| {
+                let title = title(&other, of_object);
+                ui.selectable_value(choice, other, title);
+            };
+            option(Choice::Default);
+            option(Choice::Plain);
+            option(Choice::Curvature);
+            for path in images {
+                option(Choice::Image(path.clone()));
+            }
+        });
+    combo.response.accessible_name(label);
+    *choice != before
+}
+
+fn title(choice: &Choice, of_object: bool) -> String {
+    match choice {
+        Choice::Default if of_object => "Default".to_owned(),
+        Choice::Default => "Orientation".to_owned(),
+        Choice::Plain => "Plain colour".to_owned(),
+        Choice::Curvature => "Gaussian curvature".to_owned(),
+        Choice::Image(path) => file_name(path),
+    }
+}
+
+fn file_name(path: &Path) -> String {
+    path.file_name()
+        .unwrap_or(path.as_os_str())
+        .to_string_lossy()
+        .into_owned()
+}
+
+fn textures(window: &mut Window, ui: &mut Ui) {
+    if window.model.surfaces().is_empty() {
+        return;
+    }
+    ui.heading("Textures");
+    ui.horizontal_wrapped(|ui| {
+        ui.label("Default");
+        let mut choice = window.model.view.default_texture.clone();
+        if choose(
+            &window.model.view.textures,
+            ui,
+            "Default texture",
+            &mut choice,
+            false,
+        ) {
+            let step = Step::new("Choose the default texture", "");
+            window
+                .model
+                .change(step, |view| view.default_texture = choice);
+        }
+        if ui.button("Open textures…").clicked() {
+            let folder = window.text.folder();
+            crate::io::file_dialogs::choose_images(window.events.file_choices(), folder);
+        }
+    });
+    ui.horizontal(|ui| {
+        let label = ui.label("Image file");
+        let path = &mut window.dialogs.texture_path;
+        let room = (ui.available_width() - 50.0).clamp(60.0, 150.0);
+        let edit = egui::TextEdit::singleline(path).desired_width(room);
+        let edit = ui.add(edit).labelled_by(label.id);
+        if std::mem::take(&mut window.dialogs.wants_image) {
+            edit.request_focus();
+            edit.scroll_to_me(None);
+        }
+        let entered = edit.lost_focus() && ui.input(|input| input.key_pressed(egui::Key::Enter));
+        if ui.button("Add").clicked() || entered {
+            let given = std::mem::take(&mut window.dialogs.texture_path);
+            if !given.trim().is_empty() {
+                let folder = window.text.folder().unwrap_or_default();
+                window.open_images(vec![folder.join(given.trim())]);
+            }
+        }
+    });
+    let mut removed = None;
+    for path in &window.model.view.textures {
+        ui.horizontal(|ui| {
+            let name = file_name(path);
+            match window.pictures.library.trouble(path) {
+                Some(trouble) => {
+                    ui.colored_label(ui.visuals().error_fg_color, &name)
+                        .on_hover_text(trouble);
+                }
+                None => {
+                    ui.label(&name).on_hover_text(path.display().to_string());
+                }
+            }
+            let button = ui
+                .small_button("Remove")
+                .accessible_name(format!("Remove {name}"));
+            if button.clicked() {
+                removed = Some(path.clone());
+            }
+        });
+    }
+    if let Some(path) = removed {
+        window
+            .model
+            .change(Step::new("Remove a texture", ""), |view| {
+                view.textures.retain(|it| *it != path);
+            });
+    }
+    ui.weak("Images can also be dropped onto the window: the surface in use shows them.");
+}

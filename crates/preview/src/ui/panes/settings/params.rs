@@ -1,0 +1,168 @@
+//! The params: a row for each component, with its name, its slider, its value, a button that animates it and a menu.
+
+use egui::{Button, DragValue, Slider, Ui};
+use scene::Param;
+
+use crate::state::{Model, Step};
+use crate::ui::icons::{self, Icon};
+use crate::ui::window::Window;
+
+/// The least and the greatest width of a slider.
+const SLIDER: [f32; 2] = [20.0, 300.0];
+/// The room for a value, the button that animates and the menu.
+const BESIDE: f32 = 125.0;
+
+/// Draws the tab.
+pub(super) fn show(window: &mut Window, ui: &mut Ui) {
+    let (Some(scene), Some(settings)) = (window.model.scene.clone(), window.model.settings())
+    else {
+        return;
+    };
+    if scene.params.is_empty() {
+        ui.weak("A param in the program has a slider here: param a : [0, 1];");
+        return;
+    }
+    let names = scene.params.iter().flat_map(|param| {
+        let components = 0..param.ranges.len();
+        components.map(|k| name_of(param, k).chars().count())
+    });
+    let longest = names.max().unwrap_or(1);
+    for param in &scene.params {
+        let values = settings.param(param).to_vec();
+        for k in 0..param.ranges.len() {
+            row(window, ui, param, k, values[k], longest);
+        }
+    }
+}
+
+/// Returns the name of a component, from 0: `r`, or `r_1` of several.
+fn name_of(param: &Param, k: usize) -> String {
+    match param.ranges.len() {
+        1 => param.name.clone(),
+        _ => format!("{}_{}", param.name, k + 1),
+    }
+}
+
+/// Shows the row of a component with a value; the longest name has so many characters.
+fn row(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, value: f64, longest: usize) {
+    let name = name_of(param, k);
+    let range = param.ranges[k];
+    let mut moved = value;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 4.0;
+        // Short names stand in a column, so that the sliders do; a long one is cut off.
+        let width = (8.0 * longest as f32 + 4.0).min(0.3 * ui.available_width());
+        let height = ui.spacing().interact_size.y;
+        let label = egui::Label::new(&name).truncate();
+        ui.add_sized([width, height], label).on_hover_text(&name);
+        ui.spacing_mut().slider_width = (ui.available_width() - BESIDE).clamp(SLIDER[0], SLIDER[1]);
+        // Only what is written is rounded: a slider of few decimals would round the value itself, in each frame.
+        let decimals = decimals(range.max - range.min);
+        let slider = Slider::new(&mut moved, range.min..=range.max)
+            .custom_formatter(move |value, _| {
+                egui::emath::format_with_decimals_in_range(value, 0..=decimals)
+            })
+            .smart_aim(false);
+        let slider = ui.add(slider).accessible_name(&name);
+        take_value(window, ui, param, k, moved, &slider);
+        animated(&mut window.model, ui, param, k, &name);
+        menu(window, ui, param, k, &name);
+    });
+}
+
+/// Takes over a value that the user has given a component by its slider.
+fn take_value(
+    window: &mut Window,
+    ui: &Ui,
+    param: &Param,
+    k: usize,
+    value: f64,
+    slider: &egui::Response,
+) {
+    if slider.changed() {
+        let step = Step::new("Move a param", name_of(param, k));
+        window.model.change(step, |view| {
+            view.choose(&param.name, k, Some(value));
+        });
+        window.has_moved(ui);
+    }
+    if window.model.view.preferences.write_on_release {
+        // Keys have changed it until the last one is released, and what is typed until the field is left.
+        if slider.changed() && !slider.dragged() {
+            window.input.unwritten_param = Some(param.name.clone());
+        }
+        if slider.drag_stopped() {
+            window.write_param(&param.name);
+        }
+    }
+}
+
+/// Shows the button that animates a component, or stops it.
+fn animated(model: &mut Model, ui: &mut Ui, param: &Param, k: usize, name: &str) {
+    let animation = model.view.animations.get(&param.name);
+    let on = animation.is_some_and(|it| it.on.get(k).copied().unwrap_or(false));
+    let (icon, hint) = match on {
+        true => (Icon::Pause, "Stop"),
+        false => (Icon::Play, "Animate"),
+    };
+    if icons::button(ui, icon, on, format!("Animate {name}"), hint).clicked() {
+        model.change(Step::new("Animate", name), |view| {
+            view.animate(&param.name, k, !on);
+        });
+    }
+}
+
+/// Shows the menu of a component.
+fn menu(window: &mut Window, ui: &mut Ui, param: &Param, k: usize, name: &str) {
+    let menu = ui.menu_button("…", |ui| {
+        let hint = "Write this value into the program";
+        if ui.button("Update the text").on_hover_text(hint).clicked() {
+            window.write_param(&param.name);
+        }
+        let chosen = window.model.view.params.get(&param.name);
+        let is_chosen = chosen.is_some_and(|it| it.get(k).is_some_and(Option::is_some));
+        let hint = "Take the value that the program gives it";
+        let reset = ui.add_enabled(is_chosen, Button::new("Reset"));
+        if reset.on_hover_text(hint).clicked() {
+            let step = Step::new("Reset a param", name);
+            window
+                .model
+                .change(step, |view| view.choose(&param.name, k, None));
+        }
+        ui.separator();
+        let animation = window.model.view.animations.get(&param.name);
+        let mut speed = animation.map_or(1.0, |it| it.speed);
+        ui.horizontal(|ui| {
+            let label = ui.label("Units per second");
+            let drag = DragValue::new(&mut speed).speed(0.01).range(-1e6..=1e6);
+            if ui.add(drag).labelled_by(label.id).changed() {
+                window.model.adjust(|view| {
+                    view.animations.entry(param.name.clone()).or_default().speed = speed;
+                });
+            }
+        });
+    });
+    let hint = "More for this param";
+    let button = menu.response.on_hover_text(hint);
+    button.accessible_name(format!("More for {name}"));
+}
+
+/// Writes a value that keys have changed, once they are released.
+pub(super) fn write_released(window: &mut Window, ui: &Ui) {
+    if !window.input.held.any()
+        && !ui.ctx().text_edit_focused()
+        && let Some(name) = window.input.unwritten_param.take()
+    {
+        window.write_param(&name);
+    }
+}
+
+/// Returns the number of decimals with which a slider's steps are fine.
+fn decimals(width: f64) -> usize {
+    let digits = 3.0 - width.log10().floor();
+    if digits.is_finite() {
+        digits.clamp(0.0, 12.0) as usize
+    } else {
+        6
+    }
+}

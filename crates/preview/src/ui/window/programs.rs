@@ -1,0 +1,212 @@
+//! The program that takes the place of the one that is shown: a file, a new one, or none at the beginning.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use egui::Context;
+use ide::Languages;
+use render::{ViewId, Views};
+
+use super::Window;
+use super::event::{WindowEvent, WindowEvents};
+use super::text::{SAVED, TextSource, WindowText};
+use crate::Failure;
+use crate::engine::compiler::Compiler;
+use crate::engine::editor::Editor;
+use crate::io::persistence::{Known, ViewStore};
+use crate::io::recent::RecentPrograms;
+use crate::io::watch::Watch;
+use crate::state::{StatusMessage, View};
+use crate::ui::panes::Panes;
+
+/// The name of a new program until it is saved.
+pub(crate) const UNTITLED: &str = "Untitled";
+
+/// The step after the program that is shown, if that may go.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub(crate) enum Next {
+    /// The window closes.
+    Close,
+    /// A file takes its place.
+    File(PathBuf),
+    /// A new program takes its place.
+    New {
+        /// Its name until it is saved, without an extension.
+        name: &'static str,
+        text: &'static str,
+    },
+}
+
+impl Window {
+    /// A window without a program: it offers new ones, those that were opened last, and the examples.
+    pub fn welcome(context: &Context, languages: &Languages, views: Views) -> Self {
+        let events = WindowEvents::new(context.clone());
+        let compiler = Compiler::start(events.sender.for_part(WindowEvent::Compiled));
+        let editor = untitled(languages, UNTITLED, "");
+        let source = TextSource::File {
+            editor: Box::new(editor),
+            _watch: None,
+        };
+        let text = WindowText::new(source, compiler, languages.clone());
+        let mut window = Self::new(views, events, text);
+        window.panes.is_welcome = true;
+        window.text.compile();
+        window
+    }
+
+    /// A window for a file's text, which it edits and, with `watched`, follows on disk.
+    ///
+    /// # Errors
+    /// [`Failure::Unreadable`].
+    pub fn of_file(
+        context: &Context,
+        languages: &Languages,
+        views: Views,
+        path: PathBuf,
+        watched: bool,
+    ) -> Result<Self, Failure> {
+        let text = crate::io::watch::read(&path).map_err(|reason| Failure::Unreadable {
+            path: path.clone(),
+            reason: reason.to_string(),
+        })?;
+        let mut window = Self::welcome(context, languages, views);
+        window.show_file(path, text, watched);
+        Ok(window)
+    }
+
+    /// Lists the programs that were opened last, as a folder remembers them, from now on.
+    pub fn list_recent_in(&mut self, folder: &Path) {
+        self.records.recent = RecentPrograms::in_folder(folder);
+        self.note_recent();
+    }
+
+    fn note_recent(&mut self) {
+        if let TextSource::File { editor, .. } = &self.text.source
+            && !editor.is_new
+        {
+            self.records.recent.note(&editor.path);
+        }
+    }
+
+    /// Goes on to the next step; where a text would be lost, the user is asked first.
+    pub(crate) fn go_on(&mut self, next: Next) {
+        if self.text.has_unsaved() {
+            self.dialogs.leaving = Some(next);
+        } else {
+            self.take_next(next);
+        }
+    }
+
+    /// Takes the next step, whatever becomes of the program that is shown.
+    pub(crate) fn take_next(&mut self, next: Next) {
+        match next {
+            Next::Close => self.display.closing = true,
+            Next::File(path) => match crate::io::watch::read(&path) {
+                Ok(text) => self.show_file(path, text, true),
+                Err(reason) => {
+                    self.records.recent.forget(&path);
+                    let sentence = format!("cannot read `{}`: {reason}", path.display());
+                    self.status_message = Some(StatusMessage::error(sentence));
+                }
+            },
+            Next::New { name, text } => {
+                let editor = untitled(&self.text.languages, name, text);
+                self.show_editor(editor, None);
+            }
+        }
+    }
+
+    fn show_file(&mut self, path: PathBuf, text: String, watched: bool) {
+        let watch = if watched {
+            let events = self.events.sender.for_part(WindowEvent::File);
+            Watch::start(&path, text.clone(), events).map(Some)
+        } else {
+            Ok(None)
+        };
+        let language = Arc::clone(self.text.languages.for_path(&path));
+        let editor = Editor::new(language, path.clone(), text);
+        let (watch, trouble) = match watch {
+            Ok(watch) => (watch, None),
+            Err(reason) => (None, Some(format!("the file is not watched: {reason}"))),
+        };
+        self.show_editor(editor, watch);
+        self.remember(path);
+        if let Some(sentence) = trouble {
+            self.status_message = Some(StatusMessage::error(sentence));
+        }
+        self.note_recent();
+    }
+
+    /// Puts an editor in the place of the text that is shown; nothing of the program before is left.
+    fn show_editor(&mut self, mut editor: Editor, watch: Option<Watch>) {
+        // What was compiled of the program before is known by its lower version.
+        let version = self.text.next_program();
+        editor.version = version;
+        self.text.source = TextSource::File {
+            editor: Box::new(editor),
+            _watch: watch,
+        };
+        let sender = &self.events.sender;
+        self.text.compiler = Compiler::start(sender.for_part(WindowEvent::Compiled));
+        self.records.view_store = None;
+        self.forget_click();
+        let preferences = self.model.view.preferences.clone();
+        self.model.turn_to(View {
+            preferences,
+            ..View::default()
+        });
+        self.model.forget_program();
+        let first = ViewId::of_scene(self.views.first().name());
+        self.focus.view.clone_from(&first);
+        self.focus.surface = None;
+        self.panes = Panes::new(first, true);
+        crate::ui::measure::close(self);
+        self.pictures.forget_all();
+        self.status_message = None;
+        self.text.compile();
+    }
+
+    /// Saves the own text and takes the next step, unless it cannot be saved; a new program needs a name first.
+    pub(crate) fn save_text_and(&mut self, next: Next) {
+        match &self.text.source {
+            TextSource::File { editor, .. } if editor.is_new => {
+                crate::ui::dialogs::program::ask_for_target(self, Some(next));
+            }
+            _ => {
+                self.save_text();
+                if !self.text.has_unsaved() {
+                    self.take_next(next);
+                }
+            }
+        }
+    }
+
+    /// Writes the own text to another file, and follows that one from then on.
+    ///
+    /// # Errors
+    /// A sentence; all is as it was.
+    pub(crate) fn save_text_as(&mut self, path: PathBuf) -> Result<(), String> {
+        let TextSource::File { editor, _watch } = &mut self.text.source else {
+            return Ok(());
+        };
+        editor.save_as(path.clone())?;
+        editor.language = Arc::clone(self.text.languages.for_path(&path));
+        let events = self.events.sender.for_part(WindowEvent::File);
+        // A file that is not watched is looked at before it is written over.
+        *_watch = Watch::start(&path, editor.text.clone(), events).ok();
+        let status = self.events.status();
+        self.records.view_store = Some(ViewStore::start(path, Known::default(), status));
+        self.status_message = Some(StatusMessage::info(SAVED));
+        self.note_recent();
+        self.text.compile();
+        Ok(())
+    }
+}
+
+/// Makes an editor of a program that has no file yet.
+fn untitled(languages: &Languages, name: &str, text: &str) -> Editor {
+    let language = languages.default_language();
+    let extension = language.extensions().first().unwrap_or(&"txt");
+    let name = format!("{name}.{extension}");
+    Editor::untitled(Arc::clone(language), &name, text.to_owned())
+}

@@ -1,0 +1,222 @@
+//! The editor's help with what is typed: completion, descriptions, the search, comments, brackets and indentation.
+
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, vec2};
+use egui_kittest::kittest::Queryable;
+
+use crate::hand::{Hand, SPHERE};
+
+/// Gives the keys to the text, with the cursor at its end.
+fn write_at_end(hand: &mut Hand) {
+    let text = hand
+        .harness
+        .get_by_role_and_label(Role::MultilineTextInput, "Program text");
+    text.focus();
+    hand.harness.run_steps(2);
+    hand.press(Modifiers::COMMAND, Key::End);
+}
+
+/// Types letter by letter.
+fn types(hand: &mut Hand, text: &str) {
+    for letter in text.chars() {
+        hand.harness.event(Event::Text(letter.to_string()));
+        hand.harness.step();
+    }
+    hand.settle();
+}
+
+/// What the text has beyond that of the file.
+fn typed(hand: &Hand) -> &str {
+    let text = hand.window().text().unwrap_or_default();
+    text.strip_prefix(SPHERE).unwrap_or(text)
+}
+
+/// Returns whether the list of completions has an entry.
+fn offers(hand: &Hand, name: &str) -> bool {
+    let found = hand.harness.query_by_role_and_label(Role::Button, name);
+    found.is_some()
+}
+
+#[test]
+fn a_word_is_completed_from_a_list() {
+    let mut hand = Hand::on(SPHERE);
+    write_at_end(&mut hand);
+    types(&mut hand, "su");
+    assert!(offers(&hand, "surface") && !offers(&hand, "curve"));
+    hand.press(Modifiers::NONE, Key::Tab);
+    hand.settle();
+    assert_eq!(typed(&hand), "surface ");
+    assert!(!offers(&hand, "surface"));
+    // The cursor is behind the word, and the text still has the keys.
+    types(&mut hand, "x");
+    assert_eq!(typed(&hand), "surface x");
+    // One step back takes the completion away.
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert!(!typed(&hand).contains('x'), "{:?}", typed(&hand));
+}
+
+#[test]
+fn a_list_that_is_not_used_leaves_the_keys_to_the_text() {
+    let mut hand = Hand::on(SPHERE);
+    write_at_end(&mut hand);
+    types(&mut hand, "su");
+    assert!(offers(&hand, "surface"));
+    hand.press(Modifiers::NONE, Key::Enter);
+    hand.settle();
+    assert_eq!(typed(&hand), "su\n", "Enter ends the line");
+    assert!(!offers(&hand, "surface"));
+    for _ in 0..3 {
+        hand.press(Modifiers::NONE, Key::Backspace);
+    }
+    types(&mut hand, "cu");
+    assert!(offers(&hand, "curve"));
+    hand.press(Modifiers::NONE, Key::Escape);
+    hand.settle();
+    assert!(!offers(&hand, "curve"));
+    hand.press(Modifiers::NONE, Key::ArrowUp);
+    types(&mut hand, "x");
+    let text = hand.window().text().unwrap_or_default();
+    assert!(text.ends_with("cu") && text.contains("pox"), "{text}");
+}
+
+#[test]
+fn a_list_is_requested_by_a_key_and_gone_through_by_arrows() {
+    let mut hand = Hand::on(SPHERE);
+    write_at_end(&mut hand);
+    hand.press(Modifiers::COMMAND, Key::Space);
+    hand.settle();
+    assert!(offers(&hand, "curve") && offers(&hand, "surface"));
+    hand.press(Modifiers::NONE, Key::ArrowDown);
+    hand.press(Modifiers::NONE, Key::ArrowUp);
+    types(&mut hand, "ge");
+    assert!(offers(&hand, "geodesic") && !offers(&hand, "curve"));
+    hand.press(Modifiers::NONE, Key::Enter);
+    hand.settle();
+    assert_eq!(typed(&hand), "geodesic ");
+    for _ in 0.."geodesic ".len() {
+        hand.press(Modifiers::NONE, Key::Backspace);
+    }
+    types(&mut hand, "me");
+    hand.click_on(Role::Button, "metric");
+    hand.settle();
+    assert_eq!(typed(&hand), "metric ");
+    types(&mut hand, "m");
+    assert_eq!(typed(&hand), "metric m", "the text has the keys");
+}
+
+#[test]
+fn brackets_come_and_go_in_pairs() {
+    let mut hand = Hand::on(SPHERE);
+    write_at_end(&mut hand);
+    types(&mut hand, "point q = (");
+    assert_eq!(typed(&hand), "point q = ()");
+    types(&mut hand, "1, 2, f(3)");
+    assert_eq!(typed(&hand), "point q = (1, 2, f(3))");
+    types(&mut hand, ");");
+    assert_eq!(typed(&hand), "point q = (1, 2, f(3));");
+    types(&mut hand, "(");
+    hand.press(Modifiers::NONE, Key::Backspace);
+    hand.settle();
+    assert_eq!(typed(&hand), "point q = (1, 2, f(3));", "both are gone");
+    // In front of a word no bracket is closed, and a selection is put between brackets.
+    hand.press(Modifiers::NONE, Key::Home);
+    types(&mut hand, "(");
+    assert_eq!(typed(&hand), "(point q = (1, 2, f(3));");
+    hand.press(Modifiers::NONE, Key::Backspace);
+    hand.press(Modifiers::SHIFT, Key::End);
+    types(&mut hand, "[");
+    assert_eq!(typed(&hand), "[point q = (1, 2, f(3));]");
+    // All in one frame, as a fast machine or a paste of keys has it.
+    hand.press(Modifiers::COMMAND, Key::End);
+    for letter in "(a(b))".chars() {
+        hand.harness.event(Event::Text(letter.to_string()));
+    }
+    hand.settle();
+    assert!(typed(&hand).ends_with("];(a(b))") || typed(&hand).ends_with("](a(b))"));
+}
+
+#[test]
+fn a_new_line_is_indented_and_lines_become_comments() {
+    let mut hand = Hand::on(SPHERE);
+    write_at_end(&mut hand);
+    types(&mut hand, "  a");
+    hand.press(Modifiers::NONE, Key::Enter);
+    types(&mut hand, "b");
+    assert_eq!(typed(&hand), "  a\n  b");
+    hand.press(Modifiers::COMMAND, Key::Slash);
+    hand.settle();
+    assert_eq!(typed(&hand), "  a\n  # b");
+    hand.press(Modifiers::COMMAND, Key::Slash);
+    hand.settle();
+    assert_eq!(typed(&hand), "  a\n  b");
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(typed(&hand), "  a\n  # b", "a step that can be undone");
+    hand.click("Edit");
+    hand.click("Comment or uncomment lines");
+    hand.settle();
+    assert_eq!(typed(&hand), "  a\n  b");
+}
+
+#[test]
+fn a_text_is_found_and_replaced() {
+    let mut hand = Hand::on(SPHERE);
+    hand.press(Modifiers::COMMAND, Key::F);
+    hand.settle();
+    assert_eq!(hand.focused(), Some((Role::TextInput, "Find".to_owned())));
+    types(&mut hand, "cos");
+    assert!(hand.shows("1 of 3"), "{:?}", hand.names());
+    hand.press(Modifiers::NONE, Key::F3);
+    hand.settle();
+    assert!(hand.shows("2 of 3"));
+    hand.press(Modifiers::NONE, Key::Enter);
+    hand.settle();
+    assert!(hand.shows("3 of 3"));
+    hand.press(Modifiers::SHIFT, Key::Enter);
+    hand.settle();
+    assert!(hand.shows("2 of 3"), "{:?}", hand.names());
+    let by = hand
+        .harness
+        .get_by_role_and_label(Role::TextInput, "Replace by");
+    by.focus();
+    hand.harness.run_steps(2);
+    types(&mut hand, "sin");
+    hand.click_on(Role::Button, "Replace");
+    hand.settle();
+    let once = SPHERE.replacen("cos v sin u", "sin v sin u", 1);
+    let second = SPHERE.replacen("cos v cos u", "cos v sin u", 1);
+    assert_eq!(hand.window().text(), Some(second.as_str()), "not {once}");
+    hand.click_on(Role::Button, "Replace all");
+    hand.settle();
+    let all = SPHERE.replace("cos", "sin");
+    assert_eq!(hand.window().text(), Some(all.as_str()));
+    assert!(hand.shows("not found"));
+    hand.click("Close the search");
+    hand.settle();
+    assert!(!hand.shows("not found"));
+    hand.press(Modifiers::COMMAND, Key::Z);
+    hand.settle();
+    assert_eq!(hand.window().text(), Some(second.as_str()), "one step back");
+}
+
+#[test]
+fn a_word_under_the_pointer_is_described() {
+    let mut hand = Hand::on(SPHERE);
+    let text = hand
+        .harness
+        .get_by_role_and_label(Role::MultilineTextInput, "Program text");
+    let begin = text.rect().left_top();
+    let mut described = false;
+    // Somewhere in the second line stands the surface's name.
+    for step in 0..24 {
+        hand.harness
+            .hover_at(begin + vec2(6.0 + 5.0 * step as f32, 26.0));
+        hand.harness.run_steps(60);
+        described |= hand
+            .names()
+            .iter()
+            .any(|name| name.contains("u wraps around"));
+    }
+    assert!(described, "{:?}", hand.names());
+}
