@@ -21,6 +21,17 @@ fn the_window_ends_with_a_sentence_and_status_1() {
 }
 
 #[test]
+fn geotrace_alone_prints_help_and_preview_alone_says_that_there_is_no_display() {
+    let help = without_display(&[]).run();
+    help.expect_status(0);
+    for part in ["geotrace [FILE]", "render", "What to do with it"] {
+        assert!(help.stdout.contains(part), "{}", help.stdout);
+    }
+    let run = without_display(&["preview"]).run();
+    run.expect_status(1).expect_text("no display");
+}
+
+#[test]
 fn show_makes_both_pictures_instead() {
     // A file in the place of a command is shown.
     for command in [&["show"][..], &[]] {

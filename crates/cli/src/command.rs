@@ -22,7 +22,9 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::argument;
 use crate::failure::Failure;
+use crate::output;
 use crate::registry::{Context, Registry};
+use preview::NoWindow;
 
 /// The program that the help shows; a test compiles it.
 const FIRST_PROGRAM: &str = "\
@@ -43,8 +45,7 @@ vector v = c'(o) @ p;
 #[command(
     name = "geotrace",
     version,
-    arg_required_else_help = true,
-    override_usage = "geotrace FILE\n       geotrace <COMMAND>",
+    override_usage = "geotrace [FILE]\n       geotrace <COMMAND>",
     max_term_width = 100,
     after_help = after_help()
 )]
@@ -53,7 +54,7 @@ pub(crate) struct Arguments {
     #[arg(long, global = true, hide = true, value_name = "NAME")]
     language: Option<String>,
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 impl Arguments {
@@ -116,7 +117,10 @@ pub(crate) fn run(arguments: Arguments, registry: &Registry) -> Result<(), Failu
         registry: registry.clone(),
         language: arguments.language,
     };
-    match arguments.command {
+    let Some(command) = arguments.command else {
+        return without_command(&context);
+    };
+    match command {
         Command::Show(arguments) => show::run(&arguments, &context),
         Command::Preview(arguments) => preview::run(&arguments, &context),
         Command::Check(arguments) => check::run(&arguments, &context),
@@ -129,6 +133,18 @@ pub(crate) fn run(arguments: Arguments, registry: &Registry) -> Result<(), Failu
         Command::Accuracy(arguments) => accuracy::run(&arguments, &context),
         Command::Format(arguments) => format::run(&arguments, &context),
         Command::Lsp(arguments) => lsp::run(&arguments, &context),
+    }
+}
+
+/// Opens the window without a program, or prints the help where there can be no window.
+fn without_command(context: &Context) -> Result<(), Failure> {
+    match preview::open_file(None, context) {
+        Ok(()) => Ok(()),
+        Err(NoWindow::Other(failure)) => Err(failure),
+        Err(NoWindow::NotHere(_)) => {
+            let help = Arguments::command().render_help();
+            output::print(&help.to_string())
+        }
     }
 }
 
@@ -184,6 +200,8 @@ mod tests {
             "geotrace eval - - --format json",
             "geotrace preview a.gtr --backend software",
             "geotrace preview --attached",
+            "geotrace preview",
+            "geotrace",
             "geotrace lsp --window a --b c",
         ] {
             let parsed = Arguments::try_parse_from(arguments.split(' '));
@@ -194,10 +212,8 @@ mod tests {
     #[test]
     fn wrong_usage_is_refused() {
         for arguments in [
-            "geotrace",
             "geotrace check",
             "geotrace draw a.gtr",
-            "geotrace preview",
             "geotrace preview a.gtr --attached",
             "geotrace preview a.gtr b.gtr",
             "geotrace show",

@@ -11,13 +11,13 @@ use crate::registry::Context;
 
 /// Open the live window on a program: its 3D view, and its surfaces from inside.
 ///
-/// The window follows the file as it changes on disk, and has a pane of its own to write in. Editors start it by
+/// Without a FILE the window offers new programs, those that were opened last, and examples. It follows the file as it changes on disk, and has a pane of its own to write in. Editors start it by
 /// themselves, attached to what is typed there. Without a display it ends with status 1: `geotrace show` makes pictures
 /// then, and `geotrace render` in any case.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// The program
-    #[arg(required_unless_present = "attached", conflicts_with = "attached")]
+    #[arg(conflicts_with = "attached")]
     file: Option<PathBuf>,
     /// Take the text from an editor's language server, over standard input and output: for editors
     #[arg(long)]
@@ -75,10 +75,10 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     })
 }
 
-/// Opens the window on a file and waits until it is closed.
-pub(super) fn open_file(file: PathBuf, context: &Context) -> Result<(), NoWindow> {
+/// Opens the window on a file, or without a program, and waits until it is closed.
+pub(super) fn open_file(file: Option<PathBuf>, context: &Context) -> Result<(), NoWindow> {
     let arguments = Arguments {
-        file: Some(file),
+        file,
         attached: false,
         backend: Backend::Auto,
         report: None,
@@ -96,7 +96,8 @@ fn open(arguments: &Arguments, context: &Context) -> Result<(), NoWindow> {
             return Err(NoWindow::Other(Failure::usage(message)));
         }
         Some(file) => Source::File(file.clone()),
-        None => Source::Attached,
+        None if arguments.attached => Source::Attached,
+        None => Source::Welcome,
     };
     let options = Options {
         source,

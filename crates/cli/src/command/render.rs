@@ -105,7 +105,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "COLOUR", value_parser = argument::colour, help_heading = "3D view")]
     background: Option<[u8; 4]>,
     /// In the 3D view, the geodesic camera of a surface (placed by --at, --angle, --zoom): its frame as arrows, the
-    /// axes and the border of its picture as geodesics
+    /// axes and the edge of its view as geodesics
     #[arg(long, value_name = "SURFACE", help_heading = "3D view")]
     show_camera: Option<String>,
     /// Where the camera stands; without it, where all can be seen

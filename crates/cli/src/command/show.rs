@@ -23,7 +23,7 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
-    match preview::open_file(arguments.file.clone(), context) {
+    match preview::open_file(Some(arguments.file.clone()), context) {
         Ok(()) => return Ok(()),
         Err(NoWindow::Other(failure)) => return Err(failure),
         Err(NoWindow::NotHere(reason)) => {
