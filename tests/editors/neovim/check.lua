@@ -205,7 +205,7 @@ end)
 test("all certain fixes are one action", function()
   open("function f(t) = (cos(t)^2, ln(t));\ndefine a = f(1)_1;")
   eventually("diagnostics", function()
-    return #diagnostics() == 3
+    return #diagnostics() == 4
   end)
   vim.lsp.buf.code_action({ apply = true, context = { only = { "source.fixAll" }, diagnostics = {} } })
   eventually("the change", function()

@@ -33,7 +33,15 @@ use crate::registry::Context;
 /// The geodesic view shows the surface as an inhabitant sees it, with the image that is painted on it:
 /// from the camera in the centre, each pixel looks along a geodesic as far as the pixel is from the centre.
 #[derive(Args, Debug)]
-#[command(after_help = "\
+#[command(
+    after_help = "\
+  geotrace render sphere.gtr -o sphere.png                                in space
+  geotrace render torus.gtr -o inside.png --view geodesic --zoom 2        from inside
+  geotrace render torus.gtr -o k.png --texture s=curvature --legend       coloured by curvature
+  geotrace render circle.gtr -o turn.gif --animate o=0:2pi --frames 60    an animation
+
+`geotrace render --help` has all options, also for methods, overlays, cameras and backgrounds.",
+    after_long_help = "\
 Examples:
   geotrace render sphere.gtr -o sphere.png
   geotrace render circle.gtr -o circle.png --set r=0.7 --set o=1.5 --eye 0,-3,2 --target 0,0,0
@@ -49,7 +57,8 @@ A number may be an expression in the program's names, such as pi/2. Params are a
 values; the geodesic view takes the first value. Files are written whole or not at all.
 
 An animation is a .gif (256 colours), an .apng (all colours), or with --frames and a .png a picture
-for each frame: OUT-0001.png, OUT-0002.png and so on.")]
+for each frame: OUT-0001.png, OUT-0002.png and so on."
+)]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
@@ -66,7 +75,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// What draws: auto takes a GPU where there is one, else the software path, and says which
-    #[arg(long, value_parser = argument::choice(&BACKENDS), default_value = "auto", value_name = "BACKEND")]
+    #[arg(long, value_parser = argument::choice(&BACKENDS), default_value = "auto", value_name = "BACKEND", hide_short_help = true)]
     backend: Backend,
     /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min. `SURFACE=curvature` colours it
     /// by its Gaussian curvature: blue, white at 0, red
@@ -78,41 +87,46 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, help_heading = "Geodesic view")]
     at: Option<Pair>,
     /// How far the picture's right is turned from σu towards σv
-    #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true, help_heading = "Geodesic view")]
+    #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true, help_heading = "Geodesic view", hide_short_help = true)]
     angle: Option<f64>,
     /// The distance from the picture's centre to its edge, on the surface
     #[arg(long, value_name = "Z", value_parser = argument::quantity, allow_hyphen_values = true, help_heading = "Geodesic view")]
     zoom: Option<Quantity>,
     /// How the geodesics are followed
-    #[arg(long, value_parser = argument::choice(&METHODS), value_name = "M", help_heading = "Geodesic view")]
+    #[arg(long, value_parser = argument::choice(&METHODS), value_name = "M", help_heading = "Geodesic view", hide_short_help = true)]
     method: Option<PictureMethod>,
     /// A key to the hatchings, lines and colours of the picture
     #[arg(long, help_heading = "Drawn over the picture")]
     legend: bool,
     /// Geodesic circles around the camera, at equal distances; in the 3D view with --show-camera
-    #[arg(long, value_name = "SPACING", num_args = 0..=1, value_parser = argument::positive, help_heading = "Drawn over the picture")]
+    #[arg(long, value_name = "SPACING", num_args = 0..=1, value_parser = argument::positive, help_heading = "Drawn over the picture", hide_short_help = true)]
     wavefronts: Option<Option<f64>>,
     /// Where geodesics from the camera meet their neighbours; in the 3D view with --show-camera
-    #[arg(long, help_heading = "Drawn over the picture")]
+    #[arg(long, help_heading = "Drawn over the picture", hide_short_help = true)]
     conjugate: bool,
     /// The border beyond which what is seen is nearer by another way
-    #[arg(long, help_heading = "Drawn over the picture")]
+    #[arg(long, help_heading = "Drawn over the picture", hide_short_help = true)]
     cut_locus: bool,
     /// The estimated error, painted over the picture
-    #[arg(long, help_heading = "Drawn over the picture")]
+    #[arg(long, help_heading = "Drawn over the picture", hide_short_help = true)]
     error: bool,
     /// What lies behind the objects: transparent, white, black, #RRGGBB or #RRGGBBAA
-    #[arg(long, value_name = "COLOUR", value_parser = argument::colour, help_heading = "3D view")]
+    #[arg(long, value_name = "COLOUR", value_parser = argument::colour, help_heading = "3D view", hide_short_help = true)]
     background: Option<[u8; 4]>,
     /// In the 3D view, the geodesic camera of a surface (placed by --at, --angle, --zoom): its frame as arrows, the
     /// axes and the edge of its view as geodesics
-    #[arg(long, value_name = "SURFACE", help_heading = "3D view")]
+    #[arg(
+        long,
+        value_name = "SURFACE",
+        help_heading = "3D view",
+        hide_short_help = true
+    )]
     show_camera: Option<String>,
     /// Where the camera stands; without it, where all can be seen
     #[arg(long, value_name = "X,Y,Z", value_parser = argument::triple, allow_hyphen_values = true, help_heading = "3D view")]
     eye: Option<Triple>,
     /// What the camera looks at; without it, the middle of what is drawn
-    #[arg(long, value_name = "X,Y,Z", value_parser = argument::triple, allow_hyphen_values = true, help_heading = "3D view")]
+    #[arg(long, value_name = "X,Y,Z", value_parser = argument::triple, allow_hyphen_values = true, help_heading = "3D view", hide_short_help = true)]
     target: Option<Triple>,
 }
 

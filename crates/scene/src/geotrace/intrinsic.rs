@@ -275,10 +275,7 @@ impl Declarations {
         if lowerer.geodesics.reads_connection(&lowerer.graph, &nodes) {
             return None;
         }
-        let mut uniforms = vec![f64::NAN; lowerer.dependencies.uniform_count() as usize];
-        let faults = lowerer
-            .geodesics
-            .fill(&lowerer.graph, &nodes, &mut uniforms);
+        let (uniforms, faults) = lowerer.values_of_geodesics(&nodes);
         let [one, other] = path.ends.map(|nodes| {
             let found = numbers(&lowerer.graph, &nodes, &uniforms, &[]);
             [found[0], found[1]]

@@ -14,7 +14,7 @@ use rustc_hash::FxHashMap;
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
-use crate::geodesic_value::numbers;
+use crate::geodesic_value::{GeodesicFault, numbers};
 use crate::geotrace::code::{Code, Expression};
 use crate::geotrace::dependencies::{Dependencies, DependencySets};
 use crate::geotrace::error::{self, SemanticError};
@@ -149,9 +149,22 @@ impl Applications {
 impl Lowerer {
     /// The numbers of nodes that depend on no param and no grid, one each.
     pub(crate) fn numbers(&self, nodes: &[NodeId]) -> Vec<f64> {
-        let mut uniforms = vec![f64::NAN; self.dependencies.uniform_count() as usize];
-        self.geodesics.fill(&self.graph, nodes, &mut uniforms);
+        let (uniforms, _) = self.values_of_geodesics(nodes);
         numbers(&self.graph, nodes, &uniforms, &[])
+    }
+
+    /// The uniforms, with the values of geodesics that nodes read in place and all others NaN; none if they read no geodesic.
+    /// Beside them the geodesics that have no value.
+    pub(crate) fn values_of_geodesics(
+        &self,
+        nodes: &[NodeId],
+    ) -> (Vec<f64>, Vec<(Arc<str>, GeodesicFault)>) {
+        if self.geodesics.read(&self.graph, nodes).is_empty() {
+            return (Vec::new(), Vec::new());
+        }
+        let mut uniforms = vec![f64::NAN; self.dependencies.uniform_count() as usize];
+        let faults = self.geodesics.fill(&self.graph, nodes, &mut uniforms);
+        (uniforms, faults)
     }
 
     /// The value that an item is; none for what a reported fault left behind.
