@@ -34,7 +34,7 @@ use crate::registry::Context;
 /// from the camera in the centre, each pixel looks along a geodesic as far as the pixel is from the centre.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "\
+    after_help = "Examples:
   geotrace render sphere.gtr -o sphere.png                                in space
   geotrace render torus.gtr -o inside.png --view geodesic --zoom 2        from inside
   geotrace render torus.gtr -o k.png --texture s=curvature --legend       coloured by curvature

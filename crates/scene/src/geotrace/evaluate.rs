@@ -12,10 +12,10 @@ use syntax::geotrace::symbols::Parsed;
 use syntax::span::Span;
 
 use crate::evaluation::{Evaluation, Outcome, evaluate};
-use crate::geodesic_value::GeodesicFault;
 use crate::geotrace::declarations::Declarations;
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError, has_errors};
+use crate::geotrace::geodesics::GeodesicFaults;
 use crate::limits::MAX_INSTANCES;
 use crate::param_values::ParamValues;
 
@@ -122,7 +122,7 @@ pub(crate) fn outcome(
     value: &Value,
     dependencies: Dependencies,
     values: &ParamValues,
-) -> Result<(Outcome, Vec<(Arc<str>, GeodesicFault)>), SemanticError> {
+) -> Result<(Outcome, GeodesicFaults), SemanticError> {
     let (_, grids) = declarations.sources_of(dependencies);
     let (scene, graph) = (&declarations.scene, &declarations.lowerer.graph);
     let count = values.combinations(scene, &grids);
@@ -136,7 +136,7 @@ pub(crate) fn outcome(
         .with_hint("give a grid one value"));
     }
     let lowerer = &declarations.lowerer;
-    let mut faults: Vec<(Arc<str>, GeodesicFault)> = Vec::new();
+    let mut faults = GeodesicFaults::new();
     let fill = |uniforms: &mut Vec<f64>| {
         uniforms.resize(lowerer.dependencies.uniform_count() as usize, f64::NAN);
         for (name, fault) in lowerer.geodesics.fill(graph, value.components(), uniforms) {

@@ -32,6 +32,9 @@ pub(crate) struct DeclaredGeodesic {
     pub(crate) dependencies: Dependencies,
 }
 
+/// The geodesics that have no value, by their names, with the reasons.
+pub(crate) type GeodesicFaults = Vec<(Arc<str>, GeodesicFault)>;
+
 /// A geodesic by its number.
 #[derive(Clone, Copy, Debug, Eq, Hash, PartialEq)]
 pub(crate) struct GeodesicId(u32);
@@ -405,7 +408,7 @@ impl Geodesics {
         graph: &Graph,
         nodes: &[NodeId],
         uniforms: &mut [f64],
-    ) -> Vec<(Arc<str>, GeodesicFault)> {
+    ) -> GeodesicFaults {
         let read = self.read(graph, nodes).into_iter();
         let faults = read.filter_map(|index| {
             let value = self.values.get(index as usize)?;

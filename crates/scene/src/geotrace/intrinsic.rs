@@ -76,13 +76,14 @@ impl Declarations {
     ) -> Option<Understood> {
         let domain = self.domain(declaration, intervals, "a geodesic has one parameter");
         let (manifold, path) = match self.expressions(intervals) {
-            Some([surface, direction, start]) => {
-                (self.surface_of(surface), self.from_place(direction, start))
-            }
+            Some([surface, direction, start]) => (
+                self.surface_of(surface),
+                self.path_from_place(direction, start),
+            ),
             None => {
                 let [surface, places] = self.expressions(intervals)?;
                 let manifold = self.surface_of(surface);
-                let path = self.between_places(declaration.name, places, manifold);
+                let path = self.path_between_places(declaration.name, places, manifold);
                 (manifold, path)
             }
         };
@@ -121,7 +122,7 @@ impl Declarations {
     }
 
     /// `(a, b) @ (u, v)`.
-    fn from_place(&mut self, direction: Expression, start: Expression) -> Option<Path> {
+    fn path_from_place(&mut self, direction: Expression, start: Expression) -> Option<Path> {
         let towards = self.constant(direction);
         let a_b = self.in_chart(direction, &towards, "direction");
         let from = self.constant(start);
@@ -141,7 +142,7 @@ impl Declarations {
     }
 
     /// `(p, q)`: the shortest geodesic from p to q.
-    fn between_places(
+    fn path_between_places(
         &mut self,
         name: &str,
         places: Expression,

@@ -14,11 +14,11 @@ use rustc_hash::FxHashMap;
 use syntax::span::Span;
 use syntax::symbol::SymbolId;
 
-use crate::geodesic_value::{GeodesicFault, numbers};
+use crate::geodesic_value::numbers;
 use crate::geotrace::code::{Code, Expression};
 use crate::geotrace::dependencies::{Dependencies, DependencySets};
 use crate::geotrace::error::{self, SemanticError};
-use crate::geotrace::geodesics::Geodesics;
+use crate::geotrace::geodesics::{GeodesicFaults, Geodesics};
 use crate::geotrace::operation::Derivation;
 use crate::geotrace::symbol::Symbols;
 
@@ -155,10 +155,7 @@ impl Lowerer {
 
     /// The uniforms, with the values of geodesics that nodes read in place and all others NaN; none if they read no geodesic.
     /// Beside them the geodesics that have no value.
-    pub(crate) fn values_of_geodesics(
-        &self,
-        nodes: &[NodeId],
-    ) -> (Vec<f64>, Vec<(Arc<str>, GeodesicFault)>) {
+    pub(crate) fn values_of_geodesics(&self, nodes: &[NodeId]) -> (Vec<f64>, GeodesicFaults) {
         if self.geodesics.read(&self.graph, nodes).is_empty() {
             return (Vec::new(), Vec::new());
         }
