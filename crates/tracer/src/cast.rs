@@ -111,6 +111,12 @@ impl Caster<'_> {
         self.crossings.first().copied()
     }
 
+    /// The crossings with the least t > 0, by solid.
+    pub(crate) fn nearest(&mut self, ray: &Ray) -> &[Crossing] {
+        self.sweep(ray, true);
+        &self.crossings
+    }
+
     /// The solids that the last ray was inside of right after its start, ascending.
     pub fn solids_at_start(&self) -> &[usize] {
         &self.start

@@ -6,12 +6,15 @@
 //!          │ shared.rs: surfaces that are one         tree.rs: set operations         bvh.rs: boxes in boxes
 //! ```
 //!
+//! Pictures follow rays from a camera (`camera.rs`) through the world and its lights (`shade.rs`, `light.rs`, `optics.rs`).
+//!
 //! A solid is a tree of set operations on shapes under affine maps; a shape is the set where an expression is not positive.
 //! What is a combination of polynomials is solved as such (`roots.rs`), any other expression by interval arithmetic. There
 //! are no settings and no tolerances. Everything is in f64 and depends on the world and the ray alone.
 //!
-//! Of kept libraries, `fidget` evaluates in f32 and finds surfaces by sampling a grid, `parry` and `rhai`-like modellers
-//! have no implicit shapes, and `bvh` is built for triangles; so the steps above are written here.
+//! Of kept libraries, `fidget` evaluates in f32 and finds surfaces on a grid of samples, and `parry` knows neither implicit
+//! shapes nor set operations on rays; `roots.rs` says why no solver of polynomials is used, and [`expr::interval`] why no
+//! library of intervals.
 //!
 //! ```
 //! use expr::{Graph, Input};
@@ -42,12 +45,16 @@
 
 mod bounds;
 mod bvh;
+pub mod camera;
 mod cast;
 mod field;
 mod leaf;
+pub mod light;
 mod line;
+pub mod optics;
 mod reach;
 mod roots;
+pub mod shade;
 mod shape;
 mod shared;
 mod sheet;

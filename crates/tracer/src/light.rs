@@ -1,0 +1,125 @@
+//! Lights.
+//!
+//! Input: a light and a place. Output: the direction towards it, its distance, and the share of it that comes there, shadows
+//! apart.
+
+use glam::DVec3;
+
+/// A light: all its numbers are linear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// The way in which it shines.
+    pub kind: LightKind,
+    /// Colour times power.
+    pub color: DVec3,
+    /// The share that comes everywhere, shadows included.
+    pub ambient: f64,
+    /// The distance of full strength; without one it never fades.
+    pub falloff: Option<f64>,
+}
+
+/// The way in which a light shines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightKind {
+    /// From a place to all sides.
+    Point(DVec3),
+    /// Parallel along a direction, from far away.
+    Parallel(DVec3),
+    /// From a place along a direction, within an opening.
+    Spot {
+        /// The place.
+        position: DVec3,
+        /// The axis.
+        direction: DVec3,
+        /// The full opening in radians.
+        angle: f64,
+        /// The share of the opening that fades, 0 to 1.
+        soft: f64,
+    },
+    /// Parallel rays along an axis, within a cylinder that begins at a place.
+    Beam {
+        /// The place.
+        position: DVec3,
+        /// The axis.
+        direction: DVec3,
+        /// The cylinder's radius.
+        radius: f64,
+        /// The share of the radius that fades, 0 to 1.
+        soft: f64,
+    },
+}
+
+/// A light as a place sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SeenLight {
+    /// The unit direction towards the light.
+    pub towards: DVec3,
+    /// The distance, infinite for a parallel light.
+    pub distance: f64,
+    /// The share of its colour, without shadows: S·(falloff/r)².
+    pub share: f64,
+}
+
+impl Light {
+    /// The light as seen from a place.
+    pub fn from(&self, place: DVec3) -> SeenLight {
+        let (towards, distance, share) = match self.kind {
+            LightKind::Point(position) => {
+                let offset = position - place;
+                (offset.normalize_or_zero(), offset.length(), 1.0)
+            }
+            LightKind::Parallel(direction) => (-direction.normalize_or_zero(), f64::INFINITY, 1.0),
+            LightKind::Spot {
+                position,
+                direction,
+                angle,
+                soft,
+            } => {
+                let offset = position - place;
+                let towards = offset.normalize_or_zero();
+                let off = (-towards).angle_between(direction);
+                (towards, offset.length(), within(off, 0.5 * angle, soft))
+            }
+            LightKind::Beam {
+                position,
+                direction,
+                radius,
+                soft,
+            } => {
+                let axis = direction.normalize_or_zero();
+                let offset = place - position;
+                let along = offset.dot(axis);
+                let off = (offset - along * axis).length();
+                // Behind the light's place it is dark.
+                let share = if along > 0.0 {
+                    within(off, radius, soft)
+                } else {
+                    0.0
+                };
+                (-axis, along.max(0.0), share)
+            }
+        };
+        let fading = match self.falloff {
+            Some(falloff) if distance.is_finite() => (falloff / distance).powi(2),
+            _ => 1.0,
+        };
+        SeenLight {
+            towards,
+            distance,
+            share: if share > 0.0 { share * fading } else { 0.0 },
+        }
+    }
+}
+
+/// 1 − smoothstep from (1 − soft)·edge to the edge.
+fn within(x: f64, edge: f64, soft: f64) -> f64 {
+    let inner = (1.0 - soft) * edge;
+    if x >= edge {
+        return 0.0;
+    }
+    if x <= inner {
+        return 1.0;
+    }
+    let s = (x - inner) / (edge - inner);
+    1.0 - s * s * (3.0 - 2.0 * s)
+}

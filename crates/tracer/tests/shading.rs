@@ -1,0 +1,292 @@
+//! Light against closed forms.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use glam::{DAffine3, DVec3};
+use tracer::camera::{LensCamera, sample};
+use tracer::light::{Light, LightKind};
+use tracer::optics::{fresnel, reflected, refracted};
+use tracer::shade::{FaceLook, LightTracer, Scenery, encoded};
+use tracer::{Crossing, SetStep, World, WorldBuilder};
+
+#[path = "../../expr/tests/formula/mod.rs"]
+mod formula;
+mod scenes;
+use formula::variables;
+use scenes::Random;
+
+/// Solid 0 is the ground z ≤ 0, solid 1 a unit ball at a height, solid 2 a slab 2 ≤ x ≤ 3.
+fn world(height: f64) -> World {
+    let [x, y, z] = variables();
+    let ground = z.clone() + 0.0;
+    let ball = x.squared() + y.squared() + z.squared() - 1.0;
+    let slab = (x - 2.5).abs() - 0.5;
+    let graph = slab.graph().clone();
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    let places = [0.0, height, 0.0].map(|z| DAffine3::from_translation(DVec3::new(0.0, 0.0, z)));
+    for (formula, place) in [ground, ball, slab].iter().zip(places) {
+        let shape = builder.shape(formula.node(), [None; 3]).unwrap();
+        builder.solid(&[SetStep::Leaf(shape, place)]).unwrap();
+    }
+    builder.build().unwrap()
+}
+
+fn black(_: DVec3) -> DVec3 {
+    DVec3::ZERO
+}
+
+fn light(kind: LightKind) -> Light {
+    Light {
+        kind,
+        color: DVec3::ONE,
+        ambient: 0.0,
+        falloff: None,
+    }
+}
+
+#[track_caller]
+fn assert_close(actual: f64, expected: f64, tolerance: f64) {
+    let close = (actual - expected).abs() <= tolerance;
+    assert!(close, "{actual:?}, not {expected:?}");
+}
+
+#[test]
+#[should_panic(expected = "not 1.0")]
+fn closeness_can_fail() {
+    assert_close(1.1, 1.0, 0.01);
+}
+
+#[test]
+fn fresnel_and_snell_are_their_closed_forms() {
+    // At right angles ((n − 1)/(n + 1))²; at Brewster's angle only one polarisation is reflected.
+    assert_close(fresnel(1.0, 1.0, 1.5), 0.04, 1e-15);
+    let brewster = 1.5f64.atan();
+    let sine = brewster.sin() / 1.5;
+    let across = ((brewster - sine.asin()).sin() / (brewster + sine.asin()).sin()).powi(2);
+    assert_close(fresnel(brewster.cos(), 1.0, 1.5), 0.5 * across, 1e-15);
+    assert_eq!(fresnel(0.3, 1.5, 1.0), 1.0);
+    assert_eq!(fresnel(0.3, 1.3, 1.3), 0.0);
+    // The same share from either side.
+    let inside = (1.0f64 - (0.6f64.sin() / 1.5).powi(2)).sqrt();
+    assert_close(
+        fresnel(0.6f64.cos(), 1.0, 1.5),
+        fresnel(inside, 1.5, 1.0),
+        1e-15,
+    );
+    let direction = DVec3::new(0.6, 0.0, -0.8);
+    let bent = refracted(direction, DVec3::Z, 1.0, 1.5).unwrap();
+    assert_close(bent.x, 0.4, 1e-15);
+    assert_close(bent.length(), 1.0, 1e-15);
+    assert_eq!(refracted(direction, DVec3::Z, 2.0, 1.0), None);
+    assert_eq!(refracted(direction, DVec3::Z, 1.5, 1.5), Some(direction));
+    assert_eq!(reflected(direction, DVec3::Z), DVec3::new(0.6, 0.0, 0.8));
+}
+
+#[test]
+fn lights_fade_and_end_as_their_formulas_say() {
+    let point = Light {
+        falloff: Some(2.0),
+        ..light(LightKind::Point(DVec3::new(0.0, 0.0, 4.0)))
+    };
+    assert_close(point.from(DVec3::ZERO).share, 0.25, 1e-15);
+    let spot = |soft| {
+        light(LightKind::Spot {
+            position: DVec3::new(0.0, 0.0, 1.0),
+            direction: DVec3::NEG_Z,
+            angle: FRAC_PI_2,
+            soft,
+        })
+    };
+    // The edge is at 45°: at x = 1. Hard, then fading over the outer half, whose middle has half the light.
+    assert_eq!(spot(0.0).from(DVec3::X * 0.999_999).share, 1.0);
+    assert_eq!(spot(0.0).from(DVec3::X * 1.000_001).share, 0.0);
+    let middle = DVec3::X * (0.75 * FRAC_PI_2 / 2.0).tan();
+    assert_close(spot(0.5).from(middle).share, 0.5, 1e-12);
+    let beam = light(LightKind::Beam {
+        position: DVec3::new(0.0, 0.0, 3.0),
+        direction: DVec3::NEG_Z,
+        radius: 0.5,
+        soft: 0.0,
+    });
+    let seen = beam.from(DVec3::new(0.3, 0.0, 1.0));
+    assert_eq!(
+        (seen.share, seen.distance, seen.towards),
+        (1.0, 2.0, DVec3::Z)
+    );
+    assert_eq!(beam.from(DVec3::new(0.6, 0.0, 1.0)).share, 0.0);
+    assert_eq!(beam.from(DVec3::new(0.0, 0.0, 4.0)).share, 0.0);
+}
+
+#[test]
+fn ground_is_lit_by_the_cosine_and_dark_behind_a_ball() {
+    let world = world(2.0);
+    let look = |_: &Crossing| FaceLook {
+        color: DVec3::new(0.5, 0.25, 1.0),
+        specular: 0.0,
+        ..FaceLook::default()
+    };
+    let lights = [Light {
+        ambient: 0.1,
+        ..light(LightKind::Parallel(DVec3::new(0.0, -1.0, -1.0)))
+    }];
+    let scenery = Scenery {
+        world: &world,
+        look: &look,
+        lights: &lights,
+        background: &black,
+        bounces: 8,
+    };
+    let mut tracer = LightTracer::new(&scenery);
+    let cosine = 0.5f64.sqrt();
+    let lit = tracer.light(DVec3::new(0.5, 3.0, 5.0), DVec3::NEG_Z);
+    for (actual, color) in lit.to_array().into_iter().zip([0.5, 0.25, 1.0]) {
+        assert_close(actual, color * (0.1 + cosine), 1e-14);
+    }
+    // The centre of the shadow is at y = −2.
+    let dark = tracer.light(DVec3::new(0.0, -2.0, 0.5), DVec3::NEG_Z);
+    assert_close(dark.y, 0.25 * 0.1, 1e-15);
+}
+
+#[test]
+fn glass_bends_absorbs_and_reflects_exactly() {
+    let world = world(2.0);
+    let look = |crossing: &Crossing| FaceLook {
+        color: DVec3::new(0.5, 1.0, 0.25),
+        diffuse: 0.0,
+        specular: 0.0,
+        glass: f64::from(u8::from(crossing.solid == 2)),
+        depth: 2.0,
+        ..FaceLook::default()
+    };
+    let sky = |direction: DVec3| DVec3::splat(if direction.x > 0.0 { 1.0 } else { 0.0 });
+    let scenery = Scenery {
+        world: &world,
+        look: &look,
+        lights: &[],
+        background: &sky,
+        bounces: 64,
+    };
+    let mut tracer = LightTracer::new(&scenery);
+    let angle = 0.5f64;
+    let direction = DVec3::new(angle.cos(), angle.sin(), 0.0);
+    let seen = tracer.light(DVec3::new(0.0, 0.0, 8.0), direction);
+    // Through a plate: T² a (1 + R² a² + R⁴ a⁴ + …), a what a passage leaves.
+    let inner = (angle.sin() / 1.5).asin();
+    let share = fresnel(angle.cos(), 1.0, 1.5);
+    for (actual, color) in seen.to_array().into_iter().zip([0.5f64, 1.0, 0.25]) {
+        let left = color.powf(1.0 / inner.cos() / 2.0);
+        let expected = (1.0 - share).powi(2) * left / (1.0 - (share * left).powi(2));
+        // Rays below 2⁻¹⁰ of weight add nothing.
+        assert_close(actual, expected, 1e-3);
+    }
+}
+
+#[test]
+fn mirrors_show_the_sky_and_a_white_furnace_stays_white() {
+    let world = world(1.5);
+    let sky = |_: DVec3| DVec3::ONE;
+    let mut random = Random(4);
+    for kind in 0..3 {
+        let look = |crossing: &Crossing| {
+            let mut look = FaceLook {
+                specular: 0.0,
+                diffuse: 0.0,
+                ..FaceLook::default()
+            };
+            match (kind + crossing.solid) % 3 {
+                0 => look.mirror = DVec3::ONE,
+                1 => (look.mirror, look.glass) = (DVec3::splat(0.3), 0.9),
+                _ => (look.diffuse, look.mirror) = (0.5, DVec3::splat(0.5)),
+            }
+            look
+        };
+        let lights = [Light {
+            ambient: 0.5,
+            color: DVec3::splat(0.6),
+            ..light(LightKind::Point(DVec3::new(-4.0, 3.0, 5.0)))
+        }];
+        let scenery = Scenery {
+            world: &world,
+            look: &look,
+            lights: &lights,
+            background: &sky,
+            bounces: 16,
+        };
+        let mut tracer = LightTracer::new(&scenery);
+        for _ in 0..500 {
+            let origin = DVec3::new(-3.0, 0.5, 2.0) + random.vector(1.0);
+            let seen = tracer.light(origin, random.direction());
+            assert!(
+                seen.max_element() <= 1.0 + 1e-12 && seen.min_element() >= 0.0,
+                "{seen}"
+            );
+        }
+    }
+    let look = |_: &Crossing| FaceLook {
+        diffuse: 0.0,
+        specular: 0.0,
+        mirror: DVec3::new(1.0, 0.5, 0.25),
+        ..FaceLook::default()
+    };
+    let scenery = Scenery {
+        world: &world,
+        look: &look,
+        lights: &[],
+        background: &|direction| DVec3::splat(direction.z),
+        bounces: 1,
+    };
+    let mut tracer = LightTracer::new(&scenery);
+    let seen = tracer.light(DVec3::new(-5.0, 0.0, 4.0), DVec3::new(-0.6, 0.0, -0.8));
+    assert!(
+        (seen - 0.8 * DVec3::new(1.0, 0.5, 0.25)).length() < 1e-14,
+        "{seen}"
+    );
+}
+
+#[test]
+fn samples_and_lenses_are_where_the_page_says() {
+    // The first sample is in the middle; the others fill the pixel evenly, to 1/n in each strip.
+    assert_eq!(sample([3, 4], 0, false), [0.5; 4]);
+    let count = 256;
+    let mut strips = [[0; 16]; 2];
+    for k in 0..count {
+        let places = sample([3, 4], k, false);
+        for axis in 0..2 {
+            strips[axis][(places[axis] * 16.0) as usize] += 1;
+        }
+    }
+    assert!(
+        strips.iter().flatten().all(|n| (13..=19).contains(n)),
+        "{strips:?}"
+    );
+    assert_ne!(sample([3, 4], 1, true)[2..], sample([4, 3], 1, true)[2..]);
+    let camera = LensCamera {
+        position: DVec3::new(1.0, -4.0, 2.0),
+        direction: DVec3::new(0.0, 2.0, -1.0),
+        fov: PI / 4.0,
+        roll: 0.3,
+        focus: 3.0,
+        aperture: 0.1,
+    };
+    // All rays of a pixel meet in the sharp plane, three along the axis.
+    let (size, place) = ([640, 480], [100.5, 40.5]);
+    let axis = camera.direction.normalize();
+    let meet = |lens| {
+        let (origin, direction) = camera.ray(size, place, lens);
+        let t = (3.0 - (origin - camera.position).dot(axis)) / direction.dot(axis);
+        origin + t * direction
+    };
+    let first = meet([0.0, 0.0]);
+    for lens in [[1.0, 0.0], [0.5, 0.3], [0.9, 0.8]] {
+        assert!(meet(lens).distance(first) < 1e-12);
+    }
+    let (_, up) = LensCamera {
+        roll: 0.0,
+        aperture: 0.0,
+        ..camera
+    }
+    .ray(size, [320.0, 0.0], [0.0; 2]);
+    assert_close(up.angle_between(axis), PI / 8.0, 1e-12);
+    assert!(up.z > axis.z);
+    assert_eq!(encoded(DVec3::new(-1.0, 0.5, f64::NAN)), [0, 188, 0]);
+}
