@@ -105,8 +105,11 @@ impl Writer<'_, '_> {
 
     fn number(&mut self) -> String {
         let digits = self.random.pick(&["1", "2", "3", "0.5", "7"]).to_owned();
-        match self.random.below(9) {
-            8 => format!("({}({digits}))_1", self.name(Kind::Geodesic, "(1, 2)")),
+        // Geodesics take time to follow.
+        if self.random.below(30) == 0 {
+            return format!("({}({digits}))_1", self.name(Kind::Geodesic, "(1, 2)"));
+        }
+        match self.random.below(8) {
             0 | 1 => digits,
             2..=4 => self.name(Kind::Number, &digits),
             5 => format!("{} {digits}", self.name(Kind::One, "sin")),
