@@ -320,7 +320,6 @@ fn files_that_cannot_be_read_are_wrong_usage() {
 
 #[test]
 fn wrong_usage_is_told_from_errors_of_the_program() {
-    geotrace(Vec::<String>::new()).run().expect_status(2);
     geotrace(["paint"]).run().expect_status(2);
     geotrace(["check"]).run().expect_status(2);
     geotrace(["check", "-", "--format", "xml"])

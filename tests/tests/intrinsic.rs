@@ -92,18 +92,28 @@ fn explain_tells_of_metrics_and_geodesics() {
 }
 
 #[test]
-fn eval_gives_the_value_of_a_metric_and_refuses_that_of_a_geodesic() {
+fn eval_gives_the_values_of_a_metric_and_of_a_geodesic() {
     let program = format!("{HALF_PLANE} geodesic g(t) : h = (1,0) @ (0,1), t : [0,1];");
     let run = geotrace(["eval", "-", "h(1,2)"])
         .input(program.as_str())
         .run();
     run.expect_status(0);
     run.expect_text("(0.25, 0, 0.25)");
+    // The unit half-circle (tanh t, 1/cosh t).
     let run = geotrace(["eval", "-", "g(1)"])
         .input(program.as_str())
         .run();
-    run.expect_status(1);
-    run.expect_text("no-formula");
+    run.expect_status(0);
+    let place = run.stdout.trim().trim_matches(['(', ')']);
+    let place: Vec<f64> = place
+        .split(", ")
+        .map(|number| number.parse().expect("a number"))
+        .collect();
+    let wanted = [1_f64.tanh(), 1.0 / 1_f64.cosh()];
+    assert_eq!(place.len(), 2);
+    for (found, wanted) in place.iter().zip(wanted) {
+        assert!((found - wanted).abs() < 1e-9, "{found} is not {wanted}");
+    }
 }
 
 #[test]

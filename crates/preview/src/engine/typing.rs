@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn what_is_found_has_capitals_where_the_wanted_text_has() {
         assert_eq!(find("aAa Äa", "a"), [0..1, 1..2, 2..3, 6..7]);
-        assert_eq!(find("aAa", "A"), [1..2,]);
+        assert_eq!(find("aAaA", "A"), [1..2, 3..4]);
         assert!(find("abc", "").is_empty());
     }
 }

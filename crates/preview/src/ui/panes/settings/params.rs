@@ -29,8 +29,8 @@ pub(super) fn show(window: &mut Window, ui: &mut Ui) {
     let longest = names.max().unwrap_or(1);
     for param in &scene.params {
         let values = settings.param(param).to_vec();
-        for k in 0..param.ranges.len() {
-            row(window, ui, param, k, values[k], longest);
+        for (k, value) in values.into_iter().enumerate() {
+            row(window, ui, param, k, value, longest);
         }
     }
 }
