@@ -10,7 +10,7 @@ use render::Renderer;
 use render::gpu::Gpu;
 use render::gpu::Pixels;
 use render::point::DrawingPoint;
-use render::viewpoint::PerspectiveCamera;
+use render::viewpoint::Viewpoint;
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 use testing::draw::middle;
@@ -149,7 +149,7 @@ fn turning(stage: &mut Renderer, scene: &Arc<Scene>) -> Option<Times> {
         let angle = first + 0.3 * TAU * share;
         let eye = [away * angle.cos(), away * angle.sin(), z];
         let mut request = Wanted::space(SIZE);
-        request.in_space().camera = PerspectiveCamera::new(
+        request.in_space().camera = Viewpoint::new(
             camera.placement.world(DrawingPoint(eye)),
             camera.placement.world(DrawingPoint([0.0; 3])),
         );

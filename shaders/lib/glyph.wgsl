@@ -44,7 +44,7 @@ fn half_width(glyph: Glyph, at: vec3f, view: View) -> f32 {
 }
 
 fn is_in_front(at: vec3f, view: View) -> bool {
-    return -at.z >= view.near;
+    return distance_of(at, view) >= view.near;
 }
 
 // The place where a line from `at`, behind the near plane, to `towards` comes through it; `at` itself if it is in
@@ -59,7 +59,7 @@ fn cut_at_near(at: vec3f, towards: vec3f, view: View) -> vec3f {
 
 // The unit vector across a piece as it is seen; 0 where the piece is seen as a point.
 fn across_piece(a: vec3f, b: vec3f, view: View) -> vec2f {
-    let along = b.xy / max(-b.z, view.near) - a.xy / max(-a.z, view.near);
+    let along = b.xy / max(distance_of(b, view), view.near) - a.xy / max(distance_of(a, view), view.near);
     let size = length(along);
     if size * view.pixels_per_unit < 0.02 {
         return vec2f();

@@ -24,7 +24,10 @@ struct View {
     // From the whole picture's normalised device coordinates to those of the tile being drawn.
     tile_scale: vec2f,
     tile_offset: vec2f,
-    padding: vec2f,
+    // Of an orthographic camera: the distance of the plane of its target, and the depth that is drawn on either side;
+    // 0 in perspective.
+    plane: f32,
+    reach: f32,
     // What emphasised objects are mixed with, linear light.
     emphasis: vec4f,
 }
@@ -34,12 +37,25 @@ fn seen(position: vec3f, view: View) -> vec3f {
     return (view.view_from_world * vec4f(position, 1.0)).xyz;
 }
 
-// The tile's clip coordinates of a view place, its depth that of a place nearer by `lift`; depth is near / w: 1 at
-// the near plane, 0 at infinity. Lifted at most halfway: a glyph before the camera does not jump behind it.
+// What a view place is divided by to be projected: its distance, in perspective.
+fn distance_of(at: vec3f, view: View) -> f32 {
+    return select(-at.z, view.plane, view.plane > 0.0);
+}
+
+// The unit vector to the eye from a view place.
+fn to_eye_from(at: vec3f, view: View) -> vec3f {
+    return select(-normalize(at), vec3f(0.0, 0.0, 1.0), view.plane > 0.0);
+}
+
+// The tile's clip coordinates of a view place, its depth that of a place nearer by `lift`. In perspective, depth is
+// near / w: 1 at the near plane, 0 at infinity; lifted at most halfway: a glyph before the camera does not jump behind it.
+// Without, it is linear, and 1/2 in the plane of the target.
 fn tile_position(at: vec3f, lift: f32, view: View) -> vec4f {
-    let w = -at.z;
+    let w = distance_of(at, view);
     var depth = view.near;
-    if w > 0.0 {
+    if view.plane > 0.0 {
+        depth = w * (0.5 + 0.5 * (at.z + lift + w) / view.reach);
+    } else if w > 0.0 {
         depth = view.near * w / max(w - lift, 0.5 * w);
     }
     return vec4f(at.xy * view.zoom * view.tile_scale + w * view.tile_offset, depth, w);
@@ -52,7 +68,7 @@ fn nowhere() -> vec4f {
 
 // The length of a pixel at a view place.
 fn pixel_at(at: vec3f, view: View) -> f32 {
-    return max(-at.z, view.near) / view.pixels_per_unit;
+    return max(distance_of(at, view), view.near) / view.pixels_per_unit;
 }
 
 // The light on a glyph whose normal has the component `facing` towards the eye.

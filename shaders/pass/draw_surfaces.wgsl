@@ -46,7 +46,7 @@ fn shade_surfaces(vertex: PatchVertex, @builtin(front_facing) front: bool) -> @l
     if vertex.defined < 0.9999 {
         discard;
     }
-    let to_eye = -normalize(vertex.at);
+    let to_eye = to_eye_from(vertex.at, view);
     var normal = to_eye;
     if dot(vertex.normal, vertex.normal) > 1e-12 {
         // The side is the triangle's: near a silhouette an interpolated normal may lean away from the eye, and

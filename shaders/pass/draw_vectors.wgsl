@@ -97,7 +97,7 @@ fn place_vectors(@builtin(vertex_index) vertex: u32) -> ArrowVertex {
 @fragment
 fn shade_vectors(vertex: ArrowVertex) -> @location(0) vec4f {
     if dot(vertex.normal, vertex.normal) > 1e-6 {
-        let facing = abs(dot(normalize(vertex.normal), normalize(vertex.place)));
+        let facing = abs(dot(normalize(vertex.normal), to_eye_from(vertex.place, view)));
         return vec4f(emphasised(glyph.colour * glyph_light(facing, view), glyph.emphasis, view), 1.0);
     }
     return glyph_colour(glyph, vertex.across, view);

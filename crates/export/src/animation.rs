@@ -21,7 +21,7 @@ use render::geodesic_view::PlacedCamera;
 use render::point::DrawingPoint;
 use render::trail::Trail;
 use render::view::space;
-use render::viewpoint::PerspectiveCamera;
+use render::viewpoint::Viewpoint;
 use render::{PictureRequest, RenderError};
 use scene::SetError;
 
@@ -121,20 +121,28 @@ impl Script {
             trails: Vec::new(),
             ..request.clone()
         };
-        let mut cloud = Vec::new();
+        let (mut cloud, mut facing) = (Vec::new(), None);
         for step in 0..LOOKS {
             let bounds = space::bounds(&params.frame_at(&plain, Self::share(step, LOOKS))?);
+            facing = facing.or(bounds.facing);
             let places = bounds.cloud.iter();
             cloud.extend(places.map(|&place| bounds.placement.world(DrawingPoint(place)).0));
         }
-        let bounds = Bounds::around(cloud);
-        let camera = Camera::new(&bounds, camera.eye, camera.target, request.size)
-            .map_err(ScriptError::Camera)?;
-        let ahead = camera.eye - camera.axes[2];
+        let bounds = Bounds {
+            facing,
+            ..Bounds::around(cloud)
+        };
+        let projection = camera.projection;
+        let camera = Camera::new(&bounds, &camera, request.size).map_err(ScriptError::Camera)?;
+        let distance = camera.parallel.map_or(1.0, |parallel| parallel.distance);
+        let ahead = camera.eye - camera.axes[2] * distance;
         let [eye, target] =
             [camera.eye, ahead].map(|place| bounds.placement.world(DrawingPoint(place.to_array())));
         if let Some(space) = request.view.space_mut() {
-            space.camera = PerspectiveCamera::new(eye, target);
+            space.camera = Viewpoint {
+                projection,
+                ..Viewpoint::new(eye, target)
+            };
         }
         Ok(request)
     }

@@ -159,6 +159,7 @@ pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
     let options = request.view.space();
     let is_shown = |id| options.is_none_or(|options| options.shows(id));
     let placement = Bounds::of(scene, params).placement;
+    let colours = request.object_colours();
     let mut model = Model::default();
     for (index, object) in scene.objects.iter().enumerate() {
         let id = ObjectId(index as u32);
@@ -170,7 +171,7 @@ pub fn model(request: &PictureRequest, objects: Option<&[ObjectId]>) -> Model {
         model.parts.extend(geometry.map(|geometry| Part {
             object: id,
             name: object.name.clone(),
-            colour: request.srgb(id, &object.shape),
+            colour: colours[index],
             geometry,
         }));
     }

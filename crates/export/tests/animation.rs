@@ -15,6 +15,7 @@ use render::camera::Camera;
 use render::geodesic_view::PlacedCamera;
 use render::point::DrawingPoint;
 use render::viewpoint::Pose;
+use render::viewpoint::Viewpoint;
 use scene::ObjectId;
 use scene::ParamValues;
 use scenes::{Wanted, scene};
@@ -178,7 +179,7 @@ fn the_camera_in_space_stands_still_and_sees_everything() {
     // It stands where the largest sphere wants it, and looks at its centre.
     params.set(&scene, "r", &[3.0]).expect("in range");
     let bounds = Bounds::of(&scene, &params);
-    let camera = Camera::new(&bounds, None, None, [64, 64]).expect("a camera");
+    let camera = Camera::new(&bounds, &Viewpoint::default(), [64, 64]).expect("a camera");
     let wanted = DVec3::from(
         bounds
             .placement

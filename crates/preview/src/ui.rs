@@ -11,6 +11,7 @@ pub(crate) mod highlighting;
 pub(crate) mod icons;
 pub(crate) mod measure;
 pub(crate) mod menu;
+pub(crate) mod navigation;
 pub(crate) mod panes;
 pub(crate) mod status;
 pub(crate) mod welcome;

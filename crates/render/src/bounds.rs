@@ -8,6 +8,7 @@ use expr::tape::Tape;
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
 
+use crate::closed::ClosedSurface;
 use crate::placement::Placement;
 use crate::point::WorldPoint;
 use crate::sample::{Resolution, Sampler};
@@ -27,6 +28,19 @@ pub struct Bounds {
     pub half: [f64; 3],
     /// Points of the objects inside the box, in drawing units.
     pub cloud: Vec<[f64; 3]>,
+    /// The way that the first closed surface faces about the middle of its domain, outwards: a unit vector.
+    pub facing: Option<[f64; 3]>,
+}
+
+/// The coarse places of an object.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ObjectCloud {
+    /// Points without outliers, in the scene's units; none for what has no place in space.
+    pub(crate) points: Vec<[f64; 3]>,
+    /// The place in the middle of its first instance: of a vector its tip.
+    pub(crate) middle: Option<[f64; 3]>,
+    /// The shape of its first instance, of a closed surface.
+    pub(crate) closed: Option<ClosedSurface>,
 }
 
 impl Bounds {
@@ -38,10 +52,24 @@ impl Bounds {
     /// The bounds of some of the objects.
     pub fn of_some(scene: &Scene, params: &ParamValues, counts: impl Fn(ObjectId) -> bool) -> Self {
         let objects = (0..).map(ObjectId).zip(&scene.objects);
-        let cloud = objects
+        let clouds: Vec<ObjectCloud> = objects
             .filter(|(id, _)| counts(*id))
-            .flat_map(|(_, object)| object_cloud(scene, params, object));
-        Self::around(cloud.collect())
+            .map(|(_, object)| ObjectCloud::new(scene, params, object))
+            .collect();
+        Self::around_objects(clouds.iter())
+    }
+
+    /// The bounds of some objects.
+    pub(crate) fn around_objects<'c>(
+        clouds: impl Iterator<Item = &'c ObjectCloud> + Clone,
+    ) -> Self {
+        let mut closed = clouds.clone().filter_map(|cloud| cloud.closed);
+        let facing = closed.next().map(|closed| closed.facing);
+        let points = clouds.flat_map(|cloud| cloud.points.iter().copied());
+        Self {
+            facing,
+            ..Self::around(points.collect())
+        }
     }
 
     /// The bounds of finite points in the scene's units.
@@ -63,6 +91,7 @@ impl Bounds {
                 placement,
                 half: [0.5; 3],
                 cloud,
+                facing: None,
             };
         }
         // Halved first: the sum or difference of two finite numbers may not be finite.
@@ -89,41 +118,52 @@ impl Bounds {
             placement,
             half: half.map(|h| h / radius),
             cloud,
+            facing: None,
         }
     }
 }
 
-/// Coarse points of an object without outliers, in the scene's units; none for what has no place in space.
-pub(crate) fn object_cloud(scene: &Scene, params: &ParamValues, object: &Object) -> Vec<[f64; 3]> {
-    let roots: Vec<NodeId> = match (object.shape.position(), object.shape.vector()) {
-        (Some(position), _) => position.to_vec(),
-        (None, Some((direction, origin))) => origin.iter().chain(direction).copied().collect(),
-        // Metrics and geodesics have no expression for a place in space.
-        (None, None) => return Vec::new(),
-    };
-    let tape = Tape::new(&scene.graph, &roots);
-    let sampler = Sampler::new(scene, params, object, tape, Resolution::Coarse(SAMPLES));
-    let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
-    let mut points: Vec<[f64; 3]> = if roots.len() == 6 {
-        let ends = sampler.map(|_, out: &[f64; 6]| {
-            let [x, y, z, dx, dy, dz] = *out;
-            [[x, y, z], [x + dx, y + dy, z + dz]]
-        });
-        ends.into_iter()
-            .filter(|ends| ends.iter().all(finite))
-            .flatten()
-            .collect()
-    } else {
-        sampler
-            .map(|_, out: &[f64; 3]| *out)
-            .into_iter()
-            .filter(finite)
-            .collect()
-    };
-    let limits: [[f64; 2]; 3] =
-        std::array::from_fn(|k| robust(points.iter().map(|p| p[k]).collect()));
-    points.retain(|p| (0..3).all(|k| limits[k][0] <= p[k] && p[k] <= limits[k][1]));
-    points
+impl ObjectCloud {
+    /// Samples an object coarsely.
+    pub(crate) fn new(scene: &Scene, params: &ParamValues, object: &Object) -> Self {
+        let roots: Vec<NodeId> = match (object.shape.position(), object.shape.vector()) {
+            (Some(position), _) => position.to_vec(),
+            (None, Some((direction, origin))) => origin.iter().chain(direction).copied().collect(),
+            // Metrics and geodesics have no expression for a place in space.
+            (None, None) => return Self::default(),
+        };
+        let tape = Tape::new(&scene.graph, &roots);
+        let sampler = Sampler::new(scene, params, object, tape, Resolution::Coarse(SAMPLES));
+        let finite = |p: &[f64; 3]| p.iter().all(|x| x.is_finite());
+        let mut closed = None;
+        let (mut points, middle): (Vec<[f64; 3]>, _) = if roots.len() == 6 {
+            let ends = sampler.map(|_, out: &[f64; 6]| {
+                let [x, y, z, dx, dy, dz] = *out;
+                [[x, y, z], [x + dx, y + dy, z + dz]]
+            });
+            let ends = ends.into_iter().filter(|ends| ends.iter().all(finite));
+            let ends: Vec<[f64; 3]> = ends.flatten().collect();
+            let tip = ends.get(1).copied();
+            (ends, tip)
+        } else {
+            let places = sampler.map(|_, out: &[f64; 3]| *out);
+            let counts = sampler.counts();
+            if object.shape.is_surface() {
+                closed = ClosedSurface::from_grid(&places, counts);
+            }
+            let middle = places.get(counts[1] / 2 * counts[0] + counts[0] / 2);
+            let middle = middle.copied().filter(finite);
+            (places.into_iter().filter(finite).collect(), middle)
+        };
+        let limits: [[f64; 2]; 3] =
+            std::array::from_fn(|k| robust(points.iter().map(|p| p[k]).collect()));
+        points.retain(|p| (0..3).all(|k| limits[k][0] <= p[k] && p[k] <= limits[k][1]));
+        Self {
+            points,
+            middle,
+            closed,
+        }
+    }
 }
 
 /// The interval of the values without outliers.

@@ -1,17 +1,20 @@
-//! The perspective camera of the 3D view, and its first place.
+//! The camera of the 3D view, and its first place.
 //!
 //! Spaces: *world* (the scene's units, f64), *drawing units* ([`Placement`]), *view* (x right, y up, z towards the
-//! eye; the eye at 0), *clip* (depth is `near / w`: 1 at the near plane, 0 at infinity; greater is nearer), pixels.
+//! eye; the eye at 0), *clip* (greater depth is nearer), pixels. The depth of a perspective camera is `near / w`: 1 at
+//! the near plane, 0 at infinity. An orthographic camera's w is everywhere the distance of its target's plane, and its
+//! depth is linear: 1/2 in that plane.
 
 use glam::{DMat4, DVec3, Mat4, Vec3};
 
 use crate::bounds::Bounds;
 use crate::error::RenderError;
 use crate::placement::Placement;
-use crate::point::WorldPoint;
+use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
 use crate::style;
+use crate::viewpoint::{Projection, Viewpoint};
 
-/// A perspective camera without a far plane. Places are in drawing units.
+/// A camera without a far plane. Places are in drawing units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     /// The drawing units.
@@ -24,22 +27,41 @@ pub struct Camera {
     pub near: f64,
     /// The picture in pixels.
     pub size: [u32; 2],
+    /// The projection of an orthographic camera; `None` for a perspective one.
+    pub parallel: Option<Parallel>,
 }
 
+/// The projection of an orthographic camera.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parallel {
+    /// The distance from the eye to the plane of the target, which is as large in the picture as in perspective.
+    pub distance: f64,
+    /// The depth that is drawn on either side of that plane.
+    pub reach: f64,
+}
+
+/// The depth that an orthographic camera draws, as a multiple of that of the scene's points: samples may lie beyond them.
+const REACH: f64 = 8.0;
+
 impl Camera {
-    /// A camera that shows the whole scene, or one with the given eye and target.
+    /// A camera that shows the whole scene, or one with the eye and target of a viewpoint.
     ///
     /// By default it looks from azimuth [`style::AZIMUTH`] and elevation [`style::ELEVATION`], as near as the scene's
-    /// points allow; a scene that lies in a coordinate plane is seen face on.
+    /// points allow; from another side if the middle of a closed surface's domain is seen better from there. A scene that
+    /// lies in a coordinate plane is seen face on.
     ///
     /// # Errors
     /// [`RenderError::Camera`] if eye and target coincide at the scene's size.
     pub fn new(
         bounds: &Bounds,
-        eye: Option<WorldPoint>,
-        target: Option<WorldPoint>,
+        viewpoint: &Viewpoint,
         size: [u32; 2],
     ) -> Result<Self, RenderError> {
+        let Viewpoint {
+            eye,
+            target,
+            projection,
+        } = *viewpoint;
         let placement = bounds.placement;
         let local = |place: WorldPoint| DVec3::from(placement.local(place).0);
         let mut camera = Self {
@@ -48,11 +70,15 @@ impl Camera {
             axes: [DVec3::X, DVec3::Y, DVec3::Z],
             near: 1e-3,
             size,
+            parallel: (projection == Projection::Orthographic).then_some(Parallel {
+                distance: 1.0,
+                reach: 1.0,
+            }),
         };
         let target_or_centre = target.map_or(DVec3::ZERO, local);
         let back = match eye {
             Some(eye) => local(eye) - target_or_centre,
-            None => first_direction(bounds.half),
+            None => first_direction(bounds),
         };
         let distance = back.length();
         if !(distance > 1e-9 && distance.is_finite()) {
@@ -61,15 +87,34 @@ impl Camera {
         }
         camera.look(back / distance);
         match eye {
-            Some(eye) => camera.eye = local(eye),
+            Some(eye) => {
+                camera.eye = local(eye);
+                camera.put_plane(distance);
+            }
             None => camera.frame(bounds, target.map(local)),
         }
         camera.keep_clear_of(&bounds.cloud);
         Ok(camera)
     }
 
-    /// Moves the near plane half of the way to the nearest of the points, which are in drawing units.
+    /// Puts the plane of an orthographic camera's target at a distance.
+    fn put_plane(&mut self, distance: f64) {
+        if let Some(parallel) = &mut self.parallel {
+            parallel.distance = distance;
+        }
+    }
+
+    /// Moves the near plane half of the way to the nearest of the points, which are in drawing units. An orthographic
+    /// camera has none, and draws as deep as the points lie.
     pub(crate) fn keep_clear_of(&mut self, cloud: &[[f64; 3]]) {
+        if let Some(parallel) = &mut self.parallel {
+            let plane = self.axes[2].dot(self.eye) - parallel.distance;
+            let depths = cloud.iter();
+            let depths = depths.map(|&p| (self.axes[2].dot(DVec3::from(p)) - plane).abs());
+            parallel.reach = REACH * depths.fold(1.0, f64::max);
+            self.near = 1e-3 * parallel.distance;
+            return;
+        }
         let reach = cloud
             .iter()
             .map(|&p| self.axes[2].dot(self.eye - DVec3::from(p)));
@@ -91,14 +136,38 @@ impl Camera {
     /// Returns the matrix from drawing units to clip space.
     pub fn clip_from_world(&self) -> Mat4 {
         let [x, y] = self.half_tangents();
-        // Columns; depth is near / w and needs no far plane (reversed, infinite).
+        // The columns of z and of 1; in perspective, depth is near / w and needs no far plane (reversed, infinite).
+        let (z, one) = match self.parallel {
+            None => ([0.0, 0.0, 0.0, -1.0], [0.0, 0.0, self.near, 0.0]),
+            Some(Parallel { distance, reach }) => {
+                let slope = 0.5 * distance / reach;
+                let middle = 0.5 * distance + slope * distance;
+                ([0.0, 0.0, slope, 0.0], [0.0, 0.0, middle, distance])
+            }
+        };
         let clip_from_view = DMat4::from_cols_array_2d(&[
             [1.0 / x, 0.0, 0.0, 0.0],
             [0.0, 1.0 / y, 0.0, 0.0],
-            [0.0, 0.0, 0.0, -1.0],
-            [0.0, 0.0, self.near, 0.0],
+            z,
+            one,
         ]);
         (clip_from_view * self.view()).as_mat4()
+    }
+
+    /// Returns the place of the picture at which a place in drawing units is seen, in pixels; `None` for what lies behind
+    /// the eye.
+    pub fn pixel_of(&self, place: DrawingPoint) -> Option<PixelPoint> {
+        let at = self.view().transform_point3(DVec3::from(place.0));
+        let w = self.parallel.map_or(-at.z, |parallel| parallel.distance);
+        if w <= 1e-9 {
+            return None;
+        }
+        let [x, y] = self.half_tangents();
+        let [width, height] = self.size.map(f64::from);
+        Some(PixelPoint([
+            0.5 * width * (1.0 + at.x / (w * x)),
+            0.5 * height * (1.0 - at.y / (w * y)),
+        ]))
     }
 
     /// The tangents of half the field of view, across and up.
@@ -146,6 +215,8 @@ impl Camera {
     /// A = max(x + z·tx) and B = max(−x + z·tx), d·tx ≥ A − cx and d·tx ≥ B + cx.
     fn frame(&mut self, bounds: &Bounds, target: Option<DVec3>) {
         let tangents = self.half_tangents().map(|t| t * (1.0 - style::MARGIN));
+        // Parallel lines of sight do not part behind the target.
+        let opening = tangents.map(|t| if self.parallel.is_some() { 0.0 } else { t });
         let origin = target.unwrap_or(DVec3::ZERO);
         let mut most = [[f64::NEG_INFINITY; 2]; 2];
         let mut front = f64::NEG_INFINITY;
@@ -161,8 +232,8 @@ impl Camera {
             front = front.max(z);
             for k in 0..2 {
                 let x = p.dot(self.axes[k]);
-                most[k][0] = most[k][0].max(x + z * tangents[k]);
-                most[k][1] = most[k][1].max(z * tangents[k] - x);
+                most[k][0] = most[k][0].max(x + z * opening[k]);
+                most[k][1] = most[k][1].max(z * opening[k] - x);
             }
         }
         let mut distance = front + 0.2;
@@ -176,14 +247,16 @@ impl Camera {
         }
         // A lone point would be looked at from within its own size.
         let distance = distance.max(0.5);
+        self.put_plane(distance);
         self.eye =
             origin + self.axes[0] * shift[0] + self.axes[1] * shift[1] + self.axes[2] * distance;
     }
 }
 
-/// The direction from the scene to the camera's first place.
-fn first_direction(half: [f64; 3]) -> DVec3 {
-    let flat = half.map(|h| h < 1e-6);
+/// The direction from the scene to the camera's first place: that of [`style::AZIMUTH`], or one of the three at right
+/// angles to it, whichever sees most of the middle of a closed surface's domain.
+fn first_direction(bounds: &Bounds) -> DVec3 {
+    let flat = bounds.half.map(|h| h < 1e-6);
     match flat {
         [false, false, true] => DVec3::Z,
         [false, true, false] => DVec3::NEG_Y,
@@ -191,11 +264,20 @@ fn first_direction(half: [f64; 3]) -> DVec3 {
         _ => {
             let (azimuth_sin, azimuth_cos) = style::AZIMUTH.sin_cos();
             let (elevation_sin, elevation_cos) = style::ELEVATION.sin_cos();
-            DVec3::new(
+            let mut direction = DVec3::new(
                 elevation_cos * azimuth_cos,
                 elevation_cos * azimuth_sin,
                 elevation_sin,
-            )
+            );
+            let facing = bounds.facing.map_or(DVec3::ZERO, DVec3::from);
+            let mut best = direction;
+            for _ in 0..3 {
+                direction = DVec3::new(-direction.y, direction.x, direction.z);
+                if direction.dot(facing) > best.dot(facing) + 1e-9 {
+                    best = direction;
+                }
+            }
+            best
         }
     }
 }

@@ -45,6 +45,8 @@ pub enum RenderError {
     Camera(String),
     /// The picture's size is not between 1×1 and [`MAX_SIDE`]×[`MAX_SIDE`].
     Size([u32; 2]),
+    /// The factor of widths and of words is not one of [`crate::request::SCALES`].
+    Scale(f32),
     /// A fault of this program: generated text did not pass validation.
     Internal {
         /// The finding, with its origin.
@@ -82,6 +84,10 @@ impl fmt::Display for RenderError {
                     "a picture of {width}x{height} pixels cannot be made: each side is from 1 to {MAX_SIDE}"
                 )
             }
+            Self::Scale(scale) => write!(
+                f,
+                "lines and words cannot be {scale} times as large: the factor is from 0.1 to 20"
+            ),
             Self::Internal { message, .. } => {
                 write!(f, "internal error in a generated shader: {message}")
             }

@@ -7,13 +7,13 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use scene::ObjectId;
 
-use crate::bounds::{Bounds, object_cloud};
+use crate::bounds::{Bounds, ObjectCloud};
 use crate::camera::Camera;
 use crate::content::{Content, Structure};
 use crate::error::RenderError;
 use crate::point::WorldPoint;
 use crate::request::PictureRequest;
-use crate::viewpoint::PerspectiveCamera;
+use crate::viewpoint::Viewpoint;
 
 /// The bounds are kept while the scene stays in a ball of so many of their radii …
 const OUTGROWN: f64 = 1.6;
@@ -24,7 +24,7 @@ const SHRUNK: f64 = 0.3;
 #[derive(Debug, Default)]
 pub(crate) struct Framing {
     kept: Option<Arc<Bounds>>,
-    clouds: HashMap<Content, Arc<Vec<[f64; 3]>>>,
+    clouds: HashMap<Content, Arc<ObjectCloud>>,
     /// The scene that was placed last.
     last: Option<Framed>,
 }
@@ -37,6 +37,8 @@ pub(crate) struct Framed {
     counts: Arc<[bool]>,
     /// The bounds that are kept.
     pub(crate) bounds: Arc<Bounds>,
+    /// The coarse places of the scene's objects, in their order.
+    clouds: Arc<[Arc<ObjectCloud>]>,
     /// The scene's points now, in the drawing units of these bounds.
     cloud: Arc<Vec<[f64; 3]>>,
 }
@@ -67,7 +69,7 @@ impl Framing {
         {
             return last.clone();
         }
-        let mut clouds: Vec<Option<Arc<Vec<[f64; 3]>>>> = contents
+        let mut clouds: Vec<Option<Arc<ObjectCloud>>> = contents
             .iter()
             .map(|content| self.clouds.get(content).cloned())
             .collect();
@@ -76,18 +78,23 @@ impl Framing {
             .zip(&scene.objects)
             .filter(|(cloud, _)| cloud.is_none())
             .for_each(|(cloud, object)| {
-                *cloud = Some(Arc::new(object_cloud(scene, params, object)));
+                *cloud = Some(Arc::new(ObjectCloud::new(scene, params, object)));
             });
-        let clouds: Vec<Arc<Vec<[f64; 3]>>> = clouds.into_iter().flatten().collect();
-        self.clouds = contents.iter().cloned().zip(clouds.clone()).collect();
+        let clouds: Arc<[Arc<ObjectCloud>]> = clouds.into_iter().flatten().collect();
+        self.clouds = contents
+            .iter()
+            .cloned()
+            .zip(clouds.iter().cloned())
+            .collect();
         let shown = || {
             clouds
                 .iter()
                 .zip(counts.iter())
                 .filter(|(_, counts)| **counts)
+                .map(|(cloud, _)| &**cloud)
         };
-        let all = || shown().flat_map(|(cloud, _)| cloud.iter().copied());
-        let now = Bounds::around(all().collect());
+        let all = || shown().flat_map(|cloud| cloud.points.iter().copied());
+        let now = Bounds::around_objects(shown());
         let bounds = match &self.kept {
             Some(kept) if still_fits(kept, &now) => kept.clone(),
             _ => self.kept.insert(Arc::new(now.clone())).clone(),
@@ -103,6 +110,7 @@ impl Framing {
             contents,
             counts,
             bounds,
+            clouds,
             cloud: Arc::new(cloud),
         };
         self.last = Some(placed.clone());
@@ -127,16 +135,29 @@ impl Framed {
         &self.contents
     }
 
+    /// The coarse places of an object.
+    pub(crate) fn object(&self, id: ObjectId) -> Option<&ObjectCloud> {
+        self.clouds.get(id.0 as usize).map(|cloud| &**cloud)
+    }
+
+    /// The corners of the box around the scene's points now, in drawing units: the least and the greatest coordinates.
+    pub(crate) fn corners(&self) -> Option<[[f64; 3]; 2]> {
+        let first = *self.cloud.first()?;
+        let corners = self.cloud.iter().fold([first; 2], |[low, high], place| {
+            [
+                std::array::from_fn(|k| low[k].min(place[k])),
+                std::array::from_fn(|k| high[k].max(place[k])),
+            ]
+        });
+        Some(corners)
+    }
+
     /// Places a camera as [`Camera::new`] does.
     ///
     /// # Errors
     /// As [`Camera::new`].
-    pub(crate) fn camera(
-        &self,
-        camera: &PerspectiveCamera,
-        size: [u32; 2],
-    ) -> Result<Camera, RenderError> {
-        let mut camera = Camera::new(&self.bounds, camera.eye, camera.target, size)?;
+    pub(crate) fn camera(&self, camera: &Viewpoint, size: [u32; 2]) -> Result<Camera, RenderError> {
+        let mut camera = Camera::new(&self.bounds, camera, size)?;
         camera.keep_clear_of(&self.cloud);
         Ok(camera)
     }

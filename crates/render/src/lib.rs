@@ -13,6 +13,7 @@
 pub mod bounds;
 mod cache;
 pub mod camera;
+mod closed;
 mod content;
 pub mod counters;
 pub mod error;

@@ -9,24 +9,30 @@
 //!
 //! Declared geodesics are objects of the scene: they are drawn whenever their surface is looked at.
 
+mod axes;
 mod curves;
 mod cut_locus;
 mod geodesic;
+mod labels;
 mod legend;
 mod lines;
 mod space;
 mod text;
 
+pub(crate) use axes::AxesBox;
 pub(crate) use geodesic::GeodesicOverlay;
+pub(crate) use labels::{TextLabel, anchor};
 pub(crate) use space::{OverlayObject, camera_objects, trail_objects};
 
 use image::RgbaImage;
 use rayon::prelude::*;
 use scene::ObjectId;
 
+use crate::camera::Camera;
 use crate::error::RenderError;
+use crate::point::DrawingPoint;
 use crate::request::PictureRequest;
-use crate::sample::Painter;
+use crate::sample::{Painter, Samples};
 use crate::style::{self, Decoder, Encoder};
 use crate::trail::Trail;
 use crate::viewpoint::GeodesicCamera;
@@ -40,6 +46,7 @@ pub(crate) fn painters(
     let is_shown = |surface| space::is_shown(&request.scene, surface);
     match camera {
         Some(camera) if is_shown(camera.surface) => &space::PAINTERS,
+        _ if request.overlays.axes => &[Painter::Curves],
         _ if request.trails.iter().any(|trail| is_shown(trail.surface)) => &[Painter::Curves],
         _ => &[],
     }
@@ -52,12 +59,22 @@ pub(crate) fn names<'a>(extras: impl IntoIterator<Item = &'a OverlayObject>) -> 
     names
 }
 
+/// Words at the place of the geodesic camera that is shown among some objects.
+pub(crate) fn here(objects: &[OverlayObject], camera: &Camera) -> Option<TextLabel> {
+    let arrow = objects.iter().find_map(|object| match &*object.samples {
+        Samples::Vectors(arrows) => arrows.first(),
+        _ => None,
+    })?;
+    let place = DrawingPoint(arrow.origin.map(f64::from));
+    Some(TextLabel::beside(camera.pixel_of(place)?, labels::HERE))
+}
+
 /// sRGB colours of lines.
 mod ink {
     use crate::trail::TrailKind;
 
     /// Wavefronts.
-    pub(super) const WAVE: [u8; 3] = [250, 250, 255];
+    pub(super) const WAVE: [u8; 3] = [110, 255, 245];
     /// Conjugate points.
     pub(super) const CONJUGATE: [u8; 3] = [255, 70, 200];
     /// The cut locus.
@@ -87,11 +104,12 @@ pub(crate) fn any_space(request: &PictureRequest, camera: Option<&GeodesicCamera
     let mut textures = request.textures.iter();
     let keyed =
         camera.is_some() || textures.any(|(_, texture)| texture.curvature_scale().is_some());
-    request.overlays.legend && keyed || !request.trails.is_empty()
+    let words = request.overlays.labels || request.overlays.axes;
+    words || request.overlays.legend && keyed || !request.trails.is_empty()
 }
 
 /// Draws what lies over a 3D picture: the key to its overlays and to the colours of curvature if the legend is on, and
-/// the trails' lengths. Returns the names of what was drawn.
+/// the trails' lengths; over all of that labels. Returns the names of what was drawn.
 ///
 /// # Errors
 /// Those of the geodesic camera that is shown.
@@ -99,7 +117,9 @@ pub(crate) fn over_space(
     image: &mut RgbaImage,
     request: &PictureRequest,
     camera: Option<&GeodesicCamera>,
+    labels: &[TextLabel],
 ) -> Result<Vec<&'static str>, RenderError> {
+    labels::write(image, labels, request);
     let mut key = legend::Legend::default();
     if request.overlays.legend {
         if let Some(camera) = camera {
@@ -119,12 +139,14 @@ pub(crate) fn over_space(
             key.line(ink::trail(trail.kind), &trail_words(trail));
         }
     }
-    key.draw(image);
-    Ok(if legend { vec!["legend"] } else { Vec::new() })
+    key.draw(image, request.scale);
+    let drawn = [("legend", legend), ("labels", request.overlays.labels)];
+    let drawn = drawn.into_iter().filter(|(_, drawn)| *drawn);
+    Ok(drawn.map(|(name, _)| name).collect())
 }
 
 fn trail_words(trail: &Trail) -> String {
-    format!("trail, length {}", legend::digits(trail.length))
+    format!("trail, length {}", legend::fixed_digits(trail.length))
 }
 
 fn wave_words(distance: f64) -> String {
@@ -158,8 +180,9 @@ impl StrokeColour {
 }
 
 impl StrokeStyle {
-    fn for_size(size: [u32; 2]) -> Self {
-        let unit = style::pixel_unit(size);
+    /// The style in a picture of a size, so many times as wide as usual.
+    fn for_size(size: [u32; 2], scale: f32) -> Self {
+        let unit = style::pixel_unit(size) * scale;
         let half = (1.1 * unit).max(0.7);
         Self {
             half,
@@ -193,8 +216,13 @@ impl StrokeStyle {
 }
 
 /// Lays lines over a picture: `distance` gives how far a pixel (by its index) is from the nearest line, in pixels.
-fn stroke(image: &mut RgbaImage, colour: [u8; 3], distance: impl Fn(usize) -> Option<f32> + Sync) {
-    let pen = StrokeStyle::for_size([image.width(), image.height()]);
+/// The lines are `scale` times as wide as usual.
+fn stroke(
+    image: &mut RgbaImage,
+    (colour, scale): ([u8; 3], f32),
+    distance: impl Fn(usize) -> Option<f32> + Sync,
+) {
+    let pen = StrokeStyle::for_size([image.width(), image.height()], scale);
     let ink = StrokeColour::new(colour);
     image
         .par_chunks_mut(4)
@@ -238,7 +266,7 @@ mod tests {
 
     #[test]
     fn a_line_is_its_colour_in_its_middle_and_nothing_beyond_its_rim() {
-        let pen = StrokeStyle::for_size([800, 600]);
+        let pen = StrokeStyle::for_size([800, 600], 1.0);
         for under in 0..=255 {
             for colour in 0..=255 {
                 let ink = StrokeColour::new([colour; 3]);

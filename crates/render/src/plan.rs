@@ -12,9 +12,9 @@ use expr::{Input, NodeId};
 use scene::ParamValues;
 use scene::{Object, ObjectId, Scene};
 
-use crate::request::PictureRequest;
 pub use crate::sample::Painter;
 use crate::sample::surface_roots;
+use crate::texture::Texture;
 
 /// From this many operations (samples × operations per sample) on, a generated kernel fills an object's samples on
 /// the GPU; below, f64 blocks are ready before a driver has compiled anything.
@@ -151,11 +151,8 @@ impl Plan {
     }
 
     /// Counts the distinct images of these objects.
-    pub(crate) fn count_textures(&mut self, request: &PictureRequest, objects: &[ObjectId]) {
-        let images: BTreeSet<_> = objects
-            .iter()
-            .map(|&id| Arc::as_ptr(&request.texture(id)))
-            .collect();
+    pub(crate) fn count_textures(&mut self, textures: &[Arc<Texture>]) {
+        let images: BTreeSet<_> = textures.iter().map(Arc::as_ptr).collect();
         self.textures = images.len() as u32;
     }
 

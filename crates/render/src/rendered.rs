@@ -6,6 +6,9 @@ use geodesic::ends::{Estimate, GeodesicWork};
 
 use crate::gpu::Pixels;
 
+/// The name of the software path, as a backend.
+pub(crate) const SOFTWARE: &str = "software";
+
 /// A picture that has been drawn. `P` is where its pixels are: an `RgbaImage` in memory, or wherever a renderer has left
 /// them ([`Pixels`]).
 #[derive(Clone, Debug)]
@@ -13,7 +16,8 @@ pub struct RenderedImage<P = Pixels> {
     /// The pixels: sRGB, top row first; opaque but for a background with an alpha. In memory, alpha is not multiplied
     /// into the colours.
     pub image: P,
-    /// The backend that drew it, in words; for a picture in a file also why it was this one.
+    /// The backend that drew it, in words; for a picture in a file also why it was this one. A view may leave it empty:
+    /// then it is the renderer's.
     pub backend: String,
     /// Notes for a reader of the picture: sentences such as "`p` is undefined at the current params and is not drawn".
     pub notes: Vec<String>,

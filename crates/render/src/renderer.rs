@@ -27,7 +27,7 @@ use crate::gpu::renderer::GpuRenderer;
 use crate::gpu::{Gpu, Pixels};
 use crate::plan::Built;
 use crate::point::PixelPoint;
-use crate::rendered::RenderedImage;
+use crate::rendered::{RenderedImage, SOFTWARE};
 use crate::request::{Backend, PictureRequest};
 use crate::shared::Shared;
 use crate::texture::Texture;
@@ -67,7 +67,7 @@ struct Curvatures {
 
 /// Draws one picture for a file. `progress` receives the share that is done, from 0 to 1, from any thread.
 ///
-/// [`Backend::Auto`] takes a GPU where there is one and the software path otherwise; [`RenderedImage::backend`] says
+/// [`Backend::Auto`] takes a real GPU where there is one and the software path otherwise; [`RenderedImage::backend`] says
 /// which and why.
 ///
 /// # Errors
@@ -79,11 +79,15 @@ pub fn render(
     progress: &(dyn Fn(f32) + Sync),
 ) -> Result<RenderedImage<RgbaImage>, RenderError> {
     request.check()?;
-    let by_gpu = || {
-        let renderer = Renderer::on_gpu(Gpu::shared()?);
-        renderer
-            .with_views(views.clone())
-            .draw_once(request, progress)
+    let on = |gpu: Arc<Gpu>| {
+        let renderer = Renderer::on_gpu(gpu).with_views(views.clone());
+        let mut image = renderer.draw_once(request, progress)?;
+        if image.backend == SOFTWARE {
+            image
+                .backend
+                .push_str(", because geodesics are followed pixel by pixel");
+        }
+        Ok(image)
     };
     let by_software = |why: String| {
         let renderer = Renderer::software().with_views(views.clone());
@@ -92,9 +96,9 @@ pub fn render(
         Ok(image)
     };
     match backend {
-        Backend::Gpu => by_gpu(),
+        Backend::Gpu => Gpu::shared().and_then(on),
         Backend::Software => by_software("as asked for".to_owned()),
-        Backend::Auto => match by_gpu() {
+        Backend::Auto => match Gpu::shared_real().and_then(on) {
             Err(RenderError::NoGpu { reason }) => by_software(format!("because {reason}")),
             // A driver that fails must not cost the picture; its message is not lost.
             Err(RenderError::Gpu(message)) => {
@@ -251,10 +255,12 @@ impl Renderer {
         let request = self.with_curvatures(request);
         let (renderer, shared) = self.renderer(&request)?;
         let mut image = renderer.draw(shared, &request, progress)?;
-        image.backend = match self.gpu() {
-            Some(gpu) => format!("GPU: {}", gpu.name()),
-            None => "software".to_owned(),
-        };
+        if image.backend.is_empty() {
+            image.backend = match self.gpu() {
+                Some(gpu) => format!("GPU: {}", gpu.name()),
+                None => SOFTWARE.to_owned(),
+            };
+        }
         self.pictures += 1;
         Ok(image)
     }

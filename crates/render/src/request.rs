@@ -8,7 +8,7 @@ pub use part::{ViewOptions, ViewPart};
 use std::sync::Arc;
 
 use scene::ParamValues;
-use scene::{ObjectId, Scene, Shape};
+use scene::{ObjectId, Scene};
 
 use crate::error::{MAX_SIDE, RenderError};
 use crate::shared::Shared;
@@ -30,6 +30,9 @@ pub struct PictureRequest {
     /// The images of surfaces, of which the last one counts; a surface that is not listed shows
     /// [`Texture::orientation`].
     pub textures: Vec<(ObjectId, Shared<Texture>)>,
+    /// Surfaces whose images lie on them the other way up: their top row is v max. Of [`Texture::orientation`], only the
+    /// letters are turned over.
+    pub flipped: Vec<ObjectId>,
     /// Surfaces that show their [curvature](Texture::curvature) instead. A renderer makes these textures and keeps them
     /// while the scene and its param values stay.
     pub curved: Vec<ObjectId>,
@@ -37,6 +40,8 @@ pub struct PictureRequest {
     pub colours: Vec<(ObjectId, [u8; 3])>,
     /// The overlays that are drawn over the picture.
     pub overlays: Overlays,
+    /// The factor of the widths of lines and points and of the heights of words, 1 by default; positive.
+    pub scale: f32,
     /// Paths that geodesic cameras have walked: views draw them, with their lengths.
     pub trails: Vec<Shared<Trail>>,
     /// True if the view moves, and a picture at once is worth more than a fine one: then a geodesic view may be off by
@@ -44,6 +49,9 @@ pub struct PictureRequest {
     /// a flat angle.
     pub moving: bool,
 }
+
+/// The factors of widths and of words that a picture may have.
+pub const SCALES: std::ops::RangeInclusive<f32> = 0.1..=20.0;
 
 /// The overlays of a picture; none by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -59,6 +67,10 @@ pub struct Overlays {
     pub cut_locus: bool,
     /// The estimated error, painted over the picture.
     pub error: bool,
+    /// Names at what is seen.
+    pub labels: bool,
+    /// In space, a box around the scene with ticks.
+    pub axes: bool,
 }
 
 /// The distance between wavefronts.
@@ -73,7 +85,7 @@ pub enum Spacing {
 /// The device that draws a picture.
 #[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
 pub enum Backend {
-    /// A GPU where there is one, else the software path.
+    /// A real GPU where there is one, else the software path.
     #[default]
     Auto,
     /// A GPU (a software implementation of Vulkan counts), or an error.
@@ -96,9 +108,11 @@ impl PictureRequest {
             view: view.into(),
             size,
             textures: Vec::new(),
+            flipped: Vec::new(),
             curved: Vec::new(),
             colours: Vec::new(),
             overlays: Overlays::default(),
+            scale: 1.0,
             trails: Vec::new(),
             moving: false,
         }
@@ -106,19 +120,62 @@ impl PictureRequest {
 
     /// The texture of a surface.
     pub fn texture(&self, object: ObjectId) -> Arc<Texture> {
+        self.texture_seen(object, false)
+    }
+
+    /// The texture of a surface; `from_behind` if the built-in one is to be read from the side that σu×σv does not point
+    /// to.
+    pub(crate) fn texture_seen(&self, object: ObjectId, from_behind: bool) -> Arc<Texture> {
+        let flipped = self.flipped.contains(&object);
         let own = self.textures.iter().rev().find(|(id, _)| *id == object);
-        own.map_or_else(Texture::orientation, |(_, texture)| texture.arc().clone())
+        match own {
+            // Colours of curvature have their place on the surface.
+            Some((_, texture)) if flipped && texture.curvature_scale().is_none() => {
+                texture.flipped()
+            }
+            Some((_, texture)) => texture.arc().clone(),
+            None if flipped != from_behind => Texture::orientation_from_behind(),
+            None => Texture::orientation(),
+        }
+    }
+
+    /// Returns true if a surface is coloured by its curvature.
+    fn shows_curvature(&self) -> bool {
+        let mut textures = self.textures.iter();
+        !self.curved.is_empty() || textures.any(|(_, it)| it.curvature_scale().is_some())
+    }
+
+    /// The colours of all objects, sRGB, in their order.
+    pub fn object_colours(&self) -> Vec<[u8; 3]> {
+        let mut colours = style::colours(&self.scene, self.shows_curvature());
+        for (id, colour) in &self.colours {
+            if let Some(place) = colours.get_mut(id.0 as usize) {
+                *place = *colour;
+            }
+        }
+        colours
     }
 
     /// The colour of an object, sRGB.
-    pub fn srgb(&self, object: ObjectId, shape: &Shape) -> [u8; 3] {
-        let own = self.colours.iter().rev().find(|(id, _)| *id == object);
-        own.map_or_else(|| style::colour(shape), |(_, colour)| *colour)
+    pub fn srgb(&self, object: ObjectId) -> [u8; 3] {
+        let colours = self.object_colours();
+        let own = colours.get(object.0 as usize);
+        own.copied().unwrap_or(style::SURFACE_COLOUR)
     }
 
-    /// The colour of an object, in linear light.
-    pub fn colour(&self, object: ObjectId, shape: &Shape) -> [f32; 3] {
-        style::linear(self.srgb(object, shape))
+    /// The colour of the lines of axes, sRGB: between that of the backdrop and its opposite.
+    pub(crate) fn axes_colour(&self) -> [u8; 3] {
+        let [r, g, b] = self.backdrop().map(u32::from);
+        if r + g + b > 384 { [110; 3] } else { [165; 3] }
+    }
+
+    /// The colour behind everything, sRGB: that of the picture's backdrop where it has one.
+    pub(crate) fn backdrop(&self) -> [u8; 3] {
+        let background = self.view.space().and_then(|space| space.background);
+        match background {
+            Some([_, _, _, 0]) | None => style::BACKGROUND,
+            Some([r, g, b, _]) => [r, g, b],
+        }
     }
 
     /// The trails on a surface.
@@ -134,6 +191,9 @@ impl PictureRequest {
     pub fn check(&self) -> Result<(), RenderError> {
         if self.size.iter().any(|&side| side == 0 || side > MAX_SIDE) {
             return Err(RenderError::Size(self.size));
+        }
+        if !SCALES.contains(&self.scale) {
+            return Err(RenderError::Scale(self.scale));
         }
         self.view.check(&self.scene)
     }

@@ -12,16 +12,21 @@
 
 use std::sync::LazyLock;
 
-use scene::Shape;
+use scene::{Object, Scene, Shape};
 
 /// The background, sRGB.
 pub const BACKGROUND: [u8; 3] = [18, 20, 26];
 /// Points, sRGB.
 pub const POINT_COLOUR: [u8; 3] = [255, 225, 30];
-/// Vectors, sRGB.
-pub const VECTOR_COLOUR: [u8; 3] = [255, 50, 240];
-/// Curves, sRGB.
-pub const CURVE_COLOUR: [u8; 3] = [255, 45, 40];
+/// Vectors, sRGB, one after the other in the order of their declarations.
+pub const VECTOR_COLOURS: [[u8; 3]; 4] = [[255, 50, 240], GREEN, ORANGE, BLUE];
+/// Curves and geodesics, sRGB, one after the other in the order of their declarations.
+pub const CURVE_COLOURS: [[u8; 3]; 4] = [[255, 45, 40], BLUE, ORANGE, GREEN];
+/// The colours of curves and geodesics in scenes that show curvature: none is near the blue, white and red of its scale.
+pub const CURVE_COLOURS_ON_CURVATURE: [[u8; 3]; 3] = [[255, 225, 30], [0, 255, 140], [30, 30, 36]];
+const BLUE: [u8; 3] = [70, 150, 255];
+const ORANGE: [u8; 3] = [255, 165, 30];
+const GREEN: [u8; 3] = [0, 205, 120];
 /// Surfaces, sRGB; multiplies the texture.
 pub const SURFACE_COLOUR: [u8; 3] = [255, 255, 255];
 
@@ -40,6 +45,40 @@ pub struct Length {
     pub min_pixels: f32,
     /// The greatest number of pixels, in [`pixel_unit`]s.
     pub max_pixels: f32,
+}
+
+/// The look of the lines of an object.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineStyle {
+    /// The factor of its widths, and of a point's radius.
+    pub width: f32,
+    /// The way by which it comes forward beyond [`GLYPH_LIFT`], in half widths: of lines that coincide, the greatest is
+    /// seen.
+    pub lift: f32,
+}
+
+impl Default for LineStyle {
+    fn default() -> Self {
+        Self {
+            width: 1.0,
+            lift: 0.0,
+        }
+    }
+}
+
+/// The lift of each further curve of a scene over the one before, in half widths.
+const LIFT_STEP: f32 = 0.3;
+/// The number of curves that have a lift of their own.
+const LIFTS: usize = 6;
+
+/// The colour of an object and the look of its lines.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Look {
+    /// In linear light.
+    pub(crate) colour: [f32; 3],
+    /// The share of [`EMPHASIS_COLOUR`] that is mixed into it.
+    pub(crate) emphasis: f32,
+    pub(crate) line: LineStyle,
 }
 
 /// Half the width of curves and of the shafts of vectors.
@@ -105,6 +144,16 @@ pub fn pixel_unit(size: [u32; 2]) -> f32 {
 }
 
 impl Length {
+    /// A length that is so many times as large, as are its bounds.
+    #[must_use]
+    pub fn times(self, factor: f32) -> Self {
+        Self {
+            nominal: self.nominal * factor,
+            min_pixels: self.min_pixels * factor,
+            max_pixels: self.max_pixels * factor,
+        }
+    }
+
     /// The length in drawing units at the distance `w` along the view direction. `pixels_per_unit` is
     /// [`crate::camera::Camera::pixels_per_unit`], `least` a bound in true pixels.
     pub fn at(&self, w: f32, pixels_per_unit: f32, unit: f32, least: f32) -> f32 {
@@ -159,14 +208,40 @@ pub fn emphasised(colour: [f32; 3], share: f32) -> [f32; 3] {
     std::array::from_fn(|k| colour[k] + share * (other[k] - colour[k]))
 }
 
-/// The colour of a kind of object, sRGB.
-pub fn colour(shape: &Shape) -> [u8; 3] {
-    match shape {
+/// The colours of a scene's objects, sRGB, in their order: those of lines follow each other by declaration.
+pub fn colours(scene: &Scene, shows_curvature: bool) -> Vec<[u8; 3]> {
+    let curve_colours: &[[u8; 3]] = match shows_curvature {
+        true => &CURVE_COLOURS_ON_CURVATURE,
+        false => &CURVE_COLOURS,
+    };
+    let mut curves = curve_colours.iter().cycle();
+    let mut vectors = VECTOR_COLOURS.iter().cycle();
+    let colour = |object: &Object| match object.shape {
         Shape::Point { .. } => POINT_COLOUR,
-        Shape::Vector { .. } => VECTOR_COLOUR,
-        Shape::Curve { .. } | Shape::Geodesic { .. } => CURVE_COLOUR,
+        Shape::Vector { .. } => vectors.next().copied().unwrap_or(POINT_COLOUR),
+        Shape::Curve { .. } | Shape::Geodesic { .. } => {
+            curves.next().copied().unwrap_or(POINT_COLOUR)
+        }
         Shape::Surface { .. } | Shape::Metric { .. } => SURFACE_COLOUR,
-    }
+    };
+    scene.objects.iter().map(colour).collect()
+}
+
+/// The looks of a scene's lines, in the order of its objects: of those that coincide, the one that is declared last is
+/// seen. All are `scale` times as wide as usual.
+pub(crate) fn line_styles(scene: &Scene, scale: f32) -> Vec<LineStyle> {
+    let mut curves = 0;
+    let line = |object: &Object| {
+        let is_curve = matches!(object.shape, Shape::Curve { .. } | Shape::Geodesic { .. });
+        let lift = if is_curve {
+            LIFT_STEP * curves.min(LIFTS) as f32
+        } else {
+            0.0
+        };
+        curves += usize::from(is_curve);
+        LineStyle { width: scale, lift }
+    };
+    scene.objects.iter().map(line).collect()
 }
 
 /// sRGB to linear light (IEC 61966-2-1).

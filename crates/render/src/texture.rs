@@ -37,6 +37,8 @@ pub struct Texture {
     light: OnceLock<Vec<filter::Light>>,
     /// The covers that [`Texture::cover`] has made.
     covers: [OnceLock<Arc<Texture>>; 3],
+    /// The texture that [`Texture::flipped`] has made.
+    flipped: OnceLock<Arc<Texture>>,
     /// The meaning of the colours, of a texture that shows the curvature.
     scale: Option<CurvatureScale>,
 }
@@ -161,6 +163,7 @@ impl Texture {
             levels,
             light: OnceLock::new(),
             covers: Default::default(),
+            flipped: OnceLock::new(),
             scale: None,
         }
     }
@@ -171,8 +174,30 @@ impl Texture {
     pub fn orientation() -> Arc<Self> {
         static ORIENTATION: OnceLock<Arc<Texture>> = OnceLock::new();
         ORIENTATION
-            .get_or_init(|| Arc::new(Self::from_image(orientation::image())))
+            .get_or_init(|| Arc::new(Self::from_image(orientation::image(false))))
             .clone()
+    }
+
+    /// The same with the names turned over: they read rightly from the side that σu×σv does not point to.
+    pub fn orientation_from_behind() -> Arc<Self> {
+        static ORIENTATION: OnceLock<Arc<Texture>> = OnceLock::new();
+        ORIENTATION
+            .get_or_init(|| Arc::new(Self::from_image(orientation::image(true))))
+            .clone()
+    }
+
+    /// The image the other way up.
+    pub fn flipped(&self) -> Arc<Self> {
+        let make = || {
+            let Level { size, texels } = &self.levels[0];
+            let rows = texels.chunks(size[0] as usize).rev();
+            let texels = rows.flatten().copied().collect();
+            Arc::new(Self::chain(Level {
+                size: *size,
+                texels,
+            }))
+        };
+        self.flipped.get_or_init(make).clone()
     }
 
     /// The mip chain: each level half the size (rounded down) of the one before, the last 1×1.

@@ -7,14 +7,27 @@ use scene::{ObjectId, Scene};
 use crate::error::RenderError;
 use crate::point::WorldPoint;
 
-/// A camera in space, in the scene's units. Coordinates that are not given are chosen so that the scene fills the
-/// picture.
+/// The camera of a view in space, in the scene's units. Coordinates that are not given are chosen so that the scene fills
+/// the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct PerspectiveCamera {
+pub struct Viewpoint {
     /// The place of the eye.
     pub eye: Option<WorldPoint>,
     /// The place that it looks at.
     pub target: Option<WorldPoint>,
+    /// The projection.
+    pub projection: Projection,
+}
+
+/// The way in which space is projected onto a picture.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub enum Projection {
+    /// Lines of sight meet in the eye: what is farther away is smaller.
+    #[default]
+    Perspective,
+    /// Lines of sight are parallel: equal lengths across them are equal in the picture, as large as in a perspective
+    /// picture in the plane of the target. Nothing is behind the eye.
+    Orthographic,
 }
 
 /// A camera on a surface or a metric.
@@ -47,12 +60,13 @@ pub enum Pose {
 /// The zooms that single precision can hold, and their inverses.
 const ZOOMS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
 
-impl PerspectiveCamera {
+impl Viewpoint {
     /// A camera at a place, with a target.
     pub fn new(eye: impl Into<WorldPoint>, target: impl Into<WorldPoint>) -> Self {
         Self {
             eye: Some(eye.into()),
             target: Some(target.into()),
+            projection: Projection::Perspective,
         }
     }
 

@@ -11,6 +11,7 @@ use render::bounds::Bounds;
 use render::placement::Placement;
 use render::plan::Built;
 use render::sample::{Samples, sample};
+use render::viewpoint::Viewpoint;
 use render::{Backend, PictureMethod, RenderError, gpu};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
@@ -195,7 +196,9 @@ fn both_backends_draw_the_same_picture_in_space() {
     let (scene, params) = compiled(SCENE);
     for (size, mean_bound) in [([256, 256], 0.6), ([150, 90], 1.2), ([1, 1], 8.0)] {
         let draw = |backend| {
-            with(Wanted::space(size), backend)
+            let camera = Viewpoint::new([2.4, -4.2, 2.4], [0.0; 3]);
+            let wanted = Wanted::space(size).with_space(|space| space.camera = camera);
+            with(wanted, backend)
                 .draw(&scene, &params)
                 .expect("a picture")
         };

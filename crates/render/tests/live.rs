@@ -12,7 +12,7 @@ use render::counters::WorkCounters;
 use render::gpu::Gpu;
 use render::gpu::Pixels;
 use render::request::{Overlays, Spacing};
-use render::viewpoint::{PerspectiveCamera, Pose};
+use render::viewpoint::{Pose, Viewpoint};
 use render::{Backend, RenderError, RenderedImage, Renderer};
 use scene::ParamValues;
 use scene::{ObjectId, Scene, Shape};
@@ -83,7 +83,7 @@ fn alone(backend: Backend, scene: &Arc<Scene>, params: &ParamValues, request: &W
 
 fn seen_from(eye: [f64; 3]) -> Wanted {
     let mut request = Wanted::space(SIZE);
-    request.in_space().camera = PerspectiveCamera::new(eye, [0.0; 3]);
+    request.in_space().camera = Viewpoint::new(eye, [0.0; 3]);
     request
 }
 
@@ -536,7 +536,7 @@ fn a_large_surface_is_drawn_from_blocks_until_its_kernel_is_ready() {
             u : [0, 2pi, 1000], v : [0, 2pi, 700];"
     );
     let (scene, mut params) = compiled(&text);
-    let request = Wanted::space(SIZE);
+    let request = seen_from([3.0, -5.0, 3.0]);
     let plan = request.plan(&scene, &params);
     assert_eq!(plan.objects[0].source, render::plan::SampleSource::Kernel);
     let mut stage = stage(Backend::Gpu);

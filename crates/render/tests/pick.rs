@@ -8,7 +8,7 @@ use render::Renderer;
 use render::gpu::Pixels;
 use render::point::{DrawingPoint, PixelPoint};
 use render::view::Hit;
-use render::viewpoint::{GeodesicCamera, PerspectiveCamera};
+use render::viewpoint::{GeodesicCamera, Viewpoint};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
 use scenes::Wanted;
@@ -23,7 +23,7 @@ fn compiled(text: &str) -> (Arc<Scene>, ParamValues) {
 
 fn from(eye: [f64; 3], target: [f64; 3]) -> Wanted {
     let mut request = Wanted::space(SIZE);
-    request.in_space().camera = PerspectiveCamera::new(eye, target);
+    request.in_space().camera = Viewpoint::new(eye, target);
     request
 }
 

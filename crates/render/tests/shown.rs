@@ -9,7 +9,7 @@ use image::RgbaImage;
 use render::gpu::Gpu;
 use render::gpu::Pixels;
 use render::point::{PixelPoint, WorldPoint};
-use render::viewpoint::{GeodesicCamera, PerspectiveCamera};
+use render::viewpoint::{GeodesicCamera, Projection, Viewpoint};
 use render::{Backend, Renderer, style};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
@@ -17,9 +17,10 @@ use scenes::Wanted;
 
 const SIZE: [u32; 2] = [120, 90];
 /// From above, x to the right and y up.
-const ABOVE: PerspectiveCamera = PerspectiveCamera {
+const ABOVE: Viewpoint = Viewpoint {
     eye: Some(WorldPoint([0.0, -0.01, 8.0])),
     target: Some(WorldPoint([0.0; 3])),
+    projection: Projection::Perspective,
 };
 /// A floor, a way across it, and a point far from both.
 const FLOOR: &str = "surface s(u, v) = (u, v, 0), u : [-1, 1, 9], v : [-1, 1, 9];

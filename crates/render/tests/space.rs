@@ -7,7 +7,7 @@ use std::sync::Arc;
 use geometry::ManifoldError;
 use image::{Rgba, RgbaImage};
 use render::texture::Texture;
-use render::viewpoint::PerspectiveCamera;
+use render::viewpoint::Viewpoint;
 use render::{Backend, RenderError, RenderedImage, style};
 use scene::ObjectId;
 use scene::ParamValues;
@@ -67,7 +67,7 @@ fn a_sphere_is_seen_without_holes_and_fills_the_picture() {
 #[test]
 fn from_inside_a_closed_surface_no_background_is_seen() {
     let mut request = Wanted::space([96, 64]);
-    request.in_space().camera = PerspectiveCamera::new([0.3, 0.2, 0.1], [0.35, -0.4, 0.9]);
+    request.in_space().camera = Viewpoint::new([0.3, 0.2, 0.1], [0.35, -0.4, 0.9]);
     let image = plain(SPHERE, request);
     assert_eq!(
         image.pixels().filter(|pixel| is_background(pixel)).count(),
@@ -150,7 +150,7 @@ fn a_surface_hides_what_lies_behind_it_and_lets_a_curve_on_it_be_seen() {
     let plane = "surface s(u,v) = (u, v, 0), u : [-1,1], v : [-1,1];";
     let request = || {
         Wanted::space([101, 101]).with_space(|options| {
-            options.camera = PerspectiveCamera::new([0.0, 0.0, 4.0], [0.0; 3]);
+            options.camera = Viewpoint::new([0.0, 0.0, 4.0], [0.0; 3]);
         })
     };
     let behind = plain(&format!("{plane} point p = (0, 0, -1/5);"), request());
@@ -184,8 +184,8 @@ fn kinds_have_the_colours_of_the_style() {
     };
     for colour in [
         style::POINT_COLOUR,
-        style::VECTOR_COLOUR,
-        style::CURVE_COLOUR,
+        style::VECTOR_COLOURS[0],
+        style::CURVE_COLOURS[0],
     ] {
         assert!(near(colour), "{colour:?} is not seen");
     }
@@ -269,7 +269,7 @@ fn things_beside_and_behind_the_camera_are_cut_off_cleanly() {
         [0.9999, 0.0, 0.0],
     ] {
         let mut request = Wanted::space([80, 60]);
-        request.in_space().camera = PerspectiveCamera::new(eye, [0.2, 0.9, 0.1]);
+        request.in_space().camera = Viewpoint::new(eye, [0.2, 0.9, 0.1]);
         picture(&source, request);
     }
 }
@@ -303,6 +303,6 @@ fn wrong_requests_are_refused_with_a_sentence() {
         }))
     );
     let mut stuck = Wanted::space([8, 8]);
-    stuck.in_space().camera = PerspectiveCamera::new([1.0; 3], [1.0; 3]);
+    stuck.in_space().camera = Viewpoint::new([1.0; 3], [1.0; 3]);
     assert!(attempt(stuck).is_err_and(|e| e.contains("direction")));
 }

@@ -12,7 +12,7 @@ use render::request::{Overlays, Spacing, ViewPart};
 use render::shared::Shared;
 use render::texture::{Texture, TextureError};
 use render::view::geodesic::GeodesicOptions;
-use render::viewpoint::{GeodesicCamera, PerspectiveCamera, Pose};
+use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
 use render::{Backend, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views};
 use scene::ParamValues;
 use scene::{ObjectId, Scene};
@@ -50,6 +50,7 @@ Examples:
   geotrace render torus.gtr -o rings.png --view geodesic --wavefronts --conjugate --cut-locus --legend
   geotrace render torus.gtr -o camera.png --show-camera s --wavefronts
   geotrace render torus.gtr -o k.png --texture s=curvature --legend --background transparent
+  geotrace render torus.gtr -o figure.png --orthographic --axes --labels --size 1600x1200
   geotrace render circle.gtr -o turn.gif --animate o=0:2pi --frames 60 --fps 25
   geotrace render torus.gtr -o walk.apng --view geodesic --walk 2pi --trail
 
@@ -74,13 +75,20 @@ pub(super) struct Arguments {
     /// A value for a param or a grid; may be given several times
     #[arg(long, value_name = "NAME=VALUE", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
-    /// What draws: auto takes a GPU where there is one, else the software path, and says which
+    /// What draws: auto takes the GPU where it is a real one, else the software path, and says which
     #[arg(long, value_parser = argument::choice(&BACKENDS), default_value = "auto", value_name = "BACKEND", hide_short_help = true)]
     backend: Backend,
     /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min. `SURFACE=curvature` colours it
     /// by its Gaussian curvature: blue, white at 0, red
     #[arg(long, value_name = "SURFACE=IMAGE", value_parser = argument::texture)]
     texture: Vec<TextureFile>,
+    /// A surface whose image lies on it the other way up; may be given several times. Of the built-in image, the letters
+    /// are turned over
+    #[arg(long, value_name = "SURFACE", hide_short_help = true)]
+    flip: Vec<String>,
+    /// How many times as large as usual lines, points and words are
+    #[arg(long, value_name = "FACTOR", value_parser = argument::positive, default_value = "1", hide_short_help = true)]
+    scale: f64,
     #[command(flatten)]
     motion: animation::Arguments,
     /// Where the camera stands; without it, in the middle of the domain
@@ -98,6 +106,9 @@ pub(super) struct Arguments {
     /// A key to the hatchings, lines and colours of the picture
     #[arg(long, help_heading = "Drawn over the picture")]
     legend: bool,
+    /// Names at what is seen: objects, and the place of the geodesic camera
+    #[arg(long, help_heading = "Drawn over the picture")]
+    labels: bool,
     /// Geodesic circles around the camera, at equal distances; in the 3D view with --show-camera
     #[arg(long, value_name = "SPACING", num_args = 0..=1, value_parser = argument::positive, help_heading = "Drawn over the picture", hide_short_help = true)]
     wavefronts: Option<Option<f64>>,
@@ -110,6 +121,9 @@ pub(super) struct Arguments {
     /// The estimated error, painted over the picture
     #[arg(long, help_heading = "Drawn over the picture", hide_short_help = true)]
     error: bool,
+    /// A box around the scene, with ticks at round numbers
+    #[arg(long, help_heading = "3D view")]
+    axes: bool,
     /// What lies behind the objects: transparent, white, black, #RRGGBB or #RRGGBBAA
     #[arg(long, value_name = "COLOUR", value_parser = argument::colour, help_heading = "3D view", hide_short_help = true)]
     background: Option<[u8; 4]>,
@@ -128,12 +142,15 @@ pub(super) struct Arguments {
     /// What the camera looks at; without it, the middle of what is drawn
     #[arg(long, value_name = "X,Y,Z", value_parser = argument::triple, allow_hyphen_values = true, help_heading = "3D view", hide_short_help = true)]
     target: Option<Triple>,
+    /// Parallel lines of sight: equal lengths are equal in the picture
+    #[arg(long, help_heading = "3D view")]
+    orthographic: bool,
 }
 
 const BACKENDS: [Choice<Backend>; 3] = [
     Choice::new(
         "auto",
-        "A GPU where there is one, else the software path",
+        "The GPU where it is a real one, else the software path",
         Backend::Auto,
     ),
     Choice::new("gpu", "A GPU, or an error", Backend::Gpu),
@@ -187,7 +204,11 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             conjugate_points: arguments.conjugate,
             cut_locus: arguments.cut_locus,
             error: arguments.error,
+            labels: arguments.labels,
+            axes: arguments.axes,
         },
+        scale: arguments.scale as f32,
+        flipped: flipped(arguments, &program)?,
         ..PictureRequest::new(program.scene(), params.clone(), view, arguments.size.0)
     };
     let moves = request.view.shown_camera().is_some();
@@ -223,6 +244,12 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     Ok(())
 }
 
+/// Returns the surfaces whose images are turned over.
+fn flipped(arguments: &Arguments, program: &LoadedProgram) -> Result<Vec<ObjectId>, Failure> {
+    let surface = |name: &String| Ok(program.surface(Some(name))?.0);
+    arguments.flip.iter().map(surface).collect()
+}
+
 /// Returns the requested view, with its camera and its options.
 fn view(
     arguments: &Arguments,
@@ -249,9 +276,13 @@ fn view(
         options.method = arguments.method.unwrap_or_default();
     }
     if let Some(space) = view.space_mut() {
-        space.camera = PerspectiveCamera {
+        space.camera = Viewpoint {
             eye: place("--eye", &arguments.eye)?,
             target: place("--target", &arguments.target)?,
+            projection: match arguments.orthographic {
+                true => Projection::Orthographic,
+                false => Projection::Perspective,
+            },
         };
         space.background = arguments.background;
     }
@@ -368,9 +399,11 @@ fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String> {
         ("--error", arguments.error),
     ];
     let space = [
+        ("--axes", arguments.axes),
         ("--background", arguments.background.is_some()),
         ("--eye", arguments.eye.is_some()),
         ("--target", arguments.target.is_some()),
+        ("--orthographic", arguments.orthographic),
         ("--show-camera", arguments.show_camera.is_some()),
     ];
     let geodesic = "the geodesic view: add `--view geodesic`";
@@ -447,7 +480,8 @@ pub(super) fn failure(error: RenderError) -> Failure {
         RenderError::Manifold(ManifoldError::NoSurface { .. })
         | RenderError::CameraOutside { .. }
         | RenderError::Camera(_)
-        | RenderError::Size(_) => Failure::usage(message),
+        | RenderError::Size(_)
+        | RenderError::Scale(_) => Failure::usage(message),
         RenderError::Manifold(ManifoldError::TooLarge { .. }) => Failure::Input {
             message,
             hint: Some("the 3D view does without them".into()),

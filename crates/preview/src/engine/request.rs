@@ -4,7 +4,7 @@
 use render::request::{Overlays, Spacing};
 use render::shared::Shared;
 use render::texture::Texture;
-use render::viewpoint::{GeodesicCamera, PerspectiveCamera};
+use render::viewpoint::{GeodesicCamera, Projection, Viewpoint};
 use render::{PictureRequest, ViewId, Views};
 use scene::{Object, ObjectId};
 
@@ -45,9 +45,13 @@ pub(crate) fn picture_request(
     if let Some(space) = view.space_mut() {
         let camera = model.view.space;
         let [r, g, b] = model.background();
-        space.camera = PerspectiveCamera {
+        space.camera = Viewpoint {
             eye: camera.map(|it| it.eye.into()),
             target: camera.map(|it| it.target.into()),
+            projection: match model.view.preferences.orthographic {
+                true => Projection::Orthographic,
+                false => Projection::Perspective,
+            },
         };
         space.background = Some([r, g, b, 255]);
         let highlighted = model.highlighted.as_deref();
@@ -75,6 +79,9 @@ pub(crate) fn picture_request(
     request.colours.retain(|(id, _)| !hidden.contains(id));
     for (id, object) in scene.numbered().filter(|(id, _)| !hidden.contains(id)) {
         if object.shape.manifold().is_some() {
+            if model.view.look(&object.name).flipped {
+                request.flipped.push(id);
+            }
             let choice = model.view.texture(&object.name);
             if *choice == Choice::Curvature {
                 request.curved.push(id);
@@ -98,11 +105,12 @@ fn colours(model: &Model, dims: bool) -> Vec<(ObjectId, [u8; 3])> {
         return Vec::new();
     };
     let stale = model.faults.stale();
+    let defaults = render::style::colours(scene, model.shows_curvature());
     let colour = |(id, object): (ObjectId, &Object)| {
         let look = model.view.looks.get(&object.name);
         let chosen = look.and_then(|look| look.colour);
         if dims && stale.contains(&object.name) {
-            let colour = chosen.unwrap_or_else(|| render::style::colour(&object.shape));
+            let colour = chosen.unwrap_or(defaults[id.0 as usize]);
             return Some((id, colour.map(|part| (f64::from(part) * DIMMED) as u8)));
         }
         chosen.map(|colour| (id, colour))
@@ -122,6 +130,8 @@ fn overlays(marks: &Marks) -> Overlays {
         conjugate_points: marks.conjugate,
         cut_locus: marks.cut_locus,
         error: marks.error,
+        labels: marks.labels,
+        axes: marks.axes,
     }
 }
 

@@ -219,6 +219,7 @@ mod tests {
         let look = Look {
             colour: Some([1, 2, 3]),
             texture: Choice::Image("map.png".into()),
+            flipped: false,
             hidden: true,
         };
         view.looks.insert("s".into(), look);

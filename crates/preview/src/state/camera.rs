@@ -20,6 +20,8 @@ pub struct SpaceCamera {
     pub moved: bool,
 }
 
+/// The level part of a unit vector up to which it points straight up or down, as in `render::camera`.
+const LEVEL: f64 = 1e-6;
 /// The angle by which the camera keeps from straight up and down, in radians.
 const POLE: f64 = 0.01;
 
@@ -42,18 +44,37 @@ impl SpaceCamera {
         (DVec3::from(self.target) - DVec3::from(self.eye)).normalize_or(DVec3::NEG_Y)
     }
 
-    /// The unit vector to the right, level; seen from straight above or below, x.
+    /// The unit vector to the right, level; from straight above it is x, and from below −x: y is up in the picture.
     fn right(&self) -> DVec3 {
-        self.forward().cross(DVec3::Z).normalize_or(DVec3::X)
+        let forward = self.forward();
+        let upright = DVec3::X * -forward.z.signum();
+        if forward.x.hypot(forward.y) < LEVEL {
+            return upright;
+        }
+        forward.cross(DVec3::Z).normalize_or(upright)
+    }
+
+    /// Returns the unit vectors to the right, up, and from the target to the eye.
+    pub fn axes(&self) -> [DVec3; 3] {
+        let (right, back) = (self.right(), -self.forward());
+        [right, back.cross(right), back]
+    }
+
+    /// Returns it turned about its target, seen from a direction: a vector from the target to the eye.
+    #[must_use]
+    pub fn seen_from(self, direction: DVec3) -> Self {
+        let target = DVec3::from(self.target);
+        let back = direction.normalize_or(DVec3::NEG_Y);
+        self.with(target + back * self.distance(), target)
     }
 
     /// Azimuth and elevation of where it looks, in radians.
     fn angles(&self) -> [f64; 2] {
         let forward = self.forward();
-        if forward.x.hypot(forward.y) < 1e-6 {
-            // Seen from straight above, y is up in the picture: it is what lies ahead.
+        if forward.x.hypot(forward.y) < LEVEL {
+            // Seen from straight above, y is up in the picture: it is what lies ahead. From below it lies behind.
             return [
-                std::f64::consts::FRAC_PI_2,
+                -forward.z.signum() * std::f64::consts::FRAC_PI_2,
                 forward.z.signum() * (std::f64::consts::FRAC_PI_2 - POLE),
             ];
         }

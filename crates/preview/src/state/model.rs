@@ -1,6 +1,7 @@
 //! The window's state: the program that is shown, what the user has chosen, and what can be undone.
 
 mod geodesic_cameras;
+mod looks;
 mod placement;
 
 use std::collections::BTreeMap;

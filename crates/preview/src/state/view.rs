@@ -46,6 +46,8 @@ pub struct Look {
     pub colour: Option<[u8; 3]>,
     /// The texture of a surface.
     pub texture: Choice,
+    /// Its image lies on it the other way up.
+    pub flipped: bool,
     /// It is not drawn.
     pub hidden: bool,
 }
@@ -143,6 +145,10 @@ pub struct Marks {
     pub cut_locus: bool,
     /// The estimated error.
     pub error: bool,
+    /// Names at what is seen.
+    pub labels: bool,
+    /// A box with ticks around the scene.
+    pub axes: bool,
     /// The geodesic cameras in the views in space.
     pub cameras: bool,
     /// The paths that geodesic cameras have walked.
@@ -168,6 +174,8 @@ impl Default for Marks {
             conjugate: false,
             cut_locus: false,
             error: false,
+            labels: false,
+            axes: false,
             cameras: true,
             trail: false,
             of_views: BTreeMap::new(),
@@ -199,6 +207,8 @@ pub struct Preferences {
     pub marks: Marks,
     /// Set if a drag in space turns the camera where it stands, and not about its target.
     pub fly: bool,
+    /// Set if the lines of sight of the views in space are parallel.
+    pub orthographic: bool,
     /// Set if a slider that is let go writes its value into the text.
     pub write_on_release: bool,
     /// The scale of text and controls, 1 by default.
@@ -215,6 +225,7 @@ impl Default for Preferences {
             inside_size: None,
             marks: Marks::default(),
             fly: false,
+            orthographic: false,
             write_on_release: false,
             scale: 1.0,
         }

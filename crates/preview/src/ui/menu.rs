@@ -11,7 +11,7 @@ use crate::ui::dialogs::help::HelpPage;
 use crate::ui::dialogs::{picture, program, record};
 use crate::ui::panes::program::commands::{self, TextCommand};
 use crate::ui::window::{TextSource, Window};
-use crate::ui::{measure, welcome};
+use crate::ui::{measure, navigation, welcome};
 
 /// The menu bar.
 pub(crate) fn bar(window: &mut Window, ui: &mut Ui) {
@@ -241,6 +241,7 @@ fn view(window: &mut Window, ui: &mut Ui) {
         let step = Step::new("Change a setting", "fly");
         window.model.change(step, |view| view.preferences.fly = fly);
     }
+    navigation::menu(window, ui);
     if entry(ui, true, "Frame everything", "F") {
         window.frame_all();
     }
@@ -270,6 +271,8 @@ fn overlays(model: &mut Model, views: &Views, ui: &mut Ui) {
         (&mut marks.cut_locus, "Cut locus"),
         (&mut marks.error, "Estimated error"),
         (&mut marks.legend, "Legend"),
+        (&mut marks.labels, "Labels"),
+        (&mut marks.axes, "Axes"),
     ] {
         ui.checkbox(on, title);
     }

@@ -227,6 +227,7 @@ impl Window {
             self.shortcuts(ui);
             self.take_drops(ui);
             self.animate(ui);
+            crate::ui::navigation::advance(self, ui);
             self.keys(ui);
         }
         crate::ui::menu::bar(self, ui);

@@ -12,6 +12,7 @@ mod keyboard;
 mod lesson;
 mod live;
 mod measuring;
+mod navigation;
 mod pointer;
 mod program;
 mod programs;

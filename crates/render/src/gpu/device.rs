@@ -12,6 +12,8 @@ pub struct Gpu {
     pub(crate) queue: wgpu::Queue,
     /// The adapter's name.
     pub(crate) name: String,
+    /// True if the adapter is known to be a driver that draws on the processor.
+    is_emulated: bool,
     faults: Arc<Faults>,
 }
 
@@ -25,21 +27,39 @@ struct Faults {
     refuses: AtomicBool,
 }
 
+/// The devices that a process has opened, or the reasons for which it has none.
+type Opened = OnceLock<Result<Arc<Gpu>, String>>;
+
 /// The process's device.
 ///
 /// # Errors
 /// [`RenderError::NoGpu`] where there is no driver or no device; this is not tried again.
 pub(crate) fn open() -> Result<&'static Arc<Gpu>, RenderError> {
-    static GPU: OnceLock<Result<Arc<Gpu>, String>> = OnceLock::new();
-    GPU.get_or_init(|| Gpu::find().map(Arc::new))
+    static GPU: Opened = OnceLock::new();
+    opened(&GPU, Adapters::All)
+}
+
+/// Returns the device that is kept in a place, opened on the first call.
+fn opened(place: &'static Opened, adapters: Adapters) -> Result<&'static Arc<Gpu>, RenderError> {
+    place
+        .get_or_init(|| Gpu::find(adapters).map(Arc::new))
         .as_ref()
         .map_err(|reason| RenderError::NoGpu {
             reason: reason.clone(),
         })
 }
 
+/// The adapters that may be opened.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Adapters {
+    /// All, also drivers that draw on the processor.
+    All,
+    /// GPUs.
+    Real,
+}
+
 impl Gpu {
-    fn find() -> Result<Self, String> {
+    fn find(adapters: Adapters) -> Result<Self, String> {
         let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
         description.flags = wgpu::InstanceFlags::empty();
         // OpenGL lacks what the passes need; where it is all there is, the software path draws.
@@ -51,6 +71,12 @@ impl Gpu {
         };
         let adapter = pollster::block_on(instance.request_adapter(&options))
             .map_err(|_| "no GPU driver was found".to_owned())?;
+        let info = adapter.get_info();
+        let is_emulated = info.device_type == wgpu::DeviceType::Cpu;
+        if is_emulated && adapters == Adapters::Real {
+            let name = info.name;
+            return Err(format!("the only driver, {name}, draws on the processor"));
+        }
         let offered = adapter.limits();
         // The default limits, but buffers and textures as large as the adapter has them.
         let limits = wgpu::Limits {
@@ -66,7 +92,10 @@ impl Gpu {
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&description))
             .map_err(|error| format!("the GPU cannot be opened ({error})"))?;
-        Ok(Self::adopt(device, queue, adapter.get_info().name, || {}))
+        Ok(Self {
+            is_emulated,
+            ..Self::adopt(device, queue, info.name, || {})
+        })
     }
 
     /// A device of its own.
@@ -74,7 +103,7 @@ impl Gpu {
     /// # Errors
     /// [`RenderError::NoGpu`] where there is no driver or no device.
     pub fn open() -> Result<Self, RenderError> {
-        Self::find().map_err(|reason| RenderError::NoGpu { reason })
+        Self::find(Adapters::All).map_err(|reason| RenderError::NoGpu { reason })
     }
 
     /// Destroys the device for all of its users, as if it were lost.
@@ -115,6 +144,7 @@ impl Gpu {
             device,
             queue,
             name,
+            is_emulated: false,
             faults,
         }
     }
@@ -125,6 +155,21 @@ impl Gpu {
     /// [`RenderError::NoGpu`] where there is no driver or no device; this is not tried again.
     pub fn shared() -> Result<Arc<Self>, RenderError> {
         open().cloned()
+    }
+
+    /// Returns the process's device on a real GPU, opened on the first call: not one of a driver that draws on the
+    /// processor, where the software path is faster.
+    ///
+    /// # Errors
+    /// [`RenderError::NoGpu`] where there is none; this is not tried again.
+    pub fn shared_real() -> Result<Arc<Self>, RenderError> {
+        static GPU: Opened = OnceLock::new();
+        opened(&GPU, Adapters::Real).cloned()
+    }
+
+    /// Returns true if it is known to be a driver that draws on the processor.
+    pub fn is_emulated(&self) -> bool {
+        self.is_emulated
     }
 
     /// Its adapter's name.

@@ -6,7 +6,7 @@ use crate::gpu::layout::Glyph;
 use crate::gpu::pipelines::PipelineFactory;
 use crate::gpu::samples::SampleBuffer;
 use crate::gpu::space::{Draw, Vertices};
-use crate::style;
+use crate::style::{self, Look};
 
 /// A kind of glyph.
 #[derive(Debug)]
@@ -40,17 +40,17 @@ impl Glyphs {
         Ok(Self { kind, pipeline })
     }
 
-    /// The draw of all instances of one object; its colour is linear light, with the share that it is emphasised by.
+    /// The draw of all instances of one object.
     pub(crate) fn draw(
         &self,
         factory: &PipelineFactory<'_>,
         view: &wgpu::Buffer,
         samples: &SampleBuffer,
-        colour: ([f32; 3], f32),
+        look: &Look,
     ) -> Draw {
         let kind = self.kind;
         let glyph = Glyph::new(
-            colour,
+            look,
             kind.width,
             kind.least,
             samples.count[0],

@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use crate::camera::Camera;
-use crate::style;
+use crate::style::{self, Look};
 
 /// `View` of lib/view.wgsl.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -23,7 +23,8 @@ pub(crate) struct ViewUniform {
     pub(crate) glyph_rim: f32,
     pub(crate) tile_scale: [f32; 2],
     pub(crate) tile_offset: [f32; 2],
-    pub(crate) padding: [f32; 2],
+    pub(crate) plane: f32,
+    pub(crate) reach: f32,
     pub(crate) emphasis: [f32; 4],
 }
 
@@ -51,7 +52,8 @@ impl ViewUniform {
             glyph_rim: style::GLYPH_RIM,
             tile_scale: scale,
             tile_offset: [-middle[0] * scale[0], -middle[1] * scale[1]],
-            padding: [0.0; 2],
+            plane: camera.parallel.map_or(0.0, |it| it.distance as f32),
+            reach: camera.parallel.map_or(0.0, |it| it.reach as f32),
             emphasis: {
                 let [r, g, b] = style::linear(style::EMPHASIS_COLOUR);
                 [r, g, b, 0.0]
@@ -81,24 +83,29 @@ pub(crate) struct Glyph {
 }
 
 impl Glyph {
-    /// A glyph of the given colour (with the share that it is emphasised by) and width, `count` samples an instance,
-    /// `total` in all, drawn from `first` on.
+    /// A glyph of the given look and width, `count` samples an instance, `total` in all, drawn from `first` on.
     pub(crate) fn new(
-        (colour, emphasis): ([f32; 3], f32),
+        look: &Look,
         length: &style::Length,
         least: f32,
         count: u32,
         total: u32,
         first: u32,
     ) -> Self {
+        let Look {
+            colour,
+            emphasis,
+            line,
+        } = *look;
+        let length = length.times(line.width);
         Self {
             colour,
             nominal: length.nominal,
             min_pixels: length.min_pixels,
             max_pixels: length.max_pixels,
             least,
-            lift: style::GLYPH_LIFT,
-            join_lift: style::JOIN_LIFT,
+            lift: style::GLYPH_LIFT + line.lift,
+            join_lift: style::JOIN_LIFT + line.lift,
             head_length: style::HEAD_LENGTH,
             head_radius: style::HEAD_RADIUS,
             head_share: style::HEAD_SHARE,
@@ -211,7 +218,8 @@ mod tests {
                 glyph_rim,
                 tile_scale,
                 tile_offset,
-                padding,
+                plane,
+                reach,
                 emphasis,
             ]
         );

@@ -22,6 +22,7 @@ use crate::plan::Built;
 use crate::request::PictureRequest;
 use crate::sample::{self, Painter};
 use crate::sample_store::SampleStore;
+use crate::style::Look;
 use crate::texture::Texture;
 
 /// Bytes of sample buffers that are kept though the last picture has not used them.
@@ -60,8 +61,9 @@ pub(crate) struct SpaceScene<'a> {
     pub(crate) structures: &'a [Structure],
     pub(crate) contents: &'a [Content],
     pub(crate) camera: &'a Camera,
-    /// The share of an object's colour that is emphasis; `None` for an object that is hidden.
-    pub(crate) shown: &'a dyn Fn(ObjectId) -> Option<f32>,
+    /// The look and the texture of an object; `None` for one that is hidden.
+    pub(crate) shown: &'a dyn Fn(ObjectId) -> Option<Look>,
+    pub(crate) texture: &'a dyn Fn(ObjectId) -> Arc<Texture>,
     /// The objects that are drawn beside those of the scene.
     pub(crate) overlay: &'a Arc<[OverlayObject]>,
     /// Linear light and alpha.
@@ -184,7 +186,7 @@ impl GpuRenderer {
         let mut draws: Vec<Draw> = Vec::new();
         let steps = request.scene.objects.len() as f32;
         for (id, object) in (0..).map(ObjectId).zip(&request.scene.objects) {
-            let Some(emphasis) = (scene.shown)(id) else {
+            let Some(look) = (scene.shown)(id) else {
                 continue;
             };
             let Some(painter) = Painter::for_object(&request.scene, object) else {
@@ -192,20 +194,19 @@ impl GpuRenderer {
                 continue;
             };
             let buffer = self.buffer(store, scene, id, is_single, &mut notes)?;
-            let colour = (request.colour(id, &object.shape), emphasis);
-            let texture = |()| request.texture(id);
+            let texture = |()| (scene.texture)(id);
             draws.push(self.with_factory(|painters, factory| {
-                painters.draw(factory, painter, view, &buffer, colour, texture)
+                painters.draw(factory, painter, view, &buffer, &look, texture)
             })?);
             progress((id.0 + 1) as f32 / steps);
         }
         self.upload_overlay(scene.overlay)?;
         let buffers = self.overlay.as_ref().map(|(_, buffers)| buffers.clone());
         for (object, buffer) in scene.overlay.iter().zip(buffers.iter().flatten()) {
-            let colour = (object.colour, 0.0);
+            let look = object.look(request.scale);
             let texture = |()| Texture::orientation();
             draws.push(self.with_factory(|painters, factory| {
-                painters.draw(factory, object.painter, view, buffer, colour, texture)
+                painters.draw(factory, object.painter, view, buffer, &look, texture)
             })?);
         }
         Ok((draws, notes))

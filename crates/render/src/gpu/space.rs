@@ -16,7 +16,7 @@ use crate::gpu::samples::SampleBuffer;
 use crate::gpu::surfaces::Surfaces;
 use crate::gpu::{curves, points, vectors};
 use crate::sample::Painter;
-use crate::style;
+use crate::style::{self, Look};
 use crate::texture::Texture;
 
 /// The longest side of a tile. A tile takes 36 bytes a pixel on the device, 150 MB at this side.
@@ -112,15 +112,14 @@ pub(crate) struct Painters {
 }
 
 impl Painters {
-    /// The draw of an object with its samples, its colour in linear light and the share that it is emphasised by; of a
-    /// surface also its texture.
+    /// The draw of an object with its samples and its look; of a surface also its texture.
     pub(crate) fn draw(
         &mut self,
         factory: &mut PipelineFactory<'_>,
         painter: Painter,
         view: &wgpu::Buffer,
         samples: &SampleBuffer,
-        colour: ([f32; 3], f32),
+        look: &Look,
         texture: impl FnOnce(()) -> Arc<Texture>,
     ) -> Result<Draw, RenderError> {
         let (place, kind) = match painter {
@@ -132,13 +131,13 @@ impl Painters {
                     factory,
                     view,
                     samples,
-                    colour,
+                    look,
                     &texture(()),
                 );
             }
         };
         let glyphs = built(place, || Glyphs::new(factory, kind))?;
-        Ok(glyphs.draw(factory, view, samples, colour))
+        Ok(glyphs.draw(factory, view, samples, look))
     }
 
     /// Ends a picture: what it has not used is given up.

@@ -7,6 +7,7 @@ use crate::gpu::layout::Patch;
 use crate::gpu::pipelines::PipelineFactory;
 use crate::gpu::samples::SampleBuffer;
 use crate::gpu::space::{Draw, Vertices};
+use crate::style::Look;
 use crate::texture::Texture;
 
 /// The painter, with the images that are in use.
@@ -32,18 +33,18 @@ impl Surfaces {
         })
     }
 
-    /// The draw of all instances of one object; its colour is linear light, with the share that it is emphasised by.
+    /// The draw of all instances of one object.
     pub(crate) fn draw(
         &mut self,
         factory: &mut PipelineFactory<'_>,
         view: &wgpu::Buffer,
         samples: &SampleBuffer,
-        (colour, emphasis): ([f32; 3], f32),
+        look: &Look,
         texture: &Arc<Texture>,
     ) -> Result<Draw, RenderError> {
-        let [r, g, b] = colour;
+        let [r, g, b] = look.colour;
         let patch = Patch {
-            colour: [r, g, b, emphasis],
+            colour: [r, g, b, look.emphasis],
             count: samples.count,
             first: 0,
             padding: 0,

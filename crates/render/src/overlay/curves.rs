@@ -47,7 +47,7 @@ pub(super) fn lines(request: &PictureRequest, camera: &PlacedCamera) -> Vec<Surf
         let used = camera.uniforms_used(scene, seen);
         let mut curve = SurfaceCurve {
             name: object.name.clone(),
-            colour: request.srgb(id, &object.shape),
+            colour: request.srgb(id),
             notes: Vec::new(),
             pieces: Vec::new(),
         };

@@ -37,7 +37,7 @@ struct PixelEnd {
 }
 
 /// Draws the line; gives the share of the pixels that lie beyond.
-pub(super) fn draw(image: &mut RgbaImage, map: &Map, camera: &PlacedCamera) -> f64 {
+pub(super) fn draw(image: &mut RgbaImage, map: &Map, camera: &PlacedCamera, scale: f32) -> f64 {
     let size = map.size;
     // A lone pixel is a doubt, not a border: the majority of its neighbourhood counts. What lies behind a pixel that
     // lies beyond does so too.
@@ -70,7 +70,7 @@ pub(super) fn draw(image: &mut RgbaImage, map: &Map, camera: &PlacedCamera) -> f
         found[index] = found[nearer[1] * width + nearer[0]];
     }
     let smooth = mean_around(size, &found);
-    stroke(image, ink::CUT, |index| {
+    stroke(image, (ink::CUT, scale), |index| {
         // The mean over five pixels grows by a fifth a pixel across a straight border.
         let distance = 5.0 * (smooth[index] - 0.5).abs();
         let seen = map.status[index] == Status::Complete;

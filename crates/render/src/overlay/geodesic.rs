@@ -8,9 +8,10 @@ use std::borrow::Cow;
 use geodesic::trace::Status;
 use image::RgbaImage;
 
-use super::{curves, cut_locus, ink, legend, lines, trail_words, wave_words};
+use super::{curves, cut_locus, ink, labels, legend, lines, trail_words, wave_words};
 use crate::counters::PixelCounters;
 use crate::geodesic_view::{Layer, PlacedCamera, RayEnds, UNSEEN};
+use crate::point::PixelPoint;
 use crate::request::PictureRequest;
 use crate::trail::Trail;
 
@@ -42,7 +43,7 @@ impl<'a> GeodesicOverlay<'a> {
             request,
             camera,
             counters,
-            lines: curves::Lines::new(&curve, camera, counters),
+            lines: curves::Lines::new(&curve, camera, request.scale, counters),
             geodesics,
             trails,
             notes,
@@ -101,7 +102,13 @@ impl<'a> GeodesicOverlay<'a> {
                 key.line(ink::trail(trail.kind), &trail_words(trail));
             }
         }
-        key.draw(image);
+        key.draw(image, self.request.scale);
+        if self.request.overlays.labels {
+            drawn.push("labels");
+            let middle = [0, 1].map(|k| 0.5 * f64::from(self.camera.size()[k]));
+            let here = labels::TextLabel::beside(PixelPoint(middle), labels::HERE);
+            labels::write(image, &[here], self.request);
+        }
         ([self.notes, notes].concat(), drawn)
     }
 
@@ -141,14 +148,14 @@ impl<'a> GeodesicOverlay<'a> {
         if let Some(spacing) = overlays.wavefronts {
             drawn.push("wavefronts");
             let distance = spacing.distance(camera.zoom);
-            lines::wavefronts(image, &status, camera.zoom, distance);
+            lines::wavefronts(image, &status, camera.zoom, distance, request.scale);
             key.line(ink::WAVE, &wave_words(distance));
         }
         if let Some(map) = &map
             && overlays.cut_locus
         {
             drawn.push("cut locus");
-            let share = cut_locus::draw(image, map, camera);
+            let share = cut_locus::draw(image, map, camera, request.scale);
             notes.push(format!(
                 "{:.2} % of the pixels lie beyond the cut locus",
                 100.0 * share
@@ -159,7 +166,7 @@ impl<'a> GeodesicOverlay<'a> {
             && overlays.conjugate_points
         {
             drawn.push("conjugate points");
-            lines::conjugate_points(image, map, camera);
+            lines::conjugate_points(image, map, camera, request.scale);
             key.line(ink::CONJUGATE, "conjugate points");
         }
         if overlays.legend {

@@ -1,13 +1,18 @@
-//! The key to a picture: only what the picture has, in its lower left corner.
+//! The key to a picture: only what the picture has, in its lower left corner, as large as the picture is.
 
 use geodesic::trace::Status;
 use image::RgbaImage;
 
 use super::lines::SCALE;
-use super::{StrokeStyle, cover, text};
+use super::{cover, text};
 use crate::geodesic_view::stripes;
 use crate::style;
 use crate::texture::CurvatureScale;
+
+/// The width of a bar of colours, in heights of its words.
+const BAR: f32 = 9.0;
+/// The colour of words, in linear light.
+const INK: [f32; 3] = [0.01; 3];
 
 /// Entries of a key, as they come.
 #[derive(Clone, Debug, Default)]
@@ -53,8 +58,7 @@ impl Legend {
 
     /// The scale of a surface's curvature.
     pub(super) fn curvature(&mut self, surface: &str, scale: CurvatureScale) {
-        let most = digits(scale.most);
-        let words = format!("{surface}: K = \u{2212}{most}, 0, {most}");
+        let words = format!("Gaussian curvature K of {surface}");
         self.entries.push((Mark::Curvature(scale), words));
     }
 
@@ -64,16 +68,25 @@ impl Legend {
     }
 
     /// Draws the key, if it has entries and the picture room for it.
-    pub(super) fn draw(&self, image: &mut RgbaImage) {
+    ///
+    /// Lines and words are `scale` times as large as usual.
+    pub(super) fn draw(&self, image: &mut RgbaImage, scale: f32) {
         let size = [image.width(), image.height()];
-        let unit = style::pixel_unit(size).clamp(0.65, 8.0);
-        let (text, line, pad, swatch) = (13.0 * unit, 19.0 * unit, 7.0 * unit, 26.0 * unit);
-        let words = self.entries.iter().map(|(_, words)| words);
-        let widest = words
-            .map(|words| text::width(words, text))
-            .fold(0.0, f32::max);
-        let width = (3.0 * pad + swatch + widest).ceil() as u32;
-        let height = (2.0 * pad + line * self.entries.len() as f32).ceil() as u32;
+        let unit = (style::pixel_unit(size) * scale).max(0.65);
+        let (text, line, pad, swatch) = (16.0 * unit, 22.0 * unit, 8.0 * unit, 28.0 * unit);
+        let width_of = |(mark, words): &(Mark, String)| match mark {
+            // A bar with its numbers lies under its words.
+            Mark::Curvature(_) => text::width(words, text).max(BAR * text) + pad,
+            _ => swatch + pad + text::width(words, text),
+        };
+        let lines_of = |mark: &Mark| match mark {
+            Mark::Curvature(_) => 3.0,
+            _ => 1.0,
+        };
+        let widest = self.entries.iter().map(width_of).fold(0.0, f32::max);
+        let lines: f32 = self.entries.iter().map(|(mark, _)| lines_of(mark)).sum();
+        let width = (2.0 * pad + widest).ceil() as u32;
+        let height = (2.0 * pad + line * lines).ceil() as u32;
         if self.entries.is_empty() || width > size[0] || height > size[1] {
             return;
         }
@@ -83,16 +96,29 @@ impl Legend {
                 cover(&mut image.get_pixel_mut(x, y).0, [0.92; 3], 0.9);
             }
         }
-        for (number, (mark, words)) in self.entries.iter().enumerate() {
-            let y = top as f32 + pad + line * number as f32;
-            self.swatch(image, *mark, [pad, y], [swatch, 0.75 * line], unit);
-            let at = [2.0 * pad + swatch, y + 0.5 * (0.75 * line - text)];
-            text::write(image, words, at, text, [0.01; 3]);
+        let mut y = top as f32 + pad;
+        for (mark, words) in &self.entries {
+            let tall = 0.75 * line;
+            if let Mark::Curvature(scale) = mark {
+                text::write(image, words, [pad, y], text, INK);
+                let bar = [widest - pad, tall];
+                self.swatch(image, *mark, [pad, y + line], bar, unit);
+                let places = [0.0, 0.5, 1.0];
+                for (share, words) in places.into_iter().zip(bar_numbers(scale.most)) {
+                    let x = pad + share * (bar[0] - text::width(&words, text));
+                    text::write(image, &words, [x, y + 1.8 * line], text, INK);
+                }
+            } else {
+                self.swatch(image, *mark, [pad, y], [swatch, tall], unit);
+                let at = [2.0 * pad + swatch, y + 0.5 * (tall - text)];
+                text::write(image, words, at, text, INK);
+            }
+            y += line * lines_of(mark);
         }
     }
 
     fn swatch(&self, image: &mut RgbaImage, mark: Mark, at: [f32; 2], size: [f32; 2], unit: f32) {
-        let half = StrokeStyle::for_size([image.width(), image.height()]).half;
+        let half = (1.1 * unit).max(0.7);
         let middle = at[1] + 0.5 * size[1];
         for y in at[1] as u32..(at[1] + size[1]) as u32 {
             for x in at[0] as u32..(at[0] + size[0]) as u32 {
@@ -123,14 +149,35 @@ impl Legend {
     }
 }
 
-/// A positive number to three digits.
-pub(super) fn digits(number: f64) -> String {
-    let exponent = number.log10().floor();
+/// The numbers under a bar from −`most` to `most`.
+fn bar_numbers(most: f64) -> [String; 3] {
+    let end = digits(most);
+    [format!("\u{2212}{end}"), "0".to_owned(), end]
+}
+
+/// A number that is not negative, to three digits; it has all of them, so that it is as long when it changes.
+pub(super) fn fixed_digits(number: f64) -> String {
+    let exponent = if number > 0.0 {
+        number.log10().floor()
+    } else {
+        0.0
+    };
     if !(-4.0..6.0).contains(&exponent) {
         return format!("{number:.2e}");
     }
     let places = (2.0 - exponent).max(0.0) as usize;
-    let text = format!("{number:.places$}");
+    format!("{number:.places$}")
+}
+
+/// A number that is not negative, to three digits at most.
+pub(super) fn digits(number: f64) -> String {
+    if number == 0.0 {
+        return "0".to_owned();
+    }
+    let text = fixed_digits(number);
+    if text.contains('e') {
+        return text;
+    }
     match text.contains('.') {
         true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => text,
@@ -139,15 +186,24 @@ pub(super) fn digits(number: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::digits;
+    use super::{digits, fixed_digits};
+
+    #[test]
+    fn a_length_that_grows_keeps_its_digits() {
+        let shown = [0.0, 0.5, 1.2, 99.96].map(fixed_digits);
+        assert_eq!(shown, ["0.00", "0.500", "1.20", "100.0"]);
+    }
 
     #[test]
     fn numbers_of_legends_have_three_digits() {
-        let shown = [0.25, 1.0, 1.5, 123.456, 0.012_345, 99_999.0, 1e-7, 2.5e9].map(digits);
+        let shown = [
+            0.0, 0.25, 1.0, 1.5, 123.456, 0.012_345, 99_999.0, 1e-7, 2.5e9,
+        ]
+        .map(digits);
         assert_eq!(
             shown,
             [
-                "0.25", "1", "1.5", "123", "0.0123", "99999", "1.00e-7", "2.50e9"
+                "0", "0.25", "1", "1.5", "123", "0.0123", "99999", "1.00e-7", "2.50e9"
             ]
         );
     }

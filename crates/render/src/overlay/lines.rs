@@ -23,14 +23,20 @@ pub(super) fn reach(size: [u32; 2], index: usize) -> f64 {
 }
 
 /// Circles of equal distance, where something is seen.
-pub(super) fn wavefronts(image: &mut RgbaImage, status: &[Status], zoom: f64, spacing: f64) {
+pub(super) fn wavefronts(
+    image: &mut RgbaImage,
+    status: &[Status],
+    zoom: f64,
+    spacing: f64,
+    scale: f32,
+) {
     let size = [image.width(), image.height()];
     let pixel = zoom * 2.0 / f64::from(size[0].min(size[1]).max(1));
     // Closer than a few pixels, circles would fill the picture.
     if !(spacing > 3.0 * pixel && spacing.is_finite()) {
         return;
     }
-    stroke(image, ink::WAVE, |index| {
+    stroke(image, (ink::WAVE, scale), |index| {
         if status[index] != Status::Complete {
             return None;
         }
@@ -41,7 +47,12 @@ pub(super) fn wavefronts(image: &mut RgbaImage, status: &[Status], zoom: f64, sp
 }
 
 /// Draws the conjugate points, where the derivative of the exponential map loses its rank.
-pub(super) fn conjugate_points(image: &mut RgbaImage, map: &Map, camera: &PlacedCamera) {
+pub(super) fn conjugate_points(
+    image: &mut RgbaImage,
+    map: &Map,
+    camera: &PlacedCamera,
+    scale: f32,
+) {
     let [width, height] = map.size.map(|side| side as usize);
     let widths = camera.domain().map(|[low, high]| (high - low) as f32);
     // The determinant over the sum of squares: between −½ and ½, smooth, with the sign of the Jacobi field.
@@ -66,7 +77,7 @@ pub(super) fn conjugate_points(image: &mut RgbaImage, map: &Map, camera: &Placed
     if signed.is_empty() {
         return;
     }
-    stroke(image, ink::CONJUGATE, |index| {
+    stroke(image, (ink::CONJUGATE, scale), |index| {
         let [x, y] = [index % width, index / width];
         let here = signed[index];
         let beside = |step: isize, wanted: bool| -> Option<f32> {

@@ -15,7 +15,7 @@ use crate::geodesic_view::PlacedCamera;
 use crate::placement::Placement;
 use crate::request::PictureRequest;
 use crate::sample::{Painter, Samples, line_samples, vector};
-use crate::style;
+use crate::style::{self, LineStyle, Look};
 use crate::viewpoint::GeodesicCamera;
 
 /// Something to be drawn in space that is no object of the scene.
@@ -29,7 +29,35 @@ pub(crate) struct OverlayObject {
     pub(crate) samples: Arc<Samples>,
     /// Its colour in linear light.
     pub(crate) colour: [f32; 3],
+    /// The look of its lines.
+    pub(crate) line: LineStyle,
 }
+
+impl OverlayObject {
+    /// Its look in a picture whose lines are `scale` times as wide as usual.
+    pub(crate) fn look(&self, scale: f32) -> Look {
+        Look {
+            colour: self.colour,
+            emphasis: 0.0,
+            line: LineStyle {
+                width: scale * self.line.width,
+                ..self.line
+            },
+        }
+    }
+}
+
+/// Declared lines are seen over those of a camera where they coincide, and these over each other in this order.
+const fn under(lift: f32) -> LineStyle {
+    LineStyle { width: 1.0, lift }
+}
+
+const WAVES: LineStyle = under(-0.6);
+const CAMERA_AXES: LineStyle = under(-0.45);
+const BORDERS: LineStyle = under(-0.3);
+const CONJUGATES: LineStyle = under(-0.15);
+const TRAILS: LineStyle = under(-0.2);
+const FRAME: LineStyle = under(0.0);
 
 /// Points of a line of the picture.
 const POINTS: u32 = 64;
@@ -44,7 +72,6 @@ const NUDGE: f64 = 1e-4;
 
 const X: [u8; 3] = [255, 80, 60];
 const Y: [u8; 3] = [70, 220, 90];
-const AXES: [u8; 3] = [235, 235, 240];
 const BORDER: [u8; 3] = [255, 210, 60];
 
 /// Returns the objects that show a request's trails.
@@ -60,6 +87,7 @@ pub(crate) fn trail_objects(request: &PictureRequest, placement: &Placement) -> 
             painter: Painter::Curves,
             samples: line_samples(placement, line.len() as u32, &[line]).into(),
             colour: style::linear(ink::trail(kind)),
+            line: TRAILS,
         })
         .collect()
 }
@@ -121,13 +149,15 @@ pub(crate) fn camera_objects(
             painter: Painter::Vectors,
             samples: Arc::new(Samples::Vectors(vec![vector(placement, origin, direction)])),
             colour: style::linear(colour),
+            line: FRAME,
         });
     }
-    let curve = |lines: &[Vec<Option<Knot>>], colour: [u8; 3]| OverlayObject {
+    let curve = |lines: &[Vec<Option<Knot>>], colour: [u8; 3], line: LineStyle| OverlayObject {
         name: "camera",
         painter: Painter::Curves,
         samples: Arc::new(line_samples(placement, lines[0].len() as u32, lines)),
         colour: style::linear(colour),
+        line,
     };
     let [right, up] = half_extent(request.size);
     let axes: Vec<_> = [[right, 0.0], [-right, 0.0], [0.0, up], [0.0, -up]]
@@ -140,7 +170,9 @@ pub(crate) fn camera_objects(
             knots_at(surface, &GeodesicStart::Frame(frame, place), &lengths)
         })
         .collect();
-    all.push(curve(&axes, AXES));
+    // Each axis has the colour of its arrow.
+    all.push(curve(&axes[..2], X, CAMERA_AXES));
+    all.push(curve(&axes[2..], Y, CAMERA_AXES));
     let corners = [[right, up], [-right, up], [-right, -up], [right, -up]];
     let border: Vec<Vec<Option<Knot>>> = (0..4)
         .into_par_iter()
@@ -155,7 +187,7 @@ pub(crate) fn camera_objects(
                 .collect()
         })
         .collect();
-    all.push(curve(&border, BORDER));
+    all.push(curve(&border, BORDER, BORDERS));
     if let Some(spacing) = request.overlays.wavefronts {
         let spacing = spacing.distance(zoom);
         let waves = (right.min(up) * zoom / spacing).floor().min(MOST_WAVES);
@@ -174,7 +206,7 @@ pub(crate) fn camera_objects(
             let rings: Vec<Vec<Option<Knot>>> = (0..lengths.len())
                 .map(|ring| rays.iter().map(|ray| ray[ring]).collect())
                 .collect();
-            all.push(curve(&rings, ink::WAVE));
+            all.push(curve(&rings, ink::WAVE, WAVES));
         }
     }
     if request.overlays.conjugate_points {
@@ -192,7 +224,7 @@ pub(crate) fn camera_objects(
                 at(towards.map(|x| x * first / zoom)).map(knot)
             })
             .collect();
-        all.push(curve(&[first], ink::CONJUGATE));
+        all.push(curve(&[first], ink::CONJUGATE, CONJUGATES));
     }
     Ok(all)
 }

@@ -2,24 +2,78 @@
 
 use std::sync::LazyLock;
 
-use ab_glyph::{Font, FontRef, ScaleFont, point};
+use ab_glyph::{Font, FontRef, Glyph, ScaleFont, point};
 use image::RgbaImage;
 
 use super::cover;
 
-/// Hack, which the window's texts use too (MIT and Bitstream Vera licences).
-static FONT: LazyLock<Option<FontRef<'static>>> =
-    LazyLock::new(|| FontRef::try_from_slice(epaint_default_fonts::HACK_REGULAR).ok());
+/// Ubuntu Light, which the window's texts use too (Ubuntu font licence), and for letters that it lacks Hack (MIT and
+/// Bitstream Vera licences).
+static FONTS: LazyLock<Vec<FontRef<'static>>> = LazyLock::new(|| {
+    let files = [
+        epaint_default_fonts::UBUNTU_LIGHT,
+        epaint_default_fonts::HACK_REGULAR,
+    ];
+    let fonts = files.into_iter();
+    fonts
+        .filter_map(|file| FontRef::try_from_slice(file).ok())
+        .collect()
+});
+
+/// The thickness of an outline, as a share of the text's height.
+const OUTLINE: f32 = 0.14;
+
+/// The colours of words and of the outline around them, in linear light.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ink {
+    words: [f32; 3],
+    outline: [f32; 3],
+}
+
+impl Ink {
+    /// Light words over a dark ground (sRGB), and dark ones over a light ground.
+    pub(super) fn over([r, g, b]: [u8; 3]) -> Self {
+        let is_dark = 3 * u32::from(r) + 6 * u32::from(g) + u32::from(b) < 1280;
+        let (light, dark) = ([0.92; 3], [0.008; 3]);
+        let [words, outline] = if is_dark {
+            [light, dark]
+        } else {
+            [dark, light]
+        };
+        Self { words, outline }
+    }
+}
+
+/// Returns the font that has a letter.
+fn font_of(letter: char) -> Option<&'static FontRef<'static>> {
+    let mut fonts = FONTS.iter();
+    let has = |font: &&FontRef<'static>| font.glyph_id(letter).0 != 0;
+    fonts.find(has).or(FONTS.first())
+}
+
+/// The letters of a text whose upper left corner is at `at`; `height` is that of a line.
+fn glyphs(text: &str, at: [f32; 2], height: f32) -> Vec<(&'static FontRef<'static>, Glyph)> {
+    let mut x = at[0];
+    let mut baseline = None;
+    let letters = text.chars().filter_map(|letter| {
+        let font = font_of(letter)?;
+        let scaled = font.as_scaled(height);
+        let baseline = *baseline.get_or_insert(at[1] + scaled.ascent());
+        let mut glyph = scaled.scaled_glyph(letter);
+        glyph.position = point(x, baseline);
+        x += scaled.h_advance(glyph.id);
+        Some((font, glyph))
+    });
+    letters.collect()
+}
 
 /// The width of a text in pixels; `height` is that of a line.
 pub(super) fn width(text: &str, height: f32) -> f32 {
-    let Some(font) = FONT.as_ref() else {
-        return 0.0;
+    let advance = |letter: char| {
+        let font = font_of(letter)?.as_scaled(height);
+        Some(font.h_advance(font.glyph_id(letter)))
     };
-    let font = font.as_scaled(height);
-    text.chars()
-        .map(|c| font.h_advance(font.scaled_glyph(c).id))
-        .sum()
+    text.chars().filter_map(advance).sum()
 }
 
 /// Writes a text with its upper left corner at `at`, in linear light.
@@ -30,29 +84,82 @@ pub(super) fn write(
     height: f32,
     colour: [f32; 3],
 ) {
-    let Some(font) = FONT.as_ref() else {
-        return;
-    };
-    let scaled = font.as_scaled(height);
-    let mut x = at[0];
-    for c in text.chars() {
-        let mut glyph = scaled.scaled_glyph(c);
-        glyph.position = point(x, at[1] + scaled.ascent());
-        x += scaled.h_advance(glyph.id);
+    for (font, glyph) in glyphs(text, at, height) {
         let Some(outline) = font.outline_glyph(glyph) else {
             continue;
         };
         let corner = outline.px_bounds().min;
         outline.draw(|dx, dy, coverage| {
             let place = [corner.x + dx as f32, corner.y + dy as f32];
-            let inside = place[0] >= 0.0
-                && place[1] >= 0.0
-                && place[0] < image.width() as f32
-                && place[1] < image.height() as f32;
+            lay(image, place, colour, coverage);
+        });
+    }
+}
+
+/// Writes a text with an outline, so that it can be read on anything.
+pub(super) fn write_outlined(
+    image: &mut RgbaImage,
+    text: &str,
+    at: [f32; 2],
+    height: f32,
+    ink: Ink,
+) {
+    let reach = (OUTLINE * height).max(1.0);
+    let pad = reach.ceil() + 1.0;
+    let size = [width(text, height) + 2.0 * pad, 1.3 * height + 2.0 * pad].map(f32::ceil);
+    let size = size.map(|side| side as usize);
+    let corner = at.map(|x| x.floor() - pad);
+    // The text's own pixels, from its corner.
+    let mut mask = vec![0.0_f32; size[0] * size[1]];
+    for (font, glyph) in glyphs(text, [at[0] - corner[0], at[1] - corner[1]], height) {
+        let Some(outline) = font.outline_glyph(glyph) else {
+            continue;
+        };
+        let first = outline.px_bounds().min;
+        outline.draw(|dx, dy, coverage| {
+            let (x, y) = (first.x + dx as f32, first.y + dy as f32);
+            let inside = x >= 0.0 && y >= 0.0 && x < size[0] as f32 && y < size[1] as f32;
             if inside {
-                let pixel = image.get_pixel_mut(place[0] as u32, place[1] as u32);
-                cover(&mut pixel.0, colour, coverage.clamp(0.0, 1.0));
+                let pixel = &mut mask[y as usize * size[0] + x as usize];
+                *pixel = pixel.max(coverage);
             }
         });
+    }
+    let steps = pad as isize;
+    let near: Vec<(isize, isize, f32)> = (-steps..=steps)
+        .flat_map(|dy| (-steps..=steps).map(move |dx| (dx, dy)))
+        .map(|(dx, dy)| (dx, dy, reach + 0.5 - (dx as f32).hypot(dy as f32)))
+        .filter(|(_, _, share)| *share > 0.0)
+        .collect();
+    let at_pixel = |x: isize, y: isize| {
+        let inside = x >= 0 && y >= 0 && x < size[0] as isize && y < size[1] as isize;
+        if inside {
+            mask[y as usize * size[0] + x as usize]
+        } else {
+            0.0
+        }
+    };
+    for y in 0..size[1] as isize {
+        for x in 0..size[0] as isize {
+            let around = near
+                .iter()
+                .map(|&(dx, dy, share)| share.min(1.0) * at_pixel(x + dx, y + dy));
+            let around = around.fold(0.0, f32::max);
+            if around > 0.0 {
+                let place = [corner[0] + x as f32, corner[1] + y as f32];
+                lay(image, place, ink.outline, 0.85 * around);
+                lay(image, place, ink.words, at_pixel(x, y));
+            }
+        }
+    }
+}
+
+/// Lays a colour over the pixel at a place, if it lies in the picture.
+fn lay(image: &mut RgbaImage, place: [f32; 2], colour: [f32; 3], share: f32) {
+    let [x, y] = place;
+    let (width, height) = (image.width() as f32, image.height() as f32);
+    if x >= 0.0 && y >= 0.0 && x < width && y < height && share > 0.0 {
+        let pixel = image.get_pixel_mut(x as u32, y as u32);
+        cover(&mut pixel.0, colour, share.clamp(0.0, 1.0));
     }
 }

@@ -12,7 +12,7 @@ use super::PictureRequest;
 use crate::error::RenderError;
 use crate::point::WorldPoint;
 use crate::style;
-use crate::viewpoint::{GeodesicCamera, PerspectiveCamera};
+use crate::viewpoint::{GeodesicCamera, Viewpoint};
 
 /// The options of a view.
 pub trait ViewOptions: Comparable {
@@ -62,7 +62,7 @@ pub trait ViewOptions: Comparable {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SpaceOptions {
     /// The camera.
-    pub camera: PerspectiveCamera,
+    pub camera: Viewpoint,
     /// A geodesic camera to be shown: its frame, the axes and the border of its picture.
     pub show_camera: Option<GeodesicCamera>,
     /// The colour behind the objects: sRGB and an alpha that is not multiplied into it; [`style::BACKGROUND`] if not
@@ -78,7 +78,7 @@ impl SpaceOptions {
     /// A picture from a place, towards a target.
     pub fn seen_from(eye: impl Into<WorldPoint>, target: impl Into<WorldPoint>) -> Self {
         Self {
-            camera: PerspectiveCamera::new(eye, target),
+            camera: Viewpoint::new(eye, target),
             ..Self::default()
         }
     }

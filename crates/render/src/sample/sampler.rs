@@ -132,6 +132,11 @@ impl Sampler {
         }
     }
 
+    /// Returns the numbers of values that the variables have.
+    pub(crate) fn counts(&self) -> [usize; 2] {
+        [self.axes[0].len(), self.axes[1].len()]
+    }
+
     /// Returns the number of places.
     pub(crate) fn len(&self) -> usize {
         self.instances * self.axes[0].len() * self.axes[1].len()

@@ -29,10 +29,10 @@ pub(super) fn mesh(
                 continue;
             }
             let at = eye.see(sample.position);
-            let in_front = -at.z >= eye.near;
+            let in_front = eye.is_in_front(at);
             match run.last().copied() {
                 // The part behind the near plane is cut off here: nothing can be projected from there.
-                Some(last) if in_front != (-last.z >= eye.near) => {
+                Some(last) if in_front != eye.is_in_front(last) => {
                     let t = (eye.near + last.z) / (last.z - at.z);
                     let edge = last.lerp(at, t).with_z(-eye.near);
                     if in_front {
@@ -61,17 +61,17 @@ pub(super) fn mesh(
 /// One unbroken strip through view places in front of the eye.
 fn polyline(builder: &mut MeshBuilder, eye: &Eye, places: &[Vec3]) {
     let mut places = places.to_vec();
-    places.retain(|at| -at.z >= 0.999 * eye.near);
+    places.retain(|at| eye.distance(*at) >= 0.999 * eye.near);
     // Places that are seen as one give a piece no direction.
     places.dedup_by(|b, a| (*b - *a).length() < 0.02 * eye.pixel(*a));
     let Some((&first, &last)) = places.first().zip(places.last()) else {
         return;
     };
-    cap(builder, eye, first, style::GLYPH_LIFT);
+    cap(builder, eye, first, eye.lift);
     if places.len() < 2 {
         return;
     }
-    cap(builder, eye, last, style::GLYPH_LIFT);
+    cap(builder, eye, last, eye.lift);
     let sides: Vec<Vec2> = places
         .windows(2)
         .map(|pair| side(eye, pair[0], pair[1]))
@@ -87,7 +87,7 @@ fn polyline(builder: &mut MeshBuilder, eye: &Eye, places: &[Vec3]) {
             let shared = edge(builder, eye, end, (side + next) / (1.0 + cosine), half);
             (shared, shared)
         } else {
-            cap(builder, eye, end, style::JOIN_LIFT);
+            cap(builder, eye, end, eye.join_lift);
             (
                 edge(builder, eye, end, side, half),
                 edge(builder, eye, end, next, half),
@@ -127,10 +127,7 @@ fn edge(
 ) -> [super::mesh::VertexId; 2] {
     [1.0, -1.0].map(|sign: f32| {
         builder.vertex(Vertex {
-            clip: eye.clip(
-                at + (sign * half * side).extend(0.0),
-                style::GLYPH_LIFT * half,
-            ),
+            clip: eye.clip(at + (sign * half * side).extend(0.0), eye.lift * half),
             normal: Vec3::ZERO,
             uv: Vec2::new(0.0, sign),
         })

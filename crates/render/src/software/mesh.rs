@@ -3,7 +3,7 @@
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use crate::camera::Camera;
-use crate::style;
+use crate::style::{self, Length, LineStyle};
 
 /// Fixed-point steps per pixel of projected places.
 pub(super) const SUBPIXEL: i32 = 256;
@@ -23,20 +23,47 @@ pub(super) struct Eye {
     pub pixels_per_unit: f32,
     /// [`style::pixel_unit`].
     pub unit: f32,
+    /// The distance of an orthographic camera's plane, and the depth that it draws on either side; 0 in perspective.
+    pub plane: f32,
+    pub reach: f32,
     /// The picture's size in pixels.
     pub size: Vec2,
+    /// Half the width of lines, and the radius of points.
+    pub line: Length,
+    pub point: Length,
+    /// The way by which glyphs come forward, and joins, in half widths.
+    pub lift: f32,
+    pub join_lift: f32,
 }
 
 impl Eye {
     pub(super) fn new(camera: &Camera) -> Self {
         let [x, y] = camera.half_tangents();
+        let parallel = camera.parallel;
         Self {
+            plane: parallel.map_or(0.0, |it| it.distance as f32),
+            reach: parallel.map_or(0.0, |it| it.reach as f32),
             view: camera.view_from_world(),
             zoom: Vec2::new(1.0 / x as f32, 1.0 / y as f32),
             near: camera.near as f32,
             pixels_per_unit: camera.pixels_per_unit(),
             unit: style::pixel_unit(camera.size),
             size: Vec2::new(camera.size[0] as f32, camera.size[1] as f32),
+            line: style::LINE_HALF_WIDTH,
+            point: style::POINT_RADIUS,
+            lift: style::GLYPH_LIFT,
+            join_lift: style::JOIN_LIFT,
+        }
+    }
+
+    /// The camera for an object with this look of its lines.
+    pub(super) fn with_lines(self, style: LineStyle) -> Self {
+        Self {
+            line: style::LINE_HALF_WIDTH.times(style.width),
+            point: style::POINT_RADIUS.times(style.width),
+            lift: style::GLYPH_LIFT + style.lift,
+            join_lift: style::JOIN_LIFT + style.lift,
+            ..self
         }
     }
 
@@ -45,22 +72,47 @@ impl Eye {
         self.view.transform_point3(Vec3::from(position))
     }
 
+    /// Returns true if lines of sight are parallel.
+    #[inline(always)]
+    pub(super) fn is_parallel(&self) -> bool {
+        self.plane > 0.0
+    }
+
+    /// The number that a view place is divided by to be projected: its distance, in perspective.
+    #[inline(always)]
+    pub(super) fn distance(&self, at: Vec3) -> f32 {
+        if self.is_parallel() {
+            self.plane
+        } else {
+            -at.z
+        }
+    }
+
+    /// Returns true if a view place is not behind the near plane.
+    #[inline(always)]
+    pub(super) fn is_in_front(&self, at: Vec3) -> bool {
+        self.distance(at) >= self.near
+    }
+
     /// Half a line's width at a view place, in drawing units.
     pub(super) fn half_width(&self, at: Vec3) -> f32 {
-        let w = (-at.z).max(self.near);
-        style::LINE_HALF_WIDTH.at(w, self.pixels_per_unit, self.unit, style::LEAST_HALF_WIDTH)
+        let w = self.distance(at).max(self.near);
+        self.line
+            .at(w, self.pixels_per_unit, self.unit, style::LEAST_HALF_WIDTH)
     }
 
     /// The length of one pixel at a view place, in drawing units.
     pub(super) fn pixel(&self, at: Vec3) -> f32 {
-        (-at.z).max(self.near) / self.pixels_per_unit
+        self.distance(at).max(self.near) / self.pixels_per_unit
     }
 
     /// A view place in clip space, its depth that of a place nearer by `lift`.
     pub(super) fn clip(&self, at: Vec3, lift: f32) -> Vec4 {
-        let w = -at.z;
+        let w = self.distance(at);
         // Lifted at most halfway to the eye: a glyph in front of the camera does not jump behind it.
-        let depth = if w > 0.0 {
+        let depth = if self.is_parallel() {
+            w * (0.5 + 0.5 * (at.z + lift + w) / self.reach)
+        } else if w > 0.0 {
             self.near * w / (w - lift).max(0.5 * w)
         } else {
             self.near
@@ -71,7 +123,7 @@ impl Eye {
     /// Projects a place in view space in front of the eye: offsets from the picture's middle in units that are equal in
     /// x and y.
     pub(super) fn project(&self, at: Vec3) -> Vec2 {
-        at.truncate() / (-at.z).max(self.near)
+        at.truncate() / self.distance(at).max(self.near)
     }
 }
 

@@ -211,7 +211,9 @@ fn found(
     };
     let instance = instance(eye, objects, job, seen);
     let samples = objects[job.object].samples.as_ref();
-    let mut position = from_view(camera, view_place(eye, at, w as f32));
+    let depths = [0, 1, 2].map(|k| weights[k] * f64::from(seen.corners[k].depth));
+    let depth = depths.iter().sum::<f64>() as f32;
+    let mut position = from_view(camera, view_place(eye, at, w as f32, depth));
     let shares = match samples {
         Samples::Surfaces { .. } => {
             let uv = |k: usize| {
@@ -247,10 +249,15 @@ fn weights(corners: &[Corner; 3], place: [f64; 2]) -> [f64; 3] {
     edges.weights(place.map(|x| x * f64::from(SUBPIXEL)))
 }
 
-/// The view place at the distance `w` that is seen at a pixel place.
-fn view_place(eye: &Eye, at: Vec2, w: f32) -> Vec3 {
+/// The view place that is seen at a pixel place: at the distance `w` in perspective, else at a depth.
+fn view_place(eye: &Eye, at: Vec2, w: f32, depth: f32) -> Vec3 {
     let ndc = Vec2::new(2.0 * at.x / eye.size.x - 1.0, 1.0 - 2.0 * at.y / eye.size.y);
-    (ndc / eye.zoom * w).extend(-w)
+    let z = if eye.is_parallel() {
+        (2.0 * depth - 1.0) * eye.reach - eye.plane
+    } else {
+        -w
+    };
+    (ndc / eye.zoom * w).extend(z)
 }
 
 fn from_view(camera: &Camera, at: Vec3) -> DrawingPoint {
@@ -291,7 +298,7 @@ fn instance(eye: &Eye, objects: &[Drawable], job: &Job, seen: &Seen) -> usize {
 fn along(eye: &Eye, samples: &[PositionSample], at: Vec2) -> f64 {
     let seen = |sample: &PositionSample| {
         let view = eye.see(sample.position);
-        (sample.defined != 0.0 && -view.z >= eye.near).then(|| {
+        (sample.defined != 0.0 && eye.is_in_front(view)).then(|| {
             let clip = eye.clip(view, 0.0);
             let ndc = Vec2::new(clip.x, clip.y) / clip.w;
             let pixel = Vec2::new(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * eye.size;

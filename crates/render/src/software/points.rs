@@ -11,15 +11,16 @@ pub(super) fn mesh(eye: &Eye, material: u32, samples: &[PositionSample]) -> Mesh
     let mut builder = MeshBuilder::new(eye, material);
     for sample in samples.iter().filter(|sample| sample.defined != 0.0) {
         let at = eye.see(sample.position);
-        let w = (-at.z).max(eye.near);
-        let radius =
-            style::POINT_RADIUS.at(w, eye.pixels_per_unit, eye.unit, style::LEAST_POINT_RADIUS);
+        let w = eye.distance(at).max(eye.near);
+        let radius = eye
+            .point
+            .at(w, eye.pixels_per_unit, eye.unit, style::LEAST_POINT_RADIUS);
         disc(
             &mut builder,
             eye,
             at,
             radius,
-            style::GLYPH_LIFT * radius,
+            eye.lift * radius,
             style::POINT_SEGMENTS,
         );
     }

@@ -260,6 +260,9 @@ impl Block {
 /// The unit vector to the eye from what is seen at a place of the picture, in view space.
 #[inline(always)]
 fn to_eye(eye: &Eye, at: [f32; 2]) -> [f32; 3] {
+    if eye.is_parallel() {
+        return [0.0, 0.0, 1.0];
+    }
     let x = (1.0 - 2.0 * at[0] / eye.size.x) / eye.zoom.x;
     let y = (2.0 * at[1] / eye.size.y - 1.0) / eye.zoom.y;
     let scale = 1.0 / (x * x + y * y + 1.0).sqrt();

@@ -9,7 +9,7 @@ use super::shade::{Material, MaterialKind};
 use super::{curves, points, surfaces, vectors};
 use crate::camera::Camera;
 use crate::sample::Samples;
-use crate::style;
+use crate::style::{self, LineStyle, Look};
 use crate::texture::Texture;
 use image::RgbaImage;
 use rayon::prelude::*;
@@ -37,17 +37,31 @@ pub struct Drawable {
     pub colour: [f32; 3],
     /// The share of [`style::EMPHASIS_COLOUR`] that is mixed into it, from 0 to 1.
     pub emphasis: f32,
+    /// The look of its lines.
+    pub line: LineStyle,
     /// The image of a surface; other kinds have no use for it.
     pub texture: Option<Arc<Texture>>,
 }
 
 impl Drawable {
+    /// An object with its look.
+    pub(crate) fn new(samples: Arc<Samples>, look: &Look, texture: Option<Arc<Texture>>) -> Self {
+        Self {
+            samples,
+            colour: look.colour,
+            emphasis: look.emphasis,
+            line: look.line,
+            texture,
+        }
+    }
+
     /// Nothing is drawn.
     pub(crate) fn nothing() -> Self {
         Self {
             samples: Arc::new(Samples::Points(Vec::new())),
             colour: [0.0; 3],
             emphasis: 0.0,
+            line: LineStyle::default(),
             texture: None,
         }
     }
@@ -203,6 +217,7 @@ pub(super) fn batches(jobs: &[Job]) -> Vec<std::ops::Range<usize>> {
 pub(super) fn meshes(eye: &Eye, objects: &[Drawable], job: &Job) -> Vec<Mesh> {
     let material = 2 * job.object as u32;
     let range = job.range.clone();
+    let eye = &eye.with_lines(objects[job.object].line);
     match objects[job.object].samples.as_ref() {
         Samples::Points(samples) => vec![points::mesh(eye, material, &samples[range])],
         Samples::Vectors(samples) => {

@@ -29,7 +29,7 @@ fn arrow(shafts: &mut MeshBuilder, heads: &mut MeshBuilder, eye: &Eye, origin: V
             eye,
             origin,
             half[0],
-            style::GLYPH_LIFT * half[0],
+            eye.lift * half[0],
             style::JOIN_SEGMENTS,
         );
         return;
@@ -48,11 +48,11 @@ fn arrow(shafts: &mut MeshBuilder, heads: &mut MeshBuilder, eye: &Eye, origin: V
             eye,
             ends[0],
             shaft[0],
-            style::JOIN_LIFT * shaft[0],
+            eye.join_lift * shaft[0],
             style::JOIN_SEGMENTS,
         );
     }
-    let lift = style::GLYPH_LIFT * half[1] * scale;
+    let lift = eye.lift * half[1] * scale;
     cone(
         heads,
         eye,
@@ -66,7 +66,7 @@ fn arrow(shafts: &mut MeshBuilder, heads: &mut MeshBuilder, eye: &Eye, origin: V
 
 /// The part of a shaft before the near plane.
 fn in_front(eye: &Eye, ends: [Vec3; 2], half: [f32; 2]) -> Option<([Vec3; 2], [f32; 2])> {
-    let beyond = ends.map(|at| -at.z - eye.near);
+    let beyond = ends.map(|at| eye.distance(at) - eye.near);
     match beyond.map(|b| b >= 0.0) {
         [true, true] => Some((ends, half)),
         [false, false] => None,

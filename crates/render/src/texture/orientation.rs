@@ -27,8 +27,8 @@ const STROKE: f32 = 0.5;
 /// The distance from one letter's left to the next one's, in units of a glyph's box.
 const ADVANCE: f32 = 5.7;
 
-/// The image: `CELLS·CELL` texels a side.
-pub(super) fn image() -> RgbaImage {
+/// The image: `CELLS·CELL` texels a side. The names in the cells are turned over for a reader `from_behind`.
+pub(super) fn image(from_behind: bool) -> RgbaImage {
     let side = CELLS * CELL;
     let names: Vec<Vec<Segment>> = (0..CELLS * CELLS)
         .map(|cell| name(cell % CELLS, cell / CELLS))
@@ -46,7 +46,7 @@ pub(super) fn image() -> RgbaImage {
                 let ink = label(
                     &names[(row * CELLS + column) as usize],
                     px,
-                    CELL as f32 - py,
+                    if from_behind { py } else { CELL as f32 - py },
                 );
                 let colour = mix(paper_colour(column, row), ink_colour(column), 0.9 * ink);
                 let [r, g, b] = mix(colour, [1.0; 3], line(x, y)).map(encode);

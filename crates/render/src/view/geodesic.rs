@@ -19,8 +19,9 @@ use crate::gpu::geodesic::ResolveTask;
 use crate::overlay::{self, GeodesicOverlay};
 use crate::plan::{GeodesicPlan, Plan, derivative_operations};
 use crate::point::{PixelPoint, WorldPoint};
-use crate::rendered::RenderedImage;
+use crate::rendered::{RenderedImage, SOFTWARE};
 use crate::request::{PictureRequest, ViewOptions, ViewPart};
+use crate::style;
 use crate::viewpoint::GeodesicCamera;
 use cache::{CachedMap, MapCache};
 
@@ -138,7 +139,7 @@ impl View for GeodesicView {
             is_table: options.method.is_fan(),
             derivative_operations: derivative_operations(&request.scene, surface),
         });
-        plan.count_textures(request, &[surface]);
+        plan.count_textures(&[request.texture(surface)]);
     }
 
     fn renderer(&self) -> Box<dyn ViewRenderer> {
@@ -250,6 +251,7 @@ fn by_software(
     RenderedImage {
         notes,
         overlays,
+        backend: SOFTWARE.to_owned(),
         ..RenderedImage::new(Pixels::Image(image))
     }
 }
@@ -307,5 +309,5 @@ fn by_gpu(
 
 /// The colour of a surface, in linear light.
 fn colour(request: &PictureRequest, surface: ObjectId) -> [f32; 3] {
-    request.colour(surface, &request.scene.objects[surface.0 as usize].shape)
+    style::linear(request.srgb(surface))
 }

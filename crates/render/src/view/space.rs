@@ -1,4 +1,4 @@
-//! The 3D view: all objects in space, by a perspective camera.
+//! The 3D view: all objects in space, in perspective or orthographic.
 //!
 //! ```text
 //! request ──framing──▶ drawing units ──samples──▶ gpu/ or software/ ──▶ picture ──overlay──▶ picture
@@ -9,14 +9,15 @@ use std::sync::Arc;
 use scene::{Object, ObjectId, Range, Sampling, Scene, Shape};
 
 use super::{Hit, Key, SharedState, View, ViewRenderer};
-use crate::bounds::Bounds;
+use crate::bounds::{Bounds, ObjectCloud};
 use crate::camera::Camera;
+use crate::closed::ClosedSurface;
 use crate::content::{self, Content, Structure};
 use crate::error::RenderError;
 use crate::framing::Framed;
 use crate::gpu::Pixels;
 use crate::gpu::renderer::SpaceScene;
-use crate::overlay::{self, OverlayObject};
+use crate::overlay::{self, AxesBox, OverlayObject, TextLabel};
 use crate::placement::Placement;
 use crate::plan::{Plan, object_plan};
 use crate::point::PixelPoint;
@@ -24,6 +25,8 @@ use crate::rendered::RenderedImage;
 use crate::request::part::SpaceOptions;
 use crate::request::{Overlays, PictureRequest, ViewOptions, ViewPart};
 use crate::software::{self, Drawable};
+use crate::style::{self, Look};
+use crate::texture::Texture;
 use crate::viewpoint::GeodesicCamera;
 
 /// The view's name.
@@ -72,7 +75,7 @@ impl View for SpaceView {
     }
 
     fn purpose(&self) -> &'static str {
-        "all objects in space, by a perspective camera"
+        "all objects in space, in perspective or orthographic"
     }
 
     fn shows(&self, scene: &Scene, object: &Object) -> bool {
@@ -102,12 +105,13 @@ impl View for SpaceView {
                 continue;
             }
             if object.shape.is_surface() {
-                textured.push(id);
+                let closed = ObjectCloud::new(&request.scene, &request.params, object).closed;
+                textured.push(request.texture_seen(id, is_seen_from_behind(closed)));
             }
             let planned = object_plan(&request.scene, &request.params, id, object, plan.gpu);
             plan.objects.extend(planned);
         }
-        plan.count_textures(request, &textured);
+        plan.count_textures(&textured);
         plan.left_out
             .push("no geodesic kernel and no resolve pass: the picture is the 3D view".to_owned());
     }
@@ -123,8 +127,7 @@ const KEYS: &[Key] = &[
     Key::new("A D", "left, right"),
     Key::new("Q E", "up, down in the world"),
     Key::new("Arrows", "look around"),
-    Key::new("Alt and arrows", "turn about the target"),
-    Key::new("Shift and arrows", "sideways"),
+    Key::new("Alt, Shift and arrows", "turn about the target, sideways"),
     Key::new("+ −", "nearer, farther"),
     Key::new("F", "frame everything"),
     Key::new("R, Home", "reset"),
@@ -132,6 +135,7 @@ const KEYS: &[Key] = &[
         "Enter",
         "put the geodesic camera to the middle of the picture",
     ),
+    Key::new("1 3 7 5", "front, right, top; orthographic"),
     Key::new(
         "Ctrl+Enter",
         "show the declaration in the middle of the picture",
@@ -182,16 +186,32 @@ impl ViewRenderer for SpaceRenderer {
         let structures = shared.structures.get(request.scene.arc());
         let framed = frame(shared, request, options, &structures);
         let camera = framed.camera(&options.camera, request.size)?;
+        let axes = request.overlays.axes.then(|| framed.corners()).flatten();
+        let axes = axes.map(|corners| AxesBox::new(&camera, corners));
         let overlay = self.overlay(request, options, &structures, &camera.placement)?;
+        let overlay = match &axes {
+            Some(axes) => {
+                let ground = style::linear(request.axes_colour());
+                overlay
+                    .iter()
+                    .cloned()
+                    .chain([axes.object(ground)])
+                    .collect()
+            }
+            None => overlay,
+        };
         let background = options.background_light();
         let (mut pixels, notes) = if let Some(gpu) = &mut shared.gpu {
-            let shown = |id| options.shows(id).then(|| options.emphasis(id));
+            let looks = looks(request, options);
+            let shown = |id: ObjectId| options.shows(id).then(|| looks[id.0 as usize]);
+            let texture = |id| texture(request, &framed, id);
             let scene = SpaceScene {
                 request,
                 structures: &structures,
                 contents: framed.contents(),
                 camera: &camera,
                 shown: &shown,
+                texture: &texture,
                 overlay: &overlay,
                 background,
             };
@@ -199,24 +219,27 @@ impl ViewRenderer for SpaceRenderer {
         } else {
             let sampled = |share: f32| progress(SAMPLING_SHARE * share);
             let (mut drawables, notes) = drawables(shared, request, options, &framed, &sampled);
-            drawables.extend(overlay.iter().map(|object| Drawable {
-                samples: object.samples.clone(),
-                colour: object.colour,
-                emphasis: 0.0,
-                texture: None,
+            drawables.extend(overlay.iter().map(|object| {
+                let look = object.look(request.scale);
+                Drawable::new(object.samples.clone(), &look, None)
             }));
             let image = software::draw(&camera, &drawables, background, &|share| {
                 progress(SAMPLING_SHARE + (1.0 - SAMPLING_SHARE) * share);
             });
             (Pixels::Image(image), notes)
         };
+        let mut labels = axes.map_or_else(Vec::new, |axes| axes.labels(&camera));
+        if request.overlays.labels {
+            labels.extend(self::labels(shared, request, options, &framed, &camera));
+            labels.extend(overlay::here(&overlay, &camera));
+        }
         shared.samples.next();
         let mut overlays = overlay::names(overlay.iter());
         let shown = options.show_camera.as_ref();
         if overlay::any_space(request, shown) {
             // Words are written over pictures in memory.
             let mut image = shared.read(pixels)?;
-            overlays.extend(overlay::over_space(&mut image, request, shown)?);
+            overlays.extend(overlay::over_space(&mut image, request, shown, &labels)?);
             pixels = Pixels::Image(image);
         }
         Ok(RenderedImage {
@@ -341,6 +364,7 @@ fn drawables(
     let (mut drawables, mut notes) = (Vec::new(), Vec::new());
     let placement = framed.bounds.placement;
     let scene = &request.scene;
+    let looks = looks(request, options);
     let objects = (0..).map(ObjectId).zip(&scene.objects);
     for ((id, object), content) in objects.zip(framed.contents()) {
         if !options.shows(id) {
@@ -352,15 +376,66 @@ fn drawables(
         let sampled = samples.get(scene, &request.params, id, content, &placement);
         notes.extend(sampled.notes(object));
         let is_surface = object.shape.is_surface();
-        drawables.push(Drawable {
-            samples: sampled.samples,
-            colour: request.colour(id, &object.shape),
-            emphasis: options.emphasis(id),
-            texture: is_surface.then(|| request.texture(id)),
-        });
+        let texture = is_surface.then(|| texture(request, framed, id));
+        let look = &looks[id.0 as usize];
+        drawables.push(Drawable::new(sampled.samples, look, texture));
         progress(drawables.len() as f32 / scene.objects.len() as f32);
     }
     (drawables, notes)
+}
+
+/// The looks of the scene's objects, in their order.
+fn looks(request: &PictureRequest, options: &SpaceOptions) -> Vec<Look> {
+    let colours = request.object_colours().into_iter();
+    let lines = style::line_styles(&request.scene, request.scale);
+    let numbered = (0..).map(ObjectId).zip(colours.zip(lines));
+    numbered
+        .map(|(id, (colour, line))| Look {
+            colour: style::linear(colour),
+            emphasis: options.emphasis(id),
+            line,
+        })
+        .collect()
+}
+
+/// The texture of a surface. The letters of the built-in one are read from the outside of a closed surface.
+fn texture(request: &PictureRequest, framed: &Framed, id: ObjectId) -> Arc<Texture> {
+    let closed = framed.object(id).and_then(|cloud| cloud.closed);
+    request.texture_seen(id, is_seen_from_behind(closed))
+}
+
+/// Returns true if the outside of a surface is not the side that σu×σv points to.
+fn is_seen_from_behind(closed: Option<ClosedSurface>) -> bool {
+    closed.is_some_and(|closed| !closed.points_outwards)
+}
+
+/// The names of the objects that are drawn, where they are seen.
+fn labels(
+    shared: &mut SharedState,
+    request: &PictureRequest,
+    options: &SpaceOptions,
+    framed: &Framed,
+    camera: &Camera,
+) -> Vec<TextLabel> {
+    let scene = &request.scene;
+    let objects = (0..).map(ObjectId).zip(&scene.objects);
+    let objects = objects.zip(framed.contents());
+    let drawn = objects.filter(|((id, object), _)| options.shows(*id) && scene.is_in_space(object));
+    let label = |((id, object), content): ((ObjectId, &Object), &Content)| {
+        let samples = object.shape.is_geodesic().then(|| {
+            let (store, params) = (&mut shared.samples, &request.params);
+            store
+                .get(scene, params, id, content, &camera.placement)
+                .samples
+        });
+        let cloud = framed.object(id)?;
+        let place = overlay::anchor(camera, &object.shape, cloud, samples.as_deref())?;
+        Some(TextLabel::beside(
+            camera.pixel_of(place)?,
+            object.name.as_str(),
+        ))
+    };
+    drawn.filter_map(label).collect()
 }
 
 /// Parameters from shares of the domain.

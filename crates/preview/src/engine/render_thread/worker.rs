@@ -12,7 +12,7 @@ use render::point::PixelPoint;
 use render::rendered::RenderedImage;
 use render::shared::Shared;
 use render::view::space;
-use render::viewpoint::PerspectiveCamera;
+use render::viewpoint::{Projection, Viewpoint};
 use render::{PictureRequest, RenderError, Renderer, ViewId};
 use scene::{ObjectId, ParamValues, Scene};
 
@@ -36,6 +36,7 @@ struct Home {
     settings: Arc<ParamValues>,
     size: [u32; 2],
     hidden: Vec<ObjectId>,
+    projection: Projection,
     camera: SpaceCamera,
 }
 
@@ -112,7 +113,8 @@ impl Worker {
     /// Finds the camera that sees everything.
     pub(super) fn frame(&mut self, request: &PictureRequest) -> Option<RenderEvent> {
         let mut request = request.clone();
-        request.view.space_mut()?.camera = PerspectiveCamera::default();
+        let camera = &mut request.view.space_mut()?.camera;
+        (camera.eye, camera.target) = (None, None);
         Some(RenderEvent::Framed(self.home(&request).ok()?))
     }
 
@@ -131,7 +133,10 @@ impl Worker {
             None
         };
         if let (Some(home), Some(space)) = (home, request.view.space_mut()) {
-            space.camera = PerspectiveCamera::new(home.eye, home.target);
+            space.camera = Viewpoint {
+                projection: space.camera.projection,
+                ..Viewpoint::new(home.eye, home.target)
+            };
         }
         let mut drawn = self.renderer.draw(&request)?;
         let pixels = match drawn.image {
@@ -147,16 +152,22 @@ impl Worker {
     fn home(&mut self, request: &PictureRequest) -> Result<SpaceCamera, RenderError> {
         let space = request.view.space();
         let hidden = space.map_or(Vec::new(), |space| space.hidden.clone());
+        let projection = space.map_or(Projection::default(), |space| space.camera.projection);
         if let Some(home) = &self.home
             && home.scene == request.scene
             && home.settings == request.params
             && home.size == request.size
             && home.hidden == hidden
+            && home.projection == projection
         {
             return Ok(home.camera);
         }
         let bounds = space::bounds(request);
-        let camera = Camera::new(&bounds, None, None, request.size)?;
+        let viewpoint = Viewpoint {
+            projection,
+            ..Viewpoint::default()
+        };
+        let camera = Camera::new(&bounds, &viewpoint, request.size)?;
         let (centre, radius) = (
             DVec3::from(bounds.placement.centre),
             bounds.placement.radius,
@@ -174,6 +185,7 @@ impl Worker {
             settings: Arc::clone(&request.params),
             size: request.size,
             hidden,
+            projection,
             camera,
         });
         Ok(camera)

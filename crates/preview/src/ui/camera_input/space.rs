@@ -7,6 +7,7 @@ use render::ViewId;
 use super::{CameraInput, Held, TURN_SPEED, ZOOM_SPEED, carried, nearing, pixel};
 use crate::engine::render_thread::Purpose;
 use crate::state::{Model, SpaceCamera};
+use crate::ui::navigation;
 use crate::ui::window::Window;
 
 /// Radii of the scene a second, at the camera speed 1.
@@ -26,12 +27,16 @@ impl CameraInput for SpaceInput {
         if ui.input(|input| input.key_pressed(Key::F) && input.modifiers.is_none()) {
             window.frame_all();
         }
+        navigation::keys(window, ui);
         let Some(camera) = window.model.view.space else {
             return;
         };
         let speed = window.model.view.preferences.camera_speed;
         let keys = &window.input.held;
-        let next = ui.input(|input| moved_by_keys(Held::new(input, keys, arrows), camera, speed));
+        let is_parallel = window.model.view.preferences.orthographic;
+        let next = ui.input(|input| {
+            moved_by_keys(Held::new(input, keys, arrows), camera, speed, is_parallel)
+        });
         if next != camera {
             window.move_space("keys", next, ui);
         }
@@ -85,6 +90,7 @@ impl CameraInput for SpaceInput {
         if response.has_focus() && window.input.by_keys {
             aim(ui, response.rect.center());
         }
+        navigation::gizmo(window, ui, id, response.rect);
     }
 
     fn reset(&self, window: &mut Window, _id: &ViewId) {
@@ -120,18 +126,29 @@ fn hint(ui: &Ui, rect: Rect, fly: bool) {
     painter.text(at, Align2::CENTER_BOTTOM, text, font, colour);
 }
 
-/// Moves the camera by the held keys: it goes, or looks, in the direction of the letters and arrows.
-fn moved_by_keys(held: Held<'_>, mut camera: SpaceCamera, speed: f64) -> SpaceCamera {
+/// Moves the camera by the held keys: it goes, or looks, in the direction of the letters and arrows. Where lines of sight
+/// are parallel, going forward would change nothing: it comes nearer instead.
+fn moved_by_keys(
+    held: Held<'_>,
+    mut camera: SpaceCamera,
+    speed: f64,
+    is_parallel: bool,
+) -> SpaceCamera {
     if !held.any() {
         return camera;
     }
     let step = held.seconds() * speed;
     let Modifiers { alt, shift, .. } = held.input.modifiers;
-    let way = [
+    let mut way = [
         held.letters(Key::D, Key::A),
         held.letters(Key::W, Key::S),
         held.letters(Key::Q, Key::E),
     ];
+    if is_parallel && way[1] != 0.0 {
+        let factor = (-way[1] * step * ZOOM_SPEED).exp();
+        camera = camera.neared(factor, DVec2::ZERO);
+        way[1] = 0.0;
+    }
     if way != [0.0; 3] {
         camera = camera.moved(way.map(|x| x * step * SPEED));
     }

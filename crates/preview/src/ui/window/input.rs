@@ -14,6 +14,7 @@ use crate::state::pane::Pane;
 use crate::state::{Choice, SpaceCamera, Step};
 use crate::ui::camera_input::{ARROWS, Held};
 use crate::ui::held_keys::HeldKeys;
+use crate::ui::navigation::Turn;
 use crate::ui::panes::picture;
 
 /// The state of the user's input between two frames.
@@ -28,6 +29,8 @@ pub(crate) struct InputState {
     pub(crate) held: HeldKeys,
     /// Set if two fingers on a touchpad scrolled last, and not a wheel.
     pub(crate) fingers: bool,
+    /// The camera in space while it turns to a view along an axis.
+    pub(crate) turn: Option<Turn>,
 }
 
 /// The title of the step that adds textures.

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use egui::Ui;
 use render::rendered::RenderedImage;
-use render::viewpoint::PerspectiveCamera;
+use render::viewpoint::Viewpoint;
 use render::{PictureRequest, Renderer, ViewId};
 
 use super::Window;
@@ -265,7 +265,10 @@ impl Window {
         if sent == request {
             // The same picture would be drawn with it.
             if let Some(space) = sent.view.space_mut() {
-                space.camera = PerspectiveCamera::new(first.eye, first.target);
+                space.camera = Viewpoint {
+                    projection: space.camera.projection,
+                    ..Viewpoint::new(first.eye, first.target)
+                };
             }
         }
         self.model.adjust(|view| view.space = Some(first));

@@ -41,6 +41,7 @@ impl<'t> Lines<'t> {
     pub(in crate::overlay) fn new(
         lines: &[SurfaceCurve],
         camera: &PlacedCamera,
+        scale: f32,
         counters: &'t PixelCounters,
     ) -> Option<Self> {
         if lines.iter().all(|line| line.pieces.is_empty()) {
@@ -53,7 +54,7 @@ impl<'t> Lines<'t> {
                 .iter()
                 .map(|line| StrokeColour::new(line.colour))
                 .collect(),
-            pen: StrokeStyle::for_size(size),
+            pen: StrokeStyle::for_size(size, scale),
             width: size[0] as usize,
             processor: Processor::here(),
             scratches: Mutex::default(),

@@ -29,7 +29,7 @@ fn objects(window: &mut Window, ui: &mut Ui) {
         return;
     }
     Grid::new("objects")
-        .num_columns(4)
+        .num_columns(5)
         .min_col_width(0.0)
         .spacing([8.0, 4.0])
         .show(ui, |ui| {
@@ -57,7 +57,7 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
     }
     let mut colour = look
         .colour
-        .unwrap_or_else(|| render::style::colour(&object.shape));
+        .unwrap_or_else(|| window.model.default_colour(name));
     let picker = ui.color_edit_button_srgb(&mut colour);
     if picker
         .accessible_name(format!("Colour of {name}"))
@@ -93,7 +93,21 @@ fn row(window: &mut Window, ui: &mut Ui, object: &Object) {
                     view.looks.entry(name.clone()).or_default().texture = texture;
                 });
         }
+        let mut flipped = look.flipped;
+        let hint = "Lays the image on the surface the other way up";
+        let flip = ui.checkbox(&mut flipped, "Flip").on_hover_text(hint);
+        if flip
+            .accessible_name(format!("Flip the image of {name}"))
+            .changed()
+        {
+            window
+                .model
+                .change(Step::new("Flip an image", name.as_str()), |view| {
+                    view.looks.entry(name.clone()).or_default().flipped = flipped;
+                });
+        }
     } else {
+        ui.label("");
         ui.label("");
     }
 }

@@ -1,0 +1,23 @@
+//! The looks of objects that the user has not chosen.
+
+use super::Model;
+use crate::state::Choice;
+
+impl Model {
+    /// Returns true if a surface or metric of the scene shows its curvature.
+    pub(crate) fn shows_curvature(&self) -> bool {
+        let objects = self.scene.iter().flat_map(|scene| &scene.objects);
+        let mut manifolds = objects.filter(|object| object.shape.manifold().is_some());
+        manifolds.any(|object| *self.view.texture(&object.name) == Choice::Curvature)
+    }
+
+    /// Returns the colour (sRGB) that an object has where none is chosen.
+    pub(crate) fn default_colour(&self, name: &str) -> [u8; 3] {
+        let own = self.scene.as_ref().and_then(|scene| {
+            let (id, _) = scene.object(name)?;
+            let colours = render::style::colours(scene, self.shows_curvature());
+            colours.get(id.0 as usize).copied()
+        });
+        own.unwrap_or(render::style::SURFACE_COLOUR)
+    }
+}

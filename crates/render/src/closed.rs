@@ -1,0 +1,134 @@
+//! Closed surfaces, from a coarse grid of their places: the side that is outside, and the way that the middle of the
+//! domain faces.
+
+use glam::DVec3;
+
+/// Places count as one if they are nearer than this share of the surface's size.
+const SAME: f64 = 1e-6;
+/// A surface that encloses less than this share of its size cubed has no outside.
+const FLAT: f64 = 1e-6;
+
+/// A surface whose sides are glued to each other, or shrink to points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ClosedSurface {
+    /// True if σu×σv points outwards.
+    pub(crate) points_outwards: bool,
+    /// The unit normal that points outwards, on the average over the middle of the domain.
+    pub(crate) facing: [f64; 3],
+}
+
+impl ClosedSurface {
+    /// Finds out whether a grid of places (those of the first row of v first) is that of a closed surface. Where sides
+    /// are glued turned over, there is no outside.
+    pub(crate) fn from_grid(grid: &[[f64; 3]], [columns, rows]: [usize; 2]) -> Option<Self> {
+        if columns < 3 || rows < 3 || grid.len() < columns * rows {
+            return None;
+        }
+        let grid = &grid[..columns * rows];
+        if grid.iter().flatten().any(|x| !x.is_finite()) {
+            return None;
+        }
+        let places = || grid.iter().copied().map(DVec3::from);
+        let low = places().fold(DVec3::INFINITY, DVec3::min);
+        let high = places().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let (middle, size) = (0.5 * low + 0.5 * high, (high - low).max_element());
+        // About the middle, in units of the size: no product overflows.
+        let at = |i: usize, j: usize| (DVec3::from(grid[j * columns + i]) - middle) / size;
+        let same = |a: DVec3, b: DVec3| a.distance(b) <= SAME;
+        let side = |along_u: bool, k: usize| -> Vec<DVec3> {
+            match along_u {
+                true => (0..columns).map(|i| at(i, k)).collect(),
+                false => (0..rows).map(|j| at(k, j)).collect(),
+            }
+        };
+        let is_closed = |sides: [Vec<DVec3>; 2]| {
+            let mut pairs = sides[0].iter().zip(&sides[1]);
+            let is_point = |side: &Vec<DVec3>| side.iter().all(|&place| same(place, side[0]));
+            pairs.all(|(&a, &b)| same(a, b)) || sides.iter().all(is_point)
+        };
+        let closed = size > 0.0
+            && size.is_finite()
+            && is_closed([side(false, 0), side(false, columns - 1)])
+            && is_closed([side(true, 0), side(true, rows - 1)]);
+        if !closed {
+            return None;
+        }
+        let (mut volume, mut normal) = (0.0, DVec3::ZERO);
+        let is_central = |k: usize, count: usize| (count / 4..count - count / 4 - 1).contains(&k);
+        for j in 0..rows - 1 {
+            for i in 0..columns - 1 {
+                let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                volume += (a.cross(b).dot(c) + a.cross(c).dot(d)) / 6.0;
+                if is_central(i, columns) && is_central(j, rows) {
+                    normal += (c - a).cross(d - b);
+                }
+            }
+        }
+        if volume.abs() <= FLAT {
+            return None;
+        }
+        let facing = normal.normalize_or_zero() * volume.signum();
+        Some(Self {
+            points_outwards: volume > 0.0,
+            facing: facing.to_array(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::{PI, TAU};
+
+    use super::*;
+
+    const SIDE: usize = 25;
+
+    fn grid(u: [f64; 2], v: [f64; 2], place: impl Fn(f64, f64) -> [f64; 3]) -> Vec<[f64; 3]> {
+        let at =
+            |[low, high]: [f64; 2], k: usize| low + (high - low) * k as f64 / (SIDE - 1) as f64;
+        let places = (0..SIDE).flat_map(|j| (0..SIDE).map(move |i| (i, j)));
+        places.map(|(i, j)| place(at(u, i), at(v, j))).collect()
+    }
+
+    fn closed(grid: &[[f64; 3]]) -> Option<ClosedSurface> {
+        ClosedSurface::from_grid(grid, [SIDE; 2])
+    }
+
+    #[test]
+    fn a_sphere_faces_the_middle_of_its_domain_whichever_way_its_normal_points() {
+        let polar = |u: f64, v: f64| [v.sin() * u.cos(), v.sin() * u.sin(), v.cos()];
+        let latitude = |u: f64, v: f64| [v.cos() * u.cos(), v.cos() * u.sin(), v.sin()];
+        let inwards = closed(&grid([-PI, PI], [0.0, PI], polar)).expect("closed");
+        let outwards = closed(&grid([-PI, PI], [-PI / 2.0, PI / 2.0], latitude)).expect("closed");
+        assert!(!inwards.points_outwards && outwards.points_outwards);
+        for sphere in [inwards, outwards] {
+            assert!(
+                DVec3::from(sphere.facing).distance(DVec3::X) < 1e-9,
+                "{sphere:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_torus_faces_into_its_hole_and_open_or_turned_surfaces_face_nowhere() {
+        let torus = |u: f64, v: f64| {
+            let r = 2.0 + v.cos();
+            [r * u.cos(), r * u.sin(), v.sin()]
+        };
+        let found = closed(&grid([0.0, TAU], [0.0, TAU], torus)).expect("closed");
+        assert!(found.points_outwards);
+        assert!(
+            DVec3::from(found.facing).distance(DVec3::X) < 1e-9,
+            "{found:?}"
+        );
+        let half = closed(&grid([0.0, PI], [0.0, TAU], torus));
+        let plane = closed(&grid([0.0, 1.0], [0.0, 1.0], |u, v| [u, v, 0.0]));
+        let moebius = closed(&grid([0.0, TAU], [-0.5, 0.5], |u, v| {
+            let r = 1.0 + v * (u / 2.0).cos();
+            [r * u.cos(), r * u.sin(), v * (u / 2.0).sin()]
+        }));
+        assert_eq!([half, plane, moebius], [None; 3]);
+        let undefined = closed(&grid([0.0, TAU], [0.0, TAU], |_, _| [f64::NAN; 3]));
+        assert_eq!(undefined, None);
+    }
+}

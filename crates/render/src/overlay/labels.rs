@@ -1,0 +1,130 @@
+//! Names at objects: words over a picture in space, beside what they name, and not over each other.
+
+use glam::DVec3;
+use image::RgbaImage;
+use scene::Shape;
+
+use super::text::{self, Ink};
+use crate::bounds::ObjectCloud;
+use crate::camera::Camera;
+use crate::point::{DrawingPoint, PixelPoint, WorldPoint};
+use crate::request::PictureRequest;
+use crate::sample::Samples;
+use crate::style;
+
+/// The height of words in pixel units.
+const HEIGHT: f32 = 15.0;
+/// The least height of words in pixels.
+const LEAST_HEIGHT: f32 = 10.0;
+/// The distance of words from what they name, in their heights.
+const GAP: f32 = 0.45;
+/// The direction in the picture of the place at which a surface has its name: to the right and up.
+const SURFACE_SIDE: [f64; 2] = [0.5, 0.87];
+
+/// The words at the place of a geodesic camera.
+pub(crate) const HERE: &str = "You are here";
+
+/// Words at a place of the picture.
+#[derive(Clone, Debug)]
+pub(crate) struct TextLabel {
+    at: PixelPoint,
+    words: String,
+    /// True if their middle is the place; otherwise they are beside it.
+    is_centred: bool,
+}
+
+impl TextLabel {
+    /// Words about a place.
+    pub(super) fn centred(at: PixelPoint, words: String) -> Self {
+        Self {
+            at,
+            words,
+            is_centred: true,
+        }
+    }
+
+    /// Words beside a place.
+    pub(crate) fn beside(at: PixelPoint, words: impl Into<String>) -> Self {
+        Self {
+            at,
+            words: words.into(),
+            is_centred: false,
+        }
+    }
+}
+
+/// Returns the place in drawing units at which an object has its name: the middle of a curve, the tip of a vector, the
+/// place of a surface that is seen farthest to the upper right. Geodesics have samples in place of a cloud.
+pub(crate) fn anchor(
+    camera: &Camera,
+    shape: &Shape,
+    cloud: &ObjectCloud,
+    samples: Option<&Samples>,
+) -> Option<DrawingPoint> {
+    if let Some(Samples::Curves { count, samples }) = samples {
+        let own = samples.get(..*count as usize)?;
+        let middle = own.len() / 2;
+        let defined = own.iter().enumerate().filter(|(_, it)| it.defined != 0.0);
+        let (_, sample) = defined.min_by_key(|(k, _)| k.abs_diff(middle))?;
+        return Some(DrawingPoint(sample.position.map(f64::from)));
+    }
+    if !shape.is_surface() {
+        let middle = cloud.middle.or(cloud.points.first().copied())?;
+        return Some(camera.placement.local(WorldPoint(middle)));
+    }
+    let [right, up, _] = camera.axes;
+    let side = right * SURFACE_SIDE[0] + up * SURFACE_SIDE[1];
+    let farthest = |a: &&[f64; 3], b: &&[f64; 3]| {
+        let [a, b] = [*a, *b].map(|place| DVec3::from(*place).dot(side));
+        a.total_cmp(&b)
+    };
+    let place = cloud.points.iter().max_by(farthest)?;
+    Some(camera.placement.local(WorldPoint(*place)))
+}
+
+/// Writes labels over a picture, each near its place: where one would lie over another, on another side.
+pub(crate) fn write(image: &mut RgbaImage, labels: &[TextLabel], request: &PictureRequest) {
+    let size = [image.width(), image.height()];
+    let height = (HEIGHT * style::pixel_unit(size) * request.scale).max(LEAST_HEIGHT);
+    let ink = Ink::over(request.backdrop());
+    let mut taken: Vec<[f32; 4]> = Vec::new();
+    for label in labels {
+        let width = text::width(&label.words, height);
+        let [x, y] = label.at.0.map(|x| x as f32);
+        let gap = GAP * height;
+        let corners: &[[f32; 2]] = if label.is_centred {
+            &[[-0.5 * width, -0.5 * height]]
+        } else {
+            &[
+                [gap, -height - 0.5 * gap],
+                [gap, 0.5 * gap],
+                [-gap - width, -height - 0.5 * gap],
+                [-gap - width, 0.5 * gap],
+                [-0.5 * width, -2.2 * height],
+                [-0.5 * width, 1.2 * height],
+            ]
+        };
+        let boxes = corners.iter().map(|[dx, dy]| {
+            let corner = [x + dx, y + dy];
+            [corner[0], corner[1], corner[0] + width, corner[1] + height]
+        });
+        let is_inside = |b: &[f32; 4]| {
+            b[0] >= 0.0 && b[1] >= 0.0 && b[2] <= size[0] as f32 && b[3] <= size[1] as f32
+        };
+        let is_free = |b: &[f32; 4]| !taken.iter().any(|other| overlap(b, other));
+        let mut boxes = boxes.filter(is_inside);
+        let Some(place) = boxes.clone().find(is_free).or_else(|| boxes.next()) else {
+            continue;
+        };
+        // A number that would lie over another is left out: its neighbours say what it is.
+        if label.is_centred && !is_free(&place) {
+            continue;
+        }
+        taken.push(place);
+        text::write_outlined(image, &label.words, [place[0], place[1]], height, ink);
+    }
+}
+
+fn overlap(a: &[f32; 4], b: &[f32; 4]) -> bool {
+    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
+}

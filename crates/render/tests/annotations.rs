@@ -1,0 +1,368 @@
+//! What helps to read a picture: labels, axes, colours that stay apart, lines over lines, the first camera's side, images
+//! that are turned over.
+
+mod scenes;
+
+use std::sync::Arc;
+
+use image::{Rgba, RgbaImage};
+use render::gpu::Gpu;
+use render::point::WorldPoint;
+use render::request::Overlays;
+use render::shared::Shared;
+use render::texture::Texture;
+use render::view::geodesic::GeodesicOptions;
+use render::viewpoint::{GeodesicCamera, Viewpoint};
+use render::{Backend, PictureRequest, RenderError, Renderer, Views, style};
+use scene::{ObjectId, ParamValues};
+use scenes::Wanted;
+
+const SIZE: [u32; 2] = [320, 240];
+const POLAR: &str =
+    "surface s(u, v) = (sin(v) cos(u), sin(v) sin(u), cos(v)), u : [-pi, pi], v : [0, pi];";
+
+fn request(text: &str, wanted: &Wanted) -> PictureRequest {
+    let scene = scenes::scene(text);
+    wanted.of(&scene, &ParamValues::initial(&scene))
+}
+
+fn draw(request: &PictureRequest, backend: Backend) -> RgbaImage {
+    let picture = render::render(&Views::standard(), request, backend, &|_| {});
+    picture.expect("a picture").image
+}
+
+fn software(request: &PictureRequest) -> RgbaImage {
+    draw(request, Backend::Software)
+}
+
+/// The pixels in which two pictures differ.
+fn changed(a: &RgbaImage, b: &RgbaImage) -> Vec<[u32; 2]> {
+    let pixels = a.enumerate_pixels().zip(b.pixels());
+    let pixels = pixels.filter(|((_, _, a), b)| a != b);
+    pixels.map(|((x, y, _), _)| [x, y]).collect()
+}
+
+#[test]
+fn a_label_lies_beside_what_it_names_on_both_backends() {
+    let text = "point first = (-1, 0, 0); point second = (1, 0, 0);";
+    let plain = request(text, &Wanted::space(SIZE));
+    let labelled = PictureRequest {
+        overlays: Overlays {
+            labels: true,
+            ..Overlays::default()
+        },
+        ..plain.clone()
+    };
+    let camera = Renderer::software().camera(&plain).expect("a camera");
+    for backend in [Backend::Software, Backend::Gpu] {
+        let words = changed(&draw(&plain, backend), &draw(&labelled, backend));
+        assert!(words.len() > 300, "{backend:?}: {} pixels", words.len());
+        let near = |place: [f64; 3]| {
+            let place = camera.placement.local(WorldPoint(place));
+            let [x, y] = camera.pixel_of(place).expect("in front").0;
+            let off = |[a, b]: &[u32; 2]| (f64::from(*a) - x).hypot(f64::from(*b) - y);
+            words.iter().filter(|pixel| off(pixel) < 90.0).count()
+        };
+        let counts = [near([-1.0, 0.0, 0.0]), near([1.0, 0.0, 0.0])];
+        assert!(
+            counts.iter().all(|count| *count > 100),
+            "{backend:?}: {counts:?}"
+        );
+        assert_eq!(
+            counts[0] + counts[1],
+            words.len(),
+            "{backend:?}: words elsewhere"
+        );
+    }
+}
+
+#[test]
+fn words_and_lines_are_as_large_as_the_scale_says() {
+    let text = "curve line(t) = (t, 0, 0), t : [-1, 1];";
+    let with = |scale: f32, labels: bool| {
+        let mut request = request(text, &Wanted::space(SIZE));
+        request.scale = scale;
+        request.overlays.labels = labels;
+        software(&request)
+    };
+    let thickness = |image: &RgbaImage| {
+        let column = |y: &u32| image.get_pixel(80, *y).0[..3] != style::BACKGROUND;
+        (0..SIZE[1]).filter(column).count()
+    };
+    let [one, three] = [with(1.0, false), with(3.0, false)];
+    let [thin, thick] = [thickness(&one), thickness(&three)];
+    assert!((2 * thin..=4 * thin).contains(&thick), "{thin} and {thick}");
+    let words = [
+        changed(&one, &with(1.0, true)).len(),
+        changed(&three, &with(3.0, true)).len(),
+    ];
+    assert!(words[1] > 3 * words[0], "larger words: {words:?}");
+    let mut request = request(text, &Wanted::space(SIZE));
+    request.scale = 0.0;
+    assert_eq!(request.check(), Err(RenderError::Scale(0.0)));
+}
+
+#[test]
+fn axes_are_a_box_behind_the_scene_with_numbers() {
+    let text = "surface s(u, v) = (u, v, u v), u : [-1, 1, 20], v : [-1, 1, 20];";
+    let plain = request(text, &Wanted::space(SIZE));
+    let mut axes = plain.clone();
+    axes.overlays.axes = true;
+    for backend in [Backend::Software, Backend::Gpu] {
+        let added = changed(&draw(&plain, backend), &draw(&axes, backend));
+        assert!(added.len() > 1500, "{backend:?}: {}", added.len());
+    }
+    // A scene that nothing is in has no box.
+    let empty = request("function f(x) = x;", &Wanted::space(SIZE));
+    let mut boxed = empty.clone();
+    boxed.overlays.axes = true;
+    assert_eq!(software(&empty), software(&boxed));
+}
+
+#[test]
+fn the_observer_is_marked_in_both_views() {
+    let camera = GeodesicCamera::new(ObjectId(0));
+    let space = Wanted::space(SIZE).with_space(|space| space.show_camera = Some(camera));
+    let inside = Wanted::new(GeodesicOptions::new(ObjectId(0)), SIZE);
+    for wanted in [space, inside] {
+        let plain = request(POLAR, &wanted);
+        let mut marked = plain.clone();
+        marked.overlays.labels = true;
+        let words = changed(&software(&plain), &software(&marked));
+        assert!(
+            words.len() > 300,
+            "{:?}: {}",
+            plain.view.name(),
+            words.len()
+        );
+    }
+}
+
+#[test]
+fn the_first_camera_sees_the_middle_of_a_closed_surface() {
+    let eye = |text: &str| {
+        let request = request(text, &Wanted::space(SIZE));
+        Renderer::software().camera(&request).expect("a camera").eye
+    };
+    let half_turn = POLAR.replace("[-pi, pi]", "[0, 2 pi]");
+    assert!(eye(POLAR).x > 1.0, "{}", eye(POLAR));
+    assert!(eye(&half_turn).x < -1.0, "{}", eye(&half_turn));
+    // An open surface is seen from where it always was.
+    let open = eye("surface s(u, v) = (u, v, u v), u : [-1, 1], v : [-1, 1];");
+    assert!(
+        (open.y.atan2(open.x) - style::AZIMUTH).abs() < 0.05,
+        "{open}"
+    );
+}
+
+#[test]
+fn letters_are_read_from_the_outside_of_closed_surfaces() {
+    let shown = |text: &str, texture: Option<Arc<Texture>>, flip: bool| {
+        let mut request = request(text, &Wanted::space(SIZE));
+        request.textures = texture
+            .map(|it| (ObjectId(0), Shared::from(it)))
+            .into_iter()
+            .collect();
+        if flip {
+            request.flipped.push(ObjectId(0));
+        }
+        software(&request)
+    };
+    let latitude = "surface s(u, v) = (cos(v) cos(u), cos(v) sin(u), sin(v)), u : [-pi, pi], v : [-pi/2, pi/2];";
+    let [front, behind] = [Texture::orientation(), Texture::orientation_from_behind()];
+    assert_ne!(front, behind);
+    // σu×σv points into the one sphere, and out of the other.
+    assert_eq!(
+        shown(POLAR, None, false),
+        shown(POLAR, Some(behind.clone()), false)
+    );
+    assert_eq!(
+        shown(latitude, None, false),
+        shown(latitude, Some(front.clone()), false)
+    );
+    // *Flip* turns them over.
+    assert_eq!(shown(POLAR, None, true), shown(POLAR, Some(front), false));
+    assert_eq!(
+        shown(latitude, None, true),
+        shown(latitude, Some(behind), false)
+    );
+}
+
+#[test]
+fn a_flipped_image_is_the_image_upside_down_in_both_views() {
+    let mut image = RgbaImage::from_pixel(8, 8, Rgba([200, 30, 30, 255]));
+    for x in 0..8 {
+        image.put_pixel(x, 0, Rgba([20, 30, 240, 255]));
+    }
+    let mut turned = image.clone();
+    image::imageops::flip_vertical_in_place(&mut turned);
+    let inside = Wanted::new(GeodesicOptions::new(ObjectId(0)), SIZE);
+    for wanted in [Wanted::space(SIZE), inside] {
+        let shown = |image: &RgbaImage, flip: bool| {
+            let mut request = request(POLAR, &wanted);
+            let texture = Arc::new(Texture::from_image(image.clone()));
+            request.textures = vec![(ObjectId(0), Shared::from(texture))];
+            if flip {
+                request.flipped.push(ObjectId(0));
+            }
+            software(&request)
+        };
+        assert_eq!(shown(&image, true), shown(&turned, false));
+        assert_ne!(shown(&image, true), shown(&image, false));
+    }
+}
+
+#[test]
+fn of_lines_that_coincide_one_is_seen_without_gaps() {
+    // Both run along the equator, by different samples.
+    let text = format!(
+        "{POLAR} curve c(t) = (cos t, sin t, 0), t : [-1, 1, 37];
+        geodesic g(t) : s = (1, 0) @ (-1, pi/2), t : [0, 2];"
+    );
+    let camera = GeodesicCamera::new(ObjectId(0)).at([0.0, std::f64::consts::FRAC_PI_2]);
+    let wanted = Wanted::space(SIZE).with_space(|space| {
+        space.show_camera = Some(camera);
+        space.camera = Viewpoint::new([4.0, 0.3, 1.5], [0.0; 3]);
+    });
+    let mut request = request(&text, &wanted);
+    request.overlays.wavefronts = Some(render::request::Spacing::Every(0.5));
+    let white = Arc::new(Texture::from_image(RgbaImage::from_pixel(
+        1,
+        1,
+        Rgba([255; 4]),
+    )));
+    request.textures = vec![(ObjectId(0), Shared::from(white))];
+    // The camera shows its own axis there too.
+    let green = [20, 255, 20];
+    request.colours.push((ObjectId(1), green));
+    let camera = Renderer::software().camera(&request).expect("a camera");
+    let blue = style::CURVE_COLOURS[1];
+    for backend in [Backend::Software, Backend::Gpu] {
+        let image = draw(&request, backend);
+        let mut seen = [0, 0];
+        for k in 0..400 {
+            let t = -0.95 + 1.9 * f64::from(k) / 399.0;
+            let place = camera.placement.local(WorldPoint([t.cos(), t.sin(), 0.0]));
+            let [x, y] = camera.pixel_of(place).expect("in front").0;
+            let pixel = image.get_pixel(x as u32, y as u32).0;
+            let like = |colour: [u8; 3]| (0..3).all(|n| pixel[n].abs_diff(colour[n]) < 60);
+            seen[0] += u32::from(like(blue));
+            seen[1] += u32::from(like(green));
+        }
+        // The arrow of the camera hides a little of it; the curve below is seen nowhere.
+        assert!(seen[0] > 330 && seen[1] == 0, "{backend:?}: {seen:?}");
+    }
+}
+
+/// Colours in linear light as somebody without one kind of cones sees them (G. Machado, M. Oliveira, L. Fernandes, 2009).
+fn seen_by([r, g, b]: [u8; 3], kind: &[[f32; 3]; 3]) -> [f32; 3] {
+    let light = style::linear([r, g, b]);
+    kind.map(|row| {
+        (0..3)
+            .map(|k| row[k] * light[k])
+            .sum::<f32>()
+            .clamp(0.0, 1.0)
+    })
+}
+
+const TYPICAL: [[f32; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+const NO_RED: [[f32; 3]; 3] = [
+    [0.152_286, 1.052_583, -0.204_868],
+    [0.114_503, 0.786_281, 0.099_216],
+    [-0.003_882, -0.048_116, 1.051_998],
+];
+const NO_GREEN: [[f32; 3]; 3] = [
+    [0.367_322, 0.860_646, -0.227_968],
+    [0.280_085, 0.672_501, 0.047_413],
+    [-0.011_820, 0.042_940, 0.968_881],
+];
+
+#[test]
+fn colours_of_lines_stay_apart_for_the_colour_blind_and_on_curvature() {
+    let apart = |a: [u8; 3], b: [u8; 3], kind: &[[f32; 3]; 3]| -> f32 {
+        // Lightness as it is perceived, channel by channel.
+        let [a, b] = [a, b].map(|it| seen_by(it, kind).map(|x| x.powf(1.0 / 2.4)));
+        (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f32>().sqrt()
+    };
+    let groups: [&[[u8; 3]]; 3] = [
+        &style::VECTOR_COLOURS,
+        &style::CURVE_COLOURS,
+        &style::CURVE_COLOURS_ON_CURVATURE,
+    ];
+    for kind in [&TYPICAL, &NO_RED, &NO_GREEN] {
+        for group in groups {
+            for (k, a) in group.iter().enumerate() {
+                for b in &group[k + 1..] {
+                    let apart = apart(*a, *b, kind);
+                    assert!(apart > 0.2, "{a:?} and {b:?}: {apart}, {kind:?}");
+                }
+            }
+        }
+        // The scale goes from blue over white to red.
+        let scale = Texture::curvature(
+            &scenes::scene(POLAR),
+            &ParamValues::initial(&scenes::scene(POLAR)),
+            ObjectId(0),
+        );
+        let scale = scale
+            .expect("curvature")
+            .curvature_scale()
+            .expect("a scale");
+        for share in [-1.0, -0.5, 0.0, 0.5, 1.0] {
+            let ground = scale.colour(share * scale.most);
+            let best = style::CURVE_COLOURS_ON_CURVATURE[0];
+            let apart = apart(best, ground, kind);
+            assert!(apart > 0.2, "{best:?} on {ground:?}: {apart}, {kind:?}");
+        }
+    }
+}
+
+#[test]
+fn the_vectors_of_a_frame_have_three_colours_and_a_geodesic_on_curvature_none_of_its_scale() {
+    let frame = "vector t = (1, 0, 0) @ (0, 0, 0); vector n = (0, 1, 0) @ (0, 0, 0); vector b = (0, 0, 1) @ (0, 0, 0);";
+    let colours = request(frame, &Wanted::space(SIZE)).object_colours();
+    assert_eq!(colours, style::VECTOR_COLOURS[..3]);
+    let text = format!("{POLAR} geodesic g(t) : s = (1, 0) @ (0, 1), t : [0, 1];");
+    let mut curved = request(&text, &Wanted::space(SIZE));
+    assert_eq!(curved.srgb(ObjectId(1)), style::CURVE_COLOURS[0]);
+    curved.curved.push(ObjectId(0));
+    assert_eq!(
+        curved.srgb(ObjectId(1)),
+        style::CURVE_COLOURS_ON_CURVATURE[0]
+    );
+    curved.colours.push((ObjectId(1), [1, 2, 3]));
+    assert_eq!(curved.srgb(ObjectId(1)), [1, 2, 3]);
+}
+
+#[test]
+fn a_driver_that_draws_on_the_processor_is_no_gpu_unless_it_is_asked_for() {
+    let gpu = Gpu::shared().expect("a GPU or software Vulkan");
+    let request = request("point p = (0, 0, 0);", &Wanted::space([16, 16]));
+    let auto = render::render(&Views::standard(), &request, Backend::Auto, &|_| {});
+    let backend = auto.expect("a picture").backend;
+    if gpu.is_emulated() {
+        assert!(Gpu::shared_real().is_err());
+        assert!(
+            backend.starts_with("software, because the only driver"),
+            "{backend}"
+        );
+    } else {
+        assert!(backend.starts_with("GPU: "), "{backend}");
+    }
+    let asked = render::render(&Views::standard(), &request, Backend::Gpu, &|_| {});
+    assert!(asked.expect("a picture").backend.starts_with("GPU: "));
+}
+
+#[test]
+fn a_picture_whose_pixels_the_processor_follows_is_not_said_to_be_the_gpus() {
+    let mut wanted = Wanted::new(GeodesicOptions::new(ObjectId(0)), [24, 24]);
+    wanted.inside().method = render::PictureMethod::Adaptive;
+    let followed = request(POLAR, &wanted);
+    let picture = render::render(&Views::standard(), &followed, Backend::Gpu, &|_| {});
+    let backend = picture.expect("a picture").backend;
+    assert!(backend.starts_with("software, because"), "{backend}");
+    wanted.inside().method = render::PictureMethod::Fan;
+    let fan = request(POLAR, &wanted);
+    let picture = render::render(&Views::standard(), &fan, Backend::Gpu, &|_| {});
+    assert!(picture.expect("a picture").backend.starts_with("GPU: "));
+}
