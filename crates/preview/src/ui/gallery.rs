@@ -11,7 +11,7 @@ use crate::ui::window::Next;
 /// The size of a card's picture.
 const PICTURE: Vec2 = egui::vec2(160.0, 120.0);
 /// The room for the words below it.
-const WORDS: f32 = 58.0;
+const WORDS: f32 = 68.0;
 
 /// Shows the gallery, as high as there is room; returns the step that opens the example that was chosen.
 pub(crate) fn show(ui: &mut Ui, room: f32) -> Option<Next> {
