@@ -62,7 +62,7 @@ class Programs(OnScreen):
         window.place("Button: point")
         self.screen.keep("completion")
         window.xdotool("key", "Tab")
-        window.xdotool("type", "--delay", "30", " p = (1, 2, 3);")
+        window.xdotool("type", "--delay", "30", "p = (1, 2, 3);")
         window.settle()
         window.xdotool("key", "ctrl+s")
         target = window.folder / "mine.gtr"
