@@ -5,14 +5,11 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use export::whole_file::phrase;
+use ide::language::LONGEST_PROGRAM;
 use syntax::diagnostic::Diagnostic;
 use syntax::line_index::LineIndex;
 
 use crate::failure::Failure;
-
-/// The longest program that is read, in bytes. A longer text is a mistake (`/dev/zero`), and would exceed the memory that
-/// a check may take.
-const LONGEST: u64 = 64 << 20;
 
 /// A text and its name.
 #[derive(Debug)]
@@ -77,16 +74,16 @@ fn read_bytes(path: &Path) -> Result<Vec<u8>, String> {
         }
         (Box::new(file), metadata.len())
     };
-    let too_long = || format!("it is longer than {} MB", LONGEST >> 20);
-    if size > LONGEST {
+    let too_long = || format!("it is longer than {} MB", LONGEST_PROGRAM >> 20);
+    if size > LONGEST_PROGRAM {
         return Err(too_long());
     }
     let mut bytes = Vec::with_capacity(size as usize);
     input
-        .take(LONGEST + 1)
+        .take(LONGEST_PROGRAM + 1)
         .read_to_end(&mut bytes)
         .map_err(|error| phrase(&error.to_string()))?;
-    if bytes.len() as u64 > LONGEST {
+    if bytes.len() as u64 > LONGEST_PROGRAM {
         return Err(too_long());
     }
     Ok(bytes)

@@ -16,6 +16,10 @@ use std::sync::Arc;
 use scene::{Evaluation, ParamValues, ProgramScene, Scene};
 use syntax::diagnostic::{Code, Diagnostic, Severity};
 pub use syntax::document::EditError;
+
+/// The longest program that is read from a file, in bytes. A longer one is a mistake (`/dev/zero`), and would exceed the
+/// memory that a check may take.
+pub const LONGEST_PROGRAM: u64 = 64 << 20;
 use syntax::span::Span;
 
 use crate::completion::Completions;

@@ -127,14 +127,7 @@ impl Region {
                         part => kept.push(part),
                     }
                 }
-                kept.dedup();
-                match kept.pop() {
-                    Some(one) if kept.is_empty() => one,
-                    last => {
-                        kept.extend(last);
-                        Self::All(kept)
-                    }
-                }
+                one_or(kept, Self::All)
             }
             Self::Any(parts) => {
                 let mut kept = Vec::new();
@@ -145,15 +138,20 @@ impl Region {
                         part => kept.push(part),
                     }
                 }
-                kept.dedup();
-                match kept.pop() {
-                    Some(one) if kept.is_empty() => one,
-                    last => {
-                        kept.extend(last);
-                        Self::Any(kept)
-                    }
-                }
+                one_or(kept, Self::Any)
             }
+        }
+    }
+}
+
+/// The set of some parts, of which neighbours that are equal count once; a part that is alone is the set.
+fn one_or(mut parts: Vec<Region>, set: impl FnOnce(Vec<Region>) -> Region) -> Region {
+    parts.dedup();
+    match parts.pop() {
+        Some(one) if parts.is_empty() => one,
+        last => {
+            parts.extend(last);
+            set(parts)
         }
     }
 }

@@ -49,13 +49,14 @@ pub(crate) fn toggle_comment(
         lines.iter().all(|line| is_blank(line) || is_comment(line)) && !lines.iter().all(is_blank);
     let mut result = text[..first].to_owned();
     let mut moved = [selection.start, selection.end];
+    // Where the line begins in the text.
+    let mut from = first;
     for (number, line) in lines.iter().enumerate() {
         if number > 0 {
             result.push('\n');
         }
         let indent = line.len() - line.trim_start().len();
         let begin = result.len();
-        let from = first + offset_of(&lines, number);
         if removes && is_comment(line) {
             let rest = &line[indent + mark.len()..];
             let kept = rest.strip_prefix(' ').unwrap_or(rest);
@@ -80,14 +81,10 @@ pub(crate) fn toggle_comment(
                 }
             }
         }
+        from += line.len() + 1;
     }
     result.push_str(&text[end..]);
     (result, moved[0]..moved[1])
-}
-
-/// Returns the offset of a line within lines that are joined by breaks.
-fn offset_of(lines: &[&str], number: usize) -> usize {
-    lines[..number].iter().map(|line| line.len() + 1).sum()
 }
 
 /// Returns the places of the bracket at a place, before it or behind it, and of its partner. Brackets in comments, which

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
+use ide::language::LONGEST_PROGRAM;
 use notify::{RecommendedWatcher, RecursiveMode, Watcher};
 
 use crate::channel::EventSender;
@@ -16,9 +17,6 @@ use crate::io::files::read_limited;
 
 /// The time for which nothing must happen before the file is read.
 const QUIET: Duration = Duration::from_millis(30);
-
-/// The longest program that is read, in bytes; the command line has the same limit.
-const LONGEST: u64 = 64 << 20;
 
 /// Watches a file for as long as it lives.
 #[derive(Debug)]
@@ -51,7 +49,7 @@ impl fmt::Display for Unreadable {
 /// # Errors
 /// See [`Unreadable`].
 pub(crate) fn read(path: &Path) -> Result<String, Unreadable> {
-    let bytes = read_limited(path, LONGEST).map_err(|error| match error.kind() {
+    let bytes = read_limited(path, LONGEST_PROGRAM).map_err(|error| match error.kind() {
         ErrorKind::NotFound => Unreadable::Missing(error.to_string()),
         _ => Unreadable::Refused(error.to_string()),
     })?;

@@ -47,14 +47,9 @@ struct Pointer {
 }
 
 impl Measuring {
-    /// Returns whether the window is open.
+    /// Returns whether the window is open: then clicks on pictures are places to be measured.
     pub(crate) fn is_open(&self) -> bool {
         self.thread.is_some()
-    }
-
-    /// Returns whether clicks on pictures are places to be measured.
-    pub(crate) fn takes_clicks(&self) -> bool {
-        self.is_open()
     }
 
     fn clear(&mut self) {

@@ -6,16 +6,6 @@ use egui_kittest::kittest::Queryable;
 
 use crate::hand::{Hand, SPHERE};
 
-/// Gives the keys to the text, with the cursor at its end.
-fn write_at_end(hand: &mut Hand) {
-    let text = hand
-        .harness
-        .get_by_role_and_label(Role::MultilineTextInput, "Program text");
-    text.focus();
-    hand.harness.run_steps(2);
-    hand.press(Modifiers::COMMAND, Key::End);
-}
-
 /// Types letter by letter.
 fn types(hand: &mut Hand, text: &str) {
     for letter in text.chars() {
@@ -40,7 +30,7 @@ fn offers(hand: &Hand, name: &str) -> bool {
 #[test]
 fn a_word_is_completed_from_a_list() {
     let mut hand = Hand::on(SPHERE);
-    write_at_end(&mut hand);
+    hand.write_at_end();
     types(&mut hand, "su");
     assert!(offers(&hand, "surface") && !offers(&hand, "curve"));
     hand.press(Modifiers::NONE, Key::Tab);
@@ -59,7 +49,7 @@ fn a_word_is_completed_from_a_list() {
 #[test]
 fn a_list_that_is_not_used_leaves_the_keys_to_the_text() {
     let mut hand = Hand::on(SPHERE);
-    write_at_end(&mut hand);
+    hand.write_at_end();
     types(&mut hand, "su");
     assert!(offers(&hand, "surface"));
     hand.press(Modifiers::NONE, Key::Enter);
@@ -83,7 +73,7 @@ fn a_list_that_is_not_used_leaves_the_keys_to_the_text() {
 #[test]
 fn a_list_is_requested_by_a_key_and_gone_through_by_arrows() {
     let mut hand = Hand::on(SPHERE);
-    write_at_end(&mut hand);
+    hand.write_at_end();
     hand.press(Modifiers::COMMAND, Key::Space);
     hand.settle();
     assert!(offers(&hand, "curve") && offers(&hand, "surface"));
@@ -108,7 +98,7 @@ fn a_list_is_requested_by_a_key_and_gone_through_by_arrows() {
 #[test]
 fn brackets_come_and_go_in_pairs() {
     let mut hand = Hand::on(SPHERE);
-    write_at_end(&mut hand);
+    hand.write_at_end();
     types(&mut hand, "point q = (");
     assert_eq!(typed(&hand), "point q = ()");
     types(&mut hand, "1, 2, f(3)");
@@ -139,7 +129,7 @@ fn brackets_come_and_go_in_pairs() {
 #[test]
 fn a_new_line_is_indented_and_lines_become_comments() {
     let mut hand = Hand::on(SPHERE);
-    write_at_end(&mut hand);
+    hand.write_at_end();
     types(&mut hand, "  a");
     hand.press(Modifiers::NONE, Key::Enter);
     types(&mut hand, "b");

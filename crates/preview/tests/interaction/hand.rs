@@ -150,6 +150,16 @@ impl Hand {
         self.harness.run_steps(3);
     }
 
+    /// Gives the keys to the program's text, with the cursor at its end.
+    pub(crate) fn write_at_end(&mut self) {
+        let text = self
+            .harness
+            .get_by_role_and_label(Role::MultilineTextInput, "Program text");
+        text.focus();
+        self.harness.run_steps(2);
+        self.press(Modifiers::COMMAND, Key::End);
+    }
+
     /// Clicks on a place.
     pub(crate) fn click_at(&mut self, at: Pos2) {
         self.clicks_at(at, 1);

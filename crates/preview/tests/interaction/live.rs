@@ -32,12 +32,7 @@ fn a_window_at_rest_draws_nothing() {
 #[test]
 fn what_is_typed_is_shown_and_saved_with_ctrl_s() {
     let mut hand = Hand::on("point p = (0, 0, 1);\n");
-    let text = hand
-        .harness
-        .get_by_role_and_label(Role::MultilineTextInput, "Program text");
-    text.focus();
-    hand.harness.run_steps(2);
-    hand.press(Modifiers::COMMAND, Key::End);
+    hand.write_at_end();
     hand.harness
         .event(egui::Event::Text("point q = (1, 0, 0);".to_owned()));
     hand.harness.run_steps(2);

@@ -9,16 +9,6 @@ use crate::hand::{FRAME, Hand, SPHERE};
 /// The frames of the pause in typing after which faults are shown.
 const PAUSE: usize = (0.5 / FRAME) as usize;
 
-/// Gives the keys to the text, with the cursor at its end.
-fn write_at_end(hand: &mut Hand) {
-    let text = hand
-        .harness
-        .get_by_role_and_label(Role::MultilineTextInput, "Program text");
-    text.focus();
-    hand.harness.run_steps(2);
-    hand.press(Modifiers::COMMAND, Key::End);
-}
-
 /// Types a text and waits until it is compiled.
 fn types(hand: &mut Hand, text: &str) {
     let version = hand.window().model().version;
@@ -44,7 +34,7 @@ fn the_editor_fills_its_pane() {
 #[test]
 fn an_error_is_shown_after_a_pause_in_typing_and_its_end_at_once() {
     let mut hand = Hand::on(SPHERE);
-    write_at_end(&mut hand);
+    hand.write_at_end();
     for letter in ["p", "o", "i", "n"] {
         types(&mut hand, letter);
         hand.harness.run_steps(PAUSE / 2);
@@ -82,7 +72,7 @@ fn a_click_on_an_error_puts_the_cursor_there() {
 fn what_is_declared_at_the_cursor_is_set_off_in_space_for_a_second() {
     let mut hand = Hand::on(SPHERE);
     let pictures = hand.window().counters().pictures;
-    write_at_end(&mut hand);
+    hand.write_at_end();
     hand.press(Modifiers::NONE, Key::ArrowUp);
     hand.until("the point is set off", |hand| {
         hand.window().counters().pictures > pictures

@@ -41,7 +41,7 @@ impl CameraInput for GeodesicInput {
             }
         }
         let command = ui.input(|input| input.modifiers.command);
-        let measures = window.dialogs.measuring.takes_clicks();
+        let measures = window.dialogs.measuring.is_open();
         if response.clicked() && command || response.double_clicked() && !measures {
             window.open_declaration(surface(id));
         } else if measures

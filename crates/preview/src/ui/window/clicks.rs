@@ -42,7 +42,7 @@ struct Open {
 impl Window {
     /// A click on a pixel of a picture of a view in space. One by a key is never the first half of two.
     pub(crate) fn click(&mut self, request: PictureRequest, at: [f64; 2], by_key: bool, ui: &Ui) {
-        if self.dialogs.measuring.takes_clicks() {
+        if self.dialogs.measuring.is_open() {
             self.pictures
                 .render_thread
                 .pick(request, at, Purpose::Measure);
@@ -61,7 +61,7 @@ impl Window {
 
     /// A double click there, whose first half has been taken for a click.
     pub(crate) fn double_click(&mut self, request: PictureRequest, at: [f64; 2]) {
-        if self.dialogs.measuring.takes_clicks() {
+        if self.dialogs.measuring.is_open() {
             return;
         }
         if let Some(open) = self.input.clicks.open.take() {
