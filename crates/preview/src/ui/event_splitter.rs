@@ -1,9 +1,12 @@
-//! The pointer's events, so that none of them is lost in a slow frame.
+//! Events of the pointer and of keys in their order, so that none of them is lost in a slow frame.
 //!
 //! Events between two frames arrive at once, and egui then knows where the pointer is at the end, not where
 //! it was pressed, and takes what is pressed and released within a frame for no drag. So a press, the motion behind it,
 //! and the release behind that have a frame each, as though the frames had been quick; and what is typed behind a click
 //! has one, since what was clicked on has the keys only then.
+//!
+//! Keys that the window takes before the field with the text (to save it, to complete a word) are handed over in a frame
+//! behind the letters that were typed before them.
 
 use egui::{Context, Event, Id, Key, Modifiers, Plugin, RawInput};
 
@@ -29,7 +32,7 @@ impl EventSplitter {
 
 impl Plugin for EventSplitter {
     fn debug_name(&self) -> &'static str {
-        "events of the pointer in their order"
+        "events in their order"
     }
 
     fn input_hook(&mut self, context: &Context, input: &mut RawInput) {
@@ -55,7 +58,7 @@ impl Plugin for EventSplitter {
 
 /// Returns the number of events that one frame can take.
 fn first_part(events: &[Event]) -> usize {
-    let (mut pressed, mut moved, mut clicked) = (false, false, false);
+    let (mut pressed, mut moved, mut clicked, mut typed) = (false, false, false, false);
     for (at, event) in events.iter().enumerate() {
         match event {
             Event::PointerMoved(_) if pressed => return at,
@@ -67,19 +70,36 @@ fn first_part(events: &[Event]) -> usize {
             Event::Key { .. } | Event::Text(_) | Event::Paste(_) | Event::Ime(_) if clicked => {
                 return at;
             }
+            Event::Key {
+                key,
+                pressed: true,
+                modifiers,
+                ..
+            } if typed && is_command(*key, *modifiers) => return at,
             _ => {}
         }
+        typed |= matches!(event, Event::Text(_) | Event::Paste(_));
         clicked |= matches!(event, Event::PointerButton { .. });
     }
     events.len()
 }
 
+/// Returns whether a key does something with the text other than writing a letter.
+fn is_command(key: Key, modifiers: Modifiers) -> bool {
+    let is_special = matches!(
+        key,
+        Key::Tab | Key::Enter | Key::Escape | Key::ArrowUp | Key::ArrowDown
+    );
+    is_special || modifiers.command || modifiers.ctrl
+}
+
 #[cfg(test)]
 mod tests {
     use super::first_part;
-    use egui::{Event, Modifiers, PointerButton, Pos2};
+    use egui::{Event, Key, Modifiers, PointerButton, Pos2};
 
-    /// The parts in which events are handed over: `m` moves, `p` presses, `r` releases, `t` is a text.
+    /// The parts in which events are handed over: `m` moves, `p` presses, `r` releases, `t` is a text, `k` is the
+    /// key Tab.
     fn parts(events: &str) -> Vec<String> {
         let button = |pressed| Event::PointerButton {
             pos: Pos2::ZERO,
@@ -91,6 +111,13 @@ mod tests {
             'm' => Event::PointerMoved(Pos2::ZERO),
             'p' => button(true),
             'r' => button(false),
+            'k' => Event::Key {
+                key: Key::Tab,
+                physical_key: None,
+                pressed: true,
+                repeat: false,
+                modifiers: Modifiers::NONE,
+            },
             _ => Event::Text(String::new()),
         };
         let all: Vec<Event> = events.chars().map(event).collect();
@@ -110,6 +137,12 @@ mod tests {
         assert_eq!(parts("mmr"), ["mm", "r"]);
         assert_eq!(parts("pmtrmp"), ["p", "mt", "rmp"]);
         assert_eq!(parts("mprttm"), ["mpr", "ttm"]);
+    }
+
+    #[test]
+    fn a_command_comes_behind_what_was_typed_before_it() {
+        assert_eq!(parts("ttktkk"), ["tt", "kt", "kk"]);
+        assert_eq!(parts("kkt"), ["kkt"]);
     }
 
     #[test]

@@ -237,9 +237,6 @@ impl Window {
             view.on_screen = false;
         }
         crate::ui::panes::show(self, ui);
-        if std::mem::take(&mut self.input.saves) {
-            self.save_text();
-        }
         crate::ui::dialogs::show(self, ui);
         self.request_pictures(ui);
         self.await_pictures(&context);

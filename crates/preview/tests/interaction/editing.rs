@@ -15,6 +15,22 @@ fn types(hand: &mut Hand, text: &str) {
     hand.settle();
 }
 
+/// The events of letters that are typed.
+fn letters(text: &str) -> impl Iterator<Item = Event> {
+    text.chars().map(|letter| Event::Text(letter.to_string()))
+}
+
+/// The event of a key that goes down.
+fn key(key: Key, modifiers: Modifiers) -> Event {
+    Event::Key {
+        key,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers,
+    }
+}
+
 /// What the text has beyond that of the file.
 fn typed(hand: &Hand) -> &str {
     let text = hand.window().text().unwrap_or_default();
@@ -44,6 +60,49 @@ fn a_word_is_completed_from_a_list() {
     hand.press(Modifiers::COMMAND, Key::Z);
     hand.settle();
     assert!(!typed(&hand).contains('x'), "{:?}", typed(&hand));
+}
+
+#[test]
+fn a_completion_takes_the_place_of_all_that_is_typed_of_the_word() {
+    // The list was made of "su"; the letters behind that have not been read when the key comes, or come with it.
+    for is_one_frame in [false, true] {
+        let mut hand = Hand::on(SPHERE);
+        hand.write_at_end();
+        types(&mut hand, "su");
+        assert!(offers(&hand, "surface"));
+        let tab = key(Key::Tab, Modifiers::NONE);
+        if is_one_frame {
+            hand.in_one_frame(letters("rf").chain([tab]).chain(letters("x")));
+        } else {
+            hand.in_one_frame(letters("rf"));
+            hand.in_one_frame([tab].into_iter().chain(letters("x")));
+        }
+        hand.settle();
+        assert_eq!(typed(&hand), "surface x", "in one frame: {is_one_frame}");
+    }
+}
+
+#[test]
+fn a_list_that_does_not_fit_what_is_typed_leaves_the_key_to_the_text() {
+    let mut hand = Hand::on(SPHERE);
+    hand.write_at_end();
+    types(&mut hand, "su");
+    assert!(offers(&hand, "surface"));
+    hand.in_one_frame(letters("zz").chain([key(Key::Tab, Modifiers::NONE)]));
+    hand.settle();
+    assert!(typed(&hand).starts_with("suzz"), "{:?}", typed(&hand));
+}
+
+#[test]
+fn what_is_saved_is_what_was_typed_before_the_key() {
+    let mut hand = Hand::on(SPHERE);
+    hand.write_at_end();
+    let save = key(Key::S, Modifiers::COMMAND);
+    hand.in_one_frame(letters("# a").chain([save]).chain(letters("b")));
+    hand.settle();
+    let saved = std::fs::read_to_string(&hand.path).expect("it is there");
+    assert_eq!(saved.strip_prefix(SPHERE), Some("# a"));
+    assert_eq!(typed(&hand), "# ab");
 }
 
 #[test]
@@ -119,9 +178,7 @@ fn brackets_come_and_go_in_pairs() {
     assert_eq!(typed(&hand), "[point q = (1, 2, f(3));]");
     // All in one frame, as a fast machine or a paste of keys has it.
     hand.press(Modifiers::COMMAND, Key::End);
-    for letter in "(a(b))".chars() {
-        hand.harness.event(Event::Text(letter.to_string()));
-    }
+    hand.in_one_frame(letters("(a(b))"));
     hand.settle();
     assert!(typed(&hand).ends_with("];(a(b))") || typed(&hand).ends_with("](a(b))"));
 }

@@ -244,6 +244,12 @@ impl Hand {
         self.settle();
     }
 
+    /// Hands over events at once, as a slow frame has them.
+    pub(crate) fn in_one_frame(&mut self, events: impl IntoIterator<Item = Event>) {
+        self.harness.input_mut().events.extend(events);
+        self.harness.step();
+    }
+
     /// Presses a key with modifiers.
     pub(crate) fn press(&mut self, modifiers: Modifiers, key: Key) {
         self.harness.key_press_modifiers(modifiers, key);

@@ -29,8 +29,6 @@ pub(crate) struct InputState {
     pub(crate) held: HeldKeys,
     /// Set if two fingers on a touchpad scrolled last, and not a wheel.
     pub(crate) fingers: bool,
-    /// The text is to be saved at the end of the frame: letters of the same frame belong to it.
-    pub(crate) saves: bool,
     /// The camera in space while it turns to a view along an axis.
     pub(crate) turn: Option<Turn>,
 }
@@ -203,7 +201,7 @@ impl Window {
                 crate::ui::dialogs::program::ask_for_target(self, None);
             }
         } else if pressed(Modifiers::COMMAND, Key::S) && !self.panes.is_welcome {
-            self.input.saves = true;
+            self.save_text();
         }
         if self.text.is_own() && !self.panes.is_welcome && !self.dialogs.is_open() {
             self.find_keys(ui);

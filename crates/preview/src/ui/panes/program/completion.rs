@@ -140,22 +140,20 @@ impl Assistant {
         // All of the word is erased, or left.
         self.list
             .take_if(|list| cursor <= list.range.start && list.range.end > list.range.start);
-        let has_moved = self.list.as_ref().is_some_and(|it| it.range.end != cursor);
+        if let Some(list) = self.list.take_if(|list| list.range.end != cursor) {
+            self.wanted = Some(self.wanted.unwrap_or(Trigger::Typing));
+            self.list = list.narrowed(&editor.text, cursor);
+        }
         if let Some(read) = read
-            && (self.wanted.is_some() || has_moved)
+            && let Some(trigger) = self.wanted.take()
         {
-            self.update(editor, read, cursor);
+            self.update(editor, read, cursor, trigger);
         }
     }
 
-    /// Makes the list of what can be written at a place, where that is wanted or one is open.
-    fn update(&mut self, editor: &Editor, read: &ReadText, cursor: u32) {
+    /// Makes the list of what can be written at a place.
+    fn update(&mut self, editor: &Editor, read: &ReadText, cursor: u32, trigger: Trigger) {
         let before = self.list.take();
-        let trigger = match (self.wanted.take(), &before) {
-            (Some(trigger), _) => trigger,
-            (None, Some(_)) => Trigger::Typing,
-            (None, None) => return,
-        };
         let found = read.analysis.completions(cursor, false);
         let range = found.range;
         let written = editor.text.get(range.start as usize..cursor as usize);
@@ -173,19 +171,37 @@ impl Assistant {
             return;
         }
         let was_in_use = goes_on && before.as_ref().is_some_and(|it| it.is_in_use);
-        let selected = before.filter(|_| goes_on).and_then(|mut before| {
-            let selected = before.entries.swap_remove(before.selected);
-            entries.iter().position(|it| it.label == selected.label)
+        let selected = before.filter(|_| goes_on).map_or(0, |before| {
+            position(&entries, &before.entries[before.selected].label)
         });
         self.list = Some(List {
             range,
-            selected: selected.unwrap_or(0),
+            selected,
             is_in_use: is_requested || was_in_use,
             entries,
             clicked: None,
             place: Rect::NOTHING,
         });
     }
+}
+
+impl List {
+    /// Returns what the list has for the word up to the cursor, before the text has been read again; `None` where that is
+    /// nothing.
+    fn narrowed(mut self, text: &str, cursor: u32) -> Option<Self> {
+        let written = text.get(self.range.start as usize..cursor as usize)?;
+        let selected = self.entries[self.selected].label.clone();
+        self.entries = fitting(self.entries, written);
+        self.selected = position(&self.entries, &selected);
+        self.range.end = cursor;
+        (!self.entries.is_empty()).then_some(self)
+    }
+}
+
+/// Returns the place of the entry with a label; the first one where there is none.
+fn position(entries: &[Completion], label: &str) -> usize {
+    let found = entries.iter().position(|entry| entry.label == label);
+    found.unwrap_or(0)
 }
 
 /// Returns the entries that go on as is written, those first that do so letter by letter.
