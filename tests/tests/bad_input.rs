@@ -221,6 +221,18 @@ fn derivatives_that_explode_are_an_error_and_no_hang() {
 }
 
 #[test]
+fn a_word_as_long_as_a_text_is_formatted_in_memory_that_grows_with_it() {
+    let program = format!("define a = {};\n", "pi".repeat(200_000));
+    let run = geotrace(["format", "-"])
+        .input(program.as_str())
+        .memory(MEMORY)
+        .run();
+    let run = run.expect_status(0);
+    assert!(run.stdout == program, "it is laid out already");
+    assert!(run.peak < RESIDENT, "{} MB", run.peak >> 20);
+}
+
+#[test]
 fn numbers_out_of_range_are_named() {
     error_at("define a = 1e999;", "number-out-of-range", 1, 12);
     error_at(

@@ -22,7 +22,7 @@ use super::parser::lints::shadowed_split;
 use super::parser::parse_chunk;
 use super::parser::suggestions::each_declared;
 use super::records::{EventRecorder, Records};
-use super::symbols::{ForeignWord, NameScope, Parsed, Symbol, Vocabulary};
+use super::symbols::{ForeignWord, MAX_NAME_LENGTH, NameScope, Parsed, Symbol, Vocabulary};
 use super::token::{Token, TokenKind};
 
 pub use super::records::{Parameters, ParseEvents, Tokens};
@@ -256,13 +256,16 @@ impl NameScope for ScopeView<'_, Geotrace> {
             // A parameter that a longer name takes the letters of is reported where the parameter is declared.
             _ => {}
         }
-        self.record_prefix_lookup(Span::new(start, start + rest.len() as u32), length);
+        // No name is longer, and a word may be as long as the text.
+        let candidate = rest.len().min(MAX_NAME_LENGTH) as u32;
+        self.record_prefix_lookup(Span::new(start, start + candidate), length);
     }
 
     fn record_name_lookup(&mut self, name: &str, start: u32, kind: TokenKind) {
         match kind {
             TokenKind::Constant(id) | TokenKind::Function(id) => self.record_use(id),
             TokenKind::Declare(_) => {}
+            _ if name.len() > MAX_NAME_LENGTH => {}
             _ => self.record_name_lookup(Span::new(start, start + name.len() as u32)),
         }
     }

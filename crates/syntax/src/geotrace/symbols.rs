@@ -10,6 +10,9 @@ use crate::spelling::Search;
 use crate::symbol::SymbolId;
 use crate::trie::Trie;
 
+/// The length of the longest name, in bytes.
+pub(crate) const MAX_NAME_LENGTH: usize = 255;
+
 /// The names defined at a place of a text.
 pub type SymbolTrie = Trie<SymbolId>;
 

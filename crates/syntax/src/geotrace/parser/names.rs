@@ -9,7 +9,7 @@ use crate::geotrace::actions::{Actions, Parameter};
 use crate::geotrace::codes;
 use crate::geotrace::declarations::DeclarationKeyword;
 use crate::geotrace::lexer::{Lexeme, Word};
-use crate::geotrace::symbols::{ForeignWord, NameScope, SymbolKind};
+use crate::geotrace::symbols::{ForeignWord, MAX_NAME_LENGTH, NameScope, SymbolKind};
 use crate::geotrace::token::TokenKind;
 use crate::span::Span;
 use crate::symbol::SymbolId;
@@ -26,9 +26,6 @@ pub(super) enum Mode {
     /// The longest prefix that is a parameter of this function is one token.
     ParameterOf(SymbolId),
 }
-
-/// The length of the longest name.
-const MAX_NAME_LENGTH: usize = 255;
 
 /// The greatest number of undefined words that are reported in one declaration.
 const MAX_UNDEFINED: usize = 32;
