@@ -161,14 +161,19 @@ impl Graph {
 
     /// The inputs that the roots depend on, sorted.
     pub fn inputs(&self, roots: &[NodeId]) -> Vec<Input> {
-        let mut inputs: Vec<Input> = self
-            .reachable(roots, |id| !self.dependencies(id).is_empty())
-            .into_iter()
-            .filter_map(|id| match self.node(id) {
+        let read = roots.iter().fold(InputSet(0), |all, root| {
+            InputSet(all.0 | self.dependencies(*root).0)
+        });
+        let mut inputs = read.known();
+        if read.may_meet(InputSet::OTHERS) {
+            let others = self.reachable(roots, |id| {
+                self.dependencies(id).may_meet(InputSet::OTHERS)
+            });
+            inputs.extend(others.into_iter().filter_map(|id| match self.node(id) {
                 Node::Input(input) => Some(input),
                 _ => None,
-            })
-            .collect();
+            }));
+        }
         inputs.sort_unstable();
         inputs
     }
@@ -326,11 +331,27 @@ impl Iterator for Operands {
 }
 
 impl InputSet {
+    /// The number of variables with a bit of their own. All others share the bit behind those.
+    const VARIABLES: u32 = 23;
+    /// The number of uniforms with a bit of their own.
+    const UNIFORMS: u32 = 7;
+    /// The inputs that share a bit.
+    const OTHERS: Self = Self(1 << Self::VARIABLES | 1 << (Self::VARIABLES + 1 + Self::UNIFORMS));
+
     pub(crate) fn of(input: Input) -> Self {
         Self(match input {
-            Input::Variable(index) => 1 << index.min(23),
-            Input::Uniform(index) => 1 << (24 + index.min(7)),
+            Input::Variable(index) => 1 << index.min(Self::VARIABLES),
+            Input::Uniform(index) => 1 << (Self::VARIABLES + 1 + index.min(Self::UNIFORMS)),
         })
+    }
+
+    /// The inputs of the set that have a bit of their own.
+    fn known(self) -> Vec<Input> {
+        let variables = (0..Self::VARIABLES).map(Input::Variable);
+        let uniforms = (0..Self::UNIFORMS).map(Input::Uniform);
+        let all = variables.chain(uniforms);
+        all.filter(|input| self.may_meet(Self::of(*input)))
+            .collect()
     }
 
     pub(crate) fn is_empty(self) -> bool {

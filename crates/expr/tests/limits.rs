@@ -2,6 +2,7 @@
 
 use expr::ops::Unary;
 use expr::tape::{Registers, Tape};
+use expr::graph::Node;
 use expr::{Graph, Input, NodeId, TooLarge, print, statistics};
 
 const X: Input = Input::Variable(0);
@@ -154,4 +155,31 @@ fn extracting_keeps_what_is_needed_alone() {
     let (k, x) = (small.input(Input::Uniform(2)), small.input(X));
     assert_eq!([small.add(x, k); 2], roots[..]);
     assert_eq!(print::expression(&small, roots[0], 100), "(add k2 v0)");
+}
+
+#[test]
+fn the_inputs_of_an_expression_are_those_that_its_nodes_are() {
+    let mut graph = Graph::default();
+    let every = |count: u32| (0..count).step_by(3);
+    let variables = every(40).map(Input::Variable);
+    let inputs: Vec<Input> = variables.chain(every(20).map(Input::Uniform)).collect();
+    let mut sums = vec![graph.constant(2.0)];
+    for &input in &inputs {
+        let (last, input) = (sums[sums.len() - 1], graph.input(input));
+        let sine = graph.unary(Unary::Sin, input);
+        sums.push(graph.mul(last, sine));
+        sums.push(sine);
+    }
+    for k in 0..sums.len() {
+        let roots = [sums[k], sums[k / 2]];
+        let order = graph.order(&roots).into_iter();
+        let mut found: Vec<Input> = order
+            .filter_map(|id| match graph.node(id) {
+                Node::Input(input) => Some(input),
+                _ => None,
+            })
+            .collect();
+        found.sort_unstable();
+        assert_eq!(graph.inputs(&roots), found);
+    }
 }
