@@ -166,9 +166,8 @@ impl Graph {
         });
         let mut inputs = read.known();
         if read.may_meet(InputSet::OTHERS) {
-            let others = self.reachable(roots, |id| {
-                self.dependencies(id).may_meet(InputSet::OTHERS)
-            });
+            let others =
+                self.reachable(roots, |id| self.dependencies(id).may_meet(InputSet::OTHERS));
             inputs.extend(others.into_iter().filter_map(|id| match self.node(id) {
                 Node::Input(input) => Some(input),
                 _ => None,

@@ -1,8 +1,8 @@
 //! Deep and exploding expressions end in an answer or in `TooLarge`.
 
+use expr::graph::Node;
 use expr::ops::Unary;
 use expr::tape::{Registers, Tape};
-use expr::graph::Node;
 use expr::{Graph, Input, NodeId, TooLarge, print, statistics};
 
 const X: Input = Input::Variable(0);

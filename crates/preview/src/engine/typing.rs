@@ -29,19 +29,71 @@ pub(crate) fn indentation(text: &str, at: usize) -> &str {
     &line[..begin.unwrap_or(line.len())]
 }
 
-/// Makes comments of the lines of a selection, or of comments lines; returns the text and the selection then.
-pub(crate) fn toggle_comment(
+/// One step of indentation, as the canonical layout has it.
+const INDENT: &str = "    ";
+
+/// Indents the lines of a selection of several lines; writes a step of indentation in the place of any other one. Returns the
+/// text and the selection then.
+pub(crate) fn indent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
+    if !text[selection.clone()].contains('\n') {
+        let end = selection.start + INDENT.len();
+        let text = [&text[..selection.start], INDENT, &text[selection.end..]].concat();
+        return (text, end..end);
+    }
+    change_lines(text, selection, |line| match line.trim_end() {
+        "" => line.to_owned(),
+        _ => format!("{INDENT}{line}"),
+    })
+}
+
+/// Takes a step of indentation from the lines of a selection; returns the text and the selection then.
+pub(crate) fn unindent(text: &str, selection: Range<usize>) -> (String, Range<usize>) {
+    change_lines(text, selection, |line| {
+        let blanks = line.bytes().take_while(|byte| *byte == b' ').count();
+        let rest = line.strip_prefix('\t');
+        rest.unwrap_or(&line[blanks.min(INDENT.len())..]).to_owned()
+    })
+}
+
+/// Changes the beginnings of the lines that a selection touches; returns the text and the selection then.
+fn change_lines(
     text: &str,
     selection: Range<usize>,
-    mark: &str,
+    change: impl Fn(&str) -> String,
 ) -> (String, Range<usize>) {
+    let lines = lines_of(text, &selection);
+    let old: Vec<&str> = text[lines.clone()].split('\n').collect();
+    let new: Vec<String> = old.iter().map(|line| change(line)).collect();
+    let added = new[0].len() as isize - old[0].len() as isize;
+    let start = selection
+        .start
+        .saturating_add_signed(added)
+        .max(lines.start);
+    let new = new.join("\n");
+    let added = new.len() as isize - lines.len() as isize;
+    let end = selection.end.saturating_add_signed(added).max(start);
+    let text = [&text[..lines.start], &new, &text[lines.end..]].concat();
+    (text, start..end)
+}
+
+/// Returns the range of the lines that a selection touches, without the last line break.
+fn lines_of(text: &str, selection: &Range<usize>) -> Range<usize> {
     let first = text[..selection.start].rfind('\n').map_or(0, |at| at + 1);
     // A line of which nothing but the break before it is selected is not meant.
     let last = match selection.end > selection.start && text[..selection.end].ends_with('\n') {
         true => selection.end - 1,
         false => selection.end,
     };
-    let end = text[last..].find('\n').map_or(text.len(), |at| last + at);
+    first..text[last..].find('\n').map_or(text.len(), |at| last + at)
+}
+
+/// Makes comments of the lines of a selection, or of comments lines; returns the text and the selection then.
+pub(crate) fn toggle_comment(
+    text: &str,
+    selection: Range<usize>,
+    mark: &str,
+) -> (String, Range<usize>) {
+    let Range { start: first, end } = lines_of(text, &selection);
     let lines: Vec<&str> = text[first..end].split('\n').collect();
     let is_blank = |line: &&str| line.trim().is_empty();
     let is_comment = |line: &&str| line.trim_start().starts_with(mark);
@@ -142,7 +194,22 @@ pub(crate) fn find(text: &str, wanted: &str) -> Vec<Range<usize>> {
 
 #[cfg(test)]
 mod tests {
-    use super::{find, indentation, partners, toggle_comment};
+    use super::{find, indent, indentation, partners, toggle_comment, unindent};
+
+    #[test]
+    fn lines_of_a_selection_are_indented_and_back() {
+        let text = "a\n\n  b\r\nc";
+        let (indented, selection) = indent(text, 0..7);
+        assert_eq!(
+            (indented.as_str(), selection.clone()),
+            ("    a\n\n      b\r\nc", 4..15)
+        );
+        assert_eq!(unindent(&indented, selection), (text.to_owned(), 0..7));
+        assert_eq!(indent("ab", 1..1), ("a    b".to_owned(), 5..5));
+        assert_eq!(indent("abc", 1..2), ("a    c".to_owned(), 5..5));
+        assert_eq!(unindent("  a\n\tb", 1..5), ("a\nb".to_owned(), 0..2));
+        assert_eq!(unindent("", 0..0), (String::new(), 0..0));
+    }
 
     #[test]
     fn comments_come_and_go_with_the_selection() {

@@ -155,6 +155,29 @@ fn a_list_is_requested_by_a_key_and_gone_through_by_arrows() {
 }
 
 #[test]
+fn tab_indents_while_one_writes_and_goes_on_before() {
+    let mut hand = Hand::on(SPHERE);
+    hand.tab_to("Program text");
+    hand.press(Modifiers::NONE, Key::Tab);
+    let place = hand.focused().map(|(_, name)| name);
+    assert_ne!(place.as_deref(), Some("Program text"));
+    hand.write_at_end();
+    types(&mut hand, "# a");
+    hand.press(Modifiers::NONE, Key::Tab);
+    types(&mut hand, "b ");
+    hand.press(Modifiers::NONE, Key::Enter);
+    types(&mut hand, "c");
+    assert_eq!(typed(&hand), "# a    b \nc");
+    hand.press(Modifiers::SHIFT, Key::ArrowUp);
+    hand.press(Modifiers::NONE, Key::Tab);
+    hand.settle();
+    assert_eq!(typed(&hand), "    # a    b \n    c");
+    hand.press(Modifiers::SHIFT, Key::Tab);
+    hand.settle();
+    assert_eq!(typed(&hand), "# a    b \nc");
+}
+
+#[test]
 fn brackets_come_and_go_in_pairs() {
     let mut hand = Hand::on(SPHERE);
     hand.write_at_end();

@@ -59,9 +59,9 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
             .desired_width(f32::INFINITY)
             .min_size(egui::vec2(0.0, room - ui.spacing().item_spacing.y))
             .layouter(&mut layouter);
-        // While a list is open, these keys are the list's.
+        // While a list is open, these keys are the list's. Tab goes on to the next control until something is typed.
         let filter = EventFilter {
-            tab: assistant.is_open(),
+            tab: assistant.is_open() || assistant.is_writing,
             escape: assistant.is_open(),
             ..field.get_event_filter()
         };
@@ -73,6 +73,9 @@ fn text(window: &mut Window, ui: &mut Ui, room: f32) -> bool {
     });
     let output = output.inner;
     let edited = output.response.response.changed() || by_keys;
+    let response = &output.response.response;
+    assistant.is_writing |= edited || response.clicked();
+    assistant.is_writing &= response.has_focus();
     // A field gives the keys away in a frame in which anything else is clicked on: it gets them after that.
     let is_clicked = ui.input(|input| input.pointer.any_click());
     if !is_clicked && let Some(jump) = editor.jump.take() {

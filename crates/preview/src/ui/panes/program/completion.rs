@@ -26,6 +26,8 @@ pub(crate) struct Assistant {
     list: Option<List>,
     /// A list is to be made of the text that was typed, when it has been read.
     wanted: Option<Trigger>,
+    /// The user writes in the text, and has not only come to it by Tab: Tab indents.
+    pub(super) is_writing: bool,
     /// The description of the word that was pointed at last: the version of the text, the place, the description.
     described: Option<(i32, u32, Option<Description>)>,
 }

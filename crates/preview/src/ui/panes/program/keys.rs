@@ -1,5 +1,7 @@
 //! The keys of the text that do more than type: brackets in pairs, indentation, comments, and the list of completions.
 
+use std::ops::Range;
+
 use egui::text::CCursorRange;
 use egui::text_edit::TextEditState;
 use egui::{Event, Id, Key, Modifiers, Ui};
@@ -36,6 +38,17 @@ pub(super) fn take(ui: &Ui, id: Id, editor: &mut Editor, assistant: &mut Assista
     if comments {
         edited |= toggle_comment(ui, id, editor);
     }
+    if assistant.is_writing {
+        let mut pressed = |modifiers| ui.input_mut(|it| it.consume_key(modifiers, Key::Tab));
+        // The key alone also stands for the one with Shift, which is asked for first.
+        if pressed(Modifiers::SHIFT) {
+            change_lines(ui, id, editor, typing::unindent);
+            edited = true;
+        } else if pressed(Modifiers::NONE) {
+            change_lines(ui, id, editor, typing::indent);
+            edited = true;
+        }
+    }
     let selection = selected(ui, id, editor);
     let mut typist = Typist::new(&editor.text, selection);
     ui.input_mut(|input| {
@@ -53,15 +66,26 @@ pub(super) fn toggle_comment(ui: &Ui, id: Id, editor: &mut Editor) -> bool {
     let Some(mark) = editor.language.line_comment() else {
         return false;
     };
-    let selection = selected(ui, id, editor);
-    let (text, selection) = typing::toggle_comment(&editor.text, selection, mark);
-    editor.replace(text);
-    select(ui, id, characters(&editor.text, selection));
+    change_lines(ui, id, editor, |text, selection| {
+        typing::toggle_comment(text, selection, mark)
+    });
     true
 }
 
+/// Changes the text by its selection, and selects what `change` says.
+fn change_lines(
+    ui: &Ui,
+    id: Id,
+    editor: &mut Editor,
+    change: impl FnOnce(&str, Range<usize>) -> (String, Range<usize>),
+) {
+    let (text, selection) = change(&editor.text, selected(ui, id, editor));
+    editor.replace(text);
+    select(ui, id, characters(&editor.text, selection));
+}
+
 /// Returns the selection in bytes; an empty one at the cursor.
-pub(super) fn selected(ui: &Ui, id: Id, editor: &Editor) -> std::ops::Range<usize> {
+pub(super) fn selected(ui: &Ui, id: Id, editor: &Editor) -> Range<usize> {
     let state = TextEditState::load(ui.ctx(), id).unwrap_or_default();
     let range = state.cursor.char_range().unwrap_or_default();
     let [a, b] = [range.primary, range.secondary].map(|at| byte(&editor.text, at.index.0));
@@ -80,7 +104,7 @@ pub(super) fn select(ui: &Ui, id: Id, range: CCursorRange) {
 struct Typist<'t> {
     text: &'t str,
     /// The selection before the frame's events.
-    selection: std::ops::Range<usize>,
+    selection: Range<usize>,
     /// The brackets that were closed in this frame and are still before the cursor's next character.
     closed: Vec<char>,
     /// The cursor is no longer where this frame found it, but for what was typed.
@@ -89,7 +113,7 @@ struct Typist<'t> {
 }
 
 impl<'t> Typist<'t> {
-    fn new(text: &'t str, selection: std::ops::Range<usize>) -> Self {
+    fn new(text: &'t str, selection: Range<usize>) -> Self {
         Self {
             text,
             selection,
