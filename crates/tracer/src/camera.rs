@@ -13,6 +13,8 @@ pub struct LensCamera {
     pub position: DVec3,
     /// The direction of the picture's centre.
     pub direction: DVec3,
+    /// The direction that is up in the picture, as far as it is across the direction.
+    pub up: DVec3,
     /// The vertical opening in radians.
     pub fov: f64,
     /// The turn of the picture's up towards its right, in radians.
@@ -21,57 +23,181 @@ pub struct LensCamera {
     pub focus: f64,
     /// The lens' radius.
     pub aperture: f64,
+    /// The shape of the lens.
+    pub bokeh: Bokeh,
+    /// The way in which directions lie in the picture.
+    pub projection: LensProjection,
 }
 
-/// The steps in two dimensions.
-const STEPS_2: [u32; 2] = [3_242_174_889, 2_447_445_413];
-/// The steps in four dimensions.
-const STEPS_4: [u32; 4] = [3_679_390_609, 3_152_041_523, 2_700_274_806, 2_313_257_605];
+/// The way in which directions lie in a picture.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub enum LensProjection {
+    /// Straight lines are straight.
+    #[default]
+    Pinhole,
+    /// Both coordinates of the picture are angles.
+    Spherical,
+    /// The coordinate to the right is an angle.
+    Cylindrical,
+}
 
-/// The places of a sample in its pixel and, with a lens, on it: numbers from 0 to 1.
-pub fn sample(pixel: [u32; 2], sample: u32, lens: bool) -> [f64; 4] {
-    let mut places = [0.5; 4];
-    let steps: &[u32] = if lens { &STEPS_4 } else { &STEPS_2 };
-    for (axis, (place, step)) in places.iter_mut().zip(steps).enumerate() {
-        let start = if axis < 2 {
-            1 << 31
-        } else {
-            hash(pixel, axis as u32)
+/// The shape of a lens, and of what lies out of focus.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub enum Bokeh {
+    /// A disc.
+    #[default]
+    Circle,
+    /// A line to the right.
+    Line,
+    /// A regular polygon with this number of corners, the first one to the right.
+    Polygon(u32),
+    /// A star with five tips, one of them up.
+    Star,
+    /// A square with sides along the picture's.
+    Box,
+    /// A normal distribution, whose standard deviation is the lens' radius.
+    Gaussian,
+}
+
+/// The distance of a star's inner corners from its centre.
+const STAR_INNER: f64 = 0.382;
+
+/// The steps in two, four and six dimensions: 2³²/φ, 2³²/φ², … as whole numbers
+const STEPS_2: [u32; 2] = [3_242_174_889, 2_447_445_413];
+const STEPS_4: [u32; 4] = [3_679_390_609, 3_152_041_523, 2_700_274_806, 2_313_257_605];
+const STEPS_6: [u32; 6] = [
+    3_859_688_306,
+    3_468_523_226,
+    3_117_001_274,
+    2_801_104_767,
+    2_517_223_199,
+    2_262_111_973,
+];
+
+/// What a picture's samples are spread over beside its pixels.
+#[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
+pub struct SampleAxes {
+    /// A lens.
+    pub lens: bool,
+    /// Lights that have a size.
+    pub lights: bool,
+}
+
+/// The place of a sample: numbers from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// In the pixel, to the right and down.
+    pub pixel: [f64; 2],
+    /// On the lens.
+    pub lens: [f64; 2],
+    /// On lights.
+    pub light: [f64; 2],
+}
+
+impl SampleAxes {
+    /// The place of a sample of a pixel.
+    pub fn sample(self, pixel: [u32; 2], sample: u32) -> Sample {
+        let steps: &[u32] = match (self.lens, self.lights) {
+            (false, false) => &STEPS_2,
+            (true, true) => &STEPS_6,
+            _ => &STEPS_4,
         };
-        *place = f64::from(step.wrapping_mul(sample).wrapping_add(start)) / 2f64.powi(32);
+        let place = |axis: usize| {
+            let start = if axis < 2 {
+                1 << 31
+            } else {
+                hash(pixel, axis as u32)
+            };
+            let place = steps[axis].wrapping_mul(sample).wrapping_add(start);
+            f64::from(place) / 2f64.powi(32)
+        };
+        let pair = |axis: usize| [place(axis), place(axis + 1)];
+        Sample {
+            pixel: pair(0),
+            lens: if self.lens { pair(2) } else { [0.5; 2] },
+            light: match (self.lens, self.lights) {
+                (_, false) => [0.5; 2],
+                (lens, true) => pair(if lens { 4 } else { 2 }),
+            },
+        }
     }
-    places
 }
 
 impl LensCamera {
     /// The start and unit direction of the ray through a place of the picture, `x` to the right and `y` down in pixels,
     /// and a place on the lens, two numbers from 0 to 1.
-    pub fn ray(&self, size: [u32; 2], [x, y]: [f64; 2], [u, v]: [f64; 2]) -> (DVec3, DVec3) {
+    pub fn ray(&self, size: [u32; 2], [x, y]: [f64; 2], lens: [f64; 2]) -> (DVec3, DVec3) {
         let [right, up, forward] = self.axes();
-        let scale = 2.0 * (0.5 * self.fov).tan() / f64::from(size[1]);
-        let across = (x - 0.5 * f64::from(size[0])) * scale;
-        let upward = (0.5 * f64::from(size[1]) - y) * scale;
+        let [width, height] = size.map(f64::from);
+        // From −1 to 1 over the picture's height.
+        let across = 2.0 * (x - 0.5 * width) / height;
+        let upward = 2.0 * (0.5 * height - y) / height;
+        let (half, tangent) = (0.5 * self.fov, (0.5 * self.fov).tan());
+        let across = match self.projection {
+            LensProjection::Pinhole => tangent * across,
+            _ => (half * across).sin(),
+        };
+        let upward = match self.projection {
+            LensProjection::Spherical => (half * upward).sin(),
+            _ => tangent * upward,
+        };
         let direction = forward + across * right + upward * up;
         if self.aperture <= 0.0 {
             return (self.position, direction.normalize());
         }
-        let (radius, turn) = (self.aperture * u.sqrt(), std::f64::consts::TAU * v);
-        let offset = radius * (turn.cos() * right + turn.sin() * up);
+        let [a, b] = self.bokeh.place(lens);
+        let offset = self.aperture * (a * right + b * up);
         let sharp = self.focus * direction;
         (self.position + offset, (sharp - offset).normalize())
     }
 
     /// The picture's right and up, and the direction of its centre.
-    fn axes(&self) -> [DVec3; 3] {
+    pub fn axes(&self) -> [DVec3; 3] {
         let forward = self.direction.normalize_or(DVec3::Y);
-        // Straight up or down, the picture's up is y.
-        let vertical = forward.x == 0.0 && forward.y == 0.0;
-        let upward = if vertical { DVec3::Y } else { DVec3::Z };
-        let right = forward.cross(upward).normalize();
+        let across = forward.cross(self.up);
+        // Along the vertical, the picture's up is y.
+        let right = across
+            .try_normalize()
+            .or(forward.cross(DVec3::Y).try_normalize());
+        let right = right.unwrap_or(DVec3::X);
         let up = right.cross(forward);
         let (sin, cos) = self.roll.sin_cos();
         [cos * right - sin * up, cos * up + sin * right, forward]
     }
+}
+
+impl Bokeh {
+    /// The place in the shape, to the right and up, of two numbers that are evenly distributed from 0 to 1.
+    fn place(self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let turn = std::f64::consts::TAU * v;
+        let corner = |angle: f64, radius: f64| [radius * angle.cos(), radius * angle.sin()];
+        match self {
+            Self::Circle => corner(turn, u.sqrt()),
+            Self::Line => [2.0 * u - 1.0, 0.0],
+            Self::Box => [2.0 * u - 1.0, 2.0 * v - 1.0],
+            Self::Gaussian => corner(turn, (-2.0 * (1.0 - u).ln()).sqrt()),
+            Self::Polygon(count) => {
+                let step = std::f64::consts::TAU / f64::from(count);
+                fan(count, [u, v], |k| corner(f64::from(k) * step, 1.0))
+            }
+            Self::Star => {
+                let step = std::f64::consts::PI / 5.0;
+                fan(10, [u, v], |k| {
+                    let radius = if k % 2 == 0 { 1.0 } else { STAR_INNER };
+                    corner(std::f64::consts::FRAC_PI_2 + f64::from(k) * step, radius)
+                })
+            }
+        }
+    }
+}
+
+/// A place in a polygon of triangles about 0 that have equal areas.
+fn fan(count: u32, [u, v]: [f64; 2], corner: impl Fn(u32) -> [f64; 2]) -> [f64; 2] {
+    let scaled = u * f64::from(count);
+    let k = (scaled.floor() as u32).min(count.saturating_sub(1));
+    let out = (scaled - f64::from(k)).sqrt();
+    let (a, b) = (corner(k), corner(k + 1));
+    [0, 1].map(|axis| out * ((1.0 - v) * a[axis] + v * b[axis]))
 }
 
 /// Mixes the coordinates of a pixel and an axis.

@@ -12,7 +12,8 @@
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
-use crate::field::FieldScratch;
+use crate::field::{BundlePart, Field, FieldScratch, LineBundle};
+use crate::leaf::Leaf;
 use crate::line::{Ray, SurfaceId, UnitLine, changes_in_t, field_line};
 use crate::roots::SignChanges;
 use crate::shape::LeafSurface;
@@ -54,6 +55,9 @@ pub struct Caster<'w> {
     shared: FxHashMap<u32, SignChanges>,
     /// The changes of each group of shared fields, in t.
     shared_fields: FxHashMap<u32, Vec<f64>>,
+    /// The rays that are read together, and for each field what is known of them all.
+    bundle: Vec<Ray>,
+    bundle_parts: FxHashMap<SurfaceId, Vec<BundlePart>>,
     group: Vec<SurfaceEvent>,
     stack: Vec<u32>,
     crossings: Vec<Crossing>,
@@ -90,6 +94,8 @@ impl World {
             events: Vec::new(),
             shared: FxHashMap::default(),
             shared_fields: FxHashMap::default(),
+            bundle: Vec::new(),
+            bundle_parts: FxHashMap::default(),
             group: Vec::new(),
             stack: Vec::new(),
             crossings: Vec::new(),
@@ -101,20 +107,35 @@ impl World {
 impl Caster<'_> {
     /// All crossings with t > 0, by t, then by solid.
     pub fn cast(&mut self, ray: &Ray) -> &[Crossing] {
-        self.sweep(ray, false);
+        self.sweep(ray, false, false);
         &self.crossings
     }
 
     /// The first crossing with t > 0.
     pub fn first(&mut self, ray: &Ray) -> Option<Crossing> {
-        self.sweep(ray, true);
+        self.sweep(ray, true, false);
         self.crossings.first().copied()
     }
 
-    /// The crossings with the least t > 0, by solid.
-    pub(crate) fn nearest(&mut self, ray: &Ray) -> &[Crossing] {
-        self.sweep(ray, true);
+    /// The crossings with the least t > 0, by solid; `bundled` for a ray of the bundle.
+    pub(crate) fn nearest(&mut self, ray: &Ray, bundled: bool) -> &[Crossing] {
+        self.sweep(ray, true, bundled);
         &self.crossings
+    }
+
+    /// Reads these rays together, until the next bundle: [`Caster::first_of_bundle`] then takes less time, the less the
+    /// nearer they are to each other. The rays of a few pixels by a few make a good bundle.
+    pub fn begin_bundle(&mut self, rays: &[Ray]) {
+        self.bundle.clear();
+        self.bundle.extend_from_slice(rays);
+        self.bundle_parts.clear();
+    }
+
+    /// The first crossing with t > 0 of the ray with this index in the bundle.
+    pub fn first_of_bundle(&mut self, index: usize) -> Option<Crossing> {
+        let ray = self.bundle[index];
+        self.sweep(&ray, true, true);
+        self.crossings.first().copied()
     }
 
     /// The solids that the last ray was inside of right after its start, ascending.
@@ -127,7 +148,7 @@ impl Caster<'_> {
         self.field.evaluations
     }
 
-    fn sweep(&mut self, ray: &Ray, one: bool) {
+    fn sweep(&mut self, ray: &Ray, one: bool, bundled: bool) {
         self.state.reset(&self.world.forest);
         self.crossings.clear();
         self.events.clear();
@@ -142,14 +163,14 @@ impl Caster<'_> {
         self.find_candidates(ray);
         let mut next = 0;
         while next < self.candidates.len() && self.candidates[next].entry <= 0.0 {
-            self.activate(ray, self.candidates[next]);
+            self.activate(ray, self.candidates[next], bundled);
             next += 1;
         }
         self.read_start();
         loop {
             let event = self.events.last().map_or(f64::INFINITY, |event| event.t);
             if next < self.candidates.len() && self.candidates[next].entry <= event {
-                self.activate(ray, self.candidates[next]);
+                self.activate(ray, self.candidates[next], bundled);
                 next += 1;
                 continue;
             }
@@ -165,7 +186,7 @@ impl Caster<'_> {
                 break;
             }
             for k in 0..self.group.len() {
-                self.go_on(ray, self.group[k]);
+                self.go_on(ray, self.group[k], bundled);
             }
         }
     }
@@ -222,7 +243,7 @@ impl Caster<'_> {
     }
 
     /// Reads a leaf: its membership where the ray comes to it, and its events.
-    fn activate(&mut self, ray: &Ray, candidate: Candidate) {
+    fn activate(&mut self, ray: &Ray, candidate: Candidate, bundled: bool) {
         let leaf = &self.world.leaves[candidate.leaf as usize];
         let line = UnitLine::new(leaf, ray);
         if !(line.speed.is_finite() && line.speed > 0.0) {
@@ -257,7 +278,7 @@ impl Caster<'_> {
                     let line = field_line(leaf, ray);
                     let leaving = from == 0.0 && self.leaves(ray, surface);
                     let (inside, start) = field.start(&mut self.field, &line, [from, to], leaving);
-                    self.seek(ray, surface, [start, to], inside);
+                    self.seek(ray, surface, [start, to], inside, bundled);
                     inside
                 }
             };
@@ -280,13 +301,28 @@ impl Caster<'_> {
     }
 
     /// Adds the next event of a field, `inside` being its membership right after the start of this part of the ray.
-    fn seek(&mut self, ray: &Ray, id: SurfaceId, [from, to]: [f64; 2], inside: bool) {
+    fn seek(
+        &mut self,
+        ray: &Ray,
+        id: SurfaceId,
+        [from, to]: [f64; 2],
+        inside: bool,
+        bundled: bool,
+    ) {
         let leaf = &self.world.leaves[id.leaf as usize];
         let LeafSurface::Field(field, _) = &leaf.compiled.pieces[id.piece as usize] else {
             return;
         };
         let line = field_line(leaf, ray);
-        if let Some((t, rest)) = field.next_change(&mut self.field, &line, [from, to], inside) {
+        let known: &[BundlePart] = if bundled {
+            let bundle = &self.bundle;
+            let divided = self.bundle_parts.entry(id);
+            divided.or_insert_with(|| divide_bundle(field, leaf, bundle, &mut self.field))
+        } else {
+            &[]
+        };
+        let found = field.next_change(&mut self.field, &line, [from, to], inside, known);
+        if let Some((t, rest)) = found {
             let t = self.snapped(id, t);
             self.events.push(SurfaceEvent {
                 t,
@@ -392,7 +428,7 @@ impl Caster<'_> {
     }
 
     /// Seeks the event of a field after this one.
-    fn go_on(&mut self, ray: &Ray, event: SurfaceEvent) {
+    fn go_on(&mut self, ray: &Ray, event: SurfaceEvent, bundled: bool) {
         if let Some(rest) = event.rest {
             let leaf = &self.world.leaves[event.leaf as usize];
             let inside = self.inside[leaf.first_piece + event.piece as usize];
@@ -401,7 +437,7 @@ impl Caster<'_> {
                 piece: event.piece,
             };
             let before = self.events.len();
-            self.seek(ray, id, rest, inside);
+            self.seek(ray, id, rest, inside, bundled);
             if self.events.len() > before {
                 self.sort_events();
             }
@@ -477,4 +513,29 @@ impl Caster<'_> {
             normal: if leads_out { normal } else { -normal },
         }
     }
+}
+
+/// The parts of the range in which rays are within a leaf's box, with what is known of the field for all of them.
+fn divide_bundle(
+    field: &Field,
+    leaf: &Leaf,
+    rays: &[Ray],
+    scratch: &mut FieldScratch,
+) -> Vec<BundlePart> {
+    let Some(bounds) = leaf.bounds else {
+        return Vec::new();
+    };
+    let [mut from, mut to] = [f64::INFINITY, 0.0f64];
+    for ray in rays {
+        let [entry, exit] = bounds.part(ray.origin, ray.direction.recip());
+        if entry <= exit && exit >= 0.0 {
+            from = from.min(entry.max(0.0));
+            to = to.max(exit);
+        }
+    }
+    if from >= to || !to.is_finite() {
+        return Vec::new();
+    }
+    let lines = rays.iter().map(|ray| field_line(leaf, ray));
+    field.divide(scratch, &LineBundle::new(lines), [from, to])
 }

@@ -11,6 +11,9 @@ use expr::tape::{Registers, Tape};
 use expr::{Graph, Input, NodeId, TooLarge};
 use glam::DVec3;
 
+mod bundle;
+pub(crate) use bundle::{BundlePart, LineBundle, PartFinding};
+
 /// The number of evaluations on intervals that one ray may take.
 const MOST_EVALUATIONS: usize = 1 << 15;
 /// The number of samples of a segment whose evaluations are used up.
@@ -42,6 +45,8 @@ pub(crate) struct FieldScratch {
     numbers: Vec<f64>,
     slopes: Vec<Slope>,
     parts: Vec<(f64, f64)>,
+    /// The parts of a segment with what is known of them, the first one last.
+    known: Vec<BundlePart>,
     /// The number of evaluations on intervals that are left to the ray.
     budget: usize,
     /// The number of evaluations on intervals so far.
@@ -123,38 +128,87 @@ impl Field {
     }
 
     /// The first place in (from, to] where membership changes, `inside` being that right after `from`; and where the search
-    /// for the next one begins.
+    /// for the next one begins. `known` is what is known of parts of the line, of the bundle that it belongs to.
     pub(crate) fn next_change(
         &self,
         scratch: &mut FieldScratch,
         line: &Line,
         [from, to]: [f64; 2],
         inside: bool,
+        known: &[BundlePart],
     ) -> Option<(f64, f64)> {
-        scratch.parts.clear();
-        scratch.parts.push((from, to));
-        while let Some((a, b)) = scratch.parts.pop() {
-            if scratch.budget == 0 {
-                return self.sampled(scratch, line, [a, to], inside);
-            }
-            scratch.budget -= 1;
-            let range = self.range(scratch, line, a, b);
-            let value = range.value;
-            let outside = value.is_empty() || value.lower() > 0.0;
-            if outside || value.upper() <= 0.0 && !value.is_partial() {
-                // The same throughout; a change between two parts lies where they meet.
-                if outside == inside {
-                    return Some((a, a.max(from).next_up()));
+        scratch.known.clear();
+        let open = |from: f64, to: f64| BundlePart {
+            from,
+            to,
+            finding: PartFinding::Open,
+        };
+        let mut begin = to;
+        for part in known.iter().rev() {
+            let [a, b] = [part.from.max(from), part.to.min(to)];
+            if a < b {
+                if scratch.known.is_empty() && b < to {
+                    scratch.known.push(open(b, to));
                 }
-                continue;
+                scratch.known.push(BundlePart {
+                    from: a,
+                    to: b,
+                    ..*part
+                });
+                begin = a;
             }
-            let shortest = b - a <= RESOLUTION * (1.0 + a.abs().max(b.abs()));
-            if !(range.is_monotone() || shortest) {
-                let middle = 0.5 * (a + b);
-                scratch.parts.push((middle, b));
-                scratch.parts.push((a, middle));
-            } else if self.inside(scratch, line, b) != inside {
-                return Some((self.between(scratch, line, a, b, inside), b));
+        }
+        if begin > from {
+            scratch.known.push(open(from, begin));
+        }
+        while let Some(BundlePart {
+            from: a,
+            to: b,
+            finding,
+        }) = scratch.known.pop()
+        {
+            match finding {
+                PartFinding::Outside | PartFinding::Inside => {
+                    // The same throughout; a change between two parts lies where they meet.
+                    if (finding == PartFinding::Inside) != inside {
+                        return Some((a, a.max(from).next_up()));
+                    }
+                }
+                PartFinding::Monotone => {
+                    if self.inside(scratch, line, b) != inside {
+                        return Some((self.between(scratch, line, a, b, inside), b));
+                    }
+                }
+                PartFinding::Open => {
+                    if scratch.budget == 0 {
+                        return self.sampled(scratch, line, [a, to], inside);
+                    }
+                    scratch.budget -= 1;
+                    let t = Interval::new(a, b);
+                    let range = self.range(scratch, &|k| {
+                        Slope::line(line.origin[k], line.direction[k], t)
+                    });
+                    let value = range.value;
+                    let outside = value.is_empty() || value.lower() > 0.0;
+                    let shortest = b - a <= RESOLUTION * (1.0 + a.abs().max(b.abs()));
+                    let finding = if outside {
+                        PartFinding::Outside
+                    } else if value.upper() <= 0.0 && !value.is_partial() {
+                        PartFinding::Inside
+                    } else if range.is_monotone() || shortest {
+                        PartFinding::Monotone
+                    } else {
+                        let middle = 0.5 * (a + b);
+                        scratch.known.push(open(middle, b));
+                        scratch.known.push(open(a, middle));
+                        continue;
+                    };
+                    scratch.known.push(BundlePart {
+                        from: a,
+                        to: b,
+                        finding,
+                    });
+                }
             }
         }
         None
@@ -207,7 +261,11 @@ impl Field {
     fn departure(&self, scratch: &mut FieldScratch, line: &Line, from: f64, to: f64) -> f64 {
         let mut length = to - from;
         while length > RESOLUTION * (1.0 + from.abs()) {
-            if self.range(scratch, line, from, from + length).is_monotone() {
+            let t = Interval::new(from, from + length);
+            let range = self.range(scratch, &|k| {
+                Slope::line(line.origin[k], line.direction[k], t)
+            });
+            if range.is_monotone() {
                 return from + length;
             }
             length *= 0.5;
@@ -215,16 +273,13 @@ impl Field {
         from + length
     }
 
-    fn range(&self, scratch: &mut FieldScratch, line: &Line, a: f64, b: f64) -> Slope {
+    /// The values and slopes where `coordinate` gives those of x, y and z.
+    fn range(&self, scratch: &mut FieldScratch, coordinate: &dyn Fn(usize) -> Slope) -> Slope {
         scratch.evaluations += 1;
         scratch.slopes.clear();
-        let t = Interval::new(a, b);
         for input in self.value.inputs() {
             scratch.slopes.push(match *input {
-                Input::Variable(k @ 0..3) => {
-                    let k = k as usize;
-                    Slope::line(line.origin[k], line.direction[k], t)
-                }
+                Input::Variable(k @ 0..3) => coordinate(k as usize),
                 input => Slope::constant(self.uniform(input)),
             });
         }

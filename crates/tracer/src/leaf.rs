@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DAffine3;
 
+use crate::bounds::BoundingBox;
 use crate::shape::FramedShape;
 use crate::tree::Literal;
 
@@ -17,6 +18,8 @@ pub(crate) struct Leaf {
     pub(crate) shape_from_world: DAffine3,
     /// True if it lies within a box of its own.
     pub(crate) bounded: bool,
+    /// The box in which it is looked for.
+    pub(crate) bounds: Option<BoundingBox>,
     pub(crate) gate: Literal,
     pub(crate) pieces: Vec<Literal>,
     /// The number of pieces of all leaves before it.

@@ -6,7 +6,8 @@
 //!          │ shared.rs: surfaces that are one         tree.rs: set operations         bvh.rs: boxes in boxes
 //! ```
 //!
-//! Pictures follow rays from a camera (`camera.rs`) through the world and its lights (`shade.rs`, `light.rs`, `optics.rs`).
+//! Pictures (`picture.rs`) follow rays from a camera (`camera.rs`) through the world, parametric surfaces (`sheet.rs`) and
+//! lights (`shade.rs`, `light.rs`, `optics.rs`).
 //!
 //! A solid is a tree of set operations on shapes under affine maps; a shape is the set where an expression is not positive.
 //! What is a combination of polynomials is solved as such (`roots.rs`), any other expression by interval arithmetic. There
@@ -52,12 +53,14 @@ mod leaf;
 pub mod light;
 mod line;
 pub mod optics;
+pub mod picture;
 mod reach;
 mod roots;
 pub mod shade;
 mod shape;
 mod shared;
 mod sheet;
+mod sheets;
 mod surface;
 mod tree;
 mod world;
@@ -66,4 +69,5 @@ pub use bounds::BoundingBox;
 pub use cast::{Caster, Crossing};
 pub use line::{Ray, SurfaceId};
 pub use sheet::{Sheet, SheetHit, SheetScratch};
+pub use sheets::Sheets;
 pub use world::{BuildError, SetStep, ShapeId, World, WorldBuilder};

@@ -16,6 +16,12 @@ pub struct Light {
     pub ambient: f64,
     /// The distance of full strength; without one it never fades.
     pub falloff: Option<f64>,
+    /// The radius of the ball that shines, of a light that has a place.
+    pub size: f64,
+    /// The colour of its highlights.
+    pub highlight: DVec3,
+    /// True if faces keep it from others.
+    pub casts_shadows: bool,
 }
 
 /// The way in which a light shines.
@@ -61,11 +67,24 @@ pub struct SeenLight {
 }
 
 impl Light {
-    /// The light as seen from a place.
-    pub fn from(&self, place: DVec3) -> SeenLight {
+    /// A light of this colour without a size, that casts shadows.
+    pub fn new(kind: LightKind, color: DVec3) -> Self {
+        Self {
+            kind,
+            color,
+            ambient: 0.0,
+            falloff: None,
+            size: 0.0,
+            highlight: color,
+            casts_shadows: true,
+        }
+    }
+
+    /// The light as seen from a place; `sample` is a place on the ball that shines, two numbers from 0 to 1.
+    pub fn from(&self, place: DVec3, sample: [f64; 2]) -> SeenLight {
         let (towards, distance, share) = match self.kind {
             LightKind::Point(position) => {
-                let offset = position - place;
+                let offset = self.shining(position - place, sample);
                 (offset.normalize_or_zero(), offset.length(), 1.0)
             }
             LightKind::Parallel(direction) => (-direction.normalize_or_zero(), f64::INFINITY, 1.0),
@@ -75,7 +94,7 @@ impl Light {
                 angle,
                 soft,
             } => {
-                let offset = position - place;
+                let offset = self.shining(position - place, sample);
                 let towards = offset.normalize_or_zero();
                 let off = (-towards).angle_between(direction);
                 (towards, offset.length(), within(off, 0.5 * angle, soft))
@@ -108,6 +127,16 @@ impl Light {
             distance,
             share: if share > 0.0 { share * fading } else { 0.0 },
         }
+    }
+
+    /// The way to a place of the disc that the ball shows.
+    fn shining(&self, center: DVec3, [u, v]: [f64; 2]) -> DVec3 {
+        if self.size <= 0.0 || center == DVec3::ZERO {
+            return center;
+        }
+        let (across, along) = center.normalize().any_orthonormal_pair();
+        let (sin, cos) = (std::f64::consts::TAU * v).sin_cos();
+        center + self.size * u.sqrt() * (cos * across + sin * along)
     }
 }
 

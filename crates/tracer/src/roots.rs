@@ -1,9 +1,9 @@
 //! The places where a polynomial of one variable changes its sign.
 //!
 //! Input: coefficients, the constant first. Output: the places in ascending order; between two of them the sign is the
-//! same, and at each of them it changes, whatever rounding does. Quadratics are solved in closed form; above, the critical
-//! points come first, from the derivatives' in turn, and between two of them a root is found by Newton's method inside its
-//! bracket. The closed forms of the crates `roots` and `kurbo` are quicker for quartics, but near double roots their
+//! same, and at each of them it changes, whatever rounding does. Quadratics are solved in closed form; above, coefficients in
+//! Bernstein's basis isolate the roots (G. E. Collins and A. G. Akritas, SYMSAC 1976), near multiple ones the critical points
+//! do, from the derivatives' in turn, and Newton's method finds each inside its bracket. The closed forms of the crates `roots` and `kurbo` are quicker for quartics, but near double roots their
 //! number of roots may be odd where the signs at the ends agree, which turns a solid inside out.
 
 /// The highest degree.
@@ -21,6 +21,8 @@ pub(crate) struct SignChanges {
     pub(crate) inside_first: bool,
 }
 
+/// The number of times that a part is halved by Bernstein's coefficients.
+const HALVINGS: usize = 6;
 /// Beyond this the reciprocal of the variable is solved for.
 const FAR: f64 = 2.0;
 
@@ -69,6 +71,13 @@ impl SignChanges {
             }
             return changes;
         }
+        let mut changes = Self::default();
+        isolate(p, degree, [from, to], &mut changes);
+        changes
+    }
+
+    /// The changes between two places, from those of the derivatives: each lies between two critical points.
+    fn between_critical(p: &Coefficients, degree: usize, from: f64, to: f64) -> Self {
         let mut critical = Self::between(&derivative(p, degree, degree - 2), from, to);
         for k in (0..degree - 2).rev() {
             let p = &derivative(p, degree, k);
@@ -144,6 +153,83 @@ impl SignChanges {
             self.count += 1;
         }
     }
+}
+
+/// Finds the changes between two places by the signs of coefficients in Bernstein's basis: without a change of sign from one
+/// coefficient to the next there is no root, with one there is one, and else the part is halved. What stays open, near
+/// multiple roots, is left to the derivatives.
+fn isolate(p: &Coefficients, degree: usize, [from, to]: [f64; 2], changes: &mut SignChanges) {
+    let mut stack = [(Coefficients::default(), from, to, 0); HALVINGS + 1];
+    stack[0].0 = bernstein(p, degree, from, to);
+    let mut count = 1;
+    changes.inside_first = stack[0].0[0] <= 0.0;
+    let mut inside = changes.inside_first;
+    while count > 0 {
+        let (part, a, b, depth) = stack[count - 1];
+        count -= 1;
+        let mut variations = 0;
+        let mut before = part[0] <= 0.0;
+        for &c in &part[1..=degree] {
+            variations += usize::from((c <= 0.0) != before);
+            before = c <= 0.0;
+        }
+        if variations > 1 && depth < HALVINGS {
+            // De Casteljau's scheme.
+            let (mut left, mut right) = (part, part);
+            for k in 1..=degree {
+                for j in 0..=degree - k {
+                    right[j] = 0.5 * (right[j] + right[j + 1]);
+                }
+                left[k] = right[0];
+            }
+            let middle = 0.5 * (a + b);
+            stack[count] = (right, middle, b, depth + 1);
+            stack[count + 1] = (left, a, middle, depth + 1);
+            count += 2;
+            continue;
+        }
+        let mut of_part = SignChanges {
+            inside_first: part[0] <= 0.0,
+            ..SignChanges::default()
+        };
+        match variations {
+            0 => {}
+            1 => of_part.push(root(p, degree, a, b, of_part.inside_first)),
+            _ => of_part = SignChanges::between_critical(p, degree, a, b),
+        }
+        // Rounding may put the sign at a place where two parts meet on either side.
+        if of_part.inside_first != inside {
+            changes.push(a);
+            inside = of_part.inside_first;
+        }
+        for &s in of_part.places() {
+            changes.push(s);
+            inside = !inside;
+        }
+    }
+}
+
+/// The coefficients in Bernstein's basis between two places.
+fn bernstein(p: &Coefficients, degree: usize, from: f64, to: f64) -> Coefficients {
+    let mut q = *p;
+    for k in 0..degree {
+        for j in (k..degree).rev() {
+            q[j] += from * q[j + 1];
+        }
+    }
+    // In the part's own variable from 0 to 1, divided by the binomial coefficients.
+    let (mut power, mut binomial) = (1.0, 1.0);
+    for (k, q) in q[..=degree].iter_mut().enumerate() {
+        *q *= power / binomial;
+        power *= to - from;
+        binomial = binomial * (degree - k) as f64 / (k + 1) as f64;
+    }
+    for k in 1..=degree {
+        for j in (k..=degree).rev() {
+            q[j] += q[j - 1];
+        }
+    }
+    q
 }
 
 /// The polynomial divided by s − `root`, the remainder dropped; from whichever end is stable.

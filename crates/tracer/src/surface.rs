@@ -96,6 +96,9 @@ impl PolynomialSurface {
             SurfaceForm::Higher(terms) if self.degree <= 4 => {
                 add_terms::<5>(&mut sum, terms, p.to_array(), d.to_array());
             }
+            SurfaceForm::Higher(terms) if self.degree <= 6 => {
+                add_terms::<7>(&mut sum, terms, p.to_array(), d.to_array());
+            }
             SurfaceForm::Higher(terms) => {
                 add_terms::<{ LARGEST_DEGREE + 1 }>(&mut sum, terms, p.to_array(), d.to_array());
             }
@@ -122,14 +125,22 @@ impl PolynomialSurface {
                 2.0 * *squares * at + mixed + *linear
             }
             SurfaceForm::Higher(terms) => {
+                let powers = at.to_array().map(|x| {
+                    let mut powers = [1.0; LARGEST_DEGREE + 1];
+                    for k in 1..=self.degree {
+                        powers[k] = powers[k - 1] * x;
+                    }
+                    powers
+                });
                 let mut gradient = DVec3::ZERO;
                 for &(e, c) in terms {
-                    let powers = |e: [i32; 3]| at.x.powi(e[0]) * at.y.powi(e[1]) * at.z.powi(e[2]);
-                    for k in (0..3).filter(|&k| e[k] > 0) {
-                        let mut lower = e.map(i32::from);
-                        lower[k] -= 1;
-                        gradient[k] += c * f64::from(e[k]) * powers(lower);
-                    }
+                    let [x, y, z] = [0, 1, 2].map(|k| powers[k][usize::from(e[k])]);
+                    let slope = |k: usize| match usize::from(e[k]) {
+                        0 => 0.0,
+                        n => n as f64 * powers[k][n - 1],
+                    };
+                    gradient +=
+                        c * DVec3::new(slope(0) * y * z, slope(1) * x * z, slope(2) * x * y);
                 }
                 gradient
             }

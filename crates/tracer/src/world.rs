@@ -183,7 +183,8 @@ impl<'a> WorldBuilder<'a> {
                 all = all.zip(own).map(|(all, own)| all.union(&own));
                 let is_field = |piece: &LeafSurface| matches!(piece, LeafSurface::Field(..));
                 let fields = compiled.pieces.iter().any(is_field);
-                boxes.push(own.or_else(|| fields.then(|| wide(&rest))));
+                let bounds = own.or_else(|| fields.then(|| wide(&rest)));
+                boxes.push(bounds);
                 let world_from_unit = map * compiled.shape_from_unit;
                 let count = pieces.len();
                 leaves.push(Leaf {
@@ -193,6 +194,7 @@ impl<'a> WorldBuilder<'a> {
                     unit_from_world: world_from_unit.inverse(),
                     shape_from_world: map.inverse(),
                     bounded: own.is_some(),
+                    bounds,
                     gate,
                     pieces,
                     first_piece: piece_count,

@@ -3,11 +3,11 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DAffine3, DVec3};
-use tracer::camera::{LensCamera, sample};
+use tracer::camera::{Bokeh, LensCamera, LensProjection, SampleAxes};
 use tracer::light::{Light, LightKind};
 use tracer::optics::{fresnel, reflected, refracted};
-use tracer::shade::{FaceLook, LightTracer, Scenery, encoded};
-use tracer::{Crossing, SetStep, World, WorldBuilder};
+use tracer::shade::{Face, FaceLook, FaceObject, Glass, LightTracer, Scenery, encoded};
+use tracer::{Ray, SetStep, Sheets, World, WorldBuilder};
 
 #[path = "../../expr/tests/formula/mod.rs"]
 mod formula;
@@ -36,12 +36,25 @@ fn black(_: DVec3) -> DVec3 {
 }
 
 fn light(kind: LightKind) -> Light {
-    Light {
-        kind,
-        color: DVec3::ONE,
-        ambient: 0.0,
-        falloff: None,
+    Light::new(kind, DVec3::ONE)
+}
+
+/// The number of the solid that a face belongs to.
+fn solid(face: &Face) -> usize {
+    match face.of {
+        FaceObject::Solid { solid, .. } => solid,
+        FaceObject::Sheet { .. } => usize::MAX,
     }
+}
+
+/// The light that comes to a place from a direction.
+fn seen(tracer: &mut LightTracer<'_>, origin: DVec3, direction: DVec3) -> DVec3 {
+    let ray = Ray {
+        origin,
+        direction,
+        leaving: None,
+    };
+    tracer.light(&ray, false, [0.5; 2])
 }
 
 #[track_caller]
@@ -88,7 +101,7 @@ fn lights_fade_and_end_as_their_formulas_say() {
         falloff: Some(2.0),
         ..light(LightKind::Point(DVec3::new(0.0, 0.0, 4.0)))
     };
-    assert_close(point.from(DVec3::ZERO).share, 0.25, 1e-15);
+    assert_close(point.from(DVec3::ZERO, [0.5; 2]).share, 0.25, 1e-15);
     let spot = |soft| {
         light(LightKind::Spot {
             position: DVec3::new(0.0, 0.0, 1.0),
@@ -98,29 +111,29 @@ fn lights_fade_and_end_as_their_formulas_say() {
         })
     };
     // The edge is at 45°: at x = 1. Hard, then fading over the outer half, whose middle has half the light.
-    assert_eq!(spot(0.0).from(DVec3::X * 0.999_999).share, 1.0);
-    assert_eq!(spot(0.0).from(DVec3::X * 1.000_001).share, 0.0);
+    assert_eq!(spot(0.0).from(DVec3::X * 0.999_999, [0.5; 2]).share, 1.0);
+    assert_eq!(spot(0.0).from(DVec3::X * 1.000_001, [0.5; 2]).share, 0.0);
     let middle = DVec3::X * (0.75 * FRAC_PI_2 / 2.0).tan();
-    assert_close(spot(0.5).from(middle).share, 0.5, 1e-12);
+    assert_close(spot(0.5).from(middle, [0.5; 2]).share, 0.5, 1e-12);
     let beam = light(LightKind::Beam {
         position: DVec3::new(0.0, 0.0, 3.0),
         direction: DVec3::NEG_Z,
         radius: 0.5,
         soft: 0.0,
     });
-    let seen = beam.from(DVec3::new(0.3, 0.0, 1.0));
+    let seen = beam.from(DVec3::new(0.3, 0.0, 1.0), [0.5; 2]);
     assert_eq!(
         (seen.share, seen.distance, seen.towards),
         (1.0, 2.0, DVec3::Z)
     );
-    assert_eq!(beam.from(DVec3::new(0.6, 0.0, 1.0)).share, 0.0);
-    assert_eq!(beam.from(DVec3::new(0.0, 0.0, 4.0)).share, 0.0);
+    assert_eq!(beam.from(DVec3::new(0.6, 0.0, 1.0), [0.5; 2]).share, 0.0);
+    assert_eq!(beam.from(DVec3::new(0.0, 0.0, 4.0), [0.5; 2]).share, 0.0);
 }
 
 #[test]
 fn ground_is_lit_by_the_cosine_and_dark_behind_a_ball() {
     let world = world(2.0);
-    let look = |_: &Crossing| FaceLook {
+    let look = |_: &Face| FaceLook {
         color: DVec3::new(0.5, 0.25, 1.0),
         specular: 0.0,
         ..FaceLook::default()
@@ -131,6 +144,8 @@ fn ground_is_lit_by_the_cosine_and_dark_behind_a_ball() {
     }];
     let scenery = Scenery {
         world: &world,
+        sheets: &Sheets::default(),
+        glass: &[],
         look: &look,
         lights: &lights,
         background: &black,
@@ -138,29 +153,37 @@ fn ground_is_lit_by_the_cosine_and_dark_behind_a_ball() {
     };
     let mut tracer = LightTracer::new(&scenery);
     let cosine = 0.5f64.sqrt();
-    let lit = tracer.light(DVec3::new(0.5, 3.0, 5.0), DVec3::NEG_Z);
+    let lit = seen(&mut tracer, DVec3::new(0.5, 3.0, 5.0), DVec3::NEG_Z);
     for (actual, color) in lit.to_array().into_iter().zip([0.5, 0.25, 1.0]) {
         assert_close(actual, color * (0.1 + cosine), 1e-14);
     }
     // The centre of the shadow is at y = −2.
-    let dark = tracer.light(DVec3::new(0.0, -2.0, 0.5), DVec3::NEG_Z);
+    let dark = seen(&mut tracer, DVec3::new(0.0, -2.0, 0.5), DVec3::NEG_Z);
     assert_close(dark.y, 0.25 * 0.1, 1e-15);
 }
 
 #[test]
 fn glass_bends_absorbs_and_reflects_exactly() {
     let world = world(2.0);
-    let look = |crossing: &Crossing| FaceLook {
+    let look = |face: &Face| FaceLook {
         color: DVec3::new(0.5, 1.0, 0.25),
-        diffuse: 0.0,
+        diffuse: Some(0.0),
         specular: 0.0,
-        glass: f64::from(u8::from(crossing.solid == 2)),
-        depth: 2.0,
+        glass: f64::from(u8::from(solid(face) == 2)),
         ..FaceLook::default()
     };
     let sky = |direction: DVec3| DVec3::splat(if direction.x > 0.0 { 1.0 } else { 0.0 });
     let scenery = Scenery {
         world: &world,
+        sheets: &Sheets::default(),
+        glass: &[
+            None,
+            None,
+            Some(Glass {
+                ior: 1.5,
+                depth: 2.0,
+            }),
+        ],
         look: &look,
         lights: &[],
         background: &sky,
@@ -169,7 +192,7 @@ fn glass_bends_absorbs_and_reflects_exactly() {
     let mut tracer = LightTracer::new(&scenery);
     let angle = 0.5f64;
     let direction = DVec3::new(angle.cos(), angle.sin(), 0.0);
-    let seen = tracer.light(DVec3::new(0.0, 0.0, 8.0), direction);
+    let seen = seen(&mut tracer, DVec3::new(0.0, 0.0, 8.0), direction);
     // Through a plate: T² a (1 + R² a² + R⁴ a⁴ + …), a what a passage leaves.
     let inner = (angle.sin() / 1.5).asin();
     let share = fresnel(angle.cos(), 1.0, 1.5);
@@ -186,17 +209,18 @@ fn mirrors_show_the_sky_and_a_white_furnace_stays_white() {
     let world = world(1.5);
     let sky = |_: DVec3| DVec3::ONE;
     let mut random = Random(4);
+    let glass = [Some(Glass::default()); 3];
     for kind in 0..3 {
-        let look = |crossing: &Crossing| {
+        let look = |face: &Face| {
             let mut look = FaceLook {
                 specular: 0.0,
-                diffuse: 0.0,
+                diffuse: Some(0.0),
                 ..FaceLook::default()
             };
-            match (kind + crossing.solid) % 3 {
+            match (kind + solid(face)) % 3 {
                 0 => look.mirror = DVec3::ONE,
                 1 => (look.mirror, look.glass) = (DVec3::splat(0.3), 0.9),
-                _ => (look.diffuse, look.mirror) = (0.5, DVec3::splat(0.5)),
+                _ => (look.diffuse, look.mirror) = (Some(0.5), DVec3::splat(0.5)),
             }
             look
         };
@@ -207,6 +231,8 @@ fn mirrors_show_the_sky_and_a_white_furnace_stays_white() {
         }];
         let scenery = Scenery {
             world: &world,
+            sheets: &Sheets::default(),
+            glass: &glass,
             look: &look,
             lights: &lights,
             background: &sky,
@@ -215,28 +241,34 @@ fn mirrors_show_the_sky_and_a_white_furnace_stays_white() {
         let mut tracer = LightTracer::new(&scenery);
         for _ in 0..500 {
             let origin = DVec3::new(-3.0, 0.5, 2.0) + random.vector(1.0);
-            let seen = tracer.light(origin, random.direction());
+            let seen = seen(&mut tracer, origin, random.direction());
             assert!(
                 seen.max_element() <= 1.0 + 1e-12 && seen.min_element() >= 0.0,
                 "{seen}"
             );
         }
     }
-    let look = |_: &Crossing| FaceLook {
-        diffuse: 0.0,
+    let look = |_: &Face| FaceLook {
+        diffuse: Some(0.0),
         specular: 0.0,
         mirror: DVec3::new(1.0, 0.5, 0.25),
         ..FaceLook::default()
     };
     let scenery = Scenery {
         world: &world,
+        sheets: &Sheets::default(),
+        glass: &[],
         look: &look,
         lights: &[],
         background: &|direction| DVec3::splat(direction.z),
         bounces: 1,
     };
     let mut tracer = LightTracer::new(&scenery);
-    let seen = tracer.light(DVec3::new(-5.0, 0.0, 4.0), DVec3::new(-0.6, 0.0, -0.8));
+    let seen = seen(
+        &mut tracer,
+        DVec3::new(-5.0, 0.0, 4.0),
+        DVec3::new(-0.6, 0.0, -0.8),
+    );
     assert!(
         (seen - 0.8 * DVec3::new(1.0, 0.5, 0.25)).length() < 1e-14,
         "{seen}"
@@ -246,11 +278,12 @@ fn mirrors_show_the_sky_and_a_white_furnace_stays_white() {
 #[test]
 fn samples_and_lenses_are_where_the_page_says() {
     // The first sample is in the middle; the others fill the pixel evenly, to 1/n in each strip.
-    assert_eq!(sample([3, 4], 0, false), [0.5; 4]);
+    let plain = SampleAxes::default();
+    assert_eq!(plain.sample([3, 4], 0).pixel, [0.5; 2]);
     let count = 256;
     let mut strips = [[0; 16]; 2];
     for k in 0..count {
-        let places = sample([3, 4], k, false);
+        let places = plain.sample([3, 4], k).pixel;
         for axis in 0..2 {
             strips[axis][(places[axis] * 16.0) as usize] += 1;
         }
@@ -259,7 +292,26 @@ fn samples_and_lenses_are_where_the_page_says() {
         strips.iter().flatten().all(|n| (13..=19).contains(n)),
         "{strips:?}"
     );
-    assert_ne!(sample([3, 4], 1, true)[2..], sample([4, 3], 1, true)[2..]);
+    // The third sample by the numbers of the additive sequence.
+    let whole = |x: f64| (x * 2f64.powi(32)) as u32;
+    let third = plain.sample([3, 4], 2).pixel.map(whole);
+    assert_eq!(third, [41_898_834, 2_747_407_178]);
+    let lens = SampleAxes {
+        lens: true,
+        lights: false,
+    };
+    assert_ne!(lens.sample([3, 4], 1).lens, lens.sample([4, 3], 1).lens);
+    assert_eq!(whole(lens.sample([3, 4], 1).pixel[0]), 1_531_906_961);
+    let both = SampleAxes {
+        lens: true,
+        lights: true,
+    };
+    let step = |k| both.sample([3, 4], k).light.map(whole);
+    let [a, b] = [step(7), step(8)];
+    assert_eq!(
+        [b[0].wrapping_sub(a[0]), b[1].wrapping_sub(a[1])],
+        [2_517_223_199, 2_262_111_973]
+    );
     let camera = LensCamera {
         position: DVec3::new(1.0, -4.0, 2.0),
         direction: DVec3::new(0.0, 2.0, -1.0),
@@ -267,6 +319,9 @@ fn samples_and_lenses_are_where_the_page_says() {
         roll: 0.3,
         focus: 3.0,
         aperture: 0.1,
+        up: DVec3::Z,
+        bokeh: Bokeh::Circle,
+        projection: LensProjection::Pinhole,
     };
     // All rays of a pixel meet in the sharp plane, three along the axis.
     let (size, place) = ([640, 480], [100.5, 40.5]);

@@ -1,0 +1,151 @@
+//! Pictures: rays through pixels, tile by tile, on all threads.
+//!
+//! Input: a scenery, a camera, a range of samples. Output: for each pixel the sum of its samples' light. A tile is drawn by
+//! one thread and depends on nothing but its place, so the sums are the same for any number of threads.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use glam::DVec3;
+
+use crate::camera::{LensCamera, Sample, SampleAxes};
+use crate::line::Ray;
+use crate::shade::{LightTracer, Scenery};
+
+/// The side of a tile in pixels; its rays of one sample are read together.
+const TILE: u32 = 8;
+
+/// The light that comes to the pixels of a picture.
+#[derive(Clone, Debug)]
+pub struct LightSums {
+    size: [u32; 2],
+    /// Row by row.
+    sums: Vec<DVec3>,
+    samples: u32,
+}
+
+/// The light of one tile, row by row, with its first pixel.
+type Tile = ([u32; 2], Vec<DVec3>);
+
+impl LightSums {
+    /// A picture without samples.
+    pub fn new(size: [u32; 2]) -> Self {
+        Self {
+            size,
+            sums: vec![DVec3::ZERO; size[0] as usize * size[1] as usize],
+            samples: 0,
+        }
+    }
+
+    /// The number of samples that each pixel has.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Adds the next samples, `count` for each pixel, on so many threads. `progress` receives the share that is done, from
+    /// any thread, and returns false to stop: then nothing is added.
+    pub fn add(
+        &mut self,
+        scenery: &Scenery<'_>,
+        camera: &LensCamera,
+        count: u32,
+        threads: usize,
+        progress: &(dyn Fn(f32) -> bool + Sync),
+    ) -> bool {
+        let [columns, rows] = self.size.map(|side| side.div_ceil(TILE));
+        let tiles = (columns * rows) as usize;
+        let next = AtomicUsize::new(0);
+        let stopped = std::sync::atomic::AtomicBool::new(false);
+        let drawn: Mutex<Vec<Tile>> = Mutex::new(Vec::with_capacity(tiles));
+        let work = || {
+            let mut tracer = LightTracer::new(scenery);
+            let mut own: Vec<Tile> = Vec::new();
+            while !stopped.load(Ordering::Relaxed) {
+                let tile = next.fetch_add(1, Ordering::Relaxed);
+                if tile >= tiles {
+                    break;
+                }
+                let corner = [tile as u32 % columns, tile as u32 / columns].map(|k| k * TILE);
+                own.push((
+                    corner,
+                    self.tile(&mut tracer, scenery, camera, corner, count),
+                ));
+                if !progress((tile + 1) as f32 / tiles as f32) {
+                    stopped.store(true, Ordering::Relaxed);
+                }
+            }
+            drawn
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .extend(own);
+        };
+        std::thread::scope(|scope| {
+            for _ in 1..threads.clamp(1, tiles.max(1)) {
+                scope.spawn(work);
+            }
+            work();
+        });
+        if stopped.load(Ordering::Relaxed) {
+            return false;
+        }
+        for (corner, light) in drawn.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            for (pixel, light) in pixels(self.size, corner).zip(light) {
+                self.sums[(pixel[1] * self.size[0] + pixel[0]) as usize] += light;
+            }
+        }
+        self.samples += count;
+        true
+    }
+
+    /// The means of the samples, linear, row by row.
+    pub fn means(&self) -> impl ExactSizeIterator<Item = DVec3> + '_ {
+        let share = 1.0 / f64::from(self.samples.max(1));
+        self.sums.iter().map(move |sum| share * sum)
+    }
+
+    fn tile(
+        &self,
+        tracer: &mut LightTracer<'_>,
+        scenery: &Scenery<'_>,
+        camera: &LensCamera,
+        corner: [u32; 2],
+        count: u32,
+    ) -> Vec<DVec3> {
+        let axes = SampleAxes {
+            lens: camera.aperture > 0.0,
+            lights: scenery.lights.iter().any(|light| light.size > 0.0),
+        };
+        let mut sums = vec![DVec3::ZERO; pixels(self.size, corner).count()];
+        let mut rays: Vec<Ray> = Vec::with_capacity(sums.len());
+        for sample in self.samples..self.samples + count {
+            let samples: Vec<Sample> = pixels(self.size, corner)
+                .map(|pixel| axes.sample(pixel, sample))
+                .collect();
+            rays.clear();
+            rays.extend(
+                pixels(self.size, corner)
+                    .zip(&samples)
+                    .map(|(pixel, sample)| {
+                        let place = [0, 1].map(|k| f64::from(pixel[k]) + sample.pixel[k]);
+                        let (origin, direction) = camera.ray(self.size, place, sample.lens);
+                        Ray {
+                            origin,
+                            direction,
+                            leaving: None,
+                        }
+                    }),
+            );
+            tracer.begin_bundle(&rays);
+            for ((sum, ray), sample) in sums.iter_mut().zip(&rays).zip(&samples) {
+                *sum += tracer.light(ray, true, sample.light);
+            }
+        }
+        sums
+    }
+}
+
+/// The pixels of a tile, row by row.
+fn pixels(size: [u32; 2], [i, j]: [u32; 2]) -> impl Iterator<Item = [u32; 2]> {
+    let [right, bottom] = [(i + TILE).min(size[0]), (j + TILE).min(size[1])];
+    (j..bottom).flat_map(move |j| (i..right).map(move |i| [i, j]))
+}

@@ -1,0 +1,438 @@
+//! Samples of pictures: their limits, their parts and their independence of threads.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use expr::{Graph, Input};
+use glam::{DAffine3, DVec3};
+use tracer::camera::{Bokeh, LensCamera, LensProjection};
+use tracer::light::{Light, LightKind};
+use tracer::picture::LightSums;
+use tracer::shade::{Face, FaceLook, FaceObject, Glass, LightTracer, Scenery};
+use tracer::{Ray, SetStep, Sheet, Sheets, World, WorldBuilder};
+
+#[path = "../../expr/tests/formula/mod.rs"]
+mod formula;
+mod scenes;
+use formula::{Formula, variables};
+use scenes::surfaces::surfaces;
+use scenes::{LeafValue, Random, shapes};
+
+fn world(formulas: &[Formula]) -> World {
+    let graph = match formulas {
+        [first, ..] => first.graph().clone(),
+        [] => Graph::default(),
+    };
+    let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+    for formula in formulas {
+        let shape = builder.shape(formula.node(), [None; 3]).unwrap();
+        builder
+            .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+            .unwrap();
+    }
+    builder.build().unwrap()
+}
+
+fn sheet(components: &[Formula; 3], domain: [[f64; 2]; 2]) -> Sheet {
+    let nodes = [0, 1, 2].map(|k| components[k].node());
+    let graph = components[0].graph().clone();
+    Sheet::new(&graph, nodes, domain, &|_: Input| f64::NAN).unwrap()
+}
+
+fn camera() -> LensCamera {
+    LensCamera {
+        position: DVec3::new(0.0, -4.0, 0.0),
+        direction: DVec3::Y,
+        up: DVec3::Z,
+        fov: FRAC_PI_2,
+        roll: 0.0,
+        focus: 4.0,
+        aperture: 0.0,
+        bokeh: Bokeh::Circle,
+        projection: LensProjection::Pinhole,
+    }
+}
+
+fn black(_: DVec3) -> DVec3 {
+    DVec3::ZERO
+}
+
+fn ray(origin: DVec3, direction: DVec3) -> Ray {
+    Ray {
+        origin,
+        direction,
+        leaving: None,
+    }
+}
+
+fn drawn(scenery: &Scenery<'_>, camera: &LensCamera, samples: u32, threads: usize) -> Vec<DVec3> {
+    let mut sums = LightSums::new([20, 12]);
+    assert!(sums.add(scenery, camera, samples, threads, &|_| true));
+    sums.means().collect()
+}
+
+/// White faces under light from everywhere.
+fn white(_: &Face) -> FaceLook {
+    FaceLook {
+        specular: 0.0,
+        ..FaceLook::default()
+    }
+}
+
+/// Light from everywhere.
+fn everywhere() -> Light {
+    Light {
+        ambient: 1.0,
+        ..Light::new(LightKind::Parallel(DVec3::ZERO), DVec3::ONE)
+    }
+}
+
+#[test]
+fn a_bundle_sees_what_its_rays_see_alone() {
+    let variables = variables();
+    let surfaces = surfaces(&variables);
+    let graph = variables[0].graph().clone();
+    for (name, formula, half) in surfaces {
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let shape = builder
+            .shape(formula.node(), [Some([-half, half]); 3])
+            .unwrap();
+        builder
+            .solid(&[SetStep::Leaf(shape, DAffine3::IDENTITY)])
+            .unwrap();
+        let world = builder.build().unwrap();
+        let [mut alone, mut together] = [world.caster(), world.caster()];
+        let mut random = Random(77);
+        let (mut seen, mut differ) = (0, 0);
+        for _ in 0..8 {
+            let direction = random.direction();
+            let origin = random.vector(0.7 * half) - 4.0 * half * direction;
+            let spread = random.between(0.001, 0.05);
+            let rays: Vec<Ray> = (0..64)
+                .map(|_| ray(origin, (direction + random.vector(spread)).normalize()))
+                .collect();
+            together.begin_bundle(&rays);
+            for (k, ray) in rays.iter().enumerate() {
+                let [one, other] = [alone.first(ray), together.first_of_bundle(k)];
+                seen += usize::from(one.is_some());
+                let same = match (one, other) {
+                    (Some(one), Some(other)) => (one.t - other.t).abs() <= 1e-9 * (1.0 + one.t),
+                    (one, other) => one.is_none() && other.is_none(),
+                };
+                differ += usize::from(!same);
+            }
+        }
+        assert_eq!(differ, 0, "{name}");
+        assert!(seen > 40 || name == "tiny", "{name}: {seen}");
+    }
+}
+
+#[test]
+fn normals_are_exact_at_a_hundred_thousand_places() {
+    let variables = variables();
+    let formulas = shapes(&variables);
+    let graph = formulas[0].graph().clone();
+    let mut random = Random(5);
+    let mut checked = 0;
+    while checked < 100_000 {
+        let mut builder = WorldBuilder::new(&graph, &|_| f64::NAN);
+        let ids: Vec<_> = formulas
+            .iter()
+            .map(|f| builder.shape(f.node(), [None; 3]).unwrap())
+            .collect();
+        let kind = random.below(ids.len());
+        let map = random.map(1.0);
+        builder.solid(&[SetStep::Leaf(ids[kind], map)]).unwrap();
+        let world = builder.build().unwrap();
+        let mut caster = world.caster();
+        let mut direct = LeafValue::new(&graph, formulas[kind].node(), &map);
+        for _ in 0..500 {
+            let direction = random.direction();
+            let ray = ray(random.vector(1.0) - 6.0 * direction, direction);
+            for crossing in caster.cast(&ray) {
+                let (_, gradient) = direct.at(crossing.position);
+                let Some(expected) = gradient.try_normalize() else {
+                    continue;
+                };
+                // At edges and where the gradient is small the normal depends on the last digits of the place.
+                let turn = [DVec3::X, DVec3::Y, DVec3::Z].map(|step| {
+                    let (_, beside) = direct.at(crossing.position + 1e-8 * step);
+                    beside.normalize_or_zero().distance(expected)
+                });
+                if turn.iter().any(|turn| *turn > 1e-6) {
+                    continue;
+                }
+                let off = crossing.normal.cross(expected).length();
+                assert!(off <= 1e-5, "shape {kind}: {off} at {crossing:?}");
+                checked += 1;
+            }
+        }
+    }
+}
+
+#[test]
+fn a_blurred_edge_converges_to_its_integral() {
+    // A thin white wall, y = 0 and z ≤ 0.1, out of focus.
+    let [_, y, z] = variables();
+    let formulas = [(0.0 - &y).max(&(&y - 1e-9)).max(&(z - 0.1))];
+    let world = world(&formulas);
+    let lights = [everywhere()];
+    let scenery = Scenery {
+        world: &world,
+        sheets: &Sheets::default(),
+        glass: &[],
+        look: &white,
+        lights: &lights,
+        background: &black,
+        bounces: 0,
+    };
+    let blurred = LensCamera {
+        aperture: 0.5,
+        focus: 2.0,
+        ..camera()
+    };
+    let mut sums = LightSums::new([4, 8]);
+    sums.add(&scenery, &blurred, 4096, 2, &|_| true);
+    let means: Vec<DVec3> = sums.means().collect();
+    // The share of the pixel and of the lens from which the plane y = 0 is met below the edge. A ray through the lens at
+    // the height b and the sharp plane at the height s meets y = 0 at 2s − b.
+    let share = |row: u32| {
+        let count = 400;
+        let inside = (0..count).map(|k| {
+            let y = f64::from(row) + (f64::from(k) + 0.5) / f64::from(count);
+            let sharp = 2.0 * (8.0 - 2.0 * y) / 8.0;
+            // Below the edge: b > 2s − 0.1. The part of a disc above a line.
+            let h = ((2.0 * sharp - 0.1) / 0.5).clamp(-1.0, 1.0);
+            (h.acos() - h * (1.0 - h * h).sqrt()) / PI
+        });
+        inside.sum::<f64>() / f64::from(count)
+    };
+    let mut partial = 0;
+    for row in 0..8 {
+        for column in 0..4 {
+            let mean = means[row as usize * 4 + column].x;
+            let expected = share(row);
+            assert!(
+                (mean - expected).abs() < 0.01,
+                "{row}: {mean}, not {expected}"
+            );
+            partial += usize::from(expected > 0.05 && expected < 0.95);
+        }
+    }
+    assert!(partial >= 4);
+}
+
+#[test]
+fn soft_shadows_converge_to_the_visible_share_of_the_light() {
+    // A wall, y ≤ 0 above the ground: half of the light at (0, 0, 4) is behind the plane y = 0 seen along it.
+    let [x, y, z] = variables();
+    let ground = &z + 0.0 * x;
+    let wall = y.max(&(1.0 - &z)).max(&(&z - 2.0));
+    let world = world(&[ground, wall]);
+    let light = Light {
+        size: 0.5,
+        ..Light::new(LightKind::Point(DVec3::new(0.0, 0.0, 4.0)), DVec3::ONE)
+    };
+    let lights = [light];
+    let scenery = Scenery {
+        world: &world,
+        sheets: &Sheets::default(),
+        glass: &[],
+        look: &white,
+        lights: &lights,
+        background: &black,
+        bounces: 0,
+    };
+    let mut tracer = LightTracer::new(&scenery);
+    let axes = tracer::camera::SampleAxes {
+        lens: false,
+        lights: true,
+    };
+    let count = 4096;
+    let mut sum = 0.0;
+    for k in 0..count {
+        let down = ray(DVec3::new(0.0, 0.0, 0.5), DVec3::NEG_Z);
+        sum += tracer.light(&down, false, axes.sample([1, 1], k).light).x;
+    }
+    // The cosine is that at (0, 0, 4) to within 1/128.
+    let mean = sum / f64::from(count);
+    assert!((mean - 0.5).abs() < 0.01, "{mean}");
+}
+
+#[test]
+fn lenses_have_their_shapes() {
+    let shapes = [
+        (Bokeh::Circle, 1.0),
+        (Bokeh::Line, 1.0),
+        (Bokeh::Polygon(3), 1.0),
+        (Bokeh::Polygon(4), 1.0),
+        (Bokeh::Polygon(5), 1.0),
+        (Bokeh::Polygon(6), 1.0),
+        (Bokeh::Polygon(8), 1.0),
+        (Bokeh::Star, 1.0),
+        (Bokeh::Box, 2f64.sqrt()),
+    ];
+    for (bokeh, radius) in shapes {
+        let camera = LensCamera {
+            aperture: 1.0,
+            bokeh,
+            ..camera()
+        };
+        let axes = tracer::camera::SampleAxes {
+            lens: true,
+            lights: false,
+        };
+        let (mut centre, mut farthest) = (DVec3::ZERO, 0.0f64);
+        for k in 0..4096 {
+            let (origin, _) = camera.ray([9, 9], [4.5; 2], axes.sample([2, 2], k).lens);
+            let offset = origin - camera.position;
+            assert_eq!(offset.y, 0.0);
+            centre += offset / 4096.0;
+            farthest = farthest.max(offset.length());
+        }
+        assert!(centre.length() < 0.01, "{bokeh:?}: {centre}");
+        let close = farthest <= radius + 1e-12 && farthest > 0.95 * radius;
+        assert!(close, "{bokeh:?}: {farthest}");
+    }
+}
+
+#[test]
+fn pictures_are_the_same_on_any_number_of_threads() {
+    let [x, y, z] = variables();
+    let ball = x.squared() + y.squared() + z.squared() - 1.0;
+    let waves = ball.clone() + 0.1 * (7.0 * x).sin() - 0.0;
+    let world = world(&[waves]);
+    let look = |face: &Face| FaceLook {
+        color: 0.5 + 0.5 * face.normal,
+        mirror: DVec3::splat(0.3),
+        ..FaceLook::default()
+    };
+    let lights = [Light {
+        size: 0.3,
+        ..Light::new(LightKind::Point(DVec3::new(2.0, -3.0, 4.0)), DVec3::ONE)
+    }];
+    let scenery = Scenery {
+        world: &world,
+        sheets: &Sheets::default(),
+        glass: &[],
+        look: &look,
+        lights: &lights,
+        background: &|direction| 0.5 + 0.5 * direction,
+        bounces: 4,
+    };
+    let camera = LensCamera {
+        aperture: 0.1,
+        bokeh: Bokeh::Star,
+        ..camera()
+    };
+    let one = drawn(&scenery, &camera, 5, 1);
+    assert_eq!(one, drawn(&scenery, &camera, 5, 3));
+    assert_eq!(one, drawn(&scenery, &camera, 5, 16));
+    // Stopped: nothing is added.
+    let mut sums = LightSums::new([20, 12]);
+    assert!(!sums.add(&scenery, &camera, 1, 2, &|_| false));
+    assert_eq!(sums.samples(), 0);
+}
+
+#[test]
+fn sheets_and_solids_are_seen_together() {
+    let [u, v, z] = variables();
+    let ball = u.squared() + (&v + 0.0).squared() + z.squared() - 1.0;
+    let world = world(&[ball]);
+    let pane = |y: f64| sheet(&[u.clone(), u.number(y), v.clone()], [[-3.0, 3.0]; 2]);
+    let sheets = Sheets::new(vec![pane(-2.0), pane(0.0), pane(3.0)]);
+    let look = |face: &Face| match face.of {
+        FaceObject::Sheet { sheet: 0, .. } => FaceLook {
+            color: DVec3::new(0.5, 1.0, 1.0),
+            diffuse: Some(0.0),
+            glass: 0.8,
+            specular: 0.0,
+            ..FaceLook::default()
+        },
+        FaceObject::Sheet { sheet, .. } => FaceLook {
+            color: DVec3::splat(if sheet == 1 { 0.25 } else { 0.125 }),
+            ..white(face)
+        },
+        FaceObject::Solid { .. } => white(face),
+    };
+    let lights = [everywhere()];
+    let scenery = Scenery {
+        world: &world,
+        sheets: &sheets,
+        glass: &[],
+        look: &look,
+        lights: &lights,
+        background: &black,
+        bounces: 8,
+    };
+    let mut tracer = LightTracer::new(&scenery);
+    let mut seen = |x: f64| {
+        let ray = ray(DVec3::new(x, -5.0, 0.1), DVec3::Y);
+        tracer.light(&ray, false, [0.5; 2])
+    };
+    // Through the pane of glass: the ball, beside it the pane behind.
+    assert!((seen(0.2) - 0.8 * DVec3::new(0.5, 1.0, 1.0)).length() < 1e-12);
+    assert!((seen(2.0) - 0.2 * DVec3::new(0.5, 1.0, 1.0)).length() < 1e-12);
+    let first = tracer
+        .first(&ray(DVec3::new(0.0, 5.0, 0.0), DVec3::NEG_Y))
+        .unwrap();
+    assert!(matches!(first.of, FaceObject::Sheet { sheet: 2, .. }));
+    assert_eq!(first.normal, DVec3::Y);
+}
+
+#[test]
+fn a_camera_inside_glass_looks_out_of_it() {
+    let [x, y, z] = variables();
+    let ball = x.squared() + y.squared() + z.squared() - 1.0;
+    let world = world(&[ball]);
+    let look = |_: &Face| FaceLook {
+        glass: 1.0,
+        ..white_glass()
+    };
+    let glass = [Some(Glass {
+        ior: 1.5,
+        depth: 1.0,
+    })];
+    let scenery = Scenery {
+        world: &world,
+        sheets: &Sheets::default(),
+        glass: &glass,
+        look: &look,
+        lights: &[],
+        background: &|_| DVec3::ONE,
+        bounces: 64,
+    };
+    let mut tracer = LightTracer::new(&scenery);
+    // From the centre all rays go straight out; 4 % come back each time, and go out in the end.
+    let seen = tracer.light(&ray(DVec3::ZERO, DVec3::X), false, [0.5; 2]);
+    assert!((seen.x - 1.0).abs() < 2e-3, "{seen}");
+    // Near the rim, along it: total reflection, again and again.
+    let inside = ray(DVec3::new(0.95, 0.0, 0.0), DVec3::Z);
+    let seen = tracer.light(&inside, false, [0.5; 2]);
+    assert!(seen.x.is_finite() && seen.x <= 1.0 + 1e-12);
+}
+
+fn white_glass() -> FaceLook {
+    FaceLook {
+        specular: 0.0,
+        diffuse: Some(0.0),
+        ..FaceLook::default()
+    }
+}
+
+#[test]
+fn other_projections_turn_by_angles() {
+    let spherical = LensCamera {
+        projection: LensProjection::Spherical,
+        ..camera()
+    };
+    let (_, direction) = spherical.ray([200, 100], [200.0, 50.0], [0.5; 2]);
+    // X f W/H becomes sin(X fov/2 W/H).
+    let expected = DVec3::new((FRAC_PI_2 / 2.0 * 2.0).sin(), 1.0, 0.0).normalize();
+    assert!(direction.distance(expected) < 1e-12);
+    let cylindrical = LensCamera {
+        projection: LensProjection::Cylindrical,
+        ..camera()
+    };
+    let (_, direction) = cylindrical.ray([200, 100], [200.0, 0.0], [0.5; 2]);
+    assert!(direction.distance(DVec3::new(1.0, 1.0, 1.0).normalize()) < 1e-12);
+}
