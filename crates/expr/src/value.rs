@@ -99,6 +99,11 @@ pub enum DimensionError {
         /// The vector's dimension.
         dimension: usize,
     },
+    /// A builtin function of vectors, of a number.
+    Components {
+        /// The function's name.
+        name: &'static str,
+    },
     /// A builtin function of a vector.
     Builtin {
         /// The function's name.
@@ -164,6 +169,10 @@ impl fmt::Display for DimensionError {
                 f,
                 "component {position} of this tuple is {}, but components are numbers",
                 Kind(dimension)
+            ),
+            Self::Components { name } => write!(
+                f,
+                "`{name}` compares the components of a vector, but this is a number"
             ),
             Self::Builtin { name, dimension } => {
                 write!(f, "`{name}` takes a number, not {}", Kind(dimension))
@@ -397,6 +406,19 @@ pub fn tuple(values: &[Value]) -> Outcome {
         }
     }
     Ok(Value::Vector(nodes))
+}
+
+/// The component of a vector that [`Binary::Min`] or [`Binary::Max`] leaves, from the first to the last.
+///
+/// # Errors
+/// [`DimensionError::Components`] for a number.
+pub fn extreme(graph: &mut Graph, op: Binary, a: &Value) -> Outcome {
+    let components = a.components().iter().copied();
+    let joined = components.reduce(|first, next| graph.binary(op, first, next));
+    match (a, joined) {
+        (Value::Vector(_), Some(node)) => Ok(Value::Number(node)),
+        _ => Err(DimensionError::Components { name: op.name() }),
+    }
 }
 
 /// A builtin function of a number.

@@ -3,7 +3,7 @@ if exists('b:current_syntax')
   finish
 endif
 syntax keyword geotraceKeyword param grid define function curve surface point vector metric geodesic
-syntax keyword geotraceFunction sin cos tan asin acos atan sinh cosh tanh exp log sqrt abs id
+syntax keyword geotraceFunction sin cos tan asin acos atan sinh cosh tanh exp log sqrt abs id min max
 syntax keyword geotraceConstant pi e
 syntax match geotraceNumber /\v(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?/
 syntax match geotraceOperator "[-+*/^_']"

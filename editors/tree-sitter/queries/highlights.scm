@@ -16,7 +16,7 @@
 (call function: (word) @function.call)
 
 ((word) @function.builtin
-  (#any-of? @function.builtin "sin" "cos" "tan" "asin" "acos" "atan" "sinh" "cosh" "tanh" "exp" "log" "sqrt" "abs" "id"))
+  (#any-of? @function.builtin "sin" "cos" "tan" "asin" "acos" "atan" "sinh" "cosh" "tanh" "exp" "log" "sqrt" "abs" "id" "min" "max"))
 ((word) @constant.builtin (#any-of? @constant.builtin "pi" "e"))
 
 (number) @number

@@ -1,6 +1,6 @@
 //! Descriptions of names: signature, value, geometry.
 
-use expr::ops;
+use expr::ops::{self, Binary};
 use scene::ParamValues;
 use syntax::geotrace::declarations::{Category, DeclarationKeyword};
 use syntax::geotrace::symbols::{Symbol, SymbolKind};
@@ -188,6 +188,20 @@ fn builtin(symbol: &Symbol) -> Option<Description> {
             .into_iter()
             .find(|(known, ..)| **known == *name)?;
         return Some(description(name, [doc.to_owned()]));
+    }
+    let extreme = [Binary::Min, Binary::Max];
+    if let Some(op) = extreme.into_iter().find(|op| op.name() == name) {
+        let text = [
+            format!(
+                "The {} component of a vector.",
+                match op {
+                    Binary::Min => "least",
+                    _ => "greatest",
+                }
+            ),
+            "derivative: that of the first component to attain it".to_owned(),
+        ];
+        return Some(description(format!("{name}(a, b, …)"), text));
     }
     let text = match ops::builtin(name) {
         Some(operation) => {

@@ -44,11 +44,13 @@ impl<'r> NamesInScope<'r> {
         self.above
     }
 
-    /// The builtins.
+    /// The builtins whose names mean them at the place.
     pub(crate) fn builtins(self) -> impl Iterator<Item = (SymbolId, &'r Symbol)> {
         let all = (0..scene::geotrace::builtin_count()).map(SymbolId);
         let all = all.filter_map(move |id| Some((id, self.analysis.symbol(id)?)));
-        all.filter(|(_, symbol)| !symbol.name.is_empty())
+        all.filter(move |(_, symbol)| {
+            !symbol.name.is_empty() && self.declared(&symbol.name).is_none()
+        })
     }
 
     /// Returns the symbols of the last `most` declarations above, in the order of the text.
@@ -90,10 +92,17 @@ impl<'r> NamesInScope<'r> {
         found
     }
 
-    /// Returns the symbol of a name.
+    /// Returns the symbol of a name; that of a word which is one only before a bracket too.
     pub(crate) fn named(self, name: &str) -> Option<SymbolId> {
+        let mut builtins = self.builtins();
+        self.declared(name)
+            .or_else(|| Some(builtins.find(|(_, symbol)| *symbol.name == *name)?.0))
+    }
+
+    /// Returns the symbol of a name that is declared above.
+    fn declared(self, name: &str) -> Option<SymbolId> {
         let id = self.analysis.document().named(name)?;
-        self.has(id).then_some(id)
+        (self.has(id) && id.0 >= scene::geotrace::builtin_count()).then_some(id)
     }
 
     /// Returns true if a symbol is builtin, or declared above.

@@ -26,6 +26,10 @@ const EXPRESSIONS: &[OverviewRow] = &[
         "exp log sqrt abs",
         "further functions; log is the natural logarithm",
     ),
+    row(
+        "min(a, b)   max(a, b, 1)",
+        "the least and the greatest of numbers, or of a vector's components",
+    ),
     row("pi   e", "constants"),
     row("c(1)   s(1, 2)", "the place on a curve or surface"),
     row(

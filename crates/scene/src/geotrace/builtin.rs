@@ -1,8 +1,8 @@
-//! The names that the language starts with: the constants and functions of `expr`'s table of operations, and
-//! `id`, the identity, which takes vectors too.
+//! The names that the language starts with: the constants and functions of `expr`'s table of operations, `id`, the
+//! identity, which takes vectors too, and `min` and `max`, which take vectors only.
 
 use expr::Graph;
-use expr::ops::{CONSTANTS, Unary};
+use expr::ops::{Binary, CONSTANTS, Unary};
 use expr::value::{self, DimensionError, Value};
 use syntax::geotrace::symbols::Vocabulary;
 
@@ -15,7 +15,12 @@ pub(crate) enum Builtin {
     Operation(Unary),
     /// `id`.
     Identity,
+    /// `min` or `max`: a vector's least or greatest component.
+    Extreme(Binary),
 }
+
+/// The functions that are words of their own only before a bracket. A program may declare their names.
+const WEAK: [&str; 2] = ["min", "max"];
 
 impl Builtin {
     /// Every builtin function with its name.
@@ -24,6 +29,7 @@ impl Builtin {
         operations
             .filter_map(|op| Some((op.row().builtin?, Self::Operation(op))))
             .chain([("id", Self::Identity)])
+            .chain([Binary::Min, Binary::Max].map(|op| (op.name(), Self::Extreme(op))))
     }
 
     /// The function of an operand.
@@ -31,6 +37,7 @@ impl Builtin {
         match self {
             Self::Operation(op) => value::apply(graph, op, operand),
             Self::Identity => Ok(operand.clone()),
+            Self::Extreme(op) => value::extreme(graph, op, operand),
         }
     }
 }
@@ -39,7 +46,9 @@ impl Builtin {
 pub fn vocabulary() -> Vocabulary {
     let constants = CONSTANTS.map(|(name, ..)| name);
     let functions: Vec<&str> = Builtin::all().map(|(name, _)| name).collect();
-    let vocabulary = Vocabulary::new(&constants, &functions).with_foreign(FOREIGN_WORDS);
+    let vocabulary = Vocabulary::new(&constants, &functions)
+        .with_foreign(FOREIGN_WORDS)
+        .with_weak(&WEAK);
     let inverses = [
         ("sin", "asin"),
         ("cos", "acos"),

@@ -20,8 +20,10 @@ const fn explained(word: &'static str, hint: &'static str) -> ForeignWord {
     }
 }
 
-const ROUNDS: &str = "no builtin function rounds: all of them but `abs` are smooth";
-const CONDITION: &str = "there are no conditions: `abs` is the one function with a kink";
+const ROUNDS: &str =
+    "no builtin function rounds: all of them are continuous where they are defined";
+const CONDITION: &str =
+    "there are no conditions: `abs`, `min` and `max` are the functions with a kink";
 
 /// The table.
 pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
@@ -54,14 +56,20 @@ pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
         "atan2",
         "write `2atan(y/(sqrt(x^2 + y^2) + x))` for the angle of (x, y)",
     ),
-    explained(
-        "max",
-        "write `(a + b + abs(a - b))/2` for the larger of a and b",
-    ),
-    explained(
-        "min",
-        "write `(a + b - abs(a - b))/2` for the smaller of a and b",
-    ),
+    ForeignWord {
+        is_applied: Some(false),
+        ..explained(
+            "max",
+            "it is a function before a bracket: write `max(a, b)`",
+        )
+    },
+    ForeignWord {
+        is_applied: Some(false),
+        ..explained(
+            "min",
+            "it is a function before a bracket: write `min(a, b)`",
+        )
+    },
     explained("sign", "write `x/abs x`, which is undefined at 0"),
     explained("sgn", "write `x/abs x`, which is undefined at 0"),
     explained("floor", ROUNDS),

@@ -88,6 +88,11 @@ pub trait Definition: Clone + Debug {
     /// Replaces the name by an equal one that the document shares, and gives back room that is not used.
     fn share_name(&mut self, name: &Arc<str>);
 
+    /// Returns false for a builtin that no look-up finds: the grammar finds it by itself, where nothing has its name.
+    fn is_found(&self) -> bool {
+        true
+    }
+
     /// The place where the text declares it, counted from its chunk's start. Builtins have none.
     fn name_span(&self) -> Option<Span>;
 

@@ -71,7 +71,7 @@ impl<G: Grammar> Names<G> {
             let name = names.name(symbol.name());
             // Of equal names the first is found.
             let definers = &mut names.entry_mut(name).definers;
-            if definers.is_empty() {
+            if definers.is_empty() && symbol.is_found() {
                 definers.push(id);
             }
             names.symbols.push(Some(Arc::new(Defined {

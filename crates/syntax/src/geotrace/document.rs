@@ -22,7 +22,7 @@ use super::parser::lints::shadowed_split;
 use super::parser::parse_chunk;
 use super::parser::suggestions::each_declared;
 use super::records::{EventRecorder, Records};
-use super::symbols::{ForeignWord, MAX_NAME_LENGTH, NameScope, Parsed, Symbol, Vocabulary};
+use super::symbols::{MAX_NAME_LENGTH, NameScope, Parsed, SpecialWords, Symbol, Vocabulary};
 use super::token::{Token, TokenKind};
 
 pub use super::records::{Parameters, ParseEvents, Tokens};
@@ -184,6 +184,10 @@ impl Definition for Symbol {
         self.parameters.shrink_to_fit();
     }
 
+    fn is_found(&self) -> bool {
+        !self.is_weak
+    }
+
     fn name_span(&self) -> Option<Span> {
         self.name_span
     }
@@ -270,8 +274,8 @@ impl NameScope for ScopeView<'_, Geotrace> {
         }
     }
 
-    fn foreign(&self) -> &'static [ForeignWord] {
-        self.first_builtin().map_or(&[], |symbol| symbol.foreign)
+    fn words(&self) -> Option<&SpecialWords> {
+        self.first_builtin()?.words.as_deref()
     }
 
     fn search(&self, _: &mut Search<'_>) {

@@ -20,7 +20,16 @@ pub type SymbolTrie = Trie<SymbolId>;
 #[derive(Clone, Debug, Default)]
 pub struct Vocabulary {
     builtins: Vec<Symbol>,
-    foreign: &'static [ForeignWord],
+    words: Arc<SpecialWords>,
+}
+
+/// The words of a vocabulary that are no names.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SpecialWords {
+    /// The words of other notations.
+    pub(crate) foreign: &'static [ForeignWord],
+    /// The builtin functions that are words of their own only before a bracket, and only where nothing else has their name.
+    pub(crate) weak: Vec<(Arc<str>, SymbolId)>,
 }
 
 /// A word of another notation, and what is written here in its place.
@@ -64,8 +73,10 @@ pub struct Symbol {
     parameter_trie: Trie<u32>,
     /// The inverse of this builtin, if it is a builtin too.
     pub(crate) inverse: Option<Box<str>>,
-    /// The words of other notations, of a builtin.
-    pub(crate) foreign: &'static [ForeignWord],
+    /// The words of its vocabulary, of a builtin.
+    pub(crate) words: Option<Arc<SpecialWords>>,
+    /// True for a builtin that is a word of its own only before a bracket.
+    pub(crate) is_weak: bool,
 }
 
 /// Every symbol of a text, the builtins first.
@@ -94,8 +105,8 @@ pub(crate) trait NameScope {
     /// name that the rest begins with would have been taken instead.
     fn record_prefix_lookup(&mut self, rest: &str, start: u32, length: usize, kind: TokenKind);
 
-    /// The words of other notations.
-    fn foreign(&self) -> &'static [ForeignWord];
+    /// The words that are no names; `None` if the builtins have none.
+    fn words(&self) -> Option<&SpecialWords>;
 
     /// Offers all names to a search.
     fn search(&self, search: &mut Search<'_>);
@@ -111,7 +122,6 @@ pub struct Parsed {
     pub trie: SymbolTrie,
     /// Their symbols.
     pub symbols: Symbols,
-    foreign: &'static [ForeignWord],
 }
 
 impl Vocabulary {
@@ -130,11 +140,20 @@ impl Vocabulary {
             faulty: false,
             parameter_trie: Trie::default(),
             inverse: None,
-            foreign: &[],
+            words: None,
+            is_weak: false,
         });
         Self {
             builtins: builtins.collect(),
-            foreign: &[],
+            words: Arc::default(),
+        }
+    }
+
+    /// Replaces the words that are no names.
+    fn set_words(&mut self, words: SpecialWords) {
+        self.words = Arc::new(words);
+        for builtin in &mut self.builtins {
+            builtin.words = Some(Arc::clone(&self.words));
         }
     }
 
@@ -142,10 +161,26 @@ impl Vocabulary {
     /// in their place.
     #[must_use]
     pub fn with_foreign(mut self, words: &'static [ForeignWord]) -> Self {
-        self.foreign = words;
-        for builtin in &mut self.builtins {
-            builtin.foreign = words;
+        let weak = self.words.weak.clone();
+        self.set_words(SpecialWords {
+            foreign: words,
+            weak,
+        });
+        self
+    }
+
+    /// Returns the vocabulary with these builtin functions as words of their own only before a bracket. A text may declare
+    /// their names, which then mean what is declared.
+    #[must_use]
+    pub fn with_weak(mut self, functions: &[&str]) -> Self {
+        let mut words = SpecialWords::clone(&self.words);
+        for (builtin, id) in self.builtins.iter_mut().zip((0..).map(SymbolId)) {
+            if functions.contains(&&*builtin.name) {
+                builtin.is_weak = true;
+                words.weak.push((Arc::clone(&builtin.name), id));
+            }
         }
+        self.set_words(words);
         self
     }
 
@@ -167,10 +202,7 @@ impl Vocabulary {
 
     /// The names that a text starts with.
     pub(crate) fn start(&self) -> Parsed {
-        let mut parsed = Parsed {
-            foreign: self.foreign,
-            ..Parsed::default()
-        };
+        let mut parsed = Parsed::default();
         for symbol in &self.builtins {
             parsed.define(symbol.clone());
         }
@@ -205,7 +237,8 @@ impl Symbol {
             faulty,
             parameter_trie: if is_long { trie } else { Trie::default() },
             inverse: None,
-            foreign: &[],
+            words: None,
+            is_weak: false,
         }
     }
 
@@ -248,8 +281,9 @@ impl NameScope for Parsed {
         Self::define(self, symbol)
     }
 
-    fn foreign(&self) -> &'static [ForeignWord] {
-        self.foreign
+    #[inline]
+    fn words(&self) -> Option<&SpecialWords> {
+        self.symbols.0.first()?.words.as_deref()
     }
 
     fn search(&self, search: &mut Search<'_>) {
@@ -264,15 +298,23 @@ impl NameScope for Parsed {
 }
 
 impl Parsed {
-    /// Adds a symbol under the next identifier, and its name to the trie unless that is taken.
+    /// Adds a symbol under the next identifier, and its name to the trie unless that is taken or found before brackets only.
     pub(crate) fn define(&mut self, symbol: Symbol) -> SymbolId {
         let id = SymbolId(self.symbols.0.len() as u32);
-        if self.trie.get(&symbol.name).is_none() {
+        if !symbol.is_weak && self.trie.get(&symbol.name).is_none() {
             // A name outside the trie's alphabet is never found.
             let _ = self.trie.insert(&symbol.name, id);
         }
         self.symbols.0.push(symbol);
         id
+    }
+}
+
+impl SpecialWords {
+    /// The builtin function that is a word of its own only before a bracket.
+    pub(crate) fn weak(&self, word: &str) -> Option<SymbolId> {
+        let mut all = self.weak.iter();
+        all.find(|(name, _)| **name == *word).map(|(_, id)| *id)
     }
 }
 

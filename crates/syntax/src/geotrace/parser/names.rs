@@ -41,8 +41,14 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
             lints,
             ..
         } = self;
+        let source = lexer.source();
         lexer.next(|word| match mode {
             Mode::Expression => {
+                if let Some(id) = weak_function(parsed, state, source, word) {
+                    // A name that is declared takes its place.
+                    parsed.record_name_lookup(word.rest, word.start, TokenKind::Undefined);
+                    return (word.rest.len(), TokenKind::Function(id));
+                }
                 let (length, kind) = expression_word(parsed, state, word);
                 if length < word.rest.len() && !S::IS_CHUNK {
                     lints.record_split(word, length);
@@ -226,7 +232,7 @@ impl<'s, A: Actions, S: NameScope> Parser<'s, '_, A, S> {
 
     /// The word of another notation, if it is one. `is_applied` says that a bracket follows.
     pub(super) fn foreign_word(&self, word: &str, is_applied: bool) -> Option<ForeignWord> {
-        let mut all = self.parsed.foreign().iter();
+        let mut all = self.parsed.words()?.foreign.iter();
         let fits = |it: &&ForeignWord| {
             it.word == word && it.is_applied.is_none_or(|applied| applied == is_applied)
         };
@@ -391,6 +397,32 @@ fn expression_word(
     match symbol {
         Some((length, id)) => (length, meaning(parsed, id)),
         None => (word.rest.len(), TokenKind::Undefined),
+    }
+}
+
+/// The builtin function that the rest of a word is, if it is one of those that are words of their own before a bracket only.
+#[inline]
+fn weak_function(
+    parsed: &impl NameScope,
+    state: &DeclarationState<'_>,
+    source: &str,
+    word: Word<'_>,
+) -> Option<SymbolId> {
+    let id = parsed.words()?.weak(word.rest)?;
+    let is_parameter = state.in_body && state.parameter_trie.get(word.rest).is_some();
+    let is_taken = is_parameter || parsed.get(word.rest).is_some();
+    let end = word.start as usize + word.rest.len();
+    (!is_taken && is_before_bracket(&source[end..])).then_some(id)
+}
+
+/// Returns true if the first token of a text is an opening bracket.
+fn is_before_bracket(mut text: &str) -> bool {
+    loop {
+        text = text.trim_start_matches([' ', '\t', '\r', '\n']);
+        if !text.starts_with('#') {
+            return text.starts_with(['(', '[', '{']);
+        }
+        text = text.split_once('\n').map_or("", |(_, rest)| rest);
     }
 }
 
