@@ -59,7 +59,7 @@ pub(super) struct Arguments {
     /// The surface's name; without it, the program's first surface
     #[arg(long, value_name = "S")]
     surface: Option<String>,
-    /// A value for a param or a grid; without one a param is at its minimum and a grid at its first value
+    /// A value for a param or a grid; without one a param is where it starts, and a grid at its first value
     #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// The picture's size in pixels

@@ -67,7 +67,7 @@ pub(super) struct Arguments {
     /// Three places
     #[arg(long, value_name = "U,V", value_parser = argument::pair, allow_hyphen_values = true, num_args = 3)]
     triangle: Option<Vec<Pair>>,
-    /// A value for a param or a grid; without one a param is at its minimum and a grid at its first value
+    /// A value for a param or a grid; without one a param is where it starts, and a grid at its first value
     #[arg(long, value_name = "NAME=V", value_parser = argument::assignment, allow_hyphen_values = true)]
     set: Vec<Assignment>,
     /// For people, or one JSON document

@@ -20,6 +20,8 @@ const fn explained(word: &'static str, hint: &'static str) -> ForeignWord {
     }
 }
 
+const LENGTH: &str = "write `sqrt*v` for the length of a vector v: `*v` is v·v";
+const INFINITE: &str = "there is no infinite number: an interval has two ends";
 const ROUNDS: &str =
     "no builtin function rounds: all of them are continuous where they are defined";
 const CONDITION: &str =
@@ -70,6 +72,16 @@ pub(crate) const FOREIGN_WORDS: &[ForeignWord] = &[
             "it is a function before a bracket: write `min(a, b)`",
         )
     },
+    explained("norm", LENGTH),
+    explained("length", LENGTH),
+    explained(
+        "dot",
+        "two vectors side by side, `v w`, are their dot product",
+    ),
+    explained("cross", "the cross product is written `v * w`"),
+    explained("inf", INFINITE),
+    explained("infinity", INFINITE),
+    explained("oo", INFINITE),
     explained("sign", "write `x/abs x`, which is undefined at 0"),
     explained("sgn", "write `x/abs x`, which is undefined at 0"),
     explained("floor", ROUNDS),

@@ -4,6 +4,7 @@ use super::messages::quote;
 use super::names::{self, Mode};
 use super::suggestions::nearest_keyword;
 use super::{DeclarationState, Parser, Stop, foreign};
+use crate::diagnostic::Fix;
 use crate::geotrace::actions::{Actions, Declaration, Operator};
 use crate::geotrace::declarations::{DeclarationKeyword, Syntax};
 use crate::geotrace::symbols::{NameScope, Symbol};
@@ -227,9 +228,15 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
             return Ok(());
         }
         let name = quote(self.state.name);
-        let diagnostic = self.expected_diagnostic(&format!("{what} after the name {name}"));
+        let mut diagnostic = self.expected_diagnostic(&format!("{what} after the name {name}"));
+        let is_in = matches!(self.current.span.text(self.source), "in" | "∈");
+        if wanted == TokenKind::Colon && is_in {
+            let fix = Fix::change(self.current.span, ":", true);
+            diagnostic = diagnostic.with_fix(fix.with_all());
+        }
         let text = self.state.name;
         let hint = match self.current.kind {
+            _ if wanted == TokenKind::Colon && is_in => Some("write `:`".to_owned()),
             TokenKind::Equals if keyword == DeclarationKeyword::Grid => Some(format!(
                 "write `grid {text} : [a, b, n];`, or use `define` for a constant"
             )),

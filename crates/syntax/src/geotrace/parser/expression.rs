@@ -63,7 +63,12 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
                 TokenKind::Slash => Operator::Divide,
                 _ => return Ok(span),
             };
+            let sign = self.current;
             self.advance(Mode::Expression);
+            let next = self.current;
+            if [sign.kind, next.kind] == [TokenKind::Star; 2] && sign.span.end == next.span.start {
+                self.warn_power(sign.span);
+            }
             span = span.to(self.unary()?);
             self.operator(operator, span);
         }

@@ -99,6 +99,19 @@ pub(super) fn interval(text: &str) -> Option<ForeignInterval<'_>> {
     })
 }
 
+/// The interval with which a text begins, if its ends stand between round brackets.
+pub(super) fn round_interval(text: &str) -> Option<ForeignInterval<'_>> {
+    let text = first_item(text);
+    let (a, b) = text.strip_prefix('(')?.strip_suffix(')')?.split_once(',')?;
+    let ends = [a, b].map(str::trim);
+    let is_plain = |end: &str| !end.is_empty() && !end.contains(',');
+    ends.into_iter().all(is_plain).then_some(ForeignInterval {
+        text,
+        parameter: None,
+        ends,
+    })
+}
+
 impl ForeignInterval<'_> {
     /// The interval as it is written here.
     pub(super) fn written(&self) -> String {
@@ -137,7 +150,7 @@ fn first_item(text: &str) -> &str {
 
 #[cfg(test)]
 mod tests {
-    use super::{block_comment, interval};
+    use super::{block_comment, interval, round_interval};
 
     #[test]
     fn intervals_of_other_notations_are_read() {
@@ -165,6 +178,16 @@ mod tests {
             "(0, 1)",
         ] {
             assert_eq!(interval(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn round_brackets_around_two_ends_are_an_interval() {
+        let written = |text| round_interval(text).map(|found| found.written());
+        assert_eq!(written("(0, 2pi);").as_deref(), Some("[0, 2pi]"));
+        assert_eq!(written("(-1,1), v : [0, 1]").as_deref(), Some("[-1, 1]"));
+        for text in ["(0, 1, 5)", "(0)", "(0, )", "0, 1", ""] {
+            assert_eq!(written(text), None, "{text}");
         }
     }
 

@@ -81,6 +81,19 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.reject(diagnostic)
     }
 
+    /// Rejects an interval that has one end, or two that are written `a..b`.
+    #[cold]
+    fn missing_end(&mut self, opening: Span) -> Stop {
+        let inside = Span::new(opening.end, self.current.span.start);
+        match foreign::interval(inside.text(self.source)) {
+            Some(found) => {
+                let written = found.written();
+                self.foreign_interval(opening.to(self.current.span), &written)
+            }
+            None => self.expected("`,` and the interval's other end"),
+        }
+    }
+
     /// Rejects an interval in another notation.
     #[cold]
     pub(super) fn foreign_interval(&mut self, place: Span, written: &str) -> Stop {
@@ -100,7 +113,11 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
     /// The interval in another notation that begins with the current token, which is none of this one.
     fn interval_here(&self) -> Option<(Span, String)> {
         let start = self.current.span.start;
-        let found = foreign::interval(&self.source[start as usize..])?;
+        let text = &self.source[start as usize..];
+        let found = match self.current.kind {
+            TokenKind::ParenOpen => foreign::round_interval(text)?,
+            _ => foreign::interval(text)?,
+        };
         let names_parameter = found.parameter.is_none_or(|name| {
             self.state.parameter_trie.get(name).is_some() || name == self.state.name
         });
@@ -172,7 +189,7 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         self.expression()?;
         if self.current.kind != TokenKind::Comma {
             return Err(match self.current.kind {
-                TokenKind::BracketClose => self.expected("`,` and the interval's other end"),
+                TokenKind::BracketClose => self.missing_end(opening),
                 _ => self.unclosed(opening, ']', "`,` or "),
             });
         }

@@ -145,6 +145,17 @@ impl<A: Actions, S: NameScope> Parser<'_, '_, A, S> {
         );
     }
 
+    /// `a**b`: looks like a power. The current token is the second star, and touches the first.
+    #[cold]
+    pub(super) fn warn_power(&mut self, star: Span) {
+        self.warn(
+            star.to(self.current.span),
+            "`a**b` is read as `a*(*b)`, a times the square of b".to_owned(),
+            "write `^` for a power, or `* *` if that is meant".to_owned(),
+            &["^", "* *"],
+        );
+    }
+
     /// `sin^-1`: looks like the inverse function.
     pub(super) fn warn_inverse(&mut self, id: SymbolId, function: Span, exponent: Span) {
         let text = exponent.text(self.source);
