@@ -42,6 +42,8 @@ class Screen:
         command = ["Xvfb", "-displayfd", str(write), "-screen", "0", f"{width}x{height}x24", "-nolisten", "tcp"]
         # It does not begin anew when its last window goes, and refuses the next one meanwhile.
         command.append("-noreset")
+        # A key that a busy machine lets go late is typed once: no key repeats itself.
+        command.append("-r")
         self.server = subprocess.Popen(
             command, pass_fds=[write], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
@@ -172,6 +174,14 @@ class Window:
         except AssertionError as error:
             self.screen.keep("failed")
             raise AssertionError(f"{error}; {self.counters}; {self.said()}") from None
+
+    def until_written(self, text):
+        """Waits until the program's file has a text."""
+        try:
+            until("the file has the text", lambda: self.file.read_text() == text)
+        except AssertionError as error:
+            self.screen.keep("failed")
+            raise AssertionError(f"{error}; {self.file.read_text()!r}; {self.counters}") from None
 
     def said(self):
         return self.errors.read_text(errors="replace")

@@ -322,7 +322,7 @@ class Controls(OnScreen):
         window.until("it is compiled as it is typed", lambda now: now["compiled"] > compiled)
         window.until("it has no errors", lambda now: not now["stale"])
         window.key("ctrl+s")
-        until("it is saved", lambda: window.file.read_text() == SPHERE + "point q = (1, 1, 1);")
+        window.until_written(SPHERE + "point q = (1, 1, 1);")
 
     def test_what_was_chosen_is_there_when_the_window_is_opened_again(self):
         window = self.open(TORUS)
@@ -502,7 +502,7 @@ class Gpu(OnScreen):
         self.assertGreater(self.colours(window, "3d"), 100)
         self.assertGreater(self.colours(window, "geodesic:s"), 100)
         window.key("ctrl+s")
-        until("the text was kept", lambda: window.file.read_text() == SPHERE + "point q = (1, 1, 1);")
+        window.until_written(SPHERE + "point q = (1, 1, 1);")
         self.assertIsNone(window.process.poll())
 
     def test_a_gpu_that_is_lost_again_and_again_ends_the_window_but_not_its_text(self):
