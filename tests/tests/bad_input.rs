@@ -427,6 +427,9 @@ fn wrong_options_of_render_are_named() {
     render(SPHERE, &["--view", "geodesic", "--zoom", "-1"], 2);
     render(SPHERE, &["--view", "geodesic", "--zoom", "1e300"], 2).expect_text("1e30");
     render(SPHERE, &["--eye", "1,2"], 2);
+    render(SPHERE, &["--eye", "1e308,0,0"], 2).expect_text("too far from its target");
+    let beyond = ["--set", "r=1e300"];
+    render("param r : [0,1]; point p = (r,r,r);", &beyond, 2).expect_text("`r` = 1e300 lies");
 }
 
 #[test]

@@ -81,7 +81,11 @@ impl Camera {
             None => first_direction(bounds),
         };
         let distance = back.length();
-        if !(distance > 1e-9 && distance.is_finite()) {
+        if !distance.is_finite() {
+            let sentence = "the camera stands too far from its target";
+            return Err(RenderError::Camera(sentence.to_owned()));
+        }
+        if distance <= 1e-9 {
             let sentence = "the camera stands on its target and has no direction";
             return Err(RenderError::Camera(sentence.to_owned()));
         }

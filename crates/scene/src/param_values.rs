@@ -3,6 +3,7 @@
 //! In: names and numbers from a command line, a slider or an animation. Out: one number per uniform, in the order of
 //! `expr::Input::Uniform`, for each instance of an object.
 
+use expr::number;
 use std::fmt;
 
 use syntax::spelling::nearest;
@@ -90,6 +91,7 @@ impl fmt::Display for SetError {
                 min,
                 max,
             } => {
+                let [value, min, max] = [value, min, max].map(|number| number::text(*number));
                 if *components == 1 {
                     write!(f, "`{name}` = {value} ")?;
                 } else {
@@ -399,7 +401,7 @@ mod tests {
         );
         assert_eq!(
             sentence(params.set(&scene, "alpha", &[f64::NAN])),
-            "`alpha` = NaN lies outside its interval [1, 2]"
+            "`alpha` = undefined lies outside its interval [1, 2]"
         );
         assert_eq!(
             sentence(params.set(&scene, "b", &[0.5, -1.0])),

@@ -1,5 +1,6 @@
 //! Intervals: from the expressions between `[` and `]` to finite numbers in order.
 
+use expr::number;
 use expr::value::Value;
 use syntax::diagnostic::Diagnostic;
 use syntax::geotrace::actions::{self, IntervalKind};
@@ -190,8 +191,8 @@ fn in_order(min: f64, max: f64) -> Result<Range, SemanticError> {
         error::INTERVAL_EMPTY,
         format!(
             "the minimum of this interval, {}, is not below its maximum, {}",
-            number(min),
-            number(max)
+            number::text(min),
+            number::text(max)
         ),
     );
     Err(if min == max {
@@ -213,7 +214,7 @@ fn whole(count: f64, purpose: Purpose) -> Result<u32, SemanticError> {
             error::INTERVAL_COUNT,
             format!(
                 "an interval has at least 2 values, but the count of this one is {}",
-                number(count)
+                number::text(count)
             ),
         )
         .with_hint("both ends are included"));
@@ -223,19 +224,9 @@ fn whole(count: f64, purpose: Purpose) -> Result<u32, SemanticError> {
             error::INTERVAL_COUNT,
             format!(
                 "the count of this interval is {}, and the limit is {largest}",
-                number(count)
+                number::text(count)
             ),
         ));
     }
     Ok(rounded as u32)
-}
-
-/// A number as a person would write it, never hundreds of digits.
-pub(crate) fn number(value: f64) -> String {
-    let magnitude = value.abs();
-    if magnitude == 0.0 || (1e-5..1e15).contains(&magnitude) {
-        format!("{value}")
-    } else {
-        format!("{value:e}")
-    }
 }

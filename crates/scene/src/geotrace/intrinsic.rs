@@ -2,8 +2,8 @@
 //!
 //! In: a declaration that has been read. Out: its meaning and its object, or its errors.
 
-use expr::NodeId;
 use expr::value::Value;
+use expr::{NodeId, number};
 use syntax::diagnostic::Diagnostic;
 use syntax::geotrace::actions::Declaration;
 use syntax::geotrace::declarations::DeclarationKeyword;
@@ -16,7 +16,7 @@ use crate::geotrace::declarations::{Declarations, DeclaredManifold, Drawn, Under
 use crate::geotrace::dependencies::Dependencies;
 use crate::geotrace::error::{self, SemanticError};
 use crate::geotrace::geodesics::DeclaredGeodesic;
-use crate::geotrace::interval::{DeclaredInterval, number};
+use crate::geotrace::interval::DeclaredInterval;
 use crate::geotrace::lowerer::Lowered;
 use crate::geotrace::symbol::Meaning;
 use crate::initial_conditions::{InitialConditions, InitialConditionsError};
@@ -333,6 +333,10 @@ impl Declarations {
         let (what, condition) = match defect {
             Defect::Undefined => ("is undefined".to_owned(), ""),
             Defect::First(e) => (format!("has E = {}", short(e)), ", which is not positive"),
+            Defect::Determinant(d) if !d.is_finite() => {
+                let what = "has E, F or G so large that E G - F^2 is beyond all numbers";
+                (what.to_owned(), "")
+            }
             Defect::Determinant(d) => (
                 format!("has E G - F^2 = {}", short(d)),
                 ", which is not positive",
@@ -360,5 +364,5 @@ impl Declarations {
 /// A number to six digits.
 fn short(value: f64) -> String {
     let rounded = format!("{value:.5e}").parse();
-    number(rounded.unwrap_or(value))
+    number::text(rounded.unwrap_or(value))
 }

@@ -1,7 +1,7 @@
 //! Params and grids: from what was read to uniforms.
 
 use expr::value::Value;
-use expr::{Graph, Input, NodeId};
+use expr::{Graph, Input, NodeId, number};
 use syntax::geotrace::actions::Declaration;
 
 use crate::geotrace::code::Expression;
@@ -10,7 +10,7 @@ use crate::geotrace::declarations::{
 };
 use crate::geotrace::dependencies::SourceIndex;
 use crate::geotrace::error::{self, SemanticError};
-use crate::geotrace::interval::{Bounds, DeclaredInterval, Purpose, number};
+use crate::geotrace::interval::{Bounds, DeclaredInterval, Purpose};
 use crate::geotrace::lowerer::Lowered;
 use crate::geotrace::symbol::Meaning;
 use crate::limits::{DEFAULT_SAMPLES, MAX_UNIFORMS};
@@ -147,9 +147,9 @@ impl Declarations {
                     error::INITIAL_OUTSIDE,
                     format!(
                         "{part} starts at {}, which lies outside its interval [{}, {}]",
-                        number(value),
-                        number(range.min),
-                        number(range.max)
+                        number::text(value),
+                        number::text(range.min),
+                        number::text(range.max)
                     ),
                 ));
             }
