@@ -3,7 +3,7 @@
 pub(crate) mod file_dialogs;
 pub(crate) mod files;
 pub(crate) mod link;
+pub(crate) mod path_list;
 pub(crate) mod persistence;
-pub(crate) mod recent;
 pub(crate) mod report;
 pub(crate) mod watch;

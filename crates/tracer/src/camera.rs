@@ -74,7 +74,7 @@ const STEPS_6: [u32; 6] = [
     2_262_111_973,
 ];
 
-/// What a picture's samples are spread over beside its pixels.
+/// The properties of a scene that need samples of their own, beside those of the pixels.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq)]
 pub struct SampleAxes {
     /// A lens.

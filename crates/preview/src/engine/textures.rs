@@ -1,4 +1,7 @@
 //! Images for surfaces: each file is read once, on a thread of its own.
+//!
+//! The file that a window remembers a view in may come from somebody else, beside a program. An image that it names is opened
+//! only if it lies below the program's folder, or if the user has opened it before.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,6 +11,7 @@ use image::RgbaImage;
 use render::texture::Texture;
 
 use crate::channel::EventSender;
+use crate::io::path_list::PathList;
 use crate::state::Choice;
 
 /// An image file that was read: its texture, or a sentence.
@@ -21,6 +25,10 @@ pub(crate) struct TextureRead {
 #[derive(Debug, Default)]
 pub(crate) struct Library {
     images: BTreeMap<PathBuf, ImageState>,
+    /// The folder of the program.
+    pub(crate) folder: Option<PathBuf>,
+    /// The images that the user has opened, in this window or before.
+    pub(crate) opened: PathList,
     events: Option<EventSender<TextureRead>>,
 }
 
@@ -41,8 +49,8 @@ impl Library {
     /// An empty library.
     pub(crate) fn new(events: EventSender<TextureRead>) -> Self {
         Self {
-            images: BTreeMap::new(),
             events: Some(events),
+            ..Self::default()
         }
     }
 
@@ -55,7 +63,7 @@ impl Library {
                 Some(ImageState::Ready(texture)) => Some(texture.clone()),
                 Some(ImageState::Reading | ImageState::Failed(_)) => None,
                 None => {
-                    self.read(path.clone());
+                    self.read_if_trusted(path);
                     None
                 }
             },
@@ -70,8 +78,34 @@ impl Library {
         }
     }
 
-    /// Reads an image, again if it has been read before.
-    pub(crate) fn read(&mut self, path: PathBuf) {
+    /// Reads an image that the user has chosen, again if it has been read before.
+    pub(crate) fn open(&mut self, path: PathBuf) {
+        self.opened.note(&path);
+        self.read(path);
+    }
+
+    fn read_if_trusted(&mut self, path: &Path) {
+        let inside = self.folder.as_deref().and_then(|folder| {
+            let folder = folder.canonicalize().ok()?;
+            Some(path.canonicalize().ok()?.starts_with(folder))
+        });
+        // Of a file that is not there, reading says so.
+        if inside != Some(false) || self.opened.contains(path) {
+            return self.read(path.to_owned());
+        }
+        let path = path.to_owned();
+        let sentence = format!(
+            "`{}` is not opened: it lies outside the program's folder, and was not opened here before; *Open textures…* opens it",
+            path.display()
+        );
+        self.images.insert(path.clone(), ImageState::Reading);
+        if let Some(events) = &self.events {
+            let texture = Err(sentence);
+            events.send(TextureRead { path, texture });
+        }
+    }
+
+    fn read(&mut self, path: PathBuf) {
         let Some(events) = self.events.clone() else {
             return;
         };
@@ -91,5 +125,62 @@ impl Library {
         };
         self.images.insert(read.path, state);
         trouble
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::mpsc::Receiver;
+
+    use super::{Library, TextureRead};
+    use crate::channel::EventSender;
+    use crate::io::path_list::PathList;
+    use crate::state::Choice;
+
+    /// Looks at an image as a view does that a window remembers; returns the sentence if it is not opened.
+    fn trouble(
+        library: &mut Library,
+        events: &Receiver<TextureRead>,
+        path: &Path,
+    ) -> Option<String> {
+        assert!(library.texture(&Choice::Image(path.to_owned())).is_none());
+        library.take(events.recv().expect("an answer"))
+    }
+
+    #[test]
+    fn an_image_elsewhere_is_opened_only_after_the_user_has_opened_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [program, elsewhere, state] = ["program", "elsewhere", "state"].map(|name| {
+            let folder = folder.path().join(name);
+            std::fs::create_dir(&folder).expect("made");
+            folder
+        });
+        let own = program.join("maps/own.png");
+        let other = elsewhere.join("other.png");
+        std::fs::create_dir(program.join("maps")).expect("made");
+        for path in [&own, &other] {
+            image::RgbaImage::new(2, 2).save(path).expect("written");
+        }
+        let library = || {
+            let (sender, events) = EventSender::new(egui::Context::default());
+            let mut library = Library::new(sender);
+            library.folder = Some(program.clone());
+            library.opened = PathList::images(&state);
+            (library, events)
+        };
+        let (mut first, events) = library();
+        assert_eq!(trouble(&mut first, &events, &own), None);
+        // Dots lead out of the folder as well.
+        for path in [&other, &program.join("../elsewhere/other.png")] {
+            let sentence = trouble(&mut first, &events, path).expect("a sentence");
+            assert!(sentence.contains("Open textures"), "{sentence}");
+        }
+        first.open(other.clone());
+        assert_eq!(first.take(events.recv().expect("an answer")), None);
+        assert!(first.texture(&Choice::Image(other.clone())).is_some());
+        let (mut second, events) = library();
+        assert_eq!(trouble(&mut second, &events, &other), None);
+        assert!(second.texture(&Choice::Image(other)).is_some());
     }
 }

@@ -227,10 +227,8 @@ fn first(context: &egui::Context, options: &Options) -> Result<Window, Failure> 
             std::io::stdout(),
         ),
     };
-    if options.source != Source::Attached
-        && let Some(folder) = crate::platform::state_folder()
-    {
-        window.list_recent_in(&folder);
+    if let Some(folder) = crate::platform::state_folder() {
+        window.remember_paths_in(&folder);
     }
     if let Some(path) = &options.report {
         let report = Report::create(path).map_err(|error| Failure::Unreadable {

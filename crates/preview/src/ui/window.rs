@@ -163,6 +163,7 @@ impl Window {
 
     /// Takes over what was remembered of a program, and remembers on.
     fn remember(&mut self, program: PathBuf) {
+        self.pictures.library.folder = program.parent().map(Path::to_owned);
         let (known, mut trouble) = crate::io::persistence::load(&program);
         self.model.turn_to(known.view.clone());
         if let Some(layout) = known.layouts.get(self.kind()) {

@@ -67,7 +67,7 @@ impl Hand {
                     let languages = ide::Languages::standard();
                     let views = render::Views::standard();
                     let mut window = Window::welcome(ui.ctx(), &languages, views);
-                    window.list_recent_in(&state);
+                    window.remember_paths_in(&state);
                     window
                 });
                 window.show(ui);

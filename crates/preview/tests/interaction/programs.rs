@@ -136,7 +136,7 @@ fn a_program_is_saved_before_another_one_takes_its_place() {
 fn a_file_is_opened_by_its_name_and_nothing_of_the_one_before_stays() {
     let state = tempfile::tempdir().expect("a folder");
     let mut hand = Hand::on(SPHERE);
-    hand.window_mut().list_recent_in(state.path());
+    hand.window_mut().remember_paths_in(state.path());
     hand.slide("r", 40.0);
     let other = hand.path.with_file_name("other.gtr");
     std::fs::write(&other, "param r : [5, 6];\npoint o = (r, 0, 0);\n").expect("written");

@@ -326,7 +326,7 @@ impl Window {
     /// Adds image files to the list of textures.
     pub(crate) fn open_images(&mut self, paths: Vec<PathBuf>) {
         for path in &paths {
-            self.pictures.library.read(path.clone());
+            self.pictures.library.open(path.clone());
         }
         self.model.change(Step::new(OPEN_TEXTURES, ""), |view| {
             for path in paths {

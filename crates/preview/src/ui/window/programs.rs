@@ -13,8 +13,8 @@ use super::text::{SAVED, TextSource, WindowText};
 use crate::Failure;
 use crate::engine::compiler::Compiler;
 use crate::engine::editor::Editor;
+use crate::io::path_list::PathList;
 use crate::io::persistence::{Known, ViewStore};
-use crate::io::recent::RecentPrograms;
 use crate::io::watch::Watch;
 use crate::state::{StatusMessage, View};
 use crate::ui::panes::Panes;
@@ -74,9 +74,10 @@ impl Window {
         Ok(window)
     }
 
-    /// Lists the programs that were opened last, as a folder remembers them, from now on.
-    pub fn list_recent_in(&mut self, folder: &Path) {
-        self.records.recent = RecentPrograms::in_folder(folder);
+    /// Remembers from now on in a folder which programs and images were opened last.
+    pub fn remember_paths_in(&mut self, folder: &Path) {
+        self.records.recent = PathList::programs(folder);
+        self.pictures.library.opened = PathList::images(folder);
         self.note_recent();
     }
 

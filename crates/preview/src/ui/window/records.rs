@@ -1,7 +1,7 @@
 //! The memory of a window between runs, and its counters.
 
+use crate::io::path_list::PathList;
 use crate::io::persistence::ViewStore;
-use crate::io::recent::RecentPrograms;
 use crate::io::report::{Counters, Report};
 use crate::state::Model;
 
@@ -12,7 +12,7 @@ pub(crate) struct Records {
     pub(super) view_store: Option<ViewStore>,
     pub(crate) counters: Counters,
     /// The programs that were opened last.
-    pub(crate) recent: RecentPrograms,
+    pub(crate) recent: PathList,
     /// Writes the counters after each frame.
     pub(super) report: Option<Report>,
 }

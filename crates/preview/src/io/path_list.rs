@@ -1,4 +1,4 @@
-//! The programs that were opened last: a list of paths in the user's state folder, which all windows share.
+//! The programs and the images that were opened last: lists of paths in the user's state folder, which all windows share.
 //!
 //! It is a convenience: a list that cannot be read is empty, and one that cannot be written is not kept.
 
@@ -7,48 +7,66 @@ use std::path::{Path, PathBuf};
 use export::whole_file::write_whole;
 use serde_json::Value;
 
-/// The number of programs that are listed.
-const MOST: usize = 10;
+use super::files::read_limited;
 
-/// The list, newest first.
+/// The longest file of a list that is read, in bytes.
+const LONGEST: u64 = 1 << 20;
+
+/// The paths of a kind, newest first.
 #[derive(Debug, Default)]
-pub(crate) struct RecentPrograms {
+pub(crate) struct PathList {
     /// The file with the list; none where nothing is to be remembered.
     file: Option<PathBuf>,
     paths: Vec<PathBuf>,
+    /// The greatest number of paths.
+    most: usize,
 }
 
-impl RecentPrograms {
-    /// Reads the list that is kept in a folder.
-    pub(crate) fn in_folder(folder: &Path) -> Self {
-        let file = folder.join("recent.json");
-        let paths = read(&file);
+impl PathList {
+    /// Reads the list of programs that is kept in a folder.
+    pub(crate) fn programs(folder: &Path) -> Self {
+        Self::new(folder.join("recent.json"), 10)
+    }
+
+    /// Reads the list of images that is kept in a folder.
+    pub(crate) fn images(folder: &Path) -> Self {
+        Self::new(folder.join("images.json"), 1000)
+    }
+
+    fn new(file: PathBuf, most: usize) -> Self {
         Self {
+            paths: read(&file, most),
             file: Some(file),
-            paths,
+            most,
         }
     }
 
-    /// The programs, newest first.
+    /// The paths, newest first.
     pub(crate) fn paths(&self) -> &[PathBuf] {
         &self.paths
     }
 
-    /// Puts a program at the head of the list.
-    pub(crate) fn note(&mut self, program: &Path) {
-        let Ok(program) = std::path::absolute(program) else {
+    /// Returns true if a path is on the list.
+    pub(crate) fn contains(&self, path: &Path) -> bool {
+        std::path::absolute(path).is_ok_and(|path| self.paths.contains(&path))
+    }
+
+    /// Puts a path at the head of the list.
+    pub(crate) fn note(&mut self, path: &Path) {
+        let Ok(path) = std::path::absolute(path) else {
             return;
         };
+        let most = self.most;
         self.write(|paths| {
-            paths.retain(|path| *path != program);
-            paths.insert(0, program.clone());
-            paths.truncate(MOST);
+            paths.retain(|it| *it != path);
+            paths.insert(0, path.clone());
+            paths.truncate(most);
         });
     }
 
-    /// Takes a program off the list.
-    pub(crate) fn forget(&mut self, program: &Path) {
-        self.write(|paths| paths.retain(|path| path != program));
+    /// Takes a path off the list.
+    pub(crate) fn forget(&mut self, path: &Path) {
+        self.write(|paths| paths.retain(|it| it != path));
     }
 
     /// Changes the list as it is now: another window may have changed it.
@@ -56,7 +74,7 @@ impl RecentPrograms {
         let Some(file) = &self.file else {
             return;
         };
-        self.paths = read(file);
+        self.paths = read(file, self.most);
         change(&mut self.paths);
         let texts = self.paths.iter().filter_map(|path| path.to_str());
         let list = Value::from_iter(texts);
@@ -69,20 +87,23 @@ impl RecentPrograms {
 }
 
 /// Returns the paths of a list; those that make no sense are left out.
-fn read(file: &Path) -> Vec<PathBuf> {
-    let bytes = std::fs::read(file).unwrap_or_default();
+fn read(file: &Path, most: usize) -> Vec<PathBuf> {
+    let bytes = read_limited(file, LONGEST).unwrap_or_default();
     let Ok(Value::Array(entries)) = serde_json::from_slice(&bytes) else {
         return Vec::new();
     };
     let paths = entries.iter().filter_map(Value::as_str).map(PathBuf::from);
-    paths.filter(|path| path.is_absolute()).take(MOST).collect()
+    paths.filter(|path| path.is_absolute()).take(most).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use std::path::{Path, PathBuf};
 
-    use super::{MOST, RecentPrograms};
+    use super::PathList;
+
+    /// The number of programs that are listed.
+    const MOST: usize = 10;
 
     fn absolute(name: &str) -> PathBuf {
         std::path::absolute(Path::new("/programs").join(name)).expect("a path")
@@ -92,7 +113,7 @@ mod tests {
     fn the_newest_program_is_the_first_and_each_is_listed_once() {
         let folder = tempfile::tempdir().expect("a folder");
         let folder = folder.path().join("not/there/yet");
-        let mut list = RecentPrograms::in_folder(&folder);
+        let mut list = PathList::programs(&folder);
         for k in 0..MOST + 3 {
             list.note(&absolute(&format!("{k}.gtr")));
         }
@@ -100,9 +121,9 @@ mod tests {
         assert_eq!(list.paths().len(), MOST);
         let expected = [absolute("5.gtr"), absolute("12.gtr"), absolute("11.gtr")];
         assert_eq!(list.paths()[..3], expected);
-        assert_eq!(RecentPrograms::in_folder(&folder).paths(), list.paths());
+        assert_eq!(PathList::programs(&folder).paths(), list.paths());
         // Of two windows, each keeps what the other has noted.
-        let mut other = RecentPrograms::in_folder(&folder);
+        let mut other = PathList::programs(&folder);
         other.note(&absolute("other.gtr"));
         list.forget(&absolute("5.gtr"));
         assert_eq!(list.paths()[0], absolute("other.gtr"));
@@ -115,17 +136,17 @@ mod tests {
         let file = folder.path().join("recent.json");
         for broken in ["", "{", "{}", "[1, null, \"relative.gtr\"]", "\u{0}"] {
             std::fs::write(&file, broken).expect("written");
-            let mut list = RecentPrograms::in_folder(folder.path());
+            let mut list = PathList::programs(folder.path());
             assert!(list.paths().is_empty(), "{broken}");
             list.note(&absolute("a.gtr"));
-            let again = RecentPrograms::in_folder(folder.path());
+            let again = PathList::programs(folder.path());
             assert_eq!(again.paths(), [absolute("a.gtr")]);
         }
     }
 
     #[test]
     fn without_a_folder_nothing_is_listed() {
-        let mut list = RecentPrograms::default();
+        let mut list = PathList::default();
         list.note(&absolute("a.gtr"));
         assert!(list.paths().is_empty());
     }
