@@ -36,6 +36,10 @@ impl ViewOptions for BandsOptions {
         }
         is_known
     }
+
+    fn is_on(&self, setting: &str) -> Option<bool> {
+        (setting == "upside-down").then_some(self.upside_down)
+    }
 }
 
 impl View for BandsView {

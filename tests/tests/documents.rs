@@ -249,6 +249,20 @@ fn the_commands_of_the_tutorial_run() {
     }
 }
 
+#[test]
+fn the_commands_of_the_page_on_figures_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for block in blocks("docs/figures.md", "sh") {
+        for line in block.lines() {
+            let words = words_of(line);
+            let output = words.iter().position(|word| word == "-o");
+            let output = folder.path().join(&words[output.expect("a file") + 1]);
+            geotrace(words).folder(folder.path()).run().expect_status(0);
+            assert!(output.exists(), "{line}");
+        }
+    }
+}
+
 /// The words of a text between two others.
 fn words_between<'t>(path: &str, text: &'t str, start: &str, end: &str) -> BTreeSet<&'t str> {
     let (_, rest) = text

@@ -420,7 +420,7 @@ class Files(OnScreen):
 
     def test_an_animation_is_recorded_and_called_off(self):
         window = self.open(SPHERE)
-        target = window.folder / "3d.gif"
+        target = window.folder / "program-3d.gif"
         self.menu(window, "Record…")
         self.screen.keep("record")
         for field, number in {"Frames": 6, "Width": 80, "Height": 60}.items():

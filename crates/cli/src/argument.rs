@@ -1,6 +1,6 @@
 //! Parsers of arguments: texts of the command line flow in, typed values flow out.
 
-use std::path::PathBuf;
+mod look;
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -9,6 +9,8 @@ use render::MAX_SIDE;
 
 use crate::number;
 use render::view::{View, ViewId, Views};
+
+pub(crate) use look::{ObjectColour, TextureFile, colour, object_colour, setting, texture};
 
 /// The format of a result: for people or for programs.
 #[derive(Clone, Copy, Debug, Default, Eq, PartialEq, ValueEnum)]
@@ -49,15 +51,6 @@ pub(crate) struct Triple(pub(crate) [Quantity; 3]);
 /// `WxH`: a picture's size in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Size(pub(crate) [u32; 2]);
-
-/// `SURFACE=IMAGE`: an image file for a surface.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct TextureFile {
-    /// The surface's name.
-    pub(crate) surface: String,
-    /// The image.
-    pub(crate) path: PathBuf,
-}
 
 /// `NAME=FROM:TO`: a param or a grid that changes from one value to another.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,31 +145,6 @@ pub(crate) fn animated(text: &str) -> Result<Animated, String> {
     })
 }
 
-/// Parses a colour: sRGB with straight (not premultiplied) alpha.
-pub(crate) fn colour(text: &str) -> Result<[u8; 4], String> {
-    let named = [
-        ("transparent", [0, 0, 0, 0]),
-        ("white", [255; 4]),
-        ("black", [0, 0, 0, 255]),
-    ];
-    if let Some((_, colour)) = named.iter().find(|(name, _)| *name == text) {
-        return Ok(*colour);
-    }
-    let digits = text.strip_prefix('#').unwrap_or(text);
-    let expected =
-        "expected transparent, white, black, or a colour such as #fff, #1a2b3c or #1a2b3c80";
-    let values: Option<Vec<u8>> = digits
-        .chars()
-        .map(|digit| digit.to_digit(16).map(|value| value as u8))
-        .collect();
-    match values.as_deref() {
-        Some(&[r, g, b]) => Ok([17 * r, 17 * g, 17 * b, 255]),
-        Some(&[a, b, c, d, e, f]) => Ok([16 * a + b, 16 * c + d, 16 * e + f, 255]),
-        Some(&[a, b, c, d, e, f, g, h]) => Ok([16 * a + b, 16 * c + d, 16 * e + f, 16 * g + h]),
-        _ => Err(expected.into()),
-    }
-}
-
 /// Parses a number; every other text is an expression.
 pub(crate) fn quantity(text: &str) -> Result<Quantity, String> {
     let text = text.trim();
@@ -223,19 +191,6 @@ pub(crate) fn size(text: &str) -> Result<Size, String> {
         }
     };
     Ok(Size([side(width.trim())?, side(height.trim())?]))
-}
-
-/// Parses `SURFACE=IMAGE`.
-pub(crate) fn texture(text: &str) -> Result<TextureFile, String> {
-    match text.split_once('=') {
-        Some((surface, path)) if !surface.trim().is_empty() && !path.is_empty() => {
-            Ok(TextureFile {
-                surface: surface.trim().into(),
-                path: path.into(),
-            })
-        }
-        _ => Err("expected SURFACE=IMAGE, such as s=earth.jpg".into()),
-    }
 }
 
 /// Parses the name of a view, and that of its object if it is of one: `3d`, `geodesic` or `geodesic:SURFACE`.
@@ -378,17 +333,6 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_named_or_have_three_six_or_eight_digits() {
-        assert_eq!(colour("transparent"), Ok([0, 0, 0, 0]));
-        assert_eq!(colour("#fa0"), Ok([255, 170, 0, 255]));
-        assert_eq!(colour("1A2b3c"), Ok([26, 43, 60, 255]));
-        assert_eq!(colour("#1a2b3c80"), Ok([26, 43, 60, 128]));
-        for text in ["", "#", "#12", "#12345", "#gggggg", "red?", "#ééé"] {
-            assert!(colour(text).is_err(), "{text}");
-        }
-    }
-
-    #[test]
     fn sizes_have_two_sides_from_1_to_the_longest() {
         assert_eq!(size("1x16384"), Ok(Size([1, 16384])));
         assert_eq!(size("800X600"), Ok(Size([800, 600])));
@@ -464,18 +408,5 @@ mod tests {
         for text in ["", "2d", "geodesic:", "3d:s"] {
             assert!(standard_view(text).is_err(), "{text}");
         }
-    }
-
-    #[test]
-    fn textures_name_a_surface_and_a_file() {
-        assert_eq!(
-            texture("s=a=b.png"),
-            Ok(TextureFile {
-                surface: "s".into(),
-                path: "a=b.png".into()
-            })
-        );
-        assert!(texture("earth.png").is_err());
-        assert!(texture("s=").is_err());
     }
 }

@@ -66,15 +66,49 @@ impl Arguments {
         registry: &Registry,
         words: impl IntoIterator<Item = W>,
     ) -> Result<Self, clap::Error> {
+        Self::parse_words(registry, words, false)
+    }
+
+    /// Parses the words of `geotrace render`, where an option may be given again: the last one applies.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`].
+    fn parse_render(
+        registry: &Registry,
+        words: Vec<OsString>,
+    ) -> Result<Box<render::Arguments>, Failure> {
+        let parsed = Self::parse_words(registry, words, true);
+        match parsed
+            .map_err(|error| Failure::usage(error.to_string()))?
+            .command
+        {
+            Some(Command::Render(arguments)) => Ok(arguments),
+            _ => Err(Failure::usage(
+                "these are not the words of `geotrace render`",
+            )),
+        }
+    }
+
+    fn parse_words<W: Into<OsString> + Clone>(
+        registry: &Registry,
+        words: impl IntoIterator<Item = W>,
+        overrides: bool,
+    ) -> Result<Self, clap::Error> {
         let views = registry.views.clone();
         let help = argument::view_help(&views);
         let parser = ValueParser::new(move |text: &str| argument::view(text, &views));
-        let mut command = Self::command().mut_subcommand("render", |render| {
-            render.mut_arg("view", |view| view.help(help).value_parser(parser))
+        let mut command = Self::command().mut_subcommand(render::NAME, |render| {
+            let render = render.mut_arg("view", |view| view.help(help).value_parser(parser));
+            render.args_override_self(overrides)
         });
         let words = with_show(&command, registry, words);
-        let matches = command.try_get_matches_from_mut(words)?;
-        Self::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+        let matches = command.try_get_matches_from_mut(words.clone())?;
+        let parsed = Self::from_arg_matches(&matches);
+        let mut parsed = parsed.map_err(|error| error.format(&mut command))?;
+        if let Some(Command::Render(arguments)) = &mut parsed.command {
+            arguments.words = words;
+        }
+        Ok(parsed)
     }
 }
 

@@ -184,6 +184,26 @@ impl LoadedProgram {
         Ok(numbers)
     }
 
+    /// Finds an object by its name.
+    ///
+    /// # Errors
+    /// [`Failure::Usage`] if there is no such object.
+    pub(crate) fn object(&self, name: &str) -> Result<ObjectId, Failure> {
+        let scene = self.scene();
+        let found = scene.object(name).map(|(id, _)| id);
+        found.ok_or_else(|| {
+            let names = scene
+                .objects
+                .iter()
+                .map(|object| format!("`{}`", object.name));
+            let names: Vec<String> = names.collect();
+            Failure::Usage {
+                message: format!("`{}` declares no object `{name}`", self.source.name),
+                hint: (!names.is_empty()).then(|| format!("its objects are {}", names.join(", "))),
+            }
+        })
+    }
+
     /// Finds a surface or metric by its name; without a name, the first one.
     ///
     /// # Errors

@@ -202,6 +202,7 @@ fn a_walk_round_a_great_circle_comes_back_with_its_length() {
     request.inside().camera.pose = Pose::At {
         at: Some([1.0, 1.2]),
         angle: 0.7,
+        mirrored: false,
     };
     let request = request.of(&scene, &params);
     let script = Script {

@@ -101,6 +101,22 @@ impl Frame {
         norm(combine(self.x[0], t, self.x[1], w))
     }
 
+    /// The angle by which [`Frame::new`] at this place turns its X to lie along this X, in radians, from −π to π; NaN where
+    /// the surface has no tangent plane.
+    pub fn angle<S: Surface + ?Sized>(&self, surface: &S) -> f64 {
+        let Ok(first) = Self::new(surface, self.uv, 0.0, 1.0) else {
+            return f64::NAN;
+        };
+        let [first, own] = match first.coordinates == self.coordinates {
+            true => [first, *self],
+            false => [first.plain(surface), self.plain(surface)],
+        };
+        let metric = first.metric(surface);
+        metric
+            .inner(own.x, first.y)
+            .atan2(metric.inner(own.x, first.x))
+    }
+
     /// The first fundamental form at the frame's place, in its coordinates.
     pub fn metric<S: Surface + ?Sized>(&self, surface: &S) -> Metric {
         self.metric_in(&Atlas::new(surface))

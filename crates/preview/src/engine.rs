@@ -7,6 +7,7 @@ pub(crate) mod figures;
 pub(crate) mod measure_thread;
 pub(crate) mod reader;
 pub(crate) mod recording;
+pub(crate) mod remembered;
 pub(crate) mod render_thread;
 pub(crate) mod request;
 pub(crate) mod textures;

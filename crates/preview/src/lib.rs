@@ -33,6 +33,7 @@ use std::path::PathBuf;
 use ide::Languages;
 use render::Views;
 
+pub use engine::remembered::remembered;
 pub use io::report::Counters;
 pub use render::Backend;
 pub use ui::app::{run, run_with_faults};

@@ -32,6 +32,17 @@ pub enum PictureMethod {
 }
 
 impl PictureMethod {
+    /// Its name on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Fan => "fan",
+            Self::FanLinear => "fan-linear",
+            Self::Rk4Pixel => "rk4-pixel",
+            Self::Adaptive => "adaptive",
+        }
+    }
+
     /// Returns true if rays are shared by all pixels, so that the ends are a table of polynomials.
     pub(crate) fn is_fan(self) -> bool {
         match self {

@@ -13,6 +13,7 @@ use scene::{ObjectId, Scene};
 use crate::error::{MAX_SIDE, RenderError};
 use crate::shared::Shared;
 use crate::style;
+pub use crate::style::Theme;
 use crate::texture::Texture;
 use crate::trail::Trail;
 
@@ -36,6 +37,8 @@ pub struct PictureRequest {
     /// Surfaces that show their [curvature](Texture::curvature) instead. A renderer makes these textures and keeps them
     /// while the scene and its param values stay.
     pub curved: Vec<ObjectId>,
+    /// The medium for which the colours of [`crate::style`] are chosen.
+    pub theme: Theme,
     /// Colours (sRGB) other than those of [`crate::style`]; a surface's colour multiplies its texture.
     pub colours: Vec<(ObjectId, [u8; 3])>,
     /// The overlays that are drawn over the picture.
@@ -110,6 +113,7 @@ impl PictureRequest {
             textures: Vec::new(),
             flipped: Vec::new(),
             curved: Vec::new(),
+            theme: Theme::default(),
             colours: Vec::new(),
             overlays: Overlays::default(),
             scale: 1.0,
@@ -147,7 +151,7 @@ impl PictureRequest {
 
     /// The colours of all objects, sRGB, in their order.
     pub fn object_colours(&self) -> Vec<[u8; 3]> {
-        let mut colours = style::colours(&self.scene, self.shows_curvature());
+        let mut colours = style::colours(&self.scene, self.theme, self.shows_curvature());
         for (id, colour) in &self.colours {
             if let Some(place) = colours.get_mut(id.0 as usize) {
                 *place = *colour;

@@ -24,6 +24,17 @@ pub const VECTOR_COLOURS: [[u8; 3]; 4] = [[255, 50, 240], GREEN, ORANGE, BLUE];
 pub const CURVE_COLOURS: [[u8; 3]; 4] = [[255, 45, 40], BLUE, ORANGE, GREEN];
 /// The colours of curves and geodesics in scenes that show curvature: none is near the blue, white and red of its scale.
 pub const CURVE_COLOURS_ON_CURVATURE: [[u8; 3]; 3] = [[255, 225, 30], [0, 255, 140], [30, 30, 36]];
+/// Points on paper, sRGB.
+pub const POINT_COLOUR_ON_PAPER: [u8; 3] = [30, 30, 36];
+/// Vectors on paper, sRGB, one after the other in the order of their declarations.
+pub const VECTOR_COLOURS_ON_PAPER: [[u8; 3]; 4] = [[170, 0, 160], DARK_GREEN, BROWN, DARK_BLUE];
+/// Curves and geodesics on paper, sRGB, one after the other in the order of their declarations.
+pub const CURVE_COLOURS_ON_PAPER: [[u8; 3]; 4] = [[200, 0, 20], DARK_BLUE, BROWN, DARK_GREEN];
+/// The colours of curves and geodesics on paper in scenes that show curvature.
+pub const CURVE_COLOURS_ON_CURVATURE_ON_PAPER: [[u8; 3]; 3] = [[30, 30, 36], DARK_GREEN, BROWN];
+const DARK_BLUE: [u8; 3] = [0, 90, 200];
+const BROWN: [u8; 3] = [170, 85, 0];
+const DARK_GREEN: [u8; 3] = [0, 120, 65];
 const BLUE: [u8; 3] = [70, 150, 255];
 const ORANGE: [u8; 3] = [255, 165, 30];
 const GREEN: [u8; 3] = [0, 205, 120];
@@ -34,6 +45,19 @@ pub const SURFACE_COLOUR: [u8; 3] = [255, 255, 255];
 pub const EMPHASIS_COLOUR: [u8; 3] = [60, 215, 255];
 /// The share of it in a highlighted object.
 pub const EMPHASIS: f32 = 0.45;
+
+/// The medium for which the colours of points and lines are chosen.
+#[derive(Clone, Copy, Debug, Default, Eq, Hash, PartialEq)]
+pub enum Theme {
+    /// A screen: bright colours, on a dark background.
+    #[default]
+    Screen,
+    /// Paper: dark colours, which can be told from white.
+    Print,
+}
+
+/// The background of a picture for print, sRGB.
+pub const PAPER: [u8; 3] = [255; 3];
 
 /// A length in space that stays readable: it is seen in perspective, but never drawn smaller or larger than some
 /// pixels.
@@ -209,18 +233,24 @@ pub fn emphasised(colour: [f32; 3], share: f32) -> [f32; 3] {
 }
 
 /// The colours of a scene's objects, sRGB, in their order: those of lines follow each other by declaration.
-pub fn colours(scene: &Scene, shows_curvature: bool) -> Vec<[u8; 3]> {
-    let curve_colours: &[[u8; 3]] = match shows_curvature {
-        true => &CURVE_COLOURS_ON_CURVATURE,
-        false => &CURVE_COLOURS,
+pub fn colours(scene: &Scene, theme: Theme, shows_curvature: bool) -> Vec<[u8; 3]> {
+    let curve_colours: &[[u8; 3]] = match (theme, shows_curvature) {
+        (Theme::Screen, true) => &CURVE_COLOURS_ON_CURVATURE,
+        (Theme::Screen, false) => &CURVE_COLOURS,
+        (Theme::Print, true) => &CURVE_COLOURS_ON_CURVATURE_ON_PAPER,
+        (Theme::Print, false) => &CURVE_COLOURS_ON_PAPER,
+    };
+    let (vector_colours, point_colour) = match theme {
+        Theme::Screen => (VECTOR_COLOURS, POINT_COLOUR),
+        Theme::Print => (VECTOR_COLOURS_ON_PAPER, POINT_COLOUR_ON_PAPER),
     };
     let mut curves = curve_colours.iter().cycle();
-    let mut vectors = VECTOR_COLOURS.iter().cycle();
+    let mut vectors = vector_colours.iter().cycle();
     let colour = |object: &Object| match object.shape {
-        Shape::Point { .. } => POINT_COLOUR,
-        Shape::Vector { .. } => vectors.next().copied().unwrap_or(POINT_COLOUR),
+        Shape::Point { .. } => point_colour,
+        Shape::Vector { .. } => vectors.next().copied().unwrap_or(point_colour),
         Shape::Curve { .. } | Shape::Geodesic { .. } => {
-            curves.next().copied().unwrap_or(POINT_COLOUR)
+            curves.next().copied().unwrap_or(point_colour)
         }
         Shape::Surface { .. } | Shape::Metric { .. } => SURFACE_COLOUR,
     };

@@ -39,6 +39,8 @@ pub struct Texture {
     covers: [OnceLock<Arc<Texture>>; 3],
     /// The texture that [`Texture::flipped`] has made.
     flipped: OnceLock<Arc<Texture>>,
+    /// The file that it was read from.
+    file: Option<PathBuf>,
     /// The meaning of the colours, of a texture that shows the curvature.
     scale: Option<CurvatureScale>,
 }
@@ -127,7 +129,10 @@ impl Texture {
             return Err(too_large());
         }
         let image = DynamicImage::from_decoder(decoder).map_err(refused)?;
-        Ok(Self::from_image(image.into_rgba8()))
+        Ok(Self {
+            file: Some(path.to_owned()),
+            ..Self::from_image(image.into_rgba8())
+        })
     }
 
     /// A texture of an image with at least one pixel (an empty one gives a white texel). What is transparent shows
@@ -164,8 +169,22 @@ impl Texture {
             light: OnceLock::new(),
             covers: Default::default(),
             flipped: OnceLock::new(),
+            file: None,
             scale: None,
         }
+    }
+
+    /// A white texture, which leaves a surface its colour.
+    pub fn plain() -> Arc<Self> {
+        static PLAIN: OnceLock<Arc<Texture>> = OnceLock::new();
+        PLAIN
+            .get_or_init(|| Arc::new(Self::from_image(RgbaImage::new(0, 0))))
+            .clone()
+    }
+
+    /// The file that the image was read from.
+    pub fn file(&self) -> Option<&Path> {
+        self.file.as_deref()
     }
 
     /// The texture of surfaces without an image: 8 × 8 cells named A1 (u min, v min) to H8 (u max, v max), the hue

@@ -51,6 +51,9 @@ pub enum Pose {
         at: Option<[f64; 2]>,
         /// The angle from σu to the picture's x axis, towards σv, in radians.
         angle: f64,
+        /// Set if the picture's up lies to the right of that axis, as (u,v) has it: the surface is seen from its other
+        /// side.
+        mirrored: bool,
     },
     /// A frame that has been moved: made by [`PlacedCamera::frame`](crate::geodesic_view::PlacedCamera) and moved by
     /// [`Frame`]'s methods. Its vectors' length is the zoom.
@@ -99,6 +102,7 @@ impl GeodesicCamera {
             pose: Pose::At {
                 at: None,
                 angle: 0.0,
+                mirrored: false,
             },
             zoom: None,
         }
@@ -110,6 +114,7 @@ impl GeodesicCamera {
         let pose = Pose::At {
             at: Some(at),
             angle: 0.0,
+            mirrored: false,
         };
         Self { pose, ..self }
     }
@@ -142,7 +147,7 @@ impl GeodesicCamera {
             let name = object.map(|object| object.name.clone());
             return Err(ManifoldError::NoSurface { name }.into());
         }
-        if let Pose::At { at, angle } = self.pose
+        if let Pose::At { at, angle, .. } = self.pose
             && (!angle.is_finite() || at.is_some_and(|at| at.iter().any(|x| !x.is_finite())))
         {
             return Err(RenderError::Camera(

@@ -366,3 +366,41 @@ fn a_picture_whose_pixels_the_processor_follows_is_not_said_to_be_the_gpus() {
     let picture = render::render(&Views::standard(), &fan, Backend::Gpu, &|_| {});
     assert!(picture.expect("a picture").backend.starts_with("GPU: "));
 }
+
+/// The share of light that white has more than a colour (WCAG 2, contrast ratio).
+fn contrast_with_white(colour: [u8; 3]) -> f32 {
+    let [r, g, b] = style::linear(colour);
+    1.05 / (0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05)
+}
+
+#[test]
+fn colours_for_print_stand_out_from_white() {
+    let text = format!(
+        "{POLAR}
+curve a(t) = (t, 0, 0), t : [0, 1];
+curve b(t) = (t, 1, 0), t : [0, 1];
+curve c(t) = (t, 2, 0), t : [0, 1];
+geodesic d(t) : s = (0, 1) @ (1, 0), t : [0, 1];
+point p = (0, 0, 2);
+vector v = (1, 0, 0) @ p;
+vector w = (0, 1, 0) @ p;
+vector x = (0, 0, 1) @ p;
+vector y = (1, 1, 1) @ p;
+"
+    );
+    let mut print = request(&text, &Wanted::space(SIZE));
+    print.theme = style::Theme::Print;
+    for shows_curvature in [false, true] {
+        if shows_curvature {
+            print.curved.push(ObjectId(0));
+        }
+        for colour in &print.object_colours()[1..] {
+            let contrast = contrast_with_white(*colour);
+            assert!(contrast >= 4.5, "{colour:?}: {contrast}");
+        }
+    }
+    assert!(
+        contrast_with_white(style::POINT_COLOUR) < 2.0,
+        "that of a screen does not"
+    );
+}

@@ -5,7 +5,8 @@ mod scenes;
 use geodesic::map::Map;
 use geodesic::trace::Status;
 use glam::DVec3;
-use render::viewpoint::Pose;
+use render::geodesic_view::PlacedCamera;
+use render::viewpoint::{GeodesicCamera, Pose};
 use render::{Backend, RenderError};
 use scene::ObjectId;
 use scene::ParamValues;
@@ -25,6 +26,7 @@ fn request(size: [u32; 2], place: Option<[f64; 2]>, turned: f64, distance: Optio
     camera.pose = Pose::At {
         at: place,
         angle: turned,
+        mirrored: false,
     };
     camera.zoom = distance;
     request
@@ -285,5 +287,35 @@ fn beside_a_pole_geodesics_end_where_great_circles_do() {
             "latitude {latitude}: {} pixels",
             worst / pixel
         );
+    }
+}
+
+#[test]
+fn a_camera_that_was_moved_is_placed_again_by_an_angle() {
+    let scene = scene(SPHERE);
+    let params = ParamValues::initial(&scene);
+    let size = [60, 40];
+    // In the chart, close to a pole, and on it.
+    for at in [[0.3, 0.4], [0.3, 1e-9], [0.3, 0.0], [0.8, 1.0]] {
+        for angle in [0.0, 0.5, -2.9, PI] {
+            for mirrored in [false, true] {
+                let first = request(size, Some(at), angle, Some(0.7));
+                let first = first.placed(&scene, &params).expect("a camera");
+                let mut frame = first.frame.turned(0.25).zoomed(1.5);
+                if mirrored {
+                    frame.y = frame.y.map(|y| -y);
+                }
+                let camera = GeodesicCamera::new(ObjectId(0)).with_frame(frame);
+                let moved = PlacedCamera::new(&scene, &params, &camera, size).expect("placed");
+                let again = moved.by_angle();
+                let again = PlacedCamera::new(&scene, &params, &again, size).expect("placed");
+                assert_eq!(again.frame.coordinates, frame.coordinates, "{at:?}");
+                for (a, b) in [(again.frame.x, frame.x), (again.frame.y, frame.y)] {
+                    let length = b[0].hypot(b[1]);
+                    let off = (a[0] - b[0]).hypot(a[1] - b[1]) / length;
+                    assert!(off < 1e-9, "{at:?}, {angle}, {mirrored}: {a:?}, {b:?}");
+                }
+            }
+        }
     }
 }

@@ -271,6 +271,7 @@ fn geodesics_are_followed_again_only_for_another_camera_or_another_surface() {
         turned.inside().camera.pose = Pose::At {
             at: None,
             angle: 0.5,
+            mirrored: false,
         };
         walk(&mut stage, &params, &turned, 1);
         walk(&mut stage, &params, &request, 0);

@@ -1,32 +1,33 @@
 //! `geotrace render`: one picture.
 
+mod images;
+mod like_window;
+mod picture;
+
+use std::ffi::OsString;
 use std::io::Cursor;
 use std::path::PathBuf;
 
 use clap::Args;
-use export::whole_file::phrase;
 use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
-use render::point::WorldPoint;
-use render::request::{Overlays, Spacing, ViewPart};
-use render::shared::Shared;
-use render::texture::{Texture, TextureError};
-use render::view::geodesic::GeodesicOptions;
-use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
+use render::request::Theme;
 use render::{Backend, PictureMethod, PictureRequest, RenderError, RenderedImage, ViewId, Views};
-use scene::ParamValues;
-use scene::{ObjectId, Scene};
 
 use super::animation;
 use crate::argument::{
-    self, Assignment, Choice, Format, Pair, Quantity, Size, TextureFile, Triple,
+    self, Assignment, Choice, Format, ObjectColour, Pair, Quantity, Size, TextureFile, Triple,
 };
 use crate::failure::Failure;
-use crate::number;
 use crate::output::{self, OutputTarget};
 use crate::program::LoadedProgram;
 use crate::progress::Progress;
 use crate::registry::Context;
+
+pub(super) use images::textures;
+
+/// The name of the command.
+pub(super) const NAME: &str = "render";
 
 /// Make a picture of a program, or an animation: in 3D, or of a surface from inside.
 ///
@@ -79,16 +80,25 @@ pub(super) struct Arguments {
     #[arg(long, value_parser = argument::choice(&BACKENDS), default_value = "auto", value_name = "BACKEND", hide_short_help = true)]
     backend: Backend,
     /// An image (PNG or JPEG) for a surface: its left is u min, its top row v min. `SURFACE=curvature` colours it
-    /// by its Gaussian curvature: blue, white at 0, red
+    /// by its Gaussian curvature: blue, white at 0, red; `SURFACE=plain` shows its colour alone
     #[arg(long, value_name = "SURFACE=IMAGE", value_parser = argument::texture)]
     texture: Vec<TextureFile>,
     /// A surface whose image lies on it the other way up; may be given several times. Of the built-in image, the letters
     /// are turned over
     #[arg(long, value_name = "SURFACE", hide_short_help = true)]
     flip: Vec<String>,
+    /// Colours for a screen, or for paper: a white background, and dark points and lines
+    #[arg(long, value_parser = argument::choice(&THEMES), default_value = "screen", value_name = "THEME")]
+    theme: Theme,
+    /// A colour for an object, such as c=#1a2b3c; a surface's colour multiplies its image. May be given several times
+    #[arg(long, value_name = "OBJECT=COLOUR", value_parser = argument::object_colour)]
+    colour: Vec<ObjectColour>,
     /// How many times as large as usual lines, points and words are
     #[arg(long, value_name = "FACTOR", value_parser = argument::positive, default_value = "1", hide_short_help = true)]
     scale: f64,
+    /// Everything as the window shows it: the options of what it remembers of this program, before those that are given
+    #[arg(long)]
+    like_window: bool,
     #[command(flatten)]
     motion: animation::Arguments,
     /// Where the camera stands; without it, in the middle of the domain
@@ -97,6 +107,12 @@ pub(super) struct Arguments {
     /// How far the picture's right is turned from σu towards σv
     #[arg(long, value_name = "DEG", value_parser = argument::finite, allow_hyphen_values = true, help_heading = "Geodesic view", hide_short_help = true)]
     angle: Option<f64>,
+    /// The picture's up lies to the right of its right, as (u,v) has it: the surface is seen from its other side
+    #[arg(long, help_heading = "Geodesic view", hide_short_help = true)]
+    mirrored: bool,
+    /// A setting of the view: `centre=off` leaves out the ring at the picture's centre
+    #[arg(long, value_name = "NAME=on|off", value_parser = argument::setting, help_heading = "Geodesic view", hide_short_help = true)]
+    setting: Vec<(String, bool)>,
     /// The distance from the picture's centre to its edge, on the surface
     #[arg(long, value_name = "Z", value_parser = argument::quantity, allow_hyphen_values = true, help_heading = "Geodesic view")]
     zoom: Option<Quantity>,
@@ -121,6 +137,9 @@ pub(super) struct Arguments {
     /// The estimated error, painted over the picture
     #[arg(long, help_heading = "Drawn over the picture", hide_short_help = true)]
     error: bool,
+    /// An object that is not drawn; what lies on it is. May be given several times
+    #[arg(long, value_name = "OBJECT", help_heading = "3D view")]
+    hide: Vec<String>,
     /// A box around the scene, with ticks at round numbers
     #[arg(long, help_heading = "3D view")]
     axes: bool,
@@ -145,7 +164,19 @@ pub(super) struct Arguments {
     /// Parallel lines of sight: equal lengths are equal in the picture
     #[arg(long, help_heading = "3D view")]
     orthographic: bool,
+    /// The words of the command line
+    #[arg(skip)]
+    pub(super) words: Vec<OsString>,
 }
+
+const THEMES: [Choice<Theme>; 2] = [
+    Choice::new(
+        "screen",
+        "Bright colours on a dark background",
+        Theme::Screen,
+    ),
+    Choice::new("print", "Dark points and lines on white", Theme::Print),
+];
 
 const BACKENDS: [Choice<Backend>; 3] = [
     Choice::new(
@@ -162,24 +193,28 @@ const BACKENDS: [Choice<Backend>; 3] = [
 ];
 
 const METHODS: [Choice<PictureMethod>; 5] = [
-    Choice::new("auto", "The best: fan", PictureMethod::Auto),
     Choice::new(
-        "fan",
+        PictureMethod::Auto.name(),
+        "The best: fan",
+        PictureMethod::Auto,
+    ),
+    Choice::new(
+        PictureMethod::Fan.name(),
         "A fan of rays that all pixels share, in double precision, interpolated by their Jacobi fields",
         PictureMethod::Fan,
     ),
     Choice::new(
-        "fan-linear",
+        PictureMethod::FanLinear.name(),
         "The same fan, interpolated linearly, for comparison",
         PictureMethod::FanLinear,
     ),
     Choice::new(
-        "adaptive",
+        PictureMethod::Adaptive.name(),
         "A geodesic for each pixel, with steps as long as the tolerance allows, in double precision",
         PictureMethod::Adaptive,
     ),
     Choice::new(
-        "rk4-pixel",
+        PictureMethod::Rk4Pixel.name(),
         "A geodesic for each pixel, with steps of equal length, as in the thesis",
         PictureMethod::Rk4Pixel,
     ),
@@ -191,31 +226,23 @@ pub(super) type Picture = RenderedImage<RgbaImage>;
 /// Draws one picture and writes it.
 pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failure> {
     let program = LoadedProgram::load(context, &arguments.file, Format::Human)?;
-    let params = program.params(&arguments.set)?;
-    let images = textures(&arguments.texture, &program)?;
+    if arguments.like_window {
+        let arguments = like_window::completed(arguments, &program, context)?;
+        return draw(&arguments, &program, context);
+    }
+    draw(arguments, &program, context)
+}
+
+fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Result<(), Failure> {
     let views = &context.registry.views;
-    let view = view(arguments, views, &program, &params)?;
-    let request = PictureRequest {
-        overlays: Overlays {
-            legend: arguments.legend,
-            wavefronts: arguments
-                .wavefronts
-                .map(|given| given.map_or(Spacing::Auto, Spacing::Every)),
-            conjugate_points: arguments.conjugate,
-            cut_locus: arguments.cut_locus,
-            error: arguments.error,
-            labels: arguments.labels,
-            axes: arguments.axes,
-        },
-        scale: arguments.scale as f32,
-        flipped: flipped(arguments, &program)?,
-        ..PictureRequest::new(program.scene(), params.clone(), view, arguments.size.0)
-    };
+    let images = textures(&arguments.texture, program)?;
+    let request = picture::request(arguments, views, program, &images)?;
     let moves = request.view.shown_camera().is_some();
-    let script = arguments.motion.script(&program, &params, moves)?;
-    let animation = arguments.motion.animation(&arguments.output)?;
+    let motion = &arguments.motion;
+    let script = motion.script(program, &request.params, moves)?;
+    let animation = motion.animation(&arguments.output)?;
     let request = script.steady(&request).map_err(animation::failure)?;
-    for note in idle_options(arguments, &request.view) {
+    for note in picture::idle_options(arguments, &request.view) {
         output::print_error(&format!("note: {note}\n"));
     }
     let draw = |share: f64, progress: &(dyn Fn(f32) + Sync)| -> Result<Picture, Failure> {
@@ -223,9 +250,10 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
             .frame_at(&request, share)
             .map_err(animation::failure)?;
         request.textures = images.at(&request.scene, &request.params)?;
+        request.curved.clear();
         let mut picture =
             render::render(views, &request, arguments.backend, progress).map_err(failure)?;
-        picture.notes.extend(images.notes(&program, &request));
+        picture.notes.extend(images.notes(program, &request));
         Ok(picture)
     };
     if let Some(animation) = animation {
@@ -242,180 +270,6 @@ pub(super) fn run(arguments: &Arguments, context: &Context) -> Result<(), Failur
     target.write(&png(&picture.image)?)?;
     output::print_error(&summary(&picture, &target.name(), &request, views));
     Ok(())
-}
-
-/// Returns the surfaces whose images are turned over.
-fn flipped(arguments: &Arguments, program: &LoadedProgram) -> Result<Vec<ObjectId>, Failure> {
-    let surface = |name: &String| Ok(program.surface(Some(name))?.0);
-    arguments.flip.iter().map(surface).collect()
-}
-
-/// Returns the requested view, with its camera and its options.
-fn view(
-    arguments: &Arguments,
-    views: &Views,
-    program: &LoadedProgram,
-    params: &ParamValues,
-) -> Result<ViewPart, Failure> {
-    let ViewId { kind, object } = &arguments.view;
-    let view = views.get(kind);
-    let view = view.ok_or_else(|| Failure::usage(format!("there is no view `{kind}`")))?;
-    let object = match view.is_of_object() {
-        true => Some(program.surface(object.as_deref())?.0),
-        false => None,
-    };
-    let mut view = view.options(object);
-    let place = |option: &str, triple: &Option<Triple>| match triple {
-        Some(triple) => {
-            let numbers: [f64; 3] = program.numbers(option, &triple.0, params)?;
-            Ok(Some(WorldPoint(numbers)))
-        }
-        None => Ok(None),
-    };
-    if let Some(options) = view.get_mut::<GeodesicOptions>() {
-        options.method = arguments.method.unwrap_or_default();
-    }
-    if let Some(space) = view.space_mut() {
-        space.camera = Viewpoint {
-            eye: place("--eye", &arguments.eye)?,
-            target: place("--target", &arguments.target)?,
-            projection: match arguments.orthographic {
-                true => Projection::Orthographic,
-                false => Projection::Perspective,
-            },
-        };
-        space.background = arguments.background;
-    }
-    let shown = match (&arguments.show_camera, view.geodesic_camera()) {
-        (_, Some(own)) => Some(own.surface),
-        (Some(name), None) if view.space().is_some() => Some(program.surface(Some(name))?.0),
-        _ => None,
-    };
-    if let Some(surface) = shown {
-        view.show_camera(geodesic_camera(surface, arguments, program, params)?);
-    }
-    Ok(view)
-}
-
-/// The geodesic camera that `--at`, `--angle` and `--zoom` place on a surface.
-fn geodesic_camera(
-    surface: ObjectId,
-    arguments: &Arguments,
-    program: &LoadedProgram,
-    params: &ParamValues,
-) -> Result<GeodesicCamera, Failure> {
-    Ok(GeodesicCamera {
-        surface,
-        pose: Pose::At {
-            at: match &arguments.at {
-                Some(at) => Some(program.numbers("--at", &at.0, params)?),
-                None => None,
-            },
-            angle: arguments.angle.unwrap_or(0.0).to_radians(),
-        },
-        zoom: match &arguments.zoom {
-            Some(zoom) => Some(program.number("--zoom", zoom, params)?),
-            None => None,
-        },
-    })
-}
-
-/// The images of the surfaces.
-pub(super) struct Images {
-    loaded: Vec<(ObjectId, Shared<Texture>)>,
-    /// Surfaces that are coloured by curvature, which may change with the params.
-    curved: Vec<ObjectId>,
-}
-
-impl Images {
-    /// The images for these values of the params.
-    pub(super) fn at(
-        &self,
-        scene: &Scene,
-        params: &ParamValues,
-    ) -> Result<Vec<(ObjectId, Shared<Texture>)>, Failure> {
-        let curvature = |&surface: &ObjectId| {
-            let texture = Texture::curvature(scene, params, surface).map_err(failure)?;
-            Ok((surface, texture.into()))
-        };
-        let curved: Result<Vec<_>, Failure> = self.curved.iter().map(curvature).collect();
-        Ok([self.loaded.clone(), curved?].concat())
-    }
-
-    /// Notes on the colours of curvature.
-    fn notes(&self, program: &LoadedProgram, request: &PictureRequest) -> Vec<String> {
-        let note = |&surface: &ObjectId| {
-            let most = request.texture(surface).curvature_scale()?.most;
-            // Rounded to four digits.
-            let rounded = format!("{most:.3e}").parse().unwrap_or(most);
-            let most = number::show(rounded);
-            Some(format!(
-                "`{}` shows its Gaussian curvature: -{most} is blue, 0 white, {most} red",
-                program.object_name(surface)?
-            ))
-        };
-        self.curved.iter().filter_map(note).collect()
-    }
-}
-
-/// The word that stands for the colours of curvature in place of a file.
-const CURVATURE: &str = "curvature";
-
-/// Reads the image files.
-pub(super) fn textures(files: &[TextureFile], program: &LoadedProgram) -> Result<Images, Failure> {
-    let mut images = Images {
-        loaded: Vec::new(),
-        curved: Vec::new(),
-    };
-    for file in files {
-        let (surface, _) = program.surface(Some(&file.surface))?;
-        // The last option for a surface applies.
-        images.curved.retain(|&other| other != surface);
-        if file.path.as_os_str() == CURVATURE {
-            images.curved.push(surface);
-        } else {
-            let texture =
-                Texture::load(&file.path).map_err(|error| texture_failure(file, error))?;
-            images.loaded.push((surface, texture.into()));
-        }
-    }
-    Ok(images)
-}
-
-/// Notes on options that the chosen view does not use.
-fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String> {
-    let placed = [
-        ("--at", arguments.at.is_some()),
-        ("--angle", arguments.angle.is_some()),
-        ("--zoom", arguments.zoom.is_some()),
-    ];
-    let around = [
-        ("--wavefronts", arguments.wavefronts.is_some()),
-        ("--conjugate", arguments.conjugate),
-    ];
-    let inside = [
-        ("--method", arguments.method.is_some()),
-        ("--cut-locus", arguments.cut_locus),
-        ("--error", arguments.error),
-    ];
-    let space = [
-        ("--axes", arguments.axes),
-        ("--background", arguments.background.is_some()),
-        ("--eye", arguments.eye.is_some()),
-        ("--target", arguments.target.is_some()),
-        ("--orthographic", arguments.orthographic),
-        ("--show-camera", arguments.show_camera.is_some()),
-    ];
-    let geodesic = "the geodesic view: add `--view geodesic`";
-    let (idle, other) = match (view.geodesic_camera(), &arguments.show_camera) {
-        (Some(_), _) => (space.to_vec(), "the 3D view"),
-        (_, None) => ([&placed[..], &around, &inside].concat(), geodesic),
-        (_, Some(_)) => (inside.to_vec(), geodesic),
-    };
-    let given = idle.iter().filter(|(_, given)| *given);
-    given
-        .map(|(option, _)| format!("{option} belongs to {other}"))
-        .collect()
 }
 
 pub(super) fn png(image: &RgbaImage) -> Result<Vec<u8>, Failure> {
@@ -452,19 +306,6 @@ fn summary(picture: &Picture, name: &str, request: &PictureRequest, views: &View
     text
 }
 
-fn texture_failure(file: &TextureFile, error: TextureError) -> Failure {
-    match error {
-        TextureError::Unreadable { message, .. } => Failure::Unreadable {
-            file: file.path.display().to_string(),
-            reason: phrase(&message),
-        },
-        TextureError::NotAnImage { .. } | TextureError::TooLarge { .. } => Failure::Input {
-            message: error.to_string(),
-            hint: None,
-        },
-    }
-}
-
 pub(super) fn failure(error: RenderError) -> Failure {
     let message = error.to_string();
     match error {
@@ -498,3 +339,6 @@ pub(super) fn failure(error: RenderError) -> Failure {
         },
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,8 @@
 //! The request for a view's picture: all that it shows, as data that can be compared. A picture is requested again only
 //! where its request has changed.
 
-use render::request::{Overlays, Spacing};
+use render::geodesic_view::PlacedCamera;
+use render::request::{Overlays, Spacing, Theme};
 use render::shared::Shared;
 use render::texture::Texture;
 use render::viewpoint::{GeodesicCamera, Projection, Viewpoint};
@@ -105,7 +106,7 @@ fn colours(model: &Model, dims: bool) -> Vec<(ObjectId, [u8; 3])> {
         return Vec::new();
     };
     let stale = model.faults.stale();
-    let defaults = render::style::colours(scene, model.shows_curvature());
+    let defaults = render::style::colours(scene, Theme::Screen, model.shows_curvature());
     let colour = |(id, object): (ObjectId, &Object)| {
         let look = model.view.looks.get(&object.name);
         let chosen = look.and_then(|look| look.colour);
@@ -135,7 +136,8 @@ fn overlays(marks: &Marks) -> Overlays {
     }
 }
 
-/// Returns the request for a picture that is kept: of a view at rest, with no object highlighted or dim.
+/// Returns the request for a picture that is kept: of a view at rest, with no object highlighted or dim, without overlays
+/// that the view does not draw, and with a geodesic camera that is placed by an angle.
 pub(crate) fn at_rest(
     mut request: PictureRequest,
     model: &Model,
@@ -146,6 +148,28 @@ pub(crate) fn at_rest(
     request.colours = colours(model, false);
     if let Some(space) = request.view.space_mut() {
         space.highlight = None;
+    }
+    let shown = request.view.shown_camera().copied();
+    let has_rays = request.view.geodesic_camera().is_some();
+    let overlays = &mut request.overlays;
+    overlays.axes &= !has_rays;
+    overlays.cut_locus &= has_rays;
+    overlays.error &= has_rays;
+    if shown.is_none() {
+        overlays.wavefronts = None;
+        overlays.conjugate_points = false;
+    }
+    let placed = |camera: GeodesicCamera| {
+        let (scene, params) = (&request.scene, &request.params);
+        let placed = PlacedCamera::new(scene, params, &camera, size)
+            .ok()?
+            .by_angle();
+        PlacedCamera::new(scene, params, &placed, size)
+            .is_ok()
+            .then_some(placed)
+    };
+    if let Some(camera) = shown.and_then(placed) {
+        request.view.show_camera(camera);
     }
     request
 }

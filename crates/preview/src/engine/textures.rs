@@ -5,9 +5,8 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
-use image::RgbaImage;
 use render::texture::Texture;
 
 use crate::channel::EventSender;
@@ -39,12 +38,6 @@ enum ImageState {
     Failed(String),
 }
 
-/// A texture that leaves a surface its colour.
-static PLAIN: LazyLock<Arc<Texture>> = LazyLock::new(|| {
-    let white = RgbaImage::from_pixel(1, 1, image::Rgba([255; 4]));
-    Arc::new(Texture::from_image(white))
-});
-
 impl Library {
     /// An empty library.
     pub(crate) fn new(events: EventSender<TextureRead>) -> Self {
@@ -58,7 +51,7 @@ impl Library {
     pub(crate) fn texture(&mut self, choice: &Choice) -> Option<Arc<Texture>> {
         match choice {
             Choice::Default | Choice::Curvature => None,
-            Choice::Plain => Some(PLAIN.clone()),
+            Choice::Plain => Some(Texture::plain()),
             Choice::Image(path) => match self.images.get(path) {
                 Some(ImageState::Ready(texture)) => Some(texture.clone()),
                 Some(ImageState::Reading | ImageState::Failed(_)) => None,
@@ -115,6 +108,19 @@ impl Library {
             let texture = texture.map_err(|error| error.to_string());
             events.send(TextureRead { path, texture });
         });
+    }
+
+    /// Reads an image at once, unless it has been read.
+    ///
+    /// # Errors
+    /// The sentence about one that cannot be read.
+    pub(crate) fn read_now(&mut self, path: &Path) -> Result<(), String> {
+        if !self.images.contains_key(path) {
+            let texture = Texture::load(path).map_err(|error| error.to_string())?;
+            let state = ImageState::Ready(Arc::new(texture));
+            self.images.insert(path.to_owned(), state);
+        }
+        Ok(())
     }
 
     /// Takes over an image that was read; returns the sentence about one that cannot be.

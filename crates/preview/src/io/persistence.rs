@@ -6,6 +6,7 @@
 //! read is kept under another name before it is written over.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
@@ -48,38 +49,64 @@ pub(crate) fn place(program: &Path) -> Option<PathBuf> {
     Some(program.with_file_name(format!(".{name}.geotrace.json")))
 }
 
-/// Reads what is remembered; returns the default, with a sentence, where the file cannot be read.
-pub(crate) fn load(program: &Path) -> (Known, Option<String>) {
-    let Some(place) = place(program) else {
-        return (Known::default(), None);
-    };
-    let bytes = match read_limited(&place, MOST_BYTES) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            return (Known::default(), None);
-        }
-        Err(error) => {
-            let sentence = format!(
-                "the view that was remembered cannot be read (`{}`: {error})",
+/// The reason for which nothing is remembered of a program.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub(crate) enum NotKnown {
+    /// There is no file.
+    NoFile,
+    /// The file cannot be read, in the system's words.
+    Unreadable(PathBuf, String),
+    /// The file is damaged, or of a later version.
+    Unusable(PathBuf, String),
+}
+
+impl fmt::Display for NotKnown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoFile => write!(f, "the window remembers nothing of this program"),
+            Self::Unreadable(place, reason) => write!(
+                f,
+                "the view that was remembered cannot be read (`{}`: {reason})",
                 place.display()
-            );
-            return (Known::default(), Some(sentence));
+            ),
+            Self::Unusable(place, reason) => write!(
+                f,
+                "the view that was remembered cannot be used (`{}`: {reason})",
+                place.display()
+            ),
         }
-    };
+    }
+}
+
+/// Reads what is remembered, and changes nothing.
+///
+/// # Errors
+/// See [`NotKnown`].
+pub(crate) fn read(program: &Path) -> Result<Known, NotKnown> {
+    let place = place(program).ok_or(NotKnown::NoFile)?;
+    let bytes = read_limited(&place, MOST_BYTES).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => NotKnown::NoFile,
+        _ => NotKnown::Unreadable(place.clone(), error.to_string()),
+    })?;
     match serde_json::from_slice::<Remembered>(&bytes) {
         Ok(Remembered { format, known }) if format <= FORMAT => {
             let view = known.view.sane();
-            (Known { view, ..known }, None)
+            Ok(Known { view, ..known })
         }
-        Ok(_) => (
-            Known::default(),
-            Some(set_aside(&place, "it is of a later version")),
-        ),
-        Err(error) => (
-            Known::default(),
-            Some(set_aside(&place, &error.to_string())),
-        ),
+        Ok(_) => Err(NotKnown::Unusable(place, "it is of a later version".into())),
+        Err(error) => Err(NotKnown::Unusable(place, error.to_string())),
     }
+}
+
+/// Reads what is remembered; returns the default, with a sentence, where the file cannot be read.
+pub(crate) fn load(program: &Path) -> (Known, Option<String>) {
+    let sentence = match read(program) {
+        Ok(known) => return (known, None),
+        Err(NotKnown::NoFile) => None,
+        Err(NotKnown::Unusable(place, reason)) => Some(set_aside(&place, &reason)),
+        Err(unreadable) => Some(unreadable.to_string()),
+    };
+    (Known::default(), sentence)
 }
 
 /// Renames a file that cannot be read, so that it is not lost when the window writes its own.

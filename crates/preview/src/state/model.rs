@@ -136,13 +136,18 @@ impl Model {
             self.faults.show_latest();
         }
         if let Some(scene) = compiled.scene {
-            self.heed_openings(&scene);
-            // A camera that the user has not moved belongs to its scene.
-            self.history.note_scene();
-            self.scene = Some(scene);
-            self.renumber_paths();
-            self.settings = None;
+            self.take_scene(scene);
         }
+    }
+
+    /// Takes over another scene.
+    pub(crate) fn take_scene(&mut self, scene: Arc<Scene>) {
+        self.heed_openings(&scene);
+        // A camera that the user has not moved belongs to its scene.
+        self.history.note_scene();
+        self.scene = Some(scene);
+        self.renumber_paths();
+        self.settings = None;
     }
 
     /// Gives each param whose declared value has changed that value: the latest choice holds.

@@ -51,6 +51,9 @@ fn file(window: &mut Window, ui: &mut Ui) {
     if entry(ui, has_picture, "Copy picture", "Ctrl+C") {
         picture::copy_picture(window, ui);
     }
+    if entry(ui, has_picture, "Copy as command", "Ctrl+Shift+C") {
+        picture::copy_command(window, ui);
+    }
     let free = window.dialogs.recording.is_none();
     if entry(ui, has_picture && free, "Record…", "Ctrl+R") {
         record::ask(window);

@@ -7,6 +7,7 @@ mod attached;
 mod cameras;
 mod editing;
 mod faults;
+mod figures;
 mod hand;
 mod keyboard;
 mod lesson;

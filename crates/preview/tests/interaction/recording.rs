@@ -68,7 +68,7 @@ fn a_param_is_recorded_in_as_many_pictures_as_were_asked_for() {
     ask(&mut hand, 5.0, [64.0, 48.0]);
     set(&mut hand, "To", 1.4);
     record(&mut hand);
-    let target = hand.path.with_file_name("3d.gif");
+    let target = hand.path.with_file_name("program-3d.gif");
     assert_eq!(
         files(&hand.path),
         std::slice::from_ref(&target),
@@ -135,7 +135,7 @@ fn a_walk_around_the_sphere_is_recorded_and_comes_back() {
     hand.click("PNG sequence");
     record(&mut hand);
     let expected: Vec<PathBuf> = (1..=5)
-        .map(|k| hand.path.with_file_name(format!("s-000{k}.png")))
+        .map(|k| hand.path.with_file_name(format!("program-s-000{k}.png")))
         .collect();
     assert_eq!(files(&hand.path), expected);
     let pictures: Vec<RgbaImage> = expected

@@ -214,7 +214,7 @@ fn a_picture_is_saved_at_any_size_with_a_transparent_background() {
     hand.click_on(Role::Button, "File");
     hand.click("Save picture…");
     hand.harness.run_steps(3);
-    let target = hand.path.with_file_name("3d.png");
+    let target = hand.path.with_file_name("program-3d.png");
     let file = hand
         .harness
         .get_all_by_role(Role::TextInput)

@@ -113,6 +113,21 @@ impl PlacedCamera {
         })
     }
 
+    /// The camera by its place, its angle and its zoom. The angle is that of a number of degrees: of the picture's x axis
+    /// it may lose the last digit.
+    pub fn by_angle(&self) -> GeodesicCamera {
+        let surface = self.manifold.surface();
+        GeodesicCamera {
+            surface: self.surface,
+            pose: Pose::At {
+                at: Some(self.frame.uv.0),
+                angle: self.frame.angle(surface).to_degrees().to_radians(),
+                mirrored: self.frame.is_mirrored(surface),
+            },
+            zoom: Some(self.zoom),
+        }
+    }
+
     /// Returns the place (x, y) of a pixel in the plane of the frame: the picture's shorter side goes from −1 to 1.
     pub(crate) fn picture_place(&self, PixelPoint(at): PixelPoint) -> [f64; 2] {
         let [width, height] = self.size.map(f64::from);
@@ -286,7 +301,7 @@ fn place(
         name: name.to_owned(),
         at,
     };
-    let (at, angle) = match camera.pose {
+    let (at, angle, mirrored) = match camera.pose {
         Pose::Frame(frame) => {
             let zoom = frame.zoom(surface);
             let domain = surface.domain();
@@ -299,15 +314,22 @@ fn place(
             }
             return Ok((frame, zoom));
         }
-        Pose::At { at, angle } => (at.unwrap_or_else(|| first_place(surface)), angle),
+        Pose::At {
+            at,
+            angle,
+            mirrored,
+        } => (at.unwrap_or_else(|| first_place(surface)), angle, mirrored),
     };
     // The length does not matter yet: the first zoom is measured from where the frame turns out to stand.
-    let unit = Frame::new(surface, at, angle, 1.0).map_err(|error| match error {
+    let mut unit = Frame::new(surface, at, angle, 1.0).map_err(|error| match error {
         TraceError::OutsideDomain { at, domain } => outside(at, domain),
         _ => undefined(at),
     })?;
     if unit.coordinates == Coordinates::Plain && !has_tangent_plane(surface, unit.uv.0) {
         return Err(undefined(at));
+    }
+    if mirrored {
+        unit.y = unit.y.map(|y| -y);
     }
     let zoom = camera
         .zoom

@@ -10,6 +10,7 @@ use scene::{ObjectId, Scene};
 
 use super::PictureRequest;
 use crate::error::RenderError;
+use crate::geodesic_view::PictureMethod;
 use crate::point::WorldPoint;
 use crate::style;
 use crate::viewpoint::{GeodesicCamera, Viewpoint};
@@ -44,9 +45,19 @@ pub trait ViewOptions: Comparable {
         None
     }
 
+    /// The method by which geodesics are integrated, of a view that offers several.
+    fn method(&self) -> Option<PictureMethod> {
+        None
+    }
+
     /// Turns one of the view's [settings](crate::view::Setting) on or off; returns whether the view has it.
     fn set(&mut self, _setting: &str, _on: bool) -> bool {
         false
+    }
+
+    /// Returns whether one of the view's [settings](crate::view::Setting) is on; `None` of a setting of another view.
+    fn is_on(&self, _setting: &str) -> Option<bool> {
+        None
     }
 
     /// Refuses options that cannot be drawn, whatever the backend.
@@ -182,6 +193,11 @@ impl ViewPart {
         self.geodesic_camera().or_else(in_space)
     }
 
+    /// The method by which geodesics are integrated, of a view that offers several.
+    pub fn method(&self) -> Option<PictureMethod> {
+        self.0.method()
+    }
+
     /// Puts a geodesic camera in place: the one that the picture is seen by, or that it shows in space.
     pub fn show_camera(&mut self, camera: GeodesicCamera) {
         if let Some(own) = self.0.geodesic_camera_mut() {
@@ -194,6 +210,11 @@ impl ViewPart {
     /// Turns one of the view's settings on or off; returns whether the view has it.
     pub fn set(&mut self, setting: &str, on: bool) -> bool {
         self.0.set(setting, on)
+    }
+
+    /// Returns whether one of the view's settings is on; `None` of a setting of another view.
+    pub fn is_on(&self, setting: &str) -> Option<bool> {
+        self.0.is_on(setting)
     }
 
     /// The options, if they are of this type.

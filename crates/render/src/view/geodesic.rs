@@ -76,12 +76,20 @@ impl ViewOptions for GeodesicOptions {
         Some(&mut self.camera)
     }
 
+    fn method(&self) -> Option<PictureMethod> {
+        Some(self.method)
+    }
+
     fn set(&mut self, setting: &str, on: bool) -> bool {
         let known = setting == MARK_CENTRE.name;
         if known {
             self.mark_centre = on;
         }
         known
+    }
+
+    fn is_on(&self, setting: &str) -> Option<bool> {
+        (setting == MARK_CENTRE.name).then_some(self.mark_centre)
     }
 
     fn check(&self, scene: &Scene) -> Result<(), RenderError> {

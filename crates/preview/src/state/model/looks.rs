@@ -1,5 +1,7 @@
 //! The looks of objects that the user has not chosen.
 
+use render::style::Theme;
+
 use super::Model;
 use crate::state::Choice;
 
@@ -15,7 +17,7 @@ impl Model {
     pub(crate) fn default_colour(&self, name: &str) -> [u8; 3] {
         let own = self.scene.as_ref().and_then(|scene| {
             let (id, _) = scene.object(name)?;
-            let colours = render::style::colours(scene, self.shows_curvature());
+            let colours = render::style::colours(scene, Theme::Screen, self.shows_curvature());
             colours.get(id.0 as usize).copied()
         });
         own.unwrap_or(render::style::SURFACE_COLOUR)

@@ -3,13 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use egui::{DragValue, Grid, Ui};
+use export::command_line;
 use export::mesh::{self, MeshFormat};
 use export::whole_file::write_whole;
-use render::{Backend, PictureRequest, ViewId};
+use render::request::{SCALES, Theme};
+use render::{Backend, PictureRequest, ViewId, style};
 
 use crate::channel::report_when_done;
 use crate::engine::request::with_curvatures;
 use crate::io::files;
+use crate::state::StatusMessage;
 use crate::ui::window::Window;
 
 /// The fields of the dialog for a picture.
@@ -17,9 +20,41 @@ use crate::ui::window::Window;
 pub(crate) struct PictureDialog {
     pane: ViewId,
     size: [u32; 2],
+    /// Pixels for each one of the size, each way.
+    resolution: u32,
+    /// The factor of the widths of lines and of words.
+    scale: f32,
+    theme: Theme,
     /// Set to true for a transparent background; none of a view without a background.
     transparent: Option<bool>,
     pub(crate) path: String,
+}
+
+/// The numbers of pixels that a picture may have for each one of its size.
+const RESOLUTIONS: [u32; 3] = [1, 2, 4];
+
+impl PictureDialog {
+    /// The size of the picture in pixels.
+    fn pixels(&self) -> [u32; 2] {
+        let pixels = self.size.map(|side| side.saturating_mul(self.resolution));
+        pixels.map(|side| side.min(render::MAX_SIDE))
+    }
+
+    /// Returns the request for the picture, with what was entered.
+    fn apply(&self, mut request: PictureRequest) -> PictureRequest {
+        request.size = self.pixels();
+        request.scale = self.scale;
+        request.theme = self.theme;
+        if let Some(space) = request.view.space_mut() {
+            let [r, g, b] = style::PAPER;
+            if self.transparent == Some(true) {
+                space.background = Some([0; 4]);
+            } else if self.theme == Theme::Print {
+                space.background = Some([r, g, b, 255]);
+            }
+        }
+        request
+    }
 }
 
 /// The button by which a dialog was left.
@@ -39,8 +74,11 @@ pub(crate) fn ask_for_picture(window: &mut Window) {
     window.dialogs.picture = Some(PictureDialog {
         pane: window.focus.view.clone(),
         size: request.size,
+        resolution: 1,
+        scale: request.scale,
+        theme: request.theme,
         transparent: request.view.space().map(|_| false),
-        path: in_folder(window, &file_name(&window.focus.view, "png")),
+        path: in_folder(window, &file_name(window, &window.focus.view, "png")),
     });
 }
 
@@ -49,9 +87,14 @@ pub(crate) fn ask_for_mesh(window: &mut Window) {
     window.dialogs.mesh = Some(in_folder(window, "scene.glb"));
 }
 
-/// The first name of a file for a picture of a view.
-pub(crate) fn file_name(id: &ViewId, extension: &str) -> String {
-    format!("{}.{extension}", id.object.as_ref().unwrap_or(&id.kind))
+/// The first name of a file for a picture of a view: `torus-3d.png`, and `torus-s.png` of a surface.
+pub(crate) fn file_name(window: &Window, id: &ViewId, extension: &str) -> String {
+    let view = id.object.as_ref().unwrap_or(&id.kind);
+    let file = window.text.file();
+    match file.as_deref().and_then(Path::file_stem) {
+        Some(program) => format!("{}-{view}.{extension}", program.display()),
+        None => format!("{view}.{extension}"),
+    }
 }
 
 /// A name in the program's folder.
@@ -79,10 +122,45 @@ pub(crate) fn copy_picture(window: &mut Window, ui: &Ui) {
     });
 }
 
+/// Copies the command that draws the active view's picture.
+pub(crate) fn copy_command(window: &mut Window, ui: &Ui) {
+    let Some(request) = window.kept(&window.focus.view) else {
+        return;
+    };
+    let name = file_name(window, &window.focus.view, "png");
+    copy_command_of(window, ui, &request, Path::new(&name));
+}
+
+/// Copies the command that draws a picture, and says what it does not draw.
+fn copy_command_of(window: &mut Window, ui: &Ui, request: &PictureRequest, output: &Path) {
+    let program = window.text.file().filter(|file| file.is_file());
+    let Some(program) = program else {
+        let sentence = "A command reads a file: save the program first";
+        window.status_message = Some(StatusMessage::error(sentence));
+        return;
+    };
+    let options = command_line::options(request, &window.views);
+    let line = command_line::command(&program, output, &options);
+    ui.ctx().copy_text(line);
+    let mut sentence = "The command for this picture was copied".to_owned();
+    if window.text.has_unsaved() {
+        sentence.push_str("; it reads the file, and the program is not saved");
+    }
+    if !request.trails.is_empty() {
+        sentence.push_str("; it draws no paths that were walked or measured");
+    }
+    window.status_message = Some(StatusMessage::info(sentence));
+}
+
 /// The dialogs that are open.
 pub(crate) fn show(window: &mut Window, ui: &Ui) {
     if let Some(mut dialog) = window.dialogs.picture.take() {
-        match picture(&mut dialog, ui) {
+        let (decision, copies) = picture(&mut dialog, ui);
+        if copies && let Some(request) = window.kept(&dialog.pane) {
+            let request = dialog.apply(request);
+            copy_command_of(window, ui, &request, Path::new(&dialog.path));
+        }
+        match decision {
             Decision::Stay => window.dialogs.picture = Some(dialog),
             Decision::Cancel => {}
             Decision::Choose => {
@@ -105,8 +183,10 @@ pub(crate) fn show(window: &mut Window, ui: &Ui) {
     }
 }
 
-fn picture(dialog: &mut PictureDialog, ui: &Ui) -> Decision {
-    modal(ui, "Save picture", "Save", |ui| {
+/// The dialog; also whether its command is to be copied.
+fn picture(dialog: &mut PictureDialog, ui: &Ui) -> (Decision, bool) {
+    let mut copies = false;
+    let decision = modal(ui, "Save picture", "Save", |ui| {
         let mut choose = false;
         Grid::new("picture").num_columns(2).show(ui, |ui| {
             let sides = 1..=render::MAX_SIDE;
@@ -116,12 +196,45 @@ fn picture(dialog: &mut PictureDialog, ui: &Ui) -> Decision {
                     .labelled_by(label.id);
                 ui.end_row();
             }
+            appearance(dialog, ui);
             choose = file(ui, &mut dialog.path);
         });
         transparency(&mut dialog.transparent, ui);
         replaced(ui, Path::new(&dialog.path));
+        let copy = ui.button("Copy as command");
+        copies = copy
+            .on_hover_text("Copies the line for a terminal that draws this picture")
+            .clicked();
         choose
-    })
+    });
+    (decision, copies)
+}
+
+/// The rows for the resolution, the width of lines, and the theme of a picture.
+fn appearance(dialog: &mut PictureDialog, ui: &mut Ui) {
+    ui.label("Resolution");
+    ui.horizontal(|ui| {
+        for resolution in RESOLUTIONS {
+            let title = format!("{resolution}×");
+            ui.selectable_value(&mut dialog.resolution, resolution, title);
+        }
+        let [width, height] = dialog.pixels();
+        ui.weak(format!("{width}×{height} pixels"));
+    });
+    ui.end_row();
+    let label = ui.label("Lines and words");
+    let scale = DragValue::new(&mut dialog.scale).range(SCALES);
+    ui.add(scale.speed(0.01).max_decimals(2).suffix("×"))
+        .labelled_by(label.id);
+    ui.end_row();
+    if dialog.transparent.is_some() {
+        ui.label("Theme");
+        ui.horizontal(|ui| {
+            ui.selectable_value(&mut dialog.theme, Theme::Screen, "As the window");
+            ui.selectable_value(&mut dialog.theme, Theme::Print, "White, for print");
+        });
+        ui.end_row();
+    }
 }
 
 fn mesh(path: &mut String, ui: &Ui) -> Decision {
@@ -212,15 +325,10 @@ pub(crate) fn choose(window: &Window, title: &str, path: &str) {
 }
 
 fn write_picture(window: &Window, dialog: &PictureDialog) {
-    let Some(mut request) = window.kept(&dialog.pane) else {
+    let Some(request) = window.kept(&dialog.pane) else {
         return;
     };
-    request.size = dialog.size;
-    if let Some(space) = request.view.space_mut()
-        && dialog.transparent == Some(true)
-    {
-        space.background = Some([0; 4]);
-    }
+    let request = dialog.apply(request);
     let (path, views) = (PathBuf::from(&dialog.path), window.views.clone());
     report_when_done(window.events.status(), move || {
         files::save_picture(&path, &views, &request)

@@ -76,7 +76,7 @@ pub(crate) fn ask(window: &mut Window) {
         moves.push(Moves::Walk("forward", [0.0, 1.0]));
         moves.push(Moves::Walk("to the right", [1.0, 0.0]));
     }
-    let path = picture::in_folder(window, &picture::file_name(&pane, "gif"));
+    let path = picture::in_folder(window, &picture::file_name(window, &pane, "gif"));
     window.dialogs.record = Some(RecordDialog {
         // Twice as far as what is seen.
         length: camera

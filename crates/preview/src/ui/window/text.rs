@@ -154,14 +154,18 @@ impl WindowText {
         matches!(&self.source, TextSource::File { editor, .. } if editor.is_changed())
     }
 
-    /// The folder that dialogs begin in.
-    pub(crate) fn folder(&self) -> Option<PathBuf> {
+    /// The program's file, from the root.
+    pub(crate) fn file(&self) -> Option<PathBuf> {
         let path = match &self.source {
             TextSource::File { editor, .. } => Some(&editor.path),
             TextSource::Attached { path, .. } => path.as_ref(),
         };
-        let file = std::path::absolute(path?).ok()?;
-        file.parent().map(PathBuf::from)
+        std::path::absolute(path?).ok()
+    }
+
+    /// The folder that dialogs begin in.
+    pub(crate) fn folder(&self) -> Option<PathBuf> {
+        self.file()?.parent().map(PathBuf::from)
     }
 
     /// Returns the window's title.

@@ -1,0 +1,197 @@
+//! The request of a picture: the options of `geotrace render` and a program flow in.
+
+use render::point::WorldPoint;
+use render::request::{Overlays, Spacing, Theme, ViewPart};
+use render::style;
+use render::view::geodesic::GeodesicOptions;
+use render::viewpoint::{GeodesicCamera, Pose, Projection, Viewpoint};
+use render::{PictureRequest, ViewId, Views};
+use scene::{ObjectId, ParamValues};
+
+use super::Arguments;
+use super::images::Images;
+use crate::argument::{ObjectColour, Triple};
+use crate::failure::Failure;
+use crate::program::LoadedProgram;
+
+/// Returns the request of the picture that the options describe.
+pub(super) fn request(
+    arguments: &Arguments,
+    views: &Views,
+    program: &LoadedProgram,
+    images: &Images,
+) -> Result<PictureRequest, Failure> {
+    let params = program.params(&arguments.set)?;
+    let view = view(arguments, views, program, &params)?;
+    Ok(PictureRequest {
+        overlays: overlays(arguments),
+        theme: arguments.theme,
+        scale: arguments.scale as f32,
+        colours: colours(arguments, program)?,
+        textures: images.loaded.clone(),
+        curved: images.curved.clone(),
+        flipped: flipped(arguments, program)?,
+        ..PictureRequest::new(program.scene(), params, view, arguments.size.0)
+    })
+}
+
+fn overlays(arguments: &Arguments) -> Overlays {
+    let wavefronts = arguments.wavefronts;
+    Overlays {
+        legend: arguments.legend,
+        wavefronts: wavefronts.map(|given| given.map_or(Spacing::Auto, Spacing::Every)),
+        conjugate_points: arguments.conjugate,
+        cut_locus: arguments.cut_locus,
+        error: arguments.error,
+        labels: arguments.labels,
+        axes: arguments.axes,
+    }
+}
+
+/// Returns the colours of objects.
+fn colours(
+    arguments: &Arguments,
+    program: &LoadedProgram,
+) -> Result<Vec<(ObjectId, [u8; 3])>, Failure> {
+    let chosen = arguments.colour.iter();
+    let chosen =
+        chosen.map(|ObjectColour { object, colour }| Ok((program.object(object)?, *colour)));
+    chosen.collect()
+}
+
+/// Returns the surfaces whose images are turned over.
+fn flipped(arguments: &Arguments, program: &LoadedProgram) -> Result<Vec<ObjectId>, Failure> {
+    let surface = |name: &String| Ok(program.surface(Some(name))?.0);
+    arguments.flip.iter().map(surface).collect()
+}
+
+/// Returns the requested view, with its camera and its options.
+fn view(
+    arguments: &Arguments,
+    views: &Views,
+    program: &LoadedProgram,
+    params: &ParamValues,
+) -> Result<ViewPart, Failure> {
+    let ViewId { kind, object } = &arguments.view;
+    let view = views.get(kind);
+    let view = view.ok_or_else(|| Failure::usage(format!("there is no view `{kind}`")))?;
+    let object = match view.is_of_object() {
+        true => Some(program.surface(object.as_deref())?.0),
+        false => None,
+    };
+    let mut view = view.options(object);
+    let place = |option: &str, triple: &Option<Triple>| match triple {
+        Some(triple) => {
+            let numbers: [f64; 3] = program.numbers(option, &triple.0, params)?;
+            Ok(Some(WorldPoint(numbers)))
+        }
+        None => Ok(None),
+    };
+    for (name, on) in &arguments.setting {
+        if !view.set(name, *on) {
+            return Err(unknown_setting(name, views, &view));
+        }
+    }
+    if let Some(options) = view.get_mut::<GeodesicOptions>() {
+        options.method = arguments.method.unwrap_or_default();
+    }
+    if let Some(space) = view.space_mut() {
+        space.camera = Viewpoint {
+            eye: place("--eye", &arguments.eye)?,
+            target: place("--target", &arguments.target)?,
+            projection: match arguments.orthographic {
+                true => Projection::Orthographic,
+                false => Projection::Perspective,
+            },
+        };
+        let [r, g, b] = style::PAPER;
+        let of_theme = (arguments.theme == Theme::Print).then_some([r, g, b, 255]);
+        space.background = arguments.background.or(of_theme);
+        let hidden = arguments.hide.iter().map(|name| program.object(name));
+        space.hidden = hidden.collect::<Result<_, _>>()?;
+    }
+    let shown = match (&arguments.show_camera, view.geodesic_camera()) {
+        (_, Some(own)) => Some(own.surface),
+        (Some(name), None) if view.space().is_some() => Some(program.surface(Some(name))?.0),
+        _ => None,
+    };
+    if let Some(surface) = shown {
+        view.show_camera(geodesic_camera(surface, arguments, program, params)?);
+    }
+    Ok(view)
+}
+
+/// The geodesic camera that `--at`, `--angle` and `--zoom` place on a surface.
+fn geodesic_camera(
+    surface: ObjectId,
+    arguments: &Arguments,
+    program: &LoadedProgram,
+    params: &ParamValues,
+) -> Result<GeodesicCamera, Failure> {
+    Ok(GeodesicCamera {
+        surface,
+        pose: Pose::At {
+            at: match &arguments.at {
+                Some(at) => Some(program.numbers("--at", &at.0, params)?),
+                None => None,
+            },
+            angle: arguments.angle.unwrap_or(0.0).to_radians(),
+            mirrored: arguments.mirrored,
+        },
+        zoom: match &arguments.zoom {
+            Some(zoom) => Some(program.number("--zoom", zoom, params)?),
+            None => None,
+        },
+    })
+}
+
+fn unknown_setting(name: &str, views: &Views, view: &ViewPart) -> Failure {
+    let known = views.get(view.name()).map(|view| view.settings());
+    let known = known.unwrap_or_default().iter();
+    let known: Vec<String> = known.map(|it| format!("`{}`", it.name)).collect();
+    Failure::Usage {
+        message: format!("--setting: this view has no setting `{name}`"),
+        hint: Some(match &known[..] {
+            [] => "it has no settings".to_owned(),
+            known => format!("it has {}", known.join(", ")),
+        }),
+    }
+}
+
+/// Notes on options that the chosen view does not use.
+pub(super) fn idle_options(arguments: &Arguments, view: &ViewPart) -> Vec<String> {
+    let placed = [
+        ("--at", arguments.at.is_some()),
+        ("--angle", arguments.angle.is_some()),
+        ("--mirrored", arguments.mirrored),
+        ("--zoom", arguments.zoom.is_some()),
+    ];
+    let around = [
+        ("--wavefronts", arguments.wavefronts.is_some()),
+        ("--conjugate", arguments.conjugate),
+    ];
+    let inside = [
+        ("--method", arguments.method.is_some()),
+        ("--cut-locus", arguments.cut_locus),
+        ("--error", arguments.error),
+    ];
+    let space = [
+        ("--axes", arguments.axes),
+        ("--hide", !arguments.hide.is_empty()),
+        ("--background", arguments.background.is_some()),
+        ("--eye", arguments.eye.is_some()),
+        ("--target", arguments.target.is_some()),
+        ("--orthographic", arguments.orthographic),
+        ("--show-camera", arguments.show_camera.is_some()),
+    ];
+    let geodesic = "the geodesic view: add `--view geodesic`";
+    let (idle, other) = match (view.geodesic_camera(), &arguments.show_camera) {
+        (Some(_), _) => (space.to_vec(), "the 3D view"),
+        (_, None) => ([&placed[..], &around, &inside].concat(), geodesic),
+        (_, Some(_)) => (inside.to_vec(), geodesic),
+    };
+    let given = idle.iter().filter(|(_, given)| *given);
+    given
+        .map(|(option, _)| format!("{option} belongs to {other}"))
+        .collect()
+}

@@ -1,0 +1,121 @@
+//! Pictures for papers, by the binary: as the window remembers them, and for print.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+const PROGRAM: &str = "\
+param a : [1, 3];
+surface s(u, v) = a(sin v cos u, sin v sin u, cos v), u : [0, 2pi], v : [0, pi];
+curve c(t) = (2a cos t, 2a sin t, 0), t : [0, 2pi];
+";
+
+/// The file in which the window remembers a view.
+const REMEMBERED: &str = r#"{
+    "format": 1,
+    "view": {
+        "params": {"a": [2.5]},
+        "looks": {"s": {"colour": [10, 200, 30], "texture": "plain"}, "c": {"hidden": true}},
+        "space": {"eye": [3, 4, 5], "target": [0, 0, 1], "radius": 3, "moved": true},
+        "preferences": {"background": [1, 2, 3], "orthographic": true,
+            "marks": {"axes": true, "labels": true, "cameras": false}}
+    }
+}"#;
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().expect("a temporary directory");
+    std::fs::write(folder.path().join("a.gtr"), PROGRAM).expect("writing");
+    folder
+}
+
+fn render(folder: &Path, options: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_geotrace"))
+        .current_dir(folder)
+        .args([
+            "render",
+            "a.gtr",
+            "--backend",
+            "software",
+            "--size",
+            "60x50",
+        ])
+        .args(options.split_whitespace())
+        .output()
+        .expect("the binary starts")
+}
+
+/// The bytes of the picture that some options draw.
+fn picture(folder: &Path, options: &str) -> Vec<u8> {
+    let output = render(folder, &format!("-o out.png {options}"));
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{options}: {told}");
+    assert!(!told.contains("belongs to"), "{options}: {told}");
+    std::fs::read(folder.join("out.png")).expect("a picture")
+}
+
+#[test]
+fn a_picture_is_as_the_window_shows_it_and_options_beside_it_win() {
+    let folder = folder();
+    let folder = folder.path();
+    let beside = folder.join(".a.gtr.geotrace.json");
+    std::fs::write(&beside, REMEMBERED).expect("writing");
+    let space = "--eye 3,4,5 --target 0,0,1 --orthographic --hide c --axes --labels";
+    let looks = "--texture s=plain --background 010203";
+    let all = format!("{space} {looks} --set a=2.5 --colour s=0ac81e");
+    assert!(picture(folder, "--like-window") == picture(folder, &all));
+    let given = "--colour s=white --set a=1.5 --eye 9,0,0";
+    let own = format!(
+        "--eye 9,0,0 --target 0,0,1 --orthographic --hide c --axes --labels {looks} --set a=1.5 --colour s=ffffff"
+    );
+    assert!(picture(folder, &format!("--like-window {given}")) == picture(folder, &own));
+    // Another view of the same program.
+    let inside = picture(folder, "--like-window --view geodesic");
+    let own = "--view geodesic:s --set a=2.5 --texture s=plain --colour s=0ac81e --labels";
+    assert!(inside == picture(folder, own));
+    let kept = std::fs::read_to_string(&beside).expect("still there");
+    assert_eq!(kept, REMEMBERED, "reading changes nothing");
+}
+
+#[test]
+fn without_a_memory_there_is_a_sentence() {
+    let folder = folder();
+    let failed = |wanted: &str| {
+        let output = render(folder.path(), "-o out.png --like-window");
+        let told = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        assert!(told.contains(wanted), "{told}");
+        assert!(told.contains("geotrace show a.gtr"), "{told}");
+        assert!(!folder.path().join("out.png").exists());
+    };
+    failed("the window remembers nothing of this program");
+    let beside = folder.path().join(".a.gtr.geotrace.json");
+    std::fs::write(&beside, "{").expect("writing");
+    failed("the view that was remembered cannot be used");
+    assert!(beside.is_file(), "it stays where it is");
+}
+
+#[test]
+fn an_option_that_is_given_twice_is_refused() {
+    let folder = folder();
+    let output = render(folder.path(), "-o out.png --zoom 1 --zoom 2");
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn a_picture_for_print_is_white_where_nothing_is() {
+    let folder = folder();
+    let bytes = picture(folder.path(), "--theme print --hide s");
+    let image = image::load_from_memory(&bytes).expect("a PNG").into_rgba8();
+    assert_eq!(image.get_pixel(0, 0).0, [255; 4]);
+    let red = image
+        .pixels()
+        .filter(|it| it.0[0] > it.0[2] && it.0[1] < 120);
+    assert!(red.count() > 40, "the curve is dark red");
+    let is_other = |it: &&image::Rgba<u8>| it.0[0] < it.0[1] || it.0[0] < it.0[2];
+    let others = image.pixels().filter(is_other).count();
+    assert_eq!(others, 0, "nothing else is there");
+    let other = picture(folder.path(), "--theme print --background 0000ff");
+    let image = image::load_from_memory(&other).expect("a PNG").into_rgba8();
+    assert_eq!(image.get_pixel(0, 0).0, [0, 0, 255, 255]);
+}

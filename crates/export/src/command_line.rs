@@ -1,0 +1,345 @@
+//! The command that draws a picture again: a request flows in, the options of `geotrace render` flow out, and a line for a
+//! shell.
+//!
+//! Numbers have as many digits as they need to be read back as they are. The trails of walks have no options.
+
+use std::path::Path;
+
+use render::geodesic_view::PlacedCamera;
+use render::request::{Overlays, Spacing, Theme};
+use render::texture::Texture;
+use render::view::View;
+use render::viewpoint::{GeodesicCamera, Pose, Projection};
+use render::{PictureMethod, PictureRequest, ViewId, Views};
+use scene::{GridId, ObjectId};
+
+/// An option of `geotrace render`.
+#[derive(Clone, Debug, Eq, PartialEq)]
+pub struct PictureOption {
+    /// Its name, without the dashes before it.
+    pub name: &'static str,
+    /// Its value; `None` of an option that takes none.
+    pub value: Option<String>,
+}
+
+impl PictureOption {
+    /// The word of a command line: `--name` or `--name=value`.
+    pub fn word(&self) -> String {
+        match &self.value {
+            Some(value) => format!("--{}={value}", self.name),
+            None => format!("--{}", self.name),
+        }
+    }
+}
+
+/// Returns the options with which `geotrace render` draws the picture of a request. What is at its default has none.
+pub fn options(request: &PictureRequest, views: &Views) -> Vec<PictureOption> {
+    // A field that is added needs an option here, or a reason.
+    let PictureRequest {
+        scene: _,
+        params: _,
+        view,
+        size: [width, height],
+        textures: _,
+        flipped: _,
+        curved: _,
+        theme,
+        colours: _,
+        overlays,
+        scale,
+        // No option: they are drawn where they have been walked or measured.
+        trails: _,
+        // A picture that is kept is of a view at rest.
+        moving: _,
+    } = request;
+    let mut options = Vec::new();
+    let id = ViewId::from_request(request);
+    options.add("view", id.to_string());
+    options.add("size", format!("{width}x{height}"));
+    if *theme == Theme::Print {
+        options.add("theme", "print".to_owned());
+    }
+    settings(&mut options, request, views);
+    params(&mut options, request);
+    space(&mut options, request);
+    if let Some(camera) = view.shown_camera() {
+        geodesic_camera(&mut options, request, camera);
+    }
+    objects(&mut options, request);
+    over(&mut options, overlays);
+    if *scale != 1.0 {
+        options.add("scale", scale.to_string());
+    }
+    options
+}
+
+/// Returns a line for a shell that draws a program's picture with these options.
+pub fn command(program: &Path, output: &Path, options: &[PictureOption]) -> String {
+    let mut line = "geotrace render".to_owned();
+    let fixed = [
+        program.display().to_string(),
+        "-o".to_owned(),
+        output.display().to_string(),
+    ];
+    for word in fixed
+        .into_iter()
+        .chain(options.iter().map(PictureOption::word))
+    {
+        line.push(' ');
+        line.push_str(&quoted(&word));
+    }
+    line
+}
+
+/// A word as a shell reads it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_=./,:+".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', r"'\''"))
+    }
+}
+
+/// A list of options that grows.
+trait Grow {
+    fn add(&mut self, name: &'static str, value: String);
+    fn flag(&mut self, name: &'static str, is_set: bool);
+    fn numbers(&mut self, name: &'static str, numbers: &[f64]);
+}
+
+impl Grow for Vec<PictureOption> {
+    fn add(&mut self, name: &'static str, value: String) {
+        let value = Some(value);
+        self.push(PictureOption { name, value });
+    }
+
+    fn flag(&mut self, name: &'static str, is_set: bool) {
+        if is_set {
+            self.push(PictureOption { name, value: None });
+        }
+    }
+
+    fn numbers(&mut self, name: &'static str, numbers: &[f64]) {
+        self.add(name, list(numbers));
+    }
+}
+
+fn list(numbers: &[f64]) -> String {
+    let numbers: Vec<String> = numbers.iter().map(f64::to_string).collect();
+    numbers.join(",")
+}
+
+/// The settings of the view, and its method.
+fn settings(options: &mut Vec<PictureOption>, request: &PictureRequest, views: &Views) {
+    let known = views.get(request.view.name()).map(View::settings);
+    for setting in known.unwrap_or_default() {
+        if let Some(on) = request.view.is_on(setting.name)
+            && on != setting.default
+        {
+            let state = if on { "on" } else { "off" };
+            options.add("setting", format!("{}={state}", setting.name));
+        }
+    }
+    let method = request.view.method().unwrap_or_default();
+    if method != PictureMethod::default() {
+        options.add("method", method.name().to_owned());
+    }
+}
+
+fn params(options: &mut Vec<PictureOption>, request: &PictureRequest) {
+    let (scene, params) = (&request.scene, &request.params);
+    for param in &scene.params {
+        let values = params.param(param);
+        if values != param.initial {
+            options.add("set", format!("{}={}", param.name, list(values)));
+        }
+    }
+    for (id, grid) in (0..).map(GridId).zip(&scene.grids) {
+        if let Some(values) = params.fixed_grid(scene, id) {
+            options.add("set", format!("{}={}", grid.name, list(values)));
+        }
+    }
+}
+
+fn space(options: &mut Vec<PictureOption>, request: &PictureRequest) {
+    let Some(space) = request.view.space() else {
+        return;
+    };
+    let render::request::part::SpaceOptions {
+        camera,
+        show_camera: _,
+        background,
+        // Set off while its declaration is written.
+        highlight: _,
+        hidden: _,
+    } = space;
+    for (name, place) in [("eye", camera.eye), ("target", camera.target)] {
+        if let Some(place) = place {
+            options.numbers(name, &place.0);
+        }
+    }
+    let is_flat = camera.projection == Projection::Orthographic;
+    options.flag("orthographic", is_flat);
+    if let Some(colour) = background {
+        let digits = if colour[3] == 255 { 3 } else { 4 };
+        options.add("background", hexadecimal(&colour[..digits]));
+    }
+    let objects = request.scene.numbered();
+    for (_, object) in objects.filter(|(id, _)| !space.shows(*id)) {
+        options.add("hide", object.name.clone());
+    }
+}
+
+fn hexadecimal(parts: &[u8]) -> String {
+    parts.iter().map(|part| format!("{part:02x}")).collect()
+}
+
+/// Adds the place of a geodesic camera.
+fn geodesic_camera(
+    options: &mut Vec<PictureOption>,
+    request: &PictureRequest,
+    camera: &GeodesicCamera,
+) {
+    if request.view.space().is_some()
+        && let Some(surface) = request.scene.get(camera.surface)
+    {
+        options.add("show-camera", surface.name.clone());
+    }
+    let GeodesicCamera {
+        surface: _,
+        pose,
+        zoom,
+    } = by_angle(request, camera);
+    if let Pose::At {
+        at,
+        angle,
+        mirrored,
+    } = pose
+    {
+        if let Some(at) = at {
+            options.numbers("at", &at);
+        }
+        if angle != 0.0 {
+            options.numbers("angle", &[degrees(angle)]);
+        }
+        options.flag("mirrored", mirrored);
+    }
+    if let Some(zoom) = zoom {
+        options.numbers("zoom", &[zoom]);
+    }
+}
+
+/// The camera with its direction as an angle; as it is where it stands nowhere.
+fn by_angle(request: &PictureRequest, camera: &GeodesicCamera) -> GeodesicCamera {
+    let placed = || PlacedCamera::new(&request.scene, &request.params, camera, request.size).ok();
+    match camera.pose {
+        Pose::At { .. } => *camera,
+        Pose::Frame(_) => placed().map_or(*camera, |placed| placed.by_angle()),
+    }
+}
+
+/// Returns the number of degrees that is read back as this angle, where there is one.
+fn degrees(angle: f64) -> f64 {
+    let near = angle.to_degrees();
+    let candidates = [near, near.next_up(), near.next_down()];
+    let exact = candidates.into_iter().find(|it| it.to_radians() == angle);
+    exact.unwrap_or(near)
+}
+
+fn objects(options: &mut Vec<PictureOption>, request: &PictureRequest) {
+    for (id, object) in request.scene.numbered() {
+        let name = &object.name;
+        if let Some(texture) = texture(request, id) {
+            options.add("texture", format!("{name}={texture}"));
+        }
+        if request.flipped.contains(&id) {
+            options.add("flip", name.clone());
+        }
+        let mut colours = request.colours.iter().rev();
+        if let Some((_, colour)) = colours.find(|(it, _)| *it == id) {
+            options.add("colour", format!("{name}={}", hexadecimal(colour)));
+        }
+    }
+}
+
+/// The word for the image of a surface; `None` where it shows the built-in one.
+fn texture(request: &PictureRequest, id: ObjectId) -> Option<String> {
+    let own = request.textures.iter().rev().find(|(it, _)| *it == id);
+    let is_curved = |texture: &Texture| texture.curvature_scale().is_some();
+    if request.curved.contains(&id) || own.is_some_and(|(_, texture)| is_curved(texture)) {
+        return Some("curvature".to_owned());
+    }
+    let (_, texture) = own?;
+    match texture.file() {
+        Some(file) => {
+            let file = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+            Some(file.display().to_string())
+        }
+        None => (**texture == *Texture::plain()).then(|| "plain".to_owned()),
+    }
+}
+
+fn over(options: &mut Vec<PictureOption>, overlays: &Overlays) {
+    let Overlays {
+        legend,
+        wavefronts,
+        conjugate_points,
+        cut_locus,
+        error,
+        labels,
+        axes,
+    } = *overlays;
+    options.flag("legend", legend);
+    options.flag("labels", labels);
+    options.flag("axes", axes);
+    options.flag("conjugate", conjugate_points);
+    options.flag("cut-locus", cut_locus);
+    options.flag("error", error);
+    match wavefronts {
+        None => {}
+        Some(Spacing::Auto) => options.flag("wavefronts", true),
+        Some(Spacing::Every(distance)) => options.numbers("wavefronts", &[distance]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::{PictureOption, command, degrees};
+
+    #[test]
+    fn words_are_quoted_where_a_shell_would_read_them_otherwise() {
+        let option = |name, value: &str| PictureOption {
+            name,
+            value: Some(value.to_owned()),
+        };
+        let options = [
+            option("set", "a=-1"),
+            option("texture", "s=/it's here/map.png"),
+            PictureOption {
+                name: "axes",
+                value: None,
+            },
+        ];
+        assert_eq!(
+            command(
+                Path::new("my torus.gtr"),
+                Path::new("torus-3d.png"),
+                &options
+            ),
+            "geotrace render 'my torus.gtr' -o torus-3d.png --set=a=-1 \
+             '--texture=s=/it'\\''s here/map.png' --axes"
+        );
+    }
+
+    #[test]
+    fn an_angle_of_some_degrees_is_read_back() {
+        for k in 0..10_000 {
+            let given = f64::from(k) * 0.037_123_456_7 - 180.0;
+            let angle = given.to_radians();
+            assert_eq!(degrees(angle).to_radians(), angle, "{given}");
+        }
+    }
+}
