@@ -166,14 +166,7 @@ fn space(options: &mut Vec<PictureOption>, request: &PictureRequest) {
     let Some(space) = request.view.space() else {
         return;
     };
-    let render::request::part::SpaceOptions {
-        camera,
-        show_camera: _,
-        background,
-        // Set off while its declaration is written.
-        highlight: _,
-        hidden: _,
-    } = space;
+    let camera = &space.camera;
     for (name, place) in [("eye", camera.eye), ("target", camera.target)] {
         if let Some(place) = place {
             options.numbers(name, &place.0);
@@ -181,7 +174,7 @@ fn space(options: &mut Vec<PictureOption>, request: &PictureRequest) {
     }
     let is_flat = camera.projection == Projection::Orthographic;
     options.flag("orthographic", is_flat);
-    if let Some(colour) = background {
+    if let Some(colour) = space.background {
         let digits = if colour[3] == 255 { 3 } else { 4 };
         options.add("background", hexadecimal(&colour[..digits]));
     }
