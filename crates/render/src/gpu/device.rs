@@ -108,6 +108,8 @@ impl Gpu {
 
     /// Destroys the device for all of its users, as if it were lost.
     pub fn destroy(&self) {
+        // The driver's own report of it may come later.
+        self.faults.lost.store(true, Ordering::Release);
         self.device.destroy();
     }
 
