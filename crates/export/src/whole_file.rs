@@ -41,6 +41,20 @@ pub fn write_whole_with<E: From<io::Error>>(
     Ok(Unnamed::new(path, write)?.persist()?)
 }
 
+/// Writes a file by something else that knows only paths: `write` receives that of a temporary file. All of it, or nothing.
+///
+/// # Errors
+/// The system's, and those of `write`; an existing file stays as it was. A device or a pipe is refused.
+pub fn write_whole_at<E: From<io::Error>>(
+    path: &Path,
+    write: impl FnOnce(&Path) -> Result<(), E>,
+) -> Result<(), E> {
+    if fs::metadata(path).is_ok_and(|existing| !existing.is_file()) {
+        return Err(io::Error::other("it is no file, and needs to be one").into());
+    }
+    Ok(Unnamed::made(path, |_, temporary| write(temporary))?.persist()?)
+}
+
 /// Writes a file under the first free name of those that `name` returns for 1, 2, …, and returns its path.
 ///
 /// The name is taken first and the bytes follow: where a file system cannot rename without replacing, a text is still
@@ -153,10 +167,11 @@ fn temporaries() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     TEMPORARIES.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes the temporary files of all threads and calls `end`, which ends the process: until then no file is created or
-/// named.
+/// Ends the processes that write, removes the temporary files of all threads and calls `end`, which ends the process: until
+/// then no file is created or named.
 pub fn abandon_all(end: impl FnOnce()) {
     let all = temporaries();
+    crate::video::end_all();
     for path in all.iter() {
         // One that cannot be removed is left.
         let _ = fs::remove_file(path);
@@ -187,6 +202,18 @@ impl Unnamed {
         path: &Path,
         write: impl FnOnce(&mut dyn Write) -> Result<(), E>,
     ) -> Result<Self, E> {
+        Self::made(path, |file, _| {
+            let mut out = BufWriter::new(file);
+            write(&mut out)?;
+            Ok(out.flush()?)
+        })
+    }
+
+    /// A file that `write` fills, which receives it and its path.
+    fn made<E: From<io::Error>>(
+        path: &Path,
+        write: impl FnOnce(&File, &Path) -> Result<(), E>,
+    ) -> Result<Self, E> {
         let target = resolved(path);
         let (file, temporary) = {
             // Created and noted at once, as far as another thread can see.
@@ -199,10 +226,9 @@ impl Unnamed {
             temporary: Some(temporary),
             target,
         };
-        let mut out = BufWriter::new(&file);
-        write(&mut out)?;
-        out.flush()?;
-        drop(out);
+        if let Some(path) = &unnamed.temporary {
+            write(&file, path)?;
+        }
         file.sync_all()?;
         if let Ok(existing) = fs::metadata(&unnamed.target) {
             file.set_permissions(existing.permissions())?;

@@ -21,8 +21,10 @@ mod text;
 
 pub(crate) use axes::AxesBox;
 pub(crate) use geodesic::GeodesicOverlay;
-pub(crate) use labels::{TextLabel, anchor};
+pub use labels::PlacedWords;
+pub(crate) use labels::{TextLabel, anchor, placed};
 pub(crate) use space::{OverlayObject, camera_objects, trail_objects};
+pub use text::{Contour, outlines};
 
 use image::RgbaImage;
 use rayon::prelude::*;

@@ -25,6 +25,7 @@ use crate::counters::WorkCounters;
 use crate::error::RenderError;
 use crate::gpu::renderer::GpuRenderer;
 use crate::gpu::{Gpu, Pixels};
+use crate::layers::Layers;
 use crate::plan::Built;
 use crate::point::PixelPoint;
 use crate::rendered::{RenderedImage, SOFTWARE};
@@ -63,6 +64,20 @@ struct Curvatures {
     scene: Shared<Scene>,
     params: Arc<ParamValues>,
     textures: Vec<(ObjectId, Shared<Texture>)>,
+}
+
+/// Draws one picture for print in [layers](crate::layers), on the software path, which knows what hides what. `progress`
+/// receives the share that is done, from 0 to 1, from any thread.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_layers(
+    views: &Views,
+    request: &PictureRequest,
+    progress: &(dyn Fn(f32) + Sync),
+) -> Result<Layers, RenderError> {
+    let renderer = Renderer::software().with_views(views.clone());
+    renderer.draw_layers(request, progress)
 }
 
 /// Draws one picture for a file. `progress` receives the share that is done, from 0 to 1, from any thread.
@@ -245,6 +260,25 @@ impl Renderer {
         let pixels = std::mem::replace(&mut image.image, Pixels::Image(RgbaImage::default()));
         let pixels = self.shared.read(pixels)?;
         Ok((image.with_pixels(pixels), self.shared.built()))
+    }
+
+    /// Draws a picture for a file in layers, on the software path.
+    ///
+    /// # Errors
+    /// As [`render`].
+    pub(crate) fn draw_layers(
+        mut self,
+        request: &PictureRequest,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<Layers, RenderError> {
+        request.check()?;
+        let request = self.with_curvatures(request);
+        let (renderer, shared) = self.renderer(&request)?;
+        let mut layers = renderer.layers(shared, &request, progress)?;
+        if layers.below.backend.is_empty() {
+            layers.below.backend = SOFTWARE.to_owned();
+        }
+        Ok(layers)
     }
 
     fn draw_anew(

@@ -177,7 +177,10 @@ impl PictureRequest {
     pub(crate) fn backdrop(&self) -> [u8; 3] {
         let background = self.view.space().and_then(|space| space.background);
         match background {
-            Some([_, _, _, 0]) | None => style::BACKGROUND,
+            Some([_, _, _, 0]) | None => match self.theme {
+                Theme::Screen => style::BACKGROUND,
+                Theme::Print => style::PAPER,
+            },
             Some([r, g, b, _]) => [r, g, b],
         }
     }

@@ -15,8 +15,11 @@ mod points;
 mod raster;
 mod shade;
 mod space;
+mod strokes;
 mod surfaces;
 mod vectors;
 
 pub use pick::{NEAR, Picked, pick};
+pub(crate) use space::draw_with_depths;
 pub use space::{Drawable, draw};
+pub(crate) use strokes::strokes;

@@ -18,10 +18,13 @@ pub use shared_state::SharedState;
 use std::fmt;
 use std::sync::Arc;
 
+use image::RgbaImage;
 use scene::{Object, ObjectId, Scene};
 
 use crate::camera::Camera;
 use crate::error::RenderError;
+use crate::gpu::Pixels;
+use crate::layers::Layers;
 use crate::plan::{self, Plan};
 use crate::point::{PixelPoint, WorldPoint};
 use crate::rendered::RenderedImage;
@@ -91,6 +94,23 @@ pub trait ViewRenderer: fmt::Debug + Send {
         request: &PictureRequest,
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError>;
+
+    /// Draws a picture for print, with its lines and words as vectors as far as the view knows them; by default all of it
+    /// is pixels.
+    ///
+    /// # Errors
+    /// See [`RenderError`].
+    fn layers(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<Layers, RenderError> {
+        let mut drawn = self.draw(shared, request, progress)?;
+        let none = Pixels::Image(RgbaImage::default());
+        let pixels = shared.read(std::mem::replace(&mut drawn.image, none))?;
+        Ok(Layers::flat(drawn.with_pixels(pixels)))
+    }
 
     /// Finds the object and the place under a pixel.
     ///

@@ -6,6 +6,8 @@ use clap::Args;
 use export::animation::{
     self, AnimationFormat, Clip, ParamChange, RecordError, Recorder, Script, ScriptError,
 };
+use export::print::PrintFormat;
+use export::video::{Video, VideoError, VideoFormat};
 use export::whole_file::FileSeries;
 use scene::ParamValues;
 
@@ -19,8 +21,8 @@ use crate::progress::Progress;
 /// The highest rate of a GIF that viewers show: GIF counts hundredths of a second, and viewers take one of them for ten.
 const FASTEST_GIF: f64 = 50.0;
 /// Extensions of formats that cannot be written.
-const NEITHER: [&str; 11] = [
-    "jpg", "jpeg", "bmp", "webp", "tif", "tiff", "svg", "pdf", "ppm", "exr", "gtr",
+const NEITHER: [&str; 12] = [
+    "jpg", "jpeg", "bmp", "webp", "tif", "tiff", "ppm", "exr", "gtr", "mov", "mkv", "avi",
 ];
 
 /// The options of animations.
@@ -45,12 +47,22 @@ pub(super) struct Arguments {
     fps: Option<f64>,
 }
 
+/// The format of an animation.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+enum Format {
+    /// One file with all pictures.
+    Film(AnimationFormat),
+    /// A file that `ffmpeg` makes.
+    Video(VideoFormat),
+    /// A PNG file for each picture.
+    Series,
+}
+
 /// An animation that is to be written.
 #[derive(Debug)]
 pub(super) struct Animation {
     output: PathBuf,
-    /// `None` for a sequence of PNG files.
-    format: Option<AnimationFormat>,
+    format: Format,
     frames: u32,
     rate: f64,
 }
@@ -118,11 +130,13 @@ impl Arguments {
             .extension()
             .map(|extension| extension.to_string_lossy().to_lowercase())
             .unwrap_or_default();
-        let format = AnimationFormat::of_extension(&extension);
+        let film = AnimationFormat::of_extension(&extension).map(Format::Film);
+        let video = || VideoFormat::of_extension(&extension).map(Format::Video);
+        let format = film.or_else(video);
         if NEITHER.contains(&extension.as_str()) {
             return Err(wrong(
                 format!(
-                    "`{name}` would not be a .{extension} file: pictures are written as PNG, animations as GIF or APNG"
+                    "`{name}` would not be a .{extension} file: pictures are written as PNG, SVG or PDF, animations as GIF, APNG, MP4 or WebM"
                 ),
                 format!("write to `{}`", output.with_extension("png").display()),
             ));
@@ -135,8 +149,9 @@ impl Arguments {
                     .into(),
             ));
         }
-        if format.is_none() && self.frames.is_none() {
-            if !self.animate.is_empty() || self.fps.is_some() {
+        let is_for_print = PrintFormat::of_extension(&extension).is_some();
+        if format.is_none() && (self.frames.is_none() || is_for_print) {
+            if !self.animate.is_empty() || self.fps.is_some() || self.frames.is_some() {
                 return Err(wrong(
                     format!("`{name}` is one picture, and an animation has many"),
                     format!(
@@ -152,7 +167,7 @@ impl Arguments {
         }
         Ok(Some(Animation {
             output: output.to_owned(),
-            format,
+            format: format.unwrap_or(Format::Series),
             frames: self.frames.unwrap_or(animation::FRAMES),
             rate: self.fps.unwrap_or(animation::RATE),
         }))
@@ -179,13 +194,23 @@ impl Animation {
             first_summary.get_or_insert_with(|| summary(&picture, &self.name()));
             Ok(picture.image)
         };
+        let clip = Clip {
+            frames: self.frames,
+            size,
+            rate: self.rate,
+        };
         match self.format {
-            Some(format) => {
-                let clip = Clip {
-                    frames: self.frames,
-                    size,
-                    rate: self.rate,
-                };
+            Format::Video(format) => {
+                OutputTarget::new(&self.output)?.write_at(|path| {
+                    let mut video = Video::start(format, clip, path).map_err(video_fault)?;
+                    for number in 0..self.frames {
+                        let image = frame(number).map_err(WriteError::Content)?;
+                        video.add(&image).map_err(video_fault)?;
+                    }
+                    video.finish().map_err(video_fault)
+                })?;
+            }
+            Format::Film(format) => {
                 OutputTarget::new(&self.output)?.write_with(|out| {
                     let mut recorder = Recorder::new(format, clip, out).map_err(fault)?;
                     for number in 0..self.frames {
@@ -195,7 +220,7 @@ impl Animation {
                     recorder.finish().map_err(fault)
                 })?;
             }
-            None => {
+            Format::Series => {
                 // Checked before anything is drawn.
                 OutputTarget::new(&animation::numbered(&self.output, 0, self.frames))?;
                 let mut series = FileSeries::default();
@@ -214,13 +239,13 @@ impl Animation {
         let mut text = first_summary.unwrap_or_default();
         text.truncate(text.trim_end().len());
         text.push_str(&match self.format {
-            Some(_) => format!(
+            Format::Film(_) | Format::Video(_) => format!(
                 "; {frames} pictures in {:.2} s\n",
                 f64::from(frames) / self.rate
             ),
-            None => format!("; the first of {frames}\n"),
+            Format::Series => format!("; the first of {frames}\n"),
         });
-        if self.format == Some(AnimationFormat::Gif) && self.rate > FASTEST_GIF {
+        if self.format == Format::Film(AnimationFormat::Gif) && self.rate > FASTEST_GIF {
             text.push_str(
                 "note: most viewers show a GIF of more than 50 pictures per second slowly\n",
             );
@@ -232,8 +257,8 @@ impl Animation {
     /// The name of the file, or of the first one.
     fn name(&self) -> String {
         match self.format {
-            Some(_) => self.output.display().to_string(),
-            None => animation::numbered(&self.output, 0, self.frames)
+            Format::Film(_) | Format::Video(_) => self.output.display().to_string(),
+            Format::Series => animation::numbered(&self.output, 0, self.frames)
                 .display()
                 .to_string(),
         }
@@ -248,6 +273,19 @@ fn fault(error: RecordError) -> WriteError {
             hint: None,
         }),
     }
+}
+
+fn video_fault(error: VideoError) -> WriteError {
+    WriteError::Content(Failure::Input {
+        message: error.to_string(),
+        hint: match error {
+            VideoError::NoProgram => Some(
+                "`ffmpeg` is free, at https://ffmpeg.org and in every system's packages; a .gif or .apng needs nothing"
+                    .to_owned(),
+            ),
+            _ => None,
+        },
+    })
 }
 
 /// Converts the error of a script into a failure of the command.

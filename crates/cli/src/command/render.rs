@@ -9,6 +9,7 @@ use std::io::Cursor;
 use std::path::PathBuf;
 
 use clap::Args;
+use export::print::PrintFormat;
 use geometry::ManifoldError;
 use image::{ImageFormat, RgbaImage};
 use render::request::Theme;
@@ -39,6 +40,7 @@ pub(super) const NAME: &str = "render";
   geotrace render sphere.gtr -o sphere.png                                in space
   geotrace render torus.gtr -o inside.png --view geodesic --zoom 2        from inside
   geotrace render torus.gtr -o k.png --texture s=curvature --legend       coloured by curvature
+  geotrace render torus.gtr -o figure.pdf --theme print --labels          for a paper, lines as vectors
   geotrace render circle.gtr -o turn.gif --animate o=0:2pi --frames 60    an animation
 
 `geotrace render --help` has all options, also for methods, overlays, cameras and backgrounds.",
@@ -58,14 +60,17 @@ Examples:
 A number may be an expression in the program's names, such as pi/2. Params are at their minima unless set. The 3D view draws what depends on a grid once for each of its
 values; the geodesic view takes the first value. Files are written whole or not at all.
 
-An animation is a .gif (256 colours), an .apng (all colours), or with --frames and a .png a picture
+Above the pixels of an .svg or a .pdf, the curves, geodesics, axes and names of the 3D view are vectors.
+
+An animation is a .gif (256 colours), an .apng (all colours), an .mp4 or .webm (made by `ffmpeg`, if it is installed), or with --frames and a .png a picture
 for each frame: OUT-0001.png, OUT-0002.png and so on."
 )]
 pub(super) struct Arguments {
     /// The program; `-` is standard input
     file: PathBuf,
-    /// The picture, a PNG file, or an animation, .gif or .apng; `-` is standard output
-    #[arg(short, long, value_name = "OUT.{png,gif,apng}")]
+    /// The picture, a .png, or for papers an .svg or .pdf; or an animation, a .gif, .apng, .mp4 or .webm; `-` is standard
+    /// output
+    #[arg(short, long, value_name = "OUT.{png,svg,pdf,gif,apng,mp4,webm}")]
     output: PathBuf,
     /// 3d, or geodesic, or geodesic:SURFACE; without a name, the program's first surface
     #[arg(long, value_name = "VIEW", default_value = "3d", value_parser = argument::standard_view)]
@@ -245,12 +250,15 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
     for note in picture::idle_options(arguments, &request.view) {
         output::print_error(&format!("note: {note}\n"));
     }
+    let frame = |share: f64| -> Result<PictureRequest, Failure> {
+        let frame = script.frame_at(&request, share);
+        let mut frame = frame.map_err(animation::failure)?;
+        frame.textures = images.at(&frame.scene, &frame.params)?;
+        frame.curved.clear();
+        Ok(frame)
+    };
     let draw = |share: f64, progress: &(dyn Fn(f32) + Sync)| -> Result<Picture, Failure> {
-        let mut request = script
-            .frame_at(&request, share)
-            .map_err(animation::failure)?;
-        request.textures = images.at(&request.scene, &request.params)?;
-        request.curved.clear();
+        let request = frame(share)?;
         let mut picture =
             render::render(views, &request, arguments.backend, progress).map_err(failure)?;
         picture.notes.extend(images.notes(program, &request));
@@ -262,6 +270,12 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
         });
     }
     let target = OutputTarget::new(&arguments.output)?;
+    let extension = arguments.output.extension().unwrap_or_default();
+    if let Some(format) = PrintFormat::of_extension(&extension.to_string_lossy()) {
+        let request = frame(1.0)?;
+        let notes = images.notes(program, &request);
+        return print_picture(format, arguments, &request, notes, &target, views);
+    }
     let progress = Progress::start("drawing");
     // A single picture shows the end of the script.
     let drawn = draw(1.0, &|done| progress.reach(done));
@@ -269,6 +283,44 @@ fn draw(arguments: &Arguments, program: &LoadedProgram, context: &Context) -> Re
     let picture = drawn?;
     target.write(&png(&picture.image)?)?;
     output::print_error(&summary(&picture, &target.name(), &request, views));
+    Ok(())
+}
+
+/// Draws a picture in layers and writes it for print.
+fn print_picture(
+    format: PrintFormat,
+    arguments: &Arguments,
+    request: &PictureRequest,
+    notes: Vec<String>,
+    target: &OutputTarget,
+    views: &Views,
+) -> Result<(), Failure> {
+    if arguments.backend == Backend::Gpu {
+        return Err(Failure::usage(
+            "the lines of an SVG or a PDF are drawn by the software path: leave out `--backend gpu`",
+        ));
+    }
+    let progress = Progress::start("drawing");
+    let drawn = render::render_layers(views, request, &|done| progress.reach(done));
+    drop(progress);
+    let mut layers = drawn.map_err(failure)?;
+    layers.below.notes.extend(notes);
+    if layers.strokes.is_empty() && layers.words.is_empty() {
+        let note =
+            "this picture has no lines or words that could be vectors: the file holds its pixels";
+        layers.below.notes.push(note.to_owned());
+    }
+    let title = arguments
+        .file
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy();
+    let bytes = format.bytes(&layers, &title);
+    let bytes = bytes.map_err(|error| Failure::Internal {
+        message: format!("the picture could not be encoded: {error}"),
+    })?;
+    target.write(&bytes)?;
+    output::print_error(&summary(&layers.below, &target.name(), request, views));
     Ok(())
 }
 

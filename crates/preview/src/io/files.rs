@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+use export::print::PrintFormat;
 use export::whole_file::write_whole;
 use image::RgbaImage;
 use render::{Backend, PictureRequest, Views};
@@ -26,7 +27,7 @@ pub(crate) fn read_limited(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Draws a picture and writes it as PNG.
+/// Draws a picture and writes it: as SVG or PDF where the file is called so, else as PNG.
 ///
 /// # Errors
 /// A sentence; nothing is written.
@@ -35,9 +36,19 @@ pub(crate) fn save_picture(
     views: &Views,
     request: &PictureRequest,
 ) -> Result<String, String> {
-    let picture = render::render(views, request, Backend::Auto, &|_| {});
-    let image = picture.map_err(|error| error.to_string())?.image;
-    let bytes = png(&image)?;
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    let bytes = match PrintFormat::of_extension(&extension) {
+        Some(format) => {
+            let layers = render::render_layers(views, request, &|_| {});
+            let layers = layers.map_err(|error| error.to_string())?;
+            let title = path.file_stem().unwrap_or_default().to_string_lossy();
+            format.bytes(&layers, &title)?
+        }
+        None => {
+            let picture = render::render(views, request, Backend::Auto, &|_| {});
+            png(&picture.map_err(|error| error.to_string())?.image)?
+        }
+    };
     write_whole(path, &bytes)
         .map_err(|error| format!("cannot write `{}`: {error}", path.display()))?;
     let [width, height] = request.size;

@@ -82,12 +82,44 @@ pub(crate) fn anchor(
     Some(camera.placement.local(WorldPoint(*place)))
 }
 
-/// Writes labels over a picture, each near its place: where one would lie over another, on another side.
+/// Words that have their place in a picture, in pixels from its upper left corner.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlacedWords {
+    /// The words.
+    pub words: String,
+    /// The left end of the line on which they stand.
+    pub baseline: [f32; 2],
+    /// Their width.
+    pub width: f32,
+    /// The size of their font: of its em square.
+    pub size: f32,
+    /// The colour of the words, sRGB, …
+    pub colour: [u8; 3],
+    /// … and that of the rim around them, …
+    pub rim: [u8; 3],
+    /// … with its width.
+    pub rim_width: f32,
+    /// The upper left corner.
+    pub(super) corner: [f32; 2],
+    /// The height of a line.
+    pub(super) height: f32,
+}
+
+/// Writes labels over a picture.
 pub(crate) fn write(image: &mut RgbaImage, labels: &[TextLabel], request: &PictureRequest) {
-    let size = [image.width(), image.height()];
+    let ink = Ink::over(request.backdrop());
+    for placed in placed(labels, request) {
+        text::write_outlined(image, &placed.words, placed.corner, placed.height, ink);
+    }
+}
+
+/// Returns the place of each label, near what it names: where one would lie over another, on another side.
+pub(crate) fn placed(labels: &[TextLabel], request: &PictureRequest) -> Vec<PlacedWords> {
+    let size = request.size;
     let height = (HEIGHT * style::pixel_unit(size) * request.scale).max(LEAST_HEIGHT);
     let ink = Ink::over(request.backdrop());
     let mut taken: Vec<[f32; 4]> = Vec::new();
+    let mut all = Vec::new();
     for label in labels {
         let width = text::width(&label.words, height);
         let [x, y] = label.at.0.map(|x| x as f32);
@@ -121,8 +153,20 @@ pub(crate) fn write(image: &mut RgbaImage, labels: &[TextLabel], request: &Pictu
             continue;
         }
         taken.push(place);
-        text::write_outlined(image, &label.words, [place[0], place[1]], height, ink);
+        let corner = [place[0], place[1]];
+        all.push(PlacedWords {
+            words: label.words.clone(),
+            baseline: text::baseline(&label.words, corner, height),
+            width,
+            size: text::em(height),
+            colour: ink.words_colour(),
+            rim: ink.rim_colour(),
+            rim_width: text::rim(height),
+            corner,
+            height,
+        });
     }
+    all
 }
 
 fn overlap(a: &[f32; 4], b: &[f32; 4]) -> bool {

@@ -2,10 +2,11 @@
 
 use std::sync::LazyLock;
 
-use ab_glyph::{Font, FontRef, Glyph, ScaleFont, point};
+use ab_glyph::{Font, FontRef, Glyph, OutlineCurve, ScaleFont, point};
 use image::RgbaImage;
 
 use super::cover;
+use crate::style::encode;
 
 /// Ubuntu Light, which the window's texts use too (Ubuntu font licence), and for letters that it lacks Hack (MIT and
 /// Bitstream Vera licences).
@@ -42,6 +43,88 @@ impl Ink {
         };
         Self { words, outline }
     }
+
+    /// The colour of words, sRGB.
+    pub(super) fn words_colour(self) -> [u8; 3] {
+        self.words.map(encode)
+    }
+
+    /// The colour around them, sRGB.
+    pub(super) fn rim_colour(self) -> [u8; 3] {
+        self.outline.map(encode)
+    }
+}
+
+/// The width of the rim around words; `height` is that of a line.
+pub(super) fn rim(height: f32) -> f32 {
+    (OUTLINE * height).max(1.0)
+}
+
+/// The size of the font's em square; `height` is that of a line.
+pub(super) fn em(height: f32) -> f32 {
+    let font = FONTS.first();
+    let em = font.and_then(|font| Some(font.units_per_em()? / font.height_unscaled()));
+    height * em.unwrap_or(1.0)
+}
+
+/// The left end of the line on which words stand whose upper left corner is at `at`.
+pub(super) fn baseline(words: &str, at: [f32; 2], height: f32) -> [f32; 2] {
+    let first = glyphs(words, at, height).into_iter().next();
+    first.map_or(at, |(_, glyph)| [glyph.position.x, glyph.position.y])
+}
+
+/// A closed line around a part of a letter: where it begins, and cubic pieces with their two control points and their ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contour {
+    /// The beginning.
+    pub start: [f32; 2],
+    /// The pieces.
+    pub pieces: Vec<[[f32; 2]; 3]>,
+}
+
+/// The letters of some words as contours; what is inside an odd number of them, or by the winding rule, is the letter.
+pub fn outlines(placed: &super::PlacedWords) -> Vec<Contour> {
+    let mut contours: Vec<Contour> = Vec::new();
+    for (font, glyph) in glyphs(&placed.words, placed.corner, placed.height) {
+        let Some(outline) = font.outline(glyph.id) else {
+            continue;
+        };
+        let scaled = font.as_scaled(placed.height);
+        let [across, down] = [scaled.h_scale_factor(), -scaled.v_scale_factor()];
+        let on_picture = |place: ab_glyph::Point| {
+            [
+                glyph.position.x + across * place.x,
+                glyph.position.y + down * place.y,
+            ]
+        };
+        let mut end = None;
+        for curve in &outline.curves {
+            let points = match *curve {
+                OutlineCurve::Line(a, b) => [a, a, b, b],
+                // A parabola as a cubic.
+                OutlineCurve::Quad(a, b, c) => {
+                    let towards = |from: ab_glyph::Point| {
+                        point(
+                            from.x + 2.0 / 3.0 * (b.x - from.x),
+                            from.y + 2.0 / 3.0 * (b.y - from.y),
+                        )
+                    };
+                    [a, towards(a), towards(c), c]
+                }
+                OutlineCurve::Cubic(a, b, c, d) => [a, b, c, d],
+            };
+            let [start, first, second, last] = points.map(on_picture);
+            if end != Some(start) {
+                let pieces = Vec::new();
+                contours.push(Contour { start, pieces });
+            }
+            if let Some(contour) = contours.last_mut() {
+                contour.pieces.push([first, second, last]);
+            }
+            end = Some(last);
+        }
+    }
+    contours
 }
 
 /// Returns the font that has a letter.
@@ -104,7 +187,7 @@ pub(super) fn write_outlined(
     height: f32,
     ink: Ink,
 ) {
-    let reach = (OUTLINE * height).max(1.0);
+    let reach = rim(height);
     let pad = reach.ceil() + 1.0;
     let size = [width(text, height) + 2.0 * pad, 1.3 * height + 2.0 * pad].map(f32::ceil);
     let size = size.map(|side| side as usize);

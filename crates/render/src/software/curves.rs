@@ -20,50 +20,61 @@ pub(super) fn mesh(
 ) -> Mesh {
     let mut builder = MeshBuilder::new(eye, material);
     let count = count as usize;
-    let mut run: Vec<Vec3> = Vec::with_capacity(count);
     for instance in instances {
-        for sample in &samples[instance * count..(instance + 1) * count] {
-            if sample.defined == 0.0 {
-                polyline(&mut builder, eye, &run);
-                run.clear();
-                continue;
-            }
-            let at = eye.see(sample.position);
-            let in_front = eye.is_in_front(at);
-            match run.last().copied() {
-                // The part behind the near plane is cut off here: nothing can be projected from there.
-                Some(last) if in_front != eye.is_in_front(last) => {
-                    let t = (eye.near + last.z) / (last.z - at.z);
-                    let edge = last.lerp(at, t).with_z(-eye.near);
-                    if in_front {
-                        run.clear();
-                        run.extend([edge, at]);
-                    } else {
-                        run.push(edge);
-                        polyline(&mut builder, eye, &run);
-                        run.clear();
-                        run.push(at);
-                    }
-                }
-                _ if in_front => run.push(at),
-                _ => {
-                    run.clear();
-                    run.push(at);
-                }
-            }
+        for run in runs(eye, &samples[instance * count..(instance + 1) * count]) {
+            polyline(&mut builder, eye, &run);
         }
-        polyline(&mut builder, eye, &run);
-        run.clear();
     }
     builder.finish()
 }
 
-/// One unbroken strip through view places in front of the eye.
-fn polyline(builder: &mut MeshBuilder, eye: &Eye, places: &[Vec3]) {
+/// The unbroken parts of a curve in view space. The last place of a part may lie behind the near plane.
+pub(super) fn runs(eye: &Eye, samples: &[PositionSample]) -> Vec<Vec<Vec3>> {
+    let mut runs = Vec::new();
+    let mut run: Vec<Vec3> = Vec::with_capacity(samples.len());
+    for sample in samples {
+        if sample.defined == 0.0 {
+            runs.push(std::mem::take(&mut run));
+            continue;
+        }
+        let at = eye.see(sample.position);
+        let in_front = eye.is_in_front(at);
+        match run.last().copied() {
+            // The part behind the near plane is cut off here: nothing can be projected from there.
+            Some(last) if in_front != eye.is_in_front(last) => {
+                let t = (eye.near + last.z) / (last.z - at.z);
+                let edge = last.lerp(at, t).with_z(-eye.near);
+                if in_front {
+                    run.clear();
+                    run.extend([edge, at]);
+                } else {
+                    run.push(edge);
+                    runs.push(std::mem::take(&mut run));
+                    run.push(at);
+                }
+            }
+            _ if in_front => run.push(at),
+            _ => {
+                run.clear();
+                run.push(at);
+            }
+        }
+    }
+    runs.push(run);
+    runs
+}
+
+/// The places of a run in front of the eye, without those that are seen as one: they give a piece no direction.
+pub(super) fn distinct(eye: &Eye, places: &[Vec3]) -> Vec<Vec3> {
     let mut places = places.to_vec();
     places.retain(|at| eye.distance(*at) >= 0.999 * eye.near);
-    // Places that are seen as one give a piece no direction.
     places.dedup_by(|b, a| (*b - *a).length() < 0.02 * eye.pixel(*a));
+    places
+}
+
+/// One unbroken strip through view places in front of the eye.
+fn polyline(builder: &mut MeshBuilder, eye: &Eye, places: &[Vec3]) {
+    let places = distinct(eye, places);
     let Some((&first, &last)) = places.first().zip(places.last()) else {
         return;
     };

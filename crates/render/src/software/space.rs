@@ -67,6 +67,85 @@ impl Drawable {
     }
 }
 
+/// The depths of a picture's pixels, of each the farthest of its samples; 0 where nothing is seen.
+#[derive(Clone, Debug)]
+pub(crate) struct DepthMap {
+    size: [u32; 2],
+    depths: Vec<f32>,
+}
+
+impl DepthMap {
+    /// The depth at a place of the picture; `None` beside it.
+    pub(crate) fn at(&self, [x, y]: [f32; 2]) -> Option<f32> {
+        let [width, height] = self.size.map(|side| side as f32);
+        let inside = (0.0..width).contains(&x) && (0.0..height).contains(&y);
+        let index = || y as usize * self.size[0] as usize + x as usize;
+        inside.then(|| self.depths.get(index()).copied()).flatten()
+    }
+}
+
+/// Draws as [`draw`] does, and returns the depths of the pixels too.
+pub(crate) fn draw_with_depths(
+    camera: &Camera,
+    objects: &[Drawable],
+    background: [f32; 4],
+    progress: &(dyn Fn(f32) + Sync),
+) -> (RgbaImage, DepthMap) {
+    let eye = Eye::new(camera);
+    let materials = materials(objects);
+    let jobs = jobs(objects);
+    let batches = batches(&jobs);
+    let [width, height] = camera.size.map(|side| side as usize);
+    let mut image = RgbaImage::new(camera.size[0], camera.size[1]);
+    let mut depths = vec![0.0; width * height];
+    let across = width.div_ceil(TILE);
+    let band_rows = (BAND / (across * TILE) / TILE).max(1) * TILE;
+    let bands = image.chunks_mut(band_rows * width * 4);
+    for (band, (pixels, depths)) in bands.zip(depths.chunks_mut(band_rows * width)).enumerate() {
+        let top = band * band_rows;
+        let size = [across, (depths.len() / width).div_ceil(TILE)];
+        let tile = |k: usize| Tile::new([k % across * TILE, top + k / across * TILE], background);
+        let mut tiles: Vec<Tile> = (0..size[0] * size[1]).into_par_iter().map(tile).collect();
+        for batch in &batches {
+            let made = jobs[batch.clone()].par_iter();
+            let made: Vec<Mesh> = made
+                .flat_map_iter(|job| meshes(&eye, objects, job))
+                .collect();
+            Batch::new(&eye, &materials, &made, size, top).draw(&mut tiles);
+        }
+        let rows = pixels.par_chunks_mut(4 * width);
+        let rows = rows.zip(depths.par_chunks_mut(width)).enumerate();
+        rows.for_each(|(y, (row, depths))| {
+            for (x, (pixel, depth)) in row.chunks_exact_mut(4).zip(depths).enumerate() {
+                let tile = &tiles[y / TILE * across + x / TILE];
+                pixel.copy_from_slice(&tile.pixel(x, top + y));
+                if let Some(index) = tile.index([x, top + y]) {
+                    *depth = tile.depth(index).into_iter().fold(f32::INFINITY, f32::min);
+                }
+            }
+        });
+        progress((top + band_rows).min(height) as f32 / height as f32);
+    }
+    let size = camera.size;
+    (image, DepthMap { size, depths })
+}
+
+/// The materials of objects; the second one of each is that of arrowheads.
+fn materials(objects: &[Drawable]) -> Vec<Material<'_>> {
+    let own = objects.iter().flat_map(|object| {
+        let kinds = match &object.texture {
+            Some(texture) => [MaterialKind::Surface(texture.sampler()), MaterialKind::Cone],
+            None => [MaterialKind::Glyph, MaterialKind::Cone],
+        };
+        kinds.map(|kind| Material {
+            kind,
+            colour: object.colour,
+            emphasis: object.emphasis,
+        })
+    });
+    own.collect()
+}
+
 /// Draws objects as a camera sees them, in front of a background (linear light and alpha). `progress` receives the
 /// share that is done.
 pub fn draw(
@@ -76,21 +155,7 @@ pub fn draw(
     progress: &(dyn Fn(f32) + Sync),
 ) -> RgbaImage {
     let eye = Eye::new(camera);
-    // The second material of an object is that of arrowheads.
-    let materials: Vec<Material> = objects
-        .iter()
-        .flat_map(|object| {
-            let kinds = match &object.texture {
-                Some(texture) => [MaterialKind::Surface(texture.sampler()), MaterialKind::Cone],
-                None => [MaterialKind::Glyph, MaterialKind::Cone],
-            };
-            kinds.map(|kind| Material {
-                kind,
-                colour: object.colour,
-                emphasis: object.emphasis,
-            })
-        })
-        .collect();
+    let materials = materials(objects);
     let jobs = jobs(objects);
     let batches = batches(&jobs);
     let [width, height] = camera.size.map(|side| side as usize);

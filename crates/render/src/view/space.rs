@@ -4,6 +4,8 @@
 //! request ──framing──▶ drawing units ──samples──▶ gpu/ or software/ ──▶ picture ──overlay──▶ picture
 //! ```
 
+mod layers;
+
 use std::sync::Arc;
 
 use scene::{Object, ObjectId, Range, Sampling, Scene, Shape};
@@ -17,6 +19,7 @@ use crate::error::RenderError;
 use crate::framing::Framed;
 use crate::gpu::Pixels;
 use crate::gpu::renderer::SpaceScene;
+use crate::layers::Layers;
 use crate::overlay::{self, AxesBox, OverlayObject, TextLabel};
 use crate::placement::Placement;
 use crate::plan::{Plan, object_plan};
@@ -183,23 +186,13 @@ impl ViewRenderer for SpaceRenderer {
         progress: &(dyn Fn(f32) + Sync),
     ) -> Result<RenderedImage, RenderError> {
         let options = options(request)?;
-        let structures = shared.structures.get(request.scene.arc());
-        let framed = frame(shared, request, options, &structures);
-        let camera = framed.camera(&options.camera, request.size)?;
-        let axes = request.overlays.axes.then(|| framed.corners()).flatten();
-        let axes = axes.map(|corners| AxesBox::new(&camera, corners));
-        let overlay = self.overlay(request, options, &structures, &camera.placement)?;
-        let overlay = match &axes {
-            Some(axes) => {
-                let ground = style::linear(request.axes_colour());
-                overlay
-                    .iter()
-                    .cloned()
-                    .chain([axes.object(ground)])
-                    .collect()
-            }
-            None => overlay,
-        };
+        let Stage {
+            structures,
+            framed,
+            camera,
+            axes,
+            overlay,
+        } = self.stage(shared, request, options)?;
         let background = options.background_light();
         let (mut pixels, notes) = if let Some(gpu) = &mut shared.gpu {
             let looks = looks(request, options);
@@ -249,6 +242,15 @@ impl ViewRenderer for SpaceRenderer {
         })
     }
 
+    fn layers(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<Layers, RenderError> {
+        self.draw_layers(shared, request, progress)
+    }
+
     /// A point, vector or curve that is seen within [`software::NEAR`] pixels counts, else the surface there. Metrics are
     /// not seen in space, and what lies behind something else is not seen either.
     fn pick(
@@ -284,7 +286,49 @@ impl ViewRenderer for SpaceRenderer {
     }
 }
 
+/// The parts that a picture is drawn from.
+struct Stage {
+    structures: Arc<[Structure]>,
+    framed: Framed,
+    camera: Camera,
+    axes: Option<AxesBox>,
+    /// The objects that are drawn beside those of the scene.
+    overlay: Arc<[OverlayObject]>,
+}
+
 impl SpaceRenderer {
+    fn stage(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        options: &SpaceOptions,
+    ) -> Result<Stage, RenderError> {
+        let structures = shared.structures.get(request.scene.arc());
+        let framed = frame(shared, request, options, &structures);
+        let camera = framed.camera(&options.camera, request.size)?;
+        let axes = request.overlays.axes.then(|| framed.corners()).flatten();
+        let axes = axes.map(|corners| AxesBox::new(&camera, corners));
+        let overlay = self.overlay(request, options, &structures, &camera.placement)?;
+        let overlay = match &axes {
+            Some(axes) => {
+                let ground = style::linear(request.axes_colour());
+                overlay
+                    .iter()
+                    .cloned()
+                    .chain([axes.object(ground)])
+                    .collect()
+            }
+            None => overlay,
+        };
+        Ok(Stage {
+            structures,
+            framed,
+            camera,
+            axes,
+            overlay,
+        })
+    }
+
     /// Returns the objects that are drawn beside those of the scene: the geodesic camera that is shown, and trails.
     fn overlay(
         &mut self,

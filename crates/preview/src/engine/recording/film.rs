@@ -11,7 +11,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use export::animation::{self, Clip, ParamChange, Recorder, Script};
-use export::whole_file::{FileSeries, write_whole_with};
+use export::video::{Video, VideoError, VideoFormat};
+use export::whole_file::{FileSeries, write_whole_at, write_whole_with};
 use image::RgbaImage;
 use render::shared::Shared;
 use render::{PictureRequest, Renderer, Views};
@@ -66,20 +67,30 @@ impl From<animation::RecordError> for Ended {
     }
 }
 
+impl From<VideoError> for Ended {
+    fn from(error: VideoError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
 /// The format of a recording, by the extension of its file.
 #[derive(Clone, Copy, Debug, Eq, PartialEq)]
 pub(crate) enum RecordingFormat {
     /// One file with all pictures.
     Film(animation::AnimationFormat),
+    /// A file that `ffmpeg` makes.
+    Video(VideoFormat),
     /// A PNG file for each picture.
     Series,
 }
 
 impl RecordingFormat {
     /// The kinds and their extensions, in the order of a menu.
-    pub(crate) const ALL: [(Self, &'static str, &'static str); 3] = [
+    pub(crate) const ALL: [(Self, &'static str, &'static str); 5] = [
         (Self::Film(animation::AnimationFormat::Gif), "GIF", "gif"),
         (Self::Film(animation::AnimationFormat::Apng), "APNG", "apng"),
+        (Self::Video(VideoFormat::Mp4), "MP4", "mp4"),
+        (Self::Video(VideoFormat::Webm), "WebM", "webm"),
         (Self::Series, "PNG sequence", "png"),
     ];
 
@@ -100,7 +111,7 @@ impl Film {
     pub(crate) fn shoot(self, path: &Path, next: &dyn Fn(u32) -> bool) -> Result<String, Ended> {
         let kind = RecordingFormat::of(path).ok_or_else(|| {
             Ended::Failed(format!(
-                "`{}` does not end in gif, apng or png",
+                "`{}` does not end in gif, apng, mp4, webm or png",
                 path.display()
             ))
         })?;
@@ -129,11 +140,18 @@ impl Film {
                     Ok(recorder.finish()?)
                 })
                 .map_err(cannot)?;
-                let seconds = f64::from(frames) / clip.rate;
-                Ok(format!(
-                    "{frames} pictures in {seconds:.2} s are in `{}`",
-                    path.display()
-                ))
+                Ok(in_one_file(clip, path))
+            }
+            RecordingFormat::Video(format) => {
+                write_whole_at(path, |temporary| -> Result<(), Ended> {
+                    let mut video = Video::start(format, clip, temporary)?;
+                    for number in 0..frames {
+                        video.add(&picture(number)?)?;
+                    }
+                    Ok(video.finish()?)
+                })
+                .map_err(cannot)?;
+                Ok(in_one_file(clip, path))
             }
             RecordingFormat::Series => {
                 let mut series = FileSeries::default();
@@ -153,6 +171,16 @@ impl Film {
             }
         }
     }
+}
+
+/// The sentence about a recording in one file.
+fn in_one_file(clip: Clip, path: &Path) -> String {
+    let Clip { frames, rate, .. } = clip;
+    let seconds = f64::from(frames) / rate;
+    format!(
+        "{frames} pictures in {seconds:.2} s are in `{}`",
+        path.display()
+    )
 }
 
 /// Draws pictures in their order.

@@ -199,6 +199,9 @@ fn picture(dialog: &mut PictureDialog, ui: &Ui) -> (Decision, bool) {
             appearance(dialog, ui);
             choose = file(ui, &mut dialog.path);
         });
+        ui.label(
+            "A name that ends in svg or pdf has the lines and words of the 3D view as vectors.",
+        );
         transparency(&mut dialog.transparent, ui);
         replaced(ui, Path::new(&dialog.path));
         let copy = ui.button("Copy as command");

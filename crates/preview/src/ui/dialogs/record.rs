@@ -224,7 +224,7 @@ fn fields(dialog: &mut RecordDialog, ui: &mut Ui) -> bool {
     if RecordingFormat::of(path).is_none() {
         ui.colored_label(
             ui.visuals().error_fg_color,
-            "The file's name must end in gif, apng or png.",
+            "The file's name must end in gif, apng, mp4, webm or png.",
         );
     } else {
         picture::replaced(ui, &first);

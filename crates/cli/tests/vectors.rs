@@ -1,0 +1,270 @@
+//! Figures and videos by the binary: SVG and PDF whose vectors lie on the pixels, and what `ffmpeg` is asked for.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use image::{Rgba, RgbaImage};
+use tempfile::TempDir;
+
+/// A curve that a plane hides where x < 0, and one that lies on the plane.
+const PROGRAM: &str = "\
+param a : [0, 1];
+surface wall(u, v) = (u, 0, v), u : [-2, 0], v : [-2, 2];
+curve behind(t) = (t, 1, 0), t : [-1.5, 1.5];
+curve on(t) = (t, 0, 1), t : [-1.5, 1.5];
+";
+const VIEW: &str = "--theme print --eye 0,-9,0 --target 0,0,0 --orthographic --size 300x300 --texture wall=plain \
+    --colour wall=00ff00 --colour behind=ff0000 --colour on=0000ff --scale 2";
+
+fn folder() -> TempDir {
+    let folder = TempDir::new().expect("a temporary directory");
+    std::fs::write(folder.path().join("a & b.gtr"), PROGRAM).expect("writing");
+    folder
+}
+
+fn geotrace(folder: &Path, options: &str, path: Option<&Path>) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_geotrace"));
+    if let Some(path) = path {
+        command.env("PATH", path);
+    }
+    command
+        .current_dir(folder)
+        .args(["render", "a & b.gtr"])
+        .args(options.split_whitespace())
+        .output()
+        .expect("the binary starts")
+}
+
+fn told(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The paths of an SVG: their colour, their width, and their places.
+fn paths(svg: &str) -> Vec<(String, f32, Vec<[f32; 2]>)> {
+    let attribute = |line: &str, name: &str| -> String {
+        let begin = line.find(&format!(" {name}=\"")).expect("an attribute") + name.len() + 3;
+        let end = line[begin..].find('"').expect("its end");
+        line[begin..begin + end].to_owned()
+    };
+    let lines = svg.lines().filter(|line| line.starts_with("<path"));
+    let path = |line: &str| {
+        let d = attribute(line, "d");
+        let places = d.split(['M', 'L']).filter(|it| !it.trim().is_empty());
+        let place = |place: &str| {
+            let mut numbers = place.split_whitespace();
+            [0, 1].map(|_| numbers.next().expect("a number").parse().expect("one"))
+        };
+        let width = attribute(line, "stroke-width").parse().expect("a number");
+        (
+            attribute(line, "stroke"),
+            width,
+            places.map(place).collect(),
+        )
+    };
+    lines.map(path).collect()
+}
+
+#[test]
+fn the_lines_of_a_figure_lie_on_those_of_the_picture_and_end_where_they_are_hidden() {
+    let folder = folder();
+    for file in ["out.svg", "out.png"] {
+        let output = geotrace(
+            folder.path(),
+            &format!("-o {file} --backend software {VIEW}"),
+            None,
+        );
+        assert!(output.status.success(), "{}", told(&output));
+    }
+    let svg = std::fs::read_to_string(folder.path().join("out.svg")).expect("a text");
+    assert!(svg.contains("<title>a &amp; b.gtr</title>"));
+    let picture = image::open(folder.path().join("out.png"))
+        .expect("a picture")
+        .into_rgba8();
+    let is = |pixel: &Rgba<u8>, strong: usize| {
+        let weak: Vec<usize> = (0..3).filter(|k| *k != strong).collect();
+        weak.iter()
+            .all(|k| i32::from(pixel.0[strong]) - i32::from(pixel.0[*k]) > 90)
+    };
+    let columns = |picture: &RgbaImage, strong: usize| -> Vec<f32> {
+        let hits = picture
+            .enumerate_pixels()
+            .filter(|(_, _, pixel)| is(pixel, strong));
+        hits.map(|(x, _, _)| x as f32 + 0.5).collect()
+    };
+    for (colour, strong) in [("#ff0000", 0), ("#0000ff", 2)] {
+        let all = paths(&svg);
+        let own: Vec<_> = all.iter().filter(|(it, _, _)| it == colour).collect();
+        assert_eq!(own.len(), 1, "{colour} is one line: {own:?}");
+        let (_, width, places) = own[0];
+        let [low, high] = [f32::min, f32::max].map(|pick| {
+            let places = places.iter().map(|[x, _]| *x);
+            places.reduce(pick).expect("a place")
+        });
+        let seen = columns(&picture, strong);
+        let left = seen.iter().copied().fold(f32::INFINITY, f32::min);
+        let right = seen.iter().copied().fold(0.0, f32::max);
+        // The ends are round: half a width beyond the last place, unless something hides them.
+        assert!(
+            (low - left).abs() <= 0.5 * width + 1.0,
+            "{colour}: {low}, {left}"
+        );
+        assert!(
+            (right - high).abs() <= 0.5 * width + 1.0,
+            "{colour}: {high}, {right}"
+        );
+        // In the middle of the stroke the picture has its colour.
+        for [x, y] in places {
+            let inside = x.clamp(low + 2.0, high - 2.0);
+            let pixel = picture.get_pixel(inside as u32, *y as u32);
+            assert!(is(pixel, strong), "{colour}, ({x}, {y}): {pixel:?}");
+        }
+    }
+    let red = paths(&svg).into_iter().find(|(it, _, _)| it == "#ff0000");
+    let (_, _, places) = red.expect("the line behind");
+    assert!(
+        places.iter().all(|[x, _]| *x > 149.0),
+        "the wall hides its left half: {places:?}"
+    );
+}
+
+#[test]
+fn a_figure_is_whole_as_pdf_and_names_are_text_in_svg() {
+    let folder = folder();
+    for file in ["out.pdf", "out.svg"] {
+        let options = format!("-o {file} {VIEW} --labels --axes --background transparent");
+        let output = geotrace(folder.path(), &options, None);
+        assert!(output.status.success(), "{}", told(&output));
+    }
+    let svg = std::fs::read_to_string(folder.path().join("out.svg")).expect("a text");
+    for name in ["wall", "behind", "on", "x", "z"] {
+        assert!(svg.contains(&format!(">{name}</text>")), "{name}");
+    }
+    let pdf = std::fs::read(folder.path().join("out.pdf")).expect("a file");
+    assert!(pdf.starts_with(b"%PDF-"));
+    assert!(pdf.trim_ascii_end().ends_with(b"%%EOF"));
+    let text = String::from_utf8_lossy(&pdf);
+    assert!(
+        text.contains("/MediaBox [0 0 225 225]"),
+        "300 pixels at 96 to the inch"
+    );
+    assert!(text.contains("/SMask"), "the background is transparent");
+    assert!(
+        svg.contains("fill=\"#") && !svg.contains("fill=\"#f"),
+        "words on paper are dark"
+    );
+}
+
+#[test]
+fn a_figure_is_one_picture_and_has_its_own_backend() {
+    let folder = folder();
+    let refused = |options: &str, wanted: &str| {
+        let output = geotrace(folder.path(), options, None);
+        assert_eq!(
+            output.status.code(),
+            Some(2),
+            "{options}: {}",
+            told(&output)
+        );
+        assert!(
+            told(&output).contains(wanted),
+            "{options}: {}",
+            told(&output)
+        );
+    };
+    refused("-o out.svg --animate a=0:1 --frames 4", "is one picture");
+    refused("-o out.pdf --animate a=0:1", "is one picture");
+    refused("-o out.svg --backend gpu", "software path");
+    let inside = geotrace(
+        folder.path(),
+        "-o in.svg --view geodesic --size 40x40",
+        None,
+    );
+    assert!(
+        told(&inside).contains("the file holds its pixels"),
+        "{}",
+        told(&inside)
+    );
+    assert!(inside.status.success());
+}
+
+/// A folder with an `ffmpeg` that does what a script says.
+#[cfg(unix)]
+fn with_ffmpeg(script: &str) -> TempDir {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = TempDir::new().expect("a temporary directory");
+    let file = folder.path().join("ffmpeg");
+    std::fs::write(&file, format!("#!/bin/sh\nPATH=/usr/bin:/bin\n{script}\n")).expect("writing");
+    let executable = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(&file, executable).expect("allowed");
+    folder
+}
+
+#[cfg(unix)]
+fn names(folder: &TempDir) -> Vec<String> {
+    let entries = std::fs::read_dir(folder.path()).expect("the directory");
+    let name = |entry: std::io::Result<std::fs::DirEntry>| entry.expect("an entry").file_name();
+    let mut names: Vec<String> = entries
+        .map(|it| name(it).to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[cfg(unix)]
+#[test]
+fn ffmpeg_receives_every_picture_and_what_to_do_with_them() {
+    let folder = folder();
+    // Keeps its arguments and its input where the video would be.
+    let tools = with_ffmpeg(
+        "for last; do :; done; file=${last#file:}; { echo \"$*\" | sed 's/ file:.*//'; cat; } > \"$file\"",
+    );
+    for (name, codec) in [("out.mp4", "libx264"), ("out.webm", "libvpx-vp9")] {
+        let options = format!("-o {name} --size 15x10 --animate a=0:1 --frames 4 --fps 12.5");
+        let output = geotrace(folder.path(), &options, Some(tools.path()));
+        assert!(output.status.success(), "{}", told(&output));
+        assert!(
+            told(&output).contains("4 pictures in 0.32 s"),
+            "{}",
+            told(&output)
+        );
+        let written = std::fs::read(folder.path().join(name)).expect("a file");
+        let end = written
+            .iter()
+            .position(|byte| *byte == b'\n')
+            .expect("a line");
+        let words = String::from_utf8_lossy(&written[..end]);
+        for part in [
+            "-video_size 15x10",
+            "-framerate 12.5",
+            "-pixel_format rgb24",
+            codec,
+        ] {
+            assert!(words.contains(part), "{part}: {words}");
+        }
+        assert_eq!(written.len() - end - 1, 4 * 15 * 10 * 3);
+    }
+    assert_eq!(names(&folder), ["a & b.gtr", "out.mp4", "out.webm"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_video_that_fails_leaves_nothing_and_says_why() {
+    let folder = folder();
+    let run = |path: &Path| {
+        let options = "-o out.mp4 --size 15x10 --animate a=0:1 --frames 4";
+        let output = geotrace(folder.path(), options, Some(path));
+        assert_eq!(output.status.code(), Some(1), "{}", told(&output));
+        assert_eq!(names(&folder), ["a & b.gtr"]);
+        told(&output)
+    };
+    let tools = with_ffmpeg("cat > /dev/null; echo 'Unknown encoder libx264' >&2; exit 1");
+    assert!(run(tools.path()).contains("Unknown encoder libx264"));
+    let none = TempDir::new().expect("a temporary directory");
+    let sentence = run(none.path());
+    assert!(
+        sentence.contains("which is not installed here"),
+        "{sentence}"
+    );
+    assert!(sentence.contains("https://ffmpeg.org"), "{sentence}");
+}

@@ -1,0 +1,254 @@
+//! Videos: pictures flow in, one after the other, and through a pipe to `ffmpeg`, which writes a file.
+//!
+//! The caller gives the path of a temporary file and names it when the video is whole. A process that still runs when its
+//! [`Video`] is dropped, or when [`end_all`] is called, is ended: nothing writes to the file afterwards.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::fmt;
+use std::io::{self, Read, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use image::RgbaImage;
+
+use crate::animation::Clip;
+
+/// The program that makes videos.
+pub const PROGRAM: &str = "ffmpeg";
+
+/// A format of videos.
+#[derive(Clone, Copy, Debug, Eq, PartialEq)]
+pub enum VideoFormat {
+    /// MP4 with H.264, which every player and slide program shows.
+    Mp4,
+    /// WebM with VP9, for the web.
+    Webm,
+}
+
+/// The reason for which there is no video.
+#[derive(Debug)]
+pub enum VideoError {
+    /// `ffmpeg` is not installed.
+    NoProgram,
+    /// `ffmpeg` cannot be started.
+    Start(io::Error),
+    /// `ffmpeg` has ended with an error, in its own words.
+    Refused(String),
+    /// A picture is of another size than the video.
+    OtherSize,
+}
+
+/// A video that is being written.
+#[derive(Debug)]
+pub struct Video {
+    clip: Clip,
+    id: u32,
+    pictures: Option<ChildStdin>,
+    messages: Option<JoinHandle<String>>,
+}
+
+/// The processes that run.
+static RUNNING: Mutex<BTreeMap<u32, Child>> = Mutex::new(BTreeMap::new());
+
+fn running() -> MutexGuard<'static, BTreeMap<u32, Child>> {
+    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Ends the processes of all videos.
+pub fn end_all() {
+    for (_, mut process) in std::mem::take(&mut *running()) {
+        // One that has ended by itself cannot be ended.
+        let _ = process.kill();
+        let _ = process.wait();
+    }
+}
+
+impl VideoFormat {
+    /// All formats.
+    pub const ALL: [Self; 2] = [Self::Mp4, Self::Webm];
+
+    /// The extension of its files.
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::Mp4 => "mp4",
+            Self::Webm => "webm",
+        }
+    }
+
+    /// The format of files with an extension.
+    pub fn of_extension(extension: &str) -> Option<Self> {
+        let mut all = Self::ALL.into_iter();
+        all.find(|format| extension.eq_ignore_ascii_case(format.extension()))
+    }
+
+    /// The options of `ffmpeg` for its codec.
+    fn codec(self) -> &'static [&'static str] {
+        match self {
+            // The index at the front lets a page play a file before all of it is there.
+            Self::Mp4 => &["-c:v", "libx264", "-crf", "18", "-movflags", "+faststart"],
+            Self::Webm => &["-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0"],
+        }
+    }
+}
+
+/// Even sides, which the codecs need, and the colours of high-definition video.
+const FILTER: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
+
+/// Returns the arguments of `ffmpeg` for a video from raw pictures on standard input.
+fn arguments(format: VideoFormat, clip: Clip, path: &Path) -> Vec<OsString> {
+    let [width, height] = clip.size;
+    let (size, rate) = (format!("{width}x{height}"), clip.rate.to_string());
+    let pictures = [
+        "-f",
+        "rawvideo",
+        "-pixel_format",
+        "rgb24",
+        "-video_size",
+        &size,
+        "-framerate",
+        &rate,
+        "-i",
+        "-",
+    ];
+    let colours = [
+        "-pix_fmt",
+        "yuv420p",
+        "-colorspace",
+        "bt709",
+        "-color_primaries",
+        "bt709",
+        "-color_trc",
+        "iec61966-2-1",
+        "-color_range",
+        "tv",
+    ];
+    let quiet = ["-hide_banner", "-loglevel", "error"];
+    let file = ["-f", format.extension(), "-y"];
+    let words = [
+        &quiet[..],
+        &pictures,
+        &["-an", "-vf", FILTER],
+        format.codec(),
+        &colours,
+        &file,
+    ];
+    let words = words.concat().into_iter().map(OsString::from);
+    // A path never looks like an option or a protocol.
+    let mut target = OsString::from("file:");
+    target.push(path);
+    words.chain([target]).collect()
+}
+
+impl Video {
+    /// Starts `ffmpeg`, which replaces the file at `path`.
+    ///
+    /// # Errors
+    /// [`VideoError::NoProgram`], [`VideoError::Start`].
+    pub fn start(format: VideoFormat, clip: Clip, path: &Path) -> Result<Self, VideoError> {
+        let mut running = running();
+        let mut process = Command::new(PROGRAM)
+            .args(arguments(format, clip, path))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|error| match error.kind() {
+                io::ErrorKind::NotFound => VideoError::NoProgram,
+                _ => VideoError::Start(error),
+            })?;
+        let pictures = process.stdin.take();
+        let messages = process.stderr.take().map(|mut stream| {
+            std::thread::spawn(move || {
+                let mut bytes = Vec::new();
+                // What could be read is enough for a sentence.
+                let _ = stream.read_to_end(&mut bytes);
+                String::from_utf8_lossy(&bytes).into_owned()
+            })
+        });
+        let id = process.id();
+        running.insert(id, process);
+        Ok(Self {
+            clip,
+            id,
+            pictures,
+            messages,
+        })
+    }
+
+    /// Adds the next picture. What is transparent becomes white.
+    ///
+    /// # Errors
+    /// See [`VideoError`].
+    pub fn add(&mut self, image: &RgbaImage) -> Result<(), VideoError> {
+        if <[u32; 2]>::from(image.dimensions()) != self.clip.size {
+            return Err(VideoError::OtherSize);
+        }
+        let over_white = |pixel: &image::Rgba<u8>| {
+            let [r, g, b, alpha] = pixel.0.map(u32::from);
+            [r, g, b].map(|part| ((part * alpha + 255 * (255 - alpha) + 127) / 255) as u8)
+        };
+        let bytes: Vec<u8> = image.pixels().flat_map(over_white).collect();
+        let written = self.pictures.as_mut().map(|pipe| pipe.write_all(&bytes));
+        match written {
+            Some(Ok(())) => Ok(()),
+            // It has ended, and says why.
+            _ => Err(self.refusal()),
+        }
+    }
+
+    /// Waits until `ffmpeg` has written the file.
+    ///
+    /// # Errors
+    /// [`VideoError::Refused`].
+    pub fn finish(mut self) -> Result<(), VideoError> {
+        // The end of the pictures.
+        self.pictures = None;
+        let process = running().remove(&self.id);
+        let ended = process.map(|mut process| process.wait());
+        match ended {
+            Some(Ok(status)) if status.success() => Ok(()),
+            _ => Err(self.refusal()),
+        }
+    }
+
+    fn refusal(&mut self) -> VideoError {
+        self.end();
+        let messages = self.messages.take().and_then(|thread| thread.join().ok());
+        let messages = messages.unwrap_or_default();
+        let last = messages.lines().rev().find(|line| !line.trim().is_empty());
+        VideoError::Refused(last.unwrap_or("it gave no reason").trim().to_owned())
+    }
+
+    fn end(&mut self) {
+        self.pictures = None;
+        if let Some(mut process) = running().remove(&self.id) {
+            let _ = process.kill();
+            let _ = process.wait();
+        }
+    }
+}
+
+impl Drop for Video {
+    fn drop(&mut self) {
+        self.end();
+    }
+}
+
+impl fmt::Display for VideoError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoProgram => write!(
+                f,
+                "a video is made by `{PROGRAM}`, which is not installed here"
+            ),
+            Self::Start(error) => write!(f, "`{PROGRAM}` cannot be started: {error}"),
+            Self::Refused(words) => write!(f, "`{PROGRAM}` could not make the video: {words}"),
+            Self::OtherSize => write!(f, "a picture is of another size than the video"),
+        }
+    }
+}
+
+impl std::error::Error for VideoError {}

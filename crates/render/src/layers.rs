@@ -1,0 +1,44 @@
+//! A picture for print in layers: pixels below, lines and words as vectors above them, which stay sharp at any size.
+//!
+//! Lengths are in pixels of the picture, x to the right and y down from its upper left corner.
+
+use image::RgbaImage;
+
+use crate::rendered::RenderedImage;
+
+pub use crate::overlay::{Contour, PlacedWords, outlines};
+
+/// A picture in layers.
+#[derive(Clone, Debug)]
+pub struct Layers {
+    /// All that is no vector.
+    pub below: RenderedImage<RgbaImage>,
+    /// The lines above it, in the order in which they are drawn; the hidden parts are left out.
+    pub strokes: Vec<Stroke>,
+    /// The words above the lines.
+    pub words: Vec<PlacedWords>,
+}
+
+/// A line of one width and colour, with round joins and ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stroke {
+    /// The places that it joins, at least two.
+    pub points: Vec<[f32; 2]>,
+    /// Its width.
+    pub width: f32,
+    /// Its colour, sRGB.
+    pub colour: [u8; 3],
+    /// Greater where it is nearer; of two lines, the nearer one lies above the other.
+    pub(crate) nearness: f32,
+}
+
+impl Layers {
+    /// A picture without vectors.
+    pub(crate) fn flat(below: RenderedImage<RgbaImage>) -> Self {
+        Self {
+            below,
+            strokes: Vec::new(),
+            words: Vec::new(),
+        }
+    }
+}

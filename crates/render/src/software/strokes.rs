@@ -1,0 +1,195 @@
+//! Curves as vectors: their polylines as they are seen, without the parts that something else hides.
+
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
+
+use super::curves;
+use super::mesh::Eye;
+use super::space::{DepthMap, Drawable};
+use crate::camera::Camera;
+use crate::layers::Stroke;
+use crate::sample::Samples;
+use crate::style;
+
+/// The distance in pixels of the places at which a line is tested.
+const STEP: f32 = 0.5;
+/// The most places of a piece.
+const MOST_STEPS: f32 = 16_384.0;
+/// A gap that is no longer, in widths of the line, is none: the line lies on what seems to hide it.
+const LEAST_GAP: f32 = 1.0;
+/// A part that is no longer, in pixels, is left out.
+const LEAST_PART: f32 = 0.75;
+/// The share by which widths along a stroke may differ.
+const SAME_WIDTH: f32 = 0.12;
+/// Pieces reach so many half pictures beyond the middle.
+const GUARD: f32 = 1.1;
+
+/// Returns the visible parts of the curves among some objects, in the order in which they are drawn. `depths` are those of
+/// all that may hide them.
+pub(crate) fn strokes(camera: &Camera, objects: &[Drawable], depths: &DepthMap) -> Vec<Stroke> {
+    let eye = Eye::new(camera);
+    let mut strokes: Vec<Stroke> = objects
+        .par_iter()
+        .flat_map_iter(|object| of_object(&eye, object, depths))
+        .collect();
+    strokes.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
+    strokes
+}
+
+fn of_object(eye: &Eye, object: &Drawable, depths: &DepthMap) -> Vec<Stroke> {
+    let Samples::Curves { count, samples } = &*object.samples else {
+        return Vec::new();
+    };
+    let eye = eye.with_lines(object.line);
+    let light = style::emphasised(object.colour, object.emphasis);
+    let colour = light.map(style::encode);
+    let mut strokes = Vec::new();
+    for instance in samples.chunks(*count as usize) {
+        for run in curves::runs(&eye, instance) {
+            let run = curves::distinct(&eye, &run);
+            strokes.extend(visible(&eye, &run, depths).iter().map(|part| Stroke {
+                points: part.iter().map(|it| it.at.to_array()).collect(),
+                width: part.iter().map(|it| it.width).sum::<f32>() / part.len() as f32,
+                colour,
+                nearness: part.iter().map(|it| it.depth).sum::<f32>() / part.len() as f32,
+            }));
+        }
+    }
+    strokes
+}
+
+/// A place of a line in the picture.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    at: Vec2,
+    width: f32,
+    depth: f32,
+    /// Set if the line has a corner here, or an end.
+    is_kept: bool,
+    is_seen: bool,
+}
+
+/// Returns the visible parts of a line through view places.
+fn visible(eye: &Eye, run: &[Vec3], depths: &DepthMap) -> Vec<Vec<Place>> {
+    let mut places: Vec<Place> = Vec::new();
+    for piece in run.windows(2) {
+        let Some([from, to]) = cut(eye, [piece[0], piece[1]]) else {
+            continue;
+        };
+        let length = (pixel(eye, to) - pixel(eye, from)).length();
+        let steps = (length / STEP).ceil().clamp(1.0, MOST_STEPS) as u32;
+        places.extend((0..=steps).map(|k| {
+            let at = from.lerp(to, k as f32 / steps as f32);
+            place(eye, at, k == 0 || k == steps, depths)
+        }));
+    }
+    close_gaps(&mut places);
+    let mut parts: Vec<Vec<Place>> = vec![Vec::new()];
+    for (k, place) in places.iter().enumerate() {
+        let last = parts.len() - 1;
+        let part = &mut parts[last];
+        // Pieces that were cut do not join.
+        let joins = part
+            .last()
+            .is_none_or(|it| (it.at - place.at).length() < 4.0 * STEP);
+        if !place.is_seen || !joins {
+            parts.push(Vec::new());
+            if place.is_seen {
+                parts.extend([vec![*place]]);
+            }
+            continue;
+        }
+        let same = part.first().is_none_or(|first| {
+            (place.width - first.width).abs() <= SAME_WIDTH * first.width.max(place.width)
+        });
+        part.push(*place);
+        if !same && k + 1 < places.len() {
+            // The next part begins where this one ends.
+            parts.push(vec![*place]);
+        }
+    }
+    parts.retain(|part| length(part) > LEAST_PART);
+    parts.iter().map(|part| corners(part)).collect()
+}
+
+fn place(eye: &Eye, at: Vec3, is_kept: bool, depths: &DepthMap) -> Place {
+    let half = eye.half_width(at);
+    let clip = eye.clip(at, eye.lift * half);
+    let depth = clip.z / clip.w;
+    let on_picture = pixel(eye, at);
+    Place {
+        at: on_picture,
+        width: 2.0 * half / eye.pixel(at),
+        depth,
+        is_kept,
+        is_seen: depths
+            .at(on_picture.to_array())
+            .is_some_and(|farthest| depth > farthest),
+    }
+}
+
+/// The place in the picture of a view place.
+fn pixel(eye: &Eye, at: Vec3) -> Vec2 {
+    let offset = at.truncate() / eye.distance(at).max(eye.near) * eye.zoom;
+    Vec2::new(1.0 + offset.x, 1.0 - offset.y) * 0.5 * eye.size
+}
+
+/// Returns the part of a piece that lies in the picture or close beside it.
+fn cut(eye: &Eye, [from, to]: [Vec3; 2]) -> Option<[Vec3; 2]> {
+    let (mut first, mut last) = (0.0_f32, 1.0_f32);
+    for axis in 0..2 {
+        for side in [-1.0, 1.0] {
+            let inside = |at: Vec3| GUARD * eye.distance(at) - side * eye.zoom[axis] * at[axis];
+            let [a, b] = [inside(from), inside(to)];
+            if a < 0.0 && b < 0.0 {
+                return None;
+            }
+            if a < 0.0 {
+                first = first.max(a / (a - b));
+            } else if b < 0.0 {
+                last = last.min(a / (a - b));
+            }
+        }
+    }
+    (first < last).then(|| [from.lerp(to, first), from.lerp(to, last)])
+}
+
+/// Makes the line visible where it is hidden for less than its width.
+fn close_gaps(places: &mut [Place]) {
+    let mut seen_last: Option<usize> = None;
+    for k in 0..places.len() {
+        if !places[k].is_seen {
+            continue;
+        }
+        if let Some(last) = seen_last
+            && k > last + 1
+            && (places[k].at - places[last].at).length() <= LEAST_GAP * places[k].width
+        {
+            for gap in &mut places[last + 1..k] {
+                gap.is_seen = true;
+            }
+        }
+        seen_last = Some(k);
+    }
+}
+
+fn length(part: &[Place]) -> f32 {
+    let pieces = part.windows(2);
+    pieces.map(|pair| (pair[1].at - pair[0].at).length()).sum()
+}
+
+/// The places of a part that are corners or ends, each once.
+fn corners(part: &[Place]) -> Vec<Place> {
+    let last = part.len() - 1;
+    let numbered = part.iter().enumerate();
+    let kept = numbered.filter(|(k, place)| place.is_kept || *k == 0 || *k == last);
+    let mut kept: Vec<Place> = kept.map(|(_, place)| *place).collect();
+    let end = kept.last().copied();
+    kept.dedup_by(|b, a| (a.at - b.at).length() < 0.2);
+    if let Some(end) = end
+        && kept.len() < 2
+    {
+        kept.push(end);
+    }
+    kept
+}

@@ -1,0 +1,60 @@
+//! The 3D view in layers: its curves, geodesics and axes as vectors, and its names.
+
+use super::{SpaceRenderer, drawables, labels, options};
+use crate::error::RenderError;
+use crate::gpu::Pixels;
+use crate::layers::Layers;
+use crate::overlay;
+use crate::rendered::{RenderedImage, SOFTWARE};
+use crate::request::PictureRequest;
+use crate::sample::Samples;
+use crate::software::{self, Drawable};
+use crate::view::SharedState;
+
+impl SpaceRenderer {
+    /// Draws a picture in layers, on the software path.
+    pub(super) fn draw_layers(
+        &mut self,
+        shared: &mut SharedState,
+        request: &PictureRequest,
+        progress: &(dyn Fn(f32) + Sync),
+    ) -> Result<Layers, RenderError> {
+        let options = options(request)?;
+        let stage = self.stage(shared, request, options)?;
+        let (drawables, notes) = drawables(shared, request, options, &stage.framed, &|_| {});
+        let extras = stage.overlay.iter().map(|object| {
+            let look = object.look(request.scale);
+            Drawable::new(object.samples.clone(), &look, None)
+        });
+        let is_line = |object: &Drawable| matches!(&*object.samples, Samples::Curves { .. });
+        let (lines, others): (Vec<Drawable>, Vec<Drawable>) =
+            drawables.into_iter().chain(extras).partition(is_line);
+        let background = options.background_light();
+        let camera = &stage.camera;
+        let (mut image, depths) = software::draw_with_depths(camera, &others, background, progress);
+        let strokes = software::strokes(camera, &lines, &depths);
+        let mut words = stage
+            .axes
+            .as_ref()
+            .map_or_else(Vec::new, |axes| axes.labels(camera));
+        if request.overlays.labels {
+            words.extend(labels(shared, request, options, &stage.framed, camera));
+            words.extend(overlay::here(&stage.overlay, camera));
+        }
+        shared.samples.next();
+        let mut overlays = overlay::names(stage.overlay.iter());
+        let shown = options.show_camera.as_ref();
+        overlays.extend(overlay::over_space(&mut image, request, shown, &[])?);
+        let below = RenderedImage {
+            notes,
+            overlays,
+            backend: SOFTWARE.to_owned(),
+            ..RenderedImage::new(Pixels::Image(image.clone()))
+        };
+        Ok(Layers {
+            below: below.with_pixels(image),
+            strokes,
+            words: overlay::placed(&words, request),
+        })
+    }
+}
