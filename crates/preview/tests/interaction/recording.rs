@@ -161,7 +161,7 @@ fn a_name_that_is_no_animation_is_not_taken_and_a_folder_that_is_not_there_is_to
     let mut hand = Hand::on(SPHERE);
     ask(&mut hand, 3.0, [32.0, 32.0]);
     hand.enter("3d.gif", "/no/such/folder/3d.bmp");
-    assert!(hand.shows("must end in gif, apng or png"));
+    assert!(hand.shows("must end in gif, apng, mp4, webm or png"));
     hand.click_on(Role::Button, "Record");
     assert!(hand.shows("Frames per second"), "the dialog stays open");
     hand.enter("3d.bmp", "/no/such/folder/3d.gif");
