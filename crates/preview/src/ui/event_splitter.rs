@@ -36,6 +36,10 @@ impl Plugin for EventSplitter {
     }
 
     fn input_hook(&mut self, context: &Context, input: &mut RawInput) {
+        // A frame that is laid out once more takes no more input, and the keys of the window would miss what came there.
+        if context.current_pass_index() > 0 {
+            return;
+        }
         let mut events = std::mem::take(&mut self.later);
         let again = context.data_mut(|data| data.remove_temp::<Modifiers>(Self::again()));
         if let Some(modifiers) = again {
@@ -95,8 +99,8 @@ fn is_command(key: Key, modifiers: Modifiers) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::first_part;
-    use egui::{Event, Key, Modifiers, PointerButton, Pos2};
+    use super::{EventSplitter, first_part};
+    use egui::{Context, Event, Key, Modifiers, PointerButton, Pos2, RawInput};
 
     /// The parts in which events are handed over: `m` moves, `p` presses, `r` releases, `t` is a text, `k` is the
     /// key Tab.
@@ -137,6 +141,35 @@ mod tests {
         assert_eq!(parts("mmr"), ["mm", "r"]);
         assert_eq!(parts("pmtrmp"), ["p", "mt", "rmp"]);
         assert_eq!(parts("mprttm"), ["mpr", "ttm"]);
+    }
+
+    #[test]
+    fn what_is_handed_over_later_comes_in_the_next_frame_however_often_this_one_is_laid_out() {
+        let context = Context::default();
+        context.add_plugin(EventSplitter::default());
+        let tab = Event::Key {
+            key: Key::Tab,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        };
+        let mut seen = Vec::new();
+        for events in [vec![Event::Text("a".to_owned()), tab], Vec::new()] {
+            let input = RawInput {
+                events,
+                ..RawInput::default()
+            };
+            let output = context.run_ui(input, |ui| {
+                let pass = ui.ctx().current_pass_index();
+                seen.push((pass, ui.input(|input| input.events.len())));
+                if pass == 0 {
+                    ui.ctx().request_discard("a test");
+                }
+            });
+            output.drop_without_applying_deltas();
+        }
+        assert_eq!(seen, [(0, 1), (1, 0), (0, 1), (1, 0)]);
     }
 
     #[test]
