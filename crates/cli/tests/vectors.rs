@@ -268,3 +268,54 @@ fn a_video_that_fails_leaves_nothing_and_says_why() {
     );
     assert!(sentence.contains("https://ffmpeg.org"), "{sentence}");
 }
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_no_part_of_a_video() {
+    let folder = folder();
+    let tools = with_ffmpeg(
+        "for last; do :; done; : > \"${0%/*}/started\"; cat > /dev/null; echo late > \"${last#file:}\"",
+    );
+    let options = "-o out.mp4 --size 15x10 --animate a=0:1 --frames 100000";
+    let mut drawing = Command::new(env!("CARGO_BIN_EXE_geotrace"))
+        .env("PATH", tools.path())
+        .current_dir(folder.path())
+        .args(["render", "a & b.gtr"])
+        .args(options.split_whitespace())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .expect("the binary starts");
+    while !tools.path().join("started").exists() {
+        assert!(
+            drawing.try_wait().expect("a process").is_none(),
+            "it has ended"
+        );
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let kill = Command::new("kill")
+        .args(["-INT", &drawing.id().to_string()])
+        .status();
+    assert!(kill.expect("it runs").success());
+    assert!(!drawing.wait().expect("it ends").success());
+    assert_eq!(names(&folder), ["a & b.gtr"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_gpu_nothing_but_the_summary_is_printed() {
+    if Path::new("/dev/dri").exists() || Path::new("/dev/nvidiactl").exists() {
+        // Drivers are loaded where there may be a GPU.
+        return;
+    }
+    let folder = folder();
+    let output = Command::new(env!("CARGO_BIN_EXE_geotrace"))
+        .current_dir(folder.path())
+        .env_remove("XDG_RUNTIME_DIR")
+        .args(["render", "a & b.gtr", "-o", "out.png", "--size", "20x20"])
+        .output()
+        .expect("the binary starts");
+    let told = told(&output);
+    assert!(output.status.success(), "{told}");
+    assert!(told.starts_with("out.png: 3D view"), "{told}");
+    assert_eq!(told.lines().count(), 1, "{told}");
+}

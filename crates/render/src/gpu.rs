@@ -18,6 +18,7 @@ mod glyphs;
 mod kernels;
 mod layout;
 mod pipelines;
+mod platform;
 mod points;
 pub(crate) mod renderer;
 mod samples;

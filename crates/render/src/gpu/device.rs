@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, mpsc};
 
+use super::platform;
 use crate::error::RenderError;
 
 /// An open device. wgpu's own handler of errors panics; here they are caught by scopes, or kept to be reported.
@@ -60,6 +61,9 @@ enum Adapters {
 
 impl Gpu {
     fn find(adapters: Adapters) -> Result<Self, String> {
+        if adapters == Adapters::Real && !platform::may_have_gpu() {
+            return Err("this machine has no GPU".to_owned());
+        }
         let mut description = wgpu::InstanceDescriptor::new_without_display_handle();
         description.flags = wgpu::InstanceFlags::empty();
         // OpenGL lacks what the passes need; where it is all there is, the software path draws.
