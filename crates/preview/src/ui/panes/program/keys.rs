@@ -39,7 +39,7 @@ pub(super) fn take(ui: &Ui, id: Id, editor: &mut Editor, assistant: &mut Assista
         edited |= toggle_comment(ui, id, editor);
     }
     if assistant.is_writing {
-        let mut pressed = |modifiers| ui.input_mut(|it| it.consume_key(modifiers, Key::Tab));
+        let pressed = |modifiers| ui.input_mut(|it| it.consume_key(modifiers, Key::Tab));
         // The key alone also stands for the one with Shift, which is asked for first.
         if pressed(Modifiers::SHIFT) {
             change_lines(ui, id, editor, typing::unindent);
