@@ -176,11 +176,11 @@ fn isolate(p: &Coefficients, degree: usize, [from, to]: [f64; 2], changes: &mut 
         if variations > 1 && depth < HALVINGS {
             // De Casteljau's scheme.
             let (mut left, mut right) = (part, part);
-            for k in 1..=degree {
+            for (k, first) in left.iter_mut().enumerate().take(degree + 1).skip(1) {
                 for j in 0..=degree - k {
                     right[j] = 0.5 * (right[j] + right[j + 1]);
                 }
-                left[k] = right[0];
+                *first = right[0];
             }
             let middle = 0.5 * (a + b);
             stack[count] = (right, middle, b, depth + 1);
