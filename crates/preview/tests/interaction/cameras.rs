@@ -329,6 +329,20 @@ fn a_double_click_moves_no_camera_and_leaves_no_step_and_no_trace_of_its_first_h
     assert_eq!(hand.camera("s").at, before.inside["s"].at);
 }
 
+#[test]
+fn a_double_click_right_behind_a_click_elsewhere_is_one() {
+    let mut hand = Hand::on(SPHERE);
+    let before = hand.camera("s");
+    let at = hand.space().center() + vec2(30.0, -20.0);
+    hand.clicks_at(hand.inside("s").center(), 1);
+    hand.clicks_at(at, 2);
+    hand.settle();
+    assert_eq!(hand.camera("s"), before);
+    hand.until("the declaration is shown", |hand| {
+        hand.window().model().highlighted.as_deref() == Some("s")
+    });
+}
+
 /// A sphere and a plane, whose views are two tabs.
 const TWO: &str =
     "surface s(u,v) = (cos v cos u, cos v sin u, sin v), u : [0, 2pi], v : [-pi/2, pi/2];

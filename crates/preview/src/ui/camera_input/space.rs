@@ -75,7 +75,9 @@ impl CameraInput for SpaceInput {
             // A key presses what has the focus, in its middle.
             let at = pointed.unwrap_or_else(|| response.rect.center());
             let pixel = pixel(&request, response.rect, at);
-            if response.double_clicked() {
+            // egui counts clicks elsewhere too: the third of them may be the second one here.
+            let is_second = window.clicked_until().is_some() && response.triple_clicked();
+            if response.double_clicked() || is_second {
                 window.double_click(request, pixel);
             } else if ui.input(|input| input.modifiers.command) {
                 window

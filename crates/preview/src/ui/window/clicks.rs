@@ -81,7 +81,7 @@ impl Window {
     }
 
     /// Returns the time until which another click may still follow the last one, if it may.
-    pub(super) fn clicked_until(&self) -> Option<f64> {
+    pub(crate) fn clicked_until(&self) -> Option<f64> {
         self.input.clicks.open.as_ref().map(|it| it.until)
     }
 
